@@ -1,0 +1,354 @@
+#!/usr/bin/env python3
+"""Writes everything that follows from selfproj.json.
+
+    generate.py            write the files
+    generate.py --check    write nothing; exit 1 and name each file that differs
+
+Outputs: the C++ header (C++14), the SystemVerilog package, and the tables between the markers
+`<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown files listed in TABLES.
+Standard library only. Every number format is proved here: the largest value that can occur, from the sizes,
+is computed and must fit its field; a format that does not fit is an error and nothing is written.
+"""
+
+import argparse
+import ast
+import hashlib
+import json
+import operator
+import pathlib
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+SPEC = HERE / "selfproj.json"
+HEADER = HERE / "generated" / "selfproj_spec.h"
+PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
+TABLES = {
+    ROOT / "model" / "README.md": ["formats", "packet"],
+    ROOT / "rtl" / "board" / "README.md": ["registers"],
+}
+
+
+class SpecError(Exception):
+    """The specification contradicts itself."""
+
+
+def without_descriptions(node):
+    """The part of the specification that binds two programs: all of it but the prose."""
+    if isinstance(node, dict):
+        return {k: without_descriptions(v) for k, v in node.items() if k != "description"}
+    if isinstance(node, list):
+        return [without_descriptions(v) for v in node]
+    return node
+
+
+def spec_hash(spec):
+    """First 32 bits of the SHA-256 of the specification without its prose, keys sorted."""
+    canonical = json.dumps(without_descriptions(spec), sort_keys=True, separators=(",", ":"))
+    return int.from_bytes(hashlib.sha256(canonical.encode()).digest()[:4], "big")
+
+
+def evaluate(expression, names):
+    """Integer arithmetic over + - * / and names; / must come out even."""
+    operators = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
+
+    def value(node):
+        if isinstance(node, ast.Constant) and isinstance(node.value, int):
+            return node.value
+        if isinstance(node, ast.Name) and node.id in names:
+            return names[node.id]
+        if isinstance(node, ast.BinOp):
+            left, right = value(node.left), value(node.right)
+            if isinstance(node.op, ast.Div):
+                if left % right:
+                    raise SpecError(f"'{expression}' is not an integer")
+                return left // right
+            if type(node.op) in operators:
+                return operators[type(node.op)](left, right)
+        raise SpecError(f"cannot evaluate '{expression}'")
+
+    return value(ast.parse(expression, mode="eval").body)
+
+
+class Spec:
+    """The specification with everything derived from it."""
+
+    def __init__(self, path):
+        self.raw = json.loads(path.read_text())
+        self.hash = spec_hash(self.raw)
+        self.version = self.raw["version"]["major"] << 8 | self.raw["version"]["minor"]
+        self.sizes = {s["name"]: s["value"] for s in self.raw["sizes"]}
+        self.magic = int.from_bytes(self.raw["packet"]["magic"].encode(), "little")
+        self.names = {"rows": self.sizes["max_rows"], "columns": self.sizes["max_columns"],
+                      "pixel": (1 << self.sizes["pixel_bits"]) - 1}
+        self.header = self._lay_out(self.raw["packet"]["header"])
+        self.trailer = self._lay_out(self.raw["packet"]["trailer"])
+        self.header_bytes = self._bytes(self.header)
+        self.trailer_bytes = self._bytes(self.trailer)
+        self._prove_formats()
+        self._check_registers()
+
+    @staticmethod
+    def _lay_out(fields):
+        lsb = 0
+        for field in fields:
+            field["lsb"] = lsb
+            lsb += field["bits"]
+            if field["bits"] in (16, 32, 64) and field["lsb"] % field["bits"]:
+                raise SpecError(f"packet field {field['name']} is not aligned")
+        return fields
+
+    def _bytes(self, fields):
+        total = fields[-1]["lsb"] + fields[-1]["bits"]
+        if total % (8 * self.sizes["packet_beat_bytes"]):
+            raise SpecError("header or trailer is not a whole number of beats")
+        return total // 8
+
+    def _prove_formats(self):
+        for fmt in self.raw["formats"]:
+            end = 0
+            for field in fmt["fields"]:
+                field["max_value"] = evaluate(field["max"], self.names)
+                if field["max_value"] >> field["bits"]:
+                    raise SpecError(f"{fmt['name']}.{field['name']}: {field['max_value']} needs more than "
+                                    f"{field['bits']} bits")
+                if field["lsb"] < end or field["lsb"] + field["bits"] > fmt["word_bits"]:
+                    raise SpecError(f"{fmt['name']}.{field['name']}: overlaps or leaves its word")
+                end = field["lsb"] + field["bits"]
+
+    def _check_registers(self):
+        used = set()
+        for reg in self.raw["registers"]:
+            reg["offset"] = int(reg["address"], 16)
+            if reg["offset"] % 4 or reg["offset"] in used:
+                raise SpecError(f"register {reg['name']}: address {reg['address']} is taken or not aligned")
+            used.add(reg["offset"])
+            symbolic = {"magic": self.magic, "version": self.version, "hash": self.hash}
+            reg["reset_value"] = symbolic.get(reg["reset"]) if reg["reset"] in symbolic else int(reg["reset"], 16)
+            mask = 0
+            for field in reg["fields"]:
+                bits = (1 << field["bits"]) - 1 << field["lsb"]
+                if mask & bits or bits >> 32:
+                    raise SpecError(f"register {reg['name']}: field {field['name']} overlaps or leaves the word")
+                mask |= bits
+
+
+def camel(name):
+    return "".join(part.capitalize() for part in name.split("_"))
+
+
+def hex32(value):
+    return f"0x{value:08X}"
+
+
+def cpp_header(spec):
+    out = []
+    emit = out.append
+    emit("// Generated from model/spec/selfproj.json by model/spec/generate.py; do not edit.")
+    emit("// Also compiles as C++14, for HLS tools.")
+    emit("#ifndef SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H")
+    emit("#define SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H")
+    emit("")
+    emit("#include <cstddef>")
+    emit("#include <cstdint>")
+    emit("")
+    emit("namespace selfproj {")
+    emit("namespace spec {")
+    emit("")
+    emit(f"constexpr std::uint32_t kHash = {hex32(spec.hash)}U;")
+    emit(f"constexpr std::uint16_t kVersion = 0x{spec.version:04X};")
+    emit("")
+    emit("// Sizes")
+    for size in spec.raw["sizes"]:
+        emit(f"constexpr int k{camel(size['name'])} = {size['value']};  // {size['description']}")
+    emit("")
+    for group, comment in (("modes", "Modes of the moments"), ("kinds", "Kinds of packet")):
+        emit(f"// {comment}")
+        prefix = camel(group[:-1])
+        for item in spec.raw[group]:
+            emit(f"constexpr std::uint8_t k{prefix}{camel(item['name'])} = {item['value']};  // {item['description']}")
+        emit("")
+    emit("// Payload words; the largest value that can occur fits its field")
+    for fmt in spec.raw["formats"]:
+        prefix = f"k{camel(fmt['name'])}"
+        emit(f"constexpr int {prefix}WordBits = {fmt['word_bits']};")
+        for field in fmt["fields"]:
+            name = prefix + camel(field["name"])
+            emit(f"constexpr int {name}Lsb = {field['lsb']};")
+            emit(f"constexpr int {name}Bits = {field['bits']};")
+            emit(f"constexpr std::uint64_t {name}Max = {field['max_value']};  // {field['max']}")
+            emit(f"static_assert({name}Max >> {name}Bits == 0, \"{fmt['name']}.{field['name']} does not fit\");")
+    emit("")
+    emit("// Packet: byte offsets")
+    emit(f"constexpr std::uint32_t kMagic = {hex32(spec.magic)}U;  // \"{spec.raw['packet']['magic']}\"")
+    emit(f"constexpr std::size_t kHeaderBytes = {spec.header_bytes};")
+    emit(f"constexpr std::size_t kTrailerBytes = {spec.trailer_bytes};")
+    for part, fields in (("Header", spec.header), ("Trailer", spec.trailer)):
+        for field in fields:
+            emit(f"constexpr std::size_t k{part}{camel(field['name'])} = {field['lsb'] // 8};"
+                 f"  // {field['bits']} bits")
+    emit("")
+    emit("// Header flags and trailer status bits")
+    for item in spec.raw["packet"]["flags"]:
+        emit(f"constexpr std::uint8_t kFlag{camel(item['name'])} = 1U << {item['value']};  // {item['description']}")
+    for item in spec.raw["packet"]["status"]:
+        emit(f"constexpr std::uint32_t kStatus{camel(item['name'])} = 1U << {item['value']};"
+             f"  // {item['description']}")
+    emit("")
+    emit("// Check word")
+    emit(f"constexpr std::uint32_t kCheckInit = {spec.raw['packet']['check']['init']}U;")
+    emit(f"constexpr std::uint32_t kCheckPolynomial = {spec.raw['packet']['check']['polynomial']}U;")
+    emit("")
+    emit("// Registers: byte addresses, reset values, fields")
+    for reg in spec.raw["registers"]:
+        name = f"kReg{camel(reg['name'])}"
+        emit(f"constexpr std::uint32_t {name} = 0x{reg['offset']:02X};  // {reg['access']}: {reg['description']}")
+        emit(f"constexpr std::uint32_t {name}Reset = {hex32(reg['reset_value'])}U;")
+        for field in reg["fields"]:
+            field_name = name + camel(field["name"])
+            emit(f"constexpr int {field_name}Lsb = {field['lsb']};")
+            emit(f"constexpr int {field_name}Bits = {field['bits']};")
+    emit("")
+    emit("}  // namespace spec")
+    emit("}  // namespace selfproj")
+    emit("")
+    emit("#endif  // SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H")
+    return "\n".join(out) + "\n"
+
+
+def sv_package(spec):
+    out = []
+    emit = out.append
+    emit("// Generated from model/spec/selfproj.json by model/spec/generate.py; do not edit.")
+    emit("// Refer to its names as sp_spec_pkg::Name; the one package of the project.")
+    emit("// verilator lint_off UNUSEDPARAM")
+    emit("package sp_spec_pkg;")
+    emit("")
+    emit(f"  localparam logic [31:0] SpecHash = 32'h{spec.hash:08X};")
+    emit(f"  localparam logic [15:0] SpecVersion = 16'h{spec.version:04X};")
+    emit("")
+    for size in spec.raw["sizes"]:
+        emit(f"  localparam int {camel(size['name'])} = {size['value']};")
+    emit("")
+    for item in spec.raw["modes"]:
+        emit(f"  localparam logic [1:0] Mode{camel(item['name'])} = 2'd{item['value']};")
+    for item in spec.raw["kinds"]:
+        emit(f"  localparam logic [7:0] Kind{camel(item['name'])} = 8'd{item['value']};")
+    emit("")
+    for fmt in spec.raw["formats"]:
+        prefix = camel(fmt["name"])
+        emit(f"  localparam int {prefix}WordBits = {fmt['word_bits']};")
+        for field in fmt["fields"]:
+            emit(f"  localparam int {prefix}{camel(field['name'])}Lsb = {field['lsb']};")
+            emit(f"  localparam int {prefix}{camel(field['name'])}Bits = {field['bits']};")
+    emit("")
+    emit(f"  localparam logic [31:0] Magic = 32'h{spec.magic:08X};")
+    emit(f"  localparam int HeaderBytes = {spec.header_bytes};")
+    emit(f"  localparam int TrailerBytes = {spec.trailer_bytes};")
+    emit("")
+    for item in spec.raw["packet"]["status"]:
+        emit(f"  localparam int Status{camel(item['name'])}Bit = {item['value']};")
+    emit(f"  localparam int StatusBits = {1 + max(i['value'] for i in spec.raw['packet']['status'])};")
+    emit("")
+    emit(f"  localparam logic [31:0] CheckInit = 32'h{int(spec.raw['packet']['check']['init'], 16):08X};")
+    emit(f"  localparam logic [31:0] CheckPolynomial = 32'h{int(spec.raw['packet']['check']['polynomial'], 16):08X};")
+    emit("")
+    for reg in spec.raw["registers"]:
+        emit(f"  localparam logic [7:0] Reg{camel(reg['name'])} = 8'h{reg['offset']:02X};")
+        if reg["access"] == "rw":
+            emit(f"  localparam logic [31:0] Reg{camel(reg['name'])}Reset = 32'h{reg['reset_value']:08X};")
+        for field in reg["fields"]:
+            emit(f"  localparam int Reg{camel(reg['name'])}{camel(field['name'])}Lsb = {field['lsb']};")
+            emit(f"  localparam int Reg{camel(reg['name'])}{camel(field['name'])}Bits = {field['bits']};")
+    emit("")
+    emit("endpackage")
+    return "\n".join(out) + "\n"
+
+
+def bit_range(lsb, bits):
+    return str(lsb) if bits == 1 else f"{lsb + bits - 1}..{lsb}"
+
+
+def table_formats(spec):
+    out = [f"Largest image: {spec.sizes['max_columns']} columns, {spec.sizes['max_rows']} rows; pixels 0..255.",
+           "", "| word | field | bits | largest value | proof that it fits |", "|---|---|---|---|---|"]
+    for fmt in spec.raw["formats"]:
+        for field in fmt["fields"]:
+            out.append(f"| {fmt['name']}, {fmt['word_bits']} bits | {field['name']}: {field['description']} | "
+                       f"{bit_range(field['lsb'], field['bits'])} | {field['max'].replace('*', ' · ')} | "
+                       f"{field['max_value']:,} < 2^{field['bits']} = {1 << field['bits']:,} |")
+    return out
+
+
+def table_packet(spec):
+    packet = spec.raw["packet"]
+    out = [f"Specification version {spec.version >> 8}.{spec.version & 255}, hash `{hex32(spec.hash)}`. Little endian.",
+           "", "| part | byte | bits | field | meaning |", "|---|---|---|---|---|"]
+    for part, fields in (("header", spec.header), ("trailer", spec.trailer)):
+        for field in fields:
+            out.append(f"| {part} | {field['lsb'] // 8} | {field['bits']} | {field['name']} | {field['description']} |")
+    out += ["", "| kind | name | payload |", "|---|---|---|"]
+    out += [f"| {k['value']} | {k['name']} | {k['description']} |" for k in spec.raw["kinds"]]
+    out += ["", "| status bit | name | meaning |", "|---|---|---|"]
+    out += [f"| {s['value']} | {s['name']} | {s['description']} |" for s in packet["status"]]
+    out += ["", f"Check word: c starts at {packet['check']['init']}, P = {packet['check']['polynomial']}. "
+            + packet["check"]["description"]]
+    return out
+
+
+def table_registers(spec):
+    out = ["| address | register | access | reset | fields | meaning |", "|---|---|---|---|---|---|"]
+    for reg in spec.raw["registers"]:
+        fields = ", ".join(f"{f['name']} {bit_range(f['lsb'], f['bits'])}" for f in reg["fields"])
+        access = reg["access"] + (", setting" if reg.get("setting") else "")
+        reset = "of the build" if reg["name"] == "capability" else hex32(reg["reset_value"])
+        out.append(f"| 0x{reg['offset']:02X} | {reg['name']} | {access} | {reset} | {fields} | {reg['description']} |")
+    return out
+
+
+def with_table(path, text, name, lines):
+    begin, end = f"<!-- BEGIN GENERATED {name} -->", f"<!-- END GENERATED {name} -->"
+    if text.count(begin) != 1 or text.count(end) != 1:
+        raise SpecError(f"{path}: markers of table '{name}' are missing or doubled")
+    head, rest = text.split(begin)
+    _, tail = rest.split(end)
+    return head + begin + "\n" + "\n".join(lines) + "\n" + end + tail
+
+
+def outputs(spec):
+    files = {HEADER: cpp_header(spec), PACKAGE: sv_package(spec)}
+    makers = {"formats": table_formats, "packet": table_packet, "registers": table_registers}
+    for path, names in TABLES.items():
+        text = path.read_text()
+        for name in names:
+            text = with_table(path, text, name, makers[name](spec))
+        files[path] = text
+    return files
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 where a file differs")
+    parser.add_argument("--spec", type=pathlib.Path, default=SPEC, help="the specification to read")
+    arguments = parser.parse_args()
+    try:
+        files = outputs(Spec(arguments.spec))
+    except (SpecError, OSError, json.JSONDecodeError) as error:
+        print(f"generate.py: {arguments.spec}: {error}", file=sys.stderr)
+        return 2
+    stale = 0
+    for path, text in files.items():
+        if path.exists() and path.read_text() == text:
+            continue
+        stale += 1
+        if arguments.check:
+            print(f"generate.py: {path.relative_to(ROOT)} differs from what {arguments.spec.name} gives; "
+                  "run model/spec/generate.py", file=sys.stderr)
+        else:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+    return 1 if stale and arguments.check else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,219 @@
+// Generated from model/spec/selfproj.json by model/spec/generate.py; do not edit.
+// Also compiles as C++14, for HLS tools.
+#ifndef SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H
+#define SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H
+
+#include <cstddef>
+#include <cstdint>
+
+namespace selfproj {
+namespace spec {
+
+constexpr std::uint32_t kHash = 0x1EB962CEU;
+constexpr std::uint16_t kVersion = 0x0100;
+
+// Sizes
+constexpr int kPixelBits = 8;  // bits of a pixel
+constexpr int kPixelsPerBeat = 4;  // pixels the camera delivers in one clock; columns are a multiple of it
+constexpr int kMaxColumns = 2048;  // largest image width; a build may have less
+constexpr int kMaxRows = 1023;  // largest image height; a build may have less
+constexpr int kPacketBeatBytes = 16;  // width of the packet stream; every packet is a multiple of it
+
+// Modes of the moments
+constexpr std::uint8_t kModeBinary = 0;  // a lit pixel weighs 1
+constexpr std::uint8_t kModeGrey = 1;  // a lit pixel weighs its value
+constexpr std::uint8_t kModeGreyOver = 2;  // a lit pixel weighs its value less the threshold
+
+// Kinds of packet
+constexpr std::uint8_t kKindMoments = 1;  // column moments, one packet a frame
+constexpr std::uint8_t kKindCodes = 2;  // code image, one packet a line
+constexpr std::uint8_t kKindImage = 3;  // raw image, one packet a line
+
+// Payload words; the largest value that can occur fits its field
+constexpr int kBinaryWordBits = 32;
+constexpr int kBinaryM1Lsb = 0;
+constexpr int kBinaryM1Bits = 20;
+constexpr std::uint64_t kBinaryM1Max = 523776;  // rows*(rows+1)/2
+static_assert(kBinaryM1Max >> kBinaryM1Bits == 0, "binary.m1 does not fit");
+constexpr int kBinaryM0Lsb = 20;
+constexpr int kBinaryM0Bits = 12;
+constexpr std::uint64_t kBinaryM0Max = 1023;  // rows
+static_assert(kBinaryM0Max >> kBinaryM0Bits == 0, "binary.m0 does not fit");
+constexpr int kGreyWordBits = 64;
+constexpr int kGreyM1Lsb = 0;
+constexpr int kGreyM1Bits = 27;
+constexpr std::uint64_t kGreyM1Max = 133562880;  // pixel*rows*(rows+1)/2
+static_assert(kGreyM1Max >> kGreyM1Bits == 0, "grey.m1 does not fit");
+constexpr int kGreyM0Lsb = 27;
+constexpr int kGreyM0Bits = 18;
+constexpr std::uint64_t kGreyM0Max = 260865;  // pixel*rows
+static_assert(kGreyM0Max >> kGreyM0Bits == 0, "grey.m0 does not fit");
+constexpr int kGreyNLsb = 45;
+constexpr int kGreyNBits = 10;
+constexpr std::uint64_t kGreyNMax = 1023;  // rows
+static_assert(kGreyNMax >> kGreyNBits == 0, "grey.n does not fit");
+constexpr int kCodeWordBits = 16;
+constexpr int kCodeCodeLsb = 0;
+constexpr int kCodeCodeBits = 12;
+constexpr std::uint64_t kCodeCodeMax = 4095;  // 4095
+static_assert(kCodeCodeMax >> kCodeCodeBits == 0, "code.code does not fit");
+constexpr int kCodeMeasurableLsb = 15;
+constexpr int kCodeMeasurableBits = 1;
+constexpr std::uint64_t kCodeMeasurableMax = 1;  // 1
+static_assert(kCodeMeasurableMax >> kCodeMeasurableBits == 0, "code.measurable does not fit");
+
+// Packet: byte offsets
+constexpr std::uint32_t kMagic = 0x50464C53U;  // "SLFP"
+constexpr std::size_t kHeaderBytes = 64;
+constexpr std::size_t kTrailerBytes = 16;
+constexpr std::size_t kHeaderMagic = 0;  // 32 bits
+constexpr std::size_t kHeaderSpecHash = 4;  // 32 bits
+constexpr std::size_t kHeaderVersion = 8;  // 16 bits
+constexpr std::size_t kHeaderKind = 10;  // 8 bits
+constexpr std::size_t kHeaderStream = 11;  // 8 bits
+constexpr std::size_t kHeaderPattern = 12;  // 16 bits
+constexpr std::size_t kHeaderMode = 14;  // 8 bits
+constexpr std::size_t kHeaderThreshold = 15;  // 8 bits
+constexpr std::size_t kHeaderSequence = 16;  // 64 bits
+constexpr std::size_t kHeaderTimeStamp = 24;  // 64 bits
+constexpr std::size_t kHeaderEncoder = 32;  // 32 bits
+constexpr std::size_t kHeaderLost = 36;  // 32 bits
+constexpr std::size_t kHeaderColumns = 40;  // 16 bits
+constexpr std::size_t kHeaderRows = 42;  // 16 bits
+constexpr std::size_t kHeaderPayloadSize = 44;  // 32 bits
+constexpr std::size_t kHeaderFirstLine = 48;  // 16 bits
+constexpr std::size_t kHeaderLines = 50;  // 16 bits
+constexpr std::size_t kHeaderFlags = 52;  // 8 bits
+constexpr std::size_t kHeaderReserved = 53;  // 88 bits
+constexpr std::size_t kTrailerSequence = 0;  // 64 bits
+constexpr std::size_t kTrailerStatus = 8;  // 32 bits
+constexpr std::size_t kTrailerCheck = 12;  // 32 bits
+
+// Header flags and trailer status bits
+constexpr std::uint8_t kFlagStrayBefore = 1U << 0;  // beats outside any frame were discarded before this frame
+constexpr std::uint32_t kStatusShortLine = 1U << 0;  // a line ended before its last column
+constexpr std::uint32_t kStatusLongLine = 1U << 1;  // a line did not end at its last column
+constexpr std::uint32_t kStatusStartInFrame = 1U << 2;  // the next frame started before this one was complete
+constexpr std::uint32_t kStatusLateMemory = 1U << 3;  // a memory access came too late (decoder)
+constexpr std::uint32_t kStatusIncomplete = 1U << 4;  // no beat came for the time-out
+
+// Check word
+constexpr std::uint32_t kCheckInit = 0xFFFFFFFFU;
+constexpr std::uint32_t kCheckPolynomial = 0x04C11DB7U;
+
+// Registers: byte addresses, reset values, fields
+constexpr std::uint32_t kRegId = 0x00;  // ro: the letters SLFP
+constexpr std::uint32_t kRegIdReset = 0x50464C53U;
+constexpr int kRegIdIdLsb = 0;
+constexpr int kRegIdIdBits = 32;
+constexpr std::uint32_t kRegVersion = 0x04;  // ro: version of the specification, major in 15..8
+constexpr std::uint32_t kRegVersionReset = 0x00000100U;
+constexpr int kRegVersionVersionLsb = 0;
+constexpr int kRegVersionVersionBits = 16;
+constexpr std::uint32_t kRegSpecHash = 0x08;  // ro: hash of the specification
+constexpr std::uint32_t kRegSpecHashReset = 0x1EB962CEU;
+constexpr int kRegSpecHashHashLsb = 0;
+constexpr int kRegSpecHashHashBits = 32;
+constexpr std::uint32_t kRegCapability = 0x0C;  // ro: what this build can do
+constexpr std::uint32_t kRegCapabilityReset = 0x00000000U;
+constexpr int kRegCapabilityMaxColumnsLsb = 0;
+constexpr int kRegCapabilityMaxColumnsBits = 12;
+constexpr int kRegCapabilityMaxRowsLsb = 12;
+constexpr int kRegCapabilityMaxRowsBits = 10;
+constexpr int kRegCapabilityGreyLsb = 22;
+constexpr int kRegCapabilityGreyBits = 1;
+constexpr int kRegCapabilityImageLsb = 23;
+constexpr int kRegCapabilityImageBits = 1;
+constexpr std::uint32_t kRegControl = 0x10;  // rw: run: accept frames. hold: keep the settings in force until cleared, so that several change together. image: send raw-image packets too
+constexpr std::uint32_t kRegControlReset = 0x00000000U;
+constexpr int kRegControlRunLsb = 0;
+constexpr int kRegControlRunBits = 1;
+constexpr int kRegControlHoldLsb = 1;
+constexpr int kRegControlHoldBits = 1;
+constexpr int kRegControlImageLsb = 2;
+constexpr int kRegControlImageBits = 1;
+constexpr std::uint32_t kRegSize = 0x14;  // rw: image size; columns a multiple of 4 from 4, rows from 1, up to the build's maxima, else the write is refused (in a build smaller than 512 x 96 the reset value is its maxima)
+constexpr std::uint32_t kRegSizeReset = 0x00600200U;
+constexpr int kRegSizeColumnsLsb = 0;
+constexpr int kRegSizeColumnsBits = 12;
+constexpr int kRegSizeRowsLsb = 16;
+constexpr int kRegSizeRowsBits = 10;
+constexpr std::uint32_t kRegMeasure = 0x18;  // rw: threshold (strictly greater is lit), mode (0..2; only 0 in a binary build), stream number
+constexpr std::uint32_t kRegMeasureReset = 0x00000080U;
+constexpr int kRegMeasureThresholdLsb = 0;
+constexpr int kRegMeasureThresholdBits = 8;
+constexpr int kRegMeasureModeLsb = 8;
+constexpr int kRegMeasureModeBits = 2;
+constexpr int kRegMeasureStreamLsb = 16;
+constexpr int kRegMeasureStreamBits = 8;
+constexpr std::uint32_t kRegTimeout = 0x1C;  // rw: clocks without a beat after which an open frame is ended as incomplete; 0 = never
+constexpr std::uint32_t kRegTimeoutReset = 0x00E6B680U;
+constexpr int kRegTimeoutClocksLsb = 0;
+constexpr int kRegTimeoutClocksBits = 24;
+constexpr std::uint32_t kRegTriggerControl = 0x20;  // rw: run: the sequencer gives pulses. on_frame: without pulses, the pattern index advances with each frame start
+constexpr std::uint32_t kRegTriggerControlReset = 0x00000000U;
+constexpr int kRegTriggerControlRunLsb = 0;
+constexpr int kRegTriggerControlRunBits = 1;
+constexpr int kRegTriggerControlOnFrameLsb = 1;
+constexpr int kRegTriggerControlOnFrameBits = 1;
+constexpr int kRegTriggerControlLastPatternLsb = 16;
+constexpr int kRegTriggerControlLastPatternBits = 8;
+constexpr std::uint32_t kRegTriggerPeriod = 0x24;  // rw: clocks from one projector pulse to the next; at least 4
+constexpr std::uint32_t kRegTriggerPeriodReset = 0x00003B10U;
+constexpr int kRegTriggerPeriodClocksLsb = 0;
+constexpr int kRegTriggerPeriodClocksBits = 24;
+constexpr std::uint32_t kRegTriggerCamera = 0x28;  // rw: clocks from the projector pulse to the camera pulse; below the period
+constexpr std::uint32_t kRegTriggerCameraReset = 0x00000010U;
+constexpr int kRegTriggerCameraClocksLsb = 0;
+constexpr int kRegTriggerCameraClocksBits = 24;
+constexpr std::uint32_t kRegTriggerWidth = 0x2C;  // rw: clocks both pulses last, at least 1 (a pulse ends at the latest where the next begins)
+constexpr std::uint32_t kRegTriggerWidthReset = 0x00000097U;
+constexpr int kRegTriggerWidthClocksLsb = 0;
+constexpr int kRegTriggerWidthClocksBits = 16;
+constexpr std::uint32_t kRegStatus = 0x30;  // ro: frame_open: a frame is being taken. pending: settings written and not yet in force
+constexpr std::uint32_t kRegStatusReset = 0x00000000U;
+constexpr int kRegStatusFrameOpenLsb = 0;
+constexpr int kRegStatusFrameOpenBits = 1;
+constexpr int kRegStatusPendingLsb = 1;
+constexpr int kRegStatusPendingBits = 1;
+constexpr std::uint32_t kRegFrames = 0x34;  // ro: frame starts accepted, low 32 bits
+constexpr std::uint32_t kRegFramesReset = 0x00000000U;
+constexpr int kRegFramesCountLsb = 0;
+constexpr int kRegFramesCountBits = 32;
+constexpr std::uint32_t kRegBroken = 0x38;  // ro: frames that broke; wraps
+constexpr std::uint32_t kRegBrokenReset = 0x00000000U;
+constexpr int kRegBrokenCountLsb = 0;
+constexpr int kRegBrokenCountBits = 32;
+constexpr std::uint32_t kRegStray = 0x3C;  // ro: beats discarded outside any frame while running; wraps
+constexpr std::uint32_t kRegStrayReset = 0x00000000U;
+constexpr int kRegStrayCountLsb = 0;
+constexpr int kRegStrayCountBits = 32;
+constexpr std::uint32_t kRegLostMoments = 0x40;  // ro: moments packets lost; wraps
+constexpr std::uint32_t kRegLostMomentsReset = 0x00000000U;
+constexpr int kRegLostMomentsCountLsb = 0;
+constexpr int kRegLostMomentsCountBits = 32;
+constexpr std::uint32_t kRegLostImage = 0x44;  // ro: image packets lost; wraps
+constexpr std::uint32_t kRegLostImageReset = 0x00000000U;
+constexpr int kRegLostImageCountLsb = 0;
+constexpr int kRegLostImageCountBits = 32;
+constexpr std::uint32_t kRegTimeLow = 0x48;  // ro: pixel clocks since reset (six behind), low word; reading it holds the high word
+constexpr std::uint32_t kRegTimeLowReset = 0x00000000U;
+constexpr int kRegTimeLowLowLsb = 0;
+constexpr int kRegTimeLowLowBits = 32;
+constexpr std::uint32_t kRegTimeHigh = 0x4C;  // ro: high word held by the last read of time_low
+constexpr std::uint32_t kRegTimeHighReset = 0x00000000U;
+constexpr int kRegTimeHighHighLsb = 0;
+constexpr int kRegTimeHighHighBits = 32;
+constexpr std::uint32_t kRegEncoder = 0x50;  // ro: encoder count, two's complement; wraps
+constexpr std::uint32_t kRegEncoderReset = 0x00000000U;
+constexpr int kRegEncoderCountLsb = 0;
+constexpr int kRegEncoderCountBits = 32;
+constexpr std::uint32_t kRegEncoderErrors = 0x54;  // ro: steps in which A and B changed together; wraps
+constexpr std::uint32_t kRegEncoderErrorsReset = 0x00000000U;
+constexpr int kRegEncoderErrorsCountLsb = 0;
+constexpr int kRegEncoderErrorsCountBits = 16;
+
+}  // namespace spec
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H

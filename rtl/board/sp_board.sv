@@ -1,0 +1,510 @@
+// The board between camera and bus: AXI4-Stream video in, packets out, registers on AXI4-Lite.
+//
+//   video ─▶ sp_frame_tracker ─┬▶ sp_column_moments ─▶ sp_packetizer ─▶ sp_packet_fifo ─┐
+//                              ├▶ sp_image_packer ───▶ sp_packetizer ─▶ sp_packet_fifo ─┴▶ sp_packet_arbiter ─▶ bus
+//   encoder, trigger ──────────┴▶ sp_frame_info (header fields)
+//   AXI4-Lite ─▶ sp_axil_bridge ─▶ sp_registers
+//
+// Guarantees: every frame start that was accepted gives a moments packet or is counted as lost; packets are whole; the
+// camera is never stalled. No gap is needed between frames of equal settings whose beats are at least those of a packet
+// plus SmallGap (README); below that, losses are counted.
+// rst_i and bus_rst_i are synchronous, each to its clock, and given together for at least four clocks of both.
+`default_nettype none
+
+module sp_board #(
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
+  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter bit Grey = 1'b1,   // modes grey and grey_over
+  parameter bit Image = 1'b1,  // raw-image packets
+  // Depth of the packet FIFOs, in beats of 16 bytes (512 beats fill the smallest block RAMs): one and a half times the
+  // largest moments packet, four image lines
+  parameter int MomentsLogDepth = MaxColumns > (Grey ? 512 : 1024) ? $clog2(MaxColumns * (Grey ? 3 : 2) / 4 + 5) : 9,
+  parameter int ImageLogDepth = MaxColumns > 1952 ? $clog2(MaxColumns / 4 + 24) : 9
+) (
+  // Video clock domain
+  input  wire logic         clk_i,
+  input  wire logic         rst_i,
+  input  wire logic         s_axis_tvalid,
+  output logic              s_axis_tready,
+  input  wire logic [31:0]  s_axis_tdata,
+  input  wire logic         s_axis_tuser,
+  input  wire logic         s_axis_tlast,
+  input  wire logic         encoder_a_i,
+  input  wire logic         encoder_b_i,
+  output logic              projector_trigger_o,
+  output logic              camera_trigger_o,
+
+  // Bus clock domain
+  input  wire logic         bus_clk_i,
+  input  wire logic         bus_rst_i,
+  output logic              m_axis_tvalid,
+  input  wire logic         m_axis_tready,
+  output logic      [127:0] m_axis_tdata,
+  output logic              m_axis_tlast,
+  input  wire logic         s_axil_awvalid,
+  output logic              s_axil_awready,
+  input  wire logic [7:0]   s_axil_awaddr,
+  input  wire logic         s_axil_wvalid,
+  output logic              s_axil_wready,
+  input  wire logic [31:0]  s_axil_wdata,
+  input  wire logic [3:0]   s_axil_wstrb,
+  output logic              s_axil_bvalid,
+  input  wire logic         s_axil_bready,
+  output logic      [1:0]   s_axil_bresp,
+  input  wire logic         s_axil_arvalid,
+  output logic              s_axil_arready,
+  input  wire logic [7:0]   s_axil_araddr,
+  output logic              s_axil_rvalid,
+  input  wire logic         s_axil_rready,
+  output logic      [31:0]  s_axil_rdata,
+  output logic      [1:0]   s_axil_rresp
+);
+
+  localparam int GroupBits = $clog2(MaxColumns / 4);
+  localparam int ColumnBits = $clog2(MaxColumns + 1);
+  localparam int RowBits = $clog2(MaxRows + 1);
+  localparam int StatusBits = sp_spec_pkg::StatusBits;
+
+  // --- Registers ---
+  logic                  request, request_write, answer, answer_error;
+  logic [7:0]            request_address;
+  logic [31:0]           request_data, answer_data;
+  logic                  set_run, set_hold, set_image;
+  logic [ColumnBits-1:0] set_columns;
+  logic [RowBits-1:0]    set_rows;
+  logic [1:0]            set_mode;
+  logic [7:0]            set_threshold, set_stream;
+  logic [23:0]           set_timeout, trigger_period, trigger_camera;
+  logic                  trigger_run, trigger_on_frame;
+  logic [7:0]            trigger_last_pattern;
+  logic [15:0]           trigger_width;
+  logic                  frame_open;
+  logic [31:0]           frames, broken, stray, lost_moments, lost_image, encoder_count;
+  logic [15:0]           encoder_errors;
+  logic [63:0]           time_now;
+
+  sp_axil_bridge u_bridge (
+    .bus_clk_i       (bus_clk_i),
+    .bus_rst_i       (bus_rst_i),
+    .s_axil_awvalid_i(s_axil_awvalid),
+    .s_axil_awready_o(s_axil_awready),
+    .s_axil_awaddr_i (s_axil_awaddr),
+    .s_axil_wvalid_i (s_axil_wvalid),
+    .s_axil_wready_o (s_axil_wready),
+    .s_axil_wdata_i  (s_axil_wdata),
+    .s_axil_wstrb_i  (s_axil_wstrb),
+    .s_axil_bvalid_o (s_axil_bvalid),
+    .s_axil_bready_i (s_axil_bready),
+    .s_axil_bresp_o  (s_axil_bresp),
+    .s_axil_arvalid_i(s_axil_arvalid),
+    .s_axil_arready_o(s_axil_arready),
+    .s_axil_araddr_i (s_axil_araddr),
+    .s_axil_rvalid_o (s_axil_rvalid),
+    .s_axil_rready_i (s_axil_rready),
+    .s_axil_rdata_o  (s_axil_rdata),
+    .s_axil_rresp_o  (s_axil_rresp),
+    .clk_i           (clk_i),
+    .rst_i           (rst_i),
+    .request_o       (request),
+    .write_o         (request_write),
+    .address_o       (request_address),
+    .write_data_o    (request_data),
+    .answer_i        (answer),
+    .error_i         (answer_error),
+    .read_data_i     (answer_data)
+  );
+
+  sp_registers #(
+    .MaxColumns(MaxColumns),
+    .MaxRows   (MaxRows),
+    .Grey      (Grey),
+    .Image     (Image)
+  ) u_registers (
+    .clk_i                 (clk_i),
+    .rst_i                 (rst_i),
+    .request_i             (request),
+    .write_i               (request_write),
+    .address_i             (request_address),
+    .data_i                (request_data),
+    .answer_o              (answer),
+    .error_o               (answer_error),
+    .data_o                (answer_data),
+    .run_o                 (set_run),
+    .hold_o                (set_hold),
+    .image_o               (set_image),
+    .columns_o             (set_columns),
+    .rows_o                (set_rows),
+    .mode_o                (set_mode),
+    .threshold_o           (set_threshold),
+    .stream_o              (set_stream),
+    .timeout_o             (set_timeout),
+    .trigger_run_o         (trigger_run),
+    .trigger_on_frame_o    (trigger_on_frame),
+    .trigger_last_pattern_o(trigger_last_pattern),
+    .trigger_period_o      (trigger_period),
+    .trigger_camera_o      (trigger_camera),
+    .trigger_width_o       (trigger_width),
+    .frame_open_i          (frame_open),
+    .take_i                (take),
+    .frames_i              (frames),
+    .broken_i              (broken),
+    .stray_i               (stray),
+    .lost_moments_i        (lost_moments),
+    .lost_image_i          (lost_image),
+    .time_i                (time_now),
+    .encoder_i             (encoder_count),
+    .encoder_errors_i      (encoder_errors)
+  );
+
+  // --- Frames ---
+  logic                  take, image, one_group, two_groups;
+  logic [ColumnBits-1:0] columns;
+  logic [RowBits-1:0]    rows;
+  logic [1:0]            mode;
+  logic [7:0]            threshold, stream;
+  logic                  beat_valid, beat_first_row, beat_last_row, beat_line_start, beat_line_end;
+  logic [31:0]           beat_pixels;
+  logic [GroupBits-1:0]  beat_group;
+  logic [RowBits-1:0]    beat_row;
+  logic                  frame_start, stray_before, last_row_start;
+  logic                  frame_break, break_in_last_row;
+  logic [StatusBits-1:0] break_status;
+
+  sp_frame_tracker #(
+    .MaxColumns(MaxColumns),
+    .MaxRows   (MaxRows)
+  ) u_tracker (
+    .clk_i              (clk_i),
+    .rst_i              (rst_i),
+    .s_axis_tvalid_i    (s_axis_tvalid),
+    .s_axis_tready_o    (s_axis_tready),
+    .s_axis_tdata_i     (s_axis_tdata),
+    .s_axis_tuser_i     (s_axis_tuser),
+    .s_axis_tlast_i     (s_axis_tlast),
+    .run_i              (set_run),
+    .hold_i             (set_hold),
+    .image_i            (set_image),
+    .columns_i          (set_columns),
+    .rows_i             (set_rows),
+    .mode_i             (set_mode),
+    .threshold_i        (set_threshold),
+    .stream_i           (set_stream),
+    .timeout_i          (set_timeout),
+    .take_o             (take),
+    .image_o            (image),
+    .columns_o          (columns),
+    .rows_o             (rows),
+    .mode_o             (mode),
+    .threshold_o        (threshold),
+    .stream_o           (stream),
+    .one_group_o        (one_group),
+    .two_groups_o       (two_groups),
+    .beat_valid_o       (beat_valid),
+    .beat_pixels_o      (beat_pixels),
+    .beat_group_o       (beat_group),
+    .beat_row_o         (beat_row),
+    .beat_first_row_o   (beat_first_row),
+    .beat_last_row_o    (beat_last_row),
+    .beat_line_start_o  (beat_line_start),
+    .beat_line_end_o    (beat_line_end),
+    .frame_start_o      (frame_start),
+    .stray_before_o     (stray_before),
+    .last_row_start_o   (last_row_start),
+    .break_o            (frame_break),
+    .break_in_last_row_o(break_in_last_row),
+    .break_status_o     (break_status),
+    .frame_open_o       (frame_open),
+    .broken_o           (broken),
+    .stray_o            (stray)
+  );
+
+  // --- Encoder, trigger, header fields ---
+  logic                  captured;
+  logic [15:0]           pattern_now;
+  logic [7:0]            info_stream, info_threshold;
+  logic [63:0]           info_sequence, info_time_stamp;
+  logic [31:0]           info_encoder;
+  logic [15:0]           info_pattern;
+  logic [ColumnBits-1:0] info_columns;
+  logic [RowBits-1:0]    info_rows, info_lines;
+  logic [1:0]            info_mode;
+  logic                  info_stray_before;
+
+  sp_encoder u_encoder (
+    .clk_i   (clk_i),
+    .rst_i   (rst_i),
+    .a_i     (encoder_a_i),
+    .b_i     (encoder_b_i),
+    .count_o (encoder_count),
+    .errors_o(encoder_errors)
+  );
+
+  sp_trigger u_trigger (
+    .clk_i         (clk_i),
+    .rst_i         (rst_i),
+    .run_i         (trigger_run),
+    .on_frame_i    (trigger_on_frame),
+    .last_pattern_i(trigger_last_pattern),
+    .period_i      (trigger_period),
+    .camera_i      (trigger_camera),
+    .width_i       (trigger_width),
+    .captured_i    (captured),
+    .projector_o   (projector_trigger_o),
+    .camera_o      (camera_trigger_o),
+    .pattern_o     (pattern_now)
+  );
+
+  sp_frame_info #(
+    .ColumnBits(ColumnBits),
+    .RowBits   (RowBits)
+  ) u_info (
+    .clk_i         (clk_i),
+    .rst_i         (rst_i),
+    .frame_start_i (frame_start),
+    .stray_before_i(stray_before),
+    .take_i        (take),
+    .columns_i     (columns),
+    .rows_i        (rows),
+    .mode_i        (mode),
+    .threshold_i   (threshold),
+    .stream_i      (stream),
+    .encoder_i     (encoder_count),
+    .pattern_i     (pattern_now),
+    .time_o        (time_now),
+    .frames_o      (frames),
+    .captured_o    (captured),
+    .stream_o      (info_stream),
+    .sequence_o    (info_sequence),
+    .time_stamp_o  (info_time_stamp),
+    .encoder_o     (info_encoder),
+    .pattern_o     (info_pattern),
+    .columns_o     (info_columns),
+    .rows_o        (info_rows),
+    .mode_o        (info_mode),
+    .threshold_o   (info_threshold),
+    .lines_o       (info_lines),
+    .stray_before_o(info_stray_before)
+  );
+
+  // --- Moments ---
+  localparam int MomentsPayloadBits = $clog2(MaxColumns * (Grey ? 8 : 4) / 16 + 1);
+
+  logic                          moments_accept, moments_valid, moments_break, spoiled;
+  logic [127:0]                  moments_data;
+  logic [MomentsPayloadBits-1:0] moments_beats;
+  logic [MomentsLogDepth:0]      moments_free;
+  logic                          moments_put, moments_put_last;
+  logic [127:0]                  moments_put_data;
+  logic                          moments_out_valid, moments_out_ready, moments_out_last;
+  logic [127:0]                  moments_out_data;
+
+  if (Grey) begin : gen_grey_beats
+    assign moments_beats = mode == sp_spec_pkg::ModeBinary ? MomentsPayloadBits'(columns[ColumnBits-1:2]) :
+                                                             MomentsPayloadBits'(columns[ColumnBits-1:1]);
+  end else begin : gen_binary_beats
+    assign moments_beats = MomentsPayloadBits'(columns[ColumnBits-1:2]);
+  end
+
+  sp_column_moments #(
+    .MaxColumns(MaxColumns),
+    .MaxRows   (MaxRows),
+    .Grey      (Grey)
+  ) u_moments (
+    .clk_i           (clk_i),
+    .rst_i           (rst_i),
+    .beat_valid_i    (beat_valid),
+    .beat_pixels_i   (beat_pixels),
+    .beat_group_i    (beat_group),
+    .beat_row_i      (beat_row),
+    .beat_first_row_i(beat_first_row),
+    .beat_last_row_i (beat_last_row),
+    .beat_line_end_i (beat_line_end),
+    .one_group_i     (one_group),
+    .two_groups_i    (two_groups),
+    .mode_i          (mode),
+    .threshold_i     (threshold),
+    .break_i         (frame_break && break_in_last_row),
+    .accept_i        (moments_accept),
+    .moments_valid_o (moments_valid),
+    .moments_data_o  (moments_data),
+    .moments_break_o (moments_break),
+    .spoiled_o       (spoiled)
+  );
+
+  sp_packetizer #(
+    .Kind       (sp_spec_pkg::KindMoments),
+    .ColumnBits (ColumnBits),
+    .RowBits    (RowBits),
+    .PayloadBits(MomentsPayloadBits),
+    .LogDepth   (MomentsLogDepth)
+  ) u_moments_packetizer (
+    .clk_i          (clk_i),
+    .rst_i          (rst_i),
+    .start_i        (last_row_start),
+    .payload_beats_i(moments_beats),
+    .line_i         (RowBits'(1)),
+    .spoiled_i      (spoiled),
+    .break_first_i  (frame_break && !break_in_last_row),
+    .break_later_i  (frame_break && break_in_last_row),
+    .break_status_i (break_status),
+    .accept_o       (moments_accept),
+    .payload_valid_i(moments_valid),
+    .payload_data_i (moments_data),
+    .payload_break_i(moments_break),
+    .stream_i       (info_stream),
+    .sequence_i     (info_sequence),
+    .time_stamp_i   (info_time_stamp),
+    .encoder_i      (info_encoder),
+    .pattern_i      (info_pattern),
+    .columns_i      (info_columns),
+    .rows_i         (info_rows),
+    .mode_i         (info_mode),
+    .threshold_i    (info_threshold),
+    .lines_i        (info_lines),
+    .stray_before_i (info_stray_before),
+    .fifo_free_i    (moments_free),
+    .fifo_valid_o   (moments_put),
+    .fifo_last_o    (moments_put_last),
+    .fifo_data_o    (moments_put_data),
+    .lost_o         (lost_moments)
+  );
+
+  sp_packet_fifo #(
+    .Width   (128),
+    .LogDepth(MomentsLogDepth)
+  ) u_moments_fifo (
+    .wr_clk_i  (clk_i),
+    .wr_rst_i  (rst_i),
+    .wr_valid_i(moments_put),
+    .wr_last_i (moments_put_last),
+    .wr_data_i (moments_put_data),
+    .wr_free_o (moments_free),
+    .rd_clk_i  (bus_clk_i),
+    .rd_rst_i  (bus_rst_i),
+    .rd_valid_o(moments_out_valid),
+    .rd_ready_i(moments_out_ready),
+    .rd_last_o (moments_out_last),
+    .rd_data_o (moments_out_data)
+  );
+
+  // --- Raw image, and the way out ---
+  if (Image) begin : gen_image
+    localparam int PayloadBits = $clog2(MaxColumns / 16 + 2);
+
+    logic                   line_start, line_break, accept, words_valid, words_break;
+    logic [127:0]           words_data;
+    logic [PayloadBits-1:0] line_beats;
+    logic [ImageLogDepth:0] image_free;
+    logic                   image_put, image_put_last;
+    logic [127:0]           image_put_data;
+    logic                   image_out_valid, image_out_ready, image_out_last;
+    logic [127:0]           image_out_data;
+
+    assign line_beats = PayloadBits'((32'(columns) + 32'd12) >> 4);
+
+    sp_image_packer u_packer (
+      .clk_i            (clk_i),
+      .rst_i            (rst_i),
+      .image_i          (image),
+      .beat_valid_i     (beat_valid),
+      .beat_pixels_i    (beat_pixels),
+      .beat_group_i     (beat_group[1:0]),
+      .beat_line_start_i(beat_line_start),
+      .beat_line_end_i  (beat_line_end),
+      .break_i          (frame_break),
+      .line_start_o     (line_start),
+      .break_o          (line_break),
+      .accept_i         (accept),
+      .words_valid_o    (words_valid),
+      .words_data_o     (words_data),
+      .words_break_o    (words_break)
+    );
+
+    sp_packetizer #(
+      .Kind       (sp_spec_pkg::KindImage),
+      .ColumnBits (ColumnBits),
+      .RowBits    (RowBits),
+      .PayloadBits(PayloadBits),
+      .LogDepth   (ImageLogDepth)
+    ) u_image_packetizer (
+      .clk_i          (clk_i),
+      .rst_i          (rst_i),
+      .start_i        (line_start),
+      .payload_beats_i(line_beats),
+      .line_i         (beat_row),
+      .spoiled_i      (1'b0),
+      .break_first_i  (1'b0),
+      .break_later_i  (line_break),
+      .break_status_i (break_status),
+      .accept_o       (accept),
+      .payload_valid_i(words_valid),
+      .payload_data_i (words_data),
+      .payload_break_i(words_break),
+      .stream_i       (info_stream),
+      .sequence_i     (info_sequence),
+      .time_stamp_i   (info_time_stamp),
+      .encoder_i      (info_encoder),
+      .pattern_i      (info_pattern),
+      .columns_i      (info_columns),
+      .rows_i         (info_rows),
+      .mode_i         (info_mode),
+      .threshold_i    (info_threshold),
+      .lines_i        (info_lines),
+      .stray_before_i (info_stray_before),
+      .fifo_free_i    (image_free),
+      .fifo_valid_o   (image_put),
+      .fifo_last_o    (image_put_last),
+      .fifo_data_o    (image_put_data),
+      .lost_o         (lost_image)
+    );
+
+    sp_packet_fifo #(
+      .Width   (128),
+      .LogDepth(ImageLogDepth)
+    ) u_image_fifo (
+      .wr_clk_i  (clk_i),
+      .wr_rst_i  (rst_i),
+      .wr_valid_i(image_put),
+      .wr_last_i (image_put_last),
+      .wr_data_i (image_put_data),
+      .wr_free_o (image_free),
+      .rd_clk_i  (bus_clk_i),
+      .rd_rst_i  (bus_rst_i),
+      .rd_valid_o(image_out_valid),
+      .rd_ready_i(image_out_ready),
+      .rd_last_o (image_out_last),
+      .rd_data_o (image_out_data)
+    );
+
+    sp_packet_arbiter #(
+      .Width(128)
+    ) u_arbiter (
+      .clk_i          (bus_clk_i),
+      .rst_i          (bus_rst_i),
+      .first_valid_i  (moments_out_valid),
+      .first_ready_o  (moments_out_ready),
+      .first_last_i   (moments_out_last),
+      .first_data_i   (moments_out_data),
+      .second_valid_i (image_out_valid),
+      .second_ready_o (image_out_ready),
+      .second_last_i  (image_out_last),
+      .second_data_i  (image_out_data),
+      .m_axis_tvalid_o(m_axis_tvalid),
+      .m_axis_tready_i(m_axis_tready),
+      .m_axis_tlast_o (m_axis_tlast),
+      .m_axis_tdata_o (m_axis_tdata)
+    );
+  end else begin : gen_no_image
+    logic unused;
+    assign unused     = ^{image, beat_line_start};
+    assign lost_image = 32'd0;
+
+    assign m_axis_tvalid     = moments_out_valid;
+    assign m_axis_tlast      = moments_out_last;
+    assign m_axis_tdata      = moments_out_data;
+    assign moments_out_ready = m_axis_tready;
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,78 @@
+// Quadrature encoder input, counted fourfold.
+//
+// A leads B: the count rises. A level counts once it has been the same in three clocks (shorter pulses are suppressed); a
+// step in which both lines change is no step and counts as an error. Both counts wrap.
+// Latency: a change of a line that was sampled by clock edge e is in count_o for clock edge e + 7.
+`default_nettype none
+
+module sp_encoder (
+  input  wire logic clk_i,
+  input  wire logic rst_i,
+
+  input  wire logic a_i,  // any clock
+  input  wire logic b_i,
+
+  output logic [31:0] count_o,
+  output logic [15:0] errors_o
+);
+
+  logic [1:0] now;       // {b, a}, synchronized
+  logic [1:0] before1_q;
+  logic [1:0] before2_q;
+  logic [1:0] level_q;   // without short pulses
+  logic [1:0] previous_q;
+  logic       settled_q;  // level_q has come from the pins
+  logic [3:0] start_q;
+  logic       up_q, down_q, error_q;
+
+  sp_sync #(
+    .Width(2)
+  ) u_sync (
+    .clk_i(clk_i),
+    .rst_i(rst_i),
+    .d_i  ({b_i, a_i}),
+    .q_o  (now)
+  );
+
+  always_ff @(posedge clk_i) begin
+    before1_q <= now;
+    before2_q <= before1_q;
+    for (int i = 0; i < 2; i++) begin
+      if (rst_i || !settled_q) level_q[i] <= now[i];
+      else if (now[i] == before1_q[i] && now[i] == before2_q[i]) level_q[i] <= now[i];
+    end
+    previous_q <= level_q;
+  end
+
+  // The lines may stand anywhere at reset: the first levels are taken over without counting.
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      start_q   <= '0;
+      settled_q <= 1'b0;
+    end else begin
+      start_q   <= {start_q[2:0], 1'b1};
+      settled_q <= start_q[3];
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      up_q     <= 1'b0;
+      down_q   <= 1'b0;
+      error_q  <= 1'b0;
+      count_o  <= '0;
+      errors_o <= '0;
+    end else begin
+      // {b, a} runs 00, 01, 11, 10 where A leads
+      up_q    <= settled_q && ^(level_q ^ previous_q) && (level_q[0] ^ previous_q[1]);
+      down_q  <= settled_q && ^(level_q ^ previous_q) && !(level_q[0] ^ previous_q[1]);
+      error_q <= settled_q && &(level_q ^ previous_q);
+      if (up_q) count_o <= count_o + 32'd1;
+      else if (down_q) count_o <= count_o - 32'd1;
+      if (error_q) errors_o <= errors_o + 16'd1;
+    end
+  end
+
+endmodule
+
+`default_nettype wire

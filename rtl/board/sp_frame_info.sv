@@ -1,0 +1,110 @@
+// What the header says of a frame: sequence, time stamp, encoder count, pattern index, settings.
+//
+// A header of four beats is written at most seven clocks after the event that causes it, while the next frame may already
+// have begun. Each field is therefore captured so late that the header before it is out, and so early that its own is not
+// yet: beat i of a header caused in clock c (sp_packetizer: a last row's start, or a break) is read in clock c + 4 + i, or
+// c + 3 + i where the next frame's start is the break. A frame that starts in clock c shows in beat i from clock c + 4 + i on.
+//
+// The time stamp is nevertheless that of the frame's first beat at the video input (the counter runs ahead by the
+// delay), and so is the encoder count (sp_encoder is late by the same number of clocks).
+`default_nettype none
+
+module sp_frame_info #(
+  parameter int ColumnBits = 12,
+  parameter int RowBits = 10
+) (
+  input  wire logic                  clk_i,
+  input  wire logic                  rst_i,
+
+  input  wire logic                  frame_start_i,
+  input  wire logic                  stray_before_i,
+  input  wire logic                  take_i,
+  input  wire logic [ColumnBits-1:0] columns_i,
+  input  wire logic [RowBits-1:0]    rows_i,
+  input  wire logic [1:0]            mode_i,
+  input  wire logic [7:0]            threshold_i,
+  input  wire logic [7:0]            stream_i,
+
+  input  wire logic [31:0]           encoder_i,
+  input  wire logic [15:0]           pattern_i,
+
+  output logic [63:0]                time_o,      // clocks since reset, running
+  output logic [31:0]                frames_o,    // frames accepted
+  output logic                       captured_o,  // the pattern index is captured at the end of this clock
+  // header beat 0 (the sequence is taken with it)
+  output logic [7:0]                 stream_o,
+  output logic [15:0]                pattern_o,
+  output logic [1:0]                 mode_o,
+  output logic [7:0]                 threshold_o,
+  output logic [63:0]                sequence_o,
+  // header beat 1
+  output logic [63:0]                time_stamp_o,
+  // header beat 2
+  output logic [31:0]                encoder_o,
+  output logic [ColumnBits-1:0]      columns_o,
+  output logic [RowBits-1:0]         rows_o,
+  // header beat 3
+  output logic [RowBits-1:0]         lines_o,     // rows_o, a clock later
+  output logic                       stray_before_o
+);
+
+  // Clocks from the edge that takes a frame's first beat at the video input to the edge that captures the time.
+  localparam logic [63:0] CaptureDelay = 64'd6;
+
+  logic [6:1] start_q;  // frame_start_i, so many clocks ago
+  logic [6:1] stray_q;
+  logic [5:1] take_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      start_q <= '0;
+      take_q  <= '0;
+    end else begin
+      start_q <= {start_q[5:1], frame_start_i};
+      take_q  <= {take_q[4:1], take_i};
+    end
+    stray_q <= {stray_q[5:1], stray_before_i};
+  end
+
+  sp_counter64 #(
+    .ResetValue(64'd0 - CaptureDelay)
+  ) u_time (
+    .clk_i  (clk_i),
+    .rst_i  (rst_i),
+    .inc_i  (1'b1),
+    .count_o(time_o)
+  );
+
+  // The first frame has sequence 0.
+  sp_counter64 #(
+    .ResetValue(64'hFFFF_FFFF_FFFF_FFFF)
+  ) u_sequence (
+    .clk_i  (clk_i),
+    .rst_i  (rst_i),
+    .inc_i  (start_q[3]),
+    .count_o(sequence_o)
+  );
+
+  assign frames_o = sequence_o[31:0] + 32'd1;
+  assign captured_o = start_q[3];
+
+  always_ff @(posedge clk_i) begin
+    if (take_q[3]) begin
+      stream_o    <= stream_i;
+      mode_o      <= mode_i;
+      threshold_o <= threshold_i;
+    end
+    if (start_q[3]) pattern_o <= pattern_i;
+    if (start_q[4]) time_stamp_o <= time_o;
+    if (start_q[5]) encoder_o <= encoder_i;
+    if (take_q[5]) begin
+      columns_o <= columns_i;
+      rows_o    <= rows_i;
+    end
+    lines_o <= rows_o;
+    if (start_q[6]) stray_before_o <= stray_q[6];
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,282 @@
+// Turns AXI4-Stream video into beats with their position, and watches that every frame has the shape the settings say.
+//
+// The camera cannot be stalled: s_axis_tready_o is always high. A frame begins with a beat that carries tuser while run_i is
+// high; settings are taken over there and nowhere else (not while hold_i is high, and not within six clocks of the last
+// take-over, so that headers still being written keep theirs). A frame ends well with its last line's tlast. It breaks, and
+// no further beat of it counts, where a line ends early (the beat counts) or late (the beat counts), where the next frame
+// starts, or when no beat came for more than timeout_i clocks (0: never). Beats outside any frame are discarded and counted.
+//
+// Timing: outputs are registers, two clocks after the beat at the input. break_o is reported after the beats of the
+// clocks before it and before the beat of its own clock: a frame's start and the break of the frame before it may share a clock.
+`default_nettype none
+
+module sp_frame_tracker #(
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
+  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  // derived, do not set
+  parameter int GroupBits = $clog2(MaxColumns / 4),
+  parameter int ColumnBits = $clog2(MaxColumns + 1),
+  parameter int RowBits = $clog2(MaxRows + 1)
+) (
+  input  wire logic                  clk_i,
+  input  wire logic                  rst_i,
+
+  // AXI4-Stream video: 4 pixels a beat, leftmost in 7..0, tuser = start of frame, tlast = end of line
+  input  wire logic                  s_axis_tvalid_i,
+  output logic                       s_axis_tready_o,
+  input  wire logic [31:0]           s_axis_tdata_i,
+  input  wire logic                  s_axis_tuser_i,
+  input  wire logic                  s_axis_tlast_i,
+
+  // Settings as written; hold_i is high, besides when asked for, in the first clock of a new columns_i or rows_i
+  input  wire logic                  run_i,
+  input  wire logic                  hold_i,
+  input  wire logic                  image_i,
+  input  wire logic [ColumnBits-1:0] columns_i,
+  input  wire logic [RowBits-1:0]    rows_i,
+  input  wire logic [1:0]            mode_i,
+  input  wire logic [7:0]            threshold_i,
+  input  wire logic [7:0]            stream_i,
+  input  wire logic [23:0]           timeout_i,
+
+  // Settings in force, for the beat beside them
+  output logic                       take_o,  // first clock of a take-over
+  output logic                       image_o,
+  output logic      [ColumnBits-1:0] columns_o,
+  output logic      [RowBits-1:0]    rows_o,
+  output logic      [1:0]            mode_o,
+  output logic      [7:0]            threshold_o,
+  output logic      [7:0]            stream_o,
+  output logic                       one_group_o,
+  output logic                       two_groups_o,
+
+  // Beats
+  output logic                       beat_valid_o,
+  output logic      [31:0]           beat_pixels_o,
+  output logic      [GroupBits-1:0]  beat_group_o,
+  output logic      [RowBits-1:0]    beat_row_o,
+  output logic                       beat_first_row_o,
+  output logic                       beat_last_row_o,
+  output logic                       beat_line_start_o,
+  output logic                       beat_line_end_o,
+  output logic                       frame_start_o,     // this beat is a frame's first
+  output logic                       stray_before_o,    // beats were discarded before this frame
+  output logic                       last_row_start_o,  // this beat is the first of a frame's last row
+
+  // Breaks
+  output logic                       break_o,
+  output logic                       break_in_last_row_o,  // the frame's last row had begun
+  output logic [sp_spec_pkg::StatusBits-1:0] break_status_o,
+
+  output logic                       frame_open_o,
+  output logic      [31:0]           broken_o,  // frames that broke
+  output logic      [31:0]           stray_o    // beats discarded while running
+);
+
+  localparam int TakeDistance = 6;
+
+  assign s_axis_tready_o = 1'b1;
+
+  // --- Stage 1: the beat ---
+  logic        s1_valid_q, s1_start_q, s1_last_q;
+  logic [31:0] s1_pixels_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) s1_valid_q <= 1'b0;
+    else s1_valid_q <= s_axis_tvalid_i;
+    s1_pixels_q <= s_axis_tdata_i;
+    s1_start_q  <= s_axis_tuser_i;
+    s1_last_q   <= s_axis_tlast_i;
+  end
+
+  // --- Settings ---
+  // What the comparisons below need of the settings as written, a clock after the write.
+  logic                 next_one_q, next_two_q, next_one_row_q, next_two_rows_q;
+  logic [GroupBits-1:0] next_groups_m2_q;
+  logic [RowBits-1:0]   next_rows_m1_q;
+  // and of those in force
+  logic [GroupBits-1:0] groups_m2_q;  // groups of a line, less 2
+  logic [RowBits-1:0]   rows_m1_q;
+  logic                 one_row_q, two_rows_q;
+
+  always_ff @(posedge clk_i) begin
+    next_one_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1);
+    next_two_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(2);
+    next_one_row_q   <= rows_i == RowBits'(1);
+    next_two_rows_q  <= rows_i == RowBits'(2);
+    next_groups_m2_q <= GroupBits'(columns_i[ColumnBits-1:2] - (ColumnBits - 2)'(2));
+    next_rows_m1_q   <= rows_i - RowBits'(1);
+  end
+
+  logic [TakeDistance-1:0] took_q;
+  logic                    start;
+  logic                    take;
+
+  assign start = s1_valid_q && s1_start_q && run_i;
+  assign take  = start && !hold_i && took_q == '0;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      took_q <= '0;
+      take_o <= 1'b0;
+    end else begin
+      took_q <= {took_q[TakeDistance-2:0], take};
+      take_o <= take;
+    end
+    if (take) begin
+      image_o      <= image_i;
+      columns_o    <= columns_i;
+      rows_o       <= rows_i;
+      mode_o       <= mode_i;
+      threshold_o  <= threshold_i;
+      stream_o     <= stream_i;
+      one_group_o  <= next_one_q;
+      two_groups_o <= next_two_q;
+      groups_m2_q  <= next_groups_m2_q;
+      rows_m1_q    <= next_rows_m1_q;
+      one_row_q    <= next_one_row_q;
+      two_rows_q   <= next_two_rows_q;
+    end
+  end
+
+  // --- Position of the beat in stage 1 ---
+  logic                 open_q;           // a frame is being taken
+  logic                 in_line_q;        // its line has begun
+  logic                 in_last_row_q;    // its last row has begun
+  logic [GroupBits-1:0] group_q;          // the next beat's
+  logic                 group_is_last_q;
+  logic [RowBits-1:0]   row_q;
+  logic                 row_is_last_q;
+  logic                 timed_out;
+
+  logic belongs;  // the beat is part of a frame
+  logic at_end;  // it should be the last of its line
+  logic in_last_row, line_end, short_line, long_line, frame_end;
+  logic one, two, one_row, two_rows;
+
+  assign one      = take ? next_one_q : one_group_o;
+  assign two      = take ? next_two_q : two_groups_o;
+  assign one_row  = take ? next_one_row_q : one_row_q;
+  assign two_rows = take ? next_two_rows_q : two_rows_q;
+
+  assign belongs      = start || s1_valid_q && !s1_start_q && open_q;
+  assign at_end      = start ? one : group_is_last_q;
+  assign in_last_row = start ? one_row : row_is_last_q;
+  assign line_end    = belongs && s1_last_q && at_end;
+  assign short_line  = belongs && s1_last_q && !at_end;
+  assign long_line   = belongs && !s1_last_q && at_end;
+  assign frame_end   = line_end && in_last_row;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      open_q        <= 1'b0;
+      in_line_q     <= 1'b0;
+      in_last_row_q <= 1'b0;
+    end else if (belongs) begin
+      open_q        <= !short_line && !long_line && !frame_end;
+      in_line_q     <= !s1_last_q;
+      in_last_row_q <= in_last_row;
+    end else if (s1_valid_q && s1_start_q || timed_out) begin
+      open_q <= 1'b0;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (belongs) begin
+      if (at_end) begin
+        group_q         <= '0;
+        group_is_last_q <= one;
+        row_q           <= (start ? RowBits'(1) : row_q) + RowBits'(1);
+        row_is_last_q   <= start ? two_rows : row_q == rows_m1_q;
+      end else begin
+        group_q         <= (start ? '0 : group_q) + GroupBits'(1);
+        group_is_last_q <= start ? two : group_q == groups_m2_q;
+        row_q           <= start ? RowBits'(1) : row_q;
+        row_is_last_q   <= in_last_row;
+      end
+    end
+  end
+
+  // --- Time-out: clocks left, reloaded by every beat ---
+  logic [23:0] clocks_left_q;
+  logic        watch_q;
+  logic        timed_out_q;
+
+  always_ff @(posedge clk_i) begin
+    if (s1_valid_q) begin
+      clocks_left_q <= timeout_i;
+      watch_q       <= timeout_i != 24'd0;
+    end else begin
+      clocks_left_q <= clocks_left_q - 24'd1;
+    end
+    timed_out_q <= watch_q && clocks_left_q == 24'd1 && !s1_valid_q;
+  end
+
+  assign timed_out = timed_out_q && open_q && !s1_valid_q;
+
+  // --- Stage 2: outputs ---
+  logic stray_q;
+  logic start_breaks;  // a start ends an open frame
+  logic late_break_q;
+  logic late_in_last_q;
+  logic [sp_spec_pkg::StatusBits-1:0] late_status_q;
+
+  assign start_breaks = s1_valid_q && s1_start_q && open_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      beat_valid_o     <= 1'b0;
+      frame_start_o    <= 1'b0;
+      last_row_start_o <= 1'b0;
+      late_break_q     <= 1'b0;
+      break_o          <= 1'b0;
+      stray_q          <= 1'b0;
+      stray_before_o   <= 1'b0;
+    end else begin
+      beat_valid_o     <= belongs;
+      frame_start_o    <= start;
+      last_row_start_o <= belongs && in_last_row && (start || !in_line_q);
+      late_break_q     <= short_line || long_line || timed_out;
+      break_o          <= start_breaks || late_break_q;
+      if (start) stray_before_o <= stray_q;
+      if (start) stray_q <= 1'b0;
+      else if (s1_valid_q && !belongs && run_i) stray_q <= 1'b1;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    beat_pixels_o     <= s1_pixels_q;
+    beat_group_o      <= start ? '0 : group_q;
+    beat_row_o        <= start ? RowBits'(1) : row_q;
+    beat_first_row_o  <= start || row_q == RowBits'(1);
+    beat_last_row_o   <= in_last_row;
+    beat_line_start_o <= belongs && (start || !in_line_q);
+    beat_line_end_o   <= line_end;
+
+    late_in_last_q <= timed_out ? in_last_row_q : in_last_row;
+    late_status_q  <= '0;
+    late_status_q[sp_spec_pkg::StatusShortLineBit]  <= short_line;
+    late_status_q[sp_spec_pkg::StatusLongLineBit]   <= long_line;
+    late_status_q[sp_spec_pkg::StatusIncompleteBit] <= timed_out;
+
+    break_in_last_row_o <= late_break_q ? late_in_last_q : in_last_row_q;
+    break_status_o      <= late_break_q ? late_status_q :
+                           sp_spec_pkg::StatusBits'(1) << sp_spec_pkg::StatusStartInFrameBit;
+  end
+
+  // --- Counters ---
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      broken_o <= '0;
+      stray_o  <= '0;
+    end else begin
+      if (break_o) broken_o <= broken_o + 32'd1;
+      if (s1_valid_q && !belongs && run_i) stray_o <= stray_o + 32'd1;
+    end
+  end
+
+  assign frame_open_o = open_q;
+
+endmodule
+
+`default_nettype wire

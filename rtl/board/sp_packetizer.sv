@@ -1,0 +1,275 @@
+// Builds packets: header, payload beats as they come, trailer with the check word; decides at the start of each whether its
+// FIFO has room for all of it.
+//
+// start_i asks for a packet with payload_beats_i beats of payload, break_first_i for an empty one (a frame that broke before
+// its header left). Where the FIFO cannot take all of it, or the packet before is not finished, the packet is dropped
+// and counted; the count is in every later header. Each start_i and each break_first_i is thus delivered or counted.
+// Once begun a packet is always completed: where the payload ends early (payload_break_i) zeros fill it up, and the trailer
+// has the status given with break_status_i.
+//
+// Timing, in clocks from start_i (c): decision in c + 3, accept_o from c + 4 on until the next decision, header beats at the
+// FIFO in c + 5 .. c + 8. Payload beats may come from c + 8 on, any number of clocks apart, and reach the FIFO one clock later.
+// From break_first_i (b, which belongs before anything else of clock b): decision in b + 2, header from b + 4 on.
+// A packet of n payload beats keeps the packetizer busy until seven clocks after its last payload beat.
+`default_nettype none
+
+module sp_packetizer #(
+  parameter logic [7:0] Kind = sp_spec_pkg::KindMoments,
+  parameter int         ColumnBits = 12,
+  parameter int         RowBits = 10,
+  parameter int         PayloadBits = 11,  // of the number of payload beats
+  parameter int         LogDepth = 11      // of the FIFO
+) (
+  input  wire logic                   clk_i,
+  input  wire logic                   rst_i,
+
+  // Requests
+  input  wire logic                   start_i,
+  input  wire logic [PayloadBits-1:0] payload_beats_i,
+  input  wire logic [RowBits-1:0]     line_i,         // kind image: the line; else not used
+  input  wire logic                   spoiled_i,      // at the decision: count the packet as lost
+  input  wire logic                   break_first_i,
+  input  wire logic                   break_later_i,  // the frame broke, and start_i had been given: status only
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,
+  output logic                        accept_o,
+
+  // Payload
+  input  wire logic                   payload_valid_i,
+  input  wire logic [127:0]           payload_data_i,
+  input  wire logic                   payload_break_i,  // no more will come, after payload_valid_i of the same clock
+
+  // Header fields: see sp_frame_info for when they are read
+  input  wire logic [7:0]             stream_i,
+  input  wire logic [63:0]            sequence_i,
+  input  wire logic [63:0]            time_stamp_i,
+  input  wire logic [31:0]            encoder_i,
+  input  wire logic [15:0]            pattern_i,
+  input  wire logic [ColumnBits-1:0]  columns_i,
+  input  wire logic [RowBits-1:0]     rows_i,
+  input  wire logic [1:0]             mode_i,
+  input  wire logic [7:0]             threshold_i,
+  input  wire logic [RowBits-1:0]     lines_i,
+  input  wire logic                   stray_before_i,
+
+  // FIFO
+  input  wire logic [LogDepth:0]      fifo_free_i,
+  output logic                        fifo_valid_o,
+  output logic                        fifo_last_o,
+  output logic [127:0]                fifo_data_o,
+
+  output logic [31:0]                 lost_o
+);
+
+  localparam int StatusBits = sp_spec_pkg::StatusBits;
+  localparam int Overhead = (sp_spec_pkg::HeaderBytes + sp_spec_pkg::TrailerBytes) / sp_spec_pkg::PacketBeatBytes;
+  localparam int CountBits = LogDepth + 1 > PayloadBits + 1 ? LogDepth + 1 : PayloadBits + 1;
+  localparam bit PerLine = Kind != sp_spec_pkg::KindMoments;
+
+  localparam logic [2:0] StIdle = 3'd0;
+  localparam logic [2:0] StHeader = 3'd1;
+  localparam logic [2:0] StPayload = 3'd2;
+  localparam logic [2:0] StFill = 3'd3;     // zeros to the payload's end
+  localparam logic [2:0] StTrailer = 3'd4;  // the check word is complete in its third clock
+  localparam logic [2:0] StSettle = 3'd5;   // until fifo_free_i counts this packet
+
+  // --- Requests on their way to the decision ---
+  logic [3:1]             start_q;
+  logic [2:1]             break_first_q;
+  logic [3:1]             break_later_q;
+  logic [PayloadBits-1:0] payload1_q, payload2_q, payload3_q;
+  logic [RowBits-1:0]     line1_q, line2_q, line3_q;
+  logic [CountBits-1:0]   need1_q;
+  logic                   room2_q, room3_q, room_empty_q;
+  logic [StatusBits-1:0]  status1_q, status2_q, status3_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      start_q       <= '0;
+      break_first_q <= '0;
+      break_later_q <= '0;
+    end else begin
+      start_q       <= {start_q[2:1], start_i};
+      break_first_q <= {break_first_q[1], break_first_i};
+      break_later_q <= {break_later_q[2:1], break_later_i};
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    payload1_q   <= payload_beats_i;
+    payload2_q   <= payload1_q;
+    payload3_q   <= payload2_q;
+    line1_q      <= line_i;
+    line2_q      <= line1_q;
+    line3_q      <= line2_q;
+    status1_q    <= break_status_i;
+    status2_q    <= status1_q;
+    status3_q    <= status2_q;
+    need1_q      <= CountBits'(payload_beats_i) + CountBits'(Overhead);
+    room2_q      <= CountBits'(fifo_free_i) >= need1_q;
+    room3_q      <= room2_q;
+    room_empty_q <= CountBits'(fifo_free_i) >= CountBits'(Overhead);
+  end
+
+  // --- State ---
+  logic [2:0]             state_q;
+  logic [1:0]             step_q;          // within header, trailer, settling
+  logic [PayloadBits-1:0] left_q;          // payload beats to come
+  logic                   one_left_q;
+  logic                   empty_q;         // no payload
+  logic [PayloadBits-1:0] payload_q;       // payload beats of this packet
+  logic [RowBits-1:0]     line_q;
+  logic [63:0]            sequence_q;
+  logic [StatusBits-1:0]  status_q;
+  logic                   take, take_empty, put_payload;
+  logic [1:0]             lost_now_q;      // late enough for the header of a packet decided on the clock before
+
+  assign take        = start_q[3] && state_q == StIdle && room3_q && !spoiled_i;
+  assign take_empty  = break_first_q[2] && !start_q[3] && state_q == StIdle && room_empty_q;
+  assign put_payload = state_q == StPayload && payload_valid_i || state_q == StFill;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      state_q  <= StIdle;
+      step_q   <= '0;
+      accept_o   <= 1'b0;
+      lost_now_q <= '0;
+      lost_o     <= '0;
+    end else begin
+      if (start_q[3]) accept_o <= take;
+      lost_now_q <= {lost_now_q[0], start_q[3] && !take || break_first_q[2] && !take_empty};
+      if (lost_now_q[1]) lost_o <= lost_o + 32'd1;
+
+      step_q <= state_q == StIdle ? '0 : step_q + 2'd1;
+      case (state_q)
+        StIdle: if (take || take_empty) state_q <= StHeader;
+        StHeader: if (step_q == 2'd3) state_q <= empty_q ? StTrailer : StPayload;
+        StPayload: begin
+          if (payload_valid_i && one_left_q) state_q <= StTrailer;
+          else if (payload_break_i) state_q <= StFill;
+          step_q <= '0;
+        end
+        StFill: begin
+          if (one_left_q) state_q <= StTrailer;
+          step_q <= '0;
+        end
+        StTrailer: if (step_q == 2'd2) state_q <= StSettle;
+        default: if (step_q == 2'd1) state_q <= StIdle;
+      endcase
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (state_q == StIdle) begin
+      empty_q    <= !start_q[3];
+      payload_q  <= start_q[3] ? payload3_q : '0;
+      left_q     <= payload3_q;
+      one_left_q <= payload3_q == PayloadBits'(1);
+      line_q     <= line3_q;
+      status_q   <= start_q[3] ? '0 : status2_q;
+    end else begin
+      if (put_payload) begin
+        left_q     <= left_q - PayloadBits'(1);
+        one_left_q <= left_q == PayloadBits'(2);
+      end
+      if (break_later_q[3] && accept_o) status_q <= status3_q;
+    end
+    if (state_q == StHeader && step_q == 2'd0) sequence_q <= sequence_i;
+  end
+
+  // --- Check word, one clock behind the beats. The trailer counts with its check field 0, before it is written. ---
+  logic [31:0] check_q;
+  logic [31:0] folded;
+  logic [31:0] w0, w1, w2, w3;
+  logic        in_trailer;
+
+  assign in_trailer = state_q == StTrailer;
+  assign {w3, w2, w1, w0} = fifo_data_o;
+  assign folded = w0 ^ {w1[23:0], w1[31:24]} ^ {w2[15:0], w2[31:16]} ^ {w3[7:0], w3[31:8]};
+
+  always_ff @(posedge clk_i) begin
+    if (state_q == StIdle) begin
+      check_q <= sp_spec_pkg::CheckInit;
+    end else if (fifo_valid_o || in_trailer && step_q == 2'd1) begin
+      check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^ folded;
+    end
+  end
+
+  // --- The beat for the FIFO ---
+  // Each of its four words has at most four sources, of which one is a mixture of narrow fields.
+  localparam logic [1:0] SelPayload = 2'd0;
+  localparam logic [1:0] SelFirst = 2'd1;
+  localparam logic [1:0] SelSecond = 2'd2;
+  localparam logic [1:0] SelNarrow = 2'd3;
+
+  logic [3:0]  header;  // one bit a header beat
+  logic [31:0] narrow0, narrow1, narrow2, narrow3;
+  logic [1:0]  sel0, sel1, sel2, sel3;
+
+  for (genvar i = 0; i < 4; i++) begin : gen_header
+    assign header[i] = state_q == StHeader && step_q == 2'(i);
+  end
+
+  assign narrow0 = (header[0] ? sp_spec_pkg::Magic : 32'd0) |
+                   (header[3] ? {PerLine ? 16'd1 : 16'(lines_i), PerLine ? 16'(line_q) : 16'd1} : 32'd0);
+  assign narrow1 = (header[0] ? sp_spec_pkg::SpecHash : 32'd0) | 32'(header[3] && stray_before_i);
+  assign narrow2 = (header[0] ? {stream_i, Kind, sp_spec_pkg::SpecVersion} : 32'd0) |
+                   (in_trailer ? 32'(status_q) : 32'd0);
+  assign narrow3 = (header[0] ? {threshold_i, 6'd0, mode_i, pattern_i} : 32'd0) |
+                   (header[2] ? 32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes) : 32'd0);
+
+  assign sel0 = state_q == StPayload ? SelPayload : header[1] || in_trailer ? SelFirst : header[2] ? SelSecond : SelNarrow;
+  assign sel1 = sel0;
+  assign sel2 = state_q == StPayload ? SelPayload : header[1] ? SelFirst : header[2] ? SelSecond : SelNarrow;
+  assign sel3 = state_q == StPayload ? SelPayload : header[1] ? SelFirst :
+                in_trailer && step_q == 2'd2 ? SelSecond : SelNarrow;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      fifo_valid_o <= 1'b0;
+      fifo_last_o  <= 1'b0;
+    end else begin
+      fifo_valid_o <= state_q == StHeader || put_payload || in_trailer && step_q == 2'd2;
+      fifo_last_o  <= in_trailer;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (state_q != StIdle) begin
+      case (sel0)
+        SelPayload: fifo_data_o[31:0] <= payload_data_i[31:0];
+        SelFirst:   fifo_data_o[31:0] <= sequence_q[31:0];
+        SelSecond:  fifo_data_o[31:0] <= encoder_i;
+        default:    fifo_data_o[31:0] <= narrow0;
+      endcase
+      case (sel1)
+        SelPayload: fifo_data_o[63:32] <= payload_data_i[63:32];
+        SelFirst:   fifo_data_o[63:32] <= sequence_q[63:32];
+        SelSecond:  fifo_data_o[63:32] <= lost_o;
+        default:    fifo_data_o[63:32] <= narrow1;
+      endcase
+      case (sel2)
+        SelPayload: fifo_data_o[95:64] <= payload_data_i[95:64];
+        SelFirst:   fifo_data_o[95:64] <= time_stamp_i[31:0];
+        SelSecond:  fifo_data_o[95:64] <= {16'(rows_i), 16'(columns_i)};
+        default:    fifo_data_o[95:64] <= narrow2;
+      endcase
+      case (sel3)
+        SelPayload: fifo_data_o[127:96] <= payload_data_i[127:96];
+        SelFirst:   fifo_data_o[127:96] <= time_stamp_i[63:32];
+        SelSecond:  fifo_data_o[127:96] <= check_q;
+        default:    fifo_data_o[127:96] <= narrow3;
+      endcase
+    end
+  end
+
+  if (PerLine) begin : gen_line
+    logic unused;
+    assign unused = ^lines_i;
+  end else begin : gen_frame
+    logic unused;
+    assign unused = ^{line_q, line3_q};
+  end
+
+endmodule
+
+`default_nettype wire

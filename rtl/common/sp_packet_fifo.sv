@@ -1,0 +1,84 @@
+// Dual-clock packet FIFO: a packet shows at the output only once its last word is in.
+//
+// Guarantees: packets come out whole and without waiting for the writer in between (a word may come a few read clocks
+// after the one before it, never later), in order, for any two clocks. wr_free_o counts the free places and never promises
+// one that is not there. The writer begins a packet only where all of it has room. Reset: both sides together.
+`default_nettype none
+
+module sp_packet_fifo #(
+  parameter int Width = 128,
+  parameter int LogDepth = 9
+) (
+  input  wire logic              wr_clk_i,
+  input  wire logic              wr_rst_i,
+  input  wire logic              wr_valid_i,
+  input  wire logic              wr_last_i,
+  input  wire logic [Width-1:0]  wr_data_i,
+  output logic      [LogDepth:0] wr_free_o,
+
+  input  wire logic              rd_clk_i,
+  input  wire logic              rd_rst_i,
+  output logic                   rd_valid_o,
+  input  wire logic              rd_ready_i,
+  output logic                   rd_last_o,
+  output logic      [Width-1:0]  rd_data_o
+);
+
+  // Packets written, Gray coded: it moves one step a packet, so it may cross as it is.
+  logic [LogDepth:0] written_q;
+  logic [LogDepth:0] written_next;
+  logic [LogDepth:0] written_gray_q;
+  logic [LogDepth:0] written_gray_seen;
+  logic [LogDepth:0] read_q;
+
+  logic              word_valid;
+  logic              whole;  // all of the packet at the output is in the FIFO
+
+  assign written_next = written_q + 1'b1;
+
+  always_ff @(posedge wr_clk_i) begin
+    if (wr_rst_i) begin
+      written_q      <= '0;
+      written_gray_q <= '0;
+    end else if (wr_valid_i && wr_last_i) begin
+      written_q      <= written_next;
+      written_gray_q <= written_next ^ (written_next >> 1);
+    end
+  end
+
+  sp_sync #(
+    .Width(LogDepth + 1)
+  ) u_written_to_rd (
+    .clk_i(rd_clk_i),
+    .rst_i(rd_rst_i),
+    .d_i  (written_gray_q),
+    .q_o  (written_gray_seen)
+  );
+
+  assign whole      = written_gray_seen != (read_q ^ (read_q >> 1));
+  assign rd_valid_o = word_valid && whole;
+
+  always_ff @(posedge rd_clk_i) begin
+    if (rd_rst_i) read_q <= '0;
+    else if (rd_valid_o && rd_ready_i && rd_last_o) read_q <= read_q + 1'b1;
+  end
+
+  sp_async_fifo #(
+    .Width   (Width + 1),
+    .LogDepth(LogDepth)
+  ) u_fifo (
+    .wr_clk_i  (wr_clk_i),
+    .wr_rst_i  (wr_rst_i),
+    .wr_valid_i(wr_valid_i),
+    .wr_data_i ({wr_last_i, wr_data_i}),
+    .wr_free_o (wr_free_o),
+    .rd_clk_i  (rd_clk_i),
+    .rd_rst_i  (rd_rst_i),
+    .rd_valid_o(word_valid),
+    .rd_ready_i(rd_ready_i && whole),
+    .rd_data_o ({rd_last_o, rd_data_o})
+  );
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,35 @@
+// Simple dual-port memory: one write port, one read port, each with its clock. Maps to block RAM everywhere.
+//
+// Guarantees: rd_data_o is the word at rd_addr_i one clock after rd_en_i, and holds until the next rd_en_i.
+// A read in the same clock as a write to the same address gives an undefined word; the users prove that they never
+// use one. Contents are undefined after configuration.
+`default_nettype none
+
+module sp_ram #(
+  parameter int Width = 32,
+  parameter int LogDepth = 9
+) (
+  input  wire logic                wr_clk_i,
+  input  wire logic                wr_en_i,
+  input  wire logic [LogDepth-1:0] wr_addr_i,
+  input  wire logic [Width-1:0]    wr_data_i,
+
+  input  wire logic                rd_clk_i,
+  input  wire logic                rd_en_i,
+  input  wire logic [LogDepth-1:0] rd_addr_i,
+  output logic      [Width-1:0]    rd_data_o
+);
+
+  (* no_rw_check *) logic [Width-1:0] memory[0:(1 << LogDepth)-1];
+
+  always_ff @(posedge wr_clk_i) begin
+    if (wr_en_i) memory[wr_addr_i] <= wr_data_i;
+  end
+
+  always_ff @(posedge rd_clk_i) begin
+    if (rd_en_i) rd_data_o <= memory[rd_addr_i];
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,243 @@
+// Column moments M0, M1 (and N) of a stream of frames, 4 pixels a clock, every clock.
+//
+//   M0(c) = sum over rows of w,   M1(c) = sum over rows of row*w,   N(c) = number of lit pixels       (3.1, 3.2)
+//
+// A pixel is lit where it is greater than the threshold; w = 1 (binary), its value (grey), or its value less the threshold
+// (grey_over). Rows count from 1. The sums never wrap: every width follows from MaxRows. The last row completes the sums, so
+// they leave while it passes; there is no second bank and no clearing pass.
+//
+// Input: beats with their position, as sp_frame_tracker gives them. accept_i, four clocks after a beat of a last row, says
+// whether its moments are wanted. break_i, one clock after the last beat that counts (or later), ends a frame early, in its
+// last row: the columns that were complete still leave, then moments_break_o.
+//
+// Output: 16-byte payload beats of the packet format. Binary: four columns a beat, 8 clocks after their pixels, one beat
+// a clock. Grey modes: two columns a beat, from 13 clocks on, one beat a clock, so that the last of G groups leaves
+// G + 13 clocks after its pixels. No back-pressure.
+//
+// spoiled_o: a frame of three or more rows came while a larger frame before it was still draining (only possible after a
+// change of size, in a grey build): its sums are void, its packet must be counted as lost.
+`default_nettype none
+
+module sp_column_moments #(
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
+  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter bit Grey = 1'b1,
+  // derived, do not set
+  parameter int GroupBits = $clog2(MaxColumns / 4),
+  parameter int RowBits = $clog2(MaxRows + 1)
+) (
+  input  wire logic                 clk_i,
+  input  wire logic                 rst_i,
+
+  input  wire logic                 beat_valid_i,
+  input  wire logic [31:0]          beat_pixels_i,  // leftmost in 7..0
+  input  wire logic [GroupBits-1:0] beat_group_i,
+  input  wire logic [RowBits-1:0]   beat_row_i,
+  input  wire logic                 beat_first_row_i,
+  input  wire logic                 beat_last_row_i,
+  input  wire logic                 beat_line_end_i,
+  input  wire logic                 one_group_i,    // the frame has 4 columns
+  input  wire logic                 two_groups_i,   // the frame has 8 columns
+  input  wire logic [1:0]           mode_i,
+  input  wire logic [7:0]           threshold_i,
+  input  wire logic                 break_i,
+  input  wire logic                 accept_i,
+
+  output logic                      moments_valid_o,
+  output logic [127:0]              moments_data_o,
+  output logic                      moments_break_o,
+  output logic                      spoiled_o
+);
+
+  localparam int WeightBits = Grey ? 8 : 1;
+  localparam int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits;
+  localparam int LaneMBits = Grey ? M0Bits + RowBits : M0Bits;
+  localparam int LaneABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
+  localparam int M1Bits = $clog2(MaxRows * (MaxRows + 1) / 2 + 1);  // in mode binary
+
+  // --- Stages 1 to 4: weights; the rest waits for the decision of the packetizer ---
+  logic [4:1]              valid_q;
+  logic [3:1]              break_q;
+  logic [GroupBits-1:0]    s1_group_q, s2_group_q, s3_group_q, s4_group_q;
+  logic [RowBits-1:0]      s1_row_q, s2_row_q, s3_row_q, s4_row_q;
+  logic [5:0]              s1_flags_q, s2_flags_q, s3_flags_q, s4_flags_q;
+  logic [4*WeightBits-1:0] s2_weights_q, s3_weights_q, s4_weights_q;
+  logic                    s4_first_row, s4_last_row, s4_line_end, s4_one, s4_two, s4_grey;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      valid_q <= '0;
+      break_q <= '0;
+    end else begin
+      valid_q <= {valid_q[3:1], beat_valid_i};
+      break_q <= {break_q[2:1], break_i};
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    s1_group_q <= beat_group_i;
+    s1_row_q   <= beat_row_i;
+    s1_flags_q <= {beat_first_row_i, beat_last_row_i, beat_line_end_i, one_group_i, two_groups_i,
+                   Grey && mode_i != sp_spec_pkg::ModeBinary};
+    {s2_group_q, s2_row_q, s2_flags_q} <= {s1_group_q, s1_row_q, s1_flags_q};
+    {s3_group_q, s3_row_q, s3_flags_q} <= {s2_group_q, s2_row_q, s2_flags_q};
+    {s4_group_q, s4_row_q, s4_flags_q} <= {s3_group_q, s3_row_q, s3_flags_q};
+    s3_weights_q <= s2_weights_q;
+    s4_weights_q <= s3_weights_q;
+  end
+
+  assign {s4_first_row, s4_last_row, s4_line_end, s4_one, s4_two, s4_grey} = s4_flags_q;
+
+  for (genvar lane = 0; lane < 4; lane++) begin : gen_weight
+    logic [7:0] pixel;
+    logic       lit1_q;
+    assign pixel = beat_pixels_i[8*lane+:8];
+    always_ff @(posedge clk_i) lit1_q <= pixel > threshold_i;
+    if (Grey) begin : gen_grey
+      logic [7:0] value1_q;
+      always_ff @(posedge clk_i) begin
+        case (mode_i)
+          sp_spec_pkg::ModeBinary: value1_q <= 8'd1;
+          sp_spec_pkg::ModeGrey:   value1_q <= pixel;
+          default:                 value1_q <= pixel - threshold_i;
+        endcase
+        s2_weights_q[8*lane+:8] <= lit1_q ? value1_q : 8'd0;
+      end
+    end else begin : gen_binary
+      always_ff @(posedge clk_i) s2_weights_q[lane] <= lit1_q;
+    end
+  end
+
+  // --- Stage 4: address of the sums. A last row is added up only in mode binary, where it completes them. ---
+  logic                   s4_drain_row;  // a last row that goes to the drain
+  logic                   add;
+  logic                   drain;
+  logic [GroupBits-1:0]   drain_group;
+  logic                   draining;
+  logic [4*LaneMBits-1:0] raw_m, sum_m;
+  logic [4*LaneABits-1:0] raw_a, sum_a;
+
+  assign s4_drain_row = s4_last_row && s4_grey;
+  // A first row needs no read and may pass a drain; any other row meets one only after a change of size: see spoiled_o.
+  assign add          = valid_q[4] && !s4_drain_row && (s4_first_row || !draining);
+
+  for (genvar pair = 0; pair < 2; pair++) begin : gen_pair
+    sp_moment_pair #(
+      .MaxRows  (MaxRows),
+      .GroupBits(GroupBits),
+      .Grey     (Grey)
+    ) u_pair (
+      .clk_i       (clk_i),
+      .rst_i       (rst_i),
+      .drain_i     (drain),
+      .drain_group_i(drain_group),
+      .add_i       (add),
+      .group_i     (s4_group_q),
+      .weights_i   (s4_weights_q[2*WeightBits*pair+:2*WeightBits]),
+      .row_i       (s4_row_q),
+      .first_row_i (s4_first_row),
+      .one_group_i (s4_one),
+      .two_groups_i(s4_two),
+      .grey_i      (s4_grey),
+      .raw_m_o     (raw_m[2*LaneMBits*pair+:2*LaneMBits]),
+      .raw_a_o     (raw_a[2*LaneABits*pair+:2*LaneABits]),
+      .sum_m_o     (sum_m[2*LaneMBits*pair+:2*LaneMBits]),
+      .sum_a_o     (sum_a[2*LaneABits*pair+:2*LaneABits])
+    );
+  end
+
+  // --- Mode binary: the sums of the last row, as they come ---
+  logic [8:5] direct_q;
+  logic [8:5] direct_break_q;
+  logic [4*RowBits-1:0] m0_8_q;
+  logic break_drains;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      direct_q       <= '0;
+      direct_break_q <= '0;
+    end else begin
+      direct_q       <= {direct_q[7:5], valid_q[4] && s4_last_row && !s4_grey && accept_i};
+      direct_break_q <= {direct_break_q[7:5], break_q[3] && accept_i && !break_drains};
+    end
+  end
+
+  for (genvar lane = 0; lane < 4; lane++) begin : gen_m0
+    always_ff @(posedge clk_i) begin
+      if (direct_q[7]) m0_8_q[lane*RowBits+:RowBits] <= sum_m[lane*LaneMBits+:RowBits];
+    end
+  end
+
+  logic [127:0] direct_data;
+  for (genvar lane = 0; lane < 4; lane++) begin : gen_word
+    logic [31:0] word;
+    assign word = 32'(sum_a[lane*LaneABits+:M1Bits]) << sp_spec_pkg::BinaryM1Lsb |
+                  32'(m0_8_q[lane*RowBits+:RowBits]) << sp_spec_pkg::BinaryM0Lsb;
+    assign direct_data[32*lane+:32] = word;
+  end
+
+  // --- Grey modes: the drain ---
+  if (Grey) begin : gen_grey
+    logic         drain_grey_q;  // the last row now passing, or the one before, goes to the drain
+    logic         drain_valid;
+    logic [127:0] drain_data;
+    logic         drain_break;
+
+    always_ff @(posedge clk_i) begin
+      if (rst_i) drain_grey_q <= 1'b0;
+      else if (valid_q[4] && s4_last_row) drain_grey_q <= s4_grey;
+    end
+    assign break_drains = valid_q[4] && s4_last_row ? s4_grey : drain_grey_q;
+
+    sp_moment_drain #(
+      .MaxRows  (MaxRows),
+      .GroupBits(GroupBits)
+    ) u_drain (
+      .clk_i           (clk_i),
+      .rst_i           (rst_i),
+      .push_i          (valid_q[4] && s4_drain_row && accept_i),
+      .push_end_i      (s4_line_end),
+      .push_group_i    (s4_group_q),
+      .push_weights_i  (s4_weights_q),
+      .push_row_i      (s4_row_q),
+      .push_first_row_i(s4_first_row),
+      .push_one_group_i(s4_one),
+      .break_i         (break_q[3] && accept_i && break_drains),
+      .drain_o         (drain),
+      .drain_group_o   (drain_group),
+      .active_o        (draining),
+      .raw_m_i         (raw_m),
+      .raw_a_i         (raw_a),
+      .sum_m_i         (sum_m),
+      .sum_a_i         (sum_a),
+      .valid_o         (drain_valid),
+      .data_o          (drain_data),
+      .break_o         (drain_break)
+    );
+
+    // A frame is spoiled from the first beat it loses to its next frame's first row.
+    always_ff @(posedge clk_i) begin
+      if (rst_i) spoiled_o <= 1'b0;
+      else if (valid_q[4] && s4_first_row) spoiled_o <= 1'b0;
+      else if (valid_q[4] && !s4_drain_row && draining) spoiled_o <= 1'b1;
+    end
+
+    assign moments_valid_o = direct_q[8] || drain_valid;
+    assign moments_data_o  = direct_q[8] ? direct_data : drain_data;
+    assign moments_break_o = direct_break_q[8] || drain_break;
+  end else begin : gen_binary
+    assign drain           = 1'b0;
+    assign drain_group     = '0;
+    assign draining        = 1'b0;
+    assign break_drains    = 1'b0;
+    assign spoiled_o       = 1'b0;
+    assign moments_valid_o = direct_q[8];
+    assign moments_data_o  = direct_data;
+    assign moments_break_o = direct_break_q[8];
+    logic unused;
+    assign unused = ^{s4_line_end, raw_m, raw_a, mode_i};
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,182 @@
+// Running sums of two neighbouring column lanes: two pixels of every beat.
+//
+// Keeps, for each column, M0 (with N, the number of lit pixels, in a grey build) in one memory and the 1st-moment sum A
+// in a second one that runs one clock later, so that A may take up the old M0. In mode binary A is M1 itself: every lit
+// pixel adds its row. In the grey modes A adds up M0 before each row (A = sum over r < R of S_r', S the prefix sums), which
+// needs no multiplier here; sp_moment_drain finishes it: M1 = R*M0 - A.
+//
+// Timing, in clocks after a beat is taken (add_i, stage 0): sums of M0, N are at sum_m_o in stage 3, of A at
+// sum_a_o in stage 4. Raw memory words are at raw_m_o in stage 1 and raw_a_o in stage 2. The sums never wrap: widths follow
+// from MaxRows. Guarantees every distance of two beats of one column, from the very next clock on (images of 4 columns
+// have all their beats in one address): the last sum is taken past the memory.
+`default_nettype none
+
+module sp_moment_pair #(
+  parameter int MaxRows = 1023,
+  parameter int GroupBits = 9,
+  parameter bit Grey = 1'b1,
+  // derived, do not set
+  parameter int RowBits = $clog2(MaxRows + 1),
+  parameter int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits,
+  parameter int WeightBits = Grey ? 8 : 1,
+  parameter int LaneMBits = Grey ? M0Bits + RowBits : M0Bits,
+  parameter int LaneABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1)
+) (
+  input  wire logic                     clk_i,
+  input  wire logic                     rst_i,
+
+  // Stage 0: a group to read only. It may meet a beat of a first row, which needs no read, and no other.
+  input  wire logic                     drain_i,
+  input  wire logic [GroupBits-1:0]     drain_group_i,
+  // Stage 0: a beat to add up
+  input  wire logic                     add_i,
+  input  wire logic [GroupBits-1:0]     group_i,
+  input  wire logic [2*WeightBits-1:0]  weights_i,
+  input  wire logic [RowBits-1:0]       row_i,
+  input  wire logic                     first_row_i,   // sums begin at zero
+  input  wire logic                     one_group_i,   // the image has 4 columns
+  input  wire logic                     two_groups_i,  // the image has 8 columns
+  input  wire logic                     grey_i,
+
+  output logic [2*LaneMBits-1:0]        raw_m_o,  // {N, M0} of each lane, or M0
+  output logic [2*LaneABits-1:0]        raw_a_o,
+  output logic [2*LaneMBits-1:0]        sum_m_o,
+  output logic [2*LaneABits-1:0]        sum_a_o
+);
+
+  // Stage 1: the M word is read, and A's read begins
+  logic                    s1_add_q, s1_drain_q, s1_first_q, s1_one_q, s1_two_q, s1_grey_q;
+  logic [GroupBits-1:0]    s1_group_q, s1_drain_group_q;
+  logic [2*WeightBits-1:0] s1_weights_q;
+  logic [RowBits-1:0]      s1_row_q;
+  // Stage 2: M is summed and written
+  logic                    s2_add_q, s2_first_q, s2_use_sum_q, s2_forward_q, s2_grey_q;
+  logic [GroupBits-1:0]    s2_group_q;
+  logic [2*WeightBits-1:0] s2_weights_q;
+  logic [RowBits-1:0]      s2_row_q;
+  logic [2*LaneMBits-1:0]  s2_old_q;
+  logic [2*LaneMBits-1:0]  sum_m;
+  // Stage 3: A is summed and written
+  logic                    s3_add_q, s3_use_sum_q;
+  logic [GroupBits-1:0]    s3_group_q;
+  logic [2*LaneABits-1:0]  s3_old_q;
+  logic [2*LaneABits-1:0]  s3_addend_q;
+  logic [2*LaneABits-1:0]  sum_a;
+
+  // The beat two clocks ahead had the same address, and its sum is not readable yet: true only for images of two
+  // groups without a gap, since groups alternate.
+  logic forward_m;
+  assign forward_m = s1_two_q && s2_add_q && s3_add_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      s1_add_q   <= 1'b0;
+      s1_drain_q <= 1'b0;
+      s2_add_q   <= 1'b0;
+      s3_add_q   <= 1'b0;
+    end else begin
+      s1_add_q   <= add_i;
+      s1_drain_q <= drain_i;
+      s2_add_q   <= s1_add_q;
+      s3_add_q   <= s2_add_q;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (drain_i) s1_drain_group_q <= drain_group_i;
+    if (add_i) begin
+      s1_group_q   <= group_i;
+      s1_first_q   <= first_row_i;
+      s1_one_q     <= one_group_i;
+      s1_two_q     <= two_groups_i;
+      s1_grey_q    <= grey_i;
+      s1_weights_q <= weights_i;
+      s1_row_q     <= row_i;
+    end
+    if (s1_add_q) begin
+      s2_group_q   <= s1_group_q;
+      s2_first_q   <= s1_first_q;
+      s2_use_sum_q <= s1_one_q && !s1_first_q;
+      s2_forward_q <= forward_m;
+      s2_grey_q    <= s1_grey_q;
+      s2_weights_q <= s1_weights_q;
+      s2_row_q     <= s1_row_q;
+      s2_old_q     <= s1_first_q ? '0 : forward_m ? sum_m_o : raw_m_o;
+    end
+    if (s2_add_q) begin
+      s3_group_q   <= s2_group_q;
+      s3_use_sum_q <= s2_use_sum_q;
+      s3_old_q     <= s2_first_q ? '0 : s2_forward_q ? sum_a_o : raw_a_o;
+      sum_m_o      <= sum_m;
+    end
+    if (s3_add_q) sum_a_o <= sum_a;
+  end
+
+  for (genvar lane = 0; lane < 2; lane++) begin : gen_lane
+    logic [LaneMBits-1:0]  base_m;
+    logic [LaneABits-1:0]  base_a;
+    logic [WeightBits-1:0] weight;
+    logic                  lit;
+    logic [LaneABits-1:0]  row_if_lit;
+
+    assign weight = s2_weights_q[lane*WeightBits+:WeightBits];
+    assign lit    = |weight;  // a lit pixel weighs at least 1 in every mode
+    assign base_m = s2_use_sum_q ? sum_m_o[lane*LaneMBits+:LaneMBits] : s2_old_q[lane*LaneMBits+:LaneMBits];
+    assign base_a = s3_use_sum_q ? sum_a_o[lane*LaneABits+:LaneABits] : s3_old_q[lane*LaneABits+:LaneABits];
+
+    assign row_if_lit = {{(LaneABits - RowBits) {1'b0}}, lit ? s2_row_q : {RowBits{1'b0}}};
+
+    if (Grey) begin : gen_grey
+      assign sum_m[lane*LaneMBits+:M0Bits] = {{(M0Bits - WeightBits) {1'b0}}, weight} + base_m[M0Bits-1:0];
+      assign sum_m[lane*LaneMBits+M0Bits+:RowBits] = {{(RowBits - 1) {1'b0}}, lit} + base_m[M0Bits+:RowBits];
+      always_ff @(posedge clk_i) begin
+        if (s2_add_q) begin
+          s3_addend_q[lane*LaneABits+:LaneABits] <=
+              s2_grey_q ? {{(LaneABits - M0Bits) {1'b0}}, base_m[M0Bits-1:0]} : row_if_lit;
+        end
+      end
+    end else begin : gen_binary
+      assign sum_m[lane*LaneMBits+:M0Bits] = {{(M0Bits - 1) {1'b0}}, lit} + base_m;
+      always_ff @(posedge clk_i) begin
+        if (s2_add_q) s3_addend_q[lane*LaneABits+:LaneABits] <= row_if_lit;
+      end
+      logic unused;
+      assign unused = s2_grey_q;
+    end
+
+    assign sum_a[lane*LaneABits+:LaneABits] = s3_addend_q[lane*LaneABits+:LaneABits] + base_a;
+  end
+
+  // A word is read and written in one clock only where the read word goes unused: in the first row, in images of one
+  // group (the sum register holds the value), and in images of two groups without a gap (forward_m).
+  sp_ram #(
+    .Width   (2 * LaneMBits),
+    .LogDepth(GroupBits)
+  ) u_m (
+    .wr_clk_i (clk_i),
+    .wr_en_i  (s2_add_q),
+    .wr_addr_i(s2_group_q),
+    .wr_data_i(sum_m),
+    .rd_clk_i (clk_i),
+    .rd_en_i  (add_i || drain_i),
+    .rd_addr_i(drain_i ? drain_group_i : group_i),
+    .rd_data_o(raw_m_o)
+  );
+
+  sp_ram #(
+    .Width   (2 * LaneABits),
+    .LogDepth(GroupBits)
+  ) u_a (
+    .wr_clk_i (clk_i),
+    .wr_en_i  (s3_add_q),
+    .wr_addr_i(s3_group_q),
+    .wr_data_i(sum_a),
+    .rd_clk_i (clk_i),
+    .rd_en_i  (s1_add_q || s1_drain_q),
+    .rd_addr_i(s1_drain_q ? s1_drain_group_q : s1_group_q),
+    .rd_data_o(raw_a_o)
+  );
+
+endmodule
+
+`default_nettype wire
