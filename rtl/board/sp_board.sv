@@ -291,7 +291,8 @@ module sp_board #(
 
   logic                          moments_accept, moments_valid, moments_break, spoiled;
   logic [127:0]                  moments_data;
-  logic [MomentsPayloadBits-1:0] moments_beats;
+  logic [MomentsPayloadBits-1:0] moments_beats, moments_beats_q;
+  logic                          last_row_start_q;
   logic [MomentsLogDepth:0]      moments_free;
   logic                          moments_put, moments_put_last;
   logic [127:0]                  moments_put_data;
@@ -303,6 +304,13 @@ module sp_board #(
                                                              MomentsPayloadBits'(columns[ColumnBits-1:1]);
   end else begin : gen_binary_beats
     assign moments_beats = MomentsPayloadBits'(columns[ColumnBits-1:2]);
+  end
+
+  // A frame's last row is announced one clock late: its header is then read when that of a frame that breaks there is out.
+  always_ff @(posedge clk_i) begin
+    if (rst_i) last_row_start_q <= 1'b0;
+    else last_row_start_q <= last_row_start;
+    moments_beats_q <= moments_beats;
   end
 
   sp_column_moments #(
@@ -340,12 +348,13 @@ module sp_board #(
   ) u_moments_packetizer (
     .clk_i          (clk_i),
     .rst_i          (rst_i),
-    .start_i        (last_row_start),
-    .payload_beats_i(moments_beats),
+    .start_i        (last_row_start_q),
+    .payload_beats_i(moments_beats_q),
     .line_i         (RowBits'(1)),
     .spoiled_i      (spoiled),
     .break_first_i  (frame_break && !break_in_last_row),
     .break_later_i  (frame_break && break_in_last_row),
+    .start_status_i ({StatusBits{1'b0}}),
     .break_status_i (break_status),
     .accept_o       (moments_accept),
     .payload_valid_i(moments_valid),
@@ -391,29 +400,37 @@ module sp_board #(
   if (Image) begin : gen_image
     localparam int PayloadBits = $clog2(MaxColumns / 16 + 2);
 
-    logic                   line_start, line_break, accept, words_valid, words_break;
+    logic                   line_done, accept, words_valid, words_break;
     logic [127:0]           words_data;
-    logic [PayloadBits-1:0] line_beats;
+    logic [PayloadBits-1:0] line_words;
+    logic [RowBits-1:0]     line_row;
+    logic [StatusBits-1:0]  line_status;
     logic [ImageLogDepth:0] image_free;
     logic                   image_put, image_put_last;
     logic [127:0]           image_put_data;
     logic                   image_out_valid, image_out_ready, image_out_last;
     logic [127:0]           image_out_data;
 
-    assign line_beats = PayloadBits'((32'(columns) + 32'd12) >> 4);
-
-    sp_image_packer u_packer (
+    sp_image_packer #(
+      .MaxColumns(MaxColumns),
+      .MaxRows   (MaxRows)
+    ) u_packer (
       .clk_i            (clk_i),
       .rst_i            (rst_i),
       .image_i          (image),
+      .columns_i        (columns),
       .beat_valid_i     (beat_valid),
       .beat_pixels_i    (beat_pixels),
       .beat_group_i     (beat_group[1:0]),
+      .beat_row_i       (beat_row),
       .beat_line_start_i(beat_line_start),
       .beat_line_end_i  (beat_line_end),
       .break_i          (frame_break),
-      .line_start_o     (line_start),
-      .break_o          (line_break),
+      .break_status_i   (break_status),
+      .line_done_o      (line_done),
+      .line_words_o     (line_words),
+      .line_row_o       (line_row),
+      .line_status_o    (line_status),
       .accept_i         (accept),
       .words_valid_o    (words_valid),
       .words_data_o     (words_data),
@@ -429,13 +446,14 @@ module sp_board #(
     ) u_image_packetizer (
       .clk_i          (clk_i),
       .rst_i          (rst_i),
-      .start_i        (line_start),
-      .payload_beats_i(line_beats),
-      .line_i         (beat_row),
+      .start_i        (line_done),
+      .payload_beats_i(line_words),
+      .line_i         (line_row),
       .spoiled_i      (1'b0),
       .break_first_i  (1'b0),
-      .break_later_i  (line_break),
-      .break_status_i (break_status),
+      .break_later_i  (1'b0),
+      .start_status_i (line_status),
+      .break_status_i ({StatusBits{1'b0}}),
       .accept_o       (accept),
       .payload_valid_i(words_valid),
       .payload_data_i (words_data),

@@ -2,8 +2,9 @@
 //
 // A header of four beats is written at most seven clocks after the event that causes it, while the next frame may already
 // have begun. Each field is therefore captured so late that the header before it is out, and so early that its own is not
-// yet: beat i of a header caused in clock c (sp_packetizer: a last row's start, or a break) is read in clock c + 4 + i, or
-// c + 3 + i where the next frame's start is the break. A frame that starts in clock c shows in beat i from clock c + 4 + i on.
+// yet: a header caused by an event of clock e (sp_packetizer) reads its beat i in clock e + 3 + i. The event is one clock after
+// the beat that causes it (a last row's first, a line's last), or in the clock of the next frame's start where that breaks the
+// frame; so a frame that starts in clock c shows in beat i from clock c + 4 + i on.
 //
 // The time stamp is nevertheless that of the frame's first beat at the video input (the counter runs ahead by the
 // delay), and so is the encoder count (sp_encoder is late by the same number of clocks).

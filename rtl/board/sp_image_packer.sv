@@ -1,101 +1,180 @@
-// Raw image: packs the pixels of a line into 16-byte payload beats, leftmost in the lowest byte, zeros after the last.
+// Raw image: packs the pixels of a line into 16-byte payload beats, leftmost in the lowest byte, zeros after the last, and
+// sends a line once it is complete.
 //
-// Beats that were not accepted (accept_i, four clocks after line_start_o) are dropped. A payload beat leaves eight clocks
-// after the pixels that complete it. A line that breaks sends what came of it, then words_break_o.
+// The words of a line wait in a ring of at least two lines, so that lines may follow each other without a gap: line_done_o
+// asks for a packet when the line has ended or broken, and after accept_i its words leave one a clock. A line that broke
+// leaves with the words it has, then words_break_o.
+//
+// Timing: line_done_o is a register, one clock after the line's last beat, or in the clock of break_i; accept_i is read
+// three clocks later, the words leave from seven clocks after line_done_o on.
 `default_nettype none
 
-module sp_image_packer (
-  input  wire logic        clk_i,
-  input  wire logic        rst_i,
+module sp_image_packer #(
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
+  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  // derived, do not set
+  parameter int ColumnBits = $clog2(MaxColumns + 1),
+  parameter int RowBits = $clog2(MaxRows + 1),
+  parameter int WordBits = $clog2(MaxColumns / 16 + 2),
+  parameter int LogDepth = MaxColumns > 256 ? $clog2(MaxColumns / 8) : 5
+) (
+  input  wire logic                  clk_i,
+  input  wire logic                  rst_i,
 
   // Beats of sp_frame_tracker
-  input  wire logic        image_i,  // the frame's image is wanted
-  input  wire logic        beat_valid_i,
-  input  wire logic [31:0] beat_pixels_i,
-  input  wire logic [1:0]  beat_group_i,  // low bits of the group
-  input  wire logic        beat_line_start_i,
-  input  wire logic        beat_line_end_i,
-  input  wire logic        break_i,
+  input  wire logic                  image_i,  // the frame's image is wanted
+  input  wire logic [ColumnBits-1:0] columns_i,
+  input  wire logic                  beat_valid_i,
+  input  wire logic [31:0]           beat_pixels_i,
+  input  wire logic [1:0]            beat_group_i,  // low bits of the group
+  input  wire logic [RowBits-1:0]    beat_row_i,
+  input  wire logic                  beat_line_start_i,
+  input  wire logic                  beat_line_end_i,
+  input  wire logic                  break_i,
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,
 
-  output logic             line_start_o,  // asks for a packet, same clock as the beat
-  output logic             break_o,       // breaks the line asked for, same clock as break_i
-  input  wire logic        accept_i,
+  // Packets
+  output logic                       line_done_o,
+  output logic      [WordBits-1:0]   line_words_o,   // of the whole line
+  output logic      [RowBits-1:0]    line_row_o,
+  output logic [sp_spec_pkg::StatusBits-1:0] line_status_o,
+  input  wire logic                  accept_i,
 
-  output logic             words_valid_o,
-  output logic [127:0]     words_data_o,
-  output logic             words_break_o
+  output logic                       words_valid_o,
+  output logic      [127:0]          words_data_o,
+  output logic                       words_break_o
 );
 
-  logic line_open_q;
-  logic valid;
+  logic                line_open_q;
+  logic                line_ended_q;  // the last beat of a line was in the clock before
+  logic                breaks;
+  logic                valid;
+  logic [WordBits-1:0] line_words_q;
 
-  assign valid        = beat_valid_i && image_i;
-  assign line_start_o = valid && beat_line_start_i;
-  assign break_o      = break_i && line_open_q;
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i) line_open_q <= 1'b0;
-    else if (valid) line_open_q <= !beat_line_end_i;
-    else if (break_i) line_open_q <= 1'b0;
-  end
-
-  // The beats wait for the header: stages 1 to 7. A break stands beside the beat it follows.
-  logic [7:1]  valid_q;
-  logic [7:2]  break_q;
-  logic [7:1]  end_q;
-  logic [31:0] pixels1_q, pixels2_q, pixels3_q, pixels4_q, pixels5_q, pixels6_q, pixels7_q;
-  logic [1:0]  lane1_q, lane2_q, lane3_q, lane4_q, lane5_q, lane6_q, lane7_q;
+  assign valid         = beat_valid_i && image_i;
+  assign breaks        = break_i && line_open_q;
+  assign line_done_o   = line_ended_q || breaks;
+  assign line_status_o = breaks ? break_status_i : '0;
+  assign line_words_o  = line_words_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      valid_q <= '0;
-      break_q <= '0;
+      line_open_q  <= 1'b0;
+      line_ended_q <= 1'b0;
     end else begin
-      valid_q <= {valid_q[6:5], valid_q[4] && accept_i, valid_q[3:1], valid};
-      break_q <= {break_q[6:5], break_q[4] && accept_i, break_q[3:2], break_o};
+      line_ended_q <= valid && beat_line_end_i;
+      if (valid) line_open_q <= !beat_line_end_i;
+      else if (break_i) line_open_q <= 1'b0;
+    end
+    if (valid && beat_line_start_i) begin
+      line_words_q <= WordBits'((32'(columns_i) + 32'd12) >> 4);
+      line_row_o   <= beat_row_i;
+    end
+  end
+
+  // --- Words into the ring: a word is written in the clock after its fourth beat; an incomplete one, or the last, in the
+  // clock in which its line is done ---
+  logic [95:0]         gathered_q;  // the first three beats of a word, zeros above
+  logic                partial_q;   // gathered_q holds beats that were not written
+  logic                whole_q;     // word_q waits to be written
+  logic [127:0]        word_q;
+  logic                write;
+  logic [LogDepth-1:0] wr_ptr_q, next_ptr;
+  logic [LogDepth-1:0] line_ptr_q;  // where the line begins
+  logic [WordBits-1:0] count_q, next_count;
+
+  assign write      = whole_q || line_done_o && partial_q;
+  assign next_ptr   = wr_ptr_q + LogDepth'(write);
+  assign next_count = count_q + WordBits'(write);
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      partial_q  <= 1'b0;
+      whole_q    <= 1'b0;
+      wr_ptr_q   <= '0;
+      line_ptr_q <= '0;
+      count_q    <= '0;
+    end else begin
+      whole_q <= valid && beat_group_i == 2'd3;
+      if (valid) partial_q <= beat_group_i != 2'd3;
+      else if (line_done_o) partial_q <= 1'b0;
+      wr_ptr_q <= next_ptr;
+      count_q  <= line_done_o ? '0 : next_count;
+      if (line_done_o) line_ptr_q <= next_ptr;
     end
   end
 
   always_ff @(posedge clk_i) begin
-    end_q <= {end_q[6:1], beat_line_end_i};
-    {pixels1_q, lane1_q} <= {beat_pixels_i, beat_group_i};
-    {pixels2_q, lane2_q} <= {pixels1_q, lane1_q};
-    {pixels3_q, lane3_q} <= {pixels2_q, lane2_q};
-    {pixels4_q, lane4_q} <= {pixels3_q, lane3_q};
-    {pixels5_q, lane5_q} <= {pixels4_q, lane4_q};
-    {pixels6_q, lane6_q} <= {pixels5_q, lane5_q};
-    {pixels7_q, lane7_q} <= {pixels6_q, lane6_q};
-  end
-
-  // Stage 8: the word
-  logic partial_q;  // words_data_o holds pixels that have not left
-  logic whole;
-
-  assign whole = valid_q[7] && (lane7_q == 2'd3 || end_q[7]);
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      partial_q     <= 1'b0;
-      words_valid_o <= 1'b0;
-      words_break_o <= 1'b0;
-    end else begin
-      if (break_q[7]) partial_q <= 1'b0;
-      else if (valid_q[7]) partial_q <= !whole;
-      words_valid_o <= whole || break_q[7] && (valid_q[7] || partial_q);
-      words_break_o <= break_q[7];
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (valid_q[7]) begin
-      case (lane7_q)
-        2'd0:    words_data_o <= {96'd0, pixels7_q};
-        2'd1:    words_data_o[63:32] <= pixels7_q;
-        2'd2:    words_data_o[95:64] <= pixels7_q;
-        default: words_data_o[127:96] <= pixels7_q;
+    if (valid) begin
+      case (beat_group_i)
+        2'd0:    gathered_q <= {64'd0, beat_pixels_i};
+        2'd1:    gathered_q[63:32] <= beat_pixels_i;
+        2'd2:    gathered_q[95:64] <= beat_pixels_i;
+        default: word_q <= {beat_pixels_i, gathered_q};
       endcase
     end
   end
+
+  // --- Words out of it: those of a line whose packet was accepted ---
+  logic [3:1]          done_q;
+  logic [LogDepth-1:0] ptr1_q, ptr2_q, ptr3_q;
+  logic [WordBits-1:0] count1_q, count2_q, count3_q;
+  logic [3:1]          broken_q;
+  logic [2:1]          go_q;
+  logic                reading_q;
+  logic                last_word;
+  logic [LogDepth-1:0] rd_ptr_q;
+  logic [WordBits-1:0] left_q;
+  logic                line_broken_q;
+
+  assign last_word = left_q == WordBits'(1);
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      done_q        <= '0;
+      go_q          <= '0;
+      reading_q     <= 1'b0;
+      words_valid_o <= 1'b0;
+      words_break_o <= 1'b0;
+    end else begin
+      done_q <= {done_q[2:1], line_done_o};
+      go_q   <= {go_q[1], done_q[3] && accept_i};
+      if (go_q[2]) reading_q <= 1'b1;
+      else if (last_word) reading_q <= 1'b0;
+      words_valid_o <= reading_q;
+      words_break_o <= reading_q && last_word && line_broken_q;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    {ptr1_q, count1_q} <= {line_ptr_q, next_count};
+    {ptr2_q, count2_q} <= {ptr1_q, count1_q};
+    {ptr3_q, count3_q} <= {ptr2_q, count2_q};
+    broken_q <= {broken_q[2:1], breaks};
+    if (done_q[3] && accept_i) begin
+      rd_ptr_q      <= ptr3_q;
+      left_q        <= count3_q;
+      line_broken_q <= broken_q[3];
+    end else if (reading_q) begin
+      rd_ptr_q <= rd_ptr_q + LogDepth'(1);
+      left_q   <= left_q - WordBits'(1);
+    end
+  end
+
+  // A line is read at once when it is accepted, and overwritten at the earliest by the line after the next.
+  sp_ram #(
+    .Width   (128),
+    .LogDepth(LogDepth)
+  ) u_ring (
+    .wr_clk_i (clk_i),
+    .wr_en_i  (write),
+    .wr_addr_i(wr_ptr_q),
+    .wr_data_i(whole_q ? word_q : {32'd0, gathered_q}),
+    .rd_clk_i (clk_i),
+    .rd_en_i  (reading_q),
+    .rd_addr_i(rd_ptr_q),
+    .rd_data_o(words_data_o)
+  );
 
 endmodule
 

@@ -4,13 +4,12 @@
 // start_i asks for a packet with payload_beats_i beats of payload, break_first_i for an empty one (a frame that broke before
 // its header left). Where the FIFO cannot take all of it, or the packet before is not finished, the packet is dropped
 // and counted; the count is in every later header. Each start_i and each break_first_i is thus delivered or counted.
-// Once begun a packet is always completed: where the payload ends early (payload_break_i) zeros fill it up, and the trailer
-// has the status given with break_status_i.
+// Once begun a packet is always completed: where the payload ends early (payload_break_i) zeros fill it up. The trailer has
+// the status given with start_i, break_first_i or, while the packet is under way, break_later_i.
 //
-// Timing, in clocks from start_i (c): decision in c + 3, accept_o from c + 4 on until the next decision, header beats at the
-// FIFO in c + 5 .. c + 8. Payload beats may come from c + 8 on, any number of clocks apart, and reach the FIFO one clock later.
-// From break_first_i (b, which belongs before anything else of clock b): decision in b + 2, header from b + 4 on.
-// A packet of n payload beats keeps the packetizer busy until seven clocks after its last payload beat.
+// Timing, in clocks from start_i or break_first_i (e): decision in e + 2, accept_o from e + 3 on until the next decision about
+// a start_i, header beats at the FIFO in e + 4 .. e + 7. Payload beats may come from e + 7 on, any number of clocks apart, and
+// reach the FIFO one clock later. The packetizer is busy until seven clocks after its last payload beat.
 `default_nettype none
 
 module sp_packetizer #(
@@ -26,11 +25,12 @@ module sp_packetizer #(
   // Requests
   input  wire logic                   start_i,
   input  wire logic [PayloadBits-1:0] payload_beats_i,
-  input  wire logic [RowBits-1:0]     line_i,         // kind image: the line; else not used
-  input  wire logic                   spoiled_i,      // at the decision: count the packet as lost
+  input  wire logic [RowBits-1:0]     line_i,          // with start_i, kind image: the line; else not used
+  input  wire logic                   spoiled_i,       // at the decision: count the packet as lost
   input  wire logic                   break_first_i,
-  input  wire logic                   break_later_i,  // the frame broke, and start_i had been given: status only
-  input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,
+  input  wire logic                   break_later_i,   // the frame broke after its start_i
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] start_status_i,
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,  // with break_first_i and break_later_i
   output logic                        accept_o,
 
   // Payload
@@ -73,14 +73,16 @@ module sp_packetizer #(
   localparam logic [2:0] StSettle = 3'd5;   // until fifo_free_i counts this packet
 
   // --- Requests on their way to the decision ---
-  logic [3:1]             start_q;
+  logic [2:1]             start_q;
   logic [2:1]             break_first_q;
   logic [3:1]             break_later_q;
-  logic [PayloadBits-1:0] payload1_q, payload2_q, payload3_q;
-  logic [RowBits-1:0]     line1_q, line2_q, line3_q;
+  logic [PayloadBits-1:0] payload, payload1_q, payload2_q;
+  logic [RowBits-1:0]     line1_q, line2_q;
   logic [CountBits-1:0]   need1_q;
-  logic                   room2_q, room3_q, room_empty_q;
+  logic                   room2_q;
   logic [StatusBits-1:0]  status1_q, status2_q, status3_q;
+
+  assign payload = start_i ? payload_beats_i : PayloadBits'(0);
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -88,26 +90,22 @@ module sp_packetizer #(
       break_first_q <= '0;
       break_later_q <= '0;
     end else begin
-      start_q       <= {start_q[2:1], start_i};
+      start_q       <= {start_q[1], start_i};
       break_first_q <= {break_first_q[1], break_first_i};
       break_later_q <= {break_later_q[2:1], break_later_i};
     end
   end
 
   always_ff @(posedge clk_i) begin
-    payload1_q   <= payload_beats_i;
-    payload2_q   <= payload1_q;
-    payload3_q   <= payload2_q;
-    line1_q      <= line_i;
-    line2_q      <= line1_q;
-    line3_q      <= line2_q;
-    status1_q    <= break_status_i;
-    status2_q    <= status1_q;
-    status3_q    <= status2_q;
-    need1_q      <= CountBits'(payload_beats_i) + CountBits'(Overhead);
-    room2_q      <= CountBits'(fifo_free_i) >= need1_q;
-    room3_q      <= room2_q;
-    room_empty_q <= CountBits'(fifo_free_i) >= CountBits'(Overhead);
+    payload1_q <= payload;
+    payload2_q <= payload1_q;
+    line1_q    <= line_i;
+    line2_q    <= line1_q;
+    status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
+    status2_q  <= status1_q;
+    status3_q  <= status2_q;
+    need1_q    <= CountBits'(payload) + CountBits'(Overhead);
+    room2_q    <= CountBits'(fifo_free_i) >= need1_q;
   end
 
   // --- State ---
@@ -123,8 +121,8 @@ module sp_packetizer #(
   logic                   take, take_empty, put_payload;
   logic [1:0]             lost_now_q;      // late enough for the header of a packet decided on the clock before
 
-  assign take        = start_q[3] && state_q == StIdle && room3_q && !spoiled_i;
-  assign take_empty  = break_first_q[2] && !start_q[3] && state_q == StIdle && room_empty_q;
+  assign take        = start_q[2] && state_q == StIdle && room2_q && !spoiled_i;
+  assign take_empty  = break_first_q[2] && state_q == StIdle && room2_q;
   assign put_payload = state_q == StPayload && payload_valid_i || state_q == StFill;
 
   always_ff @(posedge clk_i) begin
@@ -135,8 +133,8 @@ module sp_packetizer #(
       lost_now_q <= '0;
       lost_o     <= '0;
     end else begin
-      if (start_q[3]) accept_o <= take;
-      lost_now_q <= {lost_now_q[0], start_q[3] && !take || break_first_q[2] && !take_empty};
+      if (start_q[2]) accept_o <= take;
+      lost_now_q <= {lost_now_q[0], start_q[2] && !take || break_first_q[2] && !take_empty};
       if (lost_now_q[1]) lost_o <= lost_o + 32'd1;
 
       step_q <= state_q == StIdle ? '0 : step_q + 2'd1;
@@ -160,12 +158,12 @@ module sp_packetizer #(
 
   always_ff @(posedge clk_i) begin
     if (state_q == StIdle) begin
-      empty_q    <= !start_q[3];
-      payload_q  <= start_q[3] ? payload3_q : '0;
-      left_q     <= payload3_q;
-      one_left_q <= payload3_q == PayloadBits'(1);
-      line_q     <= line3_q;
-      status_q   <= start_q[3] ? '0 : status2_q;
+      empty_q    <= break_first_q[2];
+      payload_q  <= payload2_q;
+      left_q     <= payload2_q;
+      one_left_q <= payload2_q == PayloadBits'(1);
+      line_q     <= line2_q;
+      status_q   <= status2_q;
     end else begin
       if (put_payload) begin
         left_q     <= left_q - PayloadBits'(1);
@@ -267,7 +265,7 @@ module sp_packetizer #(
     assign unused = ^lines_i;
   end else begin : gen_frame
     logic unused;
-    assign unused = ^{line_q, line3_q};
+    assign unused = ^line_q;
   end
 
 endmodule

@@ -1,0 +1,133 @@
+#include "model/board.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace selfproj {
+
+void BoardModel::beat(const BoardInputs& inputs, const VideoBeat& beat) {
+  idle(inputs.clock - 1);
+  last_beat_ = inputs.clock;
+
+  if (beat.start) {
+    if (open_) {
+      end_frame(spec::kStatusStartInFrame);
+    }
+    if (!written_.run) {
+      return;
+    }
+    start_frame(inputs);
+  } else if (!open_) {
+    if (written_.run) {
+      ++stray_;
+      stray_seen_ = true;
+    }
+    return;
+  }
+
+  const auto at = static_cast<std::size_t>(row_) * static_cast<std::size_t>(settings_.columns);
+  std::copy(beat.pixels.begin(), beat.pixels.end(), pixels_.begin() + static_cast<std::ptrdiff_t>(at) + column_);
+  column_ += spec::kPixelsPerBeat;
+
+  const bool complete = column_ == settings_.columns;
+  if (beat.line_end && !complete) {
+    end_frame(spec::kStatusShortLine);
+  } else if (!beat.line_end && complete) {
+    end_frame(spec::kStatusLongLine);
+  } else if (complete) {
+    end_line(0);
+    ++row_;
+    column_ = 0;
+    if (row_ == settings_.rows) {
+      end_frame(0);
+    }
+  }
+}
+
+void BoardModel::idle(std::uint64_t clock) {
+  // The clock after the time-out is the first in which a beat comes too late.
+  if (open_ && written_.timeout != 0 && clock > last_beat_ + static_cast<std::uint64_t>(written_.timeout)) {
+    end_frame(spec::kStatusIncomplete);
+  }
+}
+
+void BoardModel::start_frame(const BoardInputs& inputs) {
+  if (!taken_ || inputs.clock >= last_take_ + kTakeDistance) {
+    settings_ = written_;
+    last_take_ = inputs.clock;
+    taken_ = true;
+  }
+  open_ = true;
+  inputs_ = inputs;
+  stray_before_ = std::exchange(stray_seen_, false);
+  row_ = 0;
+  column_ = 0;
+  pixels_.assign(static_cast<std::size_t>(settings_.rows) * static_cast<std::size_t>(settings_.columns), 0);
+  ++next_sequence_;
+}
+
+PacketHeader BoardModel::header(std::uint8_t kind) const {
+  PacketHeader header;
+  header.kind = kind;
+  header.stream = static_cast<std::uint8_t>(settings_.stream);
+  header.sequence = next_sequence_ - 1;
+  header.time_stamp = inputs_.clock;
+  header.encoder = inputs_.encoder;
+  header.columns = static_cast<std::uint16_t>(settings_.columns);
+  header.rows = static_cast<std::uint16_t>(settings_.rows);
+  header.pattern = inputs_.pattern;
+  header.mode = static_cast<std::uint8_t>(settings_.mode);
+  header.threshold = static_cast<std::uint8_t>(settings_.threshold);
+  header.first_line = 1;
+  header.lines = header.rows;
+  header.flags = stray_before_ ? spec::kFlagStrayBefore : 0;
+  return header;
+}
+
+// A line of the raw image; a broken one is filled up with zeros.
+void BoardModel::end_line(std::uint32_t status) {
+  if (!settings_.image) {
+    return;
+  }
+  BoardPacket packet{.header = header(spec::kKindImage), .payload = {}, .status = status};
+  packet.header.first_line = static_cast<std::uint16_t>(row_ + 1);
+  packet.header.lines = 1;
+  packet.payload.resize(image_line_payload_bytes(settings_.columns));
+  packet.header.payload_size = static_cast<std::uint32_t>(packet.payload.size());
+  const auto first = pixels_.begin() + static_cast<std::ptrdiff_t>(row_) * settings_.columns;
+  std::copy_n(first, column_, packet.payload.begin());
+  sink_(std::move(packet));
+}
+
+// The moments. A frame that broke before its last row gives an empty packet; one that broke in its last row keeps the
+// columns that were complete, and zeros for the rest.
+void BoardModel::end_frame(std::uint32_t status) {
+  open_ = false;
+  if (status != 0) {
+    ++broken_;
+    if (column_ != 0) {
+      end_line(status);
+    }
+  }
+  BoardPacket packet{.header = header(spec::kKindMoments), .payload = {}, .status = status};
+  const bool in_last_row = row_ == settings_.rows || (row_ == settings_.rows - 1 && column_ != 0);
+  if (in_last_row) {
+    const int complete = row_ == settings_.rows ? settings_.columns : column_;
+    Moments moments;
+    moments.resize(settings_.columns);
+    const MomentsView view = moments.view();
+    const ImageView image{
+        .pixels = pixels_.data(), .rows = settings_.rows, .columns = complete, .stride = settings_.columns};
+    column_moments(image, settings_.mode, settings_.threshold, view);
+    std::fill(moments.m0.begin() + complete, moments.m0.end(), 0U);
+    std::fill(moments.m1.begin() + complete, moments.m1.end(), 0U);
+    std::fill(moments.n.begin() + complete, moments.n.end(), 0U);
+    packet.payload.resize(moments_payload_bytes(settings_.mode, settings_.columns));
+    pack_moments(settings_.mode, settings_.columns, view, packet.payload.data());
+  }
+  packet.header.payload_size = static_cast<std::uint32_t>(packet.payload.size());
+  sink_(std::move(packet));
+}
+
+}  // namespace selfproj

@@ -1,0 +1,106 @@
+// The board's behaviour on a stream of video beats: which packets it makes of good and of broken frames.
+//
+// The model of what rtl/board does, without its clock-by-clock timing: it gives every packet the board would send if no
+// FIFO were ever full. What a full FIFO does to them is only that some are missing, whole, and counted in the field
+// `lost` of the later ones.
+#ifndef SELFPROJ_MODEL_BOARD_H
+#define SELFPROJ_MODEL_BOARD_H
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "model/column_moments.h"
+#include "model/packet.h"
+
+namespace selfproj {
+
+// The settings of the register file that decide about packets.
+struct BoardSettings {
+  bool run = true;     // frame starts are accepted
+  bool image = false;  // raw-image packets too
+  int columns = 512;   // a multiple of 4, from 4 up to the build's maximum
+  int rows = 96;       // from 1 up to the build's maximum
+  Mode mode = Mode::binary;
+  int threshold = 128;  // 0..255
+  int stream = 0;       // 0..255
+  int timeout =
+      0;  // clocks without a beat that end an open frame; 0 = never. Valid at once, not from a frame start on.
+};
+
+// One beat of the camera: four pixels, leftmost first.
+struct VideoBeat {
+  std::array<std::uint8_t, spec::kPixelsPerBeat> pixels{};
+  bool start = false;     // tuser: first beat of a frame
+  bool line_end = false;  // tlast: last beat of a line
+};
+
+// What the board reads at its other inputs at a frame's first beat.
+struct BoardInputs {
+  std::uint64_t clock = 0;    // pixel clocks since reset
+  std::uint32_t encoder = 0;  // count, two's complement
+  std::uint16_t pattern = 0;  // index
+};
+
+// A packet but for the field `lost` of its header, which is 0.
+struct BoardPacket {
+  PacketHeader header;
+  std::vector<std::uint8_t> payload;
+  std::uint32_t status = 0;  // 0 or spec::kStatus...
+};
+
+class BoardModel {
+ public:
+  using Sink = std::function<void(BoardPacket&&)>;
+
+  // Packets go to `sink`, those of each kind in the board's order. It must not call back into the model.
+  explicit BoardModel(Sink sink) : sink_(std::move(sink)) {}
+
+  // Settings as written to the registers: they come into force at the next frame start that may take them over (not
+  // within kTakeDistance clocks of the last take-over). `run` and `timeout` count at once.
+  void write(const BoardSettings& settings) { written_ = settings; }
+
+  // A beat at clock inputs.clock, later than every clock given before. Encoder and pattern are read only where
+  // beat.start is set.
+  void beat(const BoardInputs& inputs, const VideoBeat& beat);
+
+  // No beat has come up to and with this clock.
+  void idle(std::uint64_t clock);
+
+  // Counters, as in the registers of the same names.
+  [[nodiscard]] std::uint64_t frames() const { return next_sequence_; }
+  [[nodiscard]] std::uint64_t broken() const { return broken_; }
+  [[nodiscard]] std::uint64_t stray() const { return stray_; }
+  [[nodiscard]] bool frame_open() const { return open_; }
+
+  static constexpr std::uint64_t kTakeDistance = 7;
+
+ private:
+  void start_frame(const BoardInputs& inputs);
+  void end_frame(std::uint32_t status);
+  void end_line(std::uint32_t status);
+  [[nodiscard]] PacketHeader header(std::uint8_t kind) const;
+
+  Sink sink_;
+  BoardSettings written_;
+  BoardSettings settings_;  // in force
+  std::uint64_t last_take_ = 0;
+  bool taken_ = false;
+
+  bool open_ = false;            // a frame is being taken
+  bool stray_seen_ = false;      // beats were discarded since the last frame start
+  bool stray_before_ = false;    // ... before the open frame
+  BoardInputs inputs_;           // at the open frame's start
+  std::uint64_t last_beat_ = 0;  // clock of the last beat of any kind
+  int row_ = 0;                  // of the next beat, from 0
+  int column_ = 0;               // of its first pixel, from 0
+  std::vector<std::uint8_t> pixels_;
+  std::uint64_t next_sequence_ = 0;
+  std::uint64_t broken_ = 0;
+  std::uint64_t stray_ = 0;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_MODEL_BOARD_H

@@ -1,0 +1,157 @@
+// The Verilated board beside the model of the board: every beat goes into both, every packet that comes out must equal,
+// byte by byte, the one the model gives, with the exact number of packets lost before it in its header.
+#ifndef SELFPROJ_TESTS_RTL_BOARD_SCOREBOARD_H
+#define SELFPROJ_TESTS_RTL_BOARD_SCOREBOARD_H
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "model/board.h"
+#include "model/packet.h"
+#include "sim/device/board_device.h"
+
+namespace selfproj::test {
+
+template <class Model>
+class Scoreboard {
+ public:
+  explicit Scoreboard(const BoardDeviceOptions& options = {})
+      : device_(options), model_([this](BoardPacket&& packet) { expect(std::move(packet)); }) {
+    device_.on_packet([this](std::span<const std::uint8_t> bytes) { receive(bytes); });
+    device_.on_clock([this](std::uint64_t clock) { before_clock(clock); });
+    device_.on_beat([this](std::uint64_t clock, const VideoBeat& beat) {
+      model_.beat({.clock = clock, .encoder = encoder_, .pattern = pattern_}, beat);
+      if (beat.start && on_frame_) {
+        pattern_ = pattern_ == last_pattern_ ? 0 : static_cast<std::uint16_t>(pattern_ + 1);
+      }
+    });
+  }
+
+  BoardDevice<Model>& device() { return device_; }
+  BoardModel& model() { return model_; }
+
+  // Settings for the next frame start. Only where no frame can start during the register accesses.
+  void write(const BoardSettings& settings) {
+    device_.write(settings);
+    model_.write(settings);
+  }
+
+  // The pattern index advances with every frame.
+  void count_patterns_on_frames(int last_pattern) {
+    on_frame_ = true;
+    last_pattern_ = static_cast<std::uint16_t>(last_pattern);
+    device_.write(spec::kRegTriggerControl,
+                  1U << spec::kRegTriggerControlOnFrameLsb | static_cast<std::uint32_t>(last_pattern)
+                                                                 << spec::kRegTriggerControlLastPatternLsb);
+  }
+
+  // The encoder turns one step every so many clocks (at least 4), in changing directions; 0 stops it.
+  void turn_encoder(int clocks_a_step) { encoder_period_ = clocks_a_step; }
+
+  // All that was sent is out; what has not come was lost, and the counters of the board say so.
+  void finish() {
+    turn_encoder(0);
+    device_.drain();
+    for (auto& [kind, stream] : streams_) {
+      stream.lost += static_cast<std::uint32_t>(stream.expected.size());
+      stream.expected.clear();
+    }
+    EXPECT_EQ(device_.read(spec::kRegLostMoments), streams_[spec::kKindMoments].lost);
+    EXPECT_EQ(device_.read(spec::kRegLostImage), streams_[spec::kKindImage].lost);
+    EXPECT_EQ(device_.read(spec::kRegFrames), static_cast<std::uint32_t>(model_.frames()));
+    EXPECT_EQ(device_.read(spec::kRegBroken), static_cast<std::uint32_t>(model_.broken()));
+    EXPECT_EQ(device_.read(spec::kRegStray), static_cast<std::uint32_t>(model_.stray()));
+    EXPECT_EQ(device_.read(spec::kRegEncoder), encoder_);
+    EXPECT_EQ(device_.read(spec::kRegEncoderErrors), 0U);
+  }
+
+  [[nodiscard]] std::uint64_t delivered(std::uint8_t kind) { return streams_[kind].delivered; }
+  [[nodiscard]] std::uint64_t lost(std::uint8_t kind) { return streams_[kind].lost; }
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+  [[nodiscard]] const std::map<std::uint32_t, std::uint64_t>& by_status() const { return by_status_; }
+
+ private:
+  struct Stream {
+    std::deque<BoardPacket> expected;
+    std::uint32_t lost = 0;
+    std::uint64_t delivered = 0;
+  };
+
+  void expect(BoardPacket&& packet) { streams_[packet.header.kind].expected.push_back(std::move(packet)); }
+
+  void before_clock(std::uint64_t clock) {
+    if (clock != 0) {
+      model_.idle(clock - 1);
+    }
+    // The levels of the first clocks after a reset are taken over without counting.
+    if (encoder_period_ == 0 || clock < 16 || clock % static_cast<std::uint64_t>(encoder_period_) != 0) {
+      return;
+    }
+    // Forward for 100 steps, back for 37.
+    const bool forward = encoder_steps_++ % 137 < 100;
+    encoder_phase_ = (encoder_phase_ + (forward ? 1U : 3U)) % 4U;
+    encoder_ += forward ? 1U : ~0U;
+    constexpr std::array<std::pair<bool, bool>, 4> kLines = {
+        {{false, false}, {true, false}, {true, true}, {false, true}}};
+    device_.set_encoder(kLines[encoder_phase_].first, kLines[encoder_phase_].second);
+  }
+
+  void receive(std::span<const std::uint8_t> bytes) {
+    PacketView view;
+    const PacketError error = parse_packet(bytes, view);
+    ASSERT_EQ(error, PacketError::none) << to_string(error) << ", " << bytes.size() << " bytes";
+    ASSERT_EQ(view.size, bytes.size());
+    Stream& stream = streams_[view.header.kind];
+    const auto same = [&](const BoardPacket& p) {
+      return p.header.sequence == view.header.sequence && p.header.first_line == view.header.first_line;
+    };
+    while (!stream.expected.empty() && !same(stream.expected.front())) {
+      ++stream.lost;
+      stream.expected.pop_front();
+    }
+    ASSERT_FALSE(stream.expected.empty()) << "packet of frame " << view.header.sequence << ", line "
+                                          << view.header.first_line << " was not to be expected";
+    BoardPacket packet = std::move(stream.expected.front());
+    stream.expected.pop_front();
+    packet.header.lost = stream.lost;
+    want_.clear();
+    append_packet(packet.header, packet.payload, packet.status, want_);
+    if (!std::equal(want_.begin(), want_.end(), bytes.begin(), bytes.end())) {
+      const auto at = std::mismatch(want_.begin(), want_.end(), bytes.begin(), bytes.end()).second - bytes.begin();
+      FAIL() << "frame " << view.header.sequence << " (" << view.header.columns << " x " << view.header.rows
+             << ", mode " << int{view.header.mode} << "), kind " << int{view.header.kind} << ", status " << view.status
+             << " expected " << packet.status << ", size " << bytes.size() << " expected " << want_.size()
+             << ": first difference at byte " << at << "; lost " << view.header.lost << " expected " << stream.lost;
+    }
+    ++stream.delivered;
+    ++by_status_[view.status];
+    bytes_ += bytes.size();
+  }
+
+  BoardDevice<Model> device_;
+  BoardModel model_;
+  std::map<std::uint8_t, Stream> streams_;
+  std::map<std::uint32_t, std::uint64_t> by_status_;
+  std::vector<std::uint8_t> want_;
+  std::uint64_t bytes_ = 0;
+
+  bool on_frame_ = false;
+  std::uint16_t pattern_ = 0;
+  std::uint16_t last_pattern_ = 0;
+  int encoder_period_ = 0;
+  std::uint64_t encoder_steps_ = 0;
+  unsigned encoder_phase_ = 0;
+  std::uint32_t encoder_ = 0;
+};
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_RTL_BOARD_SCOREBOARD_H
