@@ -9,6 +9,7 @@ namespace selfproj {
 void BoardModel::beat(const BoardInputs& inputs, const VideoBeat& beat) {
   idle(inputs.clock - 1);
   last_beat_ = inputs.clock;
+  timeout_ = written_.timeout;
 
   if (beat.start) {
     if (open_) {
@@ -46,8 +47,7 @@ void BoardModel::beat(const BoardInputs& inputs, const VideoBeat& beat) {
 }
 
 void BoardModel::idle(std::uint64_t clock) {
-  // The clock after the time-out is the first in which a beat comes too late.
-  if (open_ && written_.timeout != 0 && clock > last_beat_ + static_cast<std::uint64_t>(written_.timeout)) {
+  if (open_ && timeout_ != 0 && clock > last_beat_ + static_cast<std::uint64_t>(timeout_)) {
     end_frame(spec::kStatusIncomplete);
   }
 }

@@ -58,7 +58,7 @@ class BoardModel {
   explicit BoardModel(Sink sink) : sink_(std::move(sink)) {}
 
   // Settings as written to the registers: they come into force at the next frame start that may take them over (not
-  // within kTakeDistance clocks of the last take-over). `run` and `timeout` count at once.
+  // within kTakeDistance clocks of the last take-over). `run` counts at once, `timeout` from the next beat on.
   void write(const BoardSettings& settings) { written_ = settings; }
 
   // A beat at clock inputs.clock, later than every clock given before. Encoder and pattern are read only where
@@ -93,6 +93,7 @@ class BoardModel {
   bool stray_before_ = false;    // ... before the open frame
   BoardInputs inputs_;           // at the open frame's start
   std::uint64_t last_beat_ = 0;  // clock of the last beat of any kind
+  int timeout_ = 0;              // after it
   int row_ = 0;                  // of the next beat, from 0
   int column_ = 0;               // of its first pixel, from 0
   std::vector<std::uint8_t> pixels_;

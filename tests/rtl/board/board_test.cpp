@@ -2,118 +2,461 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <vector>
 
 #include "Vboard.h"
 #include "Vboard_original.h"
+#include "tests/rtl/board/frames.h"
+#include "tests/rtl/board/random_frames.h"
 #include "tests/rtl/board/scoreboard.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
 namespace {
 
-// An image of random content: noise, or a line as a camera would see it, or an extreme.
-std::vector<std::uint8_t> random_image(Random& random, int rows, int columns) {
-  const auto size = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
-  switch (random.between(0, 5)) {
-    case 0:
-      return std::vector<std::uint8_t>(size, 0);
-    case 1:
-      return std::vector<std::uint8_t>(size, 255);
-    case 2: {
-      std::vector<std::uint8_t> image(size, 0);
-      image[static_cast<std::size_t>(random.between(0, static_cast<int>(size) - 1))] = 255;
-      return image;
-    }
-    default:
-      return random.bytes(size);
+constexpr std::uint8_t kMoments = spec::kKindMoments;
+constexpr std::uint8_t kImage = spec::kKindImage;
+
+// Beats of a moments packet, and what must lie between the starts of two frames beyond them (rtl/board/README.md).
+int packet_beats(Mode mode, int columns) {
+  return static_cast<int>((spec::kHeaderBytes + spec::kTrailerBytes + moments_payload_bytes(mode, columns)) /
+                          spec::kPacketBeatBytes);
+}
+int small_gap(Mode mode) { return mode == Mode::binary ? 6 : 11; }
+
+void expect_plausible(const FrameCounts& counts) {
+  std::printf("%llu frames, %llu packets delivered, %llu lost; %llu image lines delivered, %llu lost; %llu bytes\n",
+              static_cast<unsigned long long>(counts.frames), static_cast<unsigned long long>(counts.delivered),
+              static_cast<unsigned long long>(counts.lost), static_cast<unsigned long long>(counts.image_delivered),
+              static_cast<unsigned long long>(counts.image_lost), static_cast<unsigned long long>(counts.bytes));
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(counts.delivered, counts.frames / 2) << "too little of the board was seen";
+    EXPECT_GT(counts.lost, 0U) << "losses were not seen";
   }
 }
 
-ImageView view_of(const std::vector<std::uint8_t>& image, int rows, int columns) {
-  return {.pixels = image.data(), .rows = rows, .columns = columns, .stride = columns};
-}
-
-TEST(Board, TakesOneFrame) {
-  Scoreboard<Vboard> board;
-  board.write({.columns = 8, .rows = 3, .mode = Mode::binary, .threshold = 100});
-  Random random(1);
-  const auto image = random.bytes(24);
-  board.device().send(view_of(image, 3, 8));
-  board.finish();
-  EXPECT_EQ(board.delivered(spec::kKindMoments), 1U);
-  EXPECT_EQ(board.lost(spec::kKindMoments), 0U);
-}
-
-// Small frames of every size, mode and threshold, with random gaps in the video and stalls on the bus; raw images in
-// some.
-template <class Model>
-void random_small_frames(std::uint64_t seed, int changes, int max_columns, int max_rows, bool grey, bool image,
-                         std::uint64_t& frames) {
-  Random random(seed);
-  Scoreboard<Model> board({.seed = seed,
-                           .video_period_ps = static_cast<std::uint64_t>(random.between(5000, 9000)),
-                           .bus_period_ps = static_cast<std::uint64_t>(random.between(3000, 12000)),
-                           .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000))});
-  board.turn_encoder(random.between(4, 40));
-  board.count_patterns_on_frames(random.between(0, 23));
-  for (int change = 0; change < changes; ++change) {
-    const BoardSettings settings = {
-        .image = image && random.chance(30),
-        .columns = 4 * random.between(1, random.chance(70) ? 8 : max_columns / 4),
-        .rows = random.between(1, random.chance(70) ? 6 : max_rows),
-        .mode = grey ? static_cast<Mode>(random.between(0, 2)) : Mode::binary,
-        .threshold = random.chance(20) ? 255 * random.between(0, 1) : random.between(0, 255),
-        .stream = random.between(0, 255)};
-    board.write(settings);
-    board.device().set_video_gap_percent(random.chance(40) ? 0 : random.between(0, 60));
-    board.device().set_bus_stall_percent(random.chance(40) ? 0 : random.between(0, 95));
-    const int burst = random.between(1, 12);
-    const bool spaced = random.chance(60);
-    for (int i = 0; i < burst; ++i) {
-      const auto pixels = random_image(random, settings.rows, settings.columns);
-      board.device().send(view_of(pixels, settings.rows, settings.columns));
-      if (spaced) {
-        board.device().gap(static_cast<std::uint32_t>(random.between(0, 3 * settings.columns + 60)));
-      }
-    }
-    // Until the beats are in; packets may still be on their way when the settings change.
-    while (board.device().queued() != 0) {
-      board.device().run(1);
-    }
-    if (::testing::Test::HasFatalFailure() || ::testing::Test::HasNonfatalFailure()) {
-      return;
-    }
-  }
-  board.finish();
-  frames += board.model().frames();
-  EXPECT_EQ(board.delivered(spec::kKindMoments) + board.lost(spec::kKindMoments), board.model().frames());
-}
-
+// 10^5 frames in all with the tests of the small build and of faults below.
 TEST(Board, RandomSmallFramesEqualTheModel) {
-  std::uint64_t frames = 0;
-  for (const std::uint64_t seed : seeds(40)) {
+  FrameCounts counts;
+  for (const std::uint64_t seed : seeds(80)) {
     SCOPED_TRACE(how_to_repeat(seed));
-    random_small_frames<Vboard>(seed, 100, 64, 40, true, true, frames);
+    play_random_frames<Vboard>(seed, {}, counts);
     if (HasFailure()) {
       return;
     }
   }
-  RecordProperty("frames", std::to_string(frames));
-  std::printf("%llu frames\n", static_cast<unsigned long long>(frames));
+  expect_plausible(counts);
 }
 
 TEST(OriginalBoard, RandomSmallFramesEqualTheModel) {
-  std::uint64_t frames = 0;
-  for (const std::uint64_t seed : seeds(40)) {
+  FrameCounts counts;
+  for (const std::uint64_t seed : seeds(80)) {
     SCOPED_TRACE(how_to_repeat(seed));
-    random_small_frames<Vboard_original>(seed, 100, 64, 40, false, false, frames);
+    play_random_frames<Vboard_original>(seed, {.grey = false, .image = false}, counts);
     if (HasFailure()) {
       return;
     }
   }
-  std::printf("%llu frames\n", static_cast<unsigned long long>(frames));
+  expect_plausible(counts);
 }
+
+// Lines of wrong length, missing, doubled, cut; starts missing or in mid-frame; pauses beyond the time-out.
+TEST(Board, RandomFaultsEqualTheModel) {
+  FrameCounts counts;
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    play_random_frames<Vboard>(seed, {.max_columns = 40, .max_rows = 12, .fault_percent = 40}, counts);
+    if (HasFailure()) {
+      return;
+    }
+  }
+  expect_plausible(counts);
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    for (const std::uint32_t status :
+         {spec::kStatusShortLine, spec::kStatusLongLine, spec::kStatusStartInFrame, spec::kStatusIncomplete}) {
+      EXPECT_GT(counts.by_status[status], 100U) << "status " << status;
+    }
+  }
+}
+
+TEST(OriginalBoard, RandomFaultsEqualTheModel) {
+  FrameCounts counts;
+  for (const std::uint64_t seed : seeds(40)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    play_random_frames<Vboard_original>(
+        seed, {.max_columns = 40, .max_rows = 12, .grey = false, .image = false, .fault_percent = 40}, counts);
+    if (HasFailure()) {
+      return;
+    }
+  }
+  expect_plausible(counts);
+}
+
+// Each fault in the first, a middle and the last row, each in the first, a middle and the last beat; the good frame
+// that follows without a gap is delivered, with good status, and equal to the model's.
+TEST(Board, TheFrameAfterAFaultIsRight) {
+  Random random(7);
+  constexpr int kRows = 24;
+  constexpr int kColumns = 32;
+  for (const Mode mode : {Mode::binary, Mode::grey_over}) {
+    for (int fault = 0; fault < kFaults; ++fault) {
+      for (const int row : {0, kRows / 2, kRows - 1}) {
+        for (const int group : {0, kColumns / 8, kColumns / 4 - 1}) {
+          SCOPED_TRACE(::testing::Message() << "fault " << fault << " in row " << row << ", beat " << group);
+          Scoreboard<Vboard> board;
+          board.write({.image = true, .columns = kColumns, .rows = kRows, .mode = mode, .threshold = 30});
+          const auto send = [&](Fault what) {
+            const TestImage image = random_image(random, kRows, kColumns);
+            for (const VideoBeat& beat : with_fault(lines_of(image), what, row, group)) {
+              board.device().send(beat);
+            }
+          };
+          send(Fault::none);
+          board.device().gap(100);
+          send(static_cast<Fault>(fault));
+          send(Fault::none);
+          board.finish();
+          // A start within the last row makes two broken frames, of which the second is too close to the first.
+          EXPECT_LE(board.lost(kMoments), static_cast<Fault>(fault) == Fault::start_in_frame ? 1U : 0U);
+          EXPECT_GE(board.by_status().at(0), 2U);
+          EXPECT_EQ(board.last_status(kMoments), 0U);
+          EXPECT_EQ(board.last_header(kMoments).sequence, board.model().frames() - 1);
+          if (HasFailure()) {
+            return;
+          }
+        }
+      }
+    }
+  }
+}
+
+// The corners of the size range. 2048 x 1023 pixels of 255 need every bit of every sum.
+TEST(Board, ExtremeSizesEqualTheModel) {
+  Random random(11);
+  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+    for (const auto& [columns, rows] : std::vector<std::pair<int, int>>{{4, 1},
+                                                                        {4, 2},
+                                                                        {4, 3},
+                                                                        {4, 1023},
+                                                                        {8, 1},
+                                                                        {8, 2},
+                                                                        {8, 1023},
+                                                                        {12, 5},
+                                                                        {16, 4},
+                                                                        {2048, 1},
+                                                                        {2048, 2},
+                                                                        {2044, 3},
+                                                                        {2048, 5},
+                                                                        {2048, 1023}}) {
+      SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
+      Scoreboard<Vboard> board;
+      const bool bright = mode != Mode::grey_over;
+      board.write({.columns = columns, .rows = rows, .mode = mode, .threshold = bright ? 0 : 97});
+      for (int i = 0; i < 2; ++i) {
+        const TestImage image = bright ? constant_image(rows, columns, 255) : random_image(random, rows, columns);
+        board.device().send(image.view());
+        board.device().gap(static_cast<std::uint32_t>(2 * columns + 40));
+      }
+      board.finish();
+      EXPECT_EQ(board.delivered(kMoments), 2U);
+      if (HasFailure()) {
+        return;
+      }
+    }
+  }
+}
+
+// The thesis's frames: 200 of 96 x 512, stalls on both sides.
+TEST(Board, FullFramesWithStallsEqualTheModel) {
+  for (const std::uint64_t seed : seeds(1)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    Scoreboard<Vboard> board({.seed = seed, .bus_stall_percent = 40, .video_gap_percent = 15});
+    board.turn_encoder(151);
+    for (int frame = 0; frame < 200; ++frame) {
+      if (frame % 20 == 0) {
+        board.write({.image = frame % 40 == 0,
+                     .columns = 512,
+                     .rows = 96,
+                     .mode = static_cast<Mode>(frame / 20 % 3),
+                     .threshold = random.between(0, 255)});
+      }
+      board.device().send(random_image(random, 96, 512).view());
+      board.play();
+    }
+    board.finish();
+    EXPECT_EQ(board.delivered(kMoments), 200U);
+    EXPECT_EQ(board.lost(kMoments), 0U);
+  }
+}
+
+// 12,288 clocks a frame: every clock carries a beat, and nothing is lost, with raw images too.
+TEST(Board, TakesFullFramesBackToBack) {
+  Random random(3);
+  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+    Scoreboard<Vboard> board({.bus_stall_percent = 20});
+    board.write({.image = true, .columns = 512, .rows = 96, .mode = mode, .threshold = 100});
+    const std::uint64_t before = board.device().clock();
+    for (int frame = 0; frame < 12; ++frame) {
+      board.device().send(random_image(random, 96, 512).view());
+    }
+    board.play();
+    EXPECT_EQ(board.device().clock() - before, 12U * 12288U);
+    board.finish();
+    EXPECT_EQ(board.delivered(kMoments), 12U);
+    EXPECT_EQ(board.lost(kMoments), 0U);
+    EXPECT_EQ(board.delivered(kImage), 12U * 96U);
+    EXPECT_EQ(board.lost(kImage), 0U);
+  }
+}
+
+// Frames that follow each other by the beats of a packet and the stated small gap: none is lost; by one clock less:
+// some are.
+TEST(Board, SmallestDistanceOfFramesIsAsStated) {
+  Random random(5);
+  for (const Mode mode : {Mode::binary, Mode::grey}) {
+    for (const auto& [columns, rows] :
+         std::vector<std::pair<int, int>>{{4, 1}, {8, 2}, {40, 1}, {64, 2}, {512, 1}, {512, 2}, {1024, 1}}) {
+      const int beats = columns / 4 * rows;
+      const int distance = packet_beats(mode, columns) + small_gap(mode);
+      for (const int less : {0, 1}) {
+        if (distance - less < beats) {
+          continue;  // frames cannot be closer than their own beats
+        }
+        SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode)
+                                          << ", frames " << distance - less << " clocks apart");
+        Scoreboard<Vboard> board({.video_period_ps = 6614, .bus_period_ps = 6000});
+        board.write({.columns = columns, .rows = rows, .mode = mode, .threshold = 100});
+        for (int frame = 0; frame < 20; ++frame) {
+          board.device().send(random_image(random, rows, columns).view());
+          board.device().gap(static_cast<std::uint32_t>(distance - less - beats));
+        }
+        board.finish();
+        if (less == 0) {
+          EXPECT_EQ(board.lost(kMoments), 0U);
+        } else {
+          EXPECT_EQ(board.lost(kMoments), 10U) << "every second frame comes too early";
+        }
+      }
+    }
+  }
+}
+
+// Lines of 60 columns and more follow each other without a gap; narrower ones are lost, and counted.
+TEST(Board, RawImageLinesNeedNoGap) {
+  Random random(6);
+  for (const int columns : {60, 64, 128, 512, 2048}) {
+    Scoreboard<Vboard> board({.bus_period_ps = 6000});
+    board.write({.image = true, .columns = columns, .rows = 20});
+    for (int frame = 0; frame < 3; ++frame) {
+      board.device().send(random_image(random, 20, columns).view());
+    }
+    board.finish();
+    EXPECT_EQ(board.delivered(kImage), 60U) << columns;
+    EXPECT_EQ(board.lost(kImage), 0U) << columns;
+  }
+  Scoreboard<Vboard> board({.bus_period_ps = 6000});
+  board.write({.image = true, .columns = 56, .rows = 20});
+  board.device().send(random_image(random, 20, 56).view());
+  board.finish();
+  EXPECT_EQ(board.delivered(kImage), 10U);
+  EXPECT_EQ(board.lost(kImage), 10U);
+}
+
+// The bus stands still: as many packets as the FIFO holds are kept, whole; the rest is lost, and the next header says
+// how many.
+TEST(OriginalBoard, OverflowDropsWholePacketsAndCountsThem) {
+  Random random(8);
+  Scoreboard<Vboard_original> board;
+  board.write({.columns = 512, .rows = 4, .threshold = 100});
+  board.device().set_bus_stall_percent(100);
+  for (int frame = 0; frame < 10; ++frame) {
+    board.device().send(random_image(random, 4, 512).view());
+  }
+  board.play();
+  board.device().run(100);
+  EXPECT_EQ(board.device().read(spec::kRegLostMoments), 7U) << "three packets of 133 beats fit into 512";
+  board.device().set_bus_stall_percent(0);
+  board.device().drain();
+  EXPECT_EQ(board.delivered(kMoments), 3U);
+  board.device().send(random_image(random, 4, 512).view());
+  board.finish();
+  EXPECT_EQ(board.delivered(kMoments), 4U);
+  EXPECT_EQ(board.last_header(kMoments).lost, 7U);
+  EXPECT_EQ(board.last_header(kMoments).sequence, 10U);
+}
+
+// A reset in every part of a frame: what comes after it is right, and counts from zero.
+TEST(Board, ResetInMidFrame) {
+  Random random(9);
+  for (const Mode mode : {Mode::binary, Mode::grey}) {
+    Scoreboard<Vboard> board;
+    for (int clocks = 1; clocks < 420; clocks += 7) {
+      board.write({.image = true, .columns = 64, .rows = 20, .mode = mode, .threshold = 100});
+      board.device().send(random_image(random, 20, 64).view());
+      board.device().run(static_cast<std::uint64_t>(clocks));
+      board.reset();
+      board.write({.image = true, .columns = 64, .rows = 20, .mode = mode, .threshold = 100});
+      board.device().send(random_image(random, 20, 64).view());
+      board.finish();
+      ASSERT_EQ(board.delivered(kMoments), 1U) << clocks;
+      ASSERT_EQ(board.last_header(kMoments).sequence, 0U) << clocks;
+      ASSERT_EQ(board.delivered(kImage), 20U) << clocks;
+    }
+  }
+}
+
+// New settings written while a frame comes in: it keeps the old ones, the next has the new ones.
+TEST(Board, SettingsChangeOnlyAtAFrameStart) {
+  Random random(10);
+  const std::vector<BoardSettings> all = {
+      {.columns = 512, .rows = 12, .mode = Mode::binary, .threshold = 100, .stream = 1},
+      {.columns = 256, .rows = 30, .mode = Mode::grey, .threshold = 50, .stream = 2},
+      {.columns = 2048, .rows = 5, .mode = Mode::grey_over, .threshold = 7, .stream = 3},
+      {.columns = 128, .rows = 40, .mode = Mode::grey_over, .threshold = 250, .stream = 4},
+      {.columns = 1024, .rows = 6, .mode = Mode::grey, .threshold = 0, .stream = 5},
+      {.columns = 512, .rows = 12, .mode = Mode::binary, .threshold = 0, .stream = 6},
+  };
+  Scoreboard<Vboard> board({.bus_period_ps = 6000});
+  board.write(all.front());
+  std::size_t now = 0;
+  for (int frame = 0; frame < 60; ++frame) {
+    board.device().send(random_image(random, all[now].rows, all[now].columns).view());
+    // Into the frame, but not so far that it could end during the register accesses.
+    while (board.device().queued() > static_cast<std::size_t>(all[now].columns / 4 * all[now].rows - 40)) {
+      board.device().run(1);
+    }
+    now = (now + static_cast<std::size_t>(random.between(0, 3))) % all.size();
+    board.write(all[now]);
+    ASSERT_GT(board.device().queued(), 100U) << "the frame ended before the settings were written";
+    EXPECT_EQ(board.device().read(spec::kRegStatus) & (1U << spec::kRegStatusPendingLsb),
+              1U << spec::kRegStatusPendingLsb);
+    EXPECT_EQ(board.device().read(spec::kRegStatus) & (1U << spec::kRegStatusFrameOpenLsb),
+              1U << spec::kRegStatusFrameOpenLsb);
+    board.play();
+    board.device().run(600);  // a large frame in a grey mode is finished before one of another size begins
+  }
+  board.finish();
+  EXPECT_EQ(board.delivered(kMoments), 60U);
+  EXPECT_EQ(board.lost(kMoments), 0U);
+}
+
+// A large frame in a grey mode is still being finished when small ones come (the size changed): those that meet it are
+// lost, counted, and nothing is wrong in the others.
+TEST(Board, SmallFramesRightAfterALargeOne) {
+  Random random(12);
+  for (int rows = 1; rows < 12; ++rows) {
+    for (const int columns : {4, 8, 12, 64}) {
+      Scoreboard<Vboard> board({.bus_period_ps = 6000});
+      const BoardSettings large = {.columns = 2048, .rows = 3, .mode = Mode::grey, .threshold = 9};
+      const BoardSettings small = {.columns = columns, .rows = rows, .mode = Mode::grey, .threshold = 9};
+      board.write(large);
+      board.device().send(random_image(random, large.rows, large.columns).view());
+      while (board.device().queued() > 1000) {
+        board.device().run(1);
+      }
+      board.write(small);
+      ASSERT_GT(board.device().queued(), 100U);
+      for (int i = 0; i < 300; ++i) {
+        board.device().send(random_image(random, rows, columns).view());
+        board.device().gap(static_cast<std::uint32_t>(random.between(0, columns)));
+      }
+      board.finish();
+      EXPECT_GT(board.lost(kMoments), 0U);
+      EXPECT_GT(board.delivered(kMoments), 1U);
+      ASSERT_FALSE(HasFailure()) << columns << " x " << rows;
+    }
+  }
+}
+
+// `run` decides at a frame's start: a frame that has begun is finished, one that begins while it is low is not seen at
+// all.
+TEST(Board, RunDecidesAtAFrameStart) {
+  Random random(13);
+  Scoreboard<Vboard> board;
+  BoardSettings settings = {.run = true, .columns = 512, .rows = 12};
+  board.write(settings);
+  board.device().send(random_image(random, 12, 512).view());
+  board.device().run(200);
+  settings.run = false;
+  board.write(settings);
+  board.play();
+  const TestImage unseen = random_image(random, 12, 512);
+  std::size_t beats = 0;
+  for (const auto& line : lines_of(unseen)) {
+    for (const VideoBeat& beat : line) {
+      if (beats++ == 600) {
+        board.play();
+        settings.run = true;
+        board.write(settings);  // within the frame that was not accepted: its rest is discarded, and counted
+      }
+      board.device().send(beat);
+    }
+  }
+  board.play();
+  EXPECT_EQ(board.model().stray(), beats - 600);
+  board.device().send(random_image(random, 12, 512).view());
+  board.finish();
+  EXPECT_EQ(board.delivered(kMoments), 2U);
+  EXPECT_EQ(board.last_header(kMoments).flags, spec::kFlagStrayBefore);
+}
+
+// The trigger sequencer's index at the camera pulse travels with the frame that follows it.
+TEST(Board, PatternIndexTravelsWithTheFrame) {
+  Random random(14);
+  BoardDevice<Vboard> device;
+  std::vector<int> patterns;
+  device.on_packet([&](std::span<const std::uint8_t> bytes) {
+    PacketView view;
+    ASSERT_EQ(parse_packet(bytes, view), PacketError::none);
+    patterns.push_back(view.header.pattern);
+  });
+  device.write(BoardSettings{.columns = 32, .rows = 4});
+  device.write(spec::kRegTriggerPeriod, 200);
+  device.write(spec::kRegTriggerCamera, 20);
+  device.write(spec::kRegTriggerWidth, 5);
+  bool camera = false;
+  int pulses = 0;
+  device.on_clock([&](std::uint64_t) {
+    const bool now = device.camera_trigger();
+    if (now && !camera && pulses++ % 5 != 3) {  // the camera misses every fifth pulse
+      device.gap(60);
+      device.send(random_image(random, 4, 32).view());
+    }
+    camera = now;
+  });
+  device.write(spec::kRegTriggerControl,
+               1U << spec::kRegTriggerControlRunLsb | 7U << spec::kRegTriggerControlLastPatternLsb);
+  device.run(200 * 24 + 150);
+  device.write(spec::kRegTriggerControl, 0);
+  device.drain();
+  std::vector<int> want;
+  for (int pulse = 0; pulse < pulses; ++pulse) {
+    if (pulse % 5 != 3) {
+      want.push_back(pulse % 8);
+    }
+  }
+  EXPECT_GE(pulses, 24);
+  EXPECT_EQ(patterns, want);
+}
+
+// What identifies the board stands in its registers.
+template <class Model>
+void expect_identity(int max_columns, int max_rows, bool grey, bool image) {
+  BoardDevice<Model> device;
+  EXPECT_EQ(device.read(spec::kRegId), spec::kMagic);
+  EXPECT_EQ(device.read(spec::kRegVersion), spec::kVersion);
+  EXPECT_EQ(device.read(spec::kRegSpecHash), spec::kHash);
+  const std::uint32_t capability = device.read(spec::kRegCapability);
+  EXPECT_EQ(capability >> spec::kRegCapabilityMaxColumnsLsb & 0xFFFU, static_cast<unsigned>(max_columns));
+  EXPECT_EQ(capability >> spec::kRegCapabilityMaxRowsLsb & 0x3FFU, static_cast<unsigned>(max_rows));
+  EXPECT_EQ((capability >> spec::kRegCapabilityGreyLsb & 1U) != 0, grey);
+  EXPECT_EQ((capability >> spec::kRegCapabilityImageLsb & 1U) != 0, image);
+}
+TEST(Board, SaysWhatItIs) { expect_identity<Vboard>(spec::kMaxColumns, spec::kMaxRows, true, true); }
+TEST(OriginalBoard, SaysWhatItIs) { expect_identity<Vboard_original>(512, 127, false, false); }
 
 }  // namespace
 }  // namespace selfproj::test

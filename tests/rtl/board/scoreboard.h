@@ -44,6 +44,23 @@ class Scoreboard {
     model_.write(settings);
   }
 
+  // Both forget everything, in the middle of whatever they were doing.
+  void reset() {
+    device_.reset();
+    model_ = BoardModel([this](BoardPacket&& packet) { expect(std::move(packet)); });
+    streams_.clear();
+    on_frame_ = false;
+    pattern_ = 0;
+    encoder_ = 0;
+  }
+
+  // Runs until all beats that wait are in.
+  void play() {
+    while (device_.queued() != 0) {
+      device_.run(1);
+    }
+  }
+
   // The pattern index advances with every frame.
   void count_patterns_on_frames(int last_pattern) {
     on_frame_ = true;
@@ -76,6 +93,9 @@ class Scoreboard {
   [[nodiscard]] std::uint64_t delivered(std::uint8_t kind) { return streams_[kind].delivered; }
   [[nodiscard]] std::uint64_t lost(std::uint8_t kind) { return streams_[kind].lost; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+  // Header and status of the last packet of the kind that came out.
+  [[nodiscard]] const PacketHeader& last_header(std::uint8_t kind) { return streams_[kind].last_header; }
+  [[nodiscard]] std::uint32_t last_status(std::uint8_t kind) { return streams_[kind].last_status; }
   [[nodiscard]] const std::map<std::uint32_t, std::uint64_t>& by_status() const { return by_status_; }
 
  private:
@@ -83,6 +103,8 @@ class Scoreboard {
     std::deque<BoardPacket> expected;
     std::uint32_t lost = 0;
     std::uint64_t delivered = 0;
+    PacketHeader last_header;
+    std::uint32_t last_status = 0;
   };
 
   void expect(BoardPacket&& packet) { streams_[packet.header.kind].expected.push_back(std::move(packet)); }
@@ -132,6 +154,8 @@ class Scoreboard {
              << ": first difference at byte " << at << "; lost " << view.header.lost << " expected " << stream.lost;
     }
     ++stream.delivered;
+    stream.last_header = view.header;
+    stream.last_status = view.status;
     ++by_status_[view.status];
     bytes_ += bytes.size();
   }

@@ -1,0 +1,126 @@
+// Frames for the tests of the board: images, and beats that break the rules.
+#ifndef SELFPROJ_TESTS_RTL_BOARD_FRAMES_H
+#define SELFPROJ_TESTS_RTL_BOARD_FRAMES_H
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "model/board.h"
+#include "model/column_moments.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+
+// An image with its pixels, row after row.
+struct TestImage {
+  int rows = 0;
+  int columns = 0;
+  std::vector<std::uint8_t> pixels;
+
+  [[nodiscard]] ImageView view() const {
+    return {.pixels = pixels.data(), .rows = rows, .columns = columns, .stride = columns};
+  }
+};
+
+inline TestImage constant_image(int rows, int columns, std::uint8_t value) {
+  return {rows, columns,
+          std::vector<std::uint8_t>(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns), value)};
+}
+
+// Noise mostly; sometimes all dark, all bright, or one bright pixel.
+inline TestImage random_image(Random& random, int rows, int columns) {
+  TestImage image = constant_image(rows, columns, 0);
+  switch (random.between(0, 7)) {
+    case 0:
+      break;
+    case 1:
+      image = constant_image(rows, columns, 255);
+      break;
+    case 2:
+      image.pixels[static_cast<std::size_t>(random.between(0, static_cast<int>(image.pixels.size()) - 1))] = 255;
+      break;
+    default:
+      image.pixels = random.bytes(image.pixels.size());
+  }
+  return image;
+}
+
+// The frame as beats, line by line.
+using Lines = std::vector<std::vector<VideoBeat>>;
+inline Lines lines_of(const TestImage& image) {
+  Lines lines(static_cast<std::size_t>(image.rows));
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
+      VideoBeat beat;
+      std::memcpy(beat.pixels.data(), image.pixels.data() + static_cast<std::ptrdiff_t>(row) * image.columns + column,
+                  beat.pixels.size());
+      beat.start = row == 0 && column == 0;
+      beat.line_end = column + spec::kPixelsPerBeat == image.columns;
+      lines[static_cast<std::size_t>(row)].push_back(beat);
+    }
+  }
+  return lines;
+}
+
+// What can be wrong with a frame.
+enum class Fault : std::uint8_t {
+  none,
+  short_line,      // beats are missing at the end of a line
+  long_line,       // a line has beats too many
+  missing_line,    // a whole line is missing
+  doubled_line,    // a line comes twice
+  missing_start,   // no beat carries the start
+  start_in_frame,  // a beat within carries a start
+  cut,             // the frame ends after some beat
+};
+inline constexpr int kFaults = 8;
+
+// Puts the fault into the line `row` at the beat `group`.
+inline std::vector<VideoBeat> with_fault(Lines lines, Fault fault, int row, int group) {
+  auto& line = lines[static_cast<std::size_t>(row)];
+  switch (fault) {
+    case Fault::none:
+      break;
+    case Fault::short_line:
+      line.resize(static_cast<std::size_t>(group) + 1);
+      line.back().line_end = true;
+      break;
+    case Fault::long_line:
+      line.back().line_end = false;
+      line.push_back({.pixels = {9, 8, 7, 6}, .start = false, .line_end = true});
+      break;
+    case Fault::missing_line:
+      lines.erase(lines.begin() + row);
+      break;
+    case Fault::doubled_line: {
+      auto copy = line;
+      copy.front().start = false;
+      lines.insert(lines.begin() + row + 1, copy);
+      break;
+    }
+    case Fault::missing_start:
+      lines.front().front().start = false;
+      break;
+    case Fault::start_in_frame:
+      line[static_cast<std::size_t>(group)].start = true;
+      break;
+    case Fault::cut:
+      line.resize(static_cast<std::size_t>(group) + 1);
+      line.back().line_end = line.back().line_end && row + 1 == static_cast<int>(lines.size());
+      lines.resize(static_cast<std::size_t>(row) + 1);
+      break;
+  }
+  std::vector<VideoBeat> beats;
+  for (const auto& each : lines) {
+    beats.insert(beats.end(), each.begin(), each.end());
+  }
+  return beats;
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_RTL_BOARD_FRAMES_H

@@ -1,0 +1,96 @@
+// Random small frames through the board: the body of the random tests and of the soak.
+#ifndef SELFPROJ_TESTS_RTL_BOARD_RANDOM_FRAMES_H
+#define SELFPROJ_TESTS_RTL_BOARD_RANDOM_FRAMES_H
+
+#include <cstdint>
+#include <map>
+
+#include "tests/rtl/board/frames.h"
+#include "tests/rtl/board/scoreboard.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+
+// What the build under test can do, and how much of it to try.
+struct RandomFrames {
+  int max_columns = 64;
+  int max_rows = 40;
+  bool grey = true;       // modes grey and grey_over
+  bool image = true;      // raw images
+  int fault_percent = 0;  // share of frames that break the rules
+  int changes = 100;      // times the settings change; each is followed by 1 to 12 frames
+};
+
+// Counts over many runs.
+struct FrameCounts {
+  std::uint64_t frames = 0;
+  std::uint64_t delivered = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t image_delivered = 0;
+  std::uint64_t image_lost = 0;
+  std::uint64_t bytes = 0;
+  std::map<std::uint32_t, std::uint64_t> by_status;
+};
+
+// Frames of random size, mode, threshold and content, with or without gaps between beats and between frames, stalls on
+// the bus, an encoder that turns. Every packet is compared with the model's; what is missing must be counted.
+template <class Model>
+void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCounts& counts) {
+  Random random(seed);
+  Scoreboard<Model> board({.seed = seed,
+                           .video_period_ps = static_cast<std::uint64_t>(random.between(5000, 9000)),
+                           .bus_period_ps = static_cast<std::uint64_t>(random.between(3000, 12000)),
+                           .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000))});
+  board.turn_encoder(random.between(4, 40));
+  board.count_patterns_on_frames(random.between(0, 23));
+  for (int change = 0; change < limits.changes && !::testing::Test::HasFailure(); ++change) {
+    const BoardSettings settings = {
+        .image = limits.image && random.chance(30),
+        .columns = 4 * random.between(1, random.chance(70) ? 8 : limits.max_columns / 4),
+        .rows = random.between(1, random.chance(70) ? 6 : limits.max_rows),
+        .mode = limits.grey ? static_cast<Mode>(random.between(0, 2)) : Mode::binary,
+        .threshold = random.chance(20) ? 255 * random.between(0, 1) : random.between(0, 255),
+        .stream = random.between(0, 255),
+        .timeout = random.chance(50) ? 0 : random.between(1, 200)};
+    board.write(settings);
+    board.device().set_video_gap_percent(random.chance(40) ? 0 : random.between(0, 60));
+    board.device().set_bus_stall_percent(random.chance(40) ? 0 : random.between(0, 95));
+    const int burst = random.between(1, 12);
+    const bool spaced = random.chance(60);
+    for (int i = 0; i < burst; ++i) {
+      const TestImage image = random_image(random, settings.rows, settings.columns);
+      const Fault fault =
+          random.chance(limits.fault_percent) ? static_cast<Fault>(random.between(0, kFaults - 1)) : Fault::none;
+      for (const VideoBeat& beat : with_fault(lines_of(image), fault, random.between(0, settings.rows - 1),
+                                              random.between(0, settings.columns / 4 - 1))) {
+        board.device().send(beat);
+        if (limits.fault_percent != 0 && random.chance(1)) {
+          board.device().gap(static_cast<std::uint32_t>(random.between(1, 250)));
+        }
+      }
+      if (spaced) {
+        board.device().gap(static_cast<std::uint32_t>(random.between(0, 3 * settings.columns + 60)));
+      }
+    }
+    // Packets may still be on their way when the settings change.
+    board.play();
+  }
+  board.finish();
+  // A frame that was cut at the very end may still be open.
+  EXPECT_EQ(
+      board.delivered(spec::kKindMoments) + board.lost(spec::kKindMoments) + (board.model().frame_open() ? 1U : 0U),
+      board.model().frames());
+  counts.frames += board.model().frames();
+  counts.delivered += board.delivered(spec::kKindMoments);
+  counts.lost += board.lost(spec::kKindMoments);
+  counts.image_delivered += board.delivered(spec::kKindImage);
+  counts.image_lost += board.lost(spec::kKindImage);
+  counts.bytes += board.bytes();
+  for (const auto& [status, count] : board.by_status()) {
+    counts.by_status[status] += count;
+  }
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_RTL_BOARD_RANDOM_FRAMES_H
