@@ -111,14 +111,12 @@ module sp_axil_bridge #(
       if (done) begin
         busy_q <= 1'b0;
         late_q <= 1'b0;
-        if (!late_q) begin
-          s_axil_bvalid_o <= !reading_q;
-          s_axil_rvalid_o <= reading_q;
-        end
+        if (!late_q && !reading_q) s_axil_bvalid_o <= 1'b1;
+        if (!late_q && reading_q) s_axil_rvalid_o <= 1'b1;
       end else if (busy_q && !late_q && timed_out_q) begin
-        late_q          <= 1'b1;
-        s_axil_bvalid_o <= !reading_q;
-        s_axil_rvalid_o <= reading_q;
+        late_q <= 1'b1;
+        if (reading_q) s_axil_rvalid_o <= 1'b1;
+        else s_axil_bvalid_o <= 1'b1;
       end
 
       if (start_write || start_read) begin
@@ -135,27 +133,33 @@ module sp_axil_bridge #(
   end
 
   always_ff @(posedge bus_clk_i) begin
-    if (s_axil_awready_o) aw_q <= s_axil_awaddr_i;
-    if (s_axil_wready_o) begin
+    if (s_axil_awvalid_i && s_axil_awready_o) aw_q <= s_axil_awaddr_i;
+    if (s_axil_wvalid_i && s_axil_wready_o) begin
       w_q       <= s_axil_wdata_i;
       w_whole_q <= &s_axil_wstrb_i;
     end
-    if (s_axil_arready_o) ar_q <= s_axil_araddr_i;
+    if (s_axil_arvalid_i && s_axil_arready_o) ar_q <= s_axil_araddr_i;
 
-    if (!busy_q) begin
-      reading_q     <= start_read;
-      ask_write_q   <= start_write;
-      ask_address_q <= start_write ? aw_q : ar_q;
-      ask_data_q    <= w_q;
-    end
-
-    clocks_q    <= busy_q ? clocks_q + TimeoutBits'(1) : '0;
-    timed_out_q <= busy_q && &clocks_q;
-
+    // Until the registers have answered, an error
     if (start_write || start_read) begin
+      if (!busy_q) begin
+        reading_q     <= start_read;
+        ask_write_q   <= start_write;
+        ask_address_q <= start_write ? aw_q : ar_q;
+        ask_data_q    <= w_q;
+      end
       if (start_write) s_axil_bresp_o <= SlaveError;
       else s_axil_rresp_o <= SlaveError;
     end
+
+    if (!busy_q) begin
+      clocks_q    <= '0;
+      timed_out_q <= 1'b0;
+    end else begin
+      clocks_q    <= clocks_q + TimeoutBits'(1);
+      timed_out_q <= &clocks_q;
+    end
+
     if (done && !late_q) begin
       if (reading_q) begin
         s_axil_rdata_o <= back_data_q;

@@ -34,15 +34,20 @@ module sp_encoder (
     .q_o  (now)
   );
 
+  logic [1:0] changing;  // the last three samples were not the same
+  assign changing = (now ^ before1_q) | (now ^ before2_q);
+
   always_ff @(posedge clk_i) begin
     before1_q <= now;
     before2_q <= before1_q;
-    for (int i = 0; i < 2; i++) begin
-      if (rst_i || !settled_q) level_q[i] <= now[i];
-      else if (now[i] == before1_q[i] && now[i] == before2_q[i]) level_q[i] <= now[i];
-    end
+    level_q    <= rst_i || !settled_q ? now : (level_q & changing) | (now & ~changing);
     previous_q <= level_q;
   end
+
+  logic [1:0] moved;
+  logic       one_moved;
+  assign moved     = level_q ^ previous_q;
+  assign one_moved = settled_q && (moved == 2'b01 || moved == 2'b10);
 
   // The lines may stand anywhere at reset: the first levels are taken over without counting.
   always_ff @(posedge clk_i) begin
@@ -64,9 +69,9 @@ module sp_encoder (
       errors_o <= '0;
     end else begin
       // {b, a} runs 00, 01, 11, 10 where A leads
-      up_q    <= settled_q && ^(level_q ^ previous_q) && (level_q[0] ^ previous_q[1]);
-      down_q  <= settled_q && ^(level_q ^ previous_q) && !(level_q[0] ^ previous_q[1]);
-      error_q <= settled_q && &(level_q ^ previous_q);
+      up_q    <= one_moved && (level_q[0] ^ previous_q[1]);
+      down_q  <= one_moved && !(level_q[0] ^ previous_q[1]);
+      error_q <= settled_q && moved == 2'b11;
       if (up_q) count_o <= count_o + 32'd1;
       else if (down_q) count_o <= count_o - 32'd1;
       if (error_q) errors_o <= errors_o + 16'd1;

@@ -84,9 +84,11 @@ module sp_frame_tracker #(
   always_ff @(posedge clk_i) begin
     if (rst_i) s1_valid_q <= 1'b0;
     else s1_valid_q <= s_axis_tvalid_i;
-    s1_pixels_q <= s_axis_tdata_i;
-    s1_start_q  <= s_axis_tuser_i;
-    s1_last_q   <= s_axis_tlast_i;
+    if (s_axis_tvalid_i) begin
+      s1_pixels_q <= s_axis_tdata_i;
+      s1_start_q  <= s_axis_tuser_i;
+      s1_last_q   <= s_axis_tlast_i;
+    end
   end
 
   // --- Settings ---
@@ -99,7 +101,7 @@ module sp_frame_tracker #(
   logic [RowBits-1:0]   rows_m1_q;
   logic                 one_row_q, two_rows_q;
 
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_i) if (hold_i) begin
     next_one_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1);
     next_two_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(2);
     next_one_row_q   <= rows_i == RowBits'(1);
@@ -245,23 +247,27 @@ module sp_frame_tracker #(
   end
 
   always_ff @(posedge clk_i) begin
-    beat_pixels_o     <= s1_pixels_q;
-    beat_group_o      <= start ? '0 : group_q;
-    beat_row_o        <= start ? RowBits'(1) : row_q;
-    beat_first_row_o  <= start || row_q == RowBits'(1);
-    beat_last_row_o   <= in_last_row;
-    beat_line_start_o <= belongs && (start || !in_line_q);
-    beat_line_end_o   <= line_end;
-
-    late_in_last_q <= timed_out ? in_last_row_q : in_last_row;
-    late_status_q  <= '0;
-    late_status_q[sp_spec_pkg::StatusShortLineBit]  <= short_line;
-    late_status_q[sp_spec_pkg::StatusLongLineBit]   <= long_line;
-    late_status_q[sp_spec_pkg::StatusIncompleteBit] <= timed_out;
-
-    break_in_last_row_o <= late_break_q ? late_in_last_q : in_last_row_q;
-    break_status_o      <= late_break_q ? late_status_q :
-                           sp_spec_pkg::StatusBits'(1) << sp_spec_pkg::StatusStartInFrameBit;
+    if (belongs) begin
+      beat_pixels_o     <= s1_pixels_q;
+      beat_group_o      <= start ? '0 : group_q;
+      beat_row_o        <= start ? RowBits'(1) : row_q;
+      beat_first_row_o  <= start || row_q == RowBits'(1);
+      beat_last_row_o   <= in_last_row;
+      beat_line_start_o <= start || !in_line_q;
+      beat_line_end_o   <= line_end;
+    end
+    if (short_line || long_line || timed_out) begin
+      late_in_last_q <= timed_out ? in_last_row_q : in_last_row;
+      late_status_q  <= '0;
+      late_status_q[sp_spec_pkg::StatusShortLineBit]  <= short_line;
+      late_status_q[sp_spec_pkg::StatusLongLineBit]   <= long_line;
+      late_status_q[sp_spec_pkg::StatusIncompleteBit] <= timed_out;
+    end
+    if (start_breaks || late_break_q) begin
+      break_in_last_row_o <= late_break_q ? late_in_last_q : in_last_row_q;
+      break_status_o      <= late_break_q ? late_status_q :
+                             sp_spec_pkg::StatusBits'(1) << sp_spec_pkg::StatusStartInFrameBit;
+    end
   end
 
   // --- Counters ---

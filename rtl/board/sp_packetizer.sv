@@ -97,15 +97,19 @@ module sp_packetizer #(
   end
 
   always_ff @(posedge clk_i) begin
-    payload1_q <= payload;
-    payload2_q <= payload1_q;
-    line1_q    <= line_i;
-    line2_q    <= line1_q;
-    status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
-    status2_q  <= status1_q;
-    status3_q  <= status2_q;
-    need1_q    <= CountBits'(payload) + CountBits'(Overhead);
-    room2_q    <= CountBits'(fifo_free_i) >= need1_q;
+    if (start_i || break_first_i || break_later_i) begin
+      payload1_q <= payload;
+      need1_q    <= CountBits'(payload) + CountBits'(Overhead);
+      line1_q    <= line_i;
+      status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
+    end
+    if (start_q[1] || break_first_q[1] || break_later_q[1]) begin
+      payload2_q <= payload1_q;
+      room2_q    <= CountBits'(fifo_free_i) >= need1_q;
+      line2_q    <= line1_q;
+      status2_q  <= status1_q;
+    end
+    if (break_later_q[2]) status3_q <= status2_q;
   end
 
   // --- State ---
@@ -157,8 +161,8 @@ module sp_packetizer #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (state_q == StIdle) begin
-      empty_q    <= break_first_q[2];
+    if (take || take_empty) begin
+      empty_q    <= take_empty;
       payload_q  <= payload2_q;
       left_q     <= payload2_q;
       one_left_q <= payload2_q == PayloadBits'(1);
@@ -185,7 +189,7 @@ module sp_packetizer #(
   assign folded = w0 ^ {w1[23:0], w1[31:24]} ^ {w2[15:0], w2[31:16]} ^ {w3[7:0], w3[31:8]};
 
   always_ff @(posedge clk_i) begin
-    if (state_q == StIdle) begin
+    if (take || take_empty) begin
       check_q <= sp_spec_pkg::CheckInit;
     end else if (fifo_valid_o || in_trailer && step_q == 2'd1) begin
       check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^ folded;

@@ -59,47 +59,43 @@ module sp_registers #(
   localparam logic [ColumnBits-1:0] ResetColumns = ColumnBits'(SpecColumns < MaxColumns ? SpecColumns : MaxColumns);
   localparam logic [RowBits-1:0] ResetRows = RowBits'(SpecRows < MaxRows ? SpecRows : MaxRows);
 
-  // --- Request, one clock later ---
-  logic        request_q, write_q;
+  // --- Request, one clock later, with the judgement of a write. data_i and address_i stay until the answer. ---
+  logic        request_q, write_q, write_good_q;
   logic [7:0]  address_q;
-  logic        size_good_q, measure_good_q, period_good_q;
+  logic        size_good, measure_good, image_wanted;
+
+  assign size_good    = data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
+                        data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
+  assign measure_good = data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
+  assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
 
   always_ff @(posedge clk_i) begin
     if (rst_i) request_q <= 1'b0;
     else request_q <= request_i;
-    write_q   <= write_i;
-    address_q <= address_i;
-    size_good_q <= data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
-                   data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
-    measure_good_q <= data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
-    period_good_q <= data_i[23:0] != 24'd0;
+    if (request_i) begin
+      write_q   <= write_i;
+      address_q <= address_i;
+      case (address_i)
+        sp_spec_pkg::RegControl:        write_good_q <= Image || !image_wanted;
+        sp_spec_pkg::RegSize:           write_good_q <= size_good;
+        sp_spec_pkg::RegMeasure:        write_good_q <= measure_good;
+        sp_spec_pkg::RegTimeout:        write_good_q <= 1'b1;
+        sp_spec_pkg::RegTriggerControl: write_good_q <= 1'b1;
+        sp_spec_pkg::RegTriggerPeriod:  write_good_q <= data_i[23:0] != 24'd0;
+        sp_spec_pkg::RegTriggerCamera:  write_good_q <= 1'b1;
+        sp_spec_pkg::RegTriggerWidth:   write_good_q <= 1'b1;
+        default:                        write_good_q <= 1'b0;
+      endcase
+    end
   end
 
-  // --- Writes. data_i and address_i stay until the answer. ---
-  logic write_good;
-  logic image_wanted;
-  assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
-
-  always_comb begin
-    case (address_q)
-      sp_spec_pkg::RegControl:        write_good = Image || !image_wanted;
-      sp_spec_pkg::RegSize:           write_good = size_good_q;
-      sp_spec_pkg::RegMeasure:        write_good = measure_good_q;
-      sp_spec_pkg::RegTimeout:        write_good = 1'b1;
-      sp_spec_pkg::RegTriggerControl: write_good = 1'b1;
-      sp_spec_pkg::RegTriggerPeriod:  write_good = period_good_q;
-      sp_spec_pkg::RegTriggerCamera:  write_good = 1'b1;
-      sp_spec_pkg::RegTriggerWidth:   write_good = 1'b1;
-      default:                        write_good = 1'b0;
-    endcase
-  end
-
+  // --- Writes ---
   logic hold_q;
   logic size_written_q;
   logic pending_q;  // settings written and not taken over
   logic write;
 
-  assign write  = request_q && write_q && write_good;
+  assign write  = request_q && write_q && write_good_q;
   assign hold_o = hold_q || size_written_q;
 
   always_ff @(posedge clk_i) begin
@@ -157,65 +153,59 @@ module sp_registers #(
   end
 
   // --- Reads ---
-  logic [31:0] read;
-  logic        known;
-  logic [31:0] time_low, time_high_q;
-
-  assign time_low = time_i[31:0];
-
-  always_comb begin
-    known = 1'b1;
-    case (address_q)
-      sp_spec_pkg::RegId:         read = sp_spec_pkg::Magic;
-      sp_spec_pkg::RegVersion:    read = {16'd0, sp_spec_pkg::SpecVersion};
-      sp_spec_pkg::RegSpecHash:   read = sp_spec_pkg::SpecHash;
-      sp_spec_pkg::RegCapability: read = {8'd0, Image, Grey, 10'(MaxRows), 12'(MaxColumns)};
-      sp_spec_pkg::RegControl: begin
-        read = 32'(run_o) << sp_spec_pkg::RegControlRunLsb | 32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
-               32'(image_o) << sp_spec_pkg::RegControlImageLsb;
-      end
-      sp_spec_pkg::RegSize: begin
-        read = 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb | 32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb;
-      end
-      sp_spec_pkg::RegMeasure: begin
-        read = 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
-               32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb | 32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb;
-      end
-      sp_spec_pkg::RegTimeout: read = 32'(timeout_o);
-      sp_spec_pkg::RegTriggerControl: begin
-        read = 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
-               32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
-               32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb;
-      end
-      sp_spec_pkg::RegTriggerPeriod: read = 32'(trigger_period_o);
-      sp_spec_pkg::RegTriggerCamera: read = 32'(trigger_camera_o);
-      sp_spec_pkg::RegTriggerWidth:  read = 32'(trigger_width_o);
-      sp_spec_pkg::RegStatus: begin
-        read = 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
-               32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb;
-      end
-      sp_spec_pkg::RegFrames:        read = frames_i;
-      sp_spec_pkg::RegBroken:        read = broken_i;
-      sp_spec_pkg::RegStray:         read = stray_i;
-      sp_spec_pkg::RegLostMoments:   read = lost_moments_i;
-      sp_spec_pkg::RegLostImage:     read = lost_image_i;
-      sp_spec_pkg::RegTimeLow:       read = time_low;
-      sp_spec_pkg::RegTimeHigh:      read = time_high_q;
-      sp_spec_pkg::RegEncoder:       read = encoder_i;
-      sp_spec_pkg::RegEncoderErrors: read = 32'(encoder_errors_i);
-      default: begin
-        read  = 32'd0;
-        known = 1'b0;
-      end
-    endcase
-  end
+  logic [31:0] time_high_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) answer_o <= 1'b0;
     else answer_o <= request_q;
+  end
+
+  always_ff @(posedge clk_i) begin
     if (request_q) begin
-      data_o  <= read;
-      error_o <= write_q ? !write_good : !known;
+      error_o <= write_q && !write_good_q;
+      case (address_q)
+        sp_spec_pkg::RegId:         data_o <= sp_spec_pkg::Magic;
+        sp_spec_pkg::RegVersion:    data_o <= {16'd0, sp_spec_pkg::SpecVersion};
+        sp_spec_pkg::RegSpecHash:   data_o <= sp_spec_pkg::SpecHash;
+        sp_spec_pkg::RegCapability: data_o <= {8'd0, Image, Grey, 10'(MaxRows), 12'(MaxColumns)};
+        sp_spec_pkg::RegControl: begin
+          data_o <= 32'(run_o) << sp_spec_pkg::RegControlRunLsb | 32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
+                 32'(image_o) << sp_spec_pkg::RegControlImageLsb;
+        end
+        sp_spec_pkg::RegSize: begin
+          data_o <= 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb | 32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb;
+        end
+        sp_spec_pkg::RegMeasure: begin
+          data_o <= 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
+                 32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb | 32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb;
+        end
+        sp_spec_pkg::RegTimeout: data_o <= 32'(timeout_o);
+        sp_spec_pkg::RegTriggerControl: begin
+          data_o <= 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
+                 32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
+                 32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb;
+        end
+        sp_spec_pkg::RegTriggerPeriod: data_o <= 32'(trigger_period_o);
+        sp_spec_pkg::RegTriggerCamera: data_o <= 32'(trigger_camera_o);
+        sp_spec_pkg::RegTriggerWidth:  data_o <= 32'(trigger_width_o);
+        sp_spec_pkg::RegStatus: begin
+          data_o <= 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
+                 32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb;
+        end
+        sp_spec_pkg::RegFrames:        data_o <= frames_i;
+        sp_spec_pkg::RegBroken:        data_o <= broken_i;
+        sp_spec_pkg::RegStray:         data_o <= stray_i;
+        sp_spec_pkg::RegLostMoments:   data_o <= lost_moments_i;
+        sp_spec_pkg::RegLostImage:     data_o <= lost_image_i;
+        sp_spec_pkg::RegTimeLow:       data_o <= time_i[31:0];
+        sp_spec_pkg::RegTimeHigh:      data_o <= time_high_q;
+        sp_spec_pkg::RegEncoder:       data_o <= encoder_i;
+        sp_spec_pkg::RegEncoderErrors: data_o <= 32'(encoder_errors_i);
+        default: begin
+          data_o  <= 32'd0;
+          error_o <= 1'b1;
+        end
+      endcase
       if (!write_q && address_q == sp_spec_pkg::RegTimeLow) time_high_q <= time_i[63:32];
     end
   end

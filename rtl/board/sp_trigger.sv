@@ -64,8 +64,10 @@ module sp_trigger (
   end
 
   always_ff @(posedge clk_i) begin
-    left_q        <= begins ? period_i : left_q - 24'd1;
-    camera_left_q <= begins ? camera_i : camera_left_q - 24'd1;
+    if (run_i) begin
+      left_q        <= begins ? period_i : left_q - 24'd1;
+      camera_left_q <= begins ? camera_i : camera_left_q - 24'd1;
+    end
     if (begins) shown_q <= !running_q || shown_q == last_pattern_i ? 8'd0 : shown_q + 8'd1;
 
     if (rst_i || !run_i && !on_frame_i) pattern_q <= '0;

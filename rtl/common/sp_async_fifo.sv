@@ -60,9 +60,12 @@ module sp_async_fifo #(
     .q_o  (rd_gray_seen)
   );
 
-  for (genvar i = 0; i <= LogDepth; i++) begin : gen_to_binary
-    assign rd_bin_seen[i] = ^rd_gray_seen[LogDepth:i];
-  end
+  // Gray to binary: bit i is the exclusive or of all bits from i on, for up to 16 bits
+  logic [LogDepth:0] fold1, fold2, fold4;
+  assign fold1       = rd_gray_seen ^ (rd_gray_seen >> 1);
+  assign fold2       = fold1 ^ (fold1 >> 2);
+  assign fold4       = fold2 ^ (fold2 >> 4);
+  assign rd_bin_seen = fold4 ^ (fold4 >> 8);
 
   // depth + read - written
   assign wr_free_o = {!rd_bin_seen[LogDepth], rd_bin_seen[LogDepth-1:0]} - wr_ptr_q;

@@ -164,7 +164,7 @@ module sp_moment_drain #(
     logic [RowBits-1:0]   s3_n_q;
     assign pick_m      = s2_first_q ? s2_m_q[c*LaneMBits+:LaneMBits] : s2_m_q[(c+2)*LaneMBits+:LaneMBits];
     assign pick_weight = s2_first_q ? s2_weights_q[c*8+:8] : s2_weights_q[(c+2)*8+:8];
-    always_ff @(posedge clk_i) begin
+    always_ff @(posedge clk_i) if (s2_valid_q) begin
       s3_old_m0_q <= pick_m[M0Bits-1:0];
       s3_m0_q     <= pick_m[M0Bits-1:0] + {{(M0Bits - 8) {1'b0}}, pick_weight};
       s3_n_q      <= pick_m[M0Bits+:RowBits] + {{(RowBits - 1) {1'b0}}, |pick_weight};
@@ -174,7 +174,7 @@ module sp_moment_drain #(
     logic [LaneABits-1:0] s4_over_q;
     logic [LaneABits-1:0] pick_a;
     assign pick_a = s3_pick_q ? s3_a_q[c*LaneABits+:LaneABits] : s3_a_q[(c+2)*LaneABits+:LaneABits];
-    always_ff @(posedge clk_i) s4_over_q <= pick_a + {{(LaneABits - M0Bits) {1'b0}}, s3_old_m0_q};
+    always_ff @(posedge clk_i) if (valid_q[0]) s4_over_q <= pick_a + {{(LaneABits - M0Bits) {1'b0}}, s3_old_m0_q};
 
     // stages 4 to 7: R*M0, and the rest beside it
     // R*M0 can have a bit more than M1 needs: it falls out of the difference
@@ -186,6 +186,7 @@ module sp_moment_drain #(
       .KBits(RowBits)
     ) u_scale (
       .clk_i    (clk_i),
+      .valid_i  (valid_q[0]),
       .x_i      (s3_m0_q),
       .k_i      (rows_q),
       .product_o(product7)
@@ -195,16 +196,12 @@ module sp_moment_drain #(
     logic [RowBits-1:0]   s4_n_q, s5_n_q, s6_n_q, s7_n_q, s8_n_q;
     logic [LaneABits-1:0] s5_over_q, s6_over_q, s7_over_q, s8_m1_q;
     always_ff @(posedge clk_i) begin
-      {s4_m0_q, s4_n_q} <= {s3_m0_q, s3_n_q};
-      {s5_m0_q, s5_n_q} <= {s4_m0_q, s4_n_q};
-      {s6_m0_q, s6_n_q} <= {s5_m0_q, s5_n_q};
-      {s7_m0_q, s7_n_q} <= {s6_m0_q, s6_n_q};
-      {s8_m0_q, s8_n_q} <= {s7_m0_q, s7_n_q};
-      s5_over_q         <= s4_over_q;
-      s6_over_q         <= s5_over_q;
-      s7_over_q         <= s6_over_q;
+      if (valid_q[0]) {s4_m0_q, s4_n_q} <= {s3_m0_q, s3_n_q};
+      if (valid_q[1]) {s5_m0_q, s5_n_q, s5_over_q} <= {s4_m0_q, s4_n_q, s4_over_q};
+      if (valid_q[2]) {s6_m0_q, s6_n_q, s6_over_q} <= {s5_m0_q, s5_n_q, s5_over_q};
+      if (valid_q[3]) {s7_m0_q, s7_n_q, s7_over_q} <= {s6_m0_q, s6_n_q, s6_over_q};
       // the difference fits: it is M1
-      s8_m1_q           <= product7[LaneABits-1:0] - s7_over_q;
+      if (valid_q[4]) {s8_m0_q, s8_n_q, s8_m1_q} <= {s7_m0_q, s7_n_q, product7[LaneABits-1:0] - s7_over_q};
     end
     // stage 8: the word
     logic [63:0] word;

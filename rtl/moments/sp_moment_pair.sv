@@ -52,15 +52,11 @@ module sp_moment_pair #(
   // Stage 2: M is summed and written
   logic                    s2_add_q, s2_first_q, s2_use_sum_q, s2_forward_q, s2_grey_q;
   logic [GroupBits-1:0]    s2_group_q;
-  logic [2*WeightBits-1:0] s2_weights_q;
   logic [RowBits-1:0]      s2_row_q;
-  logic [2*LaneMBits-1:0]  s2_old_q;
-  logic [2*LaneMBits-1:0]  sum_m;
   // Stage 3: A is summed and written
   logic                    s3_add_q, s3_use_sum_q;
   logic [GroupBits-1:0]    s3_group_q;
-  logic [2*LaneABits-1:0]  s3_old_q;
-  logic [2*LaneABits-1:0]  s3_addend_q;
+  logic [2*LaneMBits-1:0]  sum_m;
   logic [2*LaneABits-1:0]  sum_a;
 
   // The beat two clocks ahead had the same address, and its sum is not readable yet: true only for images of two
@@ -99,52 +95,66 @@ module sp_moment_pair #(
       s2_use_sum_q <= s1_one_q && !s1_first_q;
       s2_forward_q <= forward_m;
       s2_grey_q    <= s1_grey_q;
-      s2_weights_q <= s1_weights_q;
       s2_row_q     <= s1_row_q;
-      s2_old_q     <= s1_first_q ? '0 : forward_m ? sum_m_o : raw_m_o;
     end
     if (s2_add_q) begin
       s3_group_q   <= s2_group_q;
       s3_use_sum_q <= s2_use_sum_q;
-      s3_old_q     <= s2_first_q ? '0 : s2_forward_q ? sum_a_o : raw_a_o;
-      sum_m_o      <= sum_m;
     end
-    if (s3_add_q) sum_a_o <= sum_a;
   end
 
   for (genvar lane = 0; lane < 2; lane++) begin : gen_lane
-    logic [LaneMBits-1:0]  base_m;
-    logic [LaneABits-1:0]  base_a;
-    logic [WeightBits-1:0] weight;
+    logic [WeightBits-1:0] s2_weight_q;
+    logic [M0Bits-1:0]     s2_old_m0_q, base_m0, next_m0, sum_m0_q;
+    logic [LaneABits-1:0]  s3_addend_q, s3_old_a_q, base_a, next_a, sum_a_q;
     logic                  lit;
-    logic [LaneABits-1:0]  row_if_lit;
 
-    assign weight = s2_weights_q[lane*WeightBits+:WeightBits];
-    assign lit    = |weight;  // a lit pixel weighs at least 1 in every mode
-    assign base_m = s2_use_sum_q ? sum_m_o[lane*LaneMBits+:LaneMBits] : s2_old_q[lane*LaneMBits+:LaneMBits];
-    assign base_a = s3_use_sum_q ? sum_a_o[lane*LaneABits+:LaneABits] : s3_old_q[lane*LaneABits+:LaneABits];
+    assign lit     = |s2_weight_q;  // a lit pixel weighs at least 1 in every mode
+    assign base_m0 = s2_use_sum_q ? sum_m0_q : s2_old_m0_q;
+    assign next_m0 = {{(M0Bits - WeightBits) {1'b0}}, s2_weight_q} + base_m0;
+    assign base_a  = s3_use_sum_q ? sum_a_q : s3_old_a_q;
+    assign next_a  = s3_addend_q + base_a;
 
-    assign row_if_lit = {{(LaneABits - RowBits) {1'b0}}, lit ? s2_row_q : {RowBits{1'b0}}};
+    always_ff @(posedge clk_i) begin
+      if (s1_add_q) begin
+        s2_weight_q <= s1_weights_q[lane*WeightBits+:WeightBits];
+        s2_old_m0_q <= s1_first_q ? '0 : forward_m ? sum_m0_q : raw_m_o[lane*LaneMBits+:M0Bits];
+      end
+      if (s2_add_q) begin
+        sum_m0_q   <= next_m0;
+        s3_old_a_q <= s2_first_q ? '0 : s2_forward_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
+      end
+      if (s3_add_q) sum_a_q <= next_a;
+    end
+
+    assign sum_m[lane*LaneMBits+:M0Bits]       = next_m0;
+    assign sum_a[lane*LaneABits+:LaneABits]    = next_a;
+    assign sum_m_o[lane*LaneMBits+:M0Bits]     = sum_m0_q;
+    assign sum_a_o[lane*LaneABits+:LaneABits]  = sum_a_q;
 
     if (Grey) begin : gen_grey
-      assign sum_m[lane*LaneMBits+:M0Bits] = {{(M0Bits - WeightBits) {1'b0}}, weight} + base_m[M0Bits-1:0];
-      assign sum_m[lane*LaneMBits+M0Bits+:RowBits] = {{(RowBits - 1) {1'b0}}, lit} + base_m[M0Bits+:RowBits];
+      logic [RowBits-1:0] s2_old_n_q, base_n, next_n, sum_n_q;
+
+      assign base_n = s2_use_sum_q ? sum_n_q : s2_old_n_q;
+      assign next_n = {{(RowBits - 1) {1'b0}}, lit} + base_n;
       always_ff @(posedge clk_i) begin
+        if (s1_add_q) begin
+          s2_old_n_q <= s1_first_q ? '0 : forward_m ? sum_n_q : raw_m_o[lane*LaneMBits+M0Bits+:RowBits];
+        end
         if (s2_add_q) begin
-          s3_addend_q[lane*LaneABits+:LaneABits] <=
-              s2_grey_q ? {{(LaneABits - M0Bits) {1'b0}}, base_m[M0Bits-1:0]} : row_if_lit;
+          sum_n_q     <= next_n;
+          s3_addend_q <= s2_grey_q ? LaneABits'(base_m0) : (lit ? LaneABits'(s2_row_q) : {LaneABits{1'b0}});
         end
       end
+      assign sum_m[lane*LaneMBits+M0Bits+:RowBits]   = next_n;
+      assign sum_m_o[lane*LaneMBits+M0Bits+:RowBits] = sum_n_q;
     end else begin : gen_binary
-      assign sum_m[lane*LaneMBits+:M0Bits] = {{(M0Bits - 1) {1'b0}}, lit} + base_m;
       always_ff @(posedge clk_i) begin
-        if (s2_add_q) s3_addend_q[lane*LaneABits+:LaneABits] <= row_if_lit;
+        if (s2_add_q) s3_addend_q <= (lit ? LaneABits'(s2_row_q) : {LaneABits{1'b0}});
       end
       logic unused;
       assign unused = s2_grey_q;
     end
-
-    assign sum_a[lane*LaneABits+:LaneABits] = s3_addend_q[lane*LaneABits+:LaneABits] + base_a;
   end
 
   // A word is read and written in one clock only where the read word goes unused: in the first row, in images of one

@@ -9,6 +9,7 @@ module sp_scale #(
   parameter int KBits = 10
 ) (
   input  wire logic                   clk_i,
+  input  wire logic                   valid_i,  // x_i counts; without it nothing moves
   input  wire logic [XBits-1:0]       x_i,
   input  wire logic [KBits-1:0]       k_i,
   output logic      [XBits+KBits-1:0] product_o
@@ -24,42 +25,52 @@ module sp_scale #(
 
   assign k = {{(2 * Digits - KBits) {1'b0}}, k_i};
 
+  logic [3:1] valid_q;
+  always_ff @(posedge clk_i) valid_q <= {valid_q[2:1], valid_i};
+
   // Stage 1: three times x
   always_ff @(posedge clk_i) begin
-    x1_q      <= x_i;
-    triple1_q <= {2'b00, x_i} + {1'b0, x_i, 1'b0};
-  end
-
-  // Stage 2: each digit's multiple of x, at its place; a digit beyond the last is zero
-  logic [PBits*2*Pairs-1:0] digit2_q;
-  for (genvar d = 0; d < 2 * Pairs; d++) begin : gen_digit
-    if (d < Digits) begin : gen_used
-      logic [1:0]       digit;
-      logic [XBits+1:0] multiple;
-      assign digit    = k[2*d+:2];
-      assign multiple = digit == 2'd0 ? '0 :
-                        digit == 2'd1 ? {2'b00, x1_q} :
-                        digit == 2'd2 ? {1'b0, x1_q, 1'b0} : triple1_q;
-      always_ff @(posedge clk_i) digit2_q[d*PBits+:PBits] <= PBits'({{PBits{1'b0}}, multiple} << (2 * d));
-    end else begin : gen_unused
-      always_ff @(posedge clk_i) digit2_q[d*PBits+:PBits] <= '0;
+    if (valid_i) begin
+      x1_q      <= x_i;
+      triple1_q <= {2'b00, x_i} + {1'b0, x_i, 1'b0};
     end
   end
 
-  // Stage 3: sums of two digits
+  // Stage 2: each digit's multiple of x, at its place
+  logic [PBits*Digits-1:0] digit2_q;
+  for (genvar d = 0; d < Digits; d++) begin : gen_digit
+    logic [1:0]       digit;
+    logic [XBits+1:0] multiple;
+    assign digit    = k[2*d+:2];
+    assign multiple = digit == 2'd0 ? '0 :
+                      digit == 2'd1 ? {2'b00, x1_q} :
+                      digit == 2'd2 ? {1'b0, x1_q, 1'b0} : triple1_q;
+    always_ff @(posedge clk_i) begin
+      if (valid_q[1]) digit2_q[d*PBits+:PBits] <= PBits'({{PBits{1'b0}}, multiple} << (2 * d));
+    end
+  end
+
+  // Stage 3: sums of two digits; the last may be alone
   logic [PBits*Pairs-1:0] pair3_q;
   for (genvar p = 0; p < Pairs; p++) begin : gen_pair
-    always_ff @(posedge clk_i) pair3_q[p*PBits+:PBits] <=
-        digit2_q[2*p*PBits+:PBits] + digit2_q[(2*p+1)*PBits+:PBits];
+    if (2 * p + 1 < Digits) begin : gen_two
+      always_ff @(posedge clk_i) begin
+        if (valid_q[2]) pair3_q[p*PBits+:PBits] <= digit2_q[2*p*PBits+:PBits] + digit2_q[(2*p+1)*PBits+:PBits];
+      end
+    end else begin : gen_one
+      always_ff @(posedge clk_i) begin
+        if (valid_q[2]) pair3_q[p*PBits+:PBits] <= digit2_q[2*p*PBits+:PBits];
+      end
+    end
   end
 
   // Stage 4: the sum of up to three pairs
   if (Pairs == 1) begin : gen_sum1
-    always_ff @(posedge clk_i) product_o <= pair3_q[0*PBits+:PBits];
+    always_ff @(posedge clk_i) if (valid_q[3]) product_o <= pair3_q[0*PBits+:PBits];
   end else if (Pairs == 2) begin : gen_sum2
-    always_ff @(posedge clk_i) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits];
+    always_ff @(posedge clk_i) if (valid_q[3]) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits];
   end else begin : gen_sum3
-    always_ff @(posedge clk_i) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits] + pair3_q[2*PBits+:PBits];
+    always_ff @(posedge clk_i) if (valid_q[3]) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits] + pair3_q[2*PBits+:PBits];
   end
 
 endmodule

@@ -1,0 +1,72 @@
+// Seeded random cases that can be repeated.
+//
+//     for (const std::uint64_t seed : seeds(200)) {
+//       SCOPED_TRACE(how_to_repeat(seed));
+//       Random random(seed);
+//       ...
+//     }
+//
+// runs 200 cases, or, where the environment variable SELFPROJ_SEED is set, the one that it names. A failure says how to
+// repeat its case.
+#ifndef SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H
+#define SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace selfproj::test {
+
+// The seeds 1..count, or only that of SELFPROJ_SEED where it is set.
+inline std::vector<std::uint64_t> seeds(int count) {
+  if (const char* wanted = std::getenv("SELFPROJ_SEED"); wanted != nullptr) {
+    return {std::strtoull(wanted, nullptr, 0)};
+  }
+  std::vector<std::uint64_t> all;
+  for (int i = 1; i <= count; ++i) {
+    all.push_back(static_cast<std::uint64_t>(i));
+  }
+  return all;
+}
+
+// The command, from the root of the project, that repeats a case of the test that runs now.
+inline std::string how_to_repeat(std::uint64_t seed) {
+  const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+  std::string name = std::string(info->test_suite_name()) + "." + info->name();
+  return "seed " + std::to_string(seed) + "; repeat with: SELFPROJ_SEED=" + std::to_string(seed) +
+         " ctest --test-dir " SELFPROJ_TEST_DIR " --output-on-failure -R '" + name + "$'";
+}
+
+// Random numbers from a seed.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+
+  // Uniform in low..high, both included.
+  int between(int low, int high) { return std::uniform_int_distribution<int>(low, high)(engine_); }
+
+  // 64 random bits.
+  std::uint64_t bits() { return engine_(); }
+
+  // True with the probability `percent` / 100.
+  bool chance(int percent) { return between(1, 100) <= percent; }
+
+  // Uniform bytes.
+  std::vector<std::uint8_t> bytes(std::size_t count) {
+    std::vector<std::uint8_t> all(count);
+    std::generate(all.begin(), all.end(), [this] { return static_cast<std::uint8_t>(engine_()); });
+    return all;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H

@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""The generator of the specification refuses one that contradicts itself, and sees when a file is out of date.
+
+Runs generate.py --check, which writes nothing, on changed copies of selfproj.json. Standard library only.
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SPEC_FOLDER = pathlib.Path(__file__).resolve().parent.parent.parent / "model" / "spec"
+
+
+def named(items, name):
+    """The one of `items` that has the name."""
+    return next(item for item in items if item["name"] == name)
+
+
+class GeneratorTest(unittest.TestCase):
+
+    def check(self, change):
+        """Runs the check on a specification that change(spec) has altered; gives exit status and messages."""
+        spec = json.loads((SPEC_FOLDER / "selfproj.json").read_text(encoding="utf-8"))
+        change(spec)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "changed.json"
+            path.write_text(json.dumps(spec), encoding="utf-8")
+            result = subprocess.run([sys.executable, SPEC_FOLDER / "generate.py", "--check", "--spec", path],
+                                    capture_output=True, text=True, check=False)
+        return result.returncode, result.stderr
+
+    def refused(self, change, reason):
+        status, messages = self.check(change)
+        self.assertEqual(status, 2, messages)
+        self.assertIn(reason, messages)
+        self.assertEqual(messages.count("\n"), 1, "an error is one line")
+
+    @staticmethod
+    def field(spec, fmt, name):
+        return named(named(spec["formats"], fmt)["fields"], name)
+
+    def test_unchanged(self):
+        self.assertEqual(self.check(lambda spec: None), (0, ""))
+
+    def test_out_of_date(self):
+        status, messages = self.check(lambda spec: named(spec["sizes"], "max_rows").update(value=1000))
+        self.assertEqual(status, 1)
+        self.assertIn("selfproj_spec.h differs", messages)
+        self.assertIn("sp_spec_pkg.sv differs", messages)
+        self.assertIn("README.md differs", messages)
+
+    def test_prose_does_not_change_the_hash(self):
+        status, messages = self.check(lambda spec: named(spec["modes"], "grey").update(description="other words"))
+        self.assertEqual(status, 1)
+        self.assertNotIn("sp_spec_pkg.sv", messages)  # has the hash, but not the description
+
+    def test_formats_that_do_not_fit(self):
+        for fmt, name, bits in (("binary", "m1", 18), ("binary", "m0", 9), ("grey", "m1", 26), ("grey", "m0", 17),
+                                ("grey", "n", 9), ("code", "code", 11)):
+            with self.subTest(format=fmt, field=name):
+                self.refused(lambda spec: self.field(spec, fmt, name).update(bits=bits), f"{fmt}.{name}: ")
+
+    def test_image_too_large_for_the_formats(self):
+        self.refused(lambda spec: named(spec["sizes"], "max_rows").update(value=1024), "needs more than")
+
+    def test_fields_that_overlap(self):
+        self.refused(lambda spec: self.field(spec, "binary", "m0").update(lsb=19), "overlaps")
+
+    def test_field_beyond_its_word(self):
+        self.refused(lambda spec: self.field(spec, "grey", "n").update(lsb=55), "leaves its word")
+
+    def test_unknown_name_in_an_expression(self):
+        self.refused(lambda spec: self.field(spec, "binary", "m0").update(max="lines"), "cannot evaluate")
+
+    def test_header_not_whole_beats(self):
+        self.refused(lambda spec: named(spec["packet"]["header"], "reserved").update(bits=80), "whole number of beats")
+
+    def test_field_not_aligned(self):
+        def change(spec):
+            header = spec["packet"]["header"]
+            header.insert(0, header.pop([f["name"] for f in header].index("stream")))
+        self.refused(change, "not aligned")
+
+    def test_register_address_taken(self):
+        self.refused(lambda spec: named(spec["registers"], "size").update(address="0x10"), "is taken")
+
+    def test_register_field_too_wide(self):
+        self.refused(lambda spec: named(spec["registers"], "frames")["fields"][0].update(bits=33), "leaves the word")
+
+    def test_missing_file(self):
+        result = subprocess.run([sys.executable, SPEC_FOLDER / "generate.py", "--check", "--spec", "no such file"],
+                                capture_output=True, text=True, check=False)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("no such file", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

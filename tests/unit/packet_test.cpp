@@ -1,0 +1,438 @@
+// The packet: what goes in comes out, and whatever is damaged on the way is refused.
+#include "model/packet.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::size_t kBeat = spec::kPacketBeatBytes;
+
+// A header with a different value in every field, fit for a payload of the kind.
+PacketHeader header_of(std::uint8_t kind, Mode mode, int columns) {
+  PacketHeader header;
+  header.kind = kind;
+  header.stream = 0x21;
+  header.lost = 0x31323334;
+  header.sequence = 0x4142434445464748;
+  header.time_stamp = 0x5152535455565758;
+  header.encoder = 0xF1F2F3F4;
+  header.columns = static_cast<std::uint16_t>(columns);
+  header.rows = 96;
+  header.pattern = 0x6162;
+  header.mode = static_cast<std::uint8_t>(mode);
+  header.threshold = 0x71;
+  header.first_line = 7;
+  header.lines = 1;
+  header.flags = spec::kFlagStrayBefore;
+  return header;
+}
+
+std::size_t payload_bytes_of(const PacketHeader& header) {
+  switch (header.kind) {
+    case spec::kKindMoments:
+      return moments_payload_bytes(static_cast<Mode>(header.mode), header.columns);
+    case spec::kKindCodes:
+      return codes_line_payload_bytes(header.columns);
+    default:
+      return image_line_payload_bytes(header.columns);
+  }
+}
+
+// A good packet with a random payload.
+Bytes packet_of(PacketHeader header, std::uint64_t seed = 1) {
+  Bytes packet;
+  append_packet(header, Random(seed).bytes(payload_bytes_of(header)), 0, packet);
+  return packet;
+}
+
+// One of each kind and format.
+std::vector<Bytes> packets_of_all_kinds(int columns) {
+  std::vector<Bytes> packets;
+  packets.push_back(packet_of(header_of(spec::kKindMoments, Mode::binary, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindMoments, Mode::grey, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindMoments, Mode::grey_over, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindCodes, Mode::binary, columns)));
+  packets.push_back(packet_of(header_of(spec::kKindImage, Mode::binary, columns)));
+  return packets;
+}
+
+PacketError verdict(const Bytes& bytes) {
+  PacketView view;
+  return parse_packet(bytes, view);
+}
+
+// The packet with another value in `bytes` bytes at `offset`, and the check word made right again.
+Bytes forged(Bytes packet, std::size_t offset, std::size_t bytes, std::uint64_t value) {
+  for (std::size_t i = 0; i < bytes; ++i) {
+    packet[offset + i] = static_cast<std::uint8_t>(value >> (8 * i));
+  }
+  const std::uint32_t check = check_word(packet);
+  for (std::size_t i = 0; i < 4; ++i) {
+    packet[packet.size() - spec::kTrailerBytes + spec::kTrailerCheck + i] = static_cast<std::uint8_t>(check >> (8 * i));
+  }
+  return packet;
+}
+
+// The check word as the specification's prose has it, one bit at a time.
+std::uint32_t plain_check_word(const Bytes& packet) {
+  std::uint32_t c = spec::kCheckInit;
+  for (std::size_t at = 0; at < packet.size(); at += kBeat) {
+    const bool out = (c & 0x80000000U) != 0;
+    c <<= 1;
+    if (out) {
+      c ^= spec::kCheckPolynomial;
+    }
+    for (std::size_t i = 0; i < kBeat; ++i) {
+      if (at + i >= packet.size() - 4) {
+        break;  // the check field counts as 0
+      }
+      for (std::size_t bit = 0; bit < 8; ++bit) {
+        if ((packet[at + i] >> bit & 1) != 0) {
+          const std::size_t place = 8 * (i % 4) + bit;          // in the word
+          c ^= std::uint32_t{1} << ((place + i / 4 * 8) % 32);  // word k is rotated left by 8 k
+        }
+      }
+    }
+  }
+  return c;
+}
+
+TEST(Packet, RoundTrip) {
+  for (const int columns : {4, 8, 12, 16, 20, 508, 512, spec::kMaxColumns}) {
+    for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+      for (const std::uint8_t kind : {spec::kKindMoments, spec::kKindCodes, spec::kKindImage}) {
+        for (const std::uint32_t status : {std::uint32_t{0}, spec::kStatusLongLine | spec::kStatusIncomplete}) {
+          PacketHeader header = header_of(kind, mode, columns);
+          const Bytes payload = Random(static_cast<std::uint64_t>(columns)).bytes(payload_bytes_of(header));
+          Bytes bytes(5, 0xAB);  // a packet may begin at any address
+          append_packet(header, payload, status, bytes);
+          const std::size_t size = bytes.size() - 5;
+          EXPECT_EQ(size % kBeat, 0U);
+          EXPECT_EQ(size, spec::kHeaderBytes + payload.size() + spec::kTrailerBytes);
+          bytes.insert(bytes.end(), 100, 0xCD);  // what follows does not matter
+          PacketView view;
+          ASSERT_EQ(parse_packet(std::span(bytes).subspan(5), view), PacketError::none);
+          header.payload_size = static_cast<std::uint32_t>(payload.size());
+          EXPECT_EQ(view.header, header);
+          EXPECT_TRUE(std::equal(view.payload.begin(), view.payload.end(), payload.begin(), payload.end()));
+          EXPECT_EQ(view.payload.data(), bytes.data() + 5 + spec::kHeaderBytes);
+          EXPECT_EQ(view.status, status);
+          EXPECT_EQ(view.size, size);
+        }
+      }
+    }
+  }
+}
+
+// Each field stands at its own bytes and nowhere else, low byte first.
+TEST(Packet, EveryFieldAtItsPlace) {
+  const PacketHeader zero;
+  Bytes base;
+  append_packet(zero, {}, 0, base);
+  const auto expect_at = [&](const PacketHeader& header, std::uint32_t status, std::size_t first, std::size_t bytes) {
+    Bytes packet;
+    append_packet(header, {}, status, packet);
+    ASSERT_EQ(packet.size(), base.size());
+    for (std::size_t i = 0; i + 4 < packet.size(); ++i) {
+      const std::size_t trailer_sequence = spec::kHeaderBytes + spec::kTrailerSequence;
+      const std::size_t k = first == spec::kHeaderSequence && i >= trailer_sequence ? i - trailer_sequence : i - first;
+      if (k < bytes) {
+        EXPECT_EQ(packet[i], 0x10 * bytes + k) << "byte " << i;
+      } else {
+        EXPECT_EQ(packet[i], base[i]) << "byte " << i;
+      }
+    }
+  };
+  const auto expect_field = [&](auto PacketHeader::*field, std::size_t first) {
+    PacketHeader header;
+    using T = std::remove_reference_t<decltype(header.*field)>;
+    for (std::size_t k = 0; k < sizeof(T); ++k) {  // bytes 0x10 n + k from the lowest, n the width
+      header.*field = static_cast<T>(header.*field | static_cast<T>((0x10 * sizeof(T) + k) << (8 * k)));
+    }
+    expect_at(header, 0, first, sizeof(T));
+  };
+  expect_field(&PacketHeader::kind, spec::kHeaderKind);
+  expect_field(&PacketHeader::stream, spec::kHeaderStream);
+  expect_field(&PacketHeader::lost, spec::kHeaderLost);
+  expect_field(&PacketHeader::sequence, spec::kHeaderSequence);
+  expect_field(&PacketHeader::time_stamp, spec::kHeaderTimeStamp);
+  expect_field(&PacketHeader::encoder, spec::kHeaderEncoder);
+  expect_field(&PacketHeader::columns, spec::kHeaderColumns);
+  expect_field(&PacketHeader::rows, spec::kHeaderRows);
+  expect_field(&PacketHeader::pattern, spec::kHeaderPattern);
+  expect_field(&PacketHeader::mode, spec::kHeaderMode);
+  expect_field(&PacketHeader::threshold, spec::kHeaderThreshold);
+  expect_field(&PacketHeader::first_line, spec::kHeaderFirstLine);
+  expect_field(&PacketHeader::lines, spec::kHeaderLines);
+  expect_field(&PacketHeader::flags, spec::kHeaderFlags);
+  expect_at(zero, 0x43424140, spec::kHeaderBytes + spec::kTrailerStatus, 4);
+  EXPECT_EQ(std::string(base.begin(), base.begin() + 4), "SLFP");
+}
+
+TEST(Packet, CheckWordIsThatOfTheSpecification) {
+  for (const std::uint64_t seed : seeds(200)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const Bytes packet = random.bytes(kBeat * static_cast<std::size_t>(random.between(1, 300)));
+    ASSERT_EQ(check_word(packet), plain_check_word(packet));
+  }
+  EXPECT_THROW(check_word({}), std::invalid_argument);
+  EXPECT_THROW(check_word(Bytes(24)), std::invalid_argument);
+}
+
+// 32 bytes 0, 1, .. 31, computed by hand-written code in another language from the prose of the specification alone.
+TEST(Packet, CheckWordOfKnownBytes) {
+  Bytes bytes;
+  for (int i = 0; i < 32; ++i) {
+    bytes.push_back(static_cast<std::uint8_t>(i));
+  }
+  EXPECT_EQ(check_word(bytes), 0xEEA3C738U);
+}
+
+TEST(Packet, EverySingleBitFlipIsSeen) {
+  for (const Bytes& good : packets_of_all_kinds(512)) {
+    ASSERT_EQ(verdict(good), PacketError::none);
+    Bytes packet = good;
+    for (std::size_t bit = 0; bit < 8 * packet.size(); ++bit) {
+      packet[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
+      ASSERT_NE(verdict(packet), PacketError::none) << "bit " << bit << " of " << 8 * packet.size();
+      packet[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
+    }
+  }
+}
+
+TEST(Packet, EverySwapOfBeatsIsSeen) {
+  for (const Bytes& good : packets_of_all_kinds(64)) {
+    const std::size_t beats = good.size() / kBeat;
+    for (std::size_t i = 0; i < beats; ++i) {
+      for (std::size_t j = i + 1; j < beats; ++j) {
+        Bytes packet = good;
+        const auto at = [&](std::size_t beat) { return packet.begin() + static_cast<std::ptrdiff_t>(beat * kBeat); };
+        std::swap_ranges(at(i), at(i + 1), at(j));
+        ASSERT_NE(verdict(packet), PacketError::none) << "beats " << i << " and " << j << " of " << beats;
+      }
+    }
+  }
+}
+
+// In an own piece of memory of exactly its size, so that the address sanitizer sees any access beyond.
+TEST(Packet, CutAnywhereIsTooShort) {
+  for (const Bytes& good : packets_of_all_kinds(32)) {
+    for (std::size_t size = 0; size < good.size(); ++size) {
+      const Bytes cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size));
+      PacketView view;
+      view.status = 0x1234;
+      ASSERT_EQ(parse_packet(cut, view), PacketError::too_short) << size << " of " << good.size() << " bytes";
+      ASSERT_EQ(view.status, 0x1234U);  // untouched
+    }
+  }
+}
+
+TEST(Packet, MissingOrDoubledBeatIsSeen) {
+  for (const Bytes& good : packets_of_all_kinds(64)) {
+    for (std::size_t beat = 0; beat < good.size() / kBeat; ++beat) {
+      const auto begin = static_cast<std::ptrdiff_t>(beat * kBeat);
+      Bytes without = good;
+      without.erase(without.begin() + begin, without.begin() + begin + static_cast<std::ptrdiff_t>(kBeat));
+      without.insert(without.end(), good.begin(), good.end());  // the next packet follows
+      ASSERT_NE(verdict(without), PacketError::none) << "beat " << beat;
+      Bytes twice = good;
+      twice.insert(twice.begin() + begin, good.begin() + begin,
+                   good.begin() + begin + static_cast<std::ptrdiff_t>(kBeat));
+      if (beat + 1 < good.size() / kBeat) {
+        ASSERT_NE(verdict(twice), PacketError::none) << "beat " << beat;
+      } else {  // the packet is whole, and no other begins after it
+        ASSERT_EQ(verdict(twice), PacketError::none);
+        ASSERT_NE(verdict(Bytes(twice.begin() + static_cast<std::ptrdiff_t>(good.size()), twice.end())),
+                  PacketError::none);
+      }
+    }
+  }
+}
+
+// Wrong in one field, with a check word that is right: the field itself is looked at.
+TEST(Packet, NamesWhatIsWrong) {
+  const Bytes moments = packet_of(header_of(spec::kKindMoments, Mode::grey, 32));
+  const Bytes image = packet_of(header_of(spec::kKindImage, Mode::binary, 32));
+  const std::size_t trailer = moments.size() - spec::kTrailerBytes;
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderMagic, 4, spec::kMagic ^ 1)), PacketError::magic);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderSpecHash, 4, spec::kHash ^ 1)), PacketError::hash);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderVersion, 2, spec::kVersion + 1)), PacketError::version);
+  for (const std::uint64_t kind : {0, 4, 255}) {
+    EXPECT_EQ(verdict(forged(moments, spec::kHeaderKind, 1, kind)), PacketError::kind);
+  }
+  for (std::size_t at = spec::kHeaderReserved; at < spec::kHeaderBytes; ++at) {
+    EXPECT_EQ(verdict(forged(moments, at, 1, 0x80)), PacketError::reserved);
+  }
+  for (const Bytes& packet : {moments, image}) {
+    EXPECT_EQ(verdict(forged(packet, spec::kHeaderMode, 1, 3)), PacketError::geometry);
+    for (const std::uint64_t columns : {0, 2, 33, spec::kMaxColumns + 4, 65532}) {
+      EXPECT_EQ(verdict(forged(packet, spec::kHeaderColumns, 2, columns)), PacketError::geometry);
+    }
+    for (const std::uint64_t rows : {0, spec::kMaxRows + 1, 65535}) {
+      EXPECT_EQ(verdict(forged(packet, spec::kHeaderRows, 2, rows)), PacketError::geometry);
+    }
+  }
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 0)), PacketError::geometry);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 96)), PacketError::none);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 97)), PacketError::geometry);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 0)), PacketError::geometry);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 2)), PacketError::size);
+  EXPECT_EQ(verdict(forged(image, spec::kHeaderLines, 2, 65535)), PacketError::geometry);
+  const std::uint64_t right = moments.size() - spec::kHeaderBytes - spec::kTrailerBytes;
+  for (const std::uint64_t size : {right - 16, right + 16, right + 1, std::uint64_t{1}, std::uint64_t{16},
+                                   std::uint64_t{0x7FFFFFF0}, std::uint64_t{0xFFFFFFF0}, std::uint64_t{0xFFFFFFFF}}) {
+    EXPECT_EQ(verdict(forged(moments, spec::kHeaderPayloadSize, 4, size)), PacketError::size) << size;
+  }
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderColumns, 2, 28)), PacketError::size);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderMode, 1, spec::kModeBinary)), PacketError::size);
+  EXPECT_EQ(verdict(forged(moments, trailer + spec::kTrailerSequence, 8, 5)), PacketError::sequence);
+  Bytes bad_check = moments;
+  bad_check.back() ^= 1;
+  EXPECT_EQ(verdict(bad_check), PacketError::check);
+}
+
+// The packet of a frame that broke before its header left.
+TEST(Packet, EmptyNeedsAStatus) {
+  for (const std::uint8_t kind : {spec::kKindMoments, spec::kKindCodes, spec::kKindImage}) {
+    PacketHeader header = header_of(kind, Mode::binary, 512);
+    header.first_line = 0;
+    header.lines = 0;
+    Bytes good_status;
+    append_packet(header, {}, 0, good_status);
+    EXPECT_EQ(verdict(good_status), PacketError::empty);
+    Bytes broken;
+    append_packet(header, {}, spec::kStatusShortLine, broken);
+    PacketView view;
+    ASSERT_EQ(parse_packet(broken, view), PacketError::none);
+    EXPECT_EQ(view.header, header);
+    EXPECT_TRUE(view.payload.empty());
+    EXPECT_EQ(view.status, spec::kStatusShortLine);
+    EXPECT_EQ(view.size, spec::kHeaderBytes + spec::kTrailerBytes);
+  }
+}
+
+// Any bytes at all, and packets damaged in many places: never good, never an access outside (address sanitizer).
+TEST(Packet, RandomBytesAndDamage) {
+  const std::vector<Bytes> good = packets_of_all_kinds(16);
+  for (const std::uint64_t seed : seeds(2000)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    ASSERT_NE(verdict(random.bytes(static_cast<std::size_t>(random.between(0, 300)))), PacketError::none);
+    const Bytes& original = good[static_cast<std::size_t>(random.between(0, static_cast<int>(good.size()) - 1))];
+    Bytes packet = original;
+    const int last = static_cast<int>(packet.size()) - 1;
+    for (int hits = random.between(1, 8); hits > 0; --hits) {
+      packet[static_cast<std::size_t>(random.between(0, last))] = static_cast<std::uint8_t>(random.bits());
+    }
+    if (packet != original) {
+      ASSERT_NE(verdict(packet), PacketError::none);
+    }
+  }
+}
+
+TEST(Packet, RefusesHalfBeats) {
+  Bytes out = {1, 2, 3};
+  EXPECT_THROW(append_packet({}, Bytes(8), 0, out), std::invalid_argument);
+  EXPECT_EQ(out, (Bytes{1, 2, 3}));
+}
+
+TEST(Packet, PayloadSizes) {
+  EXPECT_EQ(moments_payload_bytes(Mode::binary, 512), 2048U);
+  EXPECT_EQ(moments_payload_bytes(Mode::grey, 512), 4096U);
+  EXPECT_EQ(moments_payload_bytes(Mode::grey_over, 4), 32U);
+  EXPECT_EQ(moments_payload_bytes(Mode::binary, 5), 32U);
+  EXPECT_EQ(image_line_payload_bytes(512), 512U);
+  EXPECT_EQ(image_line_payload_bytes(4), 16U);
+  EXPECT_EQ(image_line_payload_bytes(20), 32U);
+  EXPECT_EQ(codes_line_payload_bytes(512), 1024U);
+  EXPECT_EQ(codes_line_payload_bytes(12), 32U);
+  EXPECT_EQ(moments_payload_bytes(Mode::binary, 0), 0U);
+  EXPECT_THROW(moments_payload_bytes(Mode::binary, -1), std::invalid_argument);
+  EXPECT_THROW(moments_payload_bytes(static_cast<Mode>(3), 4), std::invalid_argument);
+  EXPECT_THROW(image_line_payload_bytes(-1), std::invalid_argument);
+  EXPECT_THROW(codes_line_payload_bytes(-1), std::invalid_argument);
+}
+
+TEST(PayloadWords, RoundTripUpToTheLargest) {
+  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+    const bool binary = mode == Mode::binary;
+    for (const std::uint64_t seed : seeds(50)) {
+      SCOPED_TRACE(how_to_repeat(seed));
+      Random random(seed);
+      const int columns = random.between(1, 600);
+      Moments moments;
+      moments.resize(columns);
+      const auto fill = [&](std::vector<std::uint32_t>& values, std::uint64_t largest) {
+        for (std::uint32_t& value : values) {
+          value = static_cast<std::uint32_t>(random.chance(20) ? largest : random.bits() % (largest + 1));
+        }
+      };
+      fill(moments.m0, binary ? spec::kBinaryM0Max : spec::kGreyM0Max);
+      fill(moments.m1, binary ? spec::kBinaryM1Max : spec::kGreyM1Max);
+      fill(moments.n, spec::kGreyNMax);
+      if (binary) {
+        moments.n = moments.m0;
+      }
+      Bytes payload(moments_payload_bytes(mode, columns) + 16, 0xEE);
+      pack_moments(mode, columns, moments.view(), payload.data() + 1);  // at any address
+      EXPECT_EQ(payload.front(), 0xEE);
+      EXPECT_TRUE(std::all_of(payload.end() - 15, payload.end(), [](std::uint8_t b) { return b == 0xEE; }));
+      const std::size_t word = (binary ? spec::kBinaryWordBits : spec::kGreyWordBits) / 8;
+      EXPECT_TRUE(std::all_of(payload.begin() + 1 + static_cast<std::ptrdiff_t>(word) * columns, payload.end() - 15,
+                              [](std::uint8_t b) { return b == 0; }));
+      Moments found;
+      found.resize(columns);
+      unpack_moments(mode, columns, payload.data() + 1, found.view());
+      ASSERT_EQ(found, moments);
+    }
+  }
+}
+
+// One column each with a single field at its largest: the words of the specification, byte for byte.
+TEST(PayloadWords, FieldsAtTheirBits) {
+  const auto word_of = [](Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    std::array<std::uint8_t, kBeat> bytes{};
+    pack_moments(mode, 1, {&m0, &m1, &n}, bytes.data());
+    std::uint64_t word = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+      word |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
+    }
+    return word;
+  };
+  EXPECT_EQ(word_of(Mode::binary, 0, 0xFFFFF, 0), 0x00000000000FFFFFU);
+  EXPECT_EQ(word_of(Mode::binary, 0xFFF, 0, 0), 0x00000000FFF00000U);
+  EXPECT_EQ(word_of(Mode::grey, 0, 0x7FFFFFF, 0), 0x0000000007FFFFFFU);
+  EXPECT_EQ(word_of(Mode::grey, 0x3FFFF, 0, 0), 0x00001FFFF8000000U);
+  EXPECT_EQ(word_of(Mode::grey_over, 0, 0, 0x3FF), 0x007FE00000000000U);
+  // What is too wide for its field does not spill into the next.
+  EXPECT_EQ(word_of(Mode::binary, 0, 0xFFFFFFFF, 0), 0x00000000000FFFFFU);
+  EXPECT_EQ(word_of(Mode::grey, 0xFFFFFFFF, 0, 0), 0x00001FFFF8000000U);
+  EXPECT_EQ(word_of(Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);
+}
+
+TEST(PacketErrorNames, AreDistinct) {
+  std::map<std::string, int> names;
+  for (int error = 0; error <= static_cast<int>(PacketError::empty); ++error) {
+    ++names[to_string(static_cast<PacketError>(error))];
+  }
+  EXPECT_EQ(names.size(), 12U);
+  EXPECT_EQ(names.count("unknown"), 0U);
+  EXPECT_STREQ(to_string(static_cast<PacketError>(200)), "unknown");
+}
+
+}  // namespace
+}  // namespace selfproj::test
