@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# lint_rtl.sh [MODULE...]: every module of rtl/ (or those named), as top, through the three tools that must accept it:
+# Verilator (-Wall -Wpedantic), Icarus (-g2012 -Wall) and Yosys (elaborates, and its checks pass); sp_board also in
+# other configurations than its default. A word from any of them is a failure, but for those filtered below, each with its reason.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+package=rtl/common/sp_spec_pkg.sv  # the only package, read first
+
+mapfile -t sources < <(find rtl -name 'sp_*.sv' ! -path "$package" | LC_ALL=C sort)
+mapfile -t folders < <(find rtl -type d | LC_ALL=C sort)
+for source in "${sources[@]}"; do
+  name=$(basename "$source" .sv)
+  grep -Eq "^module $name\\b" "$source" || { echo "lint_rtl.sh: $source: holds no module $name" >&2; exit 1; }
+done
+
+# Parameters of sp_board to look at besides the default: the original's, with grey, with raw images, tiny.
+board_configurations=(
+  "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b0"
+  "MaxColumns=512 MaxRows=127 Grey=1'b1 Image=1'b0"
+  "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b1"
+  "MaxColumns=16 MaxRows=7 Grey=1'b1 Image=1'b1"
+)
+
+# Each of the three: TOOL_lint MODULE [PARAMETER=VALUE...]
+
+verilator_lint() {
+  local search=() parameters=("${@:2}") folder
+  for folder in "${folders[@]}"; do search+=(-y "$folder"); done
+  verilator --lint-only -Wall -Wpedantic --top-module "$1" "${parameters[@]/#/-G}" "${search[@]}" "$package" "$(file_of "$1")" 2>&1
+}
+
+iverilog_lint() {
+  local parameters=("${@:2}")
+  # Icarus 11 says "sorry" where always_comb reads a constant part of a vector: it then waits for the whole vector,
+  # which changes no result. It tells of an inherited time scale, which nothing here uses.
+  iverilog -g2012 -Wall -Wno-timescale -t null -s "$1" "${parameters[@]/#/-P$1.}" "$package" "${sources[@]}" 2>&1 |
+    grep -v 'sorry: constant selects in always_\* processes are not currently supported' || [[ ${PIPESTATUS[0]} == 0 ]]
+}
+
+yosys_lint() {
+  local set="" parameter
+  for parameter in "${@:2}"; do set+=" -set ${parameter/=/ }"; done
+  # Small memories that Yosys turns into registers are meant: sp_ blocks say so where they are larger.
+  yosys -q -p "read_verilog -sv $package ${sources[*]}; ${set:+chparam$set $1;} hierarchy -check -top $1; proc; flatten
+    opt; check -assert" 2>&1 | grep -v 'Replacing memory .* with list of registers' || [[ ${PIPESTATUS[0]} == 0 ]]
+}
+
+# file_of MODULE
+file_of() {
+  local source
+  for source in "${sources[@]}"; do
+    [[ $source == */"$1".sv ]] && { echo "$source"; return; }
+  done
+  return 1
+}
+
+# lint MODULE [PARAMETER=VALUE...]: prints nothing where all three accept it
+lint() {
+  local tool output status=0
+  for tool in verilator iverilog yosys; do
+    if ! output=$("${tool}_lint" "$@") || [[ -n $output ]]; then
+      printf 'lint_rtl.sh: %s: %s:\n%s\n' "$*" "$tool" "$output" >&2
+      status=1
+    fi
+  done
+  return "$status"
+}
+
+if (($# > 0)); then
+  modules=("$@")
+  for module in "${modules[@]}"; do
+    file_of "$module" >/dev/null || { echo "lint_rtl.sh: $module: no such module under rtl/" >&2; exit 2; }
+  done
+else
+  modules=()
+  for source in "${sources[@]}"; do modules+=("$(basename "$source" .sv)"); done
+fi
+
+jobs=("${modules[@]}")
+for module in "${modules[@]}"; do
+  [[ $module == sp_board ]] && jobs+=("${board_configurations[@]/#/sp_board }")
+done
+
+# As many at once as there are processors.
+failed=0
+running=0
+for job in "${jobs[@]}"; do
+  if ((running == $(nproc))); then
+    wait -n || failed=1
+    running=$((running - 1))
+  fi
+  read -ra words <<<"$job"
+  lint "${words[@]}" &
+  running=$((running + 1))
+done
+while ((running > 0)); do
+  wait -n || failed=1
+  running=$((running - 1))
+done
+((failed == 0)) || exit 1
+echo "lint_rtl.sh: ${#modules[@]} modules (${#jobs[@]} configurations) accepted by Verilator, Icarus and Yosys"

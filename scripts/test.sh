@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Every check and test of the project: generated files, format, RTL lint, the build of two presets, clang-tidy, and the
+# tests, first those of label unit under the sanitizers, then all of them built for speed. Stops at the first failure.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+step() { printf '\n== %s\n' "$*"; }
+
+scripts/setup.sh
+
+step "generated files"
+python3 model/spec/generate.py --check
+echo "they are what model/spec/selfproj.json gives"
+
+step "format of the C++ sources"
+mapfile -t files < <(git ls-files --cached --others --exclude-standard '*.cpp' '*.h' | grep -v '/generated/')
+clang-format-14 --dry-run --Werror "${files[@]}"
+echo "${#files[@]} files"
+
+step "lint of the RTL"
+scripts/lint_rtl.sh
+
+step "build, presets release and sanitizers"
+scripts/build.sh release
+scripts/build.sh sanitizers
+
+step "clang-tidy"
+scripts/tidy.sh
+
+step "tests of label unit under the sanitizers"
+ctest --preset sanitizers --label-regex '^unit$' --parallel "$(nproc)" --progress
+
+step "all tests"
+ctest --preset release --parallel "$(nproc)" --progress

@@ -1,0 +1,171 @@
+#include "sim/app/moments_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/column_moments.h"
+#include "sim/app/image_files.h"
+#include "sim/app/moments_csv.h"
+#include "sim/app/output_file.h"
+#include "sim/app/progress.h"
+#include "sim/app/user_error.h"
+#include "sim/engine/moments_engine.h"
+
+namespace selfproj {
+namespace {
+
+struct Options {
+  std::string engine = "rtl";
+  int threshold = MomentsSettings{}.threshold;
+  std::string mode = "binary";
+  std::string channel;  // empty: none asked for
+  std::string out;
+  std::vector<std::string> images;
+};
+
+const std::array<std::pair<const char*, Mode>, 3> kModes{
+    {{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}};
+constexpr std::array<Channel, 4> kChannels{Channel::red, Channel::green, Channel::blue, Channel::grey};
+
+Mode mode_of(const std::string& name) {
+  return std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) { return entry.first == name; })->second;
+}
+
+std::optional<Channel> channel_of(const std::string& name) {
+  const auto* const found =
+      std::find_if(kChannels.begin(), kChannels.end(), [&](Channel channel) { return to_string(channel) == name; });
+  return found == kChannels.end() ? std::nullopt : std::optional(*found);
+}
+
+std::unique_ptr<MomentsEngine> make_engine(const std::string& name) {
+  if (name == "model") {
+    return make_model_engine();
+  }
+#ifdef SELFPROJ_HAS_RTL_ENGINE
+  if (name == "rtl") {
+    return make_rtl_engine();
+  }
+#endif
+  throw UserError("--engine " + name, "this engine is not part of this build");
+}
+
+std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
+
+// What the circuit takes.
+void check_size(const std::string& file, const Image& image) {
+  if (image.columns % spec::kPixelsPerBeat != 0) {
+    throw UserError(file,
+                    fmt::format("has {} columns; a multiple of {} is needed", image.columns, spec::kPixelsPerBeat));
+  }
+  if (image.columns > spec::kMaxColumns) {
+    throw UserError(file, fmt::format("has {} columns; at most {} are taken", image.columns, spec::kMaxColumns));
+  }
+  if (image.rows > spec::kMaxRows) {
+    throw UserError(file, fmt::format("has {} rows; at most {} are taken", image.rows, spec::kMaxRows));
+  }
+}
+
+// How many frames are held in memory and handed to the engine at once.
+std::size_t batch_size(const Image& image) {
+  constexpr std::size_t kBytes = std::size_t{16} << 20U;
+  constexpr std::size_t kMost = 64;
+  return std::clamp<std::size_t>(kBytes / image.pixels.size(), 1, kMost);
+}
+
+void run(const Options& options) {
+  const OutputFile out(options.out);
+  for (const std::string& file : options.images) {
+    if (out.is_same_as(file)) {
+      throw UserError("--out " + options.out, "is one of the images");
+    }
+    check_image_file(file);
+  }
+  const std::unique_ptr<MomentsEngine> engine = make_engine(options.engine);
+  const std::optional<Channel> channel = channel_of(options.channel);
+  const std::size_t total = options.images.size();
+
+  MomentsSettings settings{0, 0, mode_of(options.mode), options.threshold};
+  std::string csv = kMomentsCsvHeader;
+  std::vector<Image> images;
+  std::vector<Moments> moments;
+  {
+    Progress progress("frame", total);
+    std::size_t batch = 1;
+    for (std::size_t i = 0; i < total; ++i) {
+      const std::string& file = options.images[i];
+      const Image& image = images.emplace_back(read_image(file, channel));
+      if (i == 0) {
+        check_size(file, image);
+        settings.rows = image.rows;
+        settings.columns = image.columns;
+        batch = batch_size(image);
+      } else if (image.rows != settings.rows || image.columns != settings.columns) {
+        throw UserError(file, fmt::format("is {}, but {} is {}; all images must have one size",
+                                          size_text(image.rows, image.columns), options.images.front(),
+                                          size_text(settings.rows, settings.columns)));
+      }
+      if (images.size() < batch && i + 1 < total) {
+        continue;
+      }
+      std::vector<ImageView> frames;
+      std::transform(images.begin(), images.end(), std::back_inserter(frames),
+                     [](const Image& held) { return held.view(); });
+      moments.resize(frames.size());
+      engine->process(frames, settings, moments);
+      for (std::size_t k = 0; k < moments.size(); ++k) {
+        append_moments_csv(csv, i + 2 - moments.size() + k, moments[k]);
+      }
+      images.clear();
+      progress.update(i + 1);
+    }
+  }
+  out.write(csv);
+  fmt::print("{} {} of {}, engine {}, {}, threshold {}: {} columns → {}\n", total, total == 1 ? "frame" : "frames",
+             size_text(settings.rows, settings.columns), engine->name(), options.mode, settings.threshold,
+             total * static_cast<std::size_t>(settings.columns), out.name());
+}
+
+}  // namespace
+
+void add_moments_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("moments", "Column moments of image files, one image a frame, rows down");
+  const auto options = std::make_shared<Options>();
+  const auto names = [](const auto& list, auto name_of) {
+    std::vector<std::string> result;
+    std::transform(list.begin(), list.end(), std::back_inserter(result), name_of);
+    return result;
+  };
+  command->add_option("--engine", options->engine, "What computes them: the board's RTL, the HLS kernel, the model")
+      ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
+      ->capture_default_str();
+  command->add_option("--threshold", options->threshold, "A pixel is lit where it is greater than this")
+      ->check(CLI::Range(0, 255))
+      ->type_name("T")
+      ->capture_default_str();
+  command
+      ->add_option("--mode", options->mode,
+                   "A lit pixel weighs 1 (binary), its value (grey), its value - T (grey-over)")
+      ->check(CLI::IsMember(names(kModes, [](const auto& entry) { return std::string(entry.first); })))
+      ->capture_default_str();
+  command->add_option("--channel", options->channel, "What to take of colour images")
+      ->check(CLI::IsMember(names(kChannels, [](Channel channel) { return to_string(channel); })));
+  command->add_option("--out", options->out, "Table to write: frame,column,m0,m1,n, counted from 1")
+      ->type_name("FILE.csv")
+      ->required();
+  command->add_option("IMAGE", options->images, "8-bit images of one size, columns a multiple of 4")
+      ->type_name("FILE")
+      ->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace selfproj

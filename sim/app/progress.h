@@ -1,0 +1,31 @@
+#ifndef SELFPROJ_SIM_APP_PROGRESS_H
+#define SELFPROJ_SIM_APP_PROGRESS_H
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace selfproj {
+
+// One line on standard error that counts up, "frame 120 of 1400", and goes away at the end. Only on a terminal.
+class Progress {
+ public:
+  Progress(std::string what, std::size_t total);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  ~Progress();
+
+  // Shown at most ten times a second.
+  void update(std::size_t done);
+
+ private:
+  std::string what_;
+  std::size_t total_;
+  bool shown_ = false;
+  bool terminal_;
+  std::chrono::steady_clock::time_point next_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_APP_PROGRESS_H

@@ -1,0 +1,18 @@
+#ifndef SELFPROJ_SIM_APP_USER_ERROR_H
+#define SELFPROJ_SIM_APP_USER_ERROR_H
+
+#include <stdexcept>
+#include <string>
+
+namespace selfproj {
+
+// Something the user can mend: a file or an option, and what is wrong with it. The program prints it as one line,
+// "PROGRAM: SUBJECT: REASON", and exits with status 2.
+class UserError : public std::runtime_error {
+ public:
+  UserError(const std::string& subject, const std::string& reason) : std::runtime_error(subject + ": " + reason) {}
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_APP_USER_ERROR_H
