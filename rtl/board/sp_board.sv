@@ -1,7 +1,7 @@
 // The board between camera and bus: AXI4-Stream video in, packets out, registers on AXI4-Lite.
 //
-//   video ─▶ sp_frame_tracker ─┬▶ sp_column_moments ─▶ sp_packetizer ─▶ sp_packet_fifo ─┐
-//                              ├▶ sp_image_packer ───▶ sp_packetizer ─▶ sp_packet_fifo ─┴▶ sp_packet_arbiter ─▶ bus
+//   video ─▶ sp_frame_tracker ─┬▶ sp_moments_path: sp_column_moments ─▶ sp_packetizer ─▶ sp_packet_fifo ─┐
+//                              ├▶ sp_image_path: sp_image_packer ─────▶ sp_packetizer ─▶ sp_packet_fifo ─┴▶ sp_packet_arbiter ─▶ bus
 //   encoder, trigger ──────────┴▶ sp_frame_info (header fields)
 //   AXI4-Lite ─▶ sp_axil_bridge ─▶ sp_registers
 //
@@ -287,211 +287,93 @@ module sp_board #(
   );
 
   // --- Moments ---
-  localparam int MomentsPayloadBits = $clog2(MaxColumns * (Grey ? 8 : 4) / 16 + 1);
+  logic         moments_out_valid, moments_out_ready, moments_out_last;
+  logic [127:0] moments_out_data;
 
-  logic                          moments_accept, moments_valid, moments_break, spoiled;
-  logic [127:0]                  moments_data;
-  logic [MomentsPayloadBits-1:0] moments_beats, moments_beats_q;
-  logic                          last_row_start_q;
-  logic [MomentsLogDepth:0]      moments_free;
-  logic                          moments_put, moments_put_last;
-  logic [127:0]                  moments_put_data;
-  logic                          moments_out_valid, moments_out_ready, moments_out_last;
-  logic [127:0]                  moments_out_data;
-
-  if (Grey) begin : gen_grey_beats
-    assign moments_beats = mode == sp_spec_pkg::ModeBinary ? MomentsPayloadBits'(columns[ColumnBits-1:2]) :
-                                                             MomentsPayloadBits'(columns[ColumnBits-1:1]);
-  end else begin : gen_binary_beats
-    assign moments_beats = MomentsPayloadBits'(columns[ColumnBits-1:2]);
-  end
-
-  // A frame's last row is announced one clock late: its header is then read when that of a frame that breaks there is out.
-  always_ff @(posedge clk_i) begin
-    if (rst_i) last_row_start_q <= 1'b0;
-    else last_row_start_q <= last_row_start;
-    moments_beats_q <= moments_beats;
-  end
-
-  sp_column_moments #(
+  sp_moments_path #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
-    .Grey      (Grey)
-  ) u_moments (
-    .clk_i           (clk_i),
-    .rst_i           (rst_i),
-    .beat_valid_i    (beat_valid),
-    .beat_pixels_i   (beat_pixels),
-    .beat_group_i    (beat_group),
-    .beat_row_i      (beat_row),
-    .beat_first_row_i(beat_first_row),
-    .beat_last_row_i (beat_last_row),
-    .beat_line_end_i (beat_line_end),
-    .one_group_i     (one_group),
-    .two_groups_i    (two_groups),
-    .mode_i          (mode),
-    .threshold_i     (threshold),
-    .break_i         (frame_break && break_in_last_row),
-    .accept_i        (moments_accept),
-    .moments_valid_o (moments_valid),
-    .moments_data_o  (moments_data),
-    .moments_break_o (moments_break),
-    .spoiled_o       (spoiled)
-  );
-
-  sp_packetizer #(
-    .Kind       (sp_spec_pkg::KindMoments),
-    .ColumnBits (ColumnBits),
-    .RowBits    (RowBits),
-    .PayloadBits(MomentsPayloadBits),
-    .LogDepth   (MomentsLogDepth)
-  ) u_moments_packetizer (
-    .clk_i          (clk_i),
-    .rst_i          (rst_i),
-    .start_i        (last_row_start_q),
-    .payload_beats_i(moments_beats_q),
-    .line_i         (RowBits'(1)),
-    .spoiled_i      (spoiled),
-    .break_first_i  (frame_break && !break_in_last_row),
-    .break_later_i  (frame_break && break_in_last_row),
-    .start_status_i ({StatusBits{1'b0}}),
-    .break_status_i (break_status),
-    .accept_o       (moments_accept),
-    .payload_valid_i(moments_valid),
-    .payload_data_i (moments_data),
-    .payload_break_i(moments_break),
-    .stream_i       (info_stream),
-    .sequence_i     (info_sequence),
-    .time_stamp_i   (info_time_stamp),
-    .encoder_i      (info_encoder),
-    .pattern_i      (info_pattern),
-    .columns_i      (info_columns),
-    .rows_i         (info_rows),
-    .mode_i         (info_mode),
-    .threshold_i    (info_threshold),
-    .lines_i        (info_lines),
-    .stray_before_i (info_stray_before),
-    .fifo_free_i    (moments_free),
-    .fifo_valid_o   (moments_put),
-    .fifo_last_o    (moments_put_last),
-    .fifo_data_o    (moments_put_data),
-    .lost_o         (lost_moments)
-  );
-
-  sp_packet_fifo #(
-    .Width   (128),
-    .LogDepth(MomentsLogDepth)
-  ) u_moments_fifo (
-    .wr_clk_i  (clk_i),
-    .wr_rst_i  (rst_i),
-    .wr_valid_i(moments_put),
-    .wr_last_i (moments_put_last),
-    .wr_data_i (moments_put_data),
-    .wr_free_o (moments_free),
-    .rd_clk_i  (bus_clk_i),
-    .rd_rst_i  (bus_rst_i),
-    .rd_valid_o(moments_out_valid),
-    .rd_ready_i(moments_out_ready),
-    .rd_last_o (moments_out_last),
-    .rd_data_o (moments_out_data)
+    .Grey      (Grey),
+    .LogDepth  (MomentsLogDepth)
+  ) u_moments_path (
+    .clk_i              (clk_i),
+    .rst_i              (rst_i),
+    .groups_i           (columns[ColumnBits-1:2]),
+    .mode_i             (mode),
+    .threshold_i        (threshold),
+    .one_group_i        (one_group),
+    .two_groups_i       (two_groups),
+    .beat_valid_i       (beat_valid),
+    .beat_pixels_i      (beat_pixels),
+    .beat_group_i       (beat_group),
+    .beat_row_i         (beat_row),
+    .beat_first_row_i   (beat_first_row),
+    .beat_last_row_i    (beat_last_row),
+    .beat_line_end_i    (beat_line_end),
+    .last_row_start_i   (last_row_start),
+    .break_i            (frame_break),
+    .break_in_last_row_i(break_in_last_row),
+    .break_status_i     (break_status),
+    .info_stream_i      (info_stream),
+    .info_sequence_i    (info_sequence),
+    .info_time_stamp_i  (info_time_stamp),
+    .info_encoder_i     (info_encoder),
+    .info_pattern_i     (info_pattern),
+    .info_columns_i     (info_columns),
+    .info_rows_i        (info_rows),
+    .info_mode_i        (info_mode),
+    .info_threshold_i   (info_threshold),
+    .info_lines_i       (info_lines),
+    .info_stray_before_i(info_stray_before),
+    .lost_o             (lost_moments),
+    .bus_clk_i          (bus_clk_i),
+    .bus_rst_i          (bus_rst_i),
+    .m_valid_o          (moments_out_valid),
+    .m_ready_i          (moments_out_ready),
+    .m_last_o           (moments_out_last),
+    .m_data_o           (moments_out_data)
   );
 
   // --- Raw image, and the way out ---
   if (Image) begin : gen_image
-    localparam int PayloadBits = $clog2(MaxColumns / 16 + 2);
+    logic         image_out_valid, image_out_ready, image_out_last;
+    logic [127:0] image_out_data;
 
-    logic                   line_done, accept, words_valid, words_break;
-    logic [127:0]           words_data;
-    logic [PayloadBits-1:0] line_words;
-    logic [RowBits-1:0]     line_row;
-    logic [StatusBits-1:0]  line_status;
-    logic [ImageLogDepth:0] image_free;
-    logic                   image_put, image_put_last;
-    logic [127:0]           image_put_data;
-    logic                   image_out_valid, image_out_ready, image_out_last;
-    logic [127:0]           image_out_data;
-
-    sp_image_packer #(
+    sp_image_path #(
       .MaxColumns(MaxColumns),
-      .MaxRows   (MaxRows)
-    ) u_packer (
-      .clk_i            (clk_i),
-      .rst_i            (rst_i),
-      .image_i          (image),
-      .columns_i        (columns),
-      .beat_valid_i     (beat_valid),
-      .beat_pixels_i    (beat_pixels),
-      .beat_group_i     (beat_group[1:0]),
-      .beat_row_i       (beat_row),
-      .beat_line_start_i(beat_line_start),
-      .beat_line_end_i  (beat_line_end),
-      .break_i          (frame_break),
-      .break_status_i   (break_status),
-      .line_done_o      (line_done),
-      .line_words_o     (line_words),
-      .line_row_o       (line_row),
-      .line_status_o    (line_status),
-      .accept_i         (accept),
-      .words_valid_o    (words_valid),
-      .words_data_o     (words_data),
-      .words_break_o    (words_break)
-    );
-
-    sp_packetizer #(
-      .Kind       (sp_spec_pkg::KindImage),
-      .ColumnBits (ColumnBits),
-      .RowBits    (RowBits),
-      .PayloadBits(PayloadBits),
-      .LogDepth   (ImageLogDepth)
-    ) u_image_packetizer (
-      .clk_i          (clk_i),
-      .rst_i          (rst_i),
-      .start_i        (line_done),
-      .payload_beats_i(line_words),
-      .line_i         (line_row),
-      .spoiled_i      (1'b0),
-      .break_first_i  (1'b0),
-      .break_later_i  (1'b0),
-      .start_status_i (line_status),
-      .break_status_i ({StatusBits{1'b0}}),
-      .accept_o       (accept),
-      .payload_valid_i(words_valid),
-      .payload_data_i (words_data),
-      .payload_break_i(words_break),
-      .stream_i       (info_stream),
-      .sequence_i     (info_sequence),
-      .time_stamp_i   (info_time_stamp),
-      .encoder_i      (info_encoder),
-      .pattern_i      (info_pattern),
-      .columns_i      (info_columns),
-      .rows_i         (info_rows),
-      .mode_i         (info_mode),
-      .threshold_i    (info_threshold),
-      .lines_i        (info_lines),
-      .stray_before_i (info_stray_before),
-      .fifo_free_i    (image_free),
-      .fifo_valid_o   (image_put),
-      .fifo_last_o    (image_put_last),
-      .fifo_data_o    (image_put_data),
-      .lost_o         (lost_image)
-    );
-
-    sp_packet_fifo #(
-      .Width   (128),
-      .LogDepth(ImageLogDepth)
-    ) u_image_fifo (
-      .wr_clk_i  (clk_i),
-      .wr_rst_i  (rst_i),
-      .wr_valid_i(image_put),
-      .wr_last_i (image_put_last),
-      .wr_data_i (image_put_data),
-      .wr_free_o (image_free),
-      .rd_clk_i  (bus_clk_i),
-      .rd_rst_i  (bus_rst_i),
-      .rd_valid_o(image_out_valid),
-      .rd_ready_i(image_out_ready),
-      .rd_last_o (image_out_last),
-      .rd_data_o (image_out_data)
+      .MaxRows   (MaxRows),
+      .LogDepth  (ImageLogDepth)
+    ) u_image_path (
+      .clk_i              (clk_i),
+      .rst_i              (rst_i),
+      .image_i            (image),
+      .columns_i          (columns),
+      .beat_valid_i       (beat_valid),
+      .beat_pixels_i      (beat_pixels),
+      .beat_group_i       (beat_group[1:0]),
+      .beat_row_i         (beat_row),
+      .beat_line_start_i  (beat_line_start),
+      .beat_line_end_i    (beat_line_end),
+      .break_i            (frame_break),
+      .break_status_i     (break_status),
+      .info_stream_i      (info_stream),
+      .info_sequence_i    (info_sequence),
+      .info_time_stamp_i  (info_time_stamp),
+      .info_encoder_i     (info_encoder),
+      .info_pattern_i     (info_pattern),
+      .info_columns_i     (info_columns),
+      .info_rows_i        (info_rows),
+      .info_mode_i        (info_mode),
+      .info_threshold_i   (info_threshold),
+      .info_lines_i       (info_lines),
+      .info_stray_before_i(info_stray_before),
+      .lost_o             (lost_image),
+      .bus_clk_i          (bus_clk_i),
+      .bus_rst_i          (bus_rst_i),
+      .m_valid_o          (image_out_valid),
+      .m_ready_i          (image_out_ready),
+      .m_last_o           (image_out_last),
+      .m_data_o           (image_out_data)
     );
 
     sp_packet_arbiter #(

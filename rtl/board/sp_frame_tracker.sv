@@ -2,9 +2,10 @@
 //
 // The camera cannot be stalled: s_axis_tready_o is always high. A frame begins with a beat that carries tuser while run_i is
 // high; settings are taken over there and nowhere else (not while hold_i is high, and not within six clocks of the last
-// take-over, so that headers still being written keep theirs). A frame ends well with its last line's tlast. It breaks, and
-// no further beat of it counts, where a line ends early (the beat counts) or late (the beat counts), where the next frame
-// starts, or when no beat came for more than timeout_i clocks (0: never). Beats outside any frame are discarded and counted.
+// take-over, so that headers still being written keep theirs); before the first take-over no frame begins. A frame ends well
+// with its last line's tlast. It breaks, and no further beat of it counts, where a line ends early (the beat counts) or late
+// (the beat counts), where the next frame starts, or when no beat came for more than timeout_i clocks (0: never). Beats
+// outside any frame are discarded and counted.
 //
 // Timing: outputs are registers, two clocks after the beat at the input. break_o is reported after the beats of the
 // clocks before it and before the beat of its own clock: a frame's start and the break of the frame before it may share a clock.
@@ -111,19 +112,22 @@ module sp_frame_tracker #(
   end
 
   logic [TakeDistance-1:0] took_q;
+  logic                    in_force_q;  // settings have been taken over: a frame may start without taking them over
   logic                    start;
   logic                    take;
 
-  assign start = s1_valid_q && s1_start_q && run_i;
+  assign start = s1_valid_q && s1_start_q && run_i && (in_force_q || !hold_i);
   assign take  = start && !hold_i && took_q == '0;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      took_q <= '0;
-      take_o <= 1'b0;
+      took_q     <= '0;
+      take_o     <= 1'b0;
+      in_force_q <= 1'b0;
     end else begin
-      took_q <= {took_q[TakeDistance-2:0], take};
-      take_o <= take;
+      took_q     <= {took_q[TakeDistance-2:0], take};
+      take_o     <= take;
+      in_force_q <= in_force_q || take;
     end
     if (take) begin
       image_o      <= image_i;

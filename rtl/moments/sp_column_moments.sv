@@ -127,22 +127,22 @@ module sp_column_moments #(
       .GroupBits(GroupBits),
       .Grey     (Grey)
     ) u_pair (
-      .clk_i       (clk_i),
-      .rst_i       (rst_i),
-      .drain_i     (drain),
+      .clk_i        (clk_i),
+      .rst_i        (rst_i),
+      .drain_i      (drain),
       .drain_group_i(drain_group),
-      .add_i       (add),
-      .group_i     (s4_group_q),
-      .weights_i   (s4_weights_q[2*WeightBits*pair+:2*WeightBits]),
-      .row_i       (s4_row_q),
-      .first_row_i (s4_first_row),
-      .one_group_i (s4_one),
-      .two_groups_i(s4_two),
-      .grey_i      (s4_grey),
-      .raw_m_o     (raw_m[2*LaneMBits*pair+:2*LaneMBits]),
-      .raw_a_o     (raw_a[2*LaneABits*pair+:2*LaneABits]),
-      .sum_m_o     (sum_m[2*LaneMBits*pair+:2*LaneMBits]),
-      .sum_a_o     (sum_a[2*LaneABits*pair+:2*LaneABits])
+      .add_i        (add),
+      .group_i      (s4_group_q),
+      .weights_i    (s4_weights_q[2*WeightBits*pair+:2*WeightBits]),
+      .row_i        (s4_row_q),
+      .first_row_i  (s4_first_row),
+      .one_group_i  (s4_one),
+      .two_groups_i (s4_two),
+      .grey_i       (s4_grey),
+      .raw_m_o      (raw_m[2*LaneMBits*pair+:2*LaneMBits]),
+      .raw_a_o      (raw_a[2*LaneABits*pair+:2*LaneABits]),
+      .sum_m_o      (sum_m[2*LaneMBits*pair+:2*LaneMBits]),
+      .sum_a_o      (sum_a[2*LaneABits*pair+:2*LaneABits])
     );
   end
 

@@ -1,0 +1,152 @@
+// From beats to raw-image packets, one a line: the packer, the packets, and the packet FIFO into the bus clock.
+//
+// Guarantees: every line that began gives a packet or is counted in lost_o; packets come out whole. Lines of 60 columns and
+// more may follow each other without a gap. It only connects sp_image_packer, sp_packetizer and sp_packet_fifo.
+`default_nettype none
+
+module sp_image_path #(
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
+  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int LogDepth = 9,  // of the packet FIFO, in beats of 16 bytes
+  // derived, do not set
+  parameter int ColumnBits = $clog2(MaxColumns + 1),
+  parameter int RowBits = $clog2(MaxRows + 1)
+) (
+  // Video clock domain
+  input  wire logic                  clk_i,
+  input  wire logic                  rst_i,
+
+  // Beats, settings in force and breaks of sp_frame_tracker
+  input  wire logic                  image_i,
+  input  wire logic [ColumnBits-1:0] columns_i,
+  input  wire logic                  beat_valid_i,
+  input  wire logic [31:0]           beat_pixels_i,
+  input  wire logic [1:0]            beat_group_i,  // low bits of the group
+  input  wire logic [RowBits-1:0]    beat_row_i,
+  input  wire logic                  beat_line_start_i,
+  input  wire logic                  beat_line_end_i,
+  input  wire logic                  break_i,
+  input  wire logic [sp_spec_pkg::StatusBits-1:0]    break_status_i,
+
+  // Header fields of sp_frame_info
+  input  wire logic [7:0]            info_stream_i,
+  input  wire logic [63:0]           info_sequence_i,
+  input  wire logic [63:0]           info_time_stamp_i,
+  input  wire logic [31:0]           info_encoder_i,
+  input  wire logic [15:0]           info_pattern_i,
+  input  wire logic [ColumnBits-1:0] info_columns_i,
+  input  wire logic [RowBits-1:0]    info_rows_i,
+  input  wire logic [1:0]            info_mode_i,
+  input  wire logic [7:0]            info_threshold_i,
+  input  wire logic [RowBits-1:0]    info_lines_i,
+  input  wire logic                  info_stray_before_i,
+
+  output logic      [31:0]           lost_o,
+
+  // Bus clock domain: packets
+  input  wire logic                  bus_clk_i,
+  input  wire logic                  bus_rst_i,
+  output logic                       m_valid_o,
+  input  wire logic                  m_ready_i,
+  output logic                       m_last_o,
+  output logic      [127:0]          m_data_o
+);
+
+  localparam int StatusBits = sp_spec_pkg::StatusBits;
+  localparam int PayloadBits = $clog2(MaxColumns / 16 + 2);
+
+  logic                   line_done, accept, words_valid, words_break;
+  logic [127:0]           words_data;
+  logic [PayloadBits-1:0] line_words;
+  logic [RowBits-1:0]     line_row;
+  logic [StatusBits-1:0]  line_status;
+  logic [LogDepth:0] free;
+  logic                   put, put_last;
+  logic [127:0]           put_data;
+
+  sp_image_packer #(
+    .MaxColumns(MaxColumns),
+    .MaxRows   (MaxRows)
+  ) u_packer (
+    .clk_i            (clk_i),
+    .rst_i            (rst_i),
+    .image_i          (image_i),
+    .columns_i        (columns_i),
+    .beat_valid_i     (beat_valid_i),
+    .beat_pixels_i    (beat_pixels_i),
+    .beat_group_i     (beat_group_i),
+    .beat_row_i       (beat_row_i),
+    .beat_line_start_i(beat_line_start_i),
+    .beat_line_end_i  (beat_line_end_i),
+    .break_i          (break_i),
+    .break_status_i   (break_status_i),
+    .line_done_o      (line_done),
+    .line_words_o     (line_words),
+    .line_row_o       (line_row),
+    .line_status_o    (line_status),
+    .accept_i         (accept),
+    .words_valid_o    (words_valid),
+    .words_data_o     (words_data),
+    .words_break_o    (words_break)
+  );
+
+  sp_packetizer #(
+    .Kind       (sp_spec_pkg::KindImage),
+    .ColumnBits (ColumnBits),
+    .RowBits    (RowBits),
+    .PayloadBits(PayloadBits),
+    .LogDepth   (LogDepth)
+  ) u_packetizer (
+    .clk_i          (clk_i),
+    .rst_i          (rst_i),
+    .start_i        (line_done),
+    .payload_beats_i(line_words),
+    .line_i         (line_row),
+    .spoiled_i      (1'b0),
+    .break_first_i  (1'b0),
+    .break_later_i  (1'b0),
+    .start_status_i (line_status),
+    .break_status_i ({StatusBits{1'b0}}),
+    .accept_o       (accept),
+    .payload_valid_i(words_valid),
+    .payload_data_i (words_data),
+    .payload_break_i(words_break),
+    .stream_i       (info_stream_i),
+    .sequence_i     (info_sequence_i),
+    .time_stamp_i   (info_time_stamp_i),
+    .encoder_i      (info_encoder_i),
+    .pattern_i      (info_pattern_i),
+    .columns_i      (info_columns_i),
+    .rows_i         (info_rows_i),
+    .mode_i         (info_mode_i),
+    .threshold_i    (info_threshold_i),
+    .lines_i        (info_lines_i),
+    .stray_before_i (info_stray_before_i),
+    .fifo_free_i    (free),
+    .fifo_valid_o   (put),
+    .fifo_last_o    (put_last),
+    .fifo_data_o    (put_data),
+    .lost_o         (lost_o)
+  );
+
+  sp_packet_fifo #(
+    .Width   (128),
+    .LogDepth(LogDepth)
+  ) u_fifo (
+    .wr_clk_i  (clk_i),
+    .wr_rst_i  (rst_i),
+    .wr_valid_i(put),
+    .wr_last_i (put_last),
+    .wr_data_i (put_data),
+    .wr_free_o (free),
+    .rd_clk_i  (bus_clk_i),
+    .rd_rst_i  (bus_rst_i),
+    .rd_valid_o(m_valid_o),
+    .rd_ready_i(m_ready_i),
+    .rd_last_o (m_last_o),
+    .rd_data_o (m_data_o)
+  );
+
+endmodule
+
+`default_nettype wire
