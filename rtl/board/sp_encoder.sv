@@ -72,8 +72,7 @@ module sp_encoder (
       up_q    <= one_moved && (level_q[0] ^ previous_q[1]);
       down_q  <= one_moved && !(level_q[0] ^ previous_q[1]);
       error_q <= settled_q && moved == 2'b11;
-      if (up_q) count_o <= count_o + 32'd1;
-      else if (down_q) count_o <= count_o - 32'd1;
+      if (up_q || down_q) count_o <= count_o + (up_q ? 32'd1 : 32'hFFFF_FFFF);
       if (error_q) errors_o <= errors_o + 16'd1;
     end
   end

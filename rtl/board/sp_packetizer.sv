@@ -122,6 +122,7 @@ module sp_packetizer #(
   logic [RowBits-1:0]     line_q;
   logic [63:0]            sequence_q;
   logic [StatusBits-1:0]  status_q;
+  logic [31:0]            check_q;
   logic                   take, take_empty, put_payload;
   logic [1:0]             lost_now_q;      // late enough for the header of a packet decided on the clock before
 
@@ -131,8 +132,8 @@ module sp_packetizer #(
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      state_q  <= StIdle;
-      step_q   <= '0;
+      state_q    <= StIdle;
+      step_q     <= '0;
       accept_o   <= 1'b0;
       lost_now_q <= '0;
       lost_o     <= '0;
@@ -141,126 +142,99 @@ module sp_packetizer #(
       lost_now_q <= {lost_now_q[0], start_q[2] && !take || break_first_q[2] && !take_empty};
       if (lost_now_q[1]) lost_o <= lost_o + 32'd1;
 
-      step_q <= state_q == StIdle ? '0 : step_q + 2'd1;
-      case (state_q)
-        StIdle: if (take || take_empty) state_q <= StHeader;
-        StHeader: if (step_q == 2'd3) state_q <= empty_q ? StTrailer : StPayload;
-        StPayload: begin
-          if (payload_valid_i && one_left_q) state_q <= StTrailer;
-          else if (payload_break_i) state_q <= StFill;
-          step_q <= '0;
-        end
-        StFill: begin
-          if (one_left_q) state_q <= StTrailer;
-          step_q <= '0;
-        end
-        StTrailer: if (step_q == 2'd2) state_q <= StSettle;
-        default: if (step_q == 2'd1) state_q <= StIdle;
-      endcase
+      if (state_q == StIdle) begin
+        if (take || take_empty) state_q <= StHeader;
+        step_q <= '0;
+      end else begin
+        step_q <= step_q + 2'd1;
+        case (state_q)
+          StHeader: if (step_q == 2'd3) state_q <= empty_q ? StTrailer : StPayload;
+          StPayload: begin
+            if (payload_valid_i && one_left_q) state_q <= StTrailer;
+            else if (payload_break_i) state_q <= StFill;
+            step_q <= '0;
+          end
+          StFill: begin
+            if (one_left_q) state_q <= StTrailer;
+            step_q <= '0;
+          end
+          StTrailer: if (step_q == 2'd2) state_q <= StSettle;
+          default: if (step_q == 2'd1) state_q <= StIdle;
+        endcase
+      end
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (take || take_empty) begin
-      empty_q    <= take_empty;
-      payload_q  <= payload2_q;
-      left_q     <= payload2_q;
-      one_left_q <= payload2_q == PayloadBits'(1);
-      line_q     <= line2_q;
-      status_q   <= status2_q;
+    if (state_q == StIdle) begin
+      if (take || take_empty) begin
+        empty_q    <= take_empty;
+        payload_q  <= payload2_q;
+        left_q     <= payload2_q;
+        one_left_q <= payload2_q == PayloadBits'(1);
+        line_q     <= line2_q;
+        status_q   <= status2_q;
+      end
     end else begin
       if (put_payload) begin
         left_q     <= left_q - PayloadBits'(1);
         one_left_q <= left_q == PayloadBits'(2);
       end
       if (break_later_q[3] && accept_o) status_q <= status3_q;
+      if (state_q == StHeader && step_q == 2'd0) sequence_q <= sequence_i;
     end
-    if (state_q == StHeader && step_q == 2'd0) sequence_q <= sequence_i;
+  end
+
+  // --- The beat for the FIFO. Its four words have few sources each: what the header and the trailer have in common stands
+  // at the same place. ---
+  always_ff @(posedge clk_i) begin
+    if (rst_i || state_q == StIdle) begin
+      fifo_valid_o <= 1'b0;
+      fifo_last_o  <= 1'b0;
+    end else begin
+      fifo_valid_o <= state_q == StHeader || put_payload || state_q == StTrailer && step_q == 2'd2;
+      fifo_last_o  <= state_q == StTrailer;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    case (state_q)
+      StHeader: begin
+        case (step_q)
+          2'd0: begin
+            fifo_data_o <= {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
+                            sp_spec_pkg::SpecHash, sp_spec_pkg::Magic};
+          end
+          2'd1: fifo_data_o <= {time_stamp_i, sequence_q};
+          2'd2: begin
+            fifo_data_o <= {32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes), 16'(rows_i), 16'(columns_i),
+                            lost_o, encoder_i};
+          end
+          default: begin
+            fifo_data_o <= {64'd0, 31'd0, stray_before_i, PerLine ? 16'd1 : 16'(lines_i),
+                            PerLine ? 16'(line_q) : 16'd1};
+          end
+        endcase
+      end
+      StPayload: fifo_data_o <= payload_data_i;
+      StFill:    fifo_data_o <= '0;
+      StTrailer: fifo_data_o <= {step_q == 2'd2 ? check_q : 32'd0, 32'(status_q), sequence_q};
+      default:   ;
+    endcase
   end
 
   // --- Check word, one clock behind the beats. The trailer counts with its check field 0, before it is written. ---
-  logic [31:0] check_q;
   logic [31:0] folded;
   logic [31:0] w0, w1, w2, w3;
-  logic        in_trailer;
 
-  assign in_trailer = state_q == StTrailer;
   assign {w3, w2, w1, w0} = fifo_data_o;
   assign folded = w0 ^ {w1[23:0], w1[31:24]} ^ {w2[15:0], w2[31:16]} ^ {w3[7:0], w3[31:8]};
 
   always_ff @(posedge clk_i) begin
-    if (take || take_empty) begin
-      check_q <= sp_spec_pkg::CheckInit;
-    end else if (fifo_valid_o || in_trailer && step_q == 2'd1) begin
+    if (state_q == StIdle) begin
+      if (take || take_empty) check_q <= sp_spec_pkg::CheckInit;
+    end else if (fifo_valid_o || state_q == StTrailer && step_q == 2'd1) begin
       check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^ folded;
-    end
-  end
-
-  // --- The beat for the FIFO ---
-  // Each of its four words has at most four sources, of which one is a mixture of narrow fields.
-  localparam logic [1:0] SelPayload = 2'd0;
-  localparam logic [1:0] SelFirst = 2'd1;
-  localparam logic [1:0] SelSecond = 2'd2;
-  localparam logic [1:0] SelNarrow = 2'd3;
-
-  logic [3:0]  header;  // one bit a header beat
-  logic [31:0] narrow0, narrow1, narrow2, narrow3;
-  logic [1:0]  sel0, sel1, sel2, sel3;
-
-  for (genvar i = 0; i < 4; i++) begin : gen_header
-    assign header[i] = state_q == StHeader && step_q == 2'(i);
-  end
-
-  assign narrow0 = (header[0] ? sp_spec_pkg::Magic : 32'd0) |
-                   (header[3] ? {PerLine ? 16'd1 : 16'(lines_i), PerLine ? 16'(line_q) : 16'd1} : 32'd0);
-  assign narrow1 = (header[0] ? sp_spec_pkg::SpecHash : 32'd0) | 32'(header[3] && stray_before_i);
-  assign narrow2 = (header[0] ? {stream_i, Kind, sp_spec_pkg::SpecVersion} : 32'd0) |
-                   (in_trailer ? 32'(status_q) : 32'd0);
-  assign narrow3 = (header[0] ? {threshold_i, 6'd0, mode_i, pattern_i} : 32'd0) |
-                   (header[2] ? 32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes) : 32'd0);
-
-  assign sel0 = state_q == StPayload ? SelPayload : header[1] || in_trailer ? SelFirst : header[2] ? SelSecond : SelNarrow;
-  assign sel1 = sel0;
-  assign sel2 = state_q == StPayload ? SelPayload : header[1] ? SelFirst : header[2] ? SelSecond : SelNarrow;
-  assign sel3 = state_q == StPayload ? SelPayload : header[1] ? SelFirst :
-                in_trailer && step_q == 2'd2 ? SelSecond : SelNarrow;
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      fifo_valid_o <= 1'b0;
-      fifo_last_o  <= 1'b0;
-    end else begin
-      fifo_valid_o <= state_q == StHeader || put_payload || in_trailer && step_q == 2'd2;
-      fifo_last_o  <= in_trailer;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (state_q != StIdle) begin
-      case (sel0)
-        SelPayload: fifo_data_o[31:0] <= payload_data_i[31:0];
-        SelFirst:   fifo_data_o[31:0] <= sequence_q[31:0];
-        SelSecond:  fifo_data_o[31:0] <= encoder_i;
-        default:    fifo_data_o[31:0] <= narrow0;
-      endcase
-      case (sel1)
-        SelPayload: fifo_data_o[63:32] <= payload_data_i[63:32];
-        SelFirst:   fifo_data_o[63:32] <= sequence_q[63:32];
-        SelSecond:  fifo_data_o[63:32] <= lost_o;
-        default:    fifo_data_o[63:32] <= narrow1;
-      endcase
-      case (sel2)
-        SelPayload: fifo_data_o[95:64] <= payload_data_i[95:64];
-        SelFirst:   fifo_data_o[95:64] <= time_stamp_i[31:0];
-        SelSecond:  fifo_data_o[95:64] <= {16'(rows_i), 16'(columns_i)};
-        default:    fifo_data_o[95:64] <= narrow2;
-      endcase
-      case (sel3)
-        SelPayload: fifo_data_o[127:96] <= payload_data_i[127:96];
-        SelFirst:   fifo_data_o[127:96] <= time_stamp_i[63:32];
-        SelSecond:  fifo_data_o[127:96] <= check_q;
-        default:    fifo_data_o[127:96] <= narrow3;
-      endcase
     end
   end
 

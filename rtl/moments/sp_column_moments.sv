@@ -121,30 +121,28 @@ module sp_column_moments #(
   // A first row needs no read and may pass a drain; any other row meets one only after a change of size: see spoiled_o.
   assign add          = valid_q[4] && !s4_drain_row && (s4_first_row || !draining);
 
-  for (genvar pair = 0; pair < 2; pair++) begin : gen_pair
-    sp_moment_pair #(
-      .MaxRows  (MaxRows),
-      .GroupBits(GroupBits),
-      .Grey     (Grey)
-    ) u_pair (
-      .clk_i        (clk_i),
-      .rst_i        (rst_i),
-      .drain_i      (drain),
-      .drain_group_i(drain_group),
-      .add_i        (add),
-      .group_i      (s4_group_q),
-      .weights_i    (s4_weights_q[2*WeightBits*pair+:2*WeightBits]),
-      .row_i        (s4_row_q),
-      .first_row_i  (s4_first_row),
-      .one_group_i  (s4_one),
-      .two_groups_i (s4_two),
-      .grey_i       (s4_grey),
-      .raw_m_o      (raw_m[2*LaneMBits*pair+:2*LaneMBits]),
-      .raw_a_o      (raw_a[2*LaneABits*pair+:2*LaneABits]),
-      .sum_m_o      (sum_m[2*LaneMBits*pair+:2*LaneMBits]),
-      .sum_a_o      (sum_a[2*LaneABits*pair+:2*LaneABits])
-    );
-  end
+  sp_moment_sums #(
+    .MaxRows  (MaxRows),
+    .GroupBits(GroupBits),
+    .Grey     (Grey)
+  ) u_sums (
+    .clk_i        (clk_i),
+    .rst_i        (rst_i),
+    .drain_i      (drain),
+    .drain_group_i(drain_group),
+    .add_i        (add),
+    .group_i      (s4_group_q),
+    .weights_i    (s4_weights_q),
+    .row_i        (s4_row_q),
+    .first_row_i  (s4_first_row),
+    .one_group_i  (s4_one),
+    .two_groups_i (s4_two),
+    .grey_i       (s4_grey),
+    .raw_m_o      (raw_m),
+    .raw_a_o      (raw_a),
+    .sum_m_o      (sum_m),
+    .sum_a_o      (sum_a)
+  );
 
   // --- Mode binary: the sums of the last row, as they come ---
   logic [8:5] direct_q;

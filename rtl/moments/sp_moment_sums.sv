@@ -1,4 +1,4 @@
-// Running sums of two neighbouring column lanes: two pixels of every beat.
+// Running sums of the four column lanes.
 //
 // Keeps, for each column, M0 (with N, the number of lit pixels, in a grey build) in one memory and the 1st-moment sum A
 // in a second one that runs one clock later, so that A may take up the old M0. In mode binary A is M1 itself: every lit
@@ -11,7 +11,7 @@
 // have all their beats in one address): the last sum is taken past the memory.
 `default_nettype none
 
-module sp_moment_pair #(
+module sp_moment_sums #(
   parameter int MaxRows = 1023,
   parameter int GroupBits = 9,
   parameter bit Grey = 1'b1,
@@ -31,23 +31,23 @@ module sp_moment_pair #(
   // Stage 0: a beat to add up
   input  wire logic                     add_i,
   input  wire logic [GroupBits-1:0]     group_i,
-  input  wire logic [2*WeightBits-1:0]  weights_i,
+  input  wire logic [4*WeightBits-1:0]  weights_i,
   input  wire logic [RowBits-1:0]       row_i,
   input  wire logic                     first_row_i,   // sums begin at zero
   input  wire logic                     one_group_i,   // the image has 4 columns
   input  wire logic                     two_groups_i,  // the image has 8 columns
   input  wire logic                     grey_i,
 
-  output logic [2*LaneMBits-1:0]        raw_m_o,  // {N, M0} of each lane, or M0
-  output logic [2*LaneABits-1:0]        raw_a_o,
-  output logic [2*LaneMBits-1:0]        sum_m_o,
-  output logic [2*LaneABits-1:0]        sum_a_o
+  output logic [4*LaneMBits-1:0]        raw_m_o,  // {N, M0} of each lane, or M0
+  output logic [4*LaneABits-1:0]        raw_a_o,
+  output logic [4*LaneMBits-1:0]        sum_m_o,
+  output logic [4*LaneABits-1:0]        sum_a_o
 );
 
   // Stage 1: the M word is read, and A's read begins
   logic                    s1_add_q, s1_drain_q, s1_first_q, s1_one_q, s1_two_q, s1_grey_q;
   logic [GroupBits-1:0]    s1_group_q, s1_drain_group_q;
-  logic [2*WeightBits-1:0] s1_weights_q;
+  logic [4*WeightBits-1:0] s1_weights_q;
   logic [RowBits-1:0]      s1_row_q;
   // Stage 2: M is summed and written
   logic                    s2_add_q, s2_first_q, s2_use_sum_q, s2_forward_q, s2_grey_q;
@@ -56,8 +56,8 @@ module sp_moment_pair #(
   // Stage 3: A is summed and written
   logic                    s3_add_q, s3_use_sum_q;
   logic [GroupBits-1:0]    s3_group_q;
-  logic [2*LaneMBits-1:0]  sum_m;
-  logic [2*LaneABits-1:0]  sum_a;
+  logic [4*LaneMBits-1:0]  sum_m;
+  logic [4*LaneABits-1:0]  sum_a;
 
   // The beat two clocks ahead had the same address, and its sum is not readable yet: true only for images of two
   // groups without a gap, since groups alternate.
@@ -103,7 +103,7 @@ module sp_moment_pair #(
     end
   end
 
-  for (genvar lane = 0; lane < 2; lane++) begin : gen_lane
+  for (genvar lane = 0; lane < 4; lane++) begin : gen_lane
     logic [WeightBits-1:0] s2_weight_q;
     logic [M0Bits-1:0]     s2_old_m0_q, base_m0, next_m0, sum_m0_q;
     logic [LaneABits-1:0]  s3_addend_q, s3_old_a_q, base_a, next_a, sum_a_q;
@@ -157,35 +157,37 @@ module sp_moment_pair #(
     end
   end
 
-  // A word is read and written in one clock only where the read word goes unused: in the first row, in images of one
-  // group (the sum register holds the value), and in images of two groups without a gap (forward_m).
-  sp_ram #(
-    .Width   (2 * LaneMBits),
-    .LogDepth(GroupBits)
-  ) u_m (
-    .wr_clk_i (clk_i),
-    .wr_en_i  (s2_add_q),
-    .wr_addr_i(s2_group_q),
-    .wr_data_i(sum_m),
-    .rd_clk_i (clk_i),
-    .rd_en_i  (add_i || drain_i),
-    .rd_addr_i(drain_i ? drain_group_i : group_i),
-    .rd_data_o(raw_m_o)
-  );
+  // A word holds two lanes. It is read and written in one clock only where the read word goes unused: in the first row, in
+  // images of one group (the sum register holds the value), and in images of two groups without a gap (forward_m).
+  for (genvar pair = 0; pair < 2; pair++) begin : gen_pair
+    sp_ram #(
+      .Width   (2 * LaneMBits),
+      .LogDepth(GroupBits)
+    ) u_m (
+      .wr_clk_i (clk_i),
+      .wr_en_i  (s2_add_q),
+      .wr_addr_i(s2_group_q),
+      .wr_data_i(sum_m[pair*2*LaneMBits+:2*LaneMBits]),
+      .rd_clk_i (clk_i),
+      .rd_en_i  (add_i || drain_i),
+      .rd_addr_i(drain_i ? drain_group_i : group_i),
+      .rd_data_o(raw_m_o[pair*2*LaneMBits+:2*LaneMBits])
+    );
 
-  sp_ram #(
-    .Width   (2 * LaneABits),
-    .LogDepth(GroupBits)
-  ) u_a (
-    .wr_clk_i (clk_i),
-    .wr_en_i  (s3_add_q),
-    .wr_addr_i(s3_group_q),
-    .wr_data_i(sum_a),
-    .rd_clk_i (clk_i),
-    .rd_en_i  (s1_add_q || s1_drain_q),
-    .rd_addr_i(s1_drain_q ? s1_drain_group_q : s1_group_q),
-    .rd_data_o(raw_a_o)
-  );
+    sp_ram #(
+      .Width   (2 * LaneABits),
+      .LogDepth(GroupBits)
+    ) u_a (
+      .wr_clk_i (clk_i),
+      .wr_en_i  (s3_add_q),
+      .wr_addr_i(s3_group_q),
+      .wr_data_i(sum_a[pair*2*LaneABits+:2*LaneABits]),
+      .rd_clk_i (clk_i),
+      .rd_en_i  (s1_add_q || s1_drain_q),
+      .rd_addr_i(s1_drain_q ? s1_drain_group_q : s1_group_q),
+      .rd_data_o(raw_a_o[pair*2*LaneABits+:2*LaneABits])
+    );
+  end
 
 endmodule
 
