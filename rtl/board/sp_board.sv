@@ -60,6 +60,14 @@ module sp_board #(
   output logic      [1:0]   s_axil_rresp
 );
 
+`ifndef SYNTHESIS
+  initial begin
+    if (MaxColumns < 12 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+      $fatal(1, "sp_board: MaxColumns is %0d, not a multiple of 4 in 12..2048", MaxColumns);
+    if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) $fatal(1, "sp_board: MaxRows is %0d, not in 2..1023", MaxRows);
+  end
+`endif
+
   localparam int GroupBits = $clog2(MaxColumns / 4);
   localparam int ColumnBits = $clog2(MaxColumns + 1);
   localparam int RowBits = $clog2(MaxRows + 1);

@@ -29,6 +29,7 @@
 
 #include "model/column_moments.h"
 #include "model/packet.h"
+#include "tests/bench/collector.h"
 #include "tests/support/reference_moments.h"
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
@@ -39,6 +40,8 @@
 
 namespace selfproj {
 namespace {
+
+using bench::Collector;
 
 constexpr int kRows = 96;
 constexpr int kColumns = 512;
@@ -212,44 +215,6 @@ void parse_and_unpack(benchmark::State& state, const std::vector<std::uint8_t>& 
   set_counters(state, 1, packet.size());
 }
 
-// Prints the medians as a table and keeps the bytes a second of every repetition.
-class Collector : public benchmark::ConsoleReporter {
- public:
-  Collector() : ConsoleReporter(OO_Tabular) {}
-
-  void ReportRuns(const std::vector<Run>& runs) override {
-    std::vector<Run> shown;
-    for (const Run& run : runs) {
-      failed_ = failed_ || run.error_occurred;
-      const auto rate = run.counters.find("bytes_per_second");
-      if (run.run_type == Run::RT_Iteration && rate != run.counters.end()) {
-        rates_[run.run_name.function_name].push_back(rate->second.value);
-      }
-      if (run.error_occurred || run.aggregate_name == "median") {
-        shown.push_back(run);
-      }
-    }
-    ConsoleReporter::ReportRuns(shown);
-  }
-
-  bool failed() const { return failed_; }
-
-  // Median of the repetitions in bytes a second; 0 where the benchmark did not run (--benchmark_filter).
-  double median(const std::string& name) const {
-    const auto found = rates_.find(name);
-    if (found == rates_.end()) {
-      return 0;
-    }
-    std::vector<double> rates = found->second;
-    std::sort(rates.begin(), rates.end());
-    return (rates[(rates.size() - 1) / 2] + rates[rates.size() / 2]) / 2;
-  }
-
- private:
-  std::map<std::string, std::vector<double>> rates_;
-  bool failed_ = false;
-};
-
 void print_ratios(const Collector& collector) {
   const double ceiling = std::max(collector.median("read/one_stream"), collector.median("read/four_streams"));
   std::printf("\nread ceiling: %.2f GB/s (one thread, from memory; medians)\n", ceiling * 1e-9);
@@ -320,7 +285,7 @@ int run(int argc, char** argv) {
   benchmark::RegisterBenchmark("packet/parse_and_unpack/grey",
                                [&](benchmark::State& state) { parse_and_unpack(state, grey); });
 
-  Collector collector;
+  Collector collector("bytes_per_second");
   benchmark::RunSpecifiedBenchmarks(&collector);
   if (!collector.failed()) {
     print_ratios(collector);

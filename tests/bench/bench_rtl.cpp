@@ -1,0 +1,240 @@
+// Clocks a second of the Verilated circuits: the moments core by itself, one clock, and the board, two unrelated
+// clocks. Frames of 96 x 512, every pixel clock carries a beat, mode binary.
+//
+//     bench_rtl [GOOGLE_BENCHMARK_OPTION...]
+//
+// First both are checked against the model. Ends with the board's rate as a share of the core's in the same run.
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "Vboard.h"
+#include "Vboard_original.h"
+#include "Vcore.h"
+#include "Vcore_original.h"
+#include "model/column_moments.h"
+#include "model/packet.h"
+#include "sim/device/board_device.h"
+#include "tests/bench/collector.h"
+
+namespace {
+
+using selfproj::bench::Collector;
+
+constexpr int kRows = 96;
+constexpr int kColumns = 512;
+constexpr int kGroups = kColumns / 4;
+constexpr int kThreshold = 128;
+constexpr int kFrameClocks = kRows * kGroups;
+
+// One frame of noise, as the beats' words.
+std::vector<std::uint32_t> noise() {
+  std::mt19937 random(1);
+  std::vector<std::uint32_t> beats(kFrameClocks);
+  for (auto& beat : beats) {
+    beat = static_cast<std::uint32_t>(random());
+  }
+  return beats;
+}
+
+// The core, one frame after the other.
+template <class Model>
+class Core {
+ public:
+  Core() : model_(std::make_unique<Model>(&context_)) {
+    model_->rst_i = 1;
+    for (int i = 0; i < 8; ++i) {
+      clock();
+    }
+    model_->rst_i = 0;
+    model_->mode_i = 0;
+    model_->threshold_i = kThreshold;
+    model_->one_group_i = 0;
+    model_->two_groups_i = 0;
+    model_->break_i = 0;
+    model_->accept_i = 1;
+  }
+  ~Core() { model_->final(); }
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+
+  // Clocks one frame in; what leaves is handed on.
+  template <class Out>
+  void frame(const std::vector<std::uint32_t>& beats, Out out) {
+    const std::uint32_t* beat = beats.data();
+    for (int row = 1; row <= kRows; ++row) {
+      model_->beat_row_i = static_cast<std::remove_reference_t<decltype(model_->beat_row_i)>>(row);
+      model_->beat_first_row_i = row == 1;
+      model_->beat_last_row_i = row == kRows;
+      for (int group = 0; group < kGroups; ++group) {
+        model_->beat_valid_i = 1;
+        model_->beat_pixels_i = *beat++;
+        model_->beat_group_i = static_cast<std::remove_reference_t<decltype(model_->beat_group_i)>>(group);
+        model_->beat_line_end_i = group == kGroups - 1;
+        clock();
+        if (model_->moments_valid_o != 0) {
+          out(model_->moments_data_o);
+        }
+      }
+    }
+  }
+
+ private:
+  void clock() {
+    model_->clk_i = 0;
+    model_->eval();
+    model_->clk_i = 1;
+    model_->eval();
+  }
+
+  VerilatedContext context_;
+  std::unique_ptr<Model> model_;
+};
+
+// The board, settings as after reset (512 x 96, threshold 128, binary), pixel clock 151.2 MHz, bus clock 125 MHz.
+template <class Model>
+class Board {
+ public:
+  Board() { device_.write(selfproj::BoardSettings{.columns = kColumns, .rows = kRows, .threshold = kThreshold}); }
+
+  // The tight loop: the board's model is clocked here, without the queues of the device.
+  template <class Out>
+  void frame(const std::vector<std::uint32_t>& beats, Out out) {
+    Model& m = device_.model();
+    m.m_axis_tready = 1;
+    const std::uint32_t* beat = beats.data();
+    for (int row = 0; row < kRows; ++row) {
+      for (int group = 0; group < kGroups;) {
+        const bool video = next_video_ <= next_bus_;
+        const bool bus = next_bus_ <= next_video_;
+        if ((video && m.clk_i != 0) || (bus && m.bus_clk_i != 0)) {
+          m.clk_i = 0;
+          m.bus_clk_i = 0;
+          m.eval();
+        }
+        if (video) {
+          m.s_axis_tvalid = 1;
+          m.s_axis_tdata = *beat++;
+          m.s_axis_tuser = row == 0 && group == 0;
+          m.s_axis_tlast = group == kGroups - 1;
+          ++group;
+          next_video_ += 6614;
+        }
+        if (bus) {
+          if (m.m_axis_tvalid != 0) {
+            out(m.m_axis_tdata);
+          }
+          next_bus_ += 8000;
+        }
+        m.clk_i = video;
+        m.bus_clk_i = bus;
+        m.eval();
+      }
+    }
+  }
+
+ private:
+  selfproj::BoardDevice<Model> device_;
+  std::uint64_t next_video_ = 6614;
+  std::uint64_t next_bus_ = 9234;
+};
+
+// The payload of two frames, as the circuit gave it, against the model. `header_beats` of a packet's beats are not
+// payload.
+template <class Circuit>
+bool is_right(const std::vector<std::uint32_t>& beats, std::size_t packet_beats, std::size_t header_beats) {
+  std::vector<std::uint8_t> got;
+  const auto keep = [&](const auto& data) {
+    const auto at = got.size();
+    got.resize(at + 16);
+    std::memcpy(got.data() + at, data.data(), 16);
+  };
+  Circuit circuit;
+  for (int i = 0; i < 3; ++i) {
+    circuit.frame(beats, keep);
+  }
+  selfproj::Moments moments;
+  moments.resize(kColumns);
+  selfproj::column_moments({.pixels = reinterpret_cast<const std::uint8_t*>(beats.data()),
+                            .rows = kRows,
+                            .columns = kColumns,
+                            .stride = kColumns},
+                           selfproj::Mode::binary, kThreshold, moments.view());
+  std::vector<std::uint8_t> want(selfproj::moments_payload_bytes(selfproj::Mode::binary, kColumns));
+  selfproj::pack_moments(selfproj::Mode::binary, kColumns, moments.view(), want.data());
+  return got.size() >= 2 * packet_beats * 16 &&
+         std::memcmp(want.data(), got.data() + header_beats * 16, want.size()) == 0 &&
+         std::memcmp(want.data(), got.data() + (packet_beats + header_beats) * 16, want.size()) == 0;
+}
+
+template <class Circuit>
+void run_frames(benchmark::State& state, const std::vector<std::uint32_t>& beats) {
+  Circuit circuit;
+  std::uint64_t words = 0;
+  for (auto _ : state) {
+    circuit.frame(beats, [&](const auto&) { ++words; });
+  }
+  benchmark::DoNotOptimize(words);
+  state.SetItemsProcessed(state.iterations() * kFrameClocks);
+}
+
+void print_ratio(const Collector& collector, const char* build) {
+  const double core = collector.median(std::string("core/") + build);
+  const double board = collector.median(std::string("board/") + build);
+  if (core > 0 && board > 0) {
+    std::printf("%-8s: core %5.1f M clocks/s, board with two clocks %5.1f M clocks/s: %.0f %% of the core's\n", build,
+                core * 1e-6, board * 1e-6, 100 * board / core);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> words = {argv[0], "--benchmark_repetitions=7", "--benchmark_enable_random_interleaving=true",
+                                    "--benchmark_min_time=0.2"};
+  words.insert(words.end(), argv + 1, argv + argc);
+  std::vector<char*> arguments;
+  for (std::string& word : words) {
+    arguments.push_back(word.data());
+  }
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) {
+    return 2;
+  }
+
+  const std::vector<std::uint32_t> beats = noise();
+  constexpr std::size_t kPacket = kGroups + 5;
+  if (!is_right<Core<Vcore>>(beats, kGroups, 0) || !is_right<Core<Vcore_original>>(beats, kGroups, 0) ||
+      !is_right<Board<Vboard>>(beats, kPacket, 4) || !is_right<Board<Vboard_original>>(beats, kPacket, 4)) {
+    std::fprintf(stderr, "bench_rtl: a circuit does not equal the model\n");
+    return 1;
+  }
+
+  benchmark::RegisterBenchmark("core/original",
+                               [&](benchmark::State& s) { run_frames<Core<Vcore_original>>(s, beats); });
+  benchmark::RegisterBenchmark("board/original",
+                               [&](benchmark::State& s) { run_frames<Board<Vboard_original>>(s, beats); });
+  benchmark::RegisterBenchmark("core/default", [&](benchmark::State& s) { run_frames<Core<Vcore>>(s, beats); });
+  benchmark::RegisterBenchmark("board/default", [&](benchmark::State& s) { run_frames<Board<Vboard>>(s, beats); });
+
+  Collector collector("items_per_second");
+  benchmark::RunSpecifiedBenchmarks(&collector);
+  if (!collector.failed()) {
+    std::printf(
+        "\noriginal: 512 columns, 127 rows, binary build; default: 2048 columns, 1023 rows, grey and raw images; "
+        "both run mode binary\n");
+    print_ratio(collector, "original");
+    print_ratio(collector, "default");
+  }
+  benchmark::Shutdown();
+  return collector.failed() ? 1 : 0;
+}

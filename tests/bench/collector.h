@@ -1,0 +1,56 @@
+// What the benchmarks share: a reporter that keeps the rates, so that ratios can be printed at the end.
+#ifndef SELFPROJ_TESTS_BENCH_COLLECTOR_H
+#define SELFPROJ_TESTS_BENCH_COLLECTOR_H
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace selfproj::bench {
+
+// Prints the medians as a table and keeps one rate of every repetition: "bytes_per_second" or "items_per_second".
+class Collector : public benchmark::ConsoleReporter {
+ public:
+  explicit Collector(std::string rate) : ConsoleReporter(OO_Tabular), rate_(std::move(rate)) {}
+
+  void ReportRuns(const std::vector<Run>& runs) override {
+    std::vector<Run> shown;
+    for (const Run& run : runs) {
+      failed_ = failed_ || run.error_occurred;
+      const auto rate = run.counters.find(rate_);
+      if (run.run_type == Run::RT_Iteration && rate != run.counters.end()) {
+        rates_[run.run_name.function_name].push_back(rate->second.value);
+      }
+      if (run.error_occurred || run.aggregate_name == "median") {
+        shown.push_back(run);
+      }
+    }
+    ConsoleReporter::ReportRuns(shown);
+  }
+
+  [[nodiscard]] bool failed() const { return failed_; }
+
+  // Median of the repetitions; 0 where the benchmark did not run (--benchmark_filter).
+  [[nodiscard]] double median(const std::string& name) const {
+    const auto found = rates_.find(name);
+    if (found == rates_.end()) {
+      return 0;
+    }
+    std::vector<double> rates = found->second;
+    std::sort(rates.begin(), rates.end());
+    return (rates[(rates.size() - 1) / 2] + rates[rates.size() / 2]) / 2;
+  }
+
+ private:
+  std::string rate_;
+  std::map<std::string, std::vector<double>> rates_;
+  bool failed_ = false;
+};
+
+}  // namespace selfproj::bench
+
+#endif  // SELFPROJ_TESTS_BENCH_COLLECTOR_H
