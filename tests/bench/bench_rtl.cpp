@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <memory>
 #include <random>
 #include <span>
@@ -195,9 +196,7 @@ void print_ratio(const Collector& collector, const char* build) {
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   std::vector<std::string> words = {argv[0], "--benchmark_repetitions=7", "--benchmark_enable_random_interleaving=true",
                                     "--benchmark_min_time=0.2"};
   words.insert(words.end(), argv + 1, argv + argc);
@@ -237,4 +236,15 @@ int main(int argc, char** argv) {
   }
   benchmark::Shutdown();
   return collector.failed() ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_rtl: %s\n", error.what());
+    return 1;
+  }
 }
