@@ -1,0 +1,149 @@
+// The counter of two chains and the pipelined multiplier.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <type_traits>
+
+#include "Vsp_counter64_carry_ports.h"
+#include "Vsp_counter64_full_ports.h"
+#include "Vsp_counter64_ports.h"
+#include "Vsp_counter64_wrap_ports.h"
+#include "Vsp_scale_odd_ports.h"
+#include "Vsp_scale_one_ports.h"
+#include "Vsp_scale_ports.h"
+#include "Vsp_scale_small_ports.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+template <typename Dut>
+void count_from(std::uint64_t reset_value) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    Clocked<Dut> counter;
+    counter->inc_i = 1;  // must not count in reset
+    counter.reset();
+    std::uint64_t count = reset_value;
+    const int percent = random.between(1, 100);
+    for (int i = 0; i < 200; ++i) {
+      counter->inc_i = random.chance(percent);
+      counter.settle();
+      ASSERT_EQ(counter->count_o, count) << "clock " << counter.clock();
+      count += counter->inc_i;
+      counter.rise();
+    }
+  }
+}
+
+TEST(Counter64, CountsFromZero) { count_from<Vsp_counter64>(0); }
+TEST(Counter64, CarriesIntoTheUpperWord) { count_from<Vsp_counter64_carry>(0x7FFF'FFFF'FFFF'FFF0U); }
+TEST(Counter64, CarriesInItsFirstClock) { count_from<Vsp_counter64_full>(0x0000'0000'FFFF'FFFFU); }
+TEST(Counter64, WrapsAt64Bits) { count_from<Vsp_counter64_wrap>(0xFFFF'FFFF'FFFF'FFF0U); }
+
+// Feeds x values, one a clock or with gaps, and holds k for as long as a product needs it: a product comes four clocks
+// after its x.
+template <typename Dut>
+class Scale {
+ public:
+  Scale() {
+    scale_.outputs_are_known();
+    scale_.valid_when("product_o", [this] { return scale_->clk_i == 0 && product_is_due_; });
+    gap();
+    gap();
+    gap();
+    gap();
+  }
+
+  // k must rest for four clocks after each x: wait before a new one.
+  void set_k(std::uint64_t k) {
+    for (int i = 0; i < 4; ++i) {
+      gap();
+    }
+    k_ = k;
+    scale_->k_i = static_cast<std::remove_reference_t<decltype(scale_->k_i)>>(k);
+  }
+
+  void feed(std::uint64_t x) {
+    scale_->valid_i = 1;
+    scale_->x_i = static_cast<std::remove_reference_t<decltype(scale_->x_i)>>(x);
+    step(x * k_);
+  }
+
+  // A clock without an x; what stands at the input does not count.
+  void gap() {
+    scale_->valid_i = 0;
+    scale_->x_i = static_cast<std::remove_reference_t<decltype(scale_->x_i)>>(~scale_->x_i & 1U);
+    step(std::nullopt);
+  }
+
+ private:
+  void step(std::optional<std::uint64_t> product) {
+    product_is_due_ = expected_.size() == 4 && expected_.front();
+    scale_.settle();
+    if (product_is_due_) {
+      ASSERT_EQ(scale_->product_o, *expected_.front()) << "clock " << scale_.clock();
+    }
+    if (expected_.size() == 4) {
+      expected_.pop_front();
+    }
+    expected_.push_back(product);
+    scale_.rise();
+  }
+
+  Clocked<Dut> scale_;
+  std::deque<std::optional<std::uint64_t>> expected_;
+  std::uint64_t k_ = 0;
+  bool product_is_due_ = false;
+};
+
+template <typename Dut>
+void every_product(int x_bits, int k_bits) {
+  Scale<Dut> scale;
+  for (std::uint64_t k = 0; k < 1ULL << k_bits; ++k) {
+    scale.set_k(k);
+    for (std::uint64_t x = 0; x < 1ULL << x_bits; ++x) {
+      scale.feed(x);
+      if (::testing::Test::HasFatalFailure()) {
+        FAIL() << x << " * " << k;
+      }
+    }
+  }
+  scale.set_k(0);  // the last products come out
+}
+
+TEST(Scale, EveryProductOf8And4Bits) { every_product<Vsp_scale_small>(8, 4); }
+TEST(Scale, EveryProductOf5And1Bits) { every_product<Vsp_scale_one>(5, 1); }
+
+template <typename Dut>
+void random_products(int x_bits, int k_bits) {
+  const std::uint64_t x_max = (1ULL << x_bits) - 1;
+  const std::uint64_t k_max = (1ULL << k_bits) - 1;
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    Scale<Dut> scale;
+    for (int run = 0; run < 40; ++run) {
+      // the largest, single bits, and any
+      scale.set_k(run == 0 ? k_max : run <= k_bits ? 1ULL << (run - 1) : random.bits() & k_max);
+      for (int i = 0; i < 60; ++i) {
+        scale.feed(i == 0 ? x_max : i <= x_bits ? 1ULL << (i - 1) : random.bits() & x_max);
+        if (run % 2 != 0 && random.chance(40)) {
+          scale.gap();
+        }
+        ASSERT_FALSE(::testing::Test::HasFatalFailure());
+      }
+    }
+    scale.set_k(0);
+  }
+}
+
+TEST(Scale, RandomProductsOf18And10Bits) { random_products<Vsp_scale>(18, 10); }
+TEST(Scale, RandomProductsOf15And7Bits) { random_products<Vsp_scale_odd>(15, 7); }
+
+}  // namespace
+}  // namespace selfproj::test

@@ -1,0 +1,180 @@
+// Stepping a Verilated model through its clocks.
+//
+// A clock is the time up to its rising edge. In each the inputs are set, the model is evaluated with the clock low
+// (settle(): outputs now show what belongs to this clock, also where they follow an input at once), then the clock
+// rises (rise()). What an edge writes is seen in the next clock.
+#ifndef SELFPROJ_TESTS_RTL_BLOCKS_CLOCKED_H
+#define SELFPROJ_TESTS_RTL_BLOCKS_CLOCKED_H
+
+#include <verilated.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "tests/rtl/blocks/recorder.h"
+#include "tests/rtl/coverage.h"
+
+namespace selfproj::test {
+
+// A word of 128 bits as Verilator has it: 32 bits each, lowest first.
+using Word128 = std::array<std::uint32_t, 4>;
+
+template <typename Wide>
+Word128 word128(const Wide& wide) {
+  return {wide[0], wide[1], wide[2], wide[3]};
+}
+
+template <typename Wide>
+void set128(Wide& wide, const Word128& value) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    wide[i] = value[i];
+  }
+}
+
+// A model in a context of its own. Whatever the RTL does not reset begins with a random value.
+template <typename Dut>
+class Model {
+ public:
+  Model() : held_([] { return std::make_unique<Held>(); }), recorder_(Recorder::claim()) {
+    if (recorder_) {
+      list_ports(dut(), *recorder_);
+    }
+  }
+
+  Dut& dut() { return held_->dut; }
+  Dut* operator->() { return &held_->dut; }
+
+  void eval() {
+    held_->dut.eval();
+    if (recorder_) {
+      recorder_->sample();
+    }
+  }
+
+  // For the recorder: see there.
+  void valid_when(const char* output, std::function<bool()> valid) {
+    if (recorder_) {
+      recorder_->valid_when(output, std::move(valid));
+    }
+  }
+  void outputs_are_known() {
+    if (recorder_) {
+      recorder_->outputs_are_known();
+    }
+  }
+
+ private:
+#ifdef SELFPROJ_COVERAGE
+  static constexpr int kBegin = 0;  // zeros: a random value that the reset clears would count as a toggle
+#else
+  static constexpr int kBegin = 2;  // random values
+#endif
+  struct Held {
+    Held() : dut((context.randReset(kBegin), context.randSeed(1), &context)) {}
+    ~Held() { dut.final(); }
+    VerilatedContext context;
+    Dut dut;
+#ifdef SELFPROJ_COVERAGE
+    CoverageFile coverage{context};
+#endif
+  };
+
+  Reusable<Held> held_;
+  std::unique_ptr<Recorder> recorder_;
+};
+
+// A model with the one clock clk_i and the reset rst_i.
+template <typename Dut>
+class Clocked : public Model<Dut> {
+ public:
+  void settle() {
+    this->dut().clk_i = 0;
+    this->eval();
+  }
+  void rise() {
+    this->dut().clk_i = 1;
+    this->eval();
+    ++clock_;
+  }
+  void tick() {
+    settle();
+    rise();
+  }
+
+  // Reset for `clocks` clocks; the next clock is number 0.
+  void reset(int clocks = 4) {
+    if constexpr (requires { this->dut().rst_i; }) {
+      this->dut().rst_i = 1;
+      for (int i = 0; i < clocks; ++i) {
+        tick();
+      }
+      this->dut().rst_i = 0;
+    }
+    clock_ = 0;
+    this->outputs_are_known();
+  }
+
+  // The number of the present clock.
+  std::int64_t clock() const { return clock_; }
+
+ private:
+  std::int64_t clock_ = 0;
+};
+
+// The rising edges of two unrelated clocks, in the order of time.
+class TwoClocks {
+ public:
+  // Periods and the time of the first edge of b (a's is 0), in any unit.
+  TwoClocks(std::int64_t period_a, std::int64_t period_b, std::int64_t phase_b)
+      : period_a_(period_a), period_b_(period_b), next_b_(phase_b) {}
+
+  struct Rises {
+    bool a;
+    bool b;
+  };
+
+  // Which clocks rise next; both where they do so at the same time.
+  Rises next() {
+    const Rises rises = {next_a_ <= next_b_, next_b_ <= next_a_};
+    now_ = rises.a ? next_a_ : next_b_;
+    next_a_ += rises.a ? period_a_ : 0;
+    next_b_ += rises.b ? period_b_ : 0;
+    return rises;
+  }
+
+  std::int64_t now() const { return now_; }
+  std::string describe() const { return "periods " + std::to_string(period_a_) + " and " + std::to_string(period_b_); }
+
+  // From now on.
+  void set_period_a(std::int64_t period) { period_a_ = period; }
+
+ private:
+  std::int64_t period_a_;
+  std::int64_t period_b_;
+  std::int64_t next_a_ = 0;
+  std::int64_t next_b_;
+  std::int64_t now_ = 0;
+};
+
+// Clock pairs for a random case: equal, near to equal, and far apart.
+template <typename RandomSource>
+TwoClocks random_clocks(RandomSource& random) {
+  constexpr std::array<std::array<int, 2>, 9> kPeriods = {{{1000, 1000},
+                                                           {1000, 1001},
+                                                           {1001, 1000},
+                                                           {1000, 1618},
+                                                           {1618, 1000},
+                                                           {1000, 333},
+                                                           {333, 1000},
+                                                           {1000, 7919},
+                                                           {6613, 800}}};
+  const auto& periods = kPeriods[static_cast<std::size_t>(random.between(0, 8))];
+  return {periods[0], periods[1], random.between(0, periods[1])};
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_RTL_BLOCKS_CLOCKED_H

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""icarus_replay.py --top MODULE --vectors NAME [--parameter P=V]... --out FOLDER FILE...
+
+Replays in Icarus what a Verilated model was given (NAME.ports and NAME.vectors, see recorder.h) and compares every output
+after every evaluation. FILEs are the Verilog sources, RTL or a netlist, of the module. An x in the recording says that
+nobody may rely on the output there; anywhere else the output must be the same to the last bit, and an x of Icarus is wrong.
+Prints how many outputs were compared in how many evaluations; exit status 1 where one differs or nothing was compared.
+"""
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+
+# Icarus 11 says "sorry" where always_comb reads a constant part of a vector: it then waits for the whole vector, which
+# changes no result.
+HARMLESS = re.compile(r"sorry: constant selects in always_\* processes are not currently supported")
+SHOWN = 10  # mismatches that are printed one by one
+
+
+def read_ports(path):
+    ports = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        direction, name, bits = line.split()
+        ports.append((direction, name, int(bits)))
+    if not ports:
+        sys.exit(f"icarus_replay.py: {path}: no ports")
+    return ports
+
+
+def bench(top, parameters, ports, vectors):
+    inputs = [(name, bits) for direction, name, bits in ports if direction == "input"]
+    outputs = [(name, bits) for direction, name, bits in ports if direction == "output"]
+    declare = [f"  reg [{bits - 1}:0] {name};" for name, bits in inputs]
+    for name, bits in outputs:
+        declare += [f"  wire [{bits - 1}:0] {name};", f"  reg [{bits - 1}:0] want_{name};"]
+    values = ", ".join([name for name, _ in inputs] + [f"want_{name}" for name, _ in outputs])
+    checks = "\n".join(
+        f"""        if (^want_{name} !== 1'bx) begin
+          compared = compared + 1;
+          if ({name} !== want_{name}) begin
+            wrong = wrong + 1;
+            if (wrong <= {SHOWN}) $display("evaluation %0d: {name} is %h, not %h", step, {name}, want_{name});
+          end
+        end""" for name, _ in outputs)
+    override = " #(" + ", ".join(f".{p}({v})" for p, v in parameters) + ")" if parameters else ""
+    connect = ",\n    ".join(f".{name}({name})" for _, name, _ in ports)
+    return f"""`timescale 1ns / 1ns
+module icarus_bench;
+{chr(10).join(declare)}
+  integer file, got, step, compared, wrong;
+
+  {top}{override} dut (
+    {connect}
+  );
+
+  initial begin
+    step = 0;
+    compared = 0;
+    wrong = 0;
+    file = $fopen("{vectors}", "r");
+    got = {len(ports)};
+    while (got == {len(ports)}) begin
+      got = $fscanf(file, "{' '.join(['%h'] * len(ports))}\\n", {values});
+      if (got == {len(ports)}) begin
+        #1;
+        step = step + 1;
+{checks}
+      end
+    end
+    if (!$feof(file)) $display("the recording is broken after evaluation %0d", step);
+    else $display("end: %0d evaluations, %0d outputs compared, %0d wrong", step, compared, wrong);
+    $finish;
+  end
+endmodule
+"""
+
+
+def run(command):
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    lines = [line for line in done.stdout.splitlines() if not HARMLESS.search(line)]
+    return done.returncode, lines
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Replays a recording in Icarus and compares every output.")
+    parser.add_argument("--top", required=True, help="the module")
+    parser.add_argument("--vectors", required=True, type=pathlib.Path, help="the recording, without .ports and .vectors")
+    parser.add_argument("--parameter", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--out", required=True, type=pathlib.Path, help="folder for bench and simulation")
+    parser.add_argument("files", nargs="+", type=pathlib.Path)
+    args = parser.parse_args()
+
+    ports = read_ports(args.vectors.with_name(args.vectors.name + ".ports"))
+    vectors = args.vectors.with_name(args.vectors.name + ".vectors").resolve()
+    args.out.mkdir(parents=True, exist_ok=True)
+    name = args.vectors.name
+    source = args.out / f"{name}_bench.v"
+    binary = args.out / f"{name}_bench.vvp"
+    parameters = [tuple(p.split("=", 1)) for p in args.parameter]
+    source.write_text(bench(args.top, parameters, ports, vectors), encoding="utf-8")
+    # -Wno-timescale: the circuits have none and inherit the bench's
+    status, lines = run(["iverilog", "-g2012", "-Wall", "-Wno-timescale", "-s", "icarus_bench", "-o", str(binary),
+                         *map(str, args.files), str(source)])
+    if status != 0 or lines:
+        sys.exit("\n".join(["icarus_replay.py: iverilog:"] + lines))
+    status, lines = run(["vvp", "-N", str(binary)])
+    print("\n".join(f"{name}: {line}" for line in lines))
+    end = re.fullmatch(r"end: (\d+) evaluations, (\d+) outputs compared, (\d+) wrong", lines[-1] if lines else "")
+    if status != 0 or end is None or int(end[2]) == 0 or int(end[3]) != 0:
+        sys.exit(1)
+
+
+main()

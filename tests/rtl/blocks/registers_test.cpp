@@ -1,0 +1,405 @@
+// The register file against the specification, register by register: reset values, what can be written and what is
+// refused, what reads give, and the settings at the outputs.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "Vsp_registers_ports.h"
+#include "Vsp_registers_small_ports.h"
+#include "model/spec/generated/selfproj_spec.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+struct Build {
+  int max_columns;
+  int max_rows;
+  bool grey;
+  bool image;
+};
+
+template <typename Dut>
+struct BuildOf;
+template <>
+struct BuildOf<Vsp_registers> {
+  static constexpr Build kBuild = {spec::kMaxColumns, spec::kMaxRows, true, true};
+};
+template <>
+struct BuildOf<Vsp_registers_small> {
+  static constexpr Build kBuild = {512, 127, false, false};
+};
+
+// State inputs, all different and with upper bits set.
+struct State {
+  bool frame_open = false;
+  std::uint32_t frames = 0x8100'0001;
+  std::uint32_t broken = 0x8200'0002;
+  std::uint32_t stray = 0x8300'0003;
+  std::uint32_t lost_moments = 0x8400'0004;
+  std::uint32_t lost_image = 0x8500'0005;
+  std::uint64_t time = 0x8600'0006'8700'0007;
+  std::uint32_t encoder = 0x8800'0008;
+  std::uint16_t encoder_errors = 0x8909;
+};
+
+// The registers that can be written, as the specification has them.
+struct Writable {
+  std::uint32_t address;
+  std::uint32_t reset;
+  std::uint32_t mask;  // bits of the fields
+};
+constexpr std::uint32_t field(int lsb, int bits) { return ((1ULL << bits) - 1) << lsb & 0xFFFF'FFFFU; }
+
+const std::vector<Writable> kWritable = {
+    {spec::kRegControl, spec::kRegControlReset,
+     field(spec::kRegControlRunLsb, 1) | field(spec::kRegControlHoldLsb, 1) | field(spec::kRegControlImageLsb, 1)},
+    {spec::kRegSize, spec::kRegSizeReset,
+     field(spec::kRegSizeColumnsLsb, spec::kRegSizeColumnsBits) | field(spec::kRegSizeRowsLsb, spec::kRegSizeRowsBits)},
+    {spec::kRegMeasure, spec::kRegMeasureReset,
+     field(spec::kRegMeasureThresholdLsb, 8) | field(spec::kRegMeasureModeLsb, 2) |
+         field(spec::kRegMeasureStreamLsb, 8)},
+    {spec::kRegTimeout, spec::kRegTimeoutReset, field(0, spec::kRegTimeoutClocksBits)},
+    {spec::kRegTriggerControl, spec::kRegTriggerControlReset,
+     field(spec::kRegTriggerControlRunLsb, 1) | field(spec::kRegTriggerControlOnFrameLsb, 1) |
+         field(spec::kRegTriggerControlLastPatternLsb, 8)},
+    {spec::kRegTriggerPeriod, spec::kRegTriggerPeriodReset, field(0, spec::kRegTriggerPeriodClocksBits)},
+    {spec::kRegTriggerCamera, spec::kRegTriggerCameraReset, field(0, spec::kRegTriggerCameraClocksBits)},
+    {spec::kRegTriggerWidth, spec::kRegTriggerWidthReset, field(0, spec::kRegTriggerWidthClocksBits)},
+};
+
+struct Answer {
+  bool error;
+  std::uint32_t data;
+};
+
+template <typename Dut>
+class Bench {
+ public:
+  static constexpr Build kBuild = BuildOf<Dut>::kBuild;
+
+  Bench() {
+    registers_.valid_when("error_o", [this] { return registers_->answer_o != 0; });
+    registers_.valid_when("data_o", [this] { return registers_->answer_o != 0 && read_is_good_; });
+    registers_->request_i = 0;
+    registers_->write_i = 0;
+    registers_->take_i = 0;
+    set(State{});
+    registers_.reset();
+    for (const Writable& writable : kWritable) {
+      values_[writable.address] = writable.reset;
+    }
+    const auto columns = std::min(spec::kRegSizeReset & 0xFFFU, static_cast<std::uint32_t>(kBuild.max_columns));
+    const auto rows =
+        std::min(spec::kRegSizeReset >> spec::kRegSizeRowsLsb, static_cast<std::uint32_t>(kBuild.max_rows));
+    values_[spec::kRegSize] = columns << spec::kRegSizeColumnsLsb | rows << spec::kRegSizeRowsLsb;
+  }
+
+  Dut* operator->() { return &registers_.dut(); }
+
+  void set(const State& state) {
+    state_ = state;
+    registers_->frame_open_i = state.frame_open;
+    registers_->frames_i = state.frames;
+    registers_->broken_i = state.broken;
+    registers_->stray_i = state.stray;
+    registers_->lost_moments_i = state.lost_moments;
+    registers_->lost_image_i = state.lost_image;
+    registers_->time_i = state.time;
+    registers_->encoder_i = state.encoder;
+    registers_->encoder_errors_i = state.encoder_errors;
+  }
+
+  // A clock without a request, or with one.
+  void tick(bool take = false) {
+    registers_->take_i = take;
+    registers_.settle();
+    check_outputs();
+    registers_.rise();
+    pending_ = pending_ && !take;
+    size_written_ = false;
+  }
+
+  // The request, and its answer exactly two clocks later. Address and data stay, as the bridge holds them.
+  Answer access(bool write, std::uint32_t address, std::uint32_t data) {
+    registers_->request_i = 1;
+    registers_->write_i = write;
+    registers_->address_i = static_cast<CData>(address);
+    registers_->data_i = data;
+    tick();
+    EXPECT_EQ(registers_->answer_o, 0);
+    registers_->request_i = 0;
+    registers_.settle();
+    check_outputs();
+    read_is_good_ = !write && readable(address);
+    registers_.rise();
+    size_written_ = false;
+    if (write && good(address, data)) {
+      for (const Writable& writable : kWritable) {
+        if (writable.address == address) {
+          values_[address] = data & writable.mask;
+        }
+      }
+      size_written_ = address == spec::kRegSize;
+      pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize || address == spec::kRegMeasure;
+    }
+    if (!write && address == spec::kRegTimeLow) {
+      time_high_ = static_cast<std::uint32_t>(state_.time >> 32);
+    }
+    registers_.settle();
+    EXPECT_EQ(registers_->answer_o, 1) << "two clocks after the request";
+    check_outputs();
+    const Answer answer = {registers_->error_o != 0, registers_->data_o};
+    registers_.rise();
+    size_written_ = false;
+    registers_.settle();
+    EXPECT_EQ(registers_->answer_o, 0) << "the answer lasts one clock";
+    return answer;
+  }
+
+  // What the specification says of a write.
+  static bool good(std::uint32_t address, std::uint32_t data) {
+    switch (address) {
+      case spec::kRegControl:
+        return kBuild.image || (data >> spec::kRegControlImageLsb & 1) == 0;
+      case spec::kRegSize: {
+        const int columns = static_cast<int>(data & 0xFFFFU);
+        const int rows = static_cast<int>(data >> 16);
+        return columns >= 4 && columns % 4 == 0 && columns <= kBuild.max_columns && rows >= 1 &&
+               rows <= kBuild.max_rows;
+      }
+      case spec::kRegMeasure: {
+        const std::uint32_t mode = data >> spec::kRegMeasureModeLsb & 3;
+        return mode == spec::kModeBinary || (kBuild.grey && mode <= spec::kModeGreyOver);
+      }
+      case spec::kRegTriggerPeriod:
+        return (data & field(0, spec::kRegTriggerPeriodClocksBits)) != 0;
+      case spec::kRegTimeout:
+      case spec::kRegTriggerControl:
+      case spec::kRegTriggerCamera:
+      case spec::kRegTriggerWidth:
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  static bool readable(std::uint32_t address) { return address <= spec::kRegEncoderErrors && address % 4 == 0; }
+
+  std::uint32_t expected_read(std::uint32_t address) const {
+    switch (address) {
+      case spec::kRegId:
+        return spec::kRegIdReset;
+      case spec::kRegVersion:
+        return spec::kRegVersionReset;
+      case spec::kRegSpecHash:
+        return spec::kHash;
+      case spec::kRegCapability:
+        return static_cast<std::uint32_t>(kBuild.max_columns) << spec::kRegCapabilityMaxColumnsLsb |
+               static_cast<std::uint32_t>(kBuild.max_rows) << spec::kRegCapabilityMaxRowsLsb |
+               (kBuild.grey ? 1U << spec::kRegCapabilityGreyLsb : 0) |
+               (kBuild.image ? 1U << spec::kRegCapabilityImageLsb : 0);
+      case spec::kRegStatus:
+        return (state_.frame_open ? 1U << spec::kRegStatusFrameOpenLsb : 0) |
+               (pending_ ? 1U << spec::kRegStatusPendingLsb : 0);
+      case spec::kRegFrames:
+        return state_.frames;
+      case spec::kRegBroken:
+        return state_.broken;
+      case spec::kRegStray:
+        return state_.stray;
+      case spec::kRegLostMoments:
+        return state_.lost_moments;
+      case spec::kRegLostImage:
+        return state_.lost_image;
+      case spec::kRegTimeLow:
+        return static_cast<std::uint32_t>(state_.time);
+      case spec::kRegTimeHigh:
+        return time_high_;
+      case spec::kRegEncoder:
+        return state_.encoder;
+      case spec::kRegEncoderErrors:
+        return state_.encoder_errors;
+      default:
+        return values_.at(address);
+    }
+  }
+
+  void expect_read(std::uint32_t address) {
+    const Answer answer = access(false, address, 0xFFFF'FFFF);
+    EXPECT_EQ(answer.error, !readable(address)) << std::hex << "read " << address;
+    if (readable(address)) {
+      EXPECT_EQ(answer.data, expected_read(address)) << std::hex << "read " << address;
+    }
+  }
+  void expect_all_reads() {
+    access(false, spec::kRegTimeLow, 0);
+    for (std::uint32_t address = 0; address < 256; ++address) {
+      expect_read(address);
+    }
+  }
+  void expect_write(std::uint32_t address, std::uint32_t data) {
+    const Answer answer = access(true, address, data);
+    EXPECT_EQ(answer.error, !good(address, data)) << std::hex << "write " << data << " to " << address;
+  }
+
+  std::uint32_t value(std::uint32_t address, int lsb, int bits) const {
+    return values_.at(address) >> lsb & field(0, bits);
+  }
+
+ private:
+  // The settings, in every clock.
+  void check_outputs() {
+    using namespace spec;
+    EXPECT_EQ(registers_->run_o, value(kRegControl, kRegControlRunLsb, 1));
+    // also in the first clock of a new size
+    EXPECT_EQ(registers_->hold_o, value(kRegControl, kRegControlHoldLsb, 1) || size_written_ ? 1 : 0);
+    EXPECT_EQ(registers_->image_o, value(kRegControl, kRegControlImageLsb, 1));
+    EXPECT_EQ(registers_->columns_o, value(kRegSize, kRegSizeColumnsLsb, kRegSizeColumnsBits));
+    EXPECT_EQ(registers_->rows_o, value(kRegSize, kRegSizeRowsLsb, kRegSizeRowsBits));
+    EXPECT_EQ(registers_->threshold_o, value(kRegMeasure, kRegMeasureThresholdLsb, kRegMeasureThresholdBits));
+    EXPECT_EQ(registers_->mode_o, value(kRegMeasure, kRegMeasureModeLsb, kRegMeasureModeBits));
+    EXPECT_EQ(registers_->stream_o, value(kRegMeasure, kRegMeasureStreamLsb, kRegMeasureStreamBits));
+    EXPECT_EQ(registers_->timeout_o, value(kRegTimeout, kRegTimeoutClocksLsb, kRegTimeoutClocksBits));
+    EXPECT_EQ(registers_->trigger_run_o, value(kRegTriggerControl, kRegTriggerControlRunLsb, 1));
+    EXPECT_EQ(registers_->trigger_on_frame_o, value(kRegTriggerControl, kRegTriggerControlOnFrameLsb, 1));
+    EXPECT_EQ(registers_->trigger_last_pattern_o, value(kRegTriggerControl, kRegTriggerControlLastPatternLsb, 8));
+    EXPECT_EQ(registers_->trigger_period_o, value(kRegTriggerPeriod, 0, kRegTriggerPeriodClocksBits));
+    EXPECT_EQ(registers_->trigger_camera_o, value(kRegTriggerCamera, 0, kRegTriggerCameraClocksBits));
+    EXPECT_EQ(registers_->trigger_width_o, value(kRegTriggerWidth, 0, kRegTriggerWidthClocksBits));
+  }
+
+  Clocked<Dut> registers_;
+  State state_;
+  std::map<std::uint32_t, std::uint32_t> values_;  // of kWritable
+  bool pending_ = true;                            // the reset values have not been taken over
+  bool size_written_ = true;                       // likewise
+  bool read_is_good_ = false;
+  std::uint32_t time_high_ = 0;
+};
+
+template <typename Dut>
+class Registers : public ::testing::Test {};
+using Builds = ::testing::Types<Vsp_registers, Vsp_registers_small>;
+struct BuildNames {
+  template <typename Dut>
+  static std::string GetName(int) {  // NOLINT(readability-identifier-naming): GoogleTest's name
+    return std::is_same_v<Dut, Vsp_registers> ? "Default" : "Small";
+  }
+};
+TYPED_TEST_SUITE(Registers, Builds, BuildNames);
+
+TYPED_TEST(Registers, EveryAddressAfterReset) {
+  Bench<TypeParam> bench;
+  bench.expect_all_reads();
+}
+
+TYPED_TEST(Registers, ReadOnlyAndUnknownAddressesRefuseWrites) {
+  Bench<TypeParam> bench;
+  for (std::uint32_t address = 0; address < 256; ++address) {
+    const bool writable =
+        std::any_of(kWritable.begin(), kWritable.end(), [&](const Writable& w) { return w.address == address; });
+    if (!writable) {
+      bench.expect_write(address, 0);
+      bench.expect_write(address, 0x0004'0004);
+    }
+  }
+  bench.expect_all_reads();
+}
+
+// Each bit of each register by itself, all of them, none.
+TYPED_TEST(Registers, EveryBitIsKeptOrRefused) {
+  Bench<TypeParam> bench;
+  for (const Writable& writable : kWritable) {
+    for (int bit = -2; bit < 32; ++bit) {
+      const std::uint32_t data = bit == -2 ? 0 : bit == -1 ? 0xFFFF'FFFFU : 1U << bit;
+      bench.expect_write(writable.address, data);
+      bench.expect_read(writable.address);
+    }
+    bench.expect_write(writable.address, bench.expected_read(writable.address));
+  }
+  bench.expect_all_reads();
+}
+
+TYPED_TEST(Registers, SizesAreRefusedOutsideTheBuild) {
+  Bench<TypeParam> bench;
+  const int columns = Bench<TypeParam>::kBuild.max_columns;
+  const int rows = Bench<TypeParam>::kBuild.max_rows;
+  for (const int c : {0, 1, 2, 3, 4, 5, 6, 7, 8, columns - 4, columns - 1, columns, columns + 1, columns + 4, 0x8004}) {
+    for (const int r : {0, 1, 2, rows - 1, rows, rows + 1, 0x0401, 0x8001}) {
+      bench.expect_write(spec::kRegSize, static_cast<std::uint32_t>(c) | static_cast<std::uint32_t>(r) << 16);
+      bench.expect_read(spec::kRegSize);
+    }
+  }
+}
+
+TYPED_TEST(Registers, TheHighWordOfTheTimeBelongsToTheLowWordRead) {
+  Bench<TypeParam> bench;
+  State state;
+  state.time = 0x1111'1111'FFFF'FFFF;
+  bench.set(state);
+  bench.expect_read(spec::kRegTimeLow);
+  state.time = 0x1111'1112'0000'0000;
+  bench.set(state);
+  bench.expect_read(spec::kRegTimeHigh);  // still 0x11111111
+  bench.expect_read(spec::kRegTimeLow);
+  bench.expect_read(spec::kRegTimeHigh);
+}
+
+TYPED_TEST(Registers, SettingsArePendingUntilTheyAreTaken) {
+  Bench<TypeParam> bench;
+  bench.expect_read(spec::kRegStatus);
+  bench.tick(true);
+  bench.expect_read(spec::kRegStatus);
+  for (const Writable& writable : kWritable) {
+    bench.expect_write(writable.address, bench.expected_read(writable.address));
+    bench.expect_read(spec::kRegStatus);
+    bench.tick(true);
+    bench.expect_read(spec::kRegStatus);
+  }
+  // a refused write changes nothing, so nothing is pending
+  bench.expect_write(spec::kRegSize, 0);
+  bench.expect_read(spec::kRegStatus);
+}
+
+TYPED_TEST(Registers, RandomAccesses) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    Bench<TypeParam> bench;
+    bench.access(false, spec::kRegTimeLow, 0);
+    for (int i = 0; i < 400; ++i) {
+      State state;
+      state.frame_open = random.chance(50);
+      state.frames = static_cast<std::uint32_t>(random.bits());
+      state.broken = static_cast<std::uint32_t>(random.bits());
+      state.stray = static_cast<std::uint32_t>(random.bits());
+      state.lost_moments = static_cast<std::uint32_t>(random.bits());
+      state.lost_image = static_cast<std::uint32_t>(random.bits());
+      state.time = random.bits();
+      state.encoder = static_cast<std::uint32_t>(random.bits());
+      state.encoder_errors = static_cast<std::uint16_t>(random.bits());
+      bench.set(state);
+      const auto address =
+          static_cast<std::uint32_t>(random.chance(95) ? 4 * random.between(0, 22) : random.between(0, 255));
+      if (random.chance(50)) {
+        // sizes that fit now and then
+        const auto data = static_cast<std::uint32_t>(
+            address == spec::kRegSize && random.chance(70) ? random.bits() & 0x03FF'0FFC : random.bits());
+        bench.expect_write(address, data);
+      } else {
+        bench.expect_read(address);
+      }
+      for (int idle = random.between(-3, 2); idle > 0; --idle) {
+        bench.tick(random.chance(30));
+      }
+      ASSERT_FALSE(::testing::Test::HasFailure());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace selfproj::test

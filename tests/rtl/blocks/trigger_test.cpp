@@ -1,0 +1,190 @@
+// The trigger sequencer against the times its header states.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "Vsp_trigger_ports.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+struct Settings {
+  int last_pattern = 0;
+  int period = 1;
+  int camera = 0;
+  int width = 1;
+};
+
+// What the outputs are in each clock of one run of pulses: run_i is high in the clocks 0..clocks - 1, and low after.
+struct Expected {
+  std::vector<int> projector;
+  std::vector<int> camera;
+  std::vector<int> pattern;  // from the first camera pulse on; -1 before
+};
+
+Expected expected_run(const Settings& s, int clocks, int after) {
+  const auto total = static_cast<std::size_t>(clocks + after);
+  Expected out = {std::vector<int>(total), std::vector<int>(total), std::vector<int>(total, -1)};
+  const auto pulse = [&](std::vector<int>& line, int first) {
+    // two clocks after run_i has fallen every pulse is over
+    for (int t = first; t < first + s.width && t < clocks + 2; ++t) {
+      line[static_cast<std::size_t>(t)] = 1;
+    }
+  };
+  for (int k = 0; k * s.period < clocks; ++k) {
+    const int begin = k * s.period;
+    pulse(out.projector, begin + 3);
+    if (s.camera < s.period) {
+      pulse(out.camera, begin + s.camera + 3);
+      // the index stands a clock before the camera pulse begins
+      if (begin + s.camera + 1 < clocks) {
+        for (auto t = static_cast<std::size_t>(begin + s.camera + 2); t < total; ++t) {
+          out.pattern[t] = k % (s.last_pattern + 1);
+        }
+      }
+    }
+  }
+  return out;
+}
+
+class Bench {
+ public:
+  Bench() {
+    trigger_->run_i = 0;
+    trigger_->on_frame_i = 0;
+    trigger_->captured_i = 0;
+    set({});
+    trigger_.reset();
+    trigger_.tick();  // the outputs follow their counters a clock later
+  }
+
+  void set(const Settings& s) {
+    trigger_->last_pattern_i = static_cast<CData>(s.last_pattern);
+    trigger_->period_i = static_cast<IData>(s.period);
+    trigger_->camera_i = static_cast<IData>(s.camera);
+    trigger_->width_i = static_cast<SData>(s.width);
+  }
+
+  // run_i for `clocks` clocks; frames come at random and must not matter.
+  void run(const Settings& s, int clocks, Random& random) {
+    set(s);
+    constexpr int kAfter = 6;
+    const Expected expected = expected_run(s, clocks, kAfter);
+    const int pattern_before = trigger_->pattern_o;
+    for (int t = 0; t < clocks + kAfter; ++t) {
+      const auto i = static_cast<std::size_t>(t);
+      trigger_->run_i = t < clocks;
+      trigger_->captured_i = t < clocks && random.chance(20);
+      trigger_.settle();
+      ASSERT_EQ(trigger_->projector_o, expected.projector[i]) << "clock " << t;
+      ASSERT_EQ(trigger_->camera_o, expected.camera[i]) << "clock " << t;
+      const int held = expected.pattern[i] < 0 ? pattern_before : expected.pattern[i];
+      // with run_i and on_frame_i low the index is 0, from the next clock on
+      ASSERT_EQ(trigger_->pattern_o, t <= clocks || trigger_->on_frame_i ? held : 0) << "clock " << t;
+      trigger_.rise();
+    }
+    trigger_->captured_i = 0;
+  }
+
+  Clocked<Vsp_trigger>& trigger() { return trigger_; }
+
+ private:
+  Clocked<Vsp_trigger> trigger_;
+};
+
+TEST(Trigger, EdgesOfTheSettings) {
+  Random random(1);
+  const std::vector<Settings> table = {
+      {0, 1, 0, 1},                     // a pulse every clock: the lines stay high
+      {3, 1, 0, 0},                     // no pulse at all
+      {3, 2, 0, 1},                     // every second clock
+      {3, 2, 1, 1},                     // the camera as late as it may be
+      {3, 10, 9, 3},                    // likewise
+      {3, 10, 10, 3},                   // a camera pulse at the next projector pulse: none
+      {3, 10, 11, 3},                   // later: none
+      {0, 7, 2, 2},                     // one pattern only
+      {255, 3, 1, 1},                   // all patterns and around
+      {11, 20, 5, 20},                  // a pulse as long as the period
+      {11, 20, 5, 50},                  // longer
+      {2, 0xFFFFFF, 0xAAAAAA, 0xAAAA},  // long past the end of this run, but for the first pulse
+      {2, 0x555555, 0x555554, 0x5555},
+      {1, 300, 260, 258}  // more than 8 bits
+  };
+  for (const Settings& s : table) {
+    SCOPED_TRACE(::testing::Message() << "last " << s.last_pattern << " period " << s.period << " camera " << s.camera
+                                      << " width " << s.width);
+    Bench bench;
+    bench.run(s, 900, random);
+    ASSERT_FALSE(::testing::Test::HasFatalFailure());
+  }
+}
+
+TEST(Trigger, RandomSettingsAndRuns) {
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    Bench bench;
+    for (int run = 0; run < 8; ++run) {
+      const int period = random.between(1, 40);
+      bench.run({random.between(0, 5), period, random.between(0, period + 2), random.between(0, 50)},
+                random.between(1, 400), random);
+      ASSERT_FALSE(::testing::Test::HasFatalFailure());
+    }
+  }
+}
+
+// The longest settings: no counter is cut short. One period and a half of 2^24 - 1 clocks would take long; the counters
+// count down, so that a period above 2^16 shows that upper bits count.
+TEST(Trigger, LongPeriods) {
+  Random random(1);
+  Bench bench;
+  bench.run({1, 70001, 69000, 65535}, 200000, random);
+}
+
+// Without pulses: each frame start advances the index; the first frame has index 0.
+TEST(Trigger, OnFrameTheIndexAdvancesWithEachFrame) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    Bench bench;
+    auto& trigger = bench.trigger();
+    const int last = seed == 1 ? 255 : random.between(0, 12);
+    bench.set({last, 5, 1, 2});
+    int index = 0;
+    for (int t = 0; t < 1200; ++t) {
+      const bool on = t % 700 < 650;  // now and then off: the index goes back to 0
+      trigger->on_frame_i = on;
+      trigger->captured_i = random.chance(60);
+      trigger.settle();
+      ASSERT_EQ(trigger->pattern_o, index) << "clock " << t;
+      ASSERT_EQ(trigger->projector_o, 0);
+      ASSERT_EQ(trigger->camera_o, 0);
+      index = !on ? 0 : trigger->captured_i ? (index == last ? 0 : index + 1) : index;
+      trigger.rise();
+    }
+  }
+}
+
+// A camera that misses a pulse does not shift the indices: pattern_o follows the pulses, not the frames.
+TEST(Trigger, FramesDoNotMoveTheIndexWhilePulsesRun) {
+  Bench with_frames;
+  Bench without;
+  Random random(1);
+  for (Bench* bench : {&with_frames, &without}) {
+    bench->set({4, 9, 3, 2});
+    bench->trigger()->run_i = 1;
+    bench->trigger()->on_frame_i = 1;
+  }
+  for (int t = 0; t < 300; ++t) {
+    with_frames.trigger()->captured_i = random.chance(30);
+    with_frames.trigger().tick();
+    without.trigger().tick();
+    ASSERT_EQ(with_frames.trigger()->pattern_o, without.trigger()->pattern_o);
+  }
+}
+
+}  // namespace
+}  // namespace selfproj::test
