@@ -10,6 +10,7 @@
 // Timing, in clocks from start_i or break_first_i (e): decision in e + 2, accept_o from e + 3 on until the next decision about
 // a start_i, header beats at the FIFO in e + 4 .. e + 7. Payload beats may come from e + 7 on, any number of clocks apart, and
 // reach the FIFO one clock later. The packetizer is busy until seven clocks after its last payload beat.
+// start_i and break_first_i never come in one clock, and break_later_i before the next request (sp_frame_tracker sees to it).
 `default_nettype none
 
 module sp_packetizer #(

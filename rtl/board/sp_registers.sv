@@ -156,8 +156,13 @@ module sp_registers #(
   logic [31:0] time_high_q;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) answer_o <= 1'b0;
-    else answer_o <= request_q;
+    if (rst_i) begin
+      answer_o    <= 1'b0;
+      time_high_q <= '0;
+    end else begin
+      answer_o <= request_q;
+      if (request_q && !write_q && address_q == sp_spec_pkg::RegTimeLow) time_high_q <= time_i[63:32];
+    end
   end
 
   always_ff @(posedge clk_i) begin
@@ -206,7 +211,6 @@ module sp_registers #(
           error_o <= 1'b1;
         end
       endcase
-      if (!write_q && address_q == sp_spec_pkg::RegTimeLow) time_high_q <= time_i[63:32];
     end
   end
 
