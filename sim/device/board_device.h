@@ -29,6 +29,7 @@
 #include "model/board.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
+#include "sim/device/coverage.h"
 
 namespace selfproj {
 
@@ -64,23 +65,20 @@ class BoardDevice {
 
   explicit BoardDevice(BoardDeviceOptions options = {})
       : options_(std::move(options)),
-        context_(std::make_unique<VerilatedContext>()),
+        simulation_([] { return std::make_unique<Simulation>(); }),
+        model_(&simulation_->model),
         random_(options_.seed),
         next_video_(options_.video_period_ps),
         next_bus_(options_.bus_period_ps + options_.bus_phase_ps) {
-    if (!options_.trace_file.empty()) {
-      context_->traceEverOn(true);
-    }
-    model_ = std::make_unique<Model>(context_.get());
+    model_->clk_i = 0;
+    model_->bus_clk_i = 0;
+    set_encoder(false, false);
     reset();
   }
 
   BoardDevice(const BoardDevice&) = delete;
   BoardDevice& operator=(const BoardDevice&) = delete;
-  ~BoardDevice() {
-    stop_trace();
-    model_->final();
-  }
+  ~BoardDevice() { stop_trace(); }
 
   // Both resets for eight clocks each; beats still queued are dropped, and clocks are counted from zero again.
   void reset() {
@@ -368,8 +366,19 @@ class BoardDevice {
   }
 
   BoardDeviceOptions options_;
-  std::unique_ptr<VerilatedContext> context_;
-  std::unique_ptr<Model> model_;
+  struct Simulation {
+    Simulation() { context.traceEverOn(true); }
+    ~Simulation() { model.final(); }
+    Simulation(const Simulation&) = delete;
+    Simulation& operator=(const Simulation&) = delete;
+    VerilatedContext context;
+#ifdef SELFPROJ_COVERAGE
+    CoverageFile coverage{context};
+#endif
+    Model model{&context};
+  };
+  Reusable<Simulation> simulation_;
+  Model* model_;
   std::unique_ptr<VerilatedFstC> trace_;
   std::mt19937_64 random_;
 

@@ -14,8 +14,8 @@
 #include <memory>
 #include <string>
 
+#include "sim/device/coverage.h"
 #include "tests/rtl/blocks/recorder.h"
-#include "tests/rtl/coverage.h"
 
 namespace selfproj::test {
 

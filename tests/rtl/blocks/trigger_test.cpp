@@ -26,7 +26,8 @@ struct Expected {
 };
 
 Expected expected_run(const Settings& s, int clocks, int after) {
-  const auto total = static_cast<std::size_t>(clocks + after);
+  const int all = clocks + after;
+  const auto total = static_cast<std::size_t>(all);
   Expected out = {std::vector<int>(total), std::vector<int>(total), std::vector<int>(total, -1)};
   const auto pulse = [&](std::vector<int>& line, int first) {
     // two clocks after run_i has fallen every pulse is over
@@ -41,7 +42,8 @@ Expected expected_run(const Settings& s, int clocks, int after) {
       pulse(out.camera, begin + s.camera + 3);
       // the index stands a clock before the camera pulse begins
       if (begin + s.camera + 1 < clocks) {
-        for (auto t = static_cast<std::size_t>(begin + s.camera + 2); t < total; ++t) {
+        const int first = begin + s.camera + 2;
+        for (auto t = static_cast<std::size_t>(first); t < total; ++t) {
           out.pattern[t] = k % (s.last_pattern + 1);
         }
       }

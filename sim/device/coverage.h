@@ -1,11 +1,11 @@
-// Coverage of the RTL by a test program, in builds with SELFPROJ_COVERAGE (scripts/coverage.sh).
+// Coverage of the RTL by a program, in builds with SELFPROJ_COVERAGE (scripts/coverage.sh).
 //
 // Verilated models count in their own memory, which must be alive when the counts are written. In such a build a model
 // is therefore never destroyed but put back for the next test case, and the counts are written when the program ends:
 // to the file that SELFPROJ_COVERAGE_FILE names, with the process number appended. In every other build a test case has
 // a new model.
-#ifndef SELFPROJ_TESTS_RTL_COVERAGE_H
-#define SELFPROJ_TESTS_RTL_COVERAGE_H
+#ifndef SELFPROJ_SIM_DEVICE_COVERAGE_H
+#define SELFPROJ_SIM_DEVICE_COVERAGE_H
 
 #include <memory>
 #include <vector>
@@ -19,7 +19,7 @@
 #include <string>
 #endif
 
-namespace selfproj::test {
+namespace selfproj {
 
 #ifdef SELFPROJ_COVERAGE
 
@@ -79,6 +79,6 @@ class Reusable {
   T* object_;
 };
 
-}  // namespace selfproj::test
+}  // namespace selfproj
 
-#endif  // SELFPROJ_TESTS_RTL_COVERAGE_H
+#endif  // SELFPROJ_SIM_DEVICE_COVERAGE_H
