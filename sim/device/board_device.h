@@ -49,11 +49,6 @@ struct RegisterAnswer {
   std::uint32_t data = 0;
 };
 
-// What the board saw when it took a frame's first beat (in clocks since reset).
-struct FrameStart {
-  std::uint64_t clock = 0;
-};
-
 template <class Model>
 class BoardDevice {
  public:

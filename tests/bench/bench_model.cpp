@@ -230,9 +230,7 @@ void print_ratios(const Collector& collector) {
 
 int run(int argc, char** argv) {
   int frames = 8000;
-  // What is given by the user comes later, and wins.
-  std::vector<std::string> words = {argv[0], "--benchmark_repetitions=7", "--benchmark_enable_random_interleaving=true",
-                                    "--benchmark_min_time=0.2"};
+  std::vector<std::string> words;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const std::string option = "--frames=";
@@ -248,13 +246,7 @@ int run(int argc, char** argv) {
       words.push_back(word);
     }
   }
-  std::vector<char*> arguments;
-  for (std::string& word : words) {
-    arguments.push_back(word.data());
-  }
-  int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
-  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) {
+  if (!bench::initialize(argv[0], words)) {
     return 2;
   }
 

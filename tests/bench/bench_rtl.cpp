@@ -197,16 +197,7 @@ void print_ratio(const Collector& collector, const char* build) {
 }
 
 int run(int argc, char** argv) {
-  std::vector<std::string> words = {argv[0], "--benchmark_repetitions=7", "--benchmark_enable_random_interleaving=true",
-                                    "--benchmark_min_time=0.2"};
-  words.insert(words.end(), argv + 1, argv + argc);
-  std::vector<char*> arguments;
-  for (std::string& word : words) {
-    arguments.push_back(word.data());
-  }
-  int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
-  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) {
+  if (!selfproj::bench::initialize(argv[0], {argv + 1, argv + argc})) {
     return 2;
   }
 
