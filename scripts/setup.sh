@@ -7,7 +7,7 @@ packages=(
   g++ cmake ninja-build git python3          # build, generator
   verilator yosys iverilog                   # simulation, synthesis, lint
   libopencv-core-dev libopencv-imgcodecs-dev libopencv-imgproc-dev  # image files, colour conversion
-  libcli11-dev libfmt-dev                    # command line, text
+  libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   libgtest-dev libbenchmark-dev              # tests, benchmarks
   clang-format-14 clang-tidy-14              # checks of the sources
 )

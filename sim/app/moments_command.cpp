@@ -13,12 +13,12 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/image_files.h"
+#include "host/io/output_file.h"
+#include "host/io/progress.h"
+#include "host/io/user_error.h"
 #include "model/column_moments.h"
-#include "sim/app/image_files.h"
 #include "sim/app/moments_csv.h"
-#include "sim/app/output_file.h"
-#include "sim/app/progress.h"
-#include "sim/app/user_error.h"
 #include "sim/engine/moments_engine.h"
 
 namespace selfproj {

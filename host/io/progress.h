@@ -1,5 +1,5 @@
-#ifndef SELFPROJ_SIM_APP_PROGRESS_H
-#define SELFPROJ_SIM_APP_PROGRESS_H
+#ifndef SELFPROJ_HOST_IO_PROGRESS_H
+#define SELFPROJ_HOST_IO_PROGRESS_H
 
 #include <chrono>
 #include <cstddef>
@@ -28,4 +28,4 @@ class Progress {
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_SIM_APP_PROGRESS_H
+#endif  // SELFPROJ_HOST_IO_PROGRESS_H

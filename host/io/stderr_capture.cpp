@@ -1,4 +1,4 @@
-#include "sim/app/stderr_capture.h"
+#include "host/io/stderr_capture.h"
 
 #include <sys/types.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
-#ifndef SELFPROJ_SIM_APP_STDERR_CAPTURE_H
-#define SELFPROJ_SIM_APP_STDERR_CAPTURE_H
+#ifndef SELFPROJ_HOST_IO_STDERR_CAPTURE_H
+#define SELFPROJ_HOST_IO_STDERR_CAPTURE_H
 
 #include <cstdio>
 #include <string>
@@ -26,4 +26,4 @@ class StderrCapture {
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_SIM_APP_STDERR_CAPTURE_H
+#endif  // SELFPROJ_HOST_IO_STDERR_CAPTURE_H

@@ -1,4 +1,4 @@
-#include "sim/app/output_file.h"
+#include "host/io/output_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -12,7 +12,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "sim/app/user_error.h"
+#include "host/io/user_error.h"
 
 namespace selfproj {
 namespace fs = std::filesystem;

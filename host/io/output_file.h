@@ -1,5 +1,5 @@
-#ifndef SELFPROJ_SIM_APP_OUTPUT_FILE_H
-#define SELFPROJ_SIM_APP_OUTPUT_FILE_H
+#ifndef SELFPROJ_HOST_IO_OUTPUT_FILE_H
+#define SELFPROJ_HOST_IO_OUTPUT_FILE_H
 
 #include <filesystem>
 #include <string>
@@ -32,4 +32,4 @@ class OutputFile {
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_SIM_APP_OUTPUT_FILE_H
+#endif  // SELFPROJ_HOST_IO_OUTPUT_FILE_H

@@ -1,4 +1,4 @@
-#include "sim/app/image_files.h"
+#include "host/io/image_files.h"
 
 #include <cerrno>
 #include <cstdint>
@@ -12,8 +12,8 @@
 #include <system_error>
 #include <vector>
 
-#include "sim/app/stderr_capture.h"
-#include "sim/app/user_error.h"
+#include "host/io/stderr_capture.h"
+#include "host/io/user_error.h"
 
 namespace selfproj {
 namespace {

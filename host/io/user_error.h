@@ -1,5 +1,5 @@
-#ifndef SELFPROJ_SIM_APP_USER_ERROR_H
-#define SELFPROJ_SIM_APP_USER_ERROR_H
+#ifndef SELFPROJ_HOST_IO_USER_ERROR_H
+#define SELFPROJ_HOST_IO_USER_ERROR_H
 
 #include <stdexcept>
 #include <string>
@@ -15,4 +15,4 @@ class UserError : public std::runtime_error {
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_SIM_APP_USER_ERROR_H
+#endif  // SELFPROJ_HOST_IO_USER_ERROR_H

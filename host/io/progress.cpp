@@ -1,4 +1,4 @@
-#include "sim/app/progress.h"
+#include "host/io/progress.h"
 
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
 // Image files as frames of the camera: 8 bits, one channel.
-#ifndef SELFPROJ_SIM_APP_IMAGE_FILES_H
-#define SELFPROJ_SIM_APP_IMAGE_FILES_H
+#ifndef SELFPROJ_HOST_IO_IMAGE_FILES_H
+#define SELFPROJ_HOST_IO_IMAGE_FILES_H
 
 #include <cstdint>
 #include <optional>
@@ -39,4 +39,4 @@ Image read_image(const std::string& file, std::optional<Channel> channel);
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_SIM_APP_IMAGE_FILES_H
+#endif  // SELFPROJ_HOST_IO_IMAGE_FILES_H
