@@ -1,0 +1,37 @@
+// Images of 32-bit floating-point numbers: patterns, heights, differences.
+#ifndef SELFPROJ_HOST_IO_FLOAT_IMAGE_H
+#define SELFPROJ_HOST_IO_FLOAT_IMAGE_H
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace selfproj {
+
+// Row by row without gaps. NaN is a pixel without a value.
+struct FloatImage {
+  int rows = 0;
+  int columns = 0;
+  std::vector<float> values;
+
+  FloatImage() = default;
+  FloatImage(int row_count, int column_count, float value = 0)
+      : rows(row_count),
+        columns(column_count),
+        values(static_cast<std::size_t>(row_count) * static_cast<std::size_t>(column_count), value) {}
+
+  [[nodiscard]] float* row(int r) { return values.data() + static_cast<std::ptrdiff_t>(r) * columns; }
+  [[nodiscard]] const float* row(int r) const { return values.data() + static_cast<std::ptrdiff_t>(r) * columns; }
+  bool operator==(const FloatImage&) const = default;
+};
+
+// Reads a TIFF file of one channel of 32-bit floating-point numbers. Throws UserError naming the file: unreadable, no
+// image, of another kind.
+FloatImage read_float_tiff(const std::string& file);
+
+// Writes it, whole or not at all. Throws UserError.
+void write_float_tiff(const std::string& file, const FloatImage& image);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_IO_FLOAT_IMAGE_H
