@@ -1,0 +1,112 @@
+#include "model/gray_decoder.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+namespace selfproj {
+namespace {
+
+void check_settings(const GraySettings& settings) {
+  if (settings.rows < 1 || settings.rows > spec::kMaxRows) {
+    throw std::invalid_argument("gray decoder: rows are not in 1.." + std::to_string(spec::kMaxRows));
+  }
+  if (settings.columns < 1) {
+    throw std::invalid_argument("gray decoder: columns are less than 1");
+  }
+  if (settings.bits < 1 || settings.bits > GrayDecoder::kMaxBits) {
+    throw std::invalid_argument("gray decoder: bits are not in 1.." + std::to_string(GrayDecoder::kMaxBits));
+  }
+  if (settings.threshold < 0 || settings.threshold > 255) {
+    throw std::invalid_argument("gray decoder: threshold is not in 0..255");
+  }
+}
+
+}  // namespace
+
+GrayDecoder::GrayDecoder(const GraySettings& settings) : settings_(settings) {
+  check_settings(settings);
+  pixels_.resize(static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns));
+}
+
+void GrayDecoder::configure(const GraySettings& settings) {
+  if (settings == settings_) {
+    return;
+  }
+  *this = GrayDecoder(settings);
+}
+
+bool GrayDecoder::begin(int pattern) {
+  const int patterns = 2 * settings_.bits;
+  if (pattern != next_) {
+    restart();
+  }
+  if (pattern != next_) {
+    role_ = Role::ignored;
+    due_ = false;
+    return false;
+  }
+  role_ = pattern % 2 == 0 ? Role::positive : Role::negative;
+  plane_ = pattern / 2;
+  next_ = (pattern + 1) % patterns;
+  if (role_ == Role::negative) {
+    pairs_ = std::min(pairs_ + 1, settings_.bits);
+  }
+  due_ = role_ == Role::negative && pairs_ == settings_.bits;
+  return due_;
+}
+
+void GrayDecoder::line(int row, int columns, const std::uint8_t* pixels, std::uint16_t* codes) {
+  const auto bits = static_cast<unsigned>(settings_.bits);
+  const unsigned weight = 1U << (bits - 1 - static_cast<unsigned>(plane_));  // of the plane in the code
+  Pixel* state = pixels_.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(settings_.columns);
+  for (int column = 0; column < columns; ++column) {
+    Pixel& pixel = state[column];
+    if (role_ == Role::positive) {
+      pixel.positive = pixels[column];
+    } else if (role_ == Role::negative) {
+      const int difference = pixel.positive - pixels[column];
+      const bool lit = difference > settings_.threshold;
+      const bool ambiguous = !lit && difference >= -settings_.threshold;
+      const bool above = plane_ != 0 && (pixel.planes & (weight << 1)) != 0;  // B of the plane before
+      pixel.planes = static_cast<std::uint16_t>((pixel.planes & ~weight) | (lit != above ? weight : 0U));
+      pixel.ambiguous = static_cast<std::uint16_t>((pixel.ambiguous & ~weight) | (ambiguous ? weight : 0U));
+      if (due_) {
+        const bool measurable = std::popcount(pixel.ambiguous) <= 1;
+        codes[column] = static_cast<std::uint16_t>(pixel.planes | (measurable ? kMeasurable : 0U));
+      }
+    }
+  }
+}
+
+void GrayDecoder::end(bool good) {
+  role_ = Role::ignored;
+  due_ = false;
+  if (!good) {
+    restart();
+  }
+}
+
+bool GrayDecoder::take(const ImageView& image, int pattern, bool good, std::uint16_t* codes) {
+  if (image.rows != settings_.rows || image.columns != settings_.columns) {
+    throw std::invalid_argument("gray decoder: the image has not the size of the settings");
+  }
+  if (image.pixels == nullptr || codes == nullptr) {
+    throw std::invalid_argument("gray decoder: null pointer");
+  }
+  if (!good) {
+    restart();
+    return false;
+  }
+  const bool due = begin(pattern);
+  for (int row = 0; row < image.rows; ++row) {
+    line(row, image.columns, image.pixels + row * image.stride,
+         codes + static_cast<std::ptrdiff_t>(row) * image.columns);
+  }
+  end(true);
+  return due;
+}
+
+}  // namespace selfproj
