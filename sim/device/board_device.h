@@ -29,6 +29,7 @@
 #include "model/board.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
+#include "sim/device/clocks.h"
 #include "sim/device/coverage.h"
 
 namespace selfproj {
@@ -63,8 +64,7 @@ class BoardDevice {
         simulation_([] { return std::make_unique<Simulation>(); }),
         model_(&simulation_->model),
         random_(options_.seed),
-        next_video_(options_.video_period_ps),
-        next_bus_(options_.bus_period_ps + options_.bus_phase_ps) {
+        clocks_(options_.video_period_ps, options_.bus_period_ps, options_.bus_phase_ps) {
     model_->clk_i = 0;
     model_->bus_clk_i = 0;
     set_encoder(false, false);
@@ -235,6 +235,13 @@ class BoardDevice {
   }
 
  private:
+  // A clock's fall is evaluated only where somebody looks at it: the waveform, the toggle coverage.
+#ifdef SELFPROJ_COVERAGE
+  static constexpr bool kFallsAreSeen = true;
+#else
+  static constexpr bool kFallsAreSeen = false;
+#endif
+
   struct QueuedBeat {
     VideoBeat beat;
     std::uint32_t gap;  // clocks without a beat; 0: the beat
@@ -245,34 +252,24 @@ class BoardDevice {
   // To the next rising edge of a clock, or of both.
   void step() {
     auto& m = *model_;
-    const bool video = next_video_ <= next_bus_;
-    const bool bus = next_bus_ <= next_video_;
-    now_ = video ? next_video_ : next_bus_;
-    // A clock falls where the other one rises, unless it has to rise again before that.
-    if ((video && m.clk_i != 0) || (bus && m.bus_clk_i != 0)) {
+    const BoardClocks::Edge edge = clocks_.next();
+    now_ = edge.time_ps;
+    if (kFallsAreSeen || trace_ != nullptr) {
       m.clk_i = 0;
       m.bus_clk_i = 0;
       m.eval();
       dump(now_ - 1);
     }
-    if (video) {
+    if (edge.video) {
       drive_video();
     }
-    if (bus) {
+    if (edge.bus) {
       drive_bus();
     }
-    m.clk_i = video;
-    m.bus_clk_i = bus;
-    m.eval();
+    BoardClocks::raise(m, edge);
     dump(now_);
-    if (video) {
-      next_video_ += options_.video_period_ps;
-      ++video_clocks_;
-    }
-    if (bus) {
-      next_bus_ += options_.bus_period_ps;
-      ++bus_clocks_;
-    }
+    video_clocks_ += edge.video ? 1 : 0;
+    bus_clocks_ += edge.bus ? 1 : 0;
   }
 
   void drive_video() {
@@ -377,9 +374,8 @@ class BoardDevice {
   std::unique_ptr<VerilatedFstC> trace_;
   std::mt19937_64 random_;
 
+  BoardClocks clocks_;
   std::uint64_t now_ = 0;
-  std::uint64_t next_video_;
-  std::uint64_t next_bus_;
   std::uint64_t video_clocks_ = 0;
   std::uint64_t bus_clocks_ = 0;
   std::uint64_t reset_clock_ = 0;

@@ -24,6 +24,7 @@
 #include "model/column_moments.h"
 #include "model/packet.h"
 #include "sim/device/board_device.h"
+#include "sim/device/clocks.h"
 #include "tests/bench/collector.h"
 
 namespace {
@@ -35,6 +36,8 @@ constexpr int kColumns = 512;
 constexpr int kGroups = kColumns / 4;
 constexpr int kThreshold = 128;
 constexpr int kFrameClocks = kRows * kGroups;
+constexpr std::uint64_t kVideoPeriodPs = 6614;  // 151.2 MHz
+constexpr std::uint64_t kBusPeriodPs = 16000;   // 62.5 MHz: 16 bytes each, 1 GB/s
 
 // One frame of noise, as the beats' words.
 std::vector<std::uint32_t> noise() {
@@ -90,8 +93,7 @@ class Core {
 
  private:
   void clock() {
-    model_->clk_i = 0;
-    model_->eval();
+    selfproj::lower_clocks(*model_);
     model_->clk_i = 1;
     model_->eval();
   }
@@ -100,7 +102,7 @@ class Core {
   std::unique_ptr<Model> model_;
 };
 
-// The board, settings as after reset (512 x 96, threshold 128, binary), pixel clock 151.2 MHz, bus clock 125 MHz.
+// The board, settings as after reset (512 x 96, threshold 128, binary), pixel clock 151.2 MHz, bus clock 62.5 MHz.
 template <class Model>
 class Board {
  public:
@@ -114,38 +116,25 @@ class Board {
     const std::uint32_t* beat = beats.data();
     for (int row = 0; row < kRows; ++row) {
       for (int group = 0; group < kGroups;) {
-        const bool video = next_video_ <= next_bus_;
-        const bool bus = next_bus_ <= next_video_;
-        if ((video && m.clk_i != 0) || (bus && m.bus_clk_i != 0)) {
-          m.clk_i = 0;
-          m.bus_clk_i = 0;
-          m.eval();
-        }
-        if (video) {
+        const selfproj::BoardClocks::Edge edge = clocks_.next();
+        if (edge.video) {
           m.s_axis_tvalid = 1;
           m.s_axis_tdata = *beat++;
           m.s_axis_tuser = row == 0 && group == 0;
           m.s_axis_tlast = group == kGroups - 1;
           ++group;
-          next_video_ += 6614;
         }
-        if (bus) {
-          if (m.m_axis_tvalid != 0) {
-            out(m.m_axis_tdata);
-          }
-          next_bus_ += 8000;
+        if (edge.bus && m.m_axis_tvalid != 0) {
+          out(m.m_axis_tdata);
         }
-        m.clk_i = video;
-        m.bus_clk_i = bus;
-        m.eval();
+        clocks_.raise(m, edge);
       }
     }
   }
 
  private:
   selfproj::BoardDevice<Model> device_;
-  std::uint64_t next_video_ = 6614;
-  std::uint64_t next_bus_ = 9234;
+  selfproj::BoardClocks clocks_{kVideoPeriodPs, kBusPeriodPs, 1234};
 };
 
 // The payload of two frames, as the circuit gave it, against the model. `header_beats` of a packet's beats are not
