@@ -5,15 +5,9 @@
 #include <stdexcept>
 #include <string>
 
-// The compiler vectorizes the loops over columns below. On x86-64 it does so three times, for AVX-512, for AVX2 and for
-// any processor, and the program takes the best when it starts. (Tests define the macro as nothing, to reach each
-// alone.)
-#if defined(SELFPROJ_CLONES)
-#elif defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
-#define SELFPROJ_CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
-#else
-#define SELFPROJ_CLONES
-#endif
+#include "model/cpu_clones.h"
+
+// The compiler vectorizes the loops over columns below, for each instruction set of SELFPROJ_CLONES.
 
 namespace selfproj {
 namespace {
