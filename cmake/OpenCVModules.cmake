@@ -18,3 +18,23 @@ foreach(module core imgproc imgcodecs)
 endforeach()
 set_property(TARGET opencv::imgproc APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::core)
 set_property(TARGET opencv::imgcodecs APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::imgproc)
+
+# selfproj_find_opencv_structured_light(FOUND): the peer that decoding is compared with, in package libopencv-contrib-dev,
+# which brings several hundred MB along. Optional: FOUND is true where it is there, as target opencv::structured_light.
+function(selfproj_find_opencv_structured_light found)
+  find_path(SELFPROJ_OPENCV_STRUCTURED_LIGHT_INCLUDE_DIR opencv2/structured_light/graycodepattern.hpp PATH_SUFFIXES opencv4)
+  find_library(SELFPROJ_OPENCV_structured_light opencv_structured_light)
+  mark_as_advanced(SELFPROJ_OPENCV_STRUCTURED_LIGHT_INCLUDE_DIR SELFPROJ_OPENCV_structured_light)
+  if(NOT SELFPROJ_OPENCV_STRUCTURED_LIGHT_INCLUDE_DIR OR NOT SELFPROJ_OPENCV_structured_light)
+    set(${found} FALSE PARENT_SCOPE)
+    return()
+  endif()
+  if(NOT TARGET opencv::structured_light)
+    add_library(opencv::structured_light UNKNOWN IMPORTED)
+    set_target_properties(opencv::structured_light PROPERTIES
+      IMPORTED_LOCATION "${SELFPROJ_OPENCV_structured_light}"
+      INTERFACE_INCLUDE_DIRECTORIES "${SELFPROJ_OPENCV_STRUCTURED_LIGHT_INCLUDE_DIR}"
+      INTERFACE_LINK_LIBRARIES opencv::imgproc)
+  endif()
+  set(${found} TRUE PARENT_SCOPE)
+endfunction()

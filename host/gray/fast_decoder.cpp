@@ -126,16 +126,31 @@ SELFPROJ_CLONES void words_of_words(const std::uint16_t* codes, const std::uint1
 // likewise with s0 taken away, for m1 >= p, m2 >= l2, m1, and h1 >= h0, m1.
 
 template <class T>
-[[gnu::always_inline]] inline void sort2(T& a, T& b) {
-  const T low = std::min(a, b);
-  b = std::max(a, b);
-  a = low;
+[[gnu::always_inline]] inline T lesser(T a, T b) {
+  return a < b ? a : b;
 }
 template <class T>
-[[gnu::always_inline]] inline void sort3(T& a, T& b, T& c) {
-  sort2(a, b);
-  sort2(b, c);
-  sort2(a, b);
+[[gnu::always_inline]] inline T greater(T a, T b) {
+  return a < b ? b : a;
+}
+template <class T>
+[[gnu::always_inline]] inline T least_of(T a, T b, T c) {
+  return lesser(lesser(a, b), c);
+}
+template <class T>
+[[gnu::always_inline]] inline T greatest_of(T a, T b, T c) {
+  return greater(greater(a, b), c);
+}
+template <class T>
+[[gnu::always_inline]] inline T middle_of(T a, T b, T c) {
+  return greater(lesser(a, b), lesser(greater(a, b), c));
+}
+
+// `a` where `first`, else `b`, without a branch, which would keep the compiler from vectorizing.
+template <class T>
+[[gnu::always_inline]] inline T choose(bool first, T a, T b) {
+  const auto mask = static_cast<T>(-static_cast<int>(first));
+  return static_cast<T>((a & mask) | (b & static_cast<T>(~mask)));
 }
 
 // The lines of scratch memory: all have a value more on either side.
@@ -164,6 +179,7 @@ template <class T>
   }
 }
 
+// Three loops: with all four results in one, the compiler gives up proving that no two arrays overlap.
 template <class T>
 [[gnu::always_inline]] inline void sort_columns(const Lines<T>& lines, std::ptrdiff_t columns) {
   const T* __restrict k0 = lines.keys[0];
@@ -177,13 +193,16 @@ template <class T>
   T* __restrict high = lines.high;
   T* __restrict count = lines.count;
   for (std::ptrdiff_t c = 0; c < columns; ++c) {
-    T a = k0[c];
-    T b = k1[c];
-    T d = k2[c];
-    sort3(a, b, d);
-    low[c] = a;
-    middle[c] = b;
-    high[c] = d;
+    const T a = k0[c];
+    const T b = k1[c];
+    const T d = k2[c];
+    low[c] = least_of(a, b, d);
+    high[c] = greatest_of(a, b, d);
+  }
+  for (std::ptrdiff_t c = 0; c < columns; ++c) {
+    middle[c] = middle_of(k0[c], k1[c], k2[c]);
+  }
+  for (std::ptrdiff_t c = 0; c < columns; ++c) {
     count[c] = static_cast<T>(f0[c] + f1[c] + f2[c]);
   }
 }
@@ -197,28 +216,21 @@ template <class T>
   T* __restrict result = lines.result;
   T* __restrict total = lines.total;
   for (std::ptrdiff_t c = 0; c < columns; ++c) {
-    T l0 = low[c - 1];
-    T l1 = low[c];
-    T l2 = low[c + 1];
-    sort3(l0, l1, l2);
-    T m0 = middle[c - 1];
-    T m1 = middle[c];
-    T m2 = middle[c + 1];
-    sort3(m0, m1, m2);
-    const T h0 = std::min(std::min(high[c - 1], high[c]), high[c + 1]);
-    T s0 = std::max(l1, m0);
-    T s1 = l2;
-    T s2 = h0;
-    sort3(s0, s1, s2);
-    T e0 = l2;
-    T e1 = m1;
-    T e2 = h0;
-    sort3(e0, e1, e2);
+    const T l0 = least_of(low[c - 1], low[c], low[c + 1]);
+    const T l1 = middle_of(low[c - 1], low[c], low[c + 1]);
+    const T l2 = greatest_of(low[c - 1], low[c], low[c + 1]);
+    const T m0 = least_of(middle[c - 1], middle[c], middle[c + 1]);
+    const T m1 = middle_of(middle[c - 1], middle[c], middle[c + 1]);
+    const T h0 = least_of(high[c - 1], high[c], high[c + 1]);
+    const T p = greater(l1, m0);
+    const T s0 = least_of(p, l2, h0);
+    const T s1 = middle_of(p, l2, h0);
+    const T nine = middle_of(l2, m1, h0);
     const T k = static_cast<T>(count[c - 1] + count[c] + count[c + 1]);
-    T value = k > 2 ? std::min(l1, m0) : l0;
-    value = k > 4 ? s0 : value;
-    value = k > 6 ? std::min(s1, m1) : value;
-    value = k > 8 ? e1 : value;
+    T value = choose(k > T{2}, lesser(l1, m0), l0);
+    value = choose(k > T{4}, s0, value);
+    value = choose(k > T{6}, lesser(s1, m1), value);
+    value = choose(k > T{8}, nine, value);
     result[c] = value;
     total[c] = k;
   }

@@ -9,20 +9,11 @@
 // with exit status 1.
 #include <benchmark/benchmark.h>
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
-#include <map>
-#include <memory>
-#include <new>
-#include <random>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,13 +21,8 @@
 #include "model/column_moments.h"
 #include "model/packet.h"
 #include "tests/bench/collector.h"
+#include "tests/bench/read_ceiling.h"
 #include "tests/support/reference_moments.h"
-
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
-#define SELFPROJ_BENCH_CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
-#else
-#define SELFPROJ_BENCH_CLONES
-#endif
 
 namespace selfproj {
 namespace {
@@ -49,86 +35,21 @@ constexpr int kThreshold = 128;
 constexpr std::size_t kFrameBytes = static_cast<std::size_t>(kRows) * kColumns;
 constexpr int kFramesInCache = 4;
 
-// Memory for frames, in huge pages where the system has them.
+// Frames one after another.
 class FrameBuffer {
  public:
-  explicit FrameBuffer(int frames) : frames_(frames) {
-    constexpr std::size_t kHugePage = std::size_t{2} << 20;
-    const std::size_t size = static_cast<std::size_t>(frames) * kFrameBytes;
-    bytes_.reset(
-        static_cast<std::uint8_t*>(std::aligned_alloc(kHugePage, (size + kHugePage - 1) / kHugePage * kHugePage)));
-    if (bytes_ == nullptr) {
-      throw std::bad_alloc();
-    }
-#if defined(__linux__)
-    madvise(bytes_.get(), size, MADV_HUGEPAGE);
-#endif
-    std::mt19937_64 random(1);
-    for (std::size_t i = 0; i < size; i += sizeof(std::uint64_t)) {
-      const std::uint64_t pixels = random();
-      std::memcpy(bytes_.get() + i, &pixels, sizeof pixels);
-    }
-  }
+  explicit FrameBuffer(int frames) : frames_(frames), bytes_(static_cast<std::size_t>(frames) * kFrameBytes) {}
 
   int frames() const { return frames_; }
   ImageView frame(int i) const {
-    return {bytes_.get() + static_cast<std::size_t>(i) * kFrameBytes, kRows, kColumns, kColumns};
+    return {bytes_.data() + static_cast<std::size_t>(i) * kFrameBytes, kRows, kColumns, kColumns};
   }
-  std::span<const std::uint8_t> bytes() const {
-    return {bytes_.get(), static_cast<std::size_t>(frames_) * kFrameBytes};
-  }
+  std::span<const std::uint8_t> bytes() const { return {bytes_.data(), bytes_.size()}; }
 
  private:
-  struct Free {
-    void operator()(std::uint8_t* bytes) const { std::free(bytes); }
-  };
-
   int frames_;
-  std::unique_ptr<std::uint8_t, Free> bytes_;
+  bench::RandomBuffer bytes_;
 };
-
-// The exclusive-or of all 8-byte words, from one end to the other.
-SELFPROJ_BENCH_CLONES std::uint64_t read_one_stream(const std::uint8_t* bytes, std::size_t size) {
-  constexpr std::size_t kLanes = 64;  // words a round: 8 cache lines
-  std::uint64_t lanes[kLanes] = {};
-  for (std::size_t at = 0; at + sizeof lanes <= size; at += sizeof lanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      std::uint64_t word;
-      std::memcpy(&word, bytes + at + k * sizeof word, sizeof word);
-      lanes[k] ^= word;
-    }
-  }
-  std::uint64_t all = 0;
-  for (const std::uint64_t lane : lanes) {
-    all ^= lane;
-  }
-  return all;
-}
-
-// The same of four neighbouring pages of 4 KiB at once, which keeps more of the processor's prefetchers busy.
-SELFPROJ_BENCH_CLONES std::uint64_t read_four_streams(const std::uint8_t* bytes, std::size_t size) {
-  constexpr std::size_t kPage = 4096;
-  constexpr std::size_t kLanes = 16;  // words a round and page: 2 cache lines
-  std::uint64_t lanes[4][kLanes] = {};
-  for (std::size_t group = 0; group + 4 * kPage <= size; group += 4 * kPage) {
-    for (std::size_t at = group; at < group + kPage; at += kLanes * sizeof(std::uint64_t)) {
-      for (std::size_t page = 0; page < 4; ++page) {
-        for (std::size_t k = 0; k < kLanes; ++k) {
-          std::uint64_t word;
-          std::memcpy(&word, bytes + at + page * kPage + k * sizeof word, sizeof word);
-          lanes[page][k] ^= word;
-        }
-      }
-    }
-  }
-  std::uint64_t all = 0;
-  for (const auto& page : lanes) {
-    for (const std::uint64_t lane : page) {
-      all ^= lane;
-    }
-  }
-  return all;
-}
 
 bool results_are_right(const FrameBuffer& buffer) {
   Moments moments;
@@ -147,15 +68,6 @@ bool results_are_right(const FrameBuffer& buffer) {
 void set_counters(benchmark::State& state, std::int64_t items, std::size_t bytes_of_one) {
   state.SetItemsProcessed(state.iterations() * items);
   state.SetBytesProcessed(state.iterations() * items * static_cast<std::int64_t>(bytes_of_one));
-}
-
-using Read = std::uint64_t (*)(const std::uint8_t*, std::size_t);
-
-void read_memory(benchmark::State& state, const FrameBuffer& buffer, Read read) {
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(read(buffer.bytes().data(), buffer.bytes().size()));
-  }
-  set_counters(state, buffer.frames(), kFrameBytes);
 }
 
 void take_moments(benchmark::State& state, const FrameBuffer& buffer, Mode mode, int frames) {
@@ -216,8 +128,7 @@ void parse_and_unpack(benchmark::State& state, const std::vector<std::uint8_t>& 
 }
 
 void print_ratios(const Collector& collector) {
-  const double ceiling = std::max(collector.median("read/one_stream"), collector.median("read/four_streams"));
-  std::printf("\nread ceiling: %.2f GB/s (one thread, from memory; medians)\n", ceiling * 1e-9);
+  const double ceiling = bench::read_ceiling(collector);
   for (const char* mode : {"binary", "grey", "grey_over"}) {
     const double memory = collector.median(std::string("moments/memory/") + mode);
     const double cache = collector.median(std::string("moments/cache/") + mode);
@@ -258,11 +169,7 @@ int run(int argc, char** argv) {
   const std::vector<std::uint8_t> binary = packet_of(Mode::binary, buffer.frame(0));
   const std::vector<std::uint8_t> grey = packet_of(Mode::grey, buffer.frame(0));
 
-  const auto add_read = [&](const char* name, Read read) {
-    benchmark::RegisterBenchmark(name, [&buffer, read](benchmark::State& state) { read_memory(state, buffer, read); });
-  };
-  add_read("read/one_stream", read_one_stream);
-  add_read("read/four_streams", read_four_streams);
+  bench::add_read_ceiling(buffer.bytes());
   for (const auto& [name, mode] :
        {std::pair{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey_over", Mode::grey_over}}) {
     for (const auto& [place, some] : {std::pair{"memory", frames}, {"cache", kFramesInCache}}) {

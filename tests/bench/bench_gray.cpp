@@ -1,0 +1,199 @@
+// How fast the host decodes Gray codes: 512 x 512 pixels, m = 8, one thread.
+//
+//     bench_gray [--benchmark_...]
+//
+// One item is one update: a new pair of images to a new code image. In cache the same pair comes again and again; from
+// memory 256 pairs (134 MB) come one after another, and the share of the read ceiling is that of the images' bytes
+// alone. Before anything is timed the results are compared with the models; a difference ends the program with exit
+// status 1. Where OpenCV's structured_light module was there at build time its GrayCodePattern is timed on the same
+// images: every pixel's code from the 16 images, which is what it offers for a new code image.
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "host/gray/fast_decoder.h"
+#include "model/gray_decoder.h"
+#include "model/median3x3.h"
+#include "tests/bench/collector.h"
+#include "tests/bench/read_ceiling.h"
+
+#ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
+#include <opencv2/structured_light/graycodepattern.hpp>
+#endif
+
+namespace selfproj {
+namespace {
+
+constexpr int kSide = 512;
+constexpr int kBits = 8;
+constexpr std::size_t kImageBytes = static_cast<std::size_t>(kSide) * kSide;
+constexpr int kImages = 512;
+constexpr GraySettings kSettings{kSide, kSide, kBits, 5};
+
+ImageView image_at(const std::uint8_t* bytes, int i) {
+  return {bytes + static_cast<std::size_t>(i) * kImageBytes, kSide, kSide, kSide};
+}
+
+bool results_are_right(const std::uint8_t* images) {
+  GrayDecoder model(kSettings);
+  FastGrayDecoder fast(kSettings);
+  FastMedian median(kSide);
+  std::vector<std::uint16_t> expected(kImageBytes), found(kImageBytes), expected_median(kImageBytes);
+  for (int i = 0; i < 4 * kBits; ++i) {
+    const int pattern = i % (2 * kBits);
+    const bool due = model.take(image_at(images, i), pattern, true, expected.data());
+    if (fast.take(image_at(images, i), pattern, true) != due) {
+      return false;
+    }
+    if (due) {
+      code_words(fast.codes(), found.data());
+      if (found != expected) {
+        return false;
+      }
+      median.filter(fast.codes(), found.data());
+      median3x3(expected.data(), kSide, kSide, expected_median.data());
+      if (found != expected_median) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+void set_counters(benchmark::State& state, std::int64_t updates) {
+  state.SetItemsProcessed(state.iterations() * updates);
+  state.SetBytesProcessed(state.iterations() * updates * static_cast<std::int64_t>(2 * kImageBytes));
+}
+
+// `pairs` pairs, one after another; a whole number of cycles.
+void decode(benchmark::State& state, const std::uint8_t* images, int pairs) {
+  FastGrayDecoder decoder(kSettings);
+  int image = 0;
+  int pattern = 0;
+  for (auto _ : state) {
+    for (int half = 0; half < 2; ++half) {
+      benchmark::DoNotOptimize(decoder.take(image_at(images, image), pattern, true));
+      image = (image + 1) % (2 * pairs);
+      pattern = (pattern + 1) % (2 * kBits);
+    }
+    benchmark::ClobberMemory();
+  }
+  set_counters(state, 1);
+}
+
+FastGrayDecoder filled_decoder(const std::uint8_t* images) {
+  FastGrayDecoder decoder(kSettings);
+  for (int i = 0; i < 2 * kBits; ++i) {
+    decoder.take(image_at(images, i), i, true);
+  }
+  return decoder;
+}
+
+void to_words(benchmark::State& state, const std::uint8_t* images) {
+  const FastGrayDecoder decoder = filled_decoder(images);
+  std::vector<std::uint16_t> words(kImageBytes);
+  for (auto _ : state) {
+    code_words(decoder.codes(), words.data());
+    benchmark::ClobberMemory();
+  }
+  set_counters(state, 1);
+}
+
+void filter(benchmark::State& state, const std::uint8_t* images) {
+  const FastGrayDecoder decoder = filled_decoder(images);
+  FastMedian median(kSide);
+  std::vector<std::uint16_t> words(kImageBytes);
+  for (auto _ : state) {
+    median.filter(decoder.codes(), words.data());
+    benchmark::ClobberMemory();
+  }
+  set_counters(state, 1);
+}
+
+#ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
+// 8 bits along one axis; the other axis has the least that the class takes, one bit, whose images are the same again.
+void opencv(benchmark::State& state, const std::uint8_t* images) {
+  const auto pattern = cv::structured_light::GrayCodePattern::create(1 << kBits, 2);
+  std::vector<cv::Mat> mats;
+  for (int i = 0; i < static_cast<int>(pattern->getNumberOfPatternImages()); ++i) {
+    const auto* pixels = images + static_cast<std::size_t>(i % (2 * kBits)) * kImageBytes;
+    mats.emplace_back(kSide, kSide, CV_8U, const_cast<std::uint8_t*>(pixels));  // NOLINT: OpenCV only reads
+  }
+  std::int64_t sum = 0;
+  for (auto _ : state) {
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        cv::Point point;
+        if (!pattern->getProjPixel(mats, x, y, point)) {
+          sum += point.x;
+        }
+      }
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  set_counters(state, 1);
+}
+#endif
+
+void print_ratios(const bench::Collector& collector) {
+  const double ceiling = bench::read_ceiling(collector);
+  const double bytes = 2.0 * kImageBytes;
+  const double cache = collector.median("decode/cache");
+  const double memory = collector.median("decode/memory");
+  if (ceiling > 0 && cache > 0 && memory > 0) {
+    std::printf("decode, 512 x 512, m = 8: %.0f updates/s in cache; %.0f from memory, %.1f %% of the read ceiling\n",
+                cache / bytes, memory / bytes, 100 * memory / ceiling);
+    std::printf("median: %.0f images/s\n", collector.median("median/cache") / bytes);
+  }
+  const double peer = collector.median("opencv/cache");
+  if (peer > 0) {
+    std::printf("OpenCV GrayCodePattern: %.1f code images/s; the fast decoder is %.0f times as fast\n", peer / bytes,
+                cache / peer);
+  } else {
+    std::printf("OpenCV GrayCodePattern: skipped (built without OpenCV's structured_light module)\n");
+  }
+}
+
+int run(int argc, char** argv) {
+  if (!bench::initialize(argv[0], std::vector<std::string>(argv + 1, argv + argc))) {
+    return 2;
+  }
+  const bench::RandomBuffer images(kImages * kImageBytes);
+  const std::uint8_t* data = images.data();
+  if (!results_are_right(data)) {
+    std::fprintf(stderr, "bench_gray: the codes are wrong\n");
+    return 1;
+  }
+  bench::add_read_ceiling({images.data(), images.size()});
+  const auto add = [](const char* name, auto&& function) { benchmark::RegisterBenchmark(name, function); };
+  add("decode/cache", [data](benchmark::State& state) { decode(state, data, 1); });
+  add("decode/memory", [data](benchmark::State& state) { decode(state, data, kImages / 2); });
+  add("words/cache", [data](benchmark::State& state) { to_words(state, data); });
+  add("median/cache", [data](benchmark::State& state) { filter(state, data); });
+#ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
+  add("opencv/cache", [data](benchmark::State& state) { opencv(state, data); });
+#endif
+  bench::Collector collector("bytes_per_second");
+  benchmark::RunSpecifiedBenchmarks(&collector);
+  if (!collector.failed()) {
+    print_ratios(collector);
+  }
+  benchmark::Shutdown();
+  return collector.failed() ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace selfproj
+
+int main(int argc, char** argv) {
+  try {
+    return selfproj::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_gray: %s\n", error.what());
+    return 1;
+  }
+}
