@@ -10,17 +10,11 @@
 #include <stdexcept>
 
 #include "host/optics/geometry.h"
+#include "model/cpu_clones.h"
 #include "model/spec/generated/selfproj_spec.h"
 
-// As in model/column_moments.cpp: the compiler vectorizes the loops over columns three times, and the program takes the
-// best when it starts. Tests define the macro as nothing, to reach each alone. (No multiplication is fused with an
-// addition, -std=c++20 being ISO's: all three give the same bits.)
-#if defined(SELFPROJ_CLONES)
-#elif defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
-#define SELFPROJ_CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
-#else
-#define SELFPROJ_CLONES
-#endif
+// The compiler vectorizes the loops over columns for each instruction set of SELFPROJ_CLONES. No multiplication is fused
+// with an addition, -std=c++20 being ISO's, so that all give the same bits.
 
 namespace selfproj {
 namespace {
