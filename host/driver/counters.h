@@ -1,0 +1,30 @@
+// What a device has counted since it was opened.
+#ifndef SELFPROJ_HOST_DRIVER_COUNTERS_H
+#define SELFPROJ_HOST_DRIVER_COUNTERS_H
+
+#include <cstdint>
+
+namespace selfproj {
+
+// Nothing is lost, torn or left out without one of these saying so. All of them only grow.
+struct Counters {
+  std::uint64_t delivered = 0;        // packets handed out
+  std::uint64_t flagged = 0;          // of these, packets of a frame that broke on the board (status is not 0)
+  std::uint64_t lost_board = 0;       // packets that found the board's FIFO full: the headers' field `lost`
+  std::uint64_t lost_ring = 0;        // packets that found the ring full: the reader was slower than the board
+  std::uint64_t missing = 0;          // frames without moments, by the gaps in the sequence, whatever the reason
+  std::uint64_t bad = 0;              // packets refused: begun, or due at their place, and not right
+  std::uint64_t other_spec = 0;       // of these, packets of a board built from another specification
+  std::uint64_t resynchronized = 0;   // times that the next whole packet was found after bytes that were none
+  std::uint64_t bytes_discarded = 0;  // bytes of no good packet
+  std::uint64_t repeated = 0;         // good packets that had come already; not handed out again
+  std::uint64_t restarts = 0;         // times that the board's sequence or clock went back: it was reset
+  std::uint64_t reattached = 0;       // ring: times that another writer, or another ring of the name, took over
+  std::uint64_t read_errors = 0;      // file: errors of the device that were survived
+
+  bool operator==(const Counters&) const = default;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_DRIVER_COUNTERS_H

@@ -1,0 +1,28 @@
+#include "host/driver/device.h"
+
+#include <memory>
+#include <string>
+
+#include "host/driver/file_device.h"
+#include "host/driver/ring_device.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+
+std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions& options) {
+  const std::size_t colon = uri.find(':');
+  const std::string scheme = uri.substr(0, colon);
+  const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
+  if (colon == std::string::npos || (scheme != "ring" && scheme != "file" && scheme != "sim")) {
+    throw UserError(uri, "is no device; ring:NAME or file:PATH is needed");
+  }
+  if (scheme == "sim") {
+    throw UserError(uri, "exists only inside selfproj-sim");
+  }
+  if (rest.empty()) {
+    throw UserError(uri, scheme == "ring" ? "the name of the ring is missing" : "the path of the file is missing");
+  }
+  return scheme == "ring" ? make_ring_device(rest, options) : make_file_device(rest, options);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,74 @@
+// Packets out of a stream of bytes that may be cut, shifted or damaged anywhere.
+#ifndef SELFPROJ_HOST_DRIVER_PACKET_READER_H
+#define SELFPROJ_HOST_DRIVER_PACKET_READER_H
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/driver/counters.h"
+#include "model/packet.h"
+
+namespace selfproj {
+
+// Takes bytes as they come, gives whole packets in place, and after a start or a bad packet discards up to the next
+// whole one, at whatever byte it begins. Nothing is believed before parse_packet has found all of it right, so that a
+// magic number inside a payload or a damaged length costs nothing but the time to look.
+//
+//     std::span<std::uint8_t> room = reader.room();
+//     reader.added(read(fd, room.data(), room.size()));
+//     while (reader.next(packet)) { ... }
+//
+// Allocates in the constructor only.
+class PacketStreamReader {
+ public:
+  static constexpr std::size_t kDefaultCapacity = std::size_t{1} << 20U;
+
+  // Counts bad, other_spec, resynchronized and bytes_discarded in `counters`, which must outlive it. `capacity` is the
+  // size of the buffer in bytes; less than that of two of the largest packets counts as that.
+  explicit PacketStreamReader(Counters& counters, std::size_t capacity = kDefaultCapacity);
+
+  // Where the next bytes of the stream are to be put: never empty, once next() has given all it has. Packets given so
+  // far become invalid.
+  [[nodiscard]] std::span<std::uint8_t> room();
+
+  // The free bytes behind those held, without moving anything: packets stay valid. May be empty.
+  [[nodiscard]] std::span<std::uint8_t> room_in_place();
+
+  // So many bytes were put into the room.
+  void added(std::size_t bytes) { end_ += bytes; }
+
+  // No more bytes will come: a packet that is not complete is a bad one.
+  void finish() { finished_ = true; }
+
+  // The stream begins anew, in the middle of anything: bytes held are discarded, and counted.
+  void restart();
+
+  // The next whole packet, if there is one; it points into the buffer until room() or restart() is called. False:
+  // more bytes are needed.
+  bool next(PacketView& packet);
+
+  // Bytes held that belong to no packet given so far.
+  [[nodiscard]] std::size_t held() const { return end_ - begin_; }
+
+  // The last `bytes` <= held() bytes added.
+  [[nodiscard]] std::span<const std::uint8_t> newest(std::size_t bytes) const {
+    return std::span(buffer_).subspan(end_ - bytes, bytes);
+  }
+
+ private:
+  void discard(std::size_t bytes);
+
+  Counters& counters_;
+  std::vector<std::uint8_t> buffer_;
+  std::size_t begin_ = 0;  // of the bytes not yet given
+  std::size_t end_ = 0;    // behind the last byte
+  bool due_ = false;       // a packet should begin at begin_: the one before it was good
+  bool skipping_ = false;  // bytes were discarded since the last good packet
+  bool finished_ = false;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_DRIVER_PACKET_READER_H

@@ -1,0 +1,271 @@
+#include "host/driver/ring_device.h"
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstdint>
+#include <ctime>
+#include <memory>
+#include <span>
+#include <string>
+#include <system_error>
+
+#include "host/driver/clock.h"
+#include "host/driver/counters.h"
+#include "host/driver/device.h"
+#include "host/driver/packet_limits.h"
+#include "host/driver/packet_tally.h"
+#include "host/driver/ring_layout.h"
+#include "host/driver/ring_memory.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+using Found = ring::Memory::Found;
+
+// How often a reader without packets looks whether ring and board are still there.
+constexpr std::int64_t kLookNs = 50'000'000;
+
+void sleep_ns(std::int64_t ns) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const timespec pause{static_cast<std::time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
+  nanosleep(&pause, nullptr);
+}
+
+class RingDevice final : public Device {
+ public:
+  RingDevice(const std::string& name, const DeviceOptions& options)
+      : uri_("ring:" + name), shared_(ring::shared_name(name)), options_(options), tally_(counters_) {
+    const Found found = memory_.attach(shared_.c_str());
+    switch (found) {
+      case Found::ring:
+        break;
+      case Found::none:
+      case Found::unready:
+        if (!options.wait_for_board) {
+          throw UserError(uri_, "there is no such ring; a board's driver or `selfproj-sim board` makes it");
+        }
+        return;
+      case Found::other:
+        throw UserError(uri_, "is a ring of another version or specification");
+      case Found::no_access:
+        throw UserError(uri_, std::generic_category().message(errno));
+    }
+    if (!memory_.lock(ring::kReaderLock)) {
+      throw UserError(uri_, "another reader has it");
+    }
+    start_reading();
+  }
+  RingDevice(const RingDevice&) = delete;
+  RingDevice& operator=(const RingDevice&) = delete;
+  ~RingDevice() override { stop_reading(); }
+
+  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
+    release();
+    if (take(packet)) {
+      return Next::packet;
+    }
+    const std::int64_t started = now_ns();
+    for (;;) {
+      const std::int64_t now = now_ns();
+      if (now >= next_look_) {
+        next_look_ = now + kLookNs;
+        const bool gone = !look();
+        if (take(packet)) {  // written before it went
+          return Next::packet;
+        }
+        if (gone && !options_.wait_for_board) {
+          return Next::end;
+        }
+      }
+      const std::int64_t waited = now - started;
+      if (waited >= timeout.count()) {
+        return Next::timeout;
+      }
+      if (options_.wait == Wait::polling ||
+          (options_.wait == Wait::polling_then_blocking && waited < options_.spin.count())) {
+        relax();
+      } else {
+        sleep(std::min(timeout.count() - waited, next_look_ - now));
+      }
+      if (take(packet)) {
+        return Next::packet;
+      }
+    }
+  }
+
+  void release() override {
+    if (held_) {
+      held_ = false;
+      step();
+    }
+  }
+
+  [[nodiscard]] std::int64_t arrival_ns() const override { return arrival_ns_; }
+
+  [[nodiscard]] Counters counters() const override {
+    Counters counters = counters_;
+    counters.lost_ring += memory_.attached() ? memory_.header().lost.load(std::memory_order_acquire) - lost_before_ : 0;
+    return counters;
+  }
+
+  [[nodiscard]] const std::string& uri() const override { return uri_; }
+
+ private:
+  // The ring is mapped and its lock taken.
+  void start_reading() {
+    ring::Header& header = memory_.header();
+    if (header.reader_open.exchange(1) != 0) {
+      header.reader_crashes.fetch_add(1);
+    }
+    header.readers.fetch_add(1);
+    header.reader_pid.store(static_cast<std::uint32_t>(getpid()));
+    header.sleeping.store(0);
+    const std::uint64_t written = header.written.load(std::memory_order_acquire);
+    read_ = header.read.load();
+    if (options_.discard_backlog || written - read_ > memory_.slots()) {
+      read_ = written;
+      header.read.store(read_, std::memory_order_release);
+    }
+    const bool backlog = read_ != written;
+    generation_ = backlog ? memory_.slot(read_).generation : header.generation.load();
+    lost_before_ = backlog ? memory_.slot(read_).lost : header.lost.load(std::memory_order_acquire);
+    next_look_ = 0;
+    counters_.reattached += was_attached_ ? 1 : 0;
+    was_attached_ = true;
+  }
+
+  void stop_reading() {
+    if (memory_.attached()) {
+      counters_ = counters();
+      release();
+      memory_.header().reader_open.store(0);
+      memory_.detach();
+    }
+  }
+
+  // The slot at read_ is done with.
+  void step() { memory_.header().read.store(++read_, std::memory_order_release); }
+
+  // The next good packet that is in the ring.
+  bool take(PacketView& packet) {
+    if (!memory_.attached()) {
+      return false;
+    }
+    for (;;) {
+      const std::uint64_t written = memory_.header().written.load(std::memory_order_acquire);
+      if (written == read_) {
+        return false;
+      }
+      if (written - read_ > memory_.slots()) {  // a count that cannot be: start anew from where the writer is
+        ++counters_.bad;
+        skipping_ = true;
+        read_ = written - 1;
+        step();
+        continue;
+      }
+      if (look_at_slot(packet)) {
+        held_ = true;
+        return true;
+      }
+      step();
+    }
+  }
+
+  // Whether the slot at read_ has a good packet that is to be handed out.
+  bool look_at_slot(PacketView& packet) {
+    const ring::Slot& slot = memory_.slot(read_);
+    const std::span<const std::uint8_t> bytes(memory_.packet(read_),
+                                              std::min<std::size_t>(slot.bytes, kLargestPacketBytes));
+    const PacketError error = parse_packet(bytes, packet);
+    if (error != PacketError::none || packet.size != slot.bytes || slot.number != read_) {
+      ++counters_.bad;
+      counters_.other_spec += error == PacketError::hash || error == PacketError::version ? 1 : 0;
+      counters_.bytes_discarded += bytes.size();
+      skipping_ = true;
+      return false;
+    }
+    counters_.resynchronized += skipping_ ? 1 : 0;
+    skipping_ = false;
+    if (slot.generation != generation_) {
+      generation_ = slot.generation;
+      ++counters_.reattached;
+    }
+    if (!tally_.accept(packet.header)) {
+      return false;
+    }
+    arrival_ns_ = slot.arrival_ns;
+    ++counters_.delivered;
+    counters_.flagged += packet.status != 0 ? 1 : 0;
+    return true;
+  }
+
+  // Looks after a ring that gives nothing: whether there is a board that may write into it. Attaches to a ring of the
+  // name where none is attached.
+  bool look() {
+    if (memory_.attached()) {
+      if (memory_.locked(ring::kWriterLock)) {
+        return true;  // even where the name was removed: nothing is lost until the writer turns away
+      }
+      if (!memory_.removed() || memory_.header().written.load(std::memory_order_acquire) != read_) {
+        return false;
+      }
+      stop_reading();
+    }
+    if (!memory_.attached()) {
+      if (memory_.attach(shared_.c_str()) != Found::ring || !memory_.lock(ring::kReaderLock)) {
+        memory_.detach();
+        return false;
+      }
+      start_reading();
+    }
+    return memory_.locked(ring::kWriterLock);
+  }
+
+  // Sleeps until the writer wakes it, or for that long.
+  void sleep(std::int64_t ns) {
+    if (!memory_.attached()) {
+      sleep_ns(ns);
+      return;
+    }
+    ring::Header& header = memory_.header();
+    const std::uint32_t wake = header.wake.load(std::memory_order_acquire);
+    header.sleeping.store(1, std::memory_order_relaxed);
+    std::atomic_thread_fence(std::memory_order_seq_cst);  // see RingWriter::publish
+    if (header.written.load(std::memory_order_acquire) == read_) {
+      constexpr std::int64_t kSecond = 1'000'000'000;
+      const timespec limit{static_cast<std::time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
+      syscall(SYS_futex, &header.wake, FUTEX_WAIT, wake, &limit, nullptr, 0);
+    }
+    header.sleeping.store(0, std::memory_order_relaxed);
+  }
+
+  std::string uri_;
+  std::string shared_;
+  DeviceOptions options_;
+  Counters counters_;
+  PacketTally tally_;
+  ring::Memory memory_;
+  std::uint64_t read_ = 0;
+  std::uint64_t lost_before_ = 0;  // Header::lost when this reader began
+  std::uint32_t generation_ = 0;
+  bool held_ = false;
+  bool skipping_ = false;
+  bool was_attached_ = false;
+  std::int64_t next_look_ = 0;
+  std::int64_t arrival_ns_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Device> make_ring_device(const std::string& name, const DeviceOptions& options) {
+  return std::make_unique<RingDevice>(name, options);
+}
+
+}  // namespace selfproj

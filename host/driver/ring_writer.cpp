@@ -1,0 +1,103 @@
+#include "host/driver/ring_writer.h"
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "host/driver/clock.h"
+#include "host/driver/packet_limits.h"
+#include "host/driver/ring_layout.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+
+RingWriter::RingWriter(const std::string& name, std::uint32_t slots) : name_(name), slots_(slots) {
+  if (!std::has_single_bit(slots) || slots > ring::kMaxSlots) {
+    throw UserError("ring:" + name, std::to_string(slots) + " slots; a power of two up to 65536 is needed");
+  }
+  start();
+}
+
+void RingWriter::start() {
+  memory_.create(name_, slots_);
+  ring::Header& header = memory_.header();
+  if (header.writer_open.exchange(1) != 0) {
+    header.writer_crashes.fetch_add(1);
+  }
+  written_ = header.written.load();
+  lost_ = header.lost.load();
+  read_ = header.read.load();
+  generation_ = header.generation.fetch_add(1) + 1;
+  header.writer_pid.store(static_cast<std::uint32_t>(getpid()));
+}
+
+bool RingWriter::renew_if_removed() {
+  if (!memory_.removed()) {
+    return false;
+  }
+  start();
+  return true;
+}
+
+RingWriter::~RingWriter() {
+  if (memory_.attached()) {
+    memory_.header().writer_open.store(0);
+  }
+}
+
+std::span<std::uint8_t> RingWriter::claim() {
+  ring::Header& header = memory_.header();
+  if (written_ - read_ >= memory_.slots()) {
+    read_ = header.read.load(std::memory_order_acquire);
+    if (written_ - read_ >= memory_.slots()) {
+      header.lost.store(++lost_, std::memory_order_release);
+      return {};
+    }
+  }
+  return {memory_.packet(written_), kLargestPacketBytes};
+}
+
+void RingWriter::publish(std::size_t bytes) {
+  ring::Header& header = memory_.header();
+  ring::Slot& slot = memory_.slot(written_);
+  slot.number = written_;
+  slot.lost = lost_;
+  slot.arrival_ns = now_ns();
+  slot.bytes = static_cast<std::uint32_t>(bytes);
+  slot.generation = generation_;
+  header.written.store(++written_, std::memory_order_release);
+  // Either the reader, before it sleeps, sees the count just written, or its `sleeping` is seen here.
+  std::atomic_thread_fence(std::memory_order_seq_cst);
+  if (header.sleeping.load(std::memory_order_relaxed) != 0) {
+    header.wake.fetch_add(1, std::memory_order_release);
+    syscall(SYS_futex, &header.wake, FUTEX_WAKE, 1, nullptr, nullptr, 0);
+  }
+}
+
+bool RingWriter::write(std::span<const std::uint8_t> packet) {
+  if (packet.size() > kLargestPacketBytes) {
+    throw std::invalid_argument("ring: the packet is larger than a slot");
+  }
+  const std::span<std::uint8_t> place = claim();
+  if (place.empty()) {
+    return false;
+  }
+  std::copy(packet.begin(), packet.end(), place.begin());
+  publish(packet.size());
+  return true;
+}
+
+std::uint64_t RingWriter::unread() const { return written_ - memory_.header().read.load(std::memory_order_acquire); }
+
+bool RingWriter::has_reader() const { return memory_.locked(ring::kReaderLock); }
+
+}  // namespace selfproj

@@ -1,0 +1,64 @@
+// The board's side of a ring.
+#ifndef SELFPROJ_HOST_DRIVER_RING_WRITER_H
+#define SELFPROJ_HOST_DRIVER_RING_WRITER_H
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "host/driver/ring_memory.h"
+
+namespace selfproj {
+
+// Puts packets into the ring `name`, which it makes where there is none, and otherwise continues: a board that was
+// restarted. It never waits, and where the ring is full the packet is lost and counted in the ring.
+class RingWriter {
+ public:
+  static constexpr std::uint32_t kDefaultSlots = 2048;  // 0.2 s at 10,000 packets a second; 34 MB
+
+  // `slots`: a power of two up to 65536. A ring with another number is replaced. Throws UserError where another writer
+  // has the ring, there is no room, or the name or the number is none.
+  explicit RingWriter(const std::string& name, std::uint32_t slots = kDefaultSlots);
+  RingWriter(const RingWriter&) = delete;
+  RingWriter& operator=(const RingWriter&) = delete;
+
+  // The ring stays, for its reader and the next writer; remove_ring takes it away.
+  ~RingWriter();
+
+  // A copy of the packet goes into the ring; its bytes are not judged. False where it was lost.
+  // Throws std::invalid_argument where it is larger than kLargestPacketBytes.
+  bool write(std::span<const std::uint8_t> packet);
+
+  // Without a copy: kLargestPacketBytes to be filled, or nothing where the ring is full, which is then counted as a
+  // loss.
+  [[nodiscard]] std::span<std::uint8_t> claim();
+  // The first `bytes` of what was claimed last are a packet.
+  void publish(std::size_t bytes);
+
+  // Packets that found the ring full, those of earlier writers included.
+  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+  // Packets in the ring that were not released yet.
+  [[nodiscard]] std::uint64_t unread() const;
+  // Whether there is a reader now. Asks the kernel.
+  [[nodiscard]] bool has_reader() const;
+
+  // Makes the ring again where its name was removed (remove_ring), and says whether it did; a packet that was claimed
+  // is gone. To be called now and then: otherwise a removed ring is written for nobody. Throws as the constructor.
+  bool renew_if_removed();
+
+ private:
+  void start();
+
+  std::string name_;
+  std::uint32_t slots_;
+  ring::Memory memory_;
+  std::uint64_t written_ = 0;
+  std::uint64_t lost_ = 0;
+  std::uint64_t read_ = 0;  // as last seen: the reader's line is looked at only where the ring seems full
+  std::uint32_t generation_ = 0;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_DRIVER_RING_WRITER_H

@@ -1,0 +1,68 @@
+#include "host/driver/sim_device.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "host/driver/clock.h"
+
+namespace selfproj {
+namespace {
+
+// What the header at the beginning of `packet` says about its size.
+std::size_t announced_bytes(std::span<const std::uint8_t> packet) {
+  std::size_t payload = 0;
+  for (std::size_t i = 0; i < sizeof(std::uint32_t); ++i) {
+    payload |= std::size_t{packet[spec::kHeaderPayloadSize + i]} << (8 * i);
+  }
+  return spec::kHeaderBytes + payload + spec::kTrailerBytes;
+}
+
+}  // namespace
+
+SimDevice::SimDevice(std::size_t buffer_bytes) : reader_(counters_, buffer_bytes), tally_(counters_) {}
+
+bool SimDevice::push(std::span<const std::uint8_t> bytes, bool last) {
+  std::span<std::uint8_t> room = reader_.room_in_place();
+  if (room.size() < bytes.size() && !held_) {
+    room = reader_.room();
+  }
+  if (room.size() < bytes.size()) {
+    return false;
+  }
+  std::copy(bytes.begin(), bytes.end(), room.begin());
+  reader_.added(bytes.size());
+  since_last_ += bytes.size();
+  if (last) {
+    arrival_ns_ = now_ns();
+    const bool whole = since_last_ >= spec::kHeaderBytes && since_last_ <= reader_.held() &&
+                       announced_bytes(reader_.newest(since_last_)) == since_last_;
+    misframed_ += whole ? 0 : 1;
+    since_last_ = 0;
+  }
+  return true;
+}
+
+void SimDevice::finish() {
+  finished_ = true;
+  misframed_ += since_last_ != 0 ? 1 : 0;
+  since_last_ = 0;
+  reader_.finish();
+}
+
+Next SimDevice::next(PacketView& packet, std::chrono::nanoseconds /*timeout*/) {
+  held_ = false;
+  while (reader_.next(packet)) {
+    if (tally_.accept(packet.header)) {
+      ++counters_.delivered;
+      counters_.flagged += packet.status != 0 ? 1 : 0;
+      held_ = true;
+      return Next::packet;
+    }
+  }
+  return finished_ ? Next::end : Next::timeout;
+}
+
+}  // namespace selfproj

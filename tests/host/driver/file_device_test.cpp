@@ -1,0 +1,145 @@
+// Recorded streams and pipes.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/driver/device.h"
+#include "host/io/user_error.h"
+#include "tests/cli/program.h"
+#include "tests/host/driver/packets.h"
+
+namespace selfproj::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+
+// Reads to the end; all packets must be intact.
+std::vector<std::uint64_t> read_all(Device& device) {
+  std::vector<std::uint64_t> sequences;
+  PacketView packet;
+  for (;;) {
+    switch (device.next(packet, milliseconds(100))) {
+      case Next::packet:
+        EXPECT_TRUE(is_intact(packet));
+        sequences.push_back(packet.header.sequence);
+        device.release();
+        break;
+      case Next::timeout:
+        break;
+      case Next::end:
+        return sequences;
+    }
+  }
+}
+
+TEST(FileDevice, RecordedStream) {
+  const ScratchFolder folder;
+  write_text(folder / "stream", text_of(moments_stream(0, 3000, 64)));
+  for (const std::size_t buffer : {std::size_t{1}, std::size_t{1} << 20U}) {
+    const auto device = open_device("file:" + (folder / "stream").string(), {.buffer_bytes = buffer});
+    EXPECT_EQ(read_all(*device).size(), 3000U);
+    EXPECT_EQ(device->counters(), (Counters{.delivered = 3000}));
+    EXPECT_EQ(device->uri(), "file:" + (folder / "stream").string());
+  }
+}
+
+TEST(FileDevice, FaultsInARecordedStream) {
+  const ScratchFolder folder;
+  Bytes stream = moments_stream(0, 2);
+  const Bytes cut = moments_packet(2);
+  stream.insert(stream.end(), cut.begin(), cut.begin() + 70);
+  append(stream, moments_packet(3));
+  append(stream, moments_packet(3));  // doubled
+  append(stream, Bytes(5));           // shifted
+  PacketHeader header = moments_header(6);
+  header.lost = 2;
+  append(stream, moments_packet(header, spec::kStatusShortLine));
+  append(stream, moments_stream(0, 2));  // restarted
+  stream.insert(stream.end(), cut.begin(), cut.begin() + 70);
+  write_text(folder / "stream", text_of(stream));
+  const auto device = open_device("file:" + (folder / "stream").string());
+  EXPECT_EQ(read_all(*device), (std::vector<std::uint64_t>{0, 1, 3, 6, 0, 1}));
+  EXPECT_EQ(device->counters(), (Counters{.delivered = 6,
+                                          .flagged = 1,
+                                          .lost_board = 2,
+                                          .missing = 3,
+                                          .bad = 3,
+                                          .resynchronized = 2,
+                                          .bytes_discarded = 145,
+                                          .repeated = 1,
+                                          .restarts = 1}));
+}
+
+TEST(FileDevice, Pipe) {
+  const ScratchFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const Wait wait : {Wait::polling, Wait::blocking, Wait::polling_then_blocking}) {
+    const auto device = open_device("file:" + pipe, {.wait = wait});
+    PacketView packet;
+    EXPECT_EQ(device->next(packet, milliseconds(1)), Next::timeout) << "no writer yet";
+    std::thread writer([&] {
+      const Bytes stream = moments_stream(0, 1000);
+      const int descriptor = open(pipe.c_str(), O_WRONLY);
+      Random random(1);
+      for (std::size_t at = 0; at < stream.size();) {
+        const auto piece = std::min<std::size_t>(static_cast<std::size_t>(random.between(1, 5000)), stream.size() - at);
+        ASSERT_EQ(write(descriptor, stream.data() + at, piece), static_cast<ssize_t>(piece));
+        at += piece;
+      }
+      close(descriptor);
+    });
+    EXPECT_EQ(read_all(*device).size(), 1000U);
+    EXPECT_EQ(device->counters(), (Counters{.delivered = 1000}));
+    writer.join();
+  }
+}
+
+TEST(FileDevice, TenThousandStartsInTheMiddle) {
+  // A pipe whose reader comes and goes: the bytes that lie in it then begin anywhere.
+  const Bytes stream = moments_stream(0, 40);
+  const ScratchFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  Random random(1);
+  for (int i = 0; i < 10000; ++i) {
+    const auto device = open_device("file:" + pipe, {.wait = Wait::polling, .buffer_bytes = 1});
+    const int descriptor = open(pipe.c_str(), O_WRONLY);
+    const auto begin = static_cast<std::size_t>(random.between(0, static_cast<int>(stream.size() / 2)));
+    ASSERT_GT(write(descriptor, stream.data() + begin, stream.size() - begin), 0);
+    close(descriptor);
+    const std::vector<std::uint64_t> given = read_all(*device);
+    const std::size_t size = stream.size() / 40;
+    ASSERT_EQ(given.size(), 40 - (begin + size - 1) / size) << "start " << i << " at byte " << begin;
+    ASSERT_EQ(given.back(), 39U);
+    ASSERT_EQ(device->counters().bad, 0U);
+  }
+}
+
+TEST(FileDevice, Errors) {
+  const ScratchFolder folder;
+  EXPECT_THROW(open_device("file:" + (folder / "none").string()), UserError);
+  EXPECT_THROW(open_device("file:" + folder.path().string()), UserError);
+  for (const char* uri : {"", "file", "file:", "ring:", "usb:0", "ring:a/b", "/dev/null"}) {
+    EXPECT_THROW(open_device(uri), UserError) << uri;
+  }
+  const auto empty = open_device("file:/dev/null");
+  EXPECT_TRUE(read_all(*empty).empty());
+  const auto zeros = open_device("file:/dev/zero", {.buffer_bytes = 1});
+  PacketView packet;
+  EXPECT_EQ(zeros->next(packet, milliseconds(20)), Next::timeout);
+}
+
+}  // namespace
+}  // namespace selfproj::test

@@ -1,0 +1,137 @@
+// Lines become images; an image that lacks one is counted and never given.
+#include "host/driver/image_assembler.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "tests/host/driver/packets.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr int kRows = 5;
+constexpr int kColumns = 20;  // not a multiple of a beat: lines are filled up
+
+struct Line {
+  PacketHeader header;
+  Bytes payload;
+  std::uint32_t status = 0;
+  [[nodiscard]] PacketView view() const { return {header, payload, status, 0}; }
+};
+
+// All lines of frame `sequence`, with random pixels.
+std::vector<Line> frame(std::uint8_t kind, std::uint64_t sequence, int columns = kColumns) {
+  std::vector<Line> lines;
+  Random random(sequence + 1);
+  for (int row = 1; row <= kRows; ++row) {
+    Line line{moments_header(sequence, columns), {}, 0};
+    line.header.kind = kind;
+    line.header.rows = kRows;
+    line.header.first_line = static_cast<std::uint16_t>(row);
+    line.header.lines = 1;
+    line.payload =
+        random.bytes(kind == spec::kKindImage ? image_line_payload_bytes(columns) : codes_line_payload_bytes(columns));
+    line.header.payload_size = static_cast<std::uint32_t>(line.payload.size());
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+TEST(ImageAssembler, Images) {
+  ImageAssembler assembler(spec::kKindImage, 0);
+  for (std::uint64_t sequence = 3; sequence < 6; ++sequence) {
+    const auto lines = frame(spec::kKindImage, sequence);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      ASSERT_EQ(assembler.add(lines[i].view()), i + 1 == lines.size());
+    }
+    EXPECT_EQ(assembler.header().sequence, sequence);
+    ASSERT_EQ(assembler.pixels().size(), std::size_t{kRows} * kColumns);
+    for (std::size_t i = 0; i < assembler.pixels().size(); ++i) {
+      ASSERT_EQ(assembler.pixels()[i], lines[i / kColumns].payload[i % kColumns]);
+    }
+  }
+  EXPECT_EQ(assembler.complete(), 3U);
+  EXPECT_EQ(assembler.incomplete(), 0U);
+}
+
+TEST(ImageAssembler, Codes) {
+  ImageAssembler assembler(spec::kKindCodes, 0);
+  const auto lines = frame(spec::kKindCodes, 1);
+  bool done = false;
+  for (const Line& line : lines) {
+    done = assembler.add(line.view());
+  }
+  ASSERT_TRUE(done);
+  for (std::size_t i = 0; i < std::size_t{kRows} * kColumns; ++i) {
+    const Bytes& payload = lines[i / kColumns].payload;
+    ASSERT_EQ(assembler.codes()[i], payload[2 * (i % kColumns)] + 256 * payload[2 * (i % kColumns) + 1]);
+  }
+}
+
+TEST(ImageAssembler, AnyMissingLine) {
+  for (std::size_t missing = 0; missing < kRows; ++missing) {
+    ImageAssembler assembler(spec::kKindImage, 0);
+    auto lines = frame(spec::kKindImage, 1);
+    lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(missing));
+    for (const Line& line : lines) {
+      EXPECT_FALSE(assembler.add(line.view()));
+    }
+    bool done = false;
+    for (const Line& line : frame(spec::kKindImage, 2)) {
+      done = assembler.add(line.view());
+    }
+    EXPECT_TRUE(done) << "the next image is not complete";
+    EXPECT_EQ(assembler.incomplete(), 1U);
+    EXPECT_EQ(assembler.complete(), 1U);
+  }
+}
+
+TEST(ImageAssembler, FlaggedLine) {
+  ImageAssembler assembler(spec::kKindImage, 0);
+  auto lines = frame(spec::kKindImage, 1);
+  lines.back().status = spec::kStatusShortLine;
+  for (const Line& line : lines) {
+    EXPECT_FALSE(assembler.add(line.view()));
+  }
+  EXPECT_EQ(assembler.incomplete(), 1U);
+}
+
+TEST(ImageAssembler, FrameThatBrokeBeforeItsFirstLine) {
+  ImageAssembler assembler(spec::kKindImage, 0);
+  Line line = frame(spec::kKindImage, 1).front();
+  line.payload.clear();
+  line.header.first_line = 0;
+  line.header.lines = 0;
+  line.header.payload_size = 0;
+  line.status = spec::kStatusStartInFrame;
+  EXPECT_FALSE(assembler.add(line.view()));
+  EXPECT_EQ(assembler.incomplete(), 1U);
+}
+
+TEST(ImageAssembler, OtherStreamsAndKindsArePassedOver) {
+  ImageAssembler assembler(spec::kKindImage, 1);
+  for (const Line& line : frame(spec::kKindImage, 1)) {
+    EXPECT_FALSE(assembler.add(line.view()));
+  }
+  EXPECT_EQ(assembler.complete() + assembler.incomplete(), 0U);
+}
+
+TEST(ImageAssembler, TooLarge) {
+  ImageAssembler assembler(spec::kKindImage, 0, kRows, kColumns - 4);
+  for (const Line& line : frame(spec::kKindImage, 1)) {
+    EXPECT_FALSE(assembler.add(line.view()));
+  }
+  EXPECT_EQ(assembler.too_large(), 1U);
+}
+
+TEST(ImageAssembler, BadArguments) {
+  EXPECT_THROW(ImageAssembler(spec::kKindMoments, 0), std::invalid_argument);
+  EXPECT_THROW(ImageAssembler(spec::kKindImage, 256), std::invalid_argument);
+  EXPECT_THROW(ImageAssembler(spec::kKindImage, 0, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace selfproj::test

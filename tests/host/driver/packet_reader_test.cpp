@@ -1,0 +1,318 @@
+// Packets out of damaged streams: each fault is counted, and the frame after it is right.
+#include "host/driver/packet_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "host/driver/packet_limits.h"
+#include "tests/host/driver/packets.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+using Sequences = std::vector<std::uint64_t>;
+
+// A reader and what it gave.
+struct Outcome {
+  Counters counters;
+  Sequences given;
+  std::size_t bytes = 0;  // of the packets given
+  bool intact = true;
+};
+
+// Feeds the stream in pieces of 1..largest_piece bytes (0: as much as there is room for).
+Outcome run(const Bytes& stream, Random& random, int largest_piece = 0, std::size_t capacity = 1) {
+  Outcome result;
+  PacketStreamReader reader(result.counters, capacity);
+  PacketView packet;
+  const auto drain = [&] {
+    while (reader.next(packet)) {
+      result.given.push_back(packet.header.sequence);
+      result.bytes += packet.size;
+      result.intact = result.intact && is_intact(packet);
+    }
+  };
+  for (std::size_t at = 0; at < stream.size();) {
+    const auto room = reader.room();
+    EXPECT_FALSE(room.empty());
+    std::size_t piece = std::min(room.size(), stream.size() - at);
+    if (largest_piece > 0) {
+      piece = std::min(piece, static_cast<std::size_t>(random.between(1, largest_piece)));
+    }
+    std::copy_n(stream.begin() + static_cast<std::ptrdiff_t>(at), piece, room.begin());
+    reader.added(piece);
+    at += piece;
+    drain();
+  }
+  reader.finish();
+  drain();
+  EXPECT_EQ(reader.held(), 0U);
+  return result;
+}
+
+Outcome run(const Bytes& stream) {
+  Random random(1);
+  return run(stream, random);
+}
+
+Sequences range(std::uint64_t first, std::uint64_t last) {
+  Sequences all;
+  for (std::uint64_t i = first; i <= last; ++i) {
+    all.push_back(i);
+  }
+  return all;
+}
+
+// The counts of this reader: bad, resynchronized, bytes_discarded.
+struct Counts {
+  std::uint64_t bad, resynchronized, discarded;
+  bool operator==(const Counts&) const = default;
+};
+Counts counts(const Outcome& run) {
+  return {run.counters.bad, run.counters.resynchronized, run.counters.bytes_discarded};
+}
+
+TEST(PacketStreamReader, WholeStreamInPiecesOfAnySize) {
+  const Bytes stream = moments_stream(0, 200);
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const Outcome result =
+        run(stream, random, random.between(1, 2000), static_cast<std::size_t>(random.between(1, 100000)));
+    EXPECT_EQ(result.given, range(0, 199));
+    EXPECT_TRUE(result.intact);
+    EXPECT_EQ(result.counters, Counters{});
+  }
+}
+
+TEST(PacketStreamReader, LargestPacketFits) {
+  Bytes stream = moments_stream(0, 5, spec::kMaxColumns);
+  EXPECT_EQ(stream.size(), 5 * kLargestPacketBytes);
+  EXPECT_EQ(run(stream).given, range(0, 4));
+}
+
+TEST(PacketStreamReader, StartInTheMiddleOfAPacket) {
+  const Bytes stream = moments_stream(0, 4);
+  const std::size_t size = stream.size() / 4;
+  for (std::size_t cut = 1; cut <= size; ++cut) {
+    const Outcome result = run(Bytes(stream.begin() + static_cast<std::ptrdiff_t>(cut), stream.end()));
+    EXPECT_EQ(result.given, range(1, 3)) << cut;
+    EXPECT_TRUE(result.intact);
+    EXPECT_EQ(counts(result), (Counts{0, cut < size ? 1U : 0U, size - cut})) << cut;
+  }
+}
+
+TEST(PacketStreamReader, CutPacket) {
+  const Bytes cut = moments_packet(1);
+  for (std::size_t left = 1; left < cut.size(); ++left) {
+    Bytes stream = moments_packet(0);
+    stream.insert(stream.end(), cut.begin(), cut.begin() + static_cast<std::ptrdiff_t>(left));
+    append(stream, moments_stream(2, 3));
+    const Outcome result = run(stream);
+    EXPECT_EQ(result.given, (Sequences{0, 2, 3, 4})) << left;
+    EXPECT_TRUE(result.intact);
+    EXPECT_EQ(counts(result), (Counts{1, 1, left})) << left;
+  }
+}
+
+TEST(PacketStreamReader, CutAtTheBeginning) {
+  const Bytes cut = moments_packet(1);
+  for (std::size_t gone = 1; gone < cut.size(); ++gone) {
+    Bytes stream = moments_packet(0);
+    stream.insert(stream.end(), cut.begin() + static_cast<std::ptrdiff_t>(gone), cut.end());
+    append(stream, moments_stream(2, 3));
+    const Outcome result = run(stream);
+    EXPECT_EQ(result.given, (Sequences{0, 2, 3, 4})) << gone;
+    EXPECT_EQ(counts(result), (Counts{1, 1, cut.size() - gone})) << gone;
+  }
+}
+
+TEST(PacketStreamReader, ShiftedStream) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    for (std::size_t shift = 1; shift <= 64; ++shift) {
+      Bytes stream = moments_stream(0, 2);
+      append(stream, Random(seed * 1000 + shift).bytes(shift));
+      append(stream, moments_stream(2, 2));
+      const Outcome result = run(stream);
+      EXPECT_EQ(result.given, range(0, 3)) << shift;
+      EXPECT_TRUE(result.intact);
+      EXPECT_EQ(counts(result), (Counts{1, 1, shift})) << shift;
+    }
+  }
+}
+
+TEST(PacketStreamReader, AnyFlippedBit) {
+  const Bytes before = moments_packet(0);
+  const Bytes packet = moments_packet(1);
+  for (std::size_t bit = 0; bit < 8 * packet.size(); ++bit) {
+    Bytes stream = before;
+    append(stream, packet);
+    stream[before.size() + bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
+    append(stream, moments_stream(2, 2));
+    const Outcome result = run(stream);
+    ASSERT_EQ(result.given, (Sequences{0, 2, 3})) << "bit " << bit;
+    ASSERT_EQ(counts(result), (Counts{1, 1, packet.size()})) << "bit " << bit;
+  }
+}
+
+TEST(PacketStreamReader, AnyDamagedPayloadLength) {
+  const Bytes before = moments_packet(0);
+  for (const std::uint32_t size : {0U, 1U, 16U, 112U, 144U, 4096U, 16384U, 16400U, 0x7FFFFFFFU, 0xFFFFFFFFU}) {
+    Bytes stream = before;
+    append(stream, moments_packet(1));
+    for (std::size_t i = 0; i < 4; ++i) {
+      stream[before.size() + spec::kHeaderPayloadSize + i] = static_cast<std::uint8_t>(size >> 8 * i);
+    }
+    append(stream, moments_stream(2, 2));
+    const Outcome result = run(stream);
+    EXPECT_EQ(result.given, (Sequences{0, 2, 3})) << size;
+    EXPECT_EQ(counts(result), (Counts{1, 1, before.size()})) << size;
+  }
+}
+
+// Many lines in one packet are allowed by the format, and sent by no board: a damaged number of lines must not make the
+// reader wait for megabytes.
+TEST(PacketStreamReader, PacketThatNoBoardSends) {
+  PacketHeader header = moments_header(1, 2048);
+  header.kind = spec::kKindImage;
+  header.first_line = 1;
+  header.lines = 96;
+  Bytes large;
+  append_packet(header, Bytes(std::size_t{96} * 2048), 0, large);
+  Bytes stream = moments_packet(0);
+  stream.insert(stream.end(), large.begin(), large.begin() + 64);
+  append(stream, moments_packet(2));
+  Counters counters;
+  PacketStreamReader reader(counters);
+  std::copy(stream.begin(), stream.end(), reader.room().begin());
+  reader.added(stream.size());
+  PacketView packet;
+  ASSERT_TRUE(reader.next(packet));
+  ASSERT_TRUE(reader.next(packet)) << "waits for more bytes";
+  EXPECT_EQ(packet.header.sequence, 2U);
+  EXPECT_EQ(counters.bad, 1U);
+}
+
+TEST(PacketStreamReader, WholePacketInsideADamagedOne) {
+  // A payload that is itself a packet must not be given while the packet around it is good ...
+  const Bytes inner = moments_packet(7, 4);
+  PacketHeader header = moments_header(1, 16);
+  Bytes payload(moments_payload_bytes(Mode::grey_over, 16));
+  ASSERT_LE(inner.size(), payload.size());
+  std::copy(inner.begin(), inner.end(), payload.begin());
+  Bytes outer;
+  append_packet(header, payload, 0, outer);
+  Bytes stream = moments_packet(0);
+  append(stream, outer);
+  append(stream, moments_packet(2));
+  EXPECT_EQ(run(stream).given, (Sequences{0, 1, 2}));
+}
+
+TEST(PacketStreamReader, AnotherSpecification) {
+  Bytes stream = moments_packet(0);
+  Bytes other = moments_packet(1);
+  other[spec::kHeaderSpecHash] ^= 0x55;
+  append(stream, other);
+  append(stream, moments_packet(2));
+  const Outcome result = run(stream);
+  EXPECT_EQ(result.given, (Sequences{0, 2}));
+  EXPECT_EQ(result.counters.other_spec, 1U);
+  EXPECT_EQ(result.counters.bad, 1U);
+}
+
+TEST(PacketStreamReader, RestartDiscardsWhatWasBegun) {
+  Counters counters;
+  PacketStreamReader reader(counters);
+  const Bytes packet = moments_packet(0);
+  std::copy_n(packet.begin(), 100, reader.room().begin());
+  reader.added(100);
+  PacketView view;
+  EXPECT_FALSE(reader.next(view));
+  reader.restart();
+  std::copy(packet.begin(), packet.end(), reader.room().begin());
+  reader.added(packet.size());
+  ASSERT_TRUE(reader.next(view));
+  EXPECT_TRUE(is_intact(view));
+  EXPECT_EQ(counters.bytes_discarded, 100U);
+  EXPECT_EQ(counters.resynchronized, 1U);
+}
+
+// Random faults, one after another, between good frames: everything that was not touched is given, nothing else is.
+TEST(PacketStreamReader, RandomFaults) {
+  for (const std::uint64_t seed : seeds(200)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    Bytes stream;
+    Sequences right;
+    std::uint64_t faults = 0;
+    for (std::uint64_t sequence = 0; sequence < 100; ++sequence) {
+      Bytes packet = moments_packet(sequence, 4 * random.between(1, 12));
+      if (random.chance(80)) {
+        right.push_back(sequence);
+      } else {
+        ++faults;
+        const auto at = random.between(0, static_cast<int>(packet.size()) - 1);
+        switch (random.between(0, 3)) {
+          case 0:
+            packet[static_cast<std::size_t>(at)] ^= static_cast<std::uint8_t>(random.between(1, 255));
+            break;
+          case 1:
+            packet.resize(static_cast<std::size_t>(at));
+            break;
+          case 2:
+            packet.erase(packet.begin() + at);
+            break;
+          default:
+            packet.insert(packet.begin() + at + 1, static_cast<std::uint8_t>(random.bits()));
+            // A byte between the packets leaves the packet itself good.
+            if (at == static_cast<int>(packet.size()) - 2) {
+              right.push_back(sequence);
+            }
+        }
+      }
+      append(stream, packet);
+    }
+    const Outcome result = run(stream, random, random.chance(50) ? random.between(1, 500) : 0);
+    EXPECT_EQ(result.given, right);
+    EXPECT_TRUE(result.intact);
+    EXPECT_LE(result.counters.resynchronized, faults);
+    EXPECT_GE(result.counters.bad + 1, result.counters.resynchronized);
+    EXPECT_EQ(result.counters.bytes_discarded, stream.size() - result.bytes);
+  }
+}
+
+// 10^4 times a stream is entered at a random byte: what is given first is always a whole frame, the next one.
+TEST(PacketStreamReader, TenThousandStarts) {
+  constexpr int kFrames = 50;
+  const Bytes stream = moments_stream(0, kFrames);
+  const std::size_t size = stream.size() / kFrames;
+  Counters counters;
+  PacketStreamReader reader(counters);
+  Random random(1);
+  for (int i = 0; i < 10000; ++i) {
+    reader.restart();
+    const auto begin = static_cast<std::size_t>(random.between(0, static_cast<int>(stream.size() - 2 * size)));
+    const auto bytes = static_cast<std::size_t>(random.between(static_cast<int>(2 * size), static_cast<int>(8 * size)));
+    const std::size_t end = std::min(begin + bytes, stream.size());
+    std::copy(stream.begin() + static_cast<std::ptrdiff_t>(begin), stream.begin() + static_cast<std::ptrdiff_t>(end),
+              reader.room().begin());
+    reader.added(end - begin);
+    PacketView packet;
+    for (std::size_t expected = (begin + size - 1) / size; (expected + 1) * size <= end; ++expected) {
+      ASSERT_TRUE(reader.next(packet)) << "start " << i;
+      ASSERT_EQ(packet.header.sequence, expected) << "start " << i;
+      ASSERT_TRUE(is_intact(packet)) << "start " << i;
+    }
+    ASSERT_FALSE(reader.next(packet));
+  }
+  EXPECT_EQ(counters.bad, 0U);
+}
+
+}  // namespace
+}  // namespace selfproj::test
