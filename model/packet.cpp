@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "model/cpu_clones.h"
+
 namespace selfproj {
 namespace {
 
@@ -69,14 +71,54 @@ std::size_t checked(Mode mode, int columns) {
   return checked(columns);
 }
 
+// The check word is a polynomial over GF(2) modulo P: after k beats c is x^k c0 + Σ x^(k-1-i) f_i, where f_i is beat i
+// folded to 32 bits. Up to 32 beats the sum fits in 64 bits as it is, and is reduced only then, with tables: one beat
+// does not wait for another, and the compiler takes several at once.
+constexpr int kBeatsAtOnce = 32;
+constexpr std::ptrdiff_t kBeat = 16;
+static_assert(kBeat == spec::kPacketBeatBytes);
+
+// kReduction[b][v] = v x^(32 + 8 b) mod P.
+constexpr std::array<std::array<std::uint32_t, 256>, 4> kReduction = [] {
+  std::array<std::array<std::uint32_t, 256>, 4> table{};
+  for (std::uint32_t value = 0; value < 256; ++value) {
+    std::uint32_t power = value << 24;  // value x^24, and on from there
+    for (int bit = 8; bit < 40; ++bit) {
+      power = (power << 1) ^ ((power >> 31) != 0 ? spec::kCheckPolynomial : 0);
+      if (bit % 8 == 7) {
+        table[static_cast<std::size_t>((bit - 15) / 8)][value] = power;
+      }
+    }
+  }
+  return table;
+}();
+
+std::uint32_t reduced(std::uint64_t sum) {
+  return static_cast<std::uint32_t>(sum) ^ kReduction[0][sum >> 32 & 0xFF] ^ kReduction[1][sum >> 40 & 0xFF] ^
+         kReduction[2][sum >> 48 & 0xFF] ^ kReduction[3][sum >> 56 & 0xFF];
+}
+
+// Σ x^(count-1-i) f_i of `count` <= kBeatsAtOnce beats, not reduced.
+SELFPROJ_CLONES std::uint64_t sum_of_beats(const std::uint8_t* bytes, int count) {
+  std::array<std::uint32_t, kBeatsAtOnce> folded;
+  for (int i = 0; i < count; ++i) {
+    const std::uint8_t* beat = bytes + i * kBeat;
+    folded[i] = load<std::uint32_t>(beat) ^ std::rotl(load<std::uint32_t>(beat + 4), 8) ^
+                std::rotl(load<std::uint32_t>(beat + 8), 16) ^ std::rotl(load<std::uint32_t>(beat + 12), 24);
+  }
+  std::uint64_t sum = 0;
+  for (int i = 0; i < count; ++i) {
+    sum ^= std::uint64_t{folded[i]} << (count - 1 - i);
+  }
+  return sum;
+}
+
 // The share of the beats from `bytes` to `end` in a check word that is `check` before them.
 std::uint32_t check_beats(std::uint32_t check, const std::uint8_t* bytes, const std::uint8_t* end) {
-  for (; bytes != end; bytes += kBeatBytes) {
-    const std::uint32_t folded = load<std::uint32_t>(bytes) ^ std::rotl(load<std::uint32_t>(bytes + 4), 8) ^
-                                 std::rotl(load<std::uint32_t>(bytes + 8), 16) ^
-                                 std::rotl(load<std::uint32_t>(bytes + 12), 24);
-    const std::uint32_t fallen_out = std::uint32_t{0} - (check >> 31);
-    check = ((check << 1) ^ folded) ^ (fallen_out & spec::kCheckPolynomial);
+  while (bytes != end) {
+    const int count = static_cast<int>(std::min<std::ptrdiff_t>(kBeatsAtOnce, (end - bytes) / kBeat));
+    check = reduced(std::uint64_t{check} << count ^ sum_of_beats(bytes, count));
+    bytes += count * kBeat;
   }
   return check;
 }

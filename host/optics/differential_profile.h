@@ -25,9 +25,9 @@ struct ProfileTables;  // inside
 // residual, and the conventional straight line: they differ in the ReferenceProfile only.
 //
 // Numbers are 32-bit floats. The centroid is then within 4e-6 of a row of the exact one in images of 96 rows (half a
-// unit in the last place of M1, M0 and the quotient each), x, y, z within a unit in their last place or two (0.12 µm at
-// z = 1167), and the differences, which are not taken from z but from k', within 1e-6 of their own value and 4e-6 of a
-// row's worth: nothing beside the camera's noise of some 0.01 rows.
+// unit in the last place of M1, M0 and the quotient each), x, y, z within two or three units in their last place (0.12
+// µm at z = 1167), and the differences, which are not taken from z but from k', within 1e-6 of their own value and 4e-6
+// of a row's worth: nothing beside the camera's noise of some 0.01 rows.
 class DifferentialProfiler {
  public:
   // Throws std::invalid_argument where the reference has other columns than the rig.

@@ -1,0 +1,221 @@
+// How many profiles a second one core makes of packets: found, checked, triangulated.
+//
+//     bench_profile [--benchmark_...]
+//
+// Packets of 512 columns lie one after another in a buffer that stays in the second-level cache (64 of them, as the
+// newest ones of a ring do) or in one far larger than the caches. For each: parse_packet, which reads all of it for the
+// check word, and the differential profile of its payload into the same Profile. Beside it the steps alone, and the
+// ceiling: reading the same packets and writing the same profile, in 8-byte words with nothing worked out. Repeated (7
+// times) in random order; what is compared are medians of the same run. Before anything is timed the profiles are
+// compared with the conventional equation in double precision; a difference ends the program with exit status 1.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/io/rig.h"
+#include "host/optics/differential_profile.h"
+#include "host/optics/geometry.h"
+#include "host/optics/reference.h"
+#include "model/cpu_clones.h"
+#include "model/packet.h"
+#include "tests/bench/collector.h"
+
+namespace selfproj {
+namespace {
+
+using bench::Collector;
+
+constexpr int kColumns = 512;
+constexpr int kInCache = 64;
+constexpr int kInMemory = 40000;  // 88 MB in mode binary
+
+// Good packets of random lines 3 to 9 rows wide, one after another.
+struct Packets {
+  Packets(const Rig& packet_rig, Mode packet_mode, int packet_count) : mode(packet_mode), count(packet_count) {
+    std::mt19937 engine(1);
+    const auto random = [&] { return static_cast<std::uint32_t>(engine()); };
+    Moments moments;
+    moments.resize(kColumns);
+    std::vector<std::uint8_t> payload(moments_payload_bytes(mode, kColumns));
+    PacketHeader header;
+    header.kind = spec::kKindMoments;
+    header.columns = kColumns;
+    header.rows = static_cast<std::uint16_t>(packet_rig.camera.rows);
+    header.mode = static_cast<std::uint8_t>(mode);
+    for (int i = 0; i < count; ++i) {
+      for (std::size_t k = 0; k < kColumns; ++k) {
+        moments.n[k] = 3 + random() % 7;
+        moments.m0[k] = mode == Mode::binary ? moments.n[k] : moments.n[k] * 100 + random() % 100;
+        moments.m1[k] = moments.m0[k] * 40 + random() % (16 * moments.m0[k]);
+      }
+      pack_moments(mode, kColumns, moments.view(), payload.data());
+      ++header.sequence;
+      append_packet(header, payload, 0, bytes);
+    }
+    size = bytes.size() / static_cast<std::size_t>(count);
+  }
+
+  std::span<const std::uint8_t> packet(int i) const {
+    return std::span(bytes).subspan(static_cast<std::size_t>(i) * size, size);
+  }
+
+  Mode mode;
+  int count;
+  std::size_t size;
+  std::vector<std::uint8_t> bytes;
+};
+
+bool profiles_are_right(const Rig& rig, const ReferenceProfile& reference, const DifferentialProfiler& profiler,
+                        const Packets& packets) {
+  Profile profile;
+  profile.resize(kColumns);
+  Moments moments;
+  moments.resize(kColumns);
+  for (int i = 0; i < 16; ++i) {
+    PacketView view;
+    if (parse_packet(packets.packet(i), view) != PacketError::none) {
+      return false;
+    }
+    profiler.profile(packets.mode, view.payload.data(), profile.view());
+    unpack_moments(packets.mode, kColumns, view.payload.data(), moments.view());
+    for (std::size_t k = 0; k < kColumns; ++k) {
+      const double alpha = tan_alpha(rig.camera, static_cast<double>(moments.m1[k]) / moments.m0[k]);
+      const double theta = reference.tan_theta[k];
+      const double z = (rig.projector.x_mm + rig.projector.z_mm * theta) / (alpha + theta);  // (3.4)
+      if (profile.validity[k] != 0 || !(std::abs(static_cast<double>(profile.z[k]) - z) < 1e-3) ||
+          !(std::abs(static_cast<double>(profile.dz[k]) - (z - reference.z_mm[k])) < 1e-4)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+void set_counters(benchmark::State& state, const Packets& packets) {
+  state.SetItemsProcessed(state.iterations() * packets.count);
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(packets.bytes.size()));
+}
+
+enum class Work : std::uint8_t { parse, profile, both };
+
+void work(benchmark::State& state, const DifferentialProfiler& profiler, const Packets& packets, Work what) {
+  Profile profile;
+  profile.resize(kColumns);
+  const ProfileView out = profile.view();
+  for (auto _ : state) {
+    for (int i = 0; i < packets.count; ++i) {
+      PacketView view;
+      view.payload = packets.packet(i).subspan(spec::kHeaderBytes);
+      if (what != Work::profile && parse_packet(packets.packet(i), view) != PacketError::none) {
+        state.SkipWithError("a packet is bad");
+        return;
+      }
+      benchmark::DoNotOptimize(view);
+      if (what != Work::parse) {
+        profiler.profile(packets.mode, view.payload.data(), out);
+      }
+      benchmark::ClobberMemory();
+    }
+  }
+  set_counters(state, packets);
+}
+
+// Reads a packet and fills a profile with what it found, in as few instructions as that takes.
+SELFPROJ_CLONES void read_and_write(const std::uint8_t* packet, std::size_t size, const ProfileView& out) {
+  constexpr std::size_t kLanes = 32;
+  std::uint64_t lanes[kLanes] = {};
+  for (std::size_t at = 0; at + sizeof lanes <= size; at += sizeof lanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      std::uint64_t word;
+      std::memcpy(&word, packet + at + k * sizeof word, sizeof word);
+      lanes[k] ^= word;
+    }
+  }
+  const auto value = static_cast<float>(lanes[0] ^ lanes[7] ^ lanes[11] ^ lanes[31]);
+  for (float* values : {out.centroid, out.x, out.y, out.z, out.dx, out.dy, out.dz}) {
+    for (int i = 0; i < kColumns; ++i) {
+      values[i] = value;
+    }
+  }
+  std::memset(out.validity, static_cast<int>(lanes[1] & 1), kColumns);
+}
+
+void ceiling(benchmark::State& state, const Packets& packets) {
+  Profile profile;
+  profile.resize(kColumns);
+  const ProfileView out = profile.view();
+  for (auto _ : state) {
+    for (int i = 0; i < packets.count; ++i) {
+      read_and_write(packets.packet(i).data(), packets.size, out);
+      benchmark::ClobberMemory();
+    }
+  }
+  set_counters(state, packets);
+}
+
+int run(int argc, char** argv) {
+  if (!bench::initialize(argv[0], {argv + 1, argv + argc})) {
+    return 2;
+  }
+  const Rig rig = load_rig("light-section");
+  const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, std::vector<double>(kColumns)));
+  const DifferentialProfiler profiler(rig, reference);
+  struct Case {
+    std::string name;
+    Packets packets;
+  };
+  const std::vector<Case> cases = {{"binary/cache", Packets(rig, Mode::binary, kInCache)},
+                                   {"binary/memory", Packets(rig, Mode::binary, kInMemory)},
+                                   {"grey_over/cache", Packets(rig, Mode::grey_over, kInCache)},
+                                   {"grey_over/memory", Packets(rig, Mode::grey_over, kInMemory)}};
+  for (const auto& [name, packets] : cases) {
+    if (!profiles_are_right(rig, reference, profiler, packets)) {
+      std::fprintf(stderr, "bench_profile: the profiles are wrong (%s)\n", name.c_str());
+      return 1;
+    }
+    const auto add = [&, &set = packets](const std::string& step, Work what) {
+      benchmark::RegisterBenchmark((step + "/" + name).c_str(),
+                                   [&, what](benchmark::State& state) { work(state, profiler, set, what); });
+    };
+    add("parse", Work::parse);
+    add("profile", Work::profile);
+    add("both", Work::both);
+    benchmark::RegisterBenchmark(("ceiling/" + name).c_str(),
+                                 [&set = packets](benchmark::State& state) { ceiling(state, set); });
+  }
+  Collector collector("items_per_second");
+  benchmark::RunSpecifiedBenchmarks(&collector);
+  if (!collector.failed()) {
+    std::printf("\nprofiles/s, one core, packet to differential profile (medians)\n");
+    for (const auto& [name, packets] : cases) {
+      const double both = collector.median("both/" + name);
+      const double most = collector.median("ceiling/" + name);
+      if (both > 0 && most > 0) {
+        std::printf("%-16s: %8.0f profiles/s, %4.1f %% of reading the packets and writing the profiles alone\n",
+                    name.c_str(), both, 100 * both / most);
+      }
+    }
+  }
+  benchmark::Shutdown();
+  return collector.failed() ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace selfproj
+
+int main(int argc, char** argv) {
+  try {
+    return selfproj::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_profile: %s\n", error.what());
+    return 1;
+  }
+}
