@@ -1,0 +1,39 @@
+// A part on the conveyor that is given by a map of its heights: height_map_scene in scene.h says how it lies.
+#ifndef SELFPROJ_SIM_SCENE_HEIGHT_MAP_H
+#define SELFPROJ_SIM_SCENE_HEIGHT_MAP_H
+
+#include <string>
+
+#include "host/io/float_image.h"
+#include "sim/scene/min_max_pyramid.h"
+#include "sim/scene/scene.h"
+
+namespace selfproj {
+
+class HeightMap : public ConveyedScene {
+ public:
+  // The map must have pixels and the scale be positive. Throws UserError where heights are infinite or not below the
+  // camera and the projector.
+  HeightMap(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig, const std::string& source);
+
+  [[nodiscard]] double part_height(double x, double y) const override;
+  [[nodiscard]] HeightRange part_range(const Box& box) const override;
+
+ private:
+  // A place in the map in pixels, 0 the centre of the first.
+  [[nodiscard]] double row_of(double x) const { return (half_length_ - x) / scale_ - 0.5; }
+  [[nodiscard]] double column_of(double y) const { return (half_width_ + y) / scale_ - 0.5; }
+
+  // Linear between the centres of pixels, constant beyond those of the border.
+  [[nodiscard]] double at(double row, double column) const;
+
+  double scale_;
+  double half_length_;
+  double half_width_;
+  FloatImage heights_;  // without NaN
+  MinMaxPyramid ranges_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_SCENE_HEIGHT_MAP_H

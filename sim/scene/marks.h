@@ -1,0 +1,41 @@
+// The marks ○ × ▽ carved on the stairs of experiment A2: strokes of even width around a centre line.
+#ifndef SELFPROJ_SIM_SCENE_MARKS_H
+#define SELFPROJ_SIM_SCENE_MARKS_H
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace selfproj {
+
+enum class Mark : std::uint8_t { circle, cross, triangle_down };
+
+constexpr double kMarkSize = 22;   // mm, across and along
+constexpr double kMarkStroke = 3;  // mm
+constexpr double kMarkDepth = 1;   // mm
+
+// Distance, mm, of the point from the centre line of the mark's strokes; right and down as the mark is read, from its
+// middle. Carved is where it is at most kMarkStroke / 2. It changes by at most the way the point moves.
+inline double distance_from_mark(Mark mark, double right, double down) {
+  constexpr double kReach = (kMarkSize - kMarkStroke) / 2;  // of the centre lines
+  const auto segment = [&](double r0, double d0, double r1, double d1) {
+    const double vr = r1 - r0;
+    const double vd = d1 - d0;
+    const double s = std::clamp(((right - r0) * vr + (down - d0) * vd) / (vr * vr + vd * vd), 0.0, 1.0);
+    return std::hypot(right - r0 - s * vr, down - d0 - s * vd);
+  };
+  switch (mark) {
+    case Mark::circle:
+      return std::abs(std::hypot(right, down) - kReach);
+    case Mark::cross:
+      return std::min(segment(-kReach, -kReach, kReach, kReach), segment(-kReach, kReach, kReach, -kReach));
+    case Mark::triangle_down:
+      break;
+  }
+  return std::min({segment(-kReach, -kReach, kReach, -kReach), segment(kReach, -kReach, 0, kReach),
+                   segment(0, kReach, -kReach, -kReach)});
+}
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_SCENE_MARKS_H

@@ -1,0 +1,45 @@
+// Normally distributed random numbers, the same on every machine's threads and in any order of frames.
+#ifndef SELFPROJ_SIM_SCENE_NOISE_H
+#define SELFPROJ_SIM_SCENE_NOISE_H
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <utility>
+
+namespace selfproj {
+
+// Of one seed and stream (a frame's number). Bits from SplitMix64 (Steele, Lea, Flood 2014), which is a mixed counter;
+// normal numbers by Box and Muller, two at a time, with their tails right up to 8 standard deviations.
+class NormalNoise {
+ public:
+  NormalNoise(std::uint64_t seed, std::uint64_t stream) : state_(mix(mix(seed + kStep) + stream * kStep)) {}
+
+  // Two independent numbers of mean 0 and variance 1.
+  std::pair<float, float> two() {
+    const double radius = std::sqrt(-2 * std::log(uniform()));
+    const double angle = 2 * std::numbers::pi * uniform();
+    return {static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle))};
+  }
+
+ private:
+  static constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15U;
+
+  static std::uint64_t mix(std::uint64_t z) {
+    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
+    return z ^ (z >> 31U);
+  }
+
+  // In 2^-53 .. 1.
+  double uniform() {
+    state_ += kStep;
+    return (static_cast<double>(mix(state_) >> 11U) + 1) * 0x1p-53;
+  }
+
+  std::uint64_t state_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_SCENE_NOISE_H

@@ -1,0 +1,108 @@
+// What stands before the camera: a surface given by its height above the plane, which may move and change with time.
+#ifndef SELFPROJ_SIM_SCENE_SCENE_H
+#define SELFPROJ_SIM_SCENE_SCENE_H
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/rig.h"
+
+namespace selfproj {
+
+// A rectangle of the plane, bounds included, mm.
+struct Box {
+  double x0, x1;
+  double y0, y1;
+};
+
+// Bounds of the heights over a rectangle, mm.
+struct HeightRange {
+  double low, high;
+};
+
+// A surface z = plane_z − height(x, y, t) over the whole plane; where the height jumps, there is a vertical face. World
+// frame of host/io/rig.h, mm; t in seconds, 0 at the middle of frame 0's exposure. All functions may be called by
+// several threads at once.
+class Scene {
+ public:
+  Scene() = default;
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+  virtual ~Scene() = default;
+
+  // Frames after which everything that happens has been seen.
+  [[nodiscard]] virtual int frames() const = 0;
+
+  // Height above the plane, towards the camera.
+  [[nodiscard]] virtual double height(double x, double y, double t) const = 0;
+
+  // Bounds of height over the rectangle and over t0 <= t <= t1. They need not be sharp, but must close in on the height
+  // as rectangle and time shrink to a point of no jump: the rays are intersected by them.
+  [[nodiscard]] virtual HeightRange range(const Box& box, double t0, double t1) const = 0;
+
+  // Share of light that the surface throws back, evenly in all directions, 0..1.
+  [[nodiscard]] virtual double albedo(double /*x*/, double /*y*/, double /*t*/) const { return 1; }
+
+  // Whether albedo is the same everywhere, at any time.
+  [[nodiscard]] virtual bool even_albedo() const { return true; }
+
+  // No part of the surface moves faster than this, mm/s.
+  [[nodiscard]] virtual double speed() const = 0;
+};
+
+// A part, given in its own coordinates, that lies on the conveyor, which moves along +x:
+// x_part = x − x_start − v t. Its middle is at x_part = 0, y = 0.
+class ConveyedScene : public Scene {
+ public:
+  // The part, of `length` mm along x, comes to x = 0 `lead` mm after the first frame, and the last frame is as far
+  // behind it. On a conveyor that stands, it lies with its middle at x = 0, for one frame.
+  ConveyedScene(const Rig& rig, double length);
+
+  [[nodiscard]] int frames() const override { return frames_; }
+  [[nodiscard]] double height(double x, double y, double t) const final { return part_height(x - position(t), y); }
+  [[nodiscard]] HeightRange range(const Box& box, double t0, double t1) const final {
+    return part_range({box.x0 - position(t1), box.x1 - position(t0), box.y0, box.y1});
+  }
+  [[nodiscard]] double speed() const final { return speed_; }
+
+  // Where the part's middle is, x in mm.
+  [[nodiscard]] double position(double t) const { return start_ + speed_ * t; }
+
+  // The same functions in the part's coordinates; 0 beside the part.
+  [[nodiscard]] virtual double part_height(double x_part, double y) const = 0;
+  [[nodiscard]] virtual HeightRange part_range(const Box& part_box) const = 0;
+
+  static constexpr double kLead = 5;  // mm
+
+ private:
+  double speed_;
+  double start_;
+  int frames_;
+};
+
+struct SceneInfo {
+  std::string name;
+  std::string description;
+  std::string rig;        // it was made for
+  std::string reference;  // scene that is the good part; empty where it is itself
+  int frames = 0;         // with that rig
+};
+
+// The built-in scenes.
+const std::vector<SceneInfo>& scenes();
+
+// A built-in scene by its name, moving as the rig's conveyor does. Throws UserError naming an unknown one.
+std::unique_ptr<Scene> make_scene(const std::string& name, const Rig& rig);
+
+// A part from a map of its heights above the plane, mm. The map lies as the measured heights do: its first row comes
+// first under the line (largest x), columns along y; its middle at y = 0. A pixel is a square of side mm_per_pixel with
+// its height at its centre, linear between; the map ends in vertical faces, NaN is bare plane. Throws UserError about
+// `source`: no pixels, a scale that is not positive, heights that are not below the camera and the projector.
+std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig,
+                                        const std::string& source = "height map");
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_SCENE_SCENE_H
