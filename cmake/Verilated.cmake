@@ -4,8 +4,8 @@
 # Verilator, the package first; what the top does not instantiate is left out. Every model of a program belongs into one
 # library, since each library carries Verilator's runtime.
 #
-# With CLOCKS, the ports that are clocks, the model is one that clocks.h (sim/device) steps: it gets lower_clocks(), and its
-# code that runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer instructions).
+# With CLOCKS, the ports that are clocks, the model is one that clocks.h (sim/device) steps: it gets rise(), and its code
+# that runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer instructions).
 find_package(verilator REQUIRED HINTS $ENV{VERILATOR_ROOT})
 find_package(Threads REQUIRED)
 
@@ -36,7 +36,7 @@ function(selfproj_verilate target)
   verilate(${target} ${features} SOURCES ${SELFPROJ_RTL} TOP_MODULE ${arg_TOP} PREFIX ${arg_PREFIX}
     VERILATOR_ARGS ${options} OPT_FAST -O3 OPT_SLOW -O1 OPT_GLOBAL -O2)
   if(arg_CLOCKS)
-    selfproj_verilated_clocks(${target} ${arg_PREFIX} ${arg_CLOCKS})
+    selfproj_verilated_clocks(${target} ${arg_PREFIX} ${arg_TRACE} ${arg_CLOCKS})
   endif()
   # Headers of others: their warnings are not ours.
   get_target_property(includes ${target} INTERFACE_INCLUDE_DIRECTORIES)
@@ -45,30 +45,48 @@ function(selfproj_verilate target)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${SELFPROJ_RTL})
 endfunction()
 
-# The file PREFIX__clocked.cpp of a model with CLOCKS. Verilator remembers of each clock what it was at the last evaluation,
-# in __Vtrigrprev__TOP__CLOCK of the model's root: lower_clocks() sets it together with the clock. Another version of
-# Verilator may call it something else; then this does not compile.
-function(selfproj_verilated_clocks target prefix)
-  get_target_property(sources ${target} SOURCES)
-  set(slow_source "/${prefix}__Syms[.]cpp$|Slow[.]cpp$")
-  set(fast ${sources})
+# The file PREFIX__clocked.cpp of a model with CLOCKS: rise(), of the parts of Verilator 5.006's own eval(). Other versions may
+# name them in another way; then this does not compile, and `model.eval()` in their place is right, only slower.
+function(selfproj_verilated_clocks target prefix waveforms)
+  get_target_property(fast ${target} SOURCES)
   list(FILTER fast INCLUDE REGEX "/${prefix}[.]dir/[^/]*[.]cpp$")
-  list(FILTER fast EXCLUDE REGEX "${slow_source}")
-  set(text "// Written by cmake/Verilated.cmake.\n#include \"sim/device/clocks.h\"\n#include \"${prefix}.h\"\n")
-  string(APPEND text "#include \"${prefix}___024root.h\"\n")
+  list(FILTER fast EXCLUDE REGEX "__Syms[.]cpp$|Slow[.]cpp$")
+  set(includes "")
+  set(before "")
+  set(evaluate "  model.eval();\n")
   if(NOT SELFPROJ_COVERAGE)
-    foreach(source IN LISTS fast)
-      string(APPEND text "#include \"${source}\"\n")
-    endforeach()
     set_source_files_properties(${fast} PROPERTIES HEADER_FILE_ONLY ON)
+    foreach(source IN LISTS fast)
+      string(APPEND includes "#include \"${source}\"\n")
+      file(STRINGS "${source}" input_logic REGEX "^void .*___eval_triggers__ico.*[{]$")
+      if(input_logic)
+        string(APPEND before "  root->__VicoIterCount = 0;\n  ${prefix}___024root___eval_triggers__ico(root);\n")
+        string(APPEND before "  ${prefix}___024root___eval_ico(root);\n")
+      endif()
+    endforeach()
   endif()
-  string(APPEND text "\nnamespace selfproj {\ntemplate <>\nvoid lower_clocks<${prefix}>(${prefix} & model) {\n")
+  # A model with waveforms or coverage keeps a book of what eval() does.
+  if(NOT SELFPROJ_COVERAGE AND NOT waveforms)
+    set(evaluate "${before}  ${prefix}___024root___eval_triggers__act(root);\n")
+    string(APPEND evaluate "  root->__VnbaTriggered = root->__VactTriggered;\n  ${prefix}___024root___eval_nba(root);\n")
+  endif()
+  set(low "")
   foreach(clock IN LISTS ARGN)
-    string(APPEND text "  model.${clock} = 0;\n  model.rootp->__Vtrigrprev__TOP__${clock} = 0;\n")
+    string(APPEND low "  root->__Vtrigrprev__TOP__${clock} = 0;\n")
   endforeach()
-  string(APPEND text "}\n}  // namespace selfproj\n")
   set(file "${CMAKE_CURRENT_BINARY_DIR}/${prefix}__clocked.cpp")
-  file(CONFIGURE OUTPUT "${file}" CONTENT "${text}" @ONLY)
+  file(CONFIGURE OUTPUT "${file}" CONTENT "// Written by cmake/Verilated.cmake.
+#include \"sim/device/clocks.h\"
+#include \"${prefix}.h\"
+#include \"${prefix}___024root.h\"
+${includes}
+namespace selfproj {
+template <>
+void rise<${prefix}>(${prefix} & model) {
+  ${prefix}___024root* root = model.rootp;
+${low}${evaluate}}
+}  // namespace selfproj
+" @ONLY)
   set_source_files_properties("${file}" PROPERTIES COMPILE_FLAGS " -O3" OBJECT_DEPENDS "${fast}")
   target_sources(${target} PRIVATE "${file}")
 endfunction()

@@ -68,6 +68,7 @@ class BoardDevice {
     model_->clk_i = 0;
     model_->bus_clk_i = 0;
     set_encoder(false, false);
+    model_->eval();
     reset();
   }
 

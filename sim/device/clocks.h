@@ -1,7 +1,8 @@
 // Stepping a Verilated model from one rising edge to the next.
 //
-// Nothing in the circuits happens at a falling edge, so that an evaluation there only tells the model that the clock is
-// low. lower_clocks() tells it without one, which saves up to half of the evaluations.
+// Verilator's eval() finds out which clocks have risen, and looks again until nothing changes any more; each edge costs
+// two calls, one of them for the fall, at which nothing happens in the circuits. Who steps the clocks knows all that:
+// rise() does what one rising edge needs and nothing else. eval() may be called as well, before, after and in between.
 //
 //     BoardClocks clocks(6614, 8000, 1234);               // periods and phase in ps
 //     const BoardClocks::Edge edge = clocks.next();    // of which clock, and when
@@ -14,10 +15,12 @@
 
 namespace selfproj {
 
-// All clocks of the model are low, and were so at the last evaluation. Defined for the models that selfproj_verilate()
-// (cmake/Verilated.cmake) was given the CLOCKS of.
+// The model at a rising edge of those clocks that stand at 1, all of which were 0 since the edge before; inputs may
+// have changed with it. Equal to eval() at the fall and again at the rise. eval() has to have been called once before.
+// Defined for the models that selfproj_verilate() (cmake/Verilated.cmake) was given the CLOCKS of; none of them makes a
+// clock itself.
 template <class Model>
-void lower_clocks(Model& model);
+void rise(Model& model);
 
 // The board's two unrelated clocks: periods in ps, and by how much the bus clock's first edge is later than one period.
 class BoardClocks {
@@ -44,13 +47,11 @@ class BoardClocks {
     return edge;
   }
 
-  // The model at that edge. A clock is low again before the next edge of either.
   template <class Model>
   static void raise(Model& model, const Edge& edge) {
-    lower_clocks(model);
     model.clk_i = edge.video;
     model.bus_clk_i = edge.bus;
-    model.eval();
+    rise(model);
   }
 
  private:
