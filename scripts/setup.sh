@@ -8,6 +8,7 @@ packages=(
   verilator yosys iverilog                   # simulation, synthesis, lint
   libopencv-core-dev libopencv-imgcodecs-dev libopencv-imgproc-dev  # image files, colour conversion
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
+  nlohmann-json3-dev                         # summaries
   libgtest-dev libbenchmark-dev              # tests, benchmarks
   clang-format-14 clang-tidy-14              # checks of the sources
 )

@@ -40,8 +40,7 @@ FloatImage read_float_tiff(const std::string& file) {
   return result;
 }
 
-void write_float_tiff(const std::string& file, const FloatImage& image) {
-  const OutputFile output(file);
+std::string encode_float_tiff(const std::string& file, const FloatImage& image) {
   cv::Mat mat(image.rows, image.columns, CV_32FC1);
   for (int r = 0; r < image.rows; ++r) {
     std::copy_n(image.row(r), image.columns, mat.ptr<float>(r));
@@ -52,7 +51,12 @@ void write_float_tiff(const std::string& file, const FloatImage& image) {
   }
   std::string text(bytes.size(), '\0');
   std::memcpy(text.data(), bytes.data(), bytes.size());
-  output.write(text);
+  return text;
+}
+
+void write_float_tiff(const std::string& file, const FloatImage& image) {
+  const OutputFile output(file);
+  output.write(encode_float_tiff(file, image));
 }
 
 }  // namespace selfproj

@@ -29,6 +29,9 @@ struct FloatImage {
 // image, of another kind.
 FloatImage read_float_tiff(const std::string& file);
 
+// The bytes of such a file. Throws UserError, naming the file, where the image has no pixels or is too large.
+std::string encode_float_tiff(const std::string& file, const FloatImage& image);
+
 // Writes it, whole or not at all. Throws UserError.
 void write_float_tiff(const std::string& file, const FloatImage& image);
 

@@ -1,0 +1,105 @@
+// What an inspection leaves behind: its frames are collected here and written as tables, cloud, images and report
+// (README.md beside this file has the formats and signs).
+#ifndef SELFPROJ_HOST_INSPECT_INSPECTION_H
+#define SELFPROJ_HOST_INSPECT_INSPECTION_H
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/inspect/map_picture.h"
+#include "host/inspect/report.h"
+#include "host/io/float_image.h"
+#include "host/io/output_folder.h"
+#include "host/io/rig.h"
+#include "host/optics/profile.h"
+#include "model/column_moments.h"
+#include "model/packet.h"
+
+namespace selfproj {
+
+struct InspectionOptions {
+  std::size_t expected_frames = 0;      // room is made for so many at once; more may come
+  std::size_t max_frames = 20000;       // those after it are counted and not kept (a frame of 512 columns takes 18 kB)
+  double pixel_clock_hz = 151'200'000;  // of the board: what one tick of a packet's time stamp is worth
+};
+
+class Inspection {
+ public:
+  // Profiles of columns > 0 columns, measured with the rig.
+  Inspection(const Rig& rig, int columns, const InspectionOptions& options = {});
+
+  // Takes a frame: the header of its packet, its moments as numbers or as the packet's payload, its profile, all of
+  // `columns` columns. Allocates nothing while there are no more frames than expected_frames. Throws
+  // std::invalid_argument where the header or the payload has another width.
+  void add(const PacketHeader& header, const MomentsView& moments, const ProfileView& profile);
+  void add(const PacketHeader& header, std::span<const std::uint8_t> payload, const ProfileView& profile);
+
+  // Frames kept, and those that came after max_frames.
+  [[nodiscard]] std::size_t frames() const { return frames_.size(); }
+  [[nodiscard]] std::size_t frames_not_kept() const { return not_kept_; }
+  [[nodiscard]] int columns() const { return columns_; }
+
+  // How far the belt has moved from the first frame to frame `index` (from 0), in mm: by the encoder where it has
+  // counted, else by the rig's speed and the time stamps. Where the board was restarted in between the belt is taken to
+  // have moved on as before.
+  [[nodiscard]] std::vector<double> belt_mm() const;
+
+  // Whether the encoder has counted.
+  [[nodiscard]] bool encoder_counts() const;
+
+  // Way from frame to frame on average (0 where the belt stands or there is one frame only and no speed), and from
+  // column to column on the plane.
+  [[nodiscard]] MapPitch pitch() const;
+
+  // Height (plane_z - z) and difference (-dz) in mm, rows = frames, columns = image columns, NaN where there is no
+  // point. Both are positive towards the camera.
+  [[nodiscard]] FloatImage height() const;
+  [[nodiscard]] FloatImage difference() const;
+
+  // Centroids, rows from 1, NaN where a column is unlit; of the same shape.
+  [[nodiscard]] FloatImage centroid() const;
+
+  // Whether the columns are valid, a Validity each.
+  [[nodiscard]] const std::vector<std::uint8_t>& validity() const { return validity_; }
+
+  // Writes all files into the folder, without committing it. Throws UserError: nothing to write, or what OutputFolder
+  // says.
+  void write(OutputFolder& folder, const ReportParts& parts = {}) const;
+
+ private:
+  struct Frame {
+    std::uint64_t sequence = 0;
+    std::uint64_t time_stamp = 0;
+    std::uint32_t encoder = 0;
+    std::uint8_t mode = 0;
+    std::uint8_t threshold = 0;
+  };
+
+  // Makes room for one more frame. False where it is not to be kept.
+  bool begin_frame(const PacketHeader& header);
+  void add_profile(const ProfileView& profile);
+  [[nodiscard]] FloatImage map(const std::vector<float>& values, double offset, double factor) const;
+  void write_moments(OutputFolder& folder) const;
+  void write_profile(OutputFolder& folder) const;
+  void write_cloud(OutputFolder& folder, const MapScale& scale) const;
+  [[nodiscard]] std::string summary(const ReportParts& parts) const;
+  [[nodiscard]] ReportData report_data(const ReportParts& parts) const;
+
+  Rig rig_;
+  int columns_;
+  InspectionOptions options_;
+  std::size_t not_kept_ = 0;
+  std::vector<Frame> frames_;
+  // One entry a column, frame after frame.
+  std::vector<std::uint32_t> m0_, m1_, n_;
+  std::vector<float> x_, y_, z_, dx_, dy_, dz_;
+  std::vector<std::uint8_t> validity_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_INSPECT_INSPECTION_H

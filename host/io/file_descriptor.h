@@ -1,0 +1,53 @@
+// A file descriptor that is closed at the end; for the files of host/io alone.
+#ifndef SELFPROJ_HOST_IO_FILE_DESCRIPTOR_H
+#define SELFPROJ_HOST_IO_FILE_DESCRIPTOR_H
+
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace selfproj {
+
+// What the system says to an error number.
+inline std::string error_text(int error) { return std::generic_category().message(error); }
+
+// `close` tells of errors, the destructor does not. A negative number is none.
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int number) : number_(number) {}
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  ~FileDescriptor() { static_cast<void>(close()); }
+
+  [[nodiscard]] int number() const { return number_; }
+
+  [[nodiscard]] bool close() {
+    const int number = number_;
+    number_ = -1;
+    return number < 0 || ::close(number) == 0;
+  }
+
+ private:
+  int number_;
+};
+
+// Writes all of the text; where that fails, errno says why.
+[[nodiscard]] inline bool write_all(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t count = ::write(descriptor, text.data(), text.size());
+    if (count < 0 && errno != EINTR) {
+      return false;
+    }
+    text.remove_prefix(count < 0 ? 0 : static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_IO_FILE_DESCRIPTOR_H
