@@ -1,0 +1,239 @@
+// The modules of the platform. platform.h puts them together.
+#ifndef SELFPROJ_SIM_PLATFORM_MODULES_H
+#define SELFPROJ_SIM_PLATFORM_MODULES_H
+
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <random>
+#include <span>
+#include <systemc>
+#include <utility>
+#include <vector>
+
+#include "model/board.h"
+#include "model/column_moments.h"
+#include "sim/platform/board_core.h"
+#include "sim/platform/camera_timing.h"
+#include "sim/platform/interfaces.h"
+#include "sim/platform/model_feed.h"
+
+namespace selfproj {
+
+// The inputs that several modules tell, each in the order of its clocks, in the order of all clocks.
+class InputMerge {
+ public:
+  void line(const VideoLine& line);
+  void encoder(std::uint64_t clock, bool a, bool b) { encoder_.push_back({clock, a, b}); }
+  void stall(std::uint64_t clock, int percent) { stalls_.push_back({clock, percent}); }
+
+  // Hands everything before `end` to `to` (line, encoder, stall as in BoardCore); at one clock lines come last.
+  template <class To>
+  void take(std::uint64_t end, To&& to) {
+    for (;;) {
+      const std::uint64_t stall = stalls_.empty() ? kForever : stalls_.front().clock;
+      const std::uint64_t encoder = encoder_.empty() ? kForever : encoder_.front().clock;
+      const std::uint64_t line = lines_.empty() ? kForever : lines_.front().clock;
+      if (stall < end && stall <= encoder && stall <= line) {
+        to.stall(stall, stalls_.front().percent);
+        stalls_.pop_front();
+      } else if (encoder < end && encoder <= line) {
+        to.encoder(encoder, encoder_.front().a, encoder_.front().b);
+        encoder_.pop_front();
+      } else if (line < end) {
+        to.line(line, lines_.front().pixels, lines_.front().frame_start);
+        spare_.push_back(std::move(lines_.front().pixels));
+        lines_.pop_front();
+      } else {
+        return;
+      }
+    }
+  }
+
+ private:
+  struct Line {
+    std::uint64_t clock;
+    bool frame_start;
+    std::vector<std::uint8_t> pixels;
+  };
+  struct Encoder {
+    std::uint64_t clock;
+    bool a, b;
+  };
+  struct Stall {
+    std::uint64_t clock;
+    int percent;
+  };
+
+  std::deque<Line> lines_;
+  std::vector<std::vector<std::uint8_t>> spare_;  // to be used again
+  std::deque<Encoder> encoder_;
+  std::deque<Stall> stalls_;
+};
+
+// A module whose threads call code that may throw. SystemC would turn that into a message of its own; here the first
+// exception is kept, the simulation stops, and Platform::run throws it again.
+class GuardedModule : public sc_core::sc_module {
+ public:
+  using sc_core::sc_module::sc_module;
+  [[nodiscard]] const std::exception_ptr& failure() const { return failure_; }
+
+ protected:
+  template <class Body>
+  void guard(Body body) {
+    try {
+      body();
+    } catch (const sc_core::sc_unwind_exception&) {
+      throw;  // the kernel ends the thread
+    } catch (...) {
+      failure_ = std::current_exception();
+      sc_core::sc_stop();
+    }
+  }
+
+ private:
+  std::exception_ptr failure_;
+};
+
+// Gives the frames of a source, line by line, each at its time.
+class Camera : public GuardedModule {
+ public:
+  // The next frame, valid until the next call; nothing: there are no more.
+  using Source = std::function<std::optional<ImageView>()>;
+
+  sc_core::sc_port<VideoInterface, 2> video{"video"};
+  sc_core::sc_out<bool> finished{"finished"};  // after the last frame
+
+  // The first frame's first beat is at `first_clock`.
+  Camera(const sc_core::sc_module_name& name, const CameraTiming& timing, std::uint64_t first_clock,
+         const sc_core::sc_time& period, Source source);
+
+  [[nodiscard]] std::uint64_t frames() const { return frames_; }
+
+ private:
+  void expose();
+
+  CameraTiming timing_;
+  std::uint64_t first_clock_;
+  sc_core::sc_time period_;
+  Source source_;
+  std::uint64_t frames_ = 0;
+};
+
+// The belt, whose encoder turns one step every so many clocks (at least 4; 0: it stands).
+class Conveyor : public GuardedModule {
+ public:
+  sc_core::sc_port<EncoderInterface, 2> encoder{"encoder"};
+  sc_core::sc_in<bool> finished{"finished"};
+
+  Conveyor(const sc_core::sc_module_name& name, double clocks_a_step, std::uint64_t first_clock,
+           const sc_core::sc_time& period);
+
+ private:
+  void turn();
+
+  double clocks_a_step_;
+  std::uint64_t first_clock_;
+  sc_core::sc_time period_;
+};
+
+// The board: runs its core as far as all inputs are known, and sends packets with their times.
+class Board : public GuardedModule, public VideoInterface, public EncoderInterface, public BusReadyInterface {
+ public:
+  sc_core::sc_export<VideoInterface> video{"video"};
+  sc_core::sc_export<EncoderInterface> encoder_pins{"encoder_pins"};
+  sc_core::sc_export<BusReadyInterface> bus_ready{"bus_ready"};
+  sc_core::sc_port<PacketInterface> bus{"bus"};
+
+  // `core` has its registers set and has not got to the first input yet.
+  Board(const sc_core::sc_module_name& name, std::unique_ptr<BoardCore> core);
+
+  void line(const VideoLine& line) override { inputs_.line(line); }
+  void promise_video(std::uint64_t clock) override { promise(video_until_, clock); }
+  void encoder(std::uint64_t clock, bool a, bool b) override { inputs_.encoder(clock, a, b); }
+  void promise_encoder(std::uint64_t clock) override { promise(encoder_until_, clock); }
+  void stall(std::uint64_t clock, int percent) override { inputs_.stall(clock, percent); }
+  void promise_stall(std::uint64_t clock) override { promise(stall_until_, clock); }
+
+  [[nodiscard]] BoardCore& core() { return *core_; }
+
+ private:
+  void promise(std::uint64_t& until, std::uint64_t clock) {
+    until = clock;
+    promised_.notify(sc_core::SC_ZERO_TIME);
+  }
+  void run();
+
+  std::unique_ptr<BoardCore> core_;
+  InputMerge inputs_;
+  std::uint64_t video_until_ = 0;
+  std::uint64_t encoder_until_ = 0;
+  std::uint64_t stall_until_ = 0;
+  sc_core::sc_event promised_;
+};
+
+// The receiving end of the bus, with a clock of its own; hands every packet on at the time of its last beat.
+class BusSink : public GuardedModule, public PacketInterface {
+ public:
+  using Receiver = std::function<void(std::span<const std::uint8_t> bytes, std::uint64_t time_ps)>;
+
+  sc_core::sc_export<PacketInterface> bus{"bus"};
+  sc_core::sc_port<BusReadyInterface> ready{"ready"};
+  sc_core::sc_in<bool> finished{"finished"};
+
+  BusSink(const sc_core::sc_module_name& name, const BusOptions& options, std::uint64_t seed,
+          const sc_core::sc_time& pixel_period, Receiver receiver);
+
+  void packet(std::span<const std::uint8_t> bytes, const sc_core::sc_time& time) override;
+
+  [[nodiscard]] std::uint64_t packets() const { return packets_; }
+  [[nodiscard]] std::uint64_t hold_ups() const { return hold_ups_; }
+
+ private:
+  struct Packet {
+    sc_core::sc_time time;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  void deliver();
+  void hold_up();
+
+  BusOptions options_;
+  sc_core::sc_time pixel_period_;
+  std::mt19937_64 random_;
+  Receiver receiver_;
+  std::deque<Packet> waiting_;
+  sc_core::sc_event arrived_;
+  std::uint64_t packets_ = 0;
+  std::uint64_t hold_ups_ = 0;
+};
+
+// Feeds the model of the board with what the board sees, and keeps the packets it makes until the board's are compared
+// with them.
+class Scoreboard : public sc_core::sc_module, public VideoInterface, public EncoderInterface {
+ public:
+  sc_core::sc_export<VideoInterface> video{"video"};
+  sc_core::sc_export<EncoderInterface> encoder_pins{"encoder_pins"};
+
+  Scoreboard(const sc_core::sc_module_name& name, const BoardSettings& settings, BoardModel::Sink sink);
+
+  void line(const VideoLine& line) override { inputs_.line(line); }
+  void promise_video(std::uint64_t clock) override;
+  void encoder(std::uint64_t clock, bool a, bool b) override { inputs_.encoder(clock, a, b); }
+  void promise_encoder(std::uint64_t clock) override;
+
+ private:
+  void feed();
+
+  ModelFeed feed_;
+  InputMerge inputs_;
+  std::uint64_t video_until_ = 0;
+  std::uint64_t encoder_until_ = 0;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_PLATFORM_MODULES_H

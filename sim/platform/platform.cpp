@@ -1,0 +1,160 @@
+#include "sim/platform/platform.h"
+
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <stdexcept>
+#include <systemc>
+#include <tlm>
+#include <utility>
+
+#include "host/io/user_error.h"
+#include "sim/platform/modules.h"
+
+// The library has a main function that calls this one. The programs have their own.
+int sc_main(int /*argc*/, char** /*argv*/) { return 0; }
+
+namespace selfproj {
+namespace {
+
+// SystemC elaborates once in the life of a kernel: every platform has a kernel of its own in place of the default one.
+class Kernel {
+ public:
+  Kernel() {
+    if (std::exchange(alive, true)) {
+      throw std::logic_error("two platforms at once");
+    }
+    use(kernel_.get());
+    sc_core::sc_report_handler::set_actions("/OSCI/SystemC", sc_core::SC_INFO, sc_core::SC_DO_NOTHING);
+  }
+  Kernel(const Kernel&) = delete;
+  Kernel& operator=(const Kernel&) = delete;
+  ~Kernel() {
+    kernel_.reset();
+    use(default_);
+    alive = false;
+  }
+
+ private:
+  static void use(sc_core::sc_simcontext* kernel) {
+    sc_core::sc_curr_simcontext = kernel;
+    sc_core::sc_default_global_context = kernel;
+  }
+
+  inline static bool alive = false;
+  sc_core::sc_simcontext* default_ = sc_core::sc_curr_simcontext;
+  std::unique_ptr<sc_core::sc_simcontext> kernel_ = std::make_unique<sc_core::sc_simcontext>();
+};
+
+double clocks_a_step(double steps_per_s) {
+  if (steps_per_s == 0) {
+    return 0;
+  }
+  constexpr double kFewest = 4;
+  const double clocks = kPixelClockHz / steps_per_s;
+  if (!(clocks >= kFewest)) {
+    throw std::invalid_argument("the encoder turns too fast for the board");
+  }
+  return clocks;
+}
+
+void check(const PlatformOptions& options) {
+  constexpr int kMostStalls = 95;
+  const BusOptions& bus = options.bus;
+  if (bus.period_ps == 0 || bus.stall_percent < 0 || bus.stall_percent > kMostStalls || bus.hold_ups_a_second < 0 ||
+      bus.hold_up_s < 0) {
+    throw std::invalid_argument("the options of the bus make no sense");
+  }
+  if (options.quantum_lines == 0 || options.trace_from == 0) {
+    throw std::invalid_argument("the quantum and the first frame of a trace are at least 1");
+  }
+  if (options.engine != PlatformEngine::rtl && !options.trace_file.empty()) {
+    throw std::invalid_argument("only the RTL has waveforms");
+  }
+}
+
+std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const CameraTiming& timing) {
+  const BoardCoreOptions core{
+      .bus = options.bus,
+      .seed = options.seed,
+      .trace_file = options.trace_file,
+      .trace_from_clock = Platform::kFirstClock + (options.trace_from - 1) * timing.frame_clocks};
+  if (options.engine == PlatformEngine::model) {
+    return make_model_core(core);
+  }
+#ifdef SELFPROJ_HAS_RTL_PLATFORM
+  return make_rtl_core(core);
+#else
+  throw UserError("--engine rtl", "this engine is not part of this build");
+#endif
+}
+
+}  // namespace
+
+struct Platform::Parts {
+  Parts(const PlatformOptions& options, Camera::Source frames, BusSink::Receiver packets, BoardModel::Sink expected)
+      : timing(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz)),
+        period(sc_core::sc_time::from_value(kPixelClockPs)),
+        camera("camera", timing, kFirstClock, period, std::move(frames)),
+        conveyor("conveyor", clocks_a_step(options.encoder_steps_per_s), kFirstClock, period),
+        board("board", make_core(options, timing)),
+        sink("bus_sink", options.bus, options.seed, period, std::move(packets)) {
+    tlm::tlm_global_quantum::instance().set(time_of_clock(options.quantum_lines * timing.line_clocks, period));
+    camera.video(board.video);
+    camera.finished(finished);
+    conveyor.encoder(board.encoder_pins);
+    conveyor.finished(finished);
+    board.bus(sink.bus);
+    sink.ready(board.bus_ready);
+    sink.finished(finished);
+    if (expected) {
+      scoreboard = std::make_unique<Scoreboard>("scoreboard", options.settings, std::move(expected));
+      camera.video(scoreboard->video);
+      conveyor.encoder(scoreboard->encoder_pins);
+    }
+    board.core().write(options.settings);
+    if (board.core().clock() > kFirstClock) {
+      throw std::logic_error("the registers were not set in time");
+    }
+  }
+
+  Kernel kernel;
+  CameraTiming timing;
+  sc_core::sc_time period;
+  sc_core::sc_signal<bool> finished{"camera_finished"};
+  Camera camera;
+  Conveyor conveyor;
+  Board board;
+  BusSink sink;
+  std::unique_ptr<Scoreboard> scoreboard;
+  PlatformReport report;
+};
+
+Platform::Platform(const PlatformOptions& options, FrameSource frames, PacketSink packets, BoardModel::Sink expected) {
+  check(options);
+  parts_ = std::make_unique<Parts>(options, std::move(frames), std::move(packets), std::move(expected));
+}
+
+Platform::~Platform() = default;
+
+void Platform::run() {
+  Parts& parts = *parts_;
+  sc_core::sc_start();
+  for (const GuardedModule* module :
+       std::initializer_list<const GuardedModule*>{&parts.camera, &parts.conveyor, &parts.board, &parts.sink}) {
+    if (module->failure()) {
+      std::rethrow_exception(module->failure());
+    }
+  }
+  parts.report = {.frames = parts.camera.frames(),
+                  .packets = parts.sink.packets(),
+                  .clocks = parts.board.core().clock(),
+                  .hold_ups = parts.sink.hold_ups(),
+                  .board = parts.board.core().counters()};
+}
+
+const CameraTiming& Platform::timing() const { return parts_->timing; }
+
+PlatformReport Platform::report() const { return parts_->report; }
+
+}  // namespace selfproj

@@ -1,0 +1,125 @@
+// The Verilated board as a core of the platform.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "Vboard.h"
+#include "Vboard_traced.h"
+#include "sim/device/board_device.h"
+#include "sim/platform/board_core.h"
+#include "sim/platform/camera_timing.h"
+
+namespace selfproj {
+namespace {
+
+template <class Model>
+class RtlCore final : public BoardCore {
+ public:
+  explicit RtlCore(const BoardCoreOptions& options)
+      : device_({.seed = options.seed,
+                 .video_period_ps = kPixelClockPs,
+                 .bus_period_ps = options.bus.period_ps,
+                 .bus_phase_ps = options.bus.phase_ps,
+                 .bus_stall_percent = options.bus.stall_percent,
+                 .trace_file = options.trace_file}),
+        trace_from_(options.trace_file.empty() ? kNever : options.trace_from_clock) {
+    device_.run(1);
+    origin_ps_ = device_.time_ps();
+    queue_end_ = device_.clock();
+  }
+
+  void on_packet(PacketSink sink) override {
+    device_.on_packet([this, sink = std::move(sink)](std::span<const std::uint8_t> bytes) {
+      sink(bytes, device_.time_ps() - origin_ps_);
+    });
+  }
+
+  void write(const BoardSettings& settings) override {
+    device_.write(settings);
+    queue_end_ = device_.clock();
+  }
+
+  [[nodiscard]] std::uint64_t clock() const override { return device_.clock(); }
+
+  void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) override {
+    wait_until(clock);
+    VideoBeat beat;
+    beat.start = frame_start;
+    for (std::size_t at = 0; at < pixels.size(); at += beat.pixels.size()) {
+      std::memcpy(beat.pixels.data(), pixels.data() + at, beat.pixels.size());
+      beat.line_end = at + beat.pixels.size() == pixels.size();
+      device_.send(beat);
+      beat.start = false;
+    }
+    queue_end_ = clock + pixels.size() / beat.pixels.size();
+  }
+
+  void encoder(std::uint64_t clock, bool a, bool b) override {
+    run_to(clock);
+    device_.set_encoder(a, b);
+  }
+
+  void stall(std::uint64_t clock, int percent) override {
+    run_to(clock);
+    device_.set_bus_stall_percent(percent);
+  }
+
+  void run_to(std::uint64_t clock) override {
+    if (trace_from_ < clock) {
+      run_device_to(trace_from_);
+      device_.start_trace();
+      trace_from_ = kNever;
+    }
+    run_device_to(clock);
+  }
+
+  void drain() override { device_.drain(); }
+
+  [[nodiscard]] BoardCounters counters() override {
+    return {.frames = device_.read(spec::kRegFrames),
+            .broken = device_.read(spec::kRegBroken),
+            .stray = device_.read(spec::kRegStray),
+            .lost_moments = device_.read(spec::kRegLostMoments),
+            .lost_image = device_.read(spec::kRegLostImage)};
+  }
+
+ private:
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
+
+  void run_device_to(std::uint64_t clock) {
+    if (device_.clock() < clock) {
+      device_.run(clock - device_.clock());
+    }
+  }
+
+  // Queues the clocks without a beat from the end of what is queued to this clock.
+  void wait_until(std::uint64_t clock) {
+    const std::uint64_t from = std::max(queue_end_, device_.clock());
+    if (clock < from) {
+      throw std::logic_error("a line begins before the last one ends, or in the past");
+    }
+    device_.gap(static_cast<std::uint32_t>(clock - from));
+  }
+
+  BoardDevice<Model> device_;
+  std::uint64_t trace_from_;
+  std::uint64_t origin_ps_ = 0;
+  std::uint64_t queue_end_ = 0;  // clock at which all that was queued is in
+};
+
+}  // namespace
+
+std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
+  if (options.trace_file.empty()) {
+    return std::make_unique<RtlCore<Vboard>>(options);
+  }
+  return std::make_unique<RtlCore<Vboard_traced>>(options);
+}
+
+}  // namespace selfproj

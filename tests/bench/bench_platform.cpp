@@ -1,0 +1,208 @@
+// Clocks a second of the platform in SystemC, beside those of the same Verilated board clocked in a plain loop that
+// does nothing else. Frames of 96 x 512 at 10,000 a second: 15,120 pixel clocks a frame, of which 12,288 carry beats;
+// mode grey-over, encoder turning, bus of 125 MHz.
+//
+//     bench_platform [GOOGLE_BENCHMARK_OPTION...]
+//
+// First the packets of both are compared. Ends with the platform's rate as a share of the plain loop's in the same run,
+// and of real time.
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <optional>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "Vboard.h"
+#include "model/board.h"
+#include "sim/device/board_device.h"
+#include "sim/device/clocks.h"
+#include "sim/platform/packet_checker.h"
+#include "sim/platform/platform.h"
+#include "tests/bench/collector.h"
+
+namespace {
+
+using selfproj::BoardSettings;
+using selfproj::CameraTiming;
+using selfproj::ImageView;
+using selfproj::Platform;
+using selfproj::PlatformEngine;
+using selfproj::PlatformOptions;
+using selfproj::bench::Collector;
+
+constexpr int kRows = 96;
+constexpr int kColumns = 512;
+constexpr int kFrames = 8;  // of one run of the platform
+constexpr double kBeltStepsPerS = 100000;
+
+const BoardSettings kSettings{.mode = selfproj::Mode::grey_over, .threshold = 20};
+
+// A light line on a dark, noisy image.
+std::vector<std::uint8_t> line_image() {
+  std::mt19937 random(1);
+  std::vector<std::uint8_t> pixels(std::size_t{kRows} * kColumns);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const std::size_t row = i / kColumns;
+    pixels[i] = static_cast<std::uint8_t>((row >= 46 && row < 52 ? 120 : 5) + random() % 10);
+  }
+  return pixels;
+}
+
+// The board clocked in a loop, with the beats at the same clocks.
+class Plain {
+ public:
+  Plain() { device_.write(kSettings); }
+
+  template <class Out>
+  void frame(const std::vector<std::uint8_t>& pixels, const CameraTiming& timing, Out out) {
+    Vboard& m = device_.model();
+    m.m_axis_tready = 1;
+    std::uint64_t in_line = 0;
+    int row = 0;
+    for (std::uint64_t clock = 0; clock < timing.frame_clocks;) {
+      const selfproj::BoardClocks::Edge edge = clocks_.next();
+      if (edge.video) {
+        m.s_axis_tvalid = row < kRows && in_line < timing.beats_a_line();
+        if (m.s_axis_tvalid != 0) {
+          const std::size_t at = static_cast<std::size_t>(row) * kColumns + 4 * static_cast<std::size_t>(in_line);
+          std::uint32_t word = 0;
+          std::memcpy(&word, pixels.data() + at, sizeof word);
+          m.s_axis_tdata = word;
+          m.s_axis_tuser = at == 0;
+          m.s_axis_tlast = in_line + 1 == timing.beats_a_line();
+        }
+        ++clock;
+        if (++in_line == timing.line_clocks) {
+          in_line = 0;
+          ++row;
+        }
+      }
+      if (edge.bus && m.m_axis_tvalid != 0) {
+        out(m.m_axis_tdata);
+      }
+      clocks_.raise(m, edge);
+    }
+  }
+
+ private:
+  selfproj::BoardDevice<Vboard> device_;
+  selfproj::BoardClocks clocks_{selfproj::kPixelClockPs, 8000, 1234};
+};
+
+// Runs the platform over some frames.
+template <class Packet>
+std::uint64_t run_platform(PlatformEngine engine, const std::vector<std::uint8_t>& pixels, bool compare,
+                           Packet packet) {
+  PlatformOptions options;
+  options.engine = engine;
+  options.settings = kSettings;
+  options.encoder_steps_per_s = kBeltStepsPerS;
+  int left = kFrames;
+  const ImageView view{.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns};
+  selfproj::PacketChecker checker;
+  Platform platform(
+      options, [&]() -> std::optional<ImageView> { return left-- > 0 ? std::optional(view) : std::nullopt; },
+      [&](std::span<const std::uint8_t> bytes, std::uint64_t) {
+        packet(bytes);
+        if (compare) {
+          checker.check(bytes);
+        }
+      },
+      compare ? selfproj::BoardModel::Sink([&](selfproj::BoardPacket&& made) { checker.expect(std::move(made)); })
+              : selfproj::BoardModel::Sink());
+  platform.run();
+  if (checker.mismatches() != 0) {
+    throw std::runtime_error(checker.first_mismatch());
+  }
+  return platform.report().clocks;
+}
+
+// The payload of a frame's packet, as the plain loop and as the platform give it.
+bool are_equal(const std::vector<std::uint8_t>& pixels, const CameraTiming& timing) {
+  std::vector<std::uint8_t> plain;
+  Plain board;
+  for (int i = 0; i < 2; ++i) {
+    board.frame(pixels, timing, [&](const auto& data) {
+      const std::size_t at = plain.size();
+      plain.resize(at + 16);
+      std::memcpy(plain.data() + at, data.data(), 16);
+    });
+  }
+  std::vector<std::uint8_t> platform;
+  run_platform(PlatformEngine::rtl, pixels, true, [&](std::span<const std::uint8_t> bytes) {
+    platform.assign(bytes.begin() + selfproj::spec::kHeaderBytes, bytes.end() - selfproj::spec::kTrailerBytes);
+  });
+  return plain.size() >= selfproj::spec::kHeaderBytes + platform.size() && !platform.empty() &&
+         std::memcmp(plain.data() + selfproj::spec::kHeaderBytes, platform.data(), platform.size()) == 0;
+}
+
+int run(int argc, char** argv) {
+  if (!selfproj::bench::initialize(argv[0], {argv + 1, argv + argc})) {
+    return 2;
+  }
+  const std::vector<std::uint8_t> pixels = line_image();
+  const CameraTiming timing = selfproj::camera_timing(kRows, kColumns, 10000);
+  if (!are_equal(pixels, timing)) {
+    std::fprintf(stderr, "bench_platform: the platform's packets are not those of the plain loop\n");
+    return 1;
+  }
+
+  benchmark::RegisterBenchmark("plain/rtl", [&](benchmark::State& state) {
+    Plain board;
+    std::uint64_t words = 0;
+    for (auto _ : state) {
+      board.frame(pixels, timing, [&](const auto&) { ++words; });
+    }
+    benchmark::DoNotOptimize(words);
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(timing.frame_clocks));
+  });
+  const auto platform = [&](const char* name, PlatformEngine engine, bool compare) {
+    benchmark::RegisterBenchmark(name, [&, engine, compare](benchmark::State& state) {
+      std::uint64_t clocks = 0;
+      std::uint64_t bytes = 0;
+      for (auto _ : state) {
+        clocks += run_platform(engine, pixels, compare, [&](const auto& packet) { bytes += packet.size(); });
+      }
+      benchmark::DoNotOptimize(bytes);
+      state.SetItemsProcessed(static_cast<std::int64_t>(clocks));
+    });
+  };
+  platform("platform/rtl", PlatformEngine::rtl, false);
+  platform("compared/rtl", PlatformEngine::rtl, true);
+  platform("platform/model", PlatformEngine::model, false);
+
+  Collector collector("items_per_second");
+  benchmark::RunSpecifiedBenchmarks(&collector);
+  const double plain = collector.median("plain/rtl");
+  if (!collector.failed() && plain > 0) {
+    const auto print = [&](const char* name, const char* what) {
+      if (const double rate = collector.median(name); rate > 0) {
+        std::printf("%-36s %6.2f M clocks/s: %4.0f %% of the plain loop's, 1/%.0f of real time\n", what, rate * 1e-6,
+                    100 * rate / plain, selfproj::kPixelClockHz / rate);
+      }
+    };
+    std::printf("\n");
+    print("plain/rtl", "board in a plain loop");
+    print("platform/rtl", "platform, engine rtl");
+    print("compared/rtl", "... and compared with the model");
+    print("platform/model", "platform, engine model");
+  }
+  benchmark::Shutdown();
+  return collector.failed() ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_platform: %s\n", error.what());
+    return 1;
+  }
+}

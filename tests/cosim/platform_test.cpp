@@ -1,0 +1,342 @@
+// The platform: real timing, results that do not depend on the decoupling of time, model in place of the RTL.
+#include "sim/platform/platform.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "model/packet.h"
+#include "sim/platform/packet_checker.h"
+#include "tests/rtl/board/frames.h"
+#include "tests/support/random_cases.h"
+
+#ifdef SELFPROJ_HAS_RTL_PLATFORM
+#include <filesystem>
+
+#include "Vboard.h"
+#include "sim/device/board_device.h"
+#endif
+
+namespace selfproj::test {
+namespace {
+
+struct Arrival {
+  std::vector<std::uint8_t> bytes;
+  std::uint64_t time_ps;
+  bool operator==(const Arrival&) const = default;
+};
+
+// A run of the platform over frames in memory.
+struct Played {
+  std::vector<Arrival> arrivals;
+  PacketChecker checker;
+  PlatformReport report;
+  CameraTiming timing;
+
+  [[nodiscard]] std::vector<std::vector<std::uint8_t>> packets() const {
+    std::vector<std::vector<std::uint8_t>> all;
+    for (const Arrival& arrival : arrivals) {
+      all.push_back(arrival.bytes);
+    }
+    return all;
+  }
+};
+
+Played run(const PlatformOptions& options, const std::vector<TestImage>& frames) {
+  Played played;
+  std::size_t next = 0;
+  Platform platform(
+      options,
+      [&]() -> std::optional<ImageView> {
+        return next < frames.size() ? std::optional(frames[next++].view()) : std::nullopt;
+      },
+      [&](std::span<const std::uint8_t> bytes, std::uint64_t time_ps) {
+        played.arrivals.push_back({{bytes.begin(), bytes.end()}, time_ps});
+        played.checker.check(bytes);
+      },
+      [&](BoardPacket&& packet) { played.checker.expect(std::move(packet)); });
+  platform.run();
+  played.checker.finish();
+  played.report = platform.report();
+  played.timing = platform.timing();
+  return played;
+}
+
+void expect_all_right(const Played& run) {
+  EXPECT_EQ(run.checker.mismatches(), 0U) << run.checker.first_mismatch();
+  EXPECT_EQ(run.checker.matched(), run.arrivals.size());
+  EXPECT_EQ(run.report.packets, run.arrivals.size());
+  EXPECT_EQ(run.report.board.frames, run.report.frames);
+  EXPECT_EQ(run.report.board.broken, 0U);
+  EXPECT_EQ(run.report.board.stray, 0U);
+  EXPECT_EQ(run.report.board.lost_moments, run.checker.lost(spec::kKindMoments));
+  EXPECT_EQ(run.report.board.lost_image, run.checker.lost(spec::kKindImage));
+}
+
+std::vector<TestImage> random_images(Random& random, int count, int rows, int columns) {
+  std::vector<TestImage> images;
+  for (int i = 0; i < count; ++i) {
+    images.push_back(random_image(random, rows, columns));
+  }
+  return images;
+}
+
+PlatformOptions random_options(Random& random) {
+  PlatformOptions options;
+  options.settings = {.image = random.chance(30),
+                      .columns = 4 * random.between(1, 24),
+                      .rows = random.between(1, 20),
+                      .mode = static_cast<Mode>(random.between(0, 2)),
+                      .threshold = random.between(0, 255),
+                      .stream = random.between(0, 255)};
+  options.frame_rate_hz = random.between(10000, 40000);
+  options.encoder_steps_per_s = random.chance(20) ? 0 : random.between(1000, 5000000);
+  options.bus.period_ps = static_cast<std::uint64_t>(random.between(3000, 12000));
+  options.bus.phase_ps = static_cast<std::uint64_t>(random.between(0, 5000));
+  options.seed = random.bits();
+  return options;
+}
+
+TEST(CameraTiming, OfRigA) {
+  const CameraTiming timing = camera_timing(96, 512, 10000);
+  EXPECT_EQ(timing.frame_clocks, 15120U);
+  EXPECT_EQ(timing.beats(), 12288U);
+  EXPECT_EQ(timing.line_clocks, 157U);
+}
+
+TEST(CameraTiming, AFrameRateTooHighIsAsFastAsPossible) {
+  const CameraTiming timing = camera_timing(480, 640, 10000, 4);
+  EXPECT_EQ(timing.line_clocks, 164U);
+  EXPECT_EQ(timing.frame_clocks, 480U * 164U);
+}
+
+TEST(CameraTiming, RefusesWhatTheBoardDoes) {
+  EXPECT_THROW(camera_timing(0, 512, 1000), std::invalid_argument);
+  EXPECT_THROW(camera_timing(96, 510, 1000), std::invalid_argument);
+  EXPECT_THROW(camera_timing(96, 4096, 1000), std::invalid_argument);
+  EXPECT_THROW(camera_timing(1024, 512, 1000), std::invalid_argument);
+  EXPECT_THROW(camera_timing(96, 512, 0), std::invalid_argument);
+  EXPECT_THROW(camera_timing(96, 512, std::nan("")), std::invalid_argument);
+}
+
+std::vector<PlatformEngine> engines() {
+#ifdef SELFPROJ_HAS_RTL_PLATFORM
+  return {PlatformEngine::rtl, PlatformEngine::model};
+#else
+  return {PlatformEngine::model};
+#endif
+}
+
+class EveryEngine : public ::testing::TestWithParam<PlatformEngine> {};
+
+TEST_P(EveryEngine, FramesComeAtTheirTimeWithTheBeltsWay) {
+  Random random(3);
+  PlatformOptions options{.engine = GetParam(), .settings = {.mode = Mode::grey_over, .threshold = 100}};
+  options.encoder_steps_per_s = 100000;  // 1 m/s at 0.01 mm
+  const Played got = run(options, random_images(random, 5, 96, 512));
+  expect_all_right(got);
+  ASSERT_EQ(got.arrivals.size(), 5U);
+  for (std::size_t i = 0; i < got.arrivals.size(); ++i) {
+    PacketView packet;
+    ASSERT_EQ(parse_packet(got.arrivals[i].bytes, packet), PacketError::none);
+    EXPECT_EQ(packet.header.sequence, i);
+    EXPECT_EQ(packet.header.time_stamp, Platform::kFirstClock + i * 15120);
+    EXPECT_EQ(packet.header.encoder, i * 10);
+    // Out within the blank clocks at the end of the frame and the first of the next one.
+    const std::uint64_t last_beat = (packet.header.time_stamp + 95 * 157 + 127) * kPixelClockPs;
+    EXPECT_GT(got.arrivals[i].time_ps, last_beat);
+    EXPECT_LT(got.arrivals[i].time_ps, last_beat + 700 * kPixelClockPs);
+  }
+}
+
+TEST_P(EveryEngine, RandomFramesEqualTheModel) {
+  for (const std::uint64_t seed : seeds(30)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    PlatformOptions options = random_options(random);
+    options.engine = GetParam();
+    options.bus.stall_percent = random.chance(50) ? 0 : random.between(0, 90);
+    options.quantum_lines = static_cast<std::uint64_t>(random.between(1, 40));
+    const int count = random.between(1, 12);
+    const Played got = run(options, random_images(random, count, options.settings.rows, options.settings.columns));
+    expect_all_right(got);
+    EXPECT_EQ(got.report.frames, static_cast<std::uint64_t>(count));
+    if (HasFailure()) {
+      return;
+    }
+  }
+}
+
+TEST_P(EveryEngine, WhatTheSourceThrowsComesOut) {
+  const auto throwing = [&] {
+    Platform platform(
+        {.engine = GetParam()}, []() -> std::optional<ImageView> { throw UserError("frame.png", "is torn"); },
+        [](std::span<const std::uint8_t>, std::uint64_t) {});
+    platform.run();
+  };
+  EXPECT_THROW(throwing(), UserError);
+  Random random(1);
+  const auto frames = random_images(random, 3, 96, 512);
+  int left = 3;
+  const auto throwing_sink = [&] {
+    Platform platform(
+        {.engine = GetParam()},
+        [&]() -> std::optional<ImageView> { return left-- > 0 ? std::optional(frames.front().view()) : std::nullopt; },
+        [](std::span<const std::uint8_t>, std::uint64_t) { throw std::runtime_error("full"); });
+    platform.run();
+  };
+  EXPECT_THROW(throwing_sink(), std::runtime_error);
+  // And the next platform works.
+  expect_all_right(run({.engine = GetParam()}, frames));
+}
+
+TEST(Platform, NoFramesNoPackets) {
+  const Played got = run({.engine = PlatformEngine::model}, {});
+  EXPECT_EQ(got.report.frames, 0U);
+  EXPECT_TRUE(got.arrivals.empty());
+}
+
+TEST(Platform, RefusesOptionsThatMakeNoSense) {
+  const auto make = [](const PlatformOptions& options) { Platform platform(options, {}, {}); };
+  EXPECT_THROW(make({.engine = PlatformEngine::model, .quantum_lines = 0}), std::invalid_argument);
+  EXPECT_THROW(make({.engine = PlatformEngine::model, .encoder_steps_per_s = 1e9}), std::invalid_argument);
+  EXPECT_THROW(make({.engine = PlatformEngine::model, .bus = {.stall_percent = 96}}), std::invalid_argument);
+  EXPECT_THROW(make({.engine = PlatformEngine::model, .trace_file = "x.fst"}), std::invalid_argument);
+  EXPECT_THROW(make({.engine = PlatformEngine::model, .settings = {.columns = 5}}), std::invalid_argument);
+}
+
+// The same packets at the same picosecond, whatever the quantum; with stalls and hold-ups that make the board lose
+// some.
+TEST_P(EveryEngine, DecouplingOfTimeChangesNothing) {
+  for (const std::uint64_t seed : seeds(4)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    PlatformOptions options = random_options(random);
+    options.engine = GetParam();
+    options.bus.stall_percent = random.between(0, 90);
+    options.bus.hold_ups_a_second = 5000;
+    options.bus.hold_up_s = 1e-3;
+    const std::vector<TestImage> frames = random_images(random, 30, options.settings.rows, options.settings.columns);
+    const Played line = run(options, frames);
+    expect_all_right(line);
+    EXPECT_GT(line.report.hold_ups, 0U);
+    for (const std::uint64_t quantum : {2U, 7U, 1000U}) {
+      options.quantum_lines = quantum;
+      const Played other = run(options, frames);
+      EXPECT_TRUE(line.arrivals == other.arrivals) << "quantum of " << quantum << " lines";
+    }
+    if (HasFailure()) {
+      return;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Platform, EveryEngine, ::testing::ValuesIn(engines()),
+                         [](const auto& engine) { return engine.param == PlatformEngine::rtl ? "Rtl" : "Model"; });
+
+#ifdef SELFPROJ_HAS_RTL_PLATFORM
+
+// Byte-identical packets, and the model's times to within four clocks as long as the bus is always ready.
+TEST(Platform, ModelInPlaceOfTheRtl) {
+  std::uint64_t worst = 0;
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    PlatformOptions options = random_options(random);
+    options.settings.image = false;
+    if (seed <= 3) {
+      options.settings.columns = 512;
+      options.settings.rows = 96;
+      options.settings.mode = static_cast<Mode>(seed - 1);
+    }
+    const std::vector<TestImage> frames = random_images(random, 8, options.settings.rows, options.settings.columns);
+    const Played rtl = run(options, frames);
+    options.engine = PlatformEngine::model;
+    const Played model = run(options, frames);
+    ASSERT_TRUE(rtl.packets() == model.packets());
+    for (std::size_t i = 0; i < rtl.arrivals.size(); ++i) {
+      const auto difference = static_cast<std::int64_t>(rtl.arrivals[i].time_ps - model.arrivals[i].time_ps);
+      worst = std::max(worst, static_cast<std::uint64_t>(std::abs(difference)));
+    }
+  }
+  EXPECT_LE(worst, 4 * kPixelClockPs);
+}
+
+// The platform does to the board what a plain loop does: same beats at the same clocks, same packets at the same time.
+TEST(Platform, SameAsThePlainHarness) {
+  Random random(5);
+  const BoardSettings settings{.columns = 64, .rows = 12, .mode = Mode::grey, .threshold = 90};
+  const std::vector<TestImage> frames = random_images(random, 20, settings.rows, settings.columns);
+  PlatformOptions options{.settings = settings, .frame_rate_hz = 100000, .seed = 9};
+  options.bus.stall_percent = 60;
+  const Played platform = run(options, frames);
+  expect_all_right(platform);
+
+  BoardDevice<Vboard> device({.seed = 9, .bus_stall_percent = 60});
+  std::vector<Arrival> arrivals;
+  device.run(1);
+  const std::uint64_t origin = device.time_ps();
+  device.on_packet([&](std::span<const std::uint8_t> bytes) {
+    arrivals.push_back({{bytes.begin(), bytes.end()}, device.time_ps() - origin});
+  });
+  device.write(settings);
+  device.run(Platform::kFirstClock - device.clock());
+  for (const TestImage& frame : frames) {
+    for (int row = 0; row < settings.rows; ++row) {
+      for (int column = 0; column < settings.columns; column += 4) {
+        const std::uint8_t* pixels = frame.view().pixels + row * settings.columns + column;
+        device.send(VideoBeat{.pixels = {pixels[0], pixels[1], pixels[2], pixels[3]},
+                              .start = row == 0 && column == 0,
+                              .line_end = column + 4 == settings.columns});
+      }
+      const bool last = row == settings.rows - 1;
+      device.gap(static_cast<std::uint32_t>(
+          (last ? platform.timing.frame_clocks - 11 * platform.timing.line_clocks : platform.timing.line_clocks) - 16));
+    }
+  }
+  device.drain(2000);
+  EXPECT_TRUE(platform.arrivals == arrivals);
+}
+
+// A bus that takes nothing for longer than the FIFO lasts: packets are lost, whole and counted, and all others match.
+TEST(Platform, HoldUpsLosePacketsThatAreCounted) {
+  Random random(8);
+  PlatformOptions options{.settings = {.columns = 256, .rows = 8, .mode = Mode::grey}, .frame_rate_hz = 80000};
+  options.bus.hold_ups_a_second = 500;
+  options.bus.hold_up_s = 2e-3;
+  const Played got = run(options, random_images(random, 600, 8, 256));
+  expect_all_right(got);
+  EXPECT_GT(got.report.board.lost_moments, 0U);
+  EXPECT_GT(got.arrivals.size(), 100U);
+  EXPECT_EQ(got.arrivals.size() + got.report.board.lost_moments, 600U);
+}
+
+TEST(Platform, WaveformFromAFrameOn) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path();
+  const std::string all = folder / ("selfproj_all_" + std::to_string(getpid()) + ".fst");
+  const std::string last = folder / ("selfproj_last_" + std::to_string(getpid()) + ".fst");
+  Random random(4);
+  PlatformOptions options{.settings = {.columns = 64, .rows = 8}, .frame_rate_hz = 50000};
+  const std::vector<TestImage> frames = random_images(random, 10, 8, 64);
+  const Played plain = run(options, frames);
+  options.trace_file = all;
+  EXPECT_TRUE(run(options, frames).arrivals == plain.arrivals);
+  options.trace_file = last;
+  options.trace_from = 10;
+  EXPECT_TRUE(run(options, frames).arrivals == plain.arrivals);
+  EXPECT_GT(std::filesystem::file_size(last), 1000U);
+  EXPECT_GT(std::filesystem::file_size(all), 2 * std::filesystem::file_size(last));
+  std::filesystem::remove(all);
+  std::filesystem::remove(last);
+}
+
+#endif
+
+}  // namespace
+}  // namespace selfproj::test
