@@ -258,10 +258,14 @@ FloatImage Inspection::height() const { return map(z_, rig_.plane_z_mm, -1); }
 
 FloatImage Inspection::difference() const { return map(dz_, 0, -1); }
 
+FloatImage Inspection::x() const { return map(x_, 0, 1); }
+
+FloatImage Inspection::y() const { return map(y_, 0, 1); }
+
 FloatImage Inspection::centroid() const {
   FloatImage image(static_cast<int>(frames_.size()), columns_, std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < m0_.size(); ++i) {
-    if (m0_[i] > 0) {
+    if (m0_[i] > 0 && validity_[i] == static_cast<std::uint8_t>(Validity::valid)) {
       image.values[i] = static_cast<float>(static_cast<double>(m1_[i]) / m0_[i]);  // (3.2)
     }
   }
@@ -388,7 +392,7 @@ ReportData Inspection::report_data(const ReportParts& parts) const {
                               mode_name(frames_.front().mode), frames_.front().threshold);
   data.height = height();
   data.difference = difference();
-  data.y = map(y_, 0, 1);
+  data.y = y();
   data.pitch = pitch();
   data.counters = parts.counters;
   data.settings = parts.settings;

@@ -60,8 +60,10 @@ class Inspection {
   [[nodiscard]] FloatImage height() const;
   [[nodiscard]] FloatImage difference() const;
 
-  // Centroids, rows from 1, NaN where a column is unlit; of the same shape.
+  // Centroids (rows from 1), x (not carried back by the belt) and y in mm, likewise.
   [[nodiscard]] FloatImage centroid() const;
+  [[nodiscard]] FloatImage x() const;
+  [[nodiscard]] FloatImage y() const;
 
   // Whether the columns are valid, a Validity each.
   [[nodiscard]] const std::vector<std::uint8_t>& validity() const { return validity_; }
