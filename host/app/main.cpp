@@ -1,10 +1,15 @@
 // selfproj: what runs on the production PC.
 
+#include "host/app/pattern_command.h"
 #include "host/app/rig_command.h"
 #include "host/io/program_main.h"
 
 int main(int argc, char** argv) {
   return selfproj::program_main(
       "selfproj", "3-D inspection by self-projection: the production PC's side",
-      [](CLI::App& app) { selfproj::add_rig_command(app); }, argc, argv);
+      [](CLI::App& app) {
+        selfproj::add_rig_command(app);
+        selfproj::add_pattern_command(app);
+      },
+      argc, argv);
 }

@@ -13,8 +13,8 @@
 #include "model/cpu_clones.h"
 #include "model/spec/generated/selfproj_spec.h"
 
-// The compiler vectorizes the loops over columns for each instruction set of SELFPROJ_CLONES. No multiplication is fused
-// with an addition, -std=c++20 being ISO's, so that all give the same bits.
+// The compiler vectorizes the loops over columns for each instruction set of SELFPROJ_CLONES. No multiplication is
+// fused with an addition, -std=c++20 being ISO's, so that all give the same bits.
 
 namespace selfproj {
 namespace {

@@ -12,9 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "host/io/output_file.h"
-#include "host/io/user_error.h"
-
 namespace selfproj {
 
 FloatImage draw_pattern(const Rig& rig, std::span<const double> line_of_column) {
@@ -42,8 +39,7 @@ FloatImage draw_straight_line(const Rig& rig, double line) {
   return draw_pattern(rig, std::vector<double>(static_cast<std::size_t>(rig.projector.columns), line));
 }
 
-void write_pattern_png(const std::string& file, const FloatImage& pattern) {
-  const OutputFile output(file);
+std::string encode_pattern_png(const FloatImage& pattern) {
   constexpr float kFull = 255;
   cv::Mat mat(pattern.rows, pattern.columns, CV_8UC1);
   for (int r = 0; r < pattern.rows; ++r) {
@@ -53,11 +49,11 @@ void write_pattern_png(const std::string& file, const FloatImage& pattern) {
   }
   std::vector<std::uint8_t> bytes;
   if (pattern.values.empty() || !cv::imencode(".png", mat, bytes)) {
-    throw UserError(file, "an image of this size cannot be written as PNG");
+    throw std::invalid_argument("pattern: an image of this size cannot be written as PNG");
   }
   std::string text(bytes.size(), '\0');
   std::memcpy(text.data(), bytes.data(), bytes.size());
-  output.write(text);
+  return text;
 }
 
 }  // namespace selfproj

@@ -20,8 +20,9 @@ FloatImage draw_pattern(const Rig& rig, std::span<const double> line_of_column);
 // The straight line of the conventional method, and of the scan.
 FloatImage draw_straight_line(const Rig& rig, double line);
 
-// The pattern as PNG file of 8 bits, for projectors: 0..255, rounded. Whole or not at all; throws UserError.
-void write_pattern_png(const std::string& file, const FloatImage& pattern);
+// The pattern as bytes of a PNG file of 8 bits, for projectors: 0..255, rounded. Throws std::invalid_argument for a
+// pattern without pixels.
+std::string encode_pattern_png(const FloatImage& pattern);
 
 }  // namespace selfproj
 

@@ -116,11 +116,25 @@ ReferenceCurve curve_of_heights(const Rig& rig, std::span<const double> height_m
 
 ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& reference) {
   expect_columns(rig, reference.valid.size());
-  std::vector<double> heights;
-  for (std::size_t i = 0; i < reference.valid.size(); ++i) {
-    heights.push_back(reference.valid[i] != 0 ? rig.plane_z_mm - reference.z_mm[i] : kNan);
+  const int columns = rig.camera.columns;
+  const auto z_of = [&](int column) {
+    const auto i = static_cast<std::size_t>(column);
+    return reference.valid[i] != 0 ? reference.z_mm[i] : kNan;
+  };
+  // On from the column `border` by the slope of the last `kBeyond` columns, which `inward` points to; NaN where one of
+  // these two is not valid.
+  constexpr int kBeyond = 8;
+  const auto beyond = [&](int border, int inward, int steps) {
+    return columns <= kBeyond ? kNan
+                              : z_of(border) + (z_of(border) - z_of(border + inward * kBeyond)) * steps / kBeyond;
+  };
+  ReferenceCurve curve;
+  for (int i = -kBeyond; i < columns + kBeyond; ++i) {
+    const double z = i < 0 ? beyond(0, 1, -i) : i >= columns ? beyond(columns - 1, -1, i - columns + 1) : z_of(i);
+    curve.z_mm.push_back(z);
+    curve.y_mm.push_back(z * tan_beta(rig.camera, i));
   }
-  return curve_of_heights(rig, heights);
+  return curve;
 }
 
 ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve) {

@@ -48,7 +48,8 @@ struct ReferenceProfile {
 // point with y = z tan β(η). Throws std::invalid_argument where there are not as many as the rig has columns.
 ReferenceCurve curve_of_heights(const Rig& rig, std::span<const double> height_mm);
 
-// The curve of a measured reference.
+// The curve of a measured reference, continued by 8 columns on both sides of the image with the slope of the last 8, so
+// that its pattern does not end where the camera's view does: lens blur would dim the columns at the border.
 ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& reference);
 
 // The reference that a column sees when the pattern of `curve` is projected onto `curve`: the surface nearest to the

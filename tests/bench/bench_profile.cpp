@@ -10,6 +10,7 @@
 // compared with the conventional equation in double precision; a difference ends the program with exit status 1.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -50,7 +51,7 @@ struct Packets {
     header.columns = kColumns;
     header.rows = static_cast<std::uint16_t>(packet_rig.camera.rows);
     header.mode = static_cast<std::uint8_t>(mode);
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < kInCache; ++i) {
       for (std::size_t k = 0; k < kColumns; ++k) {
         moments.n[k] = 3 + random() % 7;
         moments.m0[k] = mode == Mode::binary ? moments.n[k] : moments.n[k] * 100 + random() % 100;
@@ -60,7 +61,12 @@ struct Packets {
       ++header.sequence;
       append_packet(header, payload, 0, bytes);
     }
-    size = bytes.size() / static_cast<std::size_t>(count);
+    size = bytes.size() / kInCache;
+    const std::size_t first = bytes.size();  // the others are copies of these
+    bytes.resize(size * static_cast<std::size_t>(count));
+    for (std::size_t at = first; at < bytes.size(); at += size) {
+      std::copy_n(bytes.data() + at - first, size, bytes.data() + at);
+    }
   }
 
   std::span<const std::uint8_t> packet(int i) const {

@@ -1,0 +1,227 @@
+#include "host/app/pattern_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/io/output_folder.h"
+#include "host/io/progress.h"
+#include "host/io/rig.h"
+#include "host/io/user_error.h"
+#include "host/optics/pattern.h"
+#include "host/optics/preview.h"
+#include "host/optics/reference.h"
+#include "host/optics/reference_file.h"
+#include "host/optics/scan.h"
+
+namespace selfproj {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string rig = "light-section";
+  std::string out;
+  // One of these is given.
+  std::string reference;
+  std::string scan;
+  std::optional<double> line;
+  bool sweep = false;
+  // Beside them.
+  std::string residual;
+  std::optional<int> frame;
+  int every = 1;
+  std::optional<Channel> channel;
+};
+
+// The images of a folder in the order of their names; what begins with a dot is none.
+std::vector<std::string> images_in(const std::string& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw UserError(folder, fs::exists(folder, error) ? "is not a folder" : "there is no such folder");
+  }
+  std::vector<std::string> files;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (!entry->path().filename().string().starts_with('.')) {
+      files.push_back(entry->path().string());
+    }
+  }
+  if (error) {
+    throw UserError(folder, error.message());
+  }
+  if (files.empty()) {
+    throw UserError(folder, "has no images");
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// Hands over the images one after another, each of the camera's size.
+void for_each_image(const Rig& rig, const std::vector<std::string>& files, std::optional<Channel> channel,
+                    const std::function<void(std::size_t index, const Image& image)>& take) {
+  Progress progress("image", files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Image image = read_image(files[i], channel);
+    if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
+      throw UserError(files[i], fmt::format("has {} x {} pixels; the rig's camera has {} rows x {} columns", image.rows,
+                                            image.columns, rig.camera.rows, rig.camera.columns));
+    }
+    take(i, image);
+    progress.update(i + 1);
+  }
+}
+
+ReferenceProfile scanned(const Rig& rig, const Options& options) {
+  const std::vector<std::string> files = images_in(options.scan);
+  const std::vector<int> lines = sweep_lines(rig, options.every);
+  if (files.size() != lines.size()) {
+    throw UserError(options.scan, fmt::format("has {} images; a sweep by {} of this rig has {}, of the lines {}..{}",
+                                              files.size(), options.every, lines.size(), lines.front(), lines.back()));
+  }
+  LineScan scan(rig, options.every);
+  for_each_image(rig, files, options.channel,
+                 [&](std::size_t i, const Image& image) { scan.add(lines[i], image.view()); });
+  return scan.reference();
+}
+
+ReferenceProfile with_residual_out(const Rig& rig, const Options& options, const ReferenceProfile& reference) {
+  CentroidMean mean(rig);
+  for_each_image(rig, images_in(options.residual), options.channel,
+                 [&](std::size_t, const Image& image) { mean.add(image.view()); });
+  return without_residual(rig, reference, mean.centroids());
+}
+
+void add_pattern(OutputFolder& folder, const FloatImage& pattern) {
+  folder.append("pattern.tiff", encode_float_tiff(folder.name() + "/pattern.tiff", pattern));
+  folder.append("pattern.png", encode_pattern_png(pattern));
+}
+
+void make_reference(const Rig& rig, const Options& options) {
+  OutputFolder folder(options.out);
+  std::error_code error;
+  const bool made_before = fs::is_directory(options.reference, error);  // a reference folder
+  ReferenceProfile reference;
+  FloatImage pattern;
+  if (made_before) {
+    if (options.residual.empty()) {
+      throw UserError("--reference", options.reference + " has its pattern; with --residual its residual is taken out");
+    }
+    reference = load_reference(rig, options.reference);
+    pattern = load_pattern(rig, options.reference);
+  } else {
+    ReferenceCurve curve;
+    if (options.scan.empty()) {
+      curve = load_curve(rig, options.reference, options.frame);
+      reference = reference_of_curve(rig, curve);
+    } else {
+      reference = scanned(rig, options);
+      curve = curve_of_reference(rig, reference);
+    }
+    pattern = draw_pattern(rig, pattern_of_curve(rig, curve));
+  }
+  const std::string& source = options.scan.empty() ? options.reference : options.scan;
+  if (reference.valid_columns() == 0) {
+    throw UserError(source, options.scan.empty() ? "no camera column sees it in the projector's light"
+                                                 : "no camera column sees the line cross its middle row");
+  }
+  if (!options.residual.empty()) {
+    reference = with_residual_out(rig, options, reference);
+    if (reference.valid_columns() == 0) {
+      throw UserError(options.residual, "the line is seen in none of the reference's columns");
+    }
+  }
+  folder.append("reference.csv", reference_csv(rig, reference));
+  add_pattern(folder, pattern);
+  folder.append("preview.png", draw_preview(rig, pattern, reference));
+  folder.commit();
+  fmt::print("{}: reference in {} of {} columns\n", options.out, reference.valid_columns(), reference.columns());
+}
+
+void make_line(const Rig& rig, const Options& options) {
+  if (!std::isfinite(*options.line) || *options.line < 0 || *options.line > rig.projector.lines - 1) {
+    throw UserError("--line",
+                    fmt::format("is {}; the projector has the lines 0..{}", *options.line, rig.projector.lines - 1));
+  }
+  OutputFolder folder(options.out);
+  const FloatImage pattern = draw_straight_line(rig, *options.line);
+  add_pattern(folder, pattern);
+  folder.append("preview.png", draw_preview(rig, pattern, {}));
+  folder.commit();
+}
+
+void make_sweep(const Rig& rig, const Options& options) {
+  OutputFolder folder(options.out);
+  const std::vector<int> lines = sweep_lines(rig, options.every);
+  Progress progress("pattern", lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    folder.append(fmt::format("line_{:05}.png", lines[i]), encode_pattern_png(draw_straight_line(rig, lines[i])));
+    progress.update(i + 1);
+  }
+  folder.commit();
+}
+
+void run(const Options& options) {
+  const Rig rig = load_rig(options.rig);
+  if (sweep_lines(rig, options.every).empty()) {
+    throw UserError(options.rig, fmt::format("measure.line_width_px is {}; the projector has {} lines",
+                                             rig.measure.line_width_px, rig.projector.lines));
+  }
+  if (options.line) {
+    make_line(rig, options);
+  } else if (options.sweep) {
+    make_sweep(rig, options);
+  } else {
+    make_reference(rig, options);
+  }
+}
+
+}  // namespace
+
+void add_pattern_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "pattern", "Make the pattern whose line a reference part straightens, from the part's shape or from a scan");
+  auto options = std::make_shared<Options>();
+  command->add_option("--rig", options->rig, "a built-in rig or a YAML file (light-section)");
+  command->add_option("--out", options->out, "folder for the results, written whole or not at all")->required();
+  auto* source = command->add_option_group("what from", "one of");
+  auto* reference = source->add_option(
+      "--reference", options->reference,
+      "the part's section: CSV y_mm,z_mm, or a TIFF of heights per camera column; or a reference folder");
+  auto* scan = source->add_option("--scan", options->scan,
+                                  "folder of the images seen under the patterns of --sweep, in the order of names");
+  auto* line = source->add_option("--line", options->line, "only a straight line at this projector line (from 0)");
+  auto* sweep = source->add_flag("--sweep", options->sweep, "only the straight lines to scan a part with");
+  source->require_option(1);
+  command
+      ->add_option("--residual", options->residual,
+                   "folder of images of the part under its own pattern: takes each column's residual out")
+      ->excludes(line)
+      ->excludes(sweep);
+  command->add_option("--frame", options->frame, "frame (from 1) of the TIFF of heights; else the median of all")
+      ->needs(reference);
+  command->add_option("--every", options->every, "a sweep by this many lines (1)")
+      ->check(CLI::Range(1, 64))
+      ->excludes(reference)
+      ->excludes(line);
+  const std::map<std::string, Channel> channels = {
+      {"red", Channel::red}, {"green", Channel::green}, {"blue", Channel::blue}, {"grey", Channel::grey}};
+  command->add_option("--channel", options->channel, "what to take of colour images: red, green, blue or grey")
+      ->transform(CLI::CheckedTransformer(channels));
+  static_cast<void>(scan);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace selfproj

@@ -1,0 +1,96 @@
+// selfproj pattern as its user meets it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/optics/reference_file.h"
+#include "tests/cli/program.h"
+
+namespace selfproj::test {
+namespace {
+
+Outcome pattern(const ScratchFolder& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "pattern");
+  return run_program(SELFPROJ_PROGRAM, arguments, folder.path());
+}
+
+const std::string kPlane = "y_mm,z_mm\n-80,1167\n80,1167\n";
+
+// Bad input: status 2, one line that begins so, nothing written.
+void expect_refused(const ScratchFolder& folder, const Outcome& outcome, const std::string& begin) {
+  EXPECT_EQ(outcome.status, 2) << outcome.err;
+  EXPECT_EQ(outcome.err.rfind("selfproj: " + begin, 0), 0U) << outcome.err;
+  EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+  for (const std::string& name : folder.names()) {
+    EXPECT_NE(name, "out");
+    EXPECT_FALSE(name.starts_with("."));
+  }
+}
+
+TEST(PatternCommand, MakesAReferenceFolder) {
+  const ScratchFolder folder;
+  write_text(folder / "plane.csv", kPlane);
+  const Outcome outcome = pattern(folder, {"--reference", "plane.csv", "--out", "out"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "out: reference in 512 of 512 columns\n");
+  const Rig rig = load_rig("light-section");
+  const std::string out = (folder / "out").string();
+  const ReferenceProfile reference = load_reference(rig, out);
+  EXPECT_NEAR(reference.z_mm[17], 1167, 1e-9);
+  const FloatImage image = load_pattern(rig, out);
+  const Image png = read_image(out + "/pattern.png", {});
+  ASSERT_EQ(png.rows, 512);
+  ASSERT_EQ(png.columns, 512);
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    ASSERT_EQ(png.pixels[i], std::lround(255 * image.values[i]));
+  }
+  EXPECT_GT(read_image(out + "/preview.png", Channel::grey).columns, 500);
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"out", "plane.csv"}));
+  // Again into the same folder.
+  EXPECT_EQ(pattern(folder, {"--reference", "plane.csv", "--out", "out"}).status, 0);
+}
+
+TEST(PatternCommand, StraightLineAndSweep) {
+  const ScratchFolder folder;
+  ASSERT_EQ(pattern(folder, {"--line", "255.5", "--out", "line"}).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "line" / "pattern.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "line" / "reference.csv"));
+  ASSERT_EQ(pattern(folder, {"--sweep", "--every", "64", "--out", "sweep"}).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "sweep" / "line_00064.png"));
+  expect_refused(folder, pattern(folder, {"--line", "512", "--out", "out"}), "--line: is 512");
+}
+
+TEST(PatternCommand, WrongInputIsOneLine) {
+  const ScratchFolder folder;
+  write_text(folder / "plane.csv", kPlane);
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& begin) {
+    SCOPED_TRACE(begin);
+    expect_refused(folder, pattern(folder, arguments), begin);
+  };
+  refused({"--reference", "none.csv", "--out", "out"}, "none.csv: ");
+  refused({"--reference", "plane.csv", "--out", "no/such/out"}, "no/such/out: there is no folder no/such");
+  refused({"--reference", "plane.csv", "--out", "plane.csv"}, "plane.csv: is there and not a folder");
+  refused({"--reference", "plane.csv", "--frame", "1", "--out", "out"}, "plane.csv: is no TIFF file");
+  refused({"--reference", "plane.csv", "--scan", ".", "--out", "out"}, "");
+  refused({"--out", "out"}, "");
+  refused({"--reference", "plane.csv"}, "--out");
+  write_text(folder / "away.csv", "y_mm,z_mm\n-80,3000\n80,3000\n");
+  refused({"--reference", "away.csv", "--out", "out"}, "away.csv: no camera column sees it in the projector's light");
+  write_float_tiff((folder / "narrow.tiff").string(), FloatImage(1, 500));
+  refused({"--reference", "narrow.tiff", "--out", "out"}, "narrow.tiff: has 500 columns; the rig's camera has 512");
+  write_text(folder / "rig.yaml", "name: mine\n");
+  refused({"--rig", "rig.yaml", "--reference", "plane.csv", "--out", "out"}, "rig.yaml: ");
+  std::filesystem::create_directory(folder / "images");
+  refused({"--scan", "images", "--out", "out"}, "images: has no images");
+  write_text(folder / "images" / "a.pgm", "P2\n2 1\n255\n1 2\n");
+  refused({"--scan", "images", "--out", "out"}, "images: has 1 images; a sweep by 1 of this rig has 508");
+  refused({"--reference", "plane.csv", "--residual", "images", "--out", "out"}, "images/a.pgm: has 1 x 2 pixels");
+}
+
+}  // namespace
+}  // namespace selfproj::test
