@@ -10,11 +10,8 @@ namespace selfproj {
 namespace {
 
 void check_settings(const GraySettings& settings) {
-  if (settings.rows < 1 || settings.rows > spec::kMaxRows) {
-    throw std::invalid_argument("gray decoder: rows are not in 1.." + std::to_string(spec::kMaxRows));
-  }
-  if (settings.columns < 1) {
-    throw std::invalid_argument("gray decoder: columns are less than 1");
+  if (settings.rows < 1 || settings.columns < 1) {
+    throw std::invalid_argument("gray decoder: rows or columns are less than 1");
   }
   if (settings.bits < 1 || settings.bits > GrayDecoder::kMaxBits) {
     throw std::invalid_argument("gray decoder: bits are not in 1.." + std::to_string(GrayDecoder::kMaxBits));
@@ -58,16 +55,16 @@ bool GrayDecoder::begin(int pattern) {
   return due_;
 }
 
-void GrayDecoder::line(int row, int columns, const std::uint8_t* pixels, std::uint16_t* codes) {
+void GrayDecoder::pixels(int row, int column, int count, const std::uint8_t* values, std::uint16_t* codes) {
   const auto bits = static_cast<unsigned>(settings_.bits);
   const unsigned weight = 1U << (bits - 1 - static_cast<unsigned>(plane_));  // of the plane in the code
-  Pixel* state = pixels_.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(settings_.columns);
-  for (int column = 0; column < columns; ++column) {
-    Pixel& pixel = state[column];
+  Pixel* state = pixels_.data() + static_cast<std::ptrdiff_t>(row) * settings_.columns + column;
+  for (int i = 0; i < count; ++i) {
+    Pixel& pixel = state[i];
     if (role_ == Role::positive) {
-      pixel.positive = pixels[column];
+      pixel.positive = values[i];
     } else if (role_ == Role::negative) {
-      const int difference = pixel.positive - pixels[column];
+      const int difference = pixel.positive - values[i];
       const bool lit = difference > settings_.threshold;
       const bool ambiguous = !lit && difference >= -settings_.threshold;
       const bool above = plane_ != 0 && (pixel.planes & (weight << 1)) != 0;  // B of the plane before
@@ -75,7 +72,7 @@ void GrayDecoder::line(int row, int columns, const std::uint8_t* pixels, std::ui
       pixel.ambiguous = static_cast<std::uint16_t>((pixel.ambiguous & ~weight) | (ambiguous ? weight : 0U));
       if (due_) {
         const bool measurable = std::popcount(pixel.ambiguous) <= 1;
-        codes[column] = static_cast<std::uint16_t>(pixel.planes | (measurable ? kMeasurable : 0U));
+        codes[i] = static_cast<std::uint16_t>(pixel.planes | (measurable ? kMeasurable : 0U));
       }
     }
   }
@@ -102,8 +99,8 @@ bool GrayDecoder::take(const ImageView& image, int pattern, bool good, std::uint
   }
   const bool due = begin(pattern);
   for (int row = 0; row < image.rows; ++row) {
-    line(row, image.columns, image.pixels + row * image.stride,
-         codes + static_cast<std::ptrdiff_t>(row) * image.columns);
+    pixels(row, 0, image.columns, image.pixels + row * image.stride,
+           codes + static_cast<std::ptrdiff_t>(row) * image.columns);
   }
   end(true);
   return due;

@@ -29,8 +29,8 @@ namespace selfproj {
 
 // A change of any of these makes the decoder wait for plane 0.
 struct GraySettings {
-  int rows = 512;     // 1..spec::kMaxRows
-  int columns = 512;  // 1 or more, of any number (multiples of 4, and at most spec::kMaxColumns, in the circuit)
+  int rows = 512;     // 1 or more (on the board at most spec::kMaxRows)
+  int columns = 512;  // 1 or more (on the board a multiple of 4, and at most spec::kMaxColumns)
   int bits = 8;       // m: pairs in a cycle, 1..kMaxBits
   int threshold = 5;  // T, 0..255
 
@@ -59,13 +59,14 @@ class GrayDecoder {
   // Throws std::invalid_argument where the image has not the size of the settings, or a pointer is null.
   bool take(const ImageView& image, int pattern, bool good, std::uint16_t* codes);
 
-  // The same line by line, for frames that may break after some of their lines have been decoded: begin with the first
-  // pixel, line for each complete line in turn, end with `good` false where the frame broke.
+  // The same piece by piece, for frames that may break after some of their pixels have been decoded: begin with the
+  // first pixel, pixels for each piece of a line, end with `good` false where the frame broke.
   //
-  // begin returns whether the frame's lines give codes. line takes the pixels of row `row` (from 0), of which the first
-  // `columns` have come, and writes as many words to `codes` where codes are due, which must not be null then.
+  // begin returns whether the frame's pixels give codes. pixels takes `count` pixels of row `row` from column `column`
+  // on (both from 0; within the settings) and writes as many words to `codes` where codes are due, which is else not
+  // read.
   bool begin(int pattern);
-  void line(int row, int columns, const std::uint8_t* pixels, std::uint16_t* codes);
+  void pixels(int row, int column, int count, const std::uint8_t* values, std::uint16_t* codes);
   void end(bool good);
 
  private:

@@ -1,5 +1,6 @@
 // Simple dual-port memory: one write port, one read port, each with its clock. Maps to block RAM everywhere.
 //
+// Depth words, 2^LogDepth where nothing else is said; addresses are below it.
 // Guarantees: rd_data_o is the word at rd_addr_i one clock after rd_en_i, and holds until the next rd_en_i.
 // A read in the same clock as a write to the same address gives an undefined word; the users prove that they never
 // use one. Contents are undefined after configuration.
@@ -7,7 +8,8 @@
 
 module sp_ram #(
   parameter int Width = 32,
-  parameter int LogDepth = 9
+  parameter int LogDepth = 9,
+  parameter int Depth = 1 << LogDepth
 ) (
   input  wire logic                wr_clk_i,
   input  wire logic                wr_en_i,
@@ -20,7 +22,7 @@ module sp_ram #(
   output logic      [Width-1:0]    rd_data_o
 );
 
-  (* no_rw_check *) logic [Width-1:0] memory[0:(1 << LogDepth)-1];
+  (* no_rw_check *) logic [Width-1:0] memory[0:Depth-1];
 
   always_ff @(posedge wr_clk_i) begin
     if (wr_en_i) memory[wr_addr_i] <= wr_data_i;

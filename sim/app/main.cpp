@@ -1,10 +1,14 @@
 // selfproj-sim: the world around the board, in simulation.
 
 #include "host/io/program_main.h"
+#include "sim/app/decode_command.h"
 #include "sim/app/moments_command.h"
 
 int main(int argc, char** argv) {
   return selfproj::program_main(
       "selfproj-sim", "Simulated board of the light-section inspection",
-      [](CLI::App& app) { selfproj::add_moments_command(app); }, argc, argv);
+      [](CLI::App& app) {
+        selfproj::add_moments_command(app);
+        selfproj::add_decode_command(app);
+      }, argc, argv);
 }

@@ -184,7 +184,7 @@ TEST(GrayDecoder, RandomSequences) {
   }
 }
 
-// Line by line with a break in the middle: the lines before it are decoded, then the decoder waits for plane 0.
+// Piece by piece with a break in the middle: the lines before it are decoded, then the decoder waits for plane 0.
 TEST(GrayDecoder, BrokenFrame) {
   const GraySettings settings{.rows = 2, .columns = 3, .bits = 1, .threshold = 5};
   GrayDecoder decoder(settings);
@@ -192,15 +192,17 @@ TEST(GrayDecoder, BrokenFrame) {
   const std::array<std::uint8_t, 6> dark{};
   std::array<std::uint16_t, 3> codes{};
   EXPECT_FALSE(decoder.begin(0));
-  decoder.line(0, 3, bright.data(), nullptr);
-  decoder.line(1, 3, bright.data() + 3, nullptr);
+  decoder.pixels(0, 0, 3, bright.data(), nullptr);
+  decoder.pixels(1, 0, 3, bright.data() + 3, nullptr);
   decoder.end(true);
   EXPECT_TRUE(decoder.begin(1));
-  decoder.line(0, 3, dark.data(), codes.data());
+  decoder.pixels(0, 0, 3, dark.data(), codes.data());
   EXPECT_EQ(codes, (std::array<std::uint16_t, 3>{1 | kMeasurable, 1 | kMeasurable, 1 | kMeasurable}));
   codes.fill(kUntouched);
-  decoder.line(1, 2, dark.data() + 3, codes.data());
+  decoder.pixels(1, 0, 2, dark.data() + 3, codes.data());
   EXPECT_EQ(codes, (std::array<std::uint16_t, 3>{1 | kMeasurable, 1 | kMeasurable, kUntouched}));
+  decoder.pixels(1, 2, 1, dark.data() + 5, codes.data() + 2);
+  EXPECT_EQ(codes, (std::array<std::uint16_t, 3>{1 | kMeasurable, 1 | kMeasurable, 1 | kMeasurable}));
   decoder.end(false);
   EXPECT_FALSE(decoder.begin(1));
   decoder.end(true);
@@ -212,10 +214,9 @@ TEST(GrayDecoder, BrokenFrame) {
 TEST(GrayDecoder, RefusesWhatIsOutOfRange) {
   const GraySettings good{.rows = 4, .columns = 8, .bits = 3, .threshold = 5};
   for (const auto change : std::vector<void (*)(GraySettings&)>{
-           [](GraySettings& s) { s.rows = 0; }, [](GraySettings& s) { s.rows = spec::kMaxRows + 1; },
-           [](GraySettings& s) { s.columns = 0; }, [](GraySettings& s) { s.bits = 0; },
-           [](GraySettings& s) { s.bits = GrayDecoder::kMaxBits + 1; }, [](GraySettings& s) { s.threshold = -1; },
-           [](GraySettings& s) { s.threshold = 256; }}) {
+           [](GraySettings& s) { s.rows = 0; }, [](GraySettings& s) { s.columns = 0; },
+           [](GraySettings& s) { s.bits = 0; }, [](GraySettings& s) { s.bits = GrayDecoder::kMaxBits + 1; },
+           [](GraySettings& s) { s.threshold = -1; }, [](GraySettings& s) { s.threshold = 256; }}) {
     GraySettings bad = good;
     change(bad);
     EXPECT_THROW(GrayDecoder decoder(bad), std::invalid_argument);

@@ -1,0 +1,91 @@
+// One pixel of the Gray-code decoder: binarization of a pair, running code bits, ambiguity window.
+//
+// State of a pixel, low bits first: the positive pixel, 8 bits; MaxBits code bits, that of plane p of m in bit m-1-p; MaxBits
+// ambiguity bits, likewise. In every frame the pixel takes the positive's place; in a frame that is a negative (negative_i)
+// the plane of the one bit of weight_i becomes
+//     B = (positive - pixel > threshold)  xor  the bit of above_i, that of the plane before (none: 0)
+//     ambiguous = |positive - pixel| <= threshold
+// and bits outside mask_i, which are left of another m, become 0.
+//
+// Timing: a pixel and its state come in one clock, t; the threshold is read in t + 1, what says what the frame is in t + 2; the
+// new state stands in t + 3, the code word in t + 4. One pixel every clock.
+`default_nettype none
+
+module sp_gray_lane #(
+  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,
+  // derived, do not set
+  parameter int StateBits = sp_spec_pkg::PixelBits + 2 * MaxBits
+) (
+  input  wire logic                 clk_i,
+
+  input  wire logic [7:0]           pixel_i,
+  input  wire logic [StateBits-1:0] state_i,
+
+  input  wire logic [7:0]           threshold_i,  // one clock later
+
+  input  wire logic                 negative_i,   // two clocks later
+  input  wire logic [MaxBits-1:0]   weight_i,
+  input  wire logic [MaxBits-1:0]   above_i,
+  input  wire logic [MaxBits-1:0]   mask_i,
+
+  output logic      [StateBits-1:0] state_o,      // three clocks later
+  input  wire logic                 clear_i,      // three clocks later: the code word becomes 0
+  output logic      [15:0]          code_o        // four clocks later
+);
+
+  // --- Difference of the pair ---
+  logic signed [8:0]  difference_q;
+  logic [7:0]         pixel_q, pixel_q2;
+  logic [MaxBits-1:0] planes_q, planes_q2, ambiguous_q, ambiguous_q2;
+
+  always_ff @(posedge clk_i) begin
+    difference_q <= {1'b0, state_i[7:0]} - {1'b0, pixel_i};
+    {pixel_q, planes_q, ambiguous_q} <= {pixel_i, state_i[8+:MaxBits], state_i[8+MaxBits+:MaxBits]};
+  end
+
+  // --- Binarization (4.15) ---
+  logic               lit, dark;  // certainly
+  logic               lit_q, uncertain_q;
+
+  assign lit  = $signed(10'(difference_q)) > $signed({2'b00, threshold_i});
+  assign dark = $signed(10'(difference_q)) < -$signed({2'b00, threshold_i});
+
+  always_ff @(posedge clk_i) begin
+    lit_q       <= lit;
+    uncertain_q <= !lit && !dark;
+    {pixel_q2, planes_q2, ambiguous_q2} <= {pixel_q, planes_q, ambiguous_q};
+  end
+
+  // --- The plane's bits (4.17, 4.16) ---
+  logic               value;
+  logic [MaxBits-1:0] kept;  // planes that this frame leaves as they are
+  logic [MaxBits-1:0] set_plane, set_ambiguous;
+  logic [7:0]         pixel_q3;
+  logic [MaxBits-1:0] planes_q3, ambiguous_q3;
+
+  assign value         = lit_q ^ |(planes_q2 & above_i);
+  assign kept          = mask_i & ~(negative_i ? weight_i : MaxBits'(0));
+  assign set_plane     = negative_i && value ? weight_i : MaxBits'(0);
+  assign set_ambiguous = negative_i && uncertain_q ? weight_i : MaxBits'(0);
+
+  always_ff @(posedge clk_i) begin
+    pixel_q3     <= pixel_q2;
+    planes_q3    <= planes_q2 & kept | set_plane;
+    ambiguous_q3 <= ambiguous_q2 & kept | set_ambiguous;
+  end
+
+  assign state_o = {ambiguous_q3, planes_q3, pixel_q3};
+
+  // --- The code word: measurable where at most one plane is ambiguous ---
+  logic measurable;
+
+  assign measurable = (ambiguous_q3 & (ambiguous_q3 - MaxBits'(1))) == MaxBits'(0);
+
+  always_ff @(posedge clk_i) begin
+    if (clear_i) code_o <= '0;
+    else code_o <= {measurable, 15'(planes_q3)};
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,246 @@
+// 3 x 3 median of a stream of code images, four codes a clock; a line behind its input.
+//
+//   codes ─▶ line before ─▶ line before that        two line buffers
+//     │          │              │
+//     └──────────┴──────────────┴▶ window of 6 x 3 ─▶ 4 × sp_median9
+//
+// A line leaves while the next one comes; the last one of a frame follows at once, one beat a clock, in which time (busy_o)
+// and three clocks after it no other frame may begin: sp_gray_decoder sees to it. Without s_median_i codes pass unchanged, at the same clocks. A frame that breaks
+// in a line takes the line before along: this one ends where the break is, less the one beat that its right neighbour is
+// missing to; the broken line itself does not leave. A break between lines leaves no trace.
+// Only frames whose codes are wanted come in (s_valid_i); s_break_i may be of others: then it is not passed on.
+//
+// Timing: group g of a line leaves five clocks after group g + 1 of the line below came in, its last six clocks after the
+// last one there; a break six clocks after it came in. In the pass of the last line its groups count as those of a line below.
+`default_nettype none
+
+module sp_median3x3 #(
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns
+) (
+  input  wire logic        clk_i,
+  input  wire logic        rst_i,
+
+  // Codes of sp_gray_decoder
+  input  wire logic        s_valid_i,
+  input  wire logic [63:0] s_codes_i,
+  input  wire logic        s_start_i,
+  input  wire logic        s_line_start_i,
+  input  wire logic        s_line_end_i,
+  input  wire logic        s_last_row_i,
+  input  wire logic        s_break_i,
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] s_status_i,
+  input  wire logic        s_median_i,     // with s_start_i: of the frame
+  output logic             busy_o,         // a frame is under way, or its last line
+
+  // Codes
+  output logic             m_valid_o,
+  output logic      [63:0] m_codes_o,
+  output logic             m_start_o,
+  output logic             m_line_start_o,
+  output logic             m_line_end_o,
+  output logic             m_break_o,
+  output logic [sp_spec_pkg::StatusBits-1:0] m_status_o
+);
+
+  localparam int StatusBits = sp_spec_pkg::StatusBits;
+  localparam int CodeBits = sp_spec_pkg::CodeCodeBits;
+  localparam int Width = CodeBits + 1;  // {measurable, code}
+  localparam int GroupBits = MaxColumns > 4 ? $clog2(MaxColumns / 4) : 1;
+
+  // --- Where the beat is; a step reads both line buffers: a beat from the second line on, or one of the last line's pass ---
+  logic                 open_q;         // a frame is under way
+  logic                 passing_q;      // its last line leaves
+  logic [1:0]           lines_q, lines; // complete ones of the frame, up to 2
+  logic [GroupBits-1:0] group_q, group; // the next one's
+  logic [GroupBits-1:0] last_group_q;   // of the frame's lines
+  logic [GroupBits-1:0] pass_group_q;
+  logic                 step, ends;
+
+  assign lines = s_start_i ? 2'd0 : lines_q;
+  assign group = s_line_start_i ? '0 : group_q;
+  assign ends  = s_valid_i && s_line_end_i && s_last_row_i;
+  assign step  = s_valid_i && lines != 2'd0 || passing_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      open_q    <= 1'b0;
+      passing_q <= 1'b0;
+      busy_o    <= 1'b0;
+    end else begin
+      if (s_valid_i) open_q <= !ends;
+      else if (s_break_i) open_q <= 1'b0;
+      if (ends) passing_q <= 1'b1;
+      else if (pass_group_q == last_group_q) passing_q <= 1'b0;
+      if (s_valid_i) busy_o <= 1'b1;
+      else if (s_break_i && open_q || passing_q && pass_group_q == last_group_q) busy_o <= 1'b0;
+    end
+    if (s_valid_i) begin
+      group_q <= group + GroupBits'(1);
+      lines_q <= lines + 2'(s_line_end_i && lines != 2'd2);
+      if (s_line_end_i) last_group_q <= group;
+    end
+    pass_group_q <= passing_q ? pass_group_q + GroupBits'(1) : '0;
+  end
+
+  // --- Line buffers: near holds the line before, far the one before that. They are written a clock after they were read; a
+  // read in the clock of the write of the same group (lines of one group) takes what is written. ---
+  logic [4*Width-1:0]   now1_q;
+  logic                 valid1_q, step1_q, first1_q, last1_q, top1_q, bottom1_q, same1_q;
+  logic [GroupBits-1:0] group1_q, step_group;
+  logic [4*Width-1:0]   near_ram, far_ram, near, far, near_written_q, far_written_q;
+  logic [4*Width-1:0]   codes;
+  logic                 median_q;
+
+  for (genvar i = 0; i < 4; i++) begin : gen_in
+    assign codes[Width*i+:Width] = {s_codes_i[16*i+sp_spec_pkg::CodeMeasurableLsb], s_codes_i[16*i+:CodeBits]};
+    logic unused;
+    assign unused = ^s_codes_i[16*i+CodeBits+:16-CodeBits];
+  end
+
+  assign step_group = passing_q ? pass_group_q : group;
+  assign near       = same1_q ? near_written_q : near_ram;
+  assign far        = same1_q ? far_written_q : far_ram;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      valid1_q <= 1'b0;
+      step1_q  <= 1'b0;
+    end else begin
+      valid1_q <= s_valid_i;
+      step1_q  <= step;
+    end
+    now1_q    <= codes;
+    group1_q  <= group;
+    first1_q  <= step_group == '0;
+    last1_q   <= passing_q ? pass_group_q == last_group_q : s_line_end_i;
+    top1_q    <= passing_q ? lines_q == 2'd2 : lines == 2'd2;
+    bottom1_q <= !passing_q;
+    same1_q   <= valid1_q && group1_q == step_group;
+    {near_written_q, far_written_q} <= {now1_q, near};
+    if (s_valid_i && s_start_i) median_q <= s_median_i;
+  end
+
+  sp_ram #(
+    .Width   (4 * Width),
+    .LogDepth(GroupBits)
+  ) u_near (
+    .wr_clk_i (clk_i),
+    .wr_en_i  (valid1_q),
+    .wr_addr_i(group1_q),
+    .wr_data_i(now1_q),
+    .rd_clk_i (clk_i),
+    .rd_en_i  (step),
+    .rd_addr_i(step_group),
+    .rd_data_o(near_ram)
+  );
+
+  sp_ram #(
+    .Width   (4 * Width),
+    .LogDepth(GroupBits)
+  ) u_far (
+    .wr_clk_i (clk_i),
+    .wr_en_i  (valid1_q && step1_q),
+    .wr_addr_i(group1_q),
+    .wr_data_i(near),
+    .rd_clk_i (clk_i),
+    .rd_en_i  (step),
+    .rd_addr_i(step_group),
+    .rd_data_o(far_ram)
+  );
+
+  // --- The window: columns of three codes, top in the low bits; the group in its middle is the one before the step's ---
+  localparam int Column = 3 * Width;
+
+  logic [4*Column-1:0] columns;      // of the step
+  logic [4*Column-1:0] middle_q;     // of the step before it
+  logic [Column-1:0]   left_q;       // the column left of these
+  logic                middle_valid_q, middle_first_q, middle_last_q, middle_top_q, middle_bottom_q;
+  logic                leaves;
+  logic [6*Column-1:0] window_q;
+  logic                window_valid_q, window_first_q, window_last_q, window_top_q, window_bottom_q;
+
+  for (genvar i = 0; i < 4; i++) begin : gen_column
+    assign columns[Column*i+:Column] = {now1_q[Width*i+CodeBits] && bottom1_q, now1_q[Width*i+:CodeBits],
+                                        near[Width*i+:Width],
+                                        far[Width*i+CodeBits] && top1_q, far[Width*i+:CodeBits]};
+  end
+
+  assign leaves = middle_valid_q && (middle_last_q || step1_q && !first1_q);
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      middle_valid_q <= 1'b0;
+      window_valid_q <= 1'b0;
+    end else begin
+      if (step1_q) middle_valid_q <= 1'b1;
+      else if (leaves) middle_valid_q <= 1'b0;
+      window_valid_q <= leaves;
+    end
+    if (step1_q) begin
+      middle_q        <= columns;
+      left_q          <= first1_q ? '0 : middle_q[3*Column+:Column];
+      middle_first_q  <= first1_q;
+      middle_last_q   <= last1_q;
+      middle_top_q    <= top1_q;
+      middle_bottom_q <= bottom1_q;
+    end
+    window_q        <= {middle_last_q ? Column'(0) : columns[0+:Column], middle_q, left_q};
+    window_first_q  <= middle_first_q;
+    window_last_q   <= middle_last_q;
+    window_top_q    <= middle_top_q;
+    window_bottom_q <= middle_bottom_q;
+  end
+
+  // --- Four medians. Of those that exist half is 4, 3 (6 of them), 2 (4), 1 (2 or 3). ---
+  logic [3:0]         half_inner, half_outer;
+  logic [4*Width-1:0] medians;
+
+  always_comb begin
+    case ({window_top_q, window_bottom_q})
+      2'b11:   {half_inner, half_outer} = {4'd4, 4'd3};  // 9 and 6 codes
+      2'b00:   {half_inner, half_outer} = {4'd1, 4'd1};  // 3 and 2
+      default: {half_inner, half_outer} = {4'd3, 4'd2};  // 6 and 4
+    endcase
+  end
+
+  for (genvar i = 0; i < 4; i++) begin : gen_median
+    logic outer;
+    assign outer = i == 0 && window_first_q || i == 3 && window_last_q;
+    sp_median9 #(
+      .CodeBits(CodeBits)
+    ) u_median (
+      .clk_i   (clk_i),
+      .codes_i (window_q[Column*i+:3*Column]),
+      .median_i(median_q),
+      .half_i  (outer ? half_outer : half_inner),
+      .code_o  (medians[Width*i+:Width])
+    );
+    assign m_codes_o[16*i+:16] = {medians[Width*i+CodeBits], 3'd0, medians[Width*i+:CodeBits]};
+  end
+
+  // --- What goes beside them ---
+  logic [2:1]            valid_q, start_q, first_q, last_q;
+  logic [5:1]            break_q;
+  logic [StatusBits-1:0] status1_q, status2_q, status3_q, status4_q, status5_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      valid_q   <= '0;
+      m_valid_o <= 1'b0;
+      m_start_o <= 1'b0;
+      break_q   <= '0;
+      m_break_o <= 1'b0;
+    end else begin
+      {m_valid_o, valid_q} <= {valid_q, window_valid_q};
+      {m_start_o, start_q} <= {start_q, window_valid_q && window_first_q && !window_top_q};
+      {m_break_o, break_q} <= {break_q, s_break_i && open_q};
+    end
+    {m_line_start_o, first_q} <= {first_q, window_first_q};
+    {m_line_end_o, last_q}    <= {last_q, window_last_q};
+    {m_status_o, status5_q, status4_q} <= {status5_q, status4_q, status3_q};
+    {status3_q, status2_q, status1_q}  <= {status2_q, status1_q, s_status_i};
+  end
+
+endmodule
+
+`default_nettype wire

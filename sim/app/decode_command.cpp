@@ -1,0 +1,263 @@
+#include "sim/app/decode_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "host/io/image_files.h"
+#include "host/io/output_file.h"
+#include "host/io/progress.h"
+#include "host/io/user_error.h"
+#include "model/gray_decoder.h"
+#include "sim/engine/gray_engine.h"
+
+namespace selfproj {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string engine = "rtl";
+  int bits = 0;
+  int threshold = GraySettings{}.threshold;
+  bool median = false;
+  std::string channel;  // empty: none asked for
+  std::string out;
+  std::vector<std::string> images;
+};
+
+constexpr Channel kChannels[] = {Channel::red, Channel::green, Channel::blue, Channel::grey};  // NOLINT
+
+std::optional<Channel> channel_of(const std::string& name) {
+  const auto* const found = std::find_if(std::begin(kChannels), std::end(kChannels),
+                                         [&](Channel channel) { return to_string(channel) == name; });
+  return found == std::end(kChannels) ? std::nullopt : std::optional(*found);
+}
+
+std::unique_ptr<GrayEngine> make_engine(const std::string& name) {
+  if (name == "model") {
+    return make_gray_model_engine();
+  }
+#ifdef SELFPROJ_HAS_RTL_ENGINE
+  if (name == "rtl") {
+    return make_gray_rtl_engine();
+  }
+#endif
+  throw UserError("--engine " + name, "this engine is not part of this build");
+}
+
+// The files that come out of a run, kept in a folder of their own within the target until all of them are there; then
+// they are put in place. Whatever fails before leaves the target as it was, and no target where there was none.
+class OutputFolder {
+ public:
+  explicit OutputFolder(const std::string& name) : name_(name) {
+    std::error_code error;
+    if (fs::exists(name_, error) && !fs::is_directory(name_, error)) {
+      throw UserError(name, "is not a folder");
+    }
+    created_ = fs::create_directory(name_, error);
+    if (error) {
+      throw UserError(name, error.message());
+    }
+    staging_ = name_ / fmt::format(".selfproj-{}.tmp", ::getpid());
+    if (!fs::create_directory(staging_, error)) {
+      const std::string reason = error ? error.message() : "cannot make a folder in it";
+      remove_folder();
+      throw UserError(name, reason);
+    }
+  }
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+  ~OutputFolder() {
+    std::error_code ignored;
+    fs::remove_all(staging_, ignored);
+    remove_folder();
+  }
+
+  // Keeps a file. Throws UserError.
+  void add(const std::string& file, const cv::Mat& image) {
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".png", image, bytes);
+    const std::string path = (staging_ / file).string();
+    try {
+      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes as characters
+      OutputFile(path).write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    } catch (const UserError&) {
+      throw UserError((name_ / file).string(), "cannot be written");
+    }
+    files_.push_back(file);
+  }
+
+  // Puts all files in place. Throws UserError.
+  void finish() {
+    for (const std::string& file : files_) {
+      std::error_code error;
+      if (fs::is_directory(name_ / file, error)) {
+        throw UserError((name_ / file).string(), "is a folder");
+      }
+    }
+    for (const std::string& file : files_) {
+      std::error_code error;
+      fs::rename(staging_ / file, name_ / file, error);
+      if (error) {
+        throw UserError((name_ / file).string(), error.message());
+      }
+      created_ = false;
+    }
+  }
+
+ private:
+  void remove_folder() const {
+    if (created_) {
+      std::error_code ignored;
+      fs::remove(name_, ignored);
+    }
+  }
+
+  fs::path name_;
+  fs::path staging_;
+  bool created_ = false;
+  std::vector<std::string> files_;
+};
+
+std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
+
+std::string code_file(std::size_t pair) { return fmt::format("code_{:04}.png", pair); }
+std::string measurable_file(std::size_t pair) { return fmt::format("measurable_{:04}.png", pair); }
+
+// What the engine takes.
+void check_size(const std::string& file, const Image& image, const GrayEngine& engine) {
+  if (image.columns % spec::kPixelsPerBeat != 0) {
+    throw UserError(file,
+                    fmt::format("has {} columns; a multiple of {} is needed", image.columns, spec::kPixelsPerBeat));
+  }
+  if (image.columns > engine.max_columns()) {
+    throw UserError(file, fmt::format("has {} columns; at most {} are taken", image.columns, engine.max_columns()));
+  }
+  if (image.rows > engine.max_rows()) {
+    throw UserError(file, fmt::format("has {} rows; at most {} are taken", image.rows, engine.max_rows()));
+  }
+}
+
+// What can be seen without reading the images.
+void check_files(const Options& options) {
+  const std::size_t total = options.images.size();
+  const auto cycle = static_cast<std::size_t>(2 * options.bits);
+  if (total % 2 != 0) {
+    throw UserError("IMAGE", fmt::format("{} images are no pairs; an even number is needed", total));
+  }
+  if (total < cycle) {
+    throw UserError("IMAGE", fmt::format("{} images; at least {} are needed for {} bits", total, cycle, options.bits));
+  }
+  for (const std::string& file : options.images) {
+    check_image_file(file);
+    for (std::size_t pair = static_cast<std::size_t>(options.bits) - 1; pair < total / 2; ++pair) {
+      for (const std::string& out : {code_file(pair), measurable_file(pair)}) {
+        std::error_code error;
+        if (fs::path(file).filename() == out && fs::equivalent(file, fs::path(options.out) / out, error)) {
+          throw UserError("--out " + options.out, file + ", one of the images, would be overwritten");
+        }
+      }
+    }
+  }
+}
+
+void run(const Options& options) {
+  check_files(options);
+  const std::unique_ptr<GrayEngine> engine = make_engine(options.engine);
+  const std::optional<Channel> channel = channel_of(options.channel);
+  const std::size_t total = options.images.size();
+  const auto cycle = static_cast<std::size_t>(2 * options.bits);
+
+  OutputFolder out(options.out);
+  GraySettings settings{.rows = 0, .columns = 0, .bits = options.bits, .threshold = options.threshold};
+  cv::Mat codes;
+  std::size_t code_images = 0;
+  std::size_t measurable_pixels = 0;  // of the last code image
+  {
+    Progress progress("image", total);
+    for (std::size_t i = 0; i < total; ++i) {
+      const std::string& file = options.images[i];
+      const Image image = read_image(file, channel);
+      if (i == 0) {
+        check_size(file, image, *engine);
+        settings.rows = image.rows;
+        settings.columns = image.columns;
+        codes.create(image.rows, image.columns, CV_16UC1);
+        engine->start(settings, options.median);
+      } else if (image.rows != settings.rows || image.columns != settings.columns) {
+        throw UserError(file, fmt::format("is {}, but {} is {}; all images must have one size",
+                                          size_text(image.rows, image.columns), options.images.front(),
+                                          size_text(settings.rows, settings.columns)));
+      }
+      if (engine->take(image.view(), static_cast<int>(i % cycle), codes.ptr<std::uint16_t>())) {
+        cv::Mat measurable(codes.size(), CV_8UC1);
+        std::transform(codes.begin<std::uint16_t>(), codes.end<std::uint16_t>(), measurable.begin<std::uint8_t>(),
+                       [](std::uint16_t word) { return (word & GrayDecoder::kMeasurable) != 0 ? 255 : 0; });
+        for (std::uint16_t& word : cv::Mat_<std::uint16_t>(codes)) {
+          word = (word & GrayDecoder::kMeasurable) != 0 ? word ^ GrayDecoder::kMeasurable : 0;
+        }
+        out.add(code_file(i / 2), codes);
+        out.add(measurable_file(i / 2), measurable);
+        ++code_images;
+        measurable_pixels = static_cast<std::size_t>(cv::countNonZero(measurable));
+      }
+      progress.update(i + 1);
+    }
+  }
+  out.finish();
+  fmt::print("{} images of {}, engine {}, {} bits, threshold {}{}: {} code {} → {}; measurable in the last: {:.1f} %\n",
+             total, size_text(settings.rows, settings.columns), engine->name(), settings.bits, settings.threshold,
+             options.median ? ", median" : "", code_images, code_images == 1 ? "image" : "images", options.out,
+             100.0 * static_cast<double>(measurable_pixels) / static_cast<double>(codes.total()));
+}
+
+}  // namespace
+
+void add_decode_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "decode",
+      "Gray codes of image files: positive and negative of plane 0 (the most significant bit), of plane 1, ...");
+  const auto options = std::make_shared<Options>();
+  std::vector<std::string> channels;
+  std::transform(std::begin(kChannels), std::end(kChannels), std::back_inserter(channels),
+                 [](Channel channel) { return to_string(channel); });
+  command->add_option("--engine", options->engine, "What decodes them: the board's RTL, the HLS kernel, the model")
+      ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
+      ->capture_default_str();
+  command->add_option("--bits", options->bits, "Pairs of images in a cycle")
+      ->check(CLI::Range(1, GrayDecoder::kMaxBits))
+      ->type_name("M")
+      ->required();
+  command->add_option("--threshold", options->threshold, "A pair is ambiguous where it differs by no more than this")
+      ->check(CLI::Range(0, 255))
+      ->type_name("T")
+      ->capture_default_str();
+  command->add_flag("--median", options->median, "3 x 3 median of the measurable codes");
+  command->add_option("--channel", options->channel, "What to take of colour images")->check(CLI::IsMember(channels));
+  command
+      ->add_option("--out", options->out,
+                   "Folder for code_KKKK.png (16 bits, 0 where not measurable) and measurable_KKKK.png (0 or 255), "
+                   "KKKK = number of the pair, from 0")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("IMAGE", options->images, "8-bit images of one size, columns a multiple of 4, an even number")
+      ->type_name("FILE")
+      ->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace selfproj

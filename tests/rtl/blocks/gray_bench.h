@@ -1,0 +1,474 @@
+// Frames into the Gray-code decoder, in front of any memory, and every output compared with the model, clock by clock.
+#ifndef SELFPROJ_TESTS_RTL_BLOCKS_GRAY_BENCH_H
+#define SELFPROJ_TESTS_RTL_BLOCKS_GRAY_BENCH_H
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "model/gray_decoder.h"
+#include "model/spec/generated/selfproj_spec.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+
+// A beat as sp_frame_tracker gives it.
+struct GrayBeat {
+  std::array<std::uint8_t, 4> pixels{};
+  bool start = false;
+  bool line_start = false;
+  bool line_end = false;
+  bool last_row = false;
+};
+
+template <typename Dut>
+class GrayBench {
+ public:
+  static constexpr int kLatency = 7;       // from a beat to its codes
+  static constexpr int kPatternDelay = 4;  // from a frame's start to its pattern index
+  static constexpr int kTooClose = 6;
+  static constexpr int kTakeDistance = 7;
+
+  // The memory behind the decoder, where the bench has to stand for it.
+  static constexpr bool kOwnMemory = requires(Dut & dut) { dut.mem_read_o; };
+
+  explicit GrayBench(Random& random) : random_(random), model_({.rows = 1, .columns = 4, .bits = 1}) {
+    for (const char* port : {"codes_o", "codes_start_o", "codes_line_start_o", "codes_line_end_o"}) {
+      dut_.valid_when(port, [this] { return dut_->codes_valid_o != 0; });
+    }
+    dut_.valid_when("codes_status_o", [this] { return dut_->codes_break_o != 0; });
+    if constexpr (kOwnMemory) {
+      dut_.valid_when("codes_last_row_o", [this] { return dut_->codes_valid_o != 0; });
+      dut_.valid_when("mem_read_first_o", [this] { return dut_->mem_read_o != 0; });
+      dut_.valid_when("mem_write_first_o", [this] { return dut_->mem_write_o != 0; });
+      dut_.valid_when("mem_data_o", [this] { return dut_->mem_write_o != 0; });
+      dut_->mem_late_i = 0;
+    }
+    dut_->take_i = 0;
+    dut_->beat_valid_i = 0;
+    dut_->frame_start_i = 0;
+    dut_->break_i = 0;
+    dut_.reset();
+  }
+
+  Clocked<Dut>& dut() { return dut_; }
+  [[nodiscard]] std::uint64_t pixels() const { return pixels_; }  // whose codes were compared
+  [[nodiscard]] std::uint64_t abandoned() const { return abandoned_; }
+  [[nodiscard]] std::uint64_t late() const { return late_; }
+
+  // What the next frame that takes the settings over will have.
+  GraySettings settings;
+  bool decode = true;
+  int busy_percent = 0;   // share of frames for whose codes there is no place, where the median is the bench's
+  int late_permille = 0;  // share of words that come too late, where the memory is the bench's
+
+  // Whether a frame that starts in this clock may take over settings.
+  [[nodiscard]] bool may_take() { return dut_.clock() >= next_take_; }
+
+  // One clock: a beat or none, of a frame with `pattern`, and a break of the frame before it with a status.
+  void clock(const std::optional<GrayBeat>& beat, int pattern, std::uint32_t break_status) {
+    const std::int64_t now = dut_.clock();
+    Dut& dut = dut_.dut();
+    dut.break_i = break_status != 0;
+    dut.break_status_i = static_cast<CData>(break_status != 0 ? break_status : random_.bits() & 31U);
+    if (break_status != 0) {
+      model_.end(false);
+      open_ = false;
+      breaks_.push_back({now + kLatency, break_status});
+      ends_.push_back(now + kLatency);
+    }
+    dut.take_i = 0;
+    dut.beat_valid_i = beat.has_value();
+    dut.frame_start_i = beat && beat->start;
+    if (!patterns_.empty() && patterns_.front().first == now) {
+      dut.pattern_i = static_cast<SData>(patterns_.front().second);
+      patterns_.pop_front();
+    }
+    if (beat) {
+      drive(*beat, pattern, now);
+    } else {  // nothing may depend on these
+      dut.beat_pixels_i = static_cast<IData>(random_.bits());
+      dut.beat_line_start_i = random_.bits() & 1U;
+      dut.beat_line_end_i = random_.bits() & 1U;
+      dut.beat_last_row_i = random_.bits() & 1U;
+    }
+    if constexpr (kOwnMemory) {
+      dut.busy_i = random_.chance(50);  // counts only four clocks after a frame's start
+      if (!busy_.empty() && busy_.front().clock == now) {
+        dut.busy_i = busy_.front().late;
+        busy_.pop_front();
+      }
+    }
+    answer_reads(now);
+    dut_.settle();
+    check(now);
+    if constexpr (kOwnMemory) {
+      write_memory();
+    }
+    dut_.rise();
+  }
+
+  void idle(int clocks) {
+    for (int i = 0; i < clocks && !::testing::Test::HasFatalFailure(); ++i) {
+      clock(std::nullopt, 0, 0);
+    }
+  }
+
+ private:
+  struct Codes {
+    std::int64_t clock;
+    std::uint64_t words;
+    bool start, line_start, line_end, last_row;
+  };
+  struct Break {
+    std::int64_t clock;
+    std::uint32_t status;
+  };
+  struct Answer {
+    std::int64_t clock;
+    bool late;
+  };
+
+  // Ports whose width depends on the build.
+  template <typename Port>
+  static void set(Port& port, int value) {
+    port = static_cast<Port>(value);
+  }
+
+  void drive(const GrayBeat& beat, int pattern, std::int64_t now) {
+    Dut& dut = dut_.dut();
+    std::uint32_t pixels = 0;
+    for (std::size_t i = 4; i-- > 0;) {
+      pixels = pixels << 8U | beat.pixels[i];
+    }
+    dut.beat_pixels_i = pixels;
+    dut.beat_line_start_i = beat.line_start;
+    dut.beat_line_end_i = beat.line_end;
+    dut.beat_last_row_i = beat.last_row;
+    if (beat.start) {
+      start(pattern, now);
+    }
+    last_beat_ = now;
+    beats_ += beats_ < kTooClose ? 1 : 0;
+    bool late = false;
+    if (decode_in_force_) {
+      if constexpr (kOwnMemory) {
+        late = late_permille != 0 && random_.between(1, 1000) <= late_permille;
+        answers_.push_back({now + 3, late});
+        reads_.push_back({now + 1, beat.start});
+        writes_.push_back({now + 6, beat.start});
+      }
+      decode_beat(beat, late, now);
+    }
+    if (beat.line_end && beat.last_row) {
+      model_.end(true);
+      open_ = false;
+      ends_.push_back(now + kLatency);
+    }
+    if (beat.line_end) {
+      ++row_;
+      column_ = 0;
+    } else {
+      column_ += 4;
+    }
+  }
+
+  void start(int pattern, std::int64_t now) {
+    Dut& dut = dut_.dut();
+    if (may_take()) {
+      dut.take_i = 1;
+      dut.decode_i = decode;
+      dut.bits_i = static_cast<CData>(settings.bits);
+      dut.threshold_i = static_cast<CData>(settings.threshold);
+      set(dut.columns_i, settings.columns);
+      set(dut.rows_i, settings.rows);
+      next_take_ = now + kTakeDistance;
+      decode_in_force_ = decode;
+      model_.configure(settings);
+    }
+    close_ = beats_ < kTooClose && now - last_beat_ < kTooClose && last_beat_ >= 0;
+    if (close_) {
+      model_.restart();
+      abandoned_ += decode_in_force_ ? 1 : 0;
+    }
+    beats_ = 0;
+    patterns_.push_back({now + kPatternDelay, pattern});
+    open_ = true;
+    lost_ = false;
+    row_ = 0;
+    column_ = 0;
+    if (decode_in_force_) {
+      due_ = model_.begin(pattern);
+      if constexpr (kOwnMemory) {
+        const bool busy = random_.chance(busy_percent);
+        busy_.push_back({now + kPatternDelay, busy});
+        if (due_ && busy) {
+          model_.end(false);
+          due_ = false;
+          abandoned_ += close_ ? 0 : 1;
+          close_ = true;
+        }
+      }
+    } else {
+      model_.restart();
+      due_ = false;
+    }
+  }
+
+  void decode_beat(const GrayBeat& beat, bool late, std::int64_t now) {
+    if (lost_) {
+      return;
+    }
+    std::array<std::uint16_t, 4> codes{};
+    if (late) {
+      lost_ = true;
+      ++late_;
+      abandoned_ += beat.start && close_ ? 0 : 1;  // a frame counts once
+      model_.end(false);
+      if (due_) {
+        breaks_.push_back({now + kLatency + 1, spec::kStatusLateMemory});
+      }
+    } else {
+      model_.pixels(row_, column_, 4, beat.pixels.data(), codes.data());
+    }
+    if (due_) {
+      const std::uint64_t words =
+          codes[0] | std::uint64_t{codes[1]} << 16U | std::uint64_t{codes[2]} << 32U | std::uint64_t{codes[3]} << 48U;
+      codes_.push_back({now + kLatency, words, beat.start, beat.line_start, beat.line_end && !late, beat.last_row});
+    }
+  }
+
+  void answer_reads(std::int64_t now) {
+    if constexpr (kOwnMemory) {
+      Dut& dut = dut_.dut();
+      Word128 word;
+      for (std::uint32_t& part : word) {
+        part = static_cast<std::uint32_t>(random_.bits());
+      }
+      dut.mem_late_i = random_.chance(50);  // counts only with an answer
+      if (!answers_.empty() && answers_.front().clock == now) {
+        dut.mem_late_i = answers_.front().late;
+        word = answers_.front().late ? word : word1_;
+        answers_.pop_front();
+      }
+      set128(dut.mem_data_i, word);
+      word1_ = word0_;
+    }
+  }
+
+  void write_memory() {
+    if constexpr (kOwnMemory) {
+      Dut& dut = dut_.dut();
+      if (dut.mem_read_o != 0) {
+        read_at_ = dut.mem_read_first_o != 0 ? 0 : read_at_ + 1;
+        word0_ = memory_[read_at_];
+      }
+      if (dut.mem_write_o != 0) {
+        write_at_ = dut.mem_write_first_o != 0 ? 0 : write_at_ + 1;
+        memory_[write_at_] = word128(dut.mem_data_o);
+      }
+    }
+  }
+
+  // Takes the front of `queue` where it is of this clock.
+  template <typename Queue>
+  static auto due_now(Queue& queue, std::int64_t now) -> std::optional<typename Queue::value_type> {
+    if (queue.empty() || queue.front().clock != now) {
+      return std::nullopt;
+    }
+    auto front = queue.front();
+    queue.pop_front();
+    return front;
+  }
+
+  void check(std::int64_t now) {
+    Dut& dut = dut_.dut();
+    const auto codes = due_now(codes_, now);
+    ASSERT_EQ(dut.codes_valid_o != 0, codes.has_value()) << "clock " << now;
+    if (codes) {
+      ASSERT_EQ(dut.codes_o, codes->words) << "clock " << now;
+      ASSERT_EQ(dut.codes_start_o != 0, codes->start) << "clock " << now;
+      ASSERT_EQ(dut.codes_line_start_o != 0, codes->line_start) << "clock " << now;
+      ASSERT_EQ(dut.codes_line_end_o != 0, codes->line_end) << "clock " << now;
+      if constexpr (kOwnMemory) {
+        ASSERT_EQ(dut.codes_last_row_o != 0, codes->last_row) << "clock " << now;
+      }
+      pixels_ += 4;
+    }
+    std::uint32_t status = 0;
+    while (const auto broke = take_break(now)) {
+      status = *broke == spec::kStatusLateMemory || status == 0 ? *broke : status;
+    }
+    ASSERT_EQ(dut.codes_break_o != 0, status != 0) << "clock " << now;
+    if (status != 0) {
+      ASSERT_EQ(dut.codes_status_o, status) << "clock " << now;
+    }
+    if (codes_.empty() && breaks_.empty()) {
+      ASSERT_EQ(dut.abandoned_o, static_cast<std::uint32_t>(abandoned_settled(now))) << "clock " << now;
+    }
+    if constexpr (kOwnMemory) {
+      const auto read = due_now(reads_, now);
+      ASSERT_EQ(dut.mem_read_o != 0, read.has_value()) << "clock " << now;
+      if (read) {
+        ASSERT_EQ(dut.mem_read_first_o != 0, read->late) << "clock " << now;
+      }
+      const auto write = due_now(writes_, now);
+      ASSERT_EQ(dut.mem_write_o != 0, write.has_value()) << "clock " << now;
+      if (write) {
+        ASSERT_EQ(dut.mem_write_first_o != 0, write->late) << "clock " << now;
+      }
+      bool end = false;
+      while (!ends_.empty() && ends_.front() == now) {
+        end = true;
+        ends_.pop_front();
+      }
+      ASSERT_EQ(dut.mem_end_o != 0, end) << "clock " << now;
+    }
+  }
+
+  // Breaks of one clock may lie in the queue in either order.
+  std::optional<std::uint32_t> take_break(std::int64_t now) {
+    for (auto it = breaks_.begin(); it != breaks_.end() && it->clock <= now + 1; ++it) {
+      if (it->clock == now) {
+        const std::uint32_t status = it->status;
+        breaks_.erase(it);
+        return status;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // The count is seen some clocks after what is counted.
+  std::uint64_t abandoned_settled(std::int64_t now) { return now - last_beat_ > 8 ? abandoned_ : dut_->abandoned_o; }
+
+  Random& random_;
+  Clocked<Dut> dut_;
+  GrayDecoder model_;
+  bool decode_in_force_ = false;
+  bool open_ = false;
+  bool due_ = false;
+  bool lost_ = false;
+  bool close_ = false;  // the frame was counted as abandoned at its start
+  int row_ = 0;
+  int column_ = 0;
+  int beats_ = kTooClose;
+  std::int64_t last_beat_ = -1;
+  std::int64_t next_take_ = 0;
+  std::deque<std::pair<std::int64_t, int>> patterns_;
+  std::deque<Codes> codes_;
+  std::deque<Break> breaks_;
+  std::deque<Answer> answers_;
+  std::deque<Answer> reads_;   // `late`: the frame's first word
+  std::deque<Answer> writes_;  // likewise
+  std::deque<Answer> busy_;    // likewise: busy
+  std::deque<std::int64_t> ends_;
+  std::uint64_t pixels_ = 0;
+  std::uint64_t abandoned_ = 0;
+  std::uint64_t late_ = 0;
+
+  std::vector<Word128> memory_ = std::vector<Word128>(kOwnMemory ? 1U << 16U : 0U);
+  std::size_t read_at_ = 0;
+  std::size_t write_at_ = 0;
+  Word128 word0_{};  // asked for in the clock before
+  Word128 word1_{};  // in the one before that
+};
+
+// Random sequences of frames for a bench: all m, changing settings, patterns that are missing, come twice or are wrong,
+// frames that break anywhere, gaps between beats and between frames, down to frames of one beat without any gap.
+struct GrayCases {
+  int max_columns = 40;
+  int max_rows = 6;
+  int max_bits = GrayDecoder::kMaxBits;
+  int frames = 100;
+};
+
+template <typename Dut>
+void play_gray_frames(GrayBench<Dut>& bench, const GrayCases& cases, Random& random) {
+  GraySettings& settings = bench.settings;
+  int trouble = 0;  // per mille
+  int gaps = 0;     // per cent
+  int spaced = 0;   // clocks
+  int pattern = 0;
+  std::uint32_t pending_break = 0;
+  std::vector<std::uint8_t> positive;
+  for (int frame = 0; frame < cases.frames && !::testing::Test::HasFatalFailure(); ++frame) {
+    if (frame == 0 || random.chance(3)) {
+      bench.decode = !random.chance(3);
+      settings.bits = frame != 0 && random.chance(50) ? settings.bits : random.between(1, cases.max_bits);
+      settings.threshold = random.chance(20) ? random.between(0, 255) : random.between(0, 12);
+      settings.columns = 4 * random.between(1, random.chance(50) ? 2 : cases.max_columns / 4);
+      settings.rows = random.between(1, random.chance(50) ? 2 : cases.max_rows);
+      trouble = random.chance(50) ? 0 : random.between(0, 400 / settings.bits);
+      gaps = random.chance(60) ? 0 : random.between(1, 60);
+      spaced = random.chance(50) ? 0 : random.between(0, 12);
+    }
+    // Where it does not take the new settings over, the frame has the size of those in force; it is easier to wait.
+    while (!bench.may_take()) {
+      bench.clock(std::nullopt, 0, pending_break);
+      pending_break = 0;
+    }
+    const auto size = static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns);
+    if (random.between(1, 1000) <= trouble) {
+      pattern = random.between(0, 2 * settings.bits - 1);
+    }
+    pattern %= 2 * settings.bits;
+    const int shown = random.between(1, 1000) <= trouble ? random.between(0, 40) : pattern;
+    pattern = (pattern + 1) % (2 * settings.bits);
+    std::vector<std::uint8_t> pixels = random.bytes(size);
+    if (shown % 2 == 1 && positive.size() == size) {
+      for (std::size_t i = 0; i < size; ++i) {  // about the threshold, on both sides
+        const int edge = (pixels[i] & 1) != 0 ? settings.threshold : -settings.threshold;
+        const int near = positive[i] - edge + random.between(-2, 2);
+        if (random.chance(60) && near >= 0 && near <= 255) {
+          pixels[i] = static_cast<std::uint8_t>(near);
+        }
+      }
+    }
+    positive = pixels;
+    const std::size_t beats = size / 4;
+    const std::size_t cut =
+        random.between(1, 1000) <= trouble ? static_cast<std::size_t>(random.bits() % beats) : beats;
+    const auto groups = static_cast<std::size_t>(settings.columns / 4);
+    for (std::size_t i = 0; i < beats && i <= cut; ++i) {
+      GrayBeat beat;
+      std::copy_n(pixels.begin() + static_cast<std::ptrdiff_t>(4 * i), 4, beat.pixels.begin());
+      beat.start = i == 0;
+      beat.line_start = i % groups == 0;
+      beat.line_end = i % groups == groups - 1 && i != cut;
+      beat.last_row = i / groups == static_cast<std::size_t>(settings.rows) - 1;
+      bench.clock(beat, shown, pending_break);
+      pending_break = 0;
+      while (random.chance(gaps)) {
+        bench.clock(std::nullopt, 0, 0);
+      }
+      if (::testing::Test::HasFatalFailure()) {
+        return;
+      }
+    }
+    if (cut < beats) {
+      bench.idle(random.between(0, 3));
+      pending_break =
+          static_cast<std::uint32_t>(random.between(1, 7));  // with the next clock, or the next frame's start
+      if (random.chance(50)) {
+        bench.clock(std::nullopt, 0, std::exchange(pending_break, 0U));
+      }
+    }
+    for (int i = spaced == 0 ? 0 : random.between(0, spaced); i > 0; --i) {
+      bench.clock(std::nullopt, 0, std::exchange(pending_break, 0U));
+    }
+  }
+  bench.clock(std::nullopt, 0, pending_break);
+  bench.idle(20);
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_RTL_BLOCKS_GRAY_BENCH_H

@@ -1,0 +1,94 @@
+// The Gray-code decoder against its model: with its own memory, and with a memory that the bench stands for, whose
+// words may come too late.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdlib>
+
+#include "Vsp_gray_core_ports.h"
+#include "Vsp_gray_core_small_ports.h"
+#include "Vsp_gray_decoder_ports.h"
+#include "tests/rtl/blocks/gray_bench.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+TEST(GrayCore, RandomSequencesEqualTheModel) {
+  std::uint64_t pixels = 0;
+  for (const std::uint64_t seed : seeds(150)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    GrayBench<Vsp_gray_core> bench(random);
+    play_gray_frames(bench, {.frames = 250}, random);
+    ASSERT_FALSE(HasFatalFailure());
+    pixels += bench.pixels();
+  }
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(pixels, 200'000U) << "too little was compared";
+  }
+}
+
+// A build for fewer bits and a small image, all of whose memory is used.
+TEST(GrayCoreSmall, RandomSequencesEqualTheModel) {
+  std::uint64_t pixels = 0;
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    GrayBench<Vsp_gray_core_small> bench(random);
+    play_gray_frames(bench, {.max_columns = 12, .max_rows = 3, .max_bits = 3, .frames = 250}, random);
+    ASSERT_FALSE(HasFatalFailure());
+    pixels += bench.pixels();
+  }
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(pixels, 20'000U) << "too little was compared";
+  }
+}
+
+// Every m, several cycles without a gap, each followed by the next m: a code image after every pair from the m-th on.
+TEST(GrayCore, EveryNumberOfBits) {
+  Random random(1);
+  GrayBench<Vsp_gray_core> bench(random);
+  for (int bits = 1; bits <= GrayDecoder::kMaxBits; ++bits) {
+    bench.settings = {.rows = 3, .columns = 16, .bits = bits, .threshold = 5};
+    const std::uint64_t before = bench.pixels();
+    constexpr int kCycles = 3;
+    for (int frame = 0; frame < kCycles * 2 * bits; ++frame) {
+      for (int i = 0; i < 12; ++i) {
+        GrayBeat beat{.start = i == 0, .line_start = i % 4 == 0, .line_end = i % 4 == 3, .last_row = i >= 8};
+        for (std::uint8_t& pixel : beat.pixels) {
+          pixel = static_cast<std::uint8_t>(random.between(0, 30));
+        }
+        bench.clock(beat, frame % (2 * bits), 0);
+        ASSERT_FALSE(HasFatalFailure());
+      }
+    }
+    bench.idle(8);
+    const auto pairs = static_cast<std::uint64_t>((kCycles - 1) * bits + 1);
+    ASSERT_EQ(bench.pixels() - before, 48 * pairs) << "m = " << bits;
+  }
+}
+
+// ... and frames for whose codes there is no place
+TEST(GrayDecoder, WordsThatComeTooLate) {
+  std::uint64_t pixels = 0;
+  std::uint64_t late = 0;
+  for (const std::uint64_t seed : seeds(100)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    GrayBench<Vsp_gray_decoder> bench(random);
+    bench.late_permille = random.chance(20) ? 0 : random.between(0, 10);
+    bench.busy_percent = random.chance(50) ? 0 : random.between(0, 10);
+    play_gray_frames(bench, {.max_bits = 6, .frames = 250}, random);
+    ASSERT_FALSE(HasFatalFailure());
+    pixels += bench.pixels();
+    late += bench.late();
+  }
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(pixels, 100'000U) << "too little was compared";
+    EXPECT_GT(late, 500U) << "too little came too late";
+  }
+}
+
+}  // namespace
+}  // namespace selfproj::test
