@@ -26,6 +26,7 @@ PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
 TABLES = {
     ROOT / "model" / "README.md": ["formats", "packet"],
     ROOT / "rtl" / "board" / "README.md": ["registers"],
+    ROOT / "rtl" / "gray" / "README.md": ["gray_memory"],
 }
 
 
@@ -306,6 +307,41 @@ def table_registers(spec):
     return out
 
 
+# Block RAM of parts: name, blocks, and the shapes (depth, width) of one block with one port that reads and one that
+# writes, from the makers' data sheets.
+RAMB16 = [(512, 36), (1024, 18), (2048, 9), (4096, 4), (8192, 2), (16384, 1)]
+RAMB36 = [(512, 72), (1024, 36), (2048, 18), (4096, 9), (8192, 4), (16384, 2), (32768, 1)]
+EBR18 = [(512, 36), (1024, 18), (2048, 9), (4096, 4), (8192, 2), (16384, 1)]
+M10K = [(256, 40), (512, 20), (1024, 10), (2048, 5), (4096, 2), (8192, 1)]
+PARTS = [
+    ("XC3S5000", "Spartan-3", 104, RAMB16),
+    ("LFE5U-85", "ECP5", 208, EBR18),
+    ("5CSEBA6", "Cyclone V", 557, M10K),
+    ("XC7A100T", "Artix-7", 135, RAMB36),
+    ("XC7A200T", "Artix-7", 365, RAMB36),
+    ("XC7K325T", "Kintex-7", 445, RAMB36),
+    ("XCKU060", "Kintex UltraScale", 1080, RAMB36),
+]
+GRAY_IMAGES = [(128, 128, 4), (256, 256, 4), (256, 256, 8), (512, 96, 8), (512, 512, 4), (512, 512, 8), (640, 480, 8),
+               (640, 480, 12), (1024, 768, 10), (1280, 1023, 10), (2048, 1023, 12)]
+
+
+def table_gray_memory(spec):
+    lanes = spec.sizes["pixels_per_beat"]
+    out = ["| image | m | bits a pixel | word | words | kbit | " + " | ".join(f"{p[0]} ({p[1]}, {p[2]})" for p in PARTS)
+           + " |", "|---|---:|---:|---:|---:|---:|" + "---:|" * len(PARTS)]
+    for columns, rows, bits in GRAY_IMAGES:
+        state = spec.sizes["pixel_bits"] + 2 * bits
+        words = columns * rows // lanes
+        cells = []
+        for _, _, blocks, shapes in PARTS:
+            needed = min(-(-lanes * state // width) * -(-words // depth) for depth, width in shapes)
+            cells.append(f"{needed:,}" if needed <= blocks else "–")
+        out.append(f"| {columns} × {rows} | {bits} | {state} | {lanes * state} | {words:,} | "
+                   f"{words * lanes * state / 1024:,.0f} | " + " | ".join(cells) + " |")
+    return out
+
+
 def with_table(path, text, name, lines):
     begin, end = f"<!-- BEGIN GENERATED {name} -->", f"<!-- END GENERATED {name} -->"
     if text.count(begin) != 1 or text.count(end) != 1:
@@ -317,7 +353,8 @@ def with_table(path, text, name, lines):
 
 def outputs(spec):
     files = {HEADER: cpp_header(spec), PACKAGE: sv_package(spec)}
-    makers = {"formats": table_formats, "packet": table_packet, "registers": table_registers}
+    makers = {"formats": table_formats, "packet": table_packet, "registers": table_registers,
+              "gray_memory": table_gray_memory}
     for path, names in TABLES.items():
         text = path.read_text()
         for name in names:

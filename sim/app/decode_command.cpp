@@ -1,7 +1,6 @@
 #include "sim/app/decode_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -13,12 +12,13 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "host/io/image_files.h"
-#include "host/io/output_file.h"
+#include "host/io/output_folder.h"
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
 #include "model/gray_decoder.h"
@@ -59,79 +59,14 @@ std::unique_ptr<GrayEngine> make_engine(const std::string& name) {
   throw UserError("--engine " + name, "this engine is not part of this build");
 }
 
-// The files that come out of a run, kept in a folder of their own within the target until all of them are there; then
-// they are put in place. Whatever fails before leaves the target as it was, and no target where there was none.
-class OutputFolder {
- public:
-  explicit OutputFolder(const std::string& name) : name_(name) {
-    std::error_code error;
-    if (fs::exists(name_, error) && !fs::is_directory(name_, error)) {
-      throw UserError(name, "is not a folder");
-    }
-    created_ = fs::create_directory(name_, error);
-    if (error) {
-      throw UserError(name, error.message());
-    }
-    staging_ = name_ / fmt::format(".selfproj-{}.tmp", ::getpid());
-    if (!fs::create_directory(staging_, error)) {
-      const std::string reason = error ? error.message() : "cannot make a folder in it";
-      remove_folder();
-      throw UserError(name, reason);
-    }
+void add_png(OutputFolder& out, const std::string& file, const cv::Mat& image) {
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(".png", image, bytes)) {
+    throw std::runtime_error(file + ": cannot be encoded");
   }
-  OutputFolder(const OutputFolder&) = delete;
-  OutputFolder& operator=(const OutputFolder&) = delete;
-  ~OutputFolder() {
-    std::error_code ignored;
-    fs::remove_all(staging_, ignored);
-    remove_folder();
-  }
-
-  // Keeps a file. Throws UserError.
-  void add(const std::string& file, const cv::Mat& image) {
-    std::vector<std::uint8_t> bytes;
-    cv::imencode(".png", image, bytes);
-    const std::string path = (staging_ / file).string();
-    try {
-      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes as characters
-      OutputFile(path).write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    } catch (const UserError&) {
-      throw UserError((name_ / file).string(), "cannot be written");
-    }
-    files_.push_back(file);
-  }
-
-  // Puts all files in place. Throws UserError.
-  void finish() {
-    for (const std::string& file : files_) {
-      std::error_code error;
-      if (fs::is_directory(name_ / file, error)) {
-        throw UserError((name_ / file).string(), "is a folder");
-      }
-    }
-    for (const std::string& file : files_) {
-      std::error_code error;
-      fs::rename(staging_ / file, name_ / file, error);
-      if (error) {
-        throw UserError((name_ / file).string(), error.message());
-      }
-      created_ = false;
-    }
-  }
-
- private:
-  void remove_folder() const {
-    if (created_) {
-      std::error_code ignored;
-      fs::remove(name_, ignored);
-    }
-  }
-
-  fs::path name_;
-  fs::path staging_;
-  bool created_ = false;
-  std::vector<std::string> files_;
-};
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes as characters
+  out.append(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
 
 std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
 
@@ -176,13 +111,13 @@ void check_files(const Options& options) {
 }
 
 void run(const Options& options) {
+  OutputFolder out(options.out);
   check_files(options);
   const std::unique_ptr<GrayEngine> engine = make_engine(options.engine);
   const std::optional<Channel> channel = channel_of(options.channel);
   const std::size_t total = options.images.size();
   const auto cycle = static_cast<std::size_t>(2 * options.bits);
 
-  OutputFolder out(options.out);
   GraySettings settings{.rows = 0, .columns = 0, .bits = options.bits, .threshold = options.threshold};
   cv::Mat codes;
   std::size_t code_images = 0;
@@ -210,15 +145,15 @@ void run(const Options& options) {
         for (std::uint16_t& word : cv::Mat_<std::uint16_t>(codes)) {
           word = (word & GrayDecoder::kMeasurable) != 0 ? word ^ GrayDecoder::kMeasurable : 0;
         }
-        out.add(code_file(i / 2), codes);
-        out.add(measurable_file(i / 2), measurable);
+        add_png(out, code_file(i / 2), codes);
+        add_png(out, measurable_file(i / 2), measurable);
         ++code_images;
         measurable_pixels = static_cast<std::size_t>(cv::countNonZero(measurable));
       }
       progress.update(i + 1);
     }
   }
-  out.finish();
+  out.commit();
   fmt::print("{} images of {}, engine {}, {} bits, threshold {}{}: {} code {} → {}; measurable in the last: {:.1f} %\n",
              total, size_text(settings.rows, settings.columns), engine->name(), settings.bits, settings.threshold,
              options.median ? ", median" : "", code_images, code_images == 1 ? "image" : "images", options.out,
