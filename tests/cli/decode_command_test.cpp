@@ -188,7 +188,7 @@ TEST_F(DecodeCommand, RefusesWhatItCannotTake) {
     refused({"--bits", "2", "--out", "out", n[0], n[1]}, "IMAGE: ", "at least 4");
     refused({"--bits", "2", "--out", "out", n[0], n[1], n[2], "small.png"}, "small.png: ", "one size");
     refused({"--bits", "2", "--out", "out", "odd.png", n[1], n[2], n[3]}, "odd.png: ", "multiple of 4");
-    refused({"--bits", "2", "--out", "out", n[0], n[1], n[2], "deep.png"}, "deep.png: ", "8 bits");
+    refused({"--bits", "2", "--out", "out", n[0], n[1], n[2], "deep.png"}, "deep.png: ", "16 bits");
     refused({"--bits", "2", "--out", "out", n[0], n[1], n[2], "colour.png"}, "colour.png: ", "--channel");
     refused({"--bits", "2", "--out", "out", n[0], n[1], n[2], "text.png"}, "text.png: ", "");
     refused({"--bits", "2", "--out", "out", n[0], n[1], n[2], "missing.png"}, "missing.png: ", "");
