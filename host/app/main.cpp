@@ -1,5 +1,6 @@
 // selfproj: what runs on the production PC.
 
+#include "host/app/depth_command.h"
 #include "host/app/pattern_command.h"
 #include "host/app/rig_command.h"
 #include "host/io/program_main.h"
@@ -10,6 +11,7 @@ int main(int argc, char** argv) {
       [](CLI::App& app) {
         selfproj::add_rig_command(app);
         selfproj::add_pattern_command(app);
+        selfproj::add_depth_command(app);
       },
       argc, argv);
 }

@@ -318,6 +318,17 @@ void code_words(const CodeImageView& image, std::uint16_t* out) {
   }
 }
 
+void unambiguous_code_words(const CodeImageView& image, std::uint16_t* out) {
+  code_words(image, out);
+  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(image.rows) * image.columns;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const int ambiguous = image.bits <= kByteBits ? image.ambiguous8[i] : image.ambiguous16[i];
+    if (ambiguous != 0) {
+      out[i] = static_cast<std::uint16_t>(out[i] & ~GrayDecoder::kMeasurable);
+    }
+  }
+}
+
 FastGrayDecoder::FastGrayDecoder(const GraySettings& settings) : settings_(settings) {
   check(settings.rows >= 1 && settings.rows <= kMaxSide, "fast gray decoder: rows out of range");
   check(settings.columns >= 1 && settings.columns <= kMaxSide, "fast gray decoder: columns out of range");

@@ -31,6 +31,9 @@ struct CodeImageView {
 // Writes the image as the model and the board do: rows · columns words, the code in bits 11..0, bit 15 measurable.
 void code_words(const CodeImageView& image, std::uint16_t* out);
 
+// The same, measurable only where no pair is ambiguous: stricter than the model.
+void unambiguous_code_words(const CodeImageView& image, std::uint16_t* out);
+
 class FastGrayDecoder {
  public:
   static constexpr int kMaxSide = 1 << 15;

@@ -197,13 +197,14 @@ std::string labelled_map_png(const FloatImage& map, const MapScale& scale, const
   draw_colour_bar(picture, scale, {place.x + place.width + 20, place.y, 24, place.height});
   put_text(picture, "mm", {place.x + place.width + 20, kTop / 2});
 
-  // Scale bars: y below the picture, from its left; x beside it, from its bottom.
+  // Scale bars: the columns' below the picture, from its left; the rows' beside it, from its bottom.
   const double width_mm = map.columns * pitch.column_mm;
   const double along_y = bar_length(width_mm);
   const int y_length = static_cast<int>(std::lround(along_y / width_mm * place.width));
   const int base = place.y + place.height + 16;
   cv::rectangle(picture, cv::Rect(place.x, base, y_length, 5), kInk, cv::FILLED);
-  put_text(picture, "y  " + tick_text(along_y, along_y) + " mm", {place.x, base + 24});
+  put_text(picture, std::string(1, pitch.column_axis) + "  " + tick_text(along_y, along_y) + " mm",
+           {place.x, base + 24});
 
   const bool known = pitch.row_mm > 0;
   const double height_length = known ? map.rows * pitch.row_mm : map.rows;
@@ -211,7 +212,7 @@ std::string labelled_map_png(const FloatImage& map, const MapScale& scale, const
   const int x_length = static_cast<int>(std::lround(along_x / height_length * place.height));
   cv::rectangle(picture, cv::Rect(place.x - 21, place.y + place.height - x_length, 5, x_length), kInk, cv::FILLED);
   const int middle = place.y + place.height - x_length / 2;
-  put_text(picture, "x", {12, middle - 10});
+  put_text(picture, std::string(1, pitch.row_axis), {12, middle - 10});
   put_text(picture, tick_text(along_x, along_x) + (known ? " mm" : " fr."), {12, middle + 10});
   return png(picture);
 }

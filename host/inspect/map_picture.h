@@ -11,9 +11,13 @@ namespace selfproj {
 
 // Way on the surface from one row to the next (along x, by the belt) and from one column to the next (along y), > 0.
 // Where it is not known what a row is worth (a belt that stands), row_mm is 0.
+//
+// What the axes are called is for the labels: of a camera's frame in which the rows are y, it is the other way round.
 struct MapPitch {
   double row_mm = 0;
   double column_mm = 0;
+  char row_axis = 'x';
+  char column_axis = 'y';
 };
 
 // Which colour a value has: the ends of the map at low and high, in mm. Values outside have the ends' colours.

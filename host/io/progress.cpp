@@ -26,13 +26,14 @@ Progress::~Progress() {
   }
 }
 
-void Progress::update(std::size_t done) {
+void Progress::update(std::size_t done, const std::string& note) {
   if (!terminal_ || steady_clock::now() < next_) {
     return;
   }
   next_ = steady_clock::now() + kInterval;
   shown_ = true;
-  static_cast<void>(std::fprintf(stderr, "\r%s %zu of %zu", what_.c_str(), done, total_));
+  static_cast<void>(std::fprintf(stderr, "\r%s %zu of %zu%s%s\033[K", what_.c_str(), done, total_,
+                                 note.empty() ? "" : ": ", note.c_str()));
 }
 
 }  // namespace selfproj

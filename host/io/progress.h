@@ -15,8 +15,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   ~Progress();
 
-  // Shown at most ten times a second.
-  void update(std::size_t done);
+  // Shown at most ten times a second, with the note after the count.
+  void update(std::size_t done, const std::string& note = {});
 
  private:
   std::string what_;

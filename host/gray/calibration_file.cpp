@@ -1,0 +1,124 @@
+#include "host/gray/calibration_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/core/persistence.hpp>
+#include <string>
+#include <vector>
+
+#include "host/io/stderr_capture.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+class Reader {
+ public:
+  explicit Reader(const std::string& file) : file_(file) {
+    if (!std::ifstream(file)) {
+      throw UserError(file, "cannot be read");
+    }
+    const StderrCapture capture;
+    try {
+      storage_.open(file, cv::FileStorage::READ);
+    } catch (const cv::Exception&) {
+      storage_.release();
+    }
+    if (!storage_.isOpened()) {
+      throw UserError(file, "is no calibration file of OpenCV");
+    }
+  }
+
+  // The numbers of a matrix; `count` of them, or any number where it is 0. Empty where it may be missing and is.
+  std::vector<double> numbers(const std::string& key, std::size_t count, bool may_be_missing = false) const {
+    const cv::FileNode node = storage_[key];
+    if (node.empty()) {
+      if (may_be_missing) {
+        return {};
+      }
+      throw UserError(file_, key + " is missing");
+    }
+    cv::Mat matrix;
+    {
+      const StderrCapture capture;
+      try {
+        node >> matrix;
+        matrix.convertTo(matrix, CV_64F);
+      } catch (const cv::Exception&) {
+        matrix.release();
+      }
+    }
+    if (matrix.empty() || matrix.channels() != 1) {
+      throw UserError(file_, key + " is no matrix");
+    }
+    if (count != 0 && matrix.total() != count) {
+      throw UserError(
+          file_, key + " has " + std::to_string(matrix.total()) + " numbers; " + std::to_string(count) + " are due");
+    }
+    const std::vector<double> values(matrix.begin<double>(), matrix.end<double>());
+    if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) {
+      throw UserError(file_, key + " has a number that is not finite");
+    }
+    return values;
+  }
+
+  Lens lens(const std::string& name) const {
+    const std::vector<double> m = numbers(name + "_K", 9);
+    if (!(m[0] > 0 && m[4] > 0) || m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
+      throw UserError(file_, name + "_K is no camera matrix (fx, 0, cx; 0, fy, cy; 0, 0, 1)");
+    }
+    const std::vector<double> k = numbers(name + "_kc", 0);
+    if (k.size() != 4 && k.size() != 5 && k.size() != 8) {
+      throw UserError(file_, name + "_kc has " + std::to_string(k.size()) + " coefficients; 4, 5 or 8 are understood");
+    }
+    Lens lens{m[0], m[4], m[2], m[5], {}};
+    std::copy(k.begin(), k.end(), lens.k.begin());
+    return lens;
+  }
+
+  void size(const std::string& key, int& columns, int& rows) const {
+    const std::vector<double> values = numbers(key, 2, true);
+    if (values.empty()) {
+      return;
+    }
+    constexpr double kMost = 1 << 15;
+    if (!std::all_of(values.begin(), values.end(), [](double value) { return value >= 1 && value <= kMost; })) {
+      throw UserError(file_, key + " is no size in pixels");
+    }
+    columns = static_cast<int>(values[0]);
+    rows = static_cast<int>(values[1]);
+  }
+
+ private:
+  std::string file_;
+  cv::FileStorage storage_;
+};
+
+}  // namespace
+
+Calibration read_calibration(const std::string& file) {
+  const Reader reader(file);
+  Calibration result;
+  result.camera = reader.lens("cam");
+  result.projector = reader.lens("pro");
+  const std::vector<double> r = reader.numbers("R", 9);
+  std::copy(r.begin(), r.end(), result.rotation.val);
+  constexpr double kNear = 1e-3;
+  if (cv::norm(result.rotation * result.rotation.t() - cv::Matx33d::eye()) > kNear ||
+      cv::determinant(result.rotation) < 0) {
+    throw UserError(file, "R is no rotation");
+  }
+  const std::vector<double> t = reader.numbers("T", 3);
+  result.translation = {t[0], t[1], t[2]};
+  if (cv::norm(result.translation) == 0) {
+    throw UserError(file, "T is 0: camera and projector are in one place");
+  }
+  reader.size("cam_size", result.camera_columns, result.camera_rows);
+  reader.size("pro_size", result.projector_columns, result.projector_rows);
+  return result;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,353 @@
+// The contract of `selfproj depth`.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/gray/depth_output.h"
+#include "host/gray/point_cloud.h"
+#include "host/gray/triangulation.h"
+#include "host/io/float_image.h"
+#include "host/io/rig.h"
+#include "tests/cli/program.h"
+#include "tests/host/pinhole.h"
+
+namespace selfproj::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kRows = 30;
+constexpr int kColumns = 40;
+constexpr int kBits = 6;
+
+constexpr const char* kCalibration = R"(%YAML:1.0
+cam_K: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 50., 0., 19.5, 0., 50., 14.5, 0., 0., 1. ]
+cam_kc: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ 0.01, 0., 0., 0., 0. ]
+pro_K: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 80., 0., 31.5, 0., 80., 31.5, 0., 0., 1. ]
+pro_kc: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ 0.02, 0., 0., 0., 0. ]
+R: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]
+T: !!opencv-matrix
+   rows: 3
+   cols: 1
+   dt: d
+   data: [ 100., 0., 0. ]
+)";
+
+class DepthCommand : public ::testing::Test {
+ protected:
+  DepthCommand() {
+    rig_.camera.rows = kRows;
+    rig_.camera.columns = kColumns;
+    rig_.camera.pixel_pitch_mm = 0.1;
+    rig_.projector.lines = 64;
+    rig_.projector.line_pitch_mm *= 12;
+    rig_.measure.max_z_per_line_mm = 60;
+    write_text(folder_ / "rig.yaml", to_yaml(rig_));
+    write_text(folder_ / "cal.yaml", kCalibration);
+  }
+
+  // Pixel's code of what stands `height(row, column)` mm over the plane; -1 where it is not lit.
+  template <class Height>
+  std::vector<int> codes_of(Height&& height) const {
+    std::vector<int> codes;
+    for (int row = 0; row < kRows; ++row) {
+      for (int column = 0; column < kColumns; ++column) {
+        const double z = rig_.plane_z_mm - height(row, column);
+        const double x = z * rig_.camera.pixel_pitch_mm * (row - 0.5 * (kRows - 1)) / rig_.camera.focal_length_mm;
+        const double code = std::floor(projector_lights(rig_.projector, {x, 0, z}).row + 0.5);
+        codes.push_back(code >= 0 && code < 64 ? static_cast<int>(code) : -1);
+      }
+    }
+    return codes;
+  }
+
+  // Positive and negative of plane `plane`, as NAME_PP.png.
+  void save_pair(const std::string& name, int plane, const std::vector<int>& codes) {
+    for (const int half : {0, 1}) {
+      cv::Mat image(kRows, kColumns, CV_8UC1);
+      for (int i = 0; i < kRows * kColumns; ++i) {
+        const int code = codes[static_cast<std::size_t>(i)];
+        const int gray = (code ^ (code >> 1)) >> (kBits - 1 - plane) & 1;
+        image.at<std::uint8_t>(i / kColumns, i % kColumns) = static_cast<std::uint8_t>(code < 0       ? 30
+                                                                                       : gray != half ? 200
+                                                                                                      : 40);
+      }
+      files_.push_back(fmt::format("{}_{:02}.png", name, files_.size()));
+      save(files_.back(), image);
+    }
+  }
+
+  void save(const std::string& name, const cv::Mat& image) const {
+    ASSERT_TRUE(cv::imwrite((folder_ / name).string(), image));
+  }
+
+  void save_cycle(const std::string& name, const std::vector<int>& codes) {
+    for (int plane = 0; plane < kBits; ++plane) {
+      save_pair(name, plane, codes);
+    }
+  }
+
+  // What the codes mean, from the classes.
+  FloatImage expected(const std::vector<int>& codes) const {
+    std::vector<std::uint16_t> words;
+    for (const int code : codes) {
+      words.push_back(code < 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(code | 0x8000));
+    }
+    FloatImage depth(kRows, kColumns);
+    PlaneTriangulation(rig_, kBits).depth(words.data(), depth.values.data());
+    return depth;
+  }
+
+  Outcome depth(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"depth", "--out", "out"});
+    return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
+  }
+
+  Outcome depth_of_files(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.end(), files_.begin(), files_.end());
+    return depth(std::move(arguments));
+  }
+
+  FloatImage tiff(const std::string& name) const { return read_float_tiff((folder_ / "out" / name).string()); }
+
+  // Status 2, one line with the subject first, and nothing written.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& subject,
+                      const std::string& reason) const {
+    SCOPED_TRACE(subject);
+    const Outcome outcome = depth(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err.rfind("selfproj: " + subject, 0), 0U) << outcome.err;
+    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+  }
+
+  ScratchFolder folder_;
+  Rig rig_ = load_rig("scanner");
+  std::vector<std::string> files_;
+};
+
+bool same(const FloatImage& a, const FloatImage& b) {
+  return a.rows == b.rows && a.columns == b.columns &&
+         std::memcmp(a.values.data(), b.values.data(), a.values.size() * sizeof(float)) == 0;
+}
+
+double flat(int /*row*/, int /*column*/) { return 0; }
+
+TEST_F(DepthCommand, WritesTheDepthOfOneCycle) {
+  const std::vector<int> codes = codes_of([](int row, int column) { return row + column > 30 ? 60.0 : 0.0; });
+  save_cycle("a", codes);
+  const Outcome outcome = depth_of_files({"--rig", "rig.yaml", "--bits", "6"});
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out.rfind("1 depth image of 40 x 30, 6 bits, threshold 5: ", 0), 0U) << outcome.out;
+  const FloatImage depth = expected(codes);
+  EXPECT_TRUE(same(tiff("depth.tiff"), depth));
+  EXPECT_FALSE(fs::exists(folder_ / "out/depth_0005.tiff"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/moved.csv"));
+
+  const cv::Mat picture = cv::imread((folder_ / "out/depth.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(picture.type(), CV_16UC1);
+  std::size_t points = 0;
+  for (std::size_t i = 0; i < depth.values.size(); ++i) {
+    const auto value = picture.at<std::uint16_t>(static_cast<int>(i) / kColumns, static_cast<int>(i) % kColumns);
+    if (std::isnan(depth.values[i])) {
+      EXPECT_EQ(value, 0);
+    } else {
+      ++points;
+      EXPECT_NEAR(value * kDepthUnit, static_cast<double>(depth.values[i]), kDepthUnit / 2 + 1e-6);
+    }
+  }
+  EXPECT_GT(points, 500U);
+  EXPECT_EQ(read_ply((folder_ / "out/cloud.ply").string()).size(), points);
+  EXPECT_FALSE(cv::imread((folder_ / "out/depth_colour.png").string()).empty());
+  const std::string summary = read_text(folder_ / "out/summary.json");
+  EXPECT_NE(summary.find(fmt::format("\"valid\": {}", points)), std::string::npos) << summary;
+  EXPECT_NE(summary.find("\"too_coarse\""), std::string::npos);
+}
+
+// A depth image after every pair from the m-th on, and what moved against the background.
+TEST_F(DepthCommand, StreamsADepthImageAPairAndFollowsWhatMoves) {
+  const std::vector<int> plane = codes_of(flat);
+  const std::vector<int> object =
+      codes_of([](int row, int column) { return row >= 5 && row < 15 && column >= 10 && column < 20 ? 100.0 : 0.0; });
+  write_float_tiff((folder_ / "background.tiff").string(), expected(plane));
+  save_cycle("a", plane);
+  save_cycle("b", object);
+  const Outcome outcome =
+      depth_of_files({"--rig", "rig.yaml", "--bits", "6", "--background", "background.tiff", "--min-difference", "20"});
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_TRUE(same(tiff("depth_0005.tiff"), expected(plane)));
+  EXPECT_TRUE(same(tiff("depth_0011.tiff"), expected(object)));
+  EXPECT_TRUE(same(tiff("depth.tiff"), expected(object)));
+  for (int pair = 5; pair < 12; ++pair) {
+    EXPECT_TRUE(fs::exists(folder_ / fmt::format("out/depth_{:04}.tiff", pair)));
+  }
+  const FloatImage moved = tiff("moved.tiff");
+  double count = 0;
+  double z = 0;
+  for (const float value : moved.values) {
+    count += std::isnan(value) ? 0 : 1;
+    z += std::isnan(value) ? 0 : static_cast<double>(value);
+  }
+  EXPECT_EQ(count, 100);
+  const std::string table = read_text(folder_ / "out/moved.csv");
+  EXPECT_EQ(table.rfind("pair,pixels,x,y,z\n5,0,,,\n", 0), 0U) << table;
+  const std::size_t last = table.find("\n11,100,");
+  ASSERT_NE(last, std::string::npos) << table;
+  EXPECT_NE(table.find(fmt::format(",{:.2f}", z / count).substr(0, 6), last), std::string::npos) << table;
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 8);
+}
+
+TEST_F(DepthCommand, TakesACalibrationAndComparesClouds) {
+  for (int axis = 0; axis < 2; ++axis) {
+    // One pixel is lit, by the projector pixel that the undistorted lenses would give a point at z = 500.
+    std::vector<int> codes(kRows * kColumns, -1);
+    const double x = 500 * (20 - 19.5) / 50;
+    const double y = 500 * (10 - 14.5) / 50;
+    codes[10 * kColumns + 20] =
+        static_cast<int>(std::lround(axis == 0 ? 80 * (x + 100) / 500 + 31.5 : 80 * y / 500 + 31.5));
+    save_cycle(axis == 0 ? "x" : "y", codes);
+  }
+  PlyText ply(2);
+  ply.add({5, 45, -500}, 0, 0, 0);
+  ply.add({500, 45, -500}, 0, 0, 0);
+  write_text(folder_ / "cloud.ply", ply.file("two points"));
+  const Outcome outcome = depth_of_files(
+      {"--calibration", "cal.yaml", "--bits", "6", "--row-bits", "6", "--compare", "cloud.ply", "--compare-opengl"});
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(outcome.status, 0);
+  const FloatImage depth = tiff("depth.tiff");
+  EXPECT_EQ(std::count_if(depth.values.begin(), depth.values.end(), [](float z) { return !std::isnan(z); }), 1);
+  EXPECT_NEAR(static_cast<double>(depth.values[10 * kColumns + 20]), 500, 20);  // half a column is worth 16 mm
+  EXPECT_NE(outcome.out.find("our 1 points to its 2"), std::string::npos) << outcome.out;
+}
+
+// ------------------------------------------------------------------ bad input
+
+TEST_F(DepthCommand, RefusesImagesThatAreNotPairsOfOneSize) {
+  save_cycle("a", codes_of(flat));
+  const std::vector<std::string> base{"--rig", "rig.yaml", "--bits", "6"};
+  const auto with = [&base](const std::vector<std::string>& files) {
+    std::vector<std::string> all = base;
+    all.insert(all.end(), files.begin(), files.end());
+    return all;
+  };
+  expect_refused(with({files_.begin(), files_.end() - 1}), "IMAGE: ", "odd");
+  expect_refused(with({files_.begin(), files_.end() - 2}), "IMAGE: ", "too few; 12");
+  std::vector<std::string> files = files_;
+  save("small.png", cv::Mat(kRows, kColumns - 1, CV_8UC1, cv::Scalar(9)));
+  save("deep.png", cv::Mat(kRows, kColumns, CV_16UC1, cv::Scalar(9)));
+  save("colour.png", cv::Mat(kRows, kColumns, CV_8UC3, cv::Scalar(9, 8, 7)));
+  for (const auto& [name, reason] :
+       std::vector<std::pair<std::string, std::string>>{{"small.png", "all images must have one size"},
+                                                        {"deep.png", "16 bits"},
+                                                        {"colour.png", "--channel"},
+                                                        {"missing.png", "No such file"}}) {
+    files[3] = name;
+    expect_refused(with(files), name + ": ", reason);
+  }
+  save("other.png", cv::Mat(8, 8, CV_8UC1, cv::Scalar(9)));
+  expect_refused(with(std::vector<std::string>(12, "other.png")), "--rig rig.yaml: ", "40 x 30");
+}
+
+TEST_F(DepthCommand, RefusesOptionsOutOfRange) {
+  save_cycle("a", codes_of(flat));
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"--rig", "rig.yaml", "--bits", "0"}, "--bits"},
+      {{"--rig", "rig.yaml", "--bits", "13"}, "--bits"},
+      {{"--rig", "rig.yaml"}, "--bits"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--threshold", "256"}, "--threshold"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--threshold", "-1"}, "--threshold"},
+      {{"--bits", "6"}, "--rig, --calibration"},
+      {{"--rig", "rig.yaml", "--calibration", "cal.yaml", "--bits", "6"}, "--rig, --calibration"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--row-bits", "6"}, "--row-bits"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--strict", "--median"}, "--strict"},
+      {{"--rig", "nowhere.yaml", "--bits", "6"}, "nowhere.yaml"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--background", "nowhere.tiff"}, "nowhere.tiff"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--background", "a_00.png"}, "a_00.png"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--compare", "nowhere.ply"}, "nowhere.ply"},
+      {{"--rig", "rig.yaml", "--bits", "6", "--compare", "a_00.png"}, "a_00.png"},
+  };
+  for (const auto& [arguments, subject] : cases) {
+    std::vector<std::string> all = arguments;
+    all.insert(all.end(), files_.begin(), files_.end());
+    expect_refused(all, subject, "");
+  }
+  write_float_tiff((folder_ / "other.tiff").string(), FloatImage(3, 4));
+  std::vector<std::string> all{"--rig", "rig.yaml", "--bits", "6", "--background", "other.tiff"};
+  all.insert(all.end(), files_.begin(), files_.end());
+  expect_refused(all, "other.tiff: ", "4 x 3");
+}
+
+TEST_F(DepthCommand, RefusesABadCalibration) {
+  save_cycle("a", codes_of(flat));
+  const auto refuse = [&](const std::string& text, const std::string& reason) {
+    write_text(folder_ / "bad.yaml", text);
+    std::vector<std::string> all{"--calibration", "bad.yaml", "--bits", "6"};
+    all.insert(all.end(), files_.begin(), files_.end());
+    expect_refused(all, "bad.yaml: ", reason);
+  };
+  const std::string good = kCalibration;
+  const auto replaced = [&good](const std::string& from, const std::string& to) {
+    std::string text = good;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  refuse(replaced("\nR: ", "\nQ: "), "R is missing");
+  refuse(replaced("\nT: ", "\nU: "), "T is missing");
+  refuse(replaced("cam_K", "K"), "cam_K is missing");
+  refuse(replaced("[ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]", "[ 1., 0., 0., 0., 1., 0., 0., 0., 2. ]"),
+         "R is no rotation");
+  refuse(replaced("[ 100., 0., 0. ]", "[ 0., 0., 0. ]"), "T is 0");
+  refuse(replaced("[ 50., 0., 19.5", "[ 50., 1., 19.5"), "cam_K is no camera matrix");
+  refuse(replaced("cols: 5", "cols: 3"), "cam_kc");
+  refuse("nothing: [", "");
+  refuse("", "");
+  refuse(good + "cam_size: !!opencv-matrix\n   rows: 2\n   cols: 1\n   dt: i\n   data: [ 640, 480 ]\n", "640 x 480");
+}
+
+TEST_F(DepthCommand, LeavesAnExistingFolderAsItWasWhereItFails) {
+  save_cycle("a", codes_of(flat));
+  ASSERT_EQ(depth_of_files({"--rig", "rig.yaml", "--bits", "6"}).status, 0);
+  const std::string before = read_text(folder_ / "out/summary.json");
+  files_[5] = "missing.png";
+  EXPECT_EQ(depth_of_files({"--rig", "rig.yaml", "--bits", "6"}).status, 2);
+  EXPECT_EQ(read_text(folder_ / "out/summary.json"), before);
+}
+
+}  // namespace
+}  // namespace selfproj::test
