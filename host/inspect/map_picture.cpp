@@ -124,11 +124,29 @@ double bar_length(double length) { return round_down(length / 4); }
 
 }  // namespace
 
+std::vector<int> full_rows(const FloatImage& map) {
+  std::vector<std::ptrdiff_t> counts;
+  for (int r = 0; r < map.rows; ++r) {
+    counts.push_back(
+        std::count_if(map.row(r), map.row(r) + map.columns, [](float value) { return !std::isnan(value); }));
+  }
+  const std::ptrdiff_t fullest = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
+  std::vector<int> rows;
+  for (int r = 0; r < map.rows; ++r) {
+    if (10 * counts[static_cast<std::size_t>(r)] >= 9 * fullest) {
+      rows.push_back(r);
+    }
+  }
+  return rows;
+}
+
 MapScale difference_scale(const FloatImage& difference) {
   std::vector<float> values;
-  for (const float value : difference.values) {
-    if (!std::isnan(value)) {
-      values.push_back(std::abs(value));
+  for (const int r : full_rows(difference)) {
+    for (const float* value = difference.row(r); value < difference.row(r) + difference.columns; ++value) {
+      if (!std::isnan(*value)) {
+        values.push_back(std::abs(*value));
+      }
     }
   }
   double reach = 0;

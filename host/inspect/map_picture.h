@@ -3,6 +3,7 @@
 #define SELFPROJ_HOST_INSPECT_MAP_PICTURE_H
 
 #include <string>
+#include <vector>
 
 #include "host/inspect/colour_map.h"
 #include "host/io/float_image.h"
@@ -33,7 +34,11 @@ struct MapSize {
   int height = 0;
 };
 
-// A scale symmetric about 0 that reaches over 99.5 % of the values: diverging. At least +-0.1 mm.
+// Rows that have at least nine tenths of the values that the fullest one has: those that show the part, and not what is
+// before and behind it.
+std::vector<int> full_rows(const FloatImage& map);
+
+// A scale symmetric about 0 that reaches over 99.5 % of the values in full rows: diverging. At least +-0.1 mm.
 MapScale difference_scale(const FloatImage& difference);
 
 // From the least to the greatest of the middle 99.8 % of the values: sequential. At least 1 mm wide.

@@ -49,7 +49,7 @@ section { margin-top: 16px; }
 .map { position: relative; }
 .map img, .camera img { display: block; width: 100%; height: auto; border-radius: 4px; }
 .bars { display: flex; flex-wrap: wrap; gap: 6px 24px; align-items: flex-end; margin-top: 8px; }
-.bar { font-size: 12px; color: var(--dim); }
+.bar { font-size: 12px; color: var(--dim); white-space: nowrap; }
 .bar i { display: block; height: 4px; background: var(--ink); margin-bottom: 2px; }
 .upright { position: absolute; left: 0; width: 4px; background: var(--ink); }
 .withx { padding-left: 46px; position: relative; }
@@ -79,6 +79,7 @@ section { margin-top: 16px; }
 .camera { position: relative; background: #000; border-radius: 4px; }
 .camera svg { position: absolute; inset: 0; width: 100%; height: 100%; }
 .wide { overflow-x: auto; }
+.wide + p { margin-top: 10px; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: right; padding: 6px 0 6px 18px; border-top: 1px solid var(--rule); vertical-align: top; }
 thead th { border-top: 0; color: var(--dim); font-weight: 500; font-size: 13px; vertical-align: bottom; }
@@ -228,7 +229,9 @@ void add_map(std::string& html, std::string_view title, std::string_view explana
     fmt::format_to(to, "<span style=\"left:{:.2f}%\">{}</span>", 100 * (mark - scale.low) / (scale.high - scale.low),
                    tick_text(mark, step));
   }
-  fmt::format_to(to, "</div>mm · <i class=\"none\"></i>no value</div></div><p class=\"dim small\">{}</p></div>\n",
+  fmt::format_to(to,
+                 "</div>mm · <i class=\"none\"></i>no value</div></div><p class=\"dim small\" "
+                 "style=\"margin-top:10px\">{}</p></div>\n",
                  explanation);
 }
 
@@ -334,13 +337,17 @@ void add_plot(std::string& html, std::string_view title, const std::vector<Trace
   fmt::format_to(to, "<span class=\"xl\">{}</span></div></section>\n", x_label);
 }
 
-// The row (column) of the map in which the differences are greatest, by their mean square, among those of which half as
-// many entries as in the fullest one are there; -1 where there is none.
+// The row (column) of the map in which the differences are greatest, by their mean square, among full rows (and columns
+// that have at least nine tenths of the values there); -1 where there is none. Rows near the first and the last full
+// one, where the part's ends are, are left out.
 int most_different(const FloatImage& difference, bool row_wise) {
-  const int count = row_wise ? difference.rows : difference.columns;
-  std::vector<double> squares(static_cast<std::size_t>(count), 0.0);
-  std::vector<int> entries(static_cast<std::size_t>(count), 0);
-  for (int r = 0; r < difference.rows; ++r) {
+  const auto count = static_cast<std::size_t>(row_wise ? difference.rows : difference.columns);
+  std::vector<double> squares(count, 0.0);
+  std::vector<int> entries(count, 0);
+  const std::vector<int> rows = full_rows(difference);
+  const std::size_t ends = rows.size() / 20;
+  for (std::size_t k = ends; k < rows.size() - ends; ++k) {
+    const int r = rows[k];
     for (int c = 0; c < difference.columns; ++c) {
       const auto value = static_cast<double>(difference.row(r)[c]);
       if (!std::isnan(value)) {
@@ -353,8 +360,8 @@ int most_different(const FloatImage& difference, bool row_wise) {
   const int fullest = *std::max_element(entries.begin(), entries.end());
   int best = -1;
   double most = -1;
-  for (std::size_t i = 0; i < squares.size(); ++i) {
-    if (entries[i] > 0 && 2 * entries[i] >= fullest && squares[i] / entries[i] > most) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (entries[i] > 0 && 10 * entries[i] >= 9 * fullest && squares[i] / entries[i] > most) {
       most = squares[i] / entries[i];
       best = static_cast<int>(i);
     }

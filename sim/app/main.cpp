@@ -2,6 +2,7 @@
 
 #include "host/io/program_main.h"
 #include "sim/app/decode_command.h"
+#include "sim/app/experiment_command.h"
 #include "sim/app/moments_command.h"
 
 int main(int argc, char** argv) {
@@ -10,5 +11,7 @@ int main(int argc, char** argv) {
       [](CLI::App& app) {
         selfproj::add_moments_command(app);
         selfproj::add_decode_command(app);
-      }, argc, argv);
+        selfproj::add_experiment_command(app);
+      },
+      argc, argv);
 }

@@ -90,12 +90,17 @@ TEST(MapPicture, ScalesReachOverWhatIsThere) {
   EXPECT_DOUBLE_EQ(difference_scale(map).high, 0.1);
   EXPECT_DOUBLE_EQ(height_scale(map).low, 0);
   for (int i = 0; i < 10000; ++i) {
-    map.values[static_cast<std::size_t>(i)] = i < 300 ? -1.02F : 0.01F;
+    map.values[static_cast<std::size_t>(i)] = i % 100 < 3 ? -1.02F : 0.01F;
   }
-  map.values[500] = 40;  // one wild point does not set the scale
+  for (int i = 0; i < 1000; ++i) {  // rows 0..9 are half empty, and far off: not the part
+    map.values[static_cast<std::size_t>(i)] = i % 2 == 0 ? kNone : -20;
+  }
+  EXPECT_EQ(full_rows(map).size(), 90U);
+  EXPECT_EQ(full_rows(map).front(), 10);
+  map.values[5000] = 40;  // one wild point does not set the scale
   EXPECT_DOUBLE_EQ(difference_scale(map).high, 1.5);
   EXPECT_DOUBLE_EQ(difference_scale(map).low, -1.5);
-  EXPECT_NEAR(height_scale(map).low, -1.02, 0.01);
+  EXPECT_NEAR(height_scale(map).low, -20, 0.01);
   EXPECT_LT(height_scale(map).high, 1);
   EXPECT_GE(height_scale(map).high - height_scale(map).low, 1);
 }

@@ -1,0 +1,199 @@
+#include "sim/experiment/light_section.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "host/inspect/inspection.h"
+#include "host/io/rig.h"
+#include "host/optics/differential_profile.h"
+#include "host/optics/geometry.h"
+#include "host/optics/pattern.h"
+#include "host/optics/profile.h"
+#include "host/optics/reference.h"
+#include "model/column_moments.h"
+#include "model/packet.h"
+#include "sim/scene/parallel.h"
+#include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
+
+namespace selfproj {
+namespace {
+
+constexpr double kPixelClock = 151'200'000;  // Hz, of the original
+
+ImageView view_of(const Rig& rig, const std::vector<std::uint8_t>& pixels) {
+  return {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
+}
+
+std::size_t pixels_of(const Rig& rig) {
+  return static_cast<std::size_t>(rig.camera.rows) * static_cast<std::size_t>(rig.camera.columns);
+}
+
+// Centroids, one a column, of the reference part under the pattern, from the moments of 16 frames in the middle of its
+// way; NaN where a column is not lit as the rig asks. The noise is another than that of the measurement.
+std::array<std::vector<double>, kAllModes.size()> centroids_of(Rig rig, const Scene& scene, const FloatImage& pattern,
+                                                               const RenderOptions& options) {
+  constexpr int kFrames = 16;
+  rig.imaging.seed += 1;
+  const Renderer renderer(rig, scene, pattern, options);
+  const int first = std::max(0, scene.frames() / 2 - kFrames / 2);
+  std::vector<std::vector<std::uint8_t>> images(kFrames, std::vector<std::uint8_t>(pixels_of(rig)));
+  parallel_for(kFrames, 0, [&](int i) { renderer.render(first + i, std::span(images[static_cast<std::size_t>(i)])); });
+  const auto columns = static_cast<std::size_t>(rig.camera.columns);
+  std::array<std::vector<double>, kAllModes.size()> result;
+  for (std::size_t m = 0; m < kAllModes.size(); ++m) {
+    std::vector<double> m0(columns, 0);
+    std::vector<double> m1(columns, 0);
+    std::vector<double> n(columns, 0);
+    Moments moments;
+    moments.resize(rig.camera.columns);
+    for (const auto& image : images) {
+      column_moments(view_of(rig, image), kAllModes[m], rig.measure.threshold, moments.view());
+      for (std::size_t c = 0; c < columns; ++c) {
+        m0[c] += moments.m0[c];
+        m1[c] += moments.m1[c];
+        n[c] += moments.n[c];
+      }
+    }
+    result[m].assign(columns, std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t c = 0; c < columns; ++c) {
+      if (n[c] >= kFrames * rig.measure.min_lit_px && n[c] <= kFrames * rig.measure.max_lit_px) {
+        result[m][c] = m1[c] / m0[c];  // (3.2)
+      }
+    }
+  }
+  return result;
+}
+
+// What one frame gives, before it is added in its turn.
+struct FrameResult {
+  std::vector<std::uint8_t> pixels;
+  std::array<Moments, kAllModes.size()> moments;
+  std::array<Profile, kAllModes.size()> profiles;
+};
+
+double line_peak(const Image& image) {
+  std::vector<std::uint8_t> peaks(static_cast<std::size_t>(image.columns), 0);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    auto& peak = peaks[i % peaks.size()];
+    peak = std::max(peak, image.pixels[i]);
+  }
+  std::nth_element(peaks.begin(), peaks.begin() + image.columns / 2, peaks.end());
+  return peaks[static_cast<std::size_t>(image.columns / 2)];
+}
+
+}  // namespace
+
+ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
+  constexpr double kStep = 0.02;
+  const double reach = rig.plane_z_mm * std::abs(tan_beta(rig.camera, -1)) + 1;
+  const double time = scene.frames() / 2 / rig.camera.frame_rate_hz;
+  const int count = static_cast<int>(std::ceil(reach / kStep));
+  ReferenceCurve curve;
+  for (int i = -count; i <= count; ++i) {
+    const double y = (i + 0.5) * kStep;  // not where steps are
+    curve.y_mm.push_back(y);
+    curve.z_mm.push_back(rig.plane_z_mm - scene.height(0, y, time));
+  }
+  return curve;
+}
+
+LightSection self_projection(const Rig& rig, const Scene& reference, const RenderOptions& options, bool residual) {
+  const ReferenceCurve curve = curve_of_scene(rig, reference);
+  LightSection result{rig, draw_pattern(rig, pattern_of_curve(rig, curve)), {}};
+  result.references.fill(reference_of_curve(rig, curve));
+  if (residual) {
+    const auto centroids = centroids_of(rig, reference, result.pattern, options);
+    for (std::size_t m = 0; m < kAllModes.size(); ++m) {
+      result.references[m] = without_residual(rig, result.references[m], centroids[m]);
+    }
+  }
+  return result;
+}
+
+LightSection straight_line(const Rig& rig, const Scene& reference, const RenderOptions& options, double middle_height) {
+  const double line = line_on_middle(rig.projector, rig.plane_z_mm - middle_height);
+  LightSection result{rig, draw_straight_line(rig, line), {}};
+  const auto centroids = centroids_of(rig, reference, result.pattern, options);
+  for (std::size_t m = 0; m < kAllModes.size(); ++m) {
+    result.references[m] = reference_of_straight_line(rig, line, centroids[m]);
+  }
+  return result;
+}
+
+Measurement measure(const LightSection& setup, const Scene& scene, const RenderOptions& options, int every, int threads,
+                    const std::function<void(std::size_t)>& progress) {
+  const Rig& rig = setup.rig;
+  Measurement result;
+  for (int frame = 0; frame < scene.frames(); frame += every) {
+    result.frames.push_back(frame);
+  }
+  const int count = static_cast<int>(result.frames.size());
+  std::vector<DifferentialProfiler> profilers;
+  for (const ReferenceProfile& reference : setup.references) {
+    profilers.emplace_back(rig, reference);
+    InspectionOptions inspection;
+    inspection.expected_frames = inspection.max_frames = result.frames.size();
+    inspection.pixel_clock_hz = kPixelClock;
+    result.by_mode.emplace_back(rig, rig.camera.columns, inspection);
+  }
+  const Renderer renderer(rig, scene, setup.pattern, options);
+  result.truth = FloatImage(count, rig.camera.columns);
+
+  constexpr int kBatch = 64;
+  std::vector<FrameResult> batch(kBatch);
+  for (FrameResult& frame : batch) {
+    frame.pixels.resize(pixels_of(rig));
+    for (std::size_t m = 0; m < kAllModes.size(); ++m) {
+      frame.moments[m].resize(rig.camera.columns);
+      frame.profiles[m].resize(rig.camera.columns);
+    }
+  }
+  for (int begin = 0; begin < count; begin += kBatch) {
+    const int size = std::min(kBatch, count - begin);
+    parallel_for(size, threads, [&](int i) {
+      FrameResult& frame = batch[static_cast<std::size_t>(i)];
+      const int number = result.frames[static_cast<std::size_t>(begin + i)];
+      renderer.render(number, std::span(frame.pixels));
+      renderer.truth(number, {result.truth.row(begin + i), static_cast<std::size_t>(rig.camera.columns)});
+      for (std::size_t m = 0; m < kAllModes.size(); ++m) {
+        column_moments(view_of(rig, frame.pixels), kAllModes[m], rig.measure.threshold, frame.moments[m].view());
+        profilers[m].profile(frame.moments[m].view(), frame.profiles[m].view());
+      }
+    });
+    for (int i = 0; i < size; ++i) {
+      FrameResult& frame = batch[static_cast<std::size_t>(i)];
+      const int number = result.frames[static_cast<std::size_t>(begin + i)];
+      const double time = number / rig.camera.frame_rate_hz;
+      PacketHeader header;
+      header.kind = spec::kKindMoments;
+      header.sequence = static_cast<std::uint64_t>(number);
+      header.time_stamp = static_cast<std::uint64_t>(std::llround(time * kPixelClock));
+      header.encoder = static_cast<std::uint32_t>(
+          std::llround(time * rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count));
+      header.columns = static_cast<std::uint16_t>(rig.camera.columns);
+      header.rows = static_cast<std::uint16_t>(rig.camera.rows);
+      header.threshold = static_cast<std::uint8_t>(rig.measure.threshold);
+      for (std::size_t m = 0; m < kAllModes.size(); ++m) {
+        header.mode = static_cast<std::uint8_t>(kAllModes[m]);
+        result.by_mode[m].add(header, frame.moments[m].view(), frame.profiles[m].view());
+      }
+      if (begin + i == count / 2) {
+        result.camera.image = {rig.camera.rows, rig.camera.columns, frame.pixels};
+        result.camera.moments = frame.moments[0];
+        result.camera.frame = static_cast<std::size_t>(begin + i + 1);
+        result.line_peak = line_peak(result.camera.image);
+      }
+    }
+    progress(static_cast<std::size_t>(begin + size));
+  }
+  return result;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,62 @@
+// The experiments on a few of their frames: all figures wanted are reached, and none of them by chance.
+#include "sim/experiment/experiment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+
+#include "host/io/rig.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+ExperimentResult run(const std::string& name, const ExperimentOptions& options) {
+  return run_experiment(name, options, [](std::size_t, std::size_t) {});
+}
+
+ExperimentOptions every(int frames) {
+  ExperimentOptions options;
+  options.rig = load_rig("light-section");
+  options.every = frames;
+  return options;
+}
+
+TEST(Experiment, MountainIsMeasured) {
+  const ExperimentResult result = run("A1", every(200));
+  EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
+  const ExperimentFigures& self = result.self_projected.modes[0];
+  EXPECT_GE(self.errors.points, 5 * 512);
+  EXPECT_GE(result.conventional.modes[0].range.greatest, 60);  // what self-projection saves
+  EXPECT_GT(self.errors.rms, 0.001);                           // noise is on
+  EXPECT_GE(result.measurement.line_peak, 120);
+  EXPECT_EQ(result.tables.size(), 2U);
+}
+
+TEST(Experiment, StairsAndMarksAreMeasured) {
+  const ExperimentResult result = run("A2", every(70));
+  EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
+  const ExperimentFigures& self = result.self_projected.modes[0];
+  ASSERT_EQ(self.steps.size(), 3U);
+  EXPECT_NEAR(self.steps[1], 39, 0.05);
+  EXPECT_GT(self.errors.left_out, 100);
+  EXPECT_EQ(result.conventional.rows, 160);
+  EXPECT_GE(result.conventional.modes[0].range.greatest, 96);  // more than the rig's image has rows
+}
+
+// The checks can fail: with ten times the noise the error is seen.
+TEST(Experiment, NoiseIsSeen) {
+  ExperimentOptions options = every(400);
+  options.rig.imaging.read_noise *= 10;
+  options.rig.measure.threshold = 100;
+  const ExperimentResult result = run("A1", options);
+  EXPECT_GT(result.self_projected.modes[0].errors.rms, 0.01);
+  EXPECT_FALSE(result.not_reached.empty());
+}
+
+TEST(Experiment, OnlyThoseOfTheThesis) { EXPECT_THROW(run("A3", every(1)), UserError); }
+
+}  // namespace
+}  // namespace selfproj
