@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -57,8 +59,9 @@ struct Errors {
   double square = 0;
   double least_row = 1e9;
   double greatest_row = 0;
-  int least_peak = 255;             // of a column's pixels
-  std::vector<double> differences;  // of the points where `part` is 1 mm lower than the reference
+  int least_peak = 255;                       // of a column's pixels
+  std::map<int, std::vector<double>> levels;  // measured heights by the true one, in whole mm
+  std::vector<double> differences;            // of the points where `part` is 1 mm lower than the reference
   [[nodiscard]] double rms() const { return std::sqrt(square / points); }
   [[nodiscard]] double range() const { return greatest_row - least_row; }
 };
@@ -113,6 +116,7 @@ Errors measure(const Rig& rig, const Scene& part, const FloatImage& pattern, con
       errors.largest = std::max(errors.largest, std::abs(error));
       errors.square += error * error;
       const auto row = static_cast<double>(profile.centroid[i]);
+      errors.levels[static_cast<int>(std::lround(height))].push_back(rig.plane_z_mm - z);
       errors.least_row = std::min(errors.least_row, row);
       errors.greatest_row = std::max(errors.greatest_row, row);
       if (std::abs(height - (rig.plane_z_mm - reference.z_mm[i]) + 1) < 0.01) {
@@ -178,6 +182,12 @@ TEST(SelfProjection, MarksOfAMillimetreOnStairs) {
   EXPECT_GT(errors.points + errors.left_out, 11 * 490);
   EXPECT_LE(errors.largest, 0.10);
   EXPECT_LE(errors.rms(), 0.03);
+  for (const int tread : {21, 30, 39}) {
+    const std::vector<double>& heights = errors.levels[tread];
+    ASSERT_GT(heights.size(), 100U);
+    const double mean = std::accumulate(heights.begin(), heights.end(), 0.0) / static_cast<double>(heights.size());
+    EXPECT_NEAR(mean, tread, 0.05);
+  }
   ASSERT_GT(errors.differences.size(), 100U);
   for (const double difference : errors.differences) {
     ASSERT_NEAR(difference, -1, 0.1);
