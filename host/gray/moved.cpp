@@ -1,6 +1,7 @@
 #include "host/gray/moved.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +13,8 @@
 namespace selfproj {
 namespace {
 
-constexpr std::ptrdiff_t kLanes = 16;
+// So many that the compiler keeps the loop over them, and vectorizes it.
+constexpr std::ptrdiff_t kLanes = 64;
 constexpr std::ptrdiff_t kRun = kLanes * 16;  // pixels whose sums are floats: 16 a lane
 
 // Sums over the pixels that moved: of ones, of z - o_z, and of the same times the ray's slopes.
@@ -31,10 +33,12 @@ SELFPROJ_CLONES void add(const float* __restrict z, const float* __restrict back
   for (std::ptrdiff_t i = 0; i < count; i += kLanes) {
     for (std::ptrdiff_t k = 0; k < kLanes; ++k) {
       const float depth = z[i + k];
-      // NaN on either side compares false.
-      const bool differs = std::abs(depth - background[i + k]) > least;
-      const float way = differs ? depth - origin_z : 0.0F;
-      s.count[k] += differs ? 1.0F : 0.0F;
+      // NaN on either side compares false, and must not meet a product with 0. Masks: a branch, or what the compiler
+      // takes for one, would keep it from vectorizing.
+      const auto mask =
+          static_cast<std::uint32_t>(-static_cast<std::int32_t>(std::abs(depth - background[i + k]) > least));
+      const auto way = std::bit_cast<float>(std::bit_cast<std::uint32_t>(depth - origin_z) & mask);
+      s.count[k] += std::bit_cast<float>(std::bit_cast<std::uint32_t>(1.0F) & mask);
       s.z[k] += way;
       s.x[k] += way * x_per_z[i + k];
       s.y[k] += way * y_per_z[i + k];

@@ -18,8 +18,7 @@ struct Moved {
 };
 
 // The pixels that have a depth in both images, of as many pixels as the triangulation's, and differ there by more than
-// `least_mm` >= 0. Sums are taken in 32-bit floats over at most 16 pixels of a row and in 64 bits beyond. Allocates
-// nothing.
+// `least_mm` >= 0. Sums are taken in 32-bit floats over 16 pixels at most and in 64 bits beyond. Allocates nothing.
 Moved moved(const Triangulation& triangulation, const float* z, const float* background, float least_mm);
 
 }  // namespace selfproj

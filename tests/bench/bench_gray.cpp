@@ -1,14 +1,16 @@
-// How fast the host decodes Gray codes: 512 x 512 pixels, m = 8, one thread.
+// How fast the host decodes Gray codes and makes depth images of them: 512 x 512 pixels, m = 8, one thread.
 //
 //     bench_gray [--benchmark_...]
 //
 // One item is one update: a new pair of images to a new code image. In cache the same pair comes again and again; from
 // memory 256 pairs (134 MB) come one after another, and the share of the read ceiling is that of the images' bytes
-// alone. Before anything is timed the results are compared with the models; a difference ends the program with exit
-// status 1. Where OpenCV's structured_light module was there at build time its GrayCodePattern is timed on the same
-// images: every pixel's code from the 16 images, which is what it offers for a new code image.
+// alone. A depth image is the whole: a new pair decoded, median, triangulation on the rig `scanner`. Before anything is
+// timed the results are compared with the models, and the depths with (4.7) in double precision; a difference ends the
+// program with exit status 1. Where OpenCV's structured_light module was there at build time its GrayCodePattern is
+// timed on the same images: every pixel's code from the 16 images, which is what it offers for a new code image.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -16,6 +18,10 @@
 #include <vector>
 
 #include "host/gray/fast_decoder.h"
+#include "host/gray/moved.h"
+#include "host/gray/scanner.h"
+#include "host/gray/triangulation.h"
+#include "host/io/rig.h"
 #include "model/gray_decoder.h"
 #include "model/median3x3.h"
 #include "tests/bench/collector.h"
@@ -62,6 +68,53 @@ bool results_are_right(const std::uint8_t* images) {
     }
   }
   return true;
+}
+
+// z of (3.4) = (4.8) for the centre of the code, from the angles; NaN where the rules of section 1 say so.
+double plain_depth(const Rig& rig, int row, std::uint16_t word) {
+  if ((word & GrayDecoder::kMeasurable) == 0) {
+    return std::nan("");
+  }
+  const RigProjector& projector = rig.projector;
+  const double tan_alpha = rig.camera.pixel_pitch_mm * (row - 0.5 * (rig.camera.rows - 1)) / rig.camera.focal_length_mm;
+  const auto z_of_line = [&](double line) {
+    const double xp = projector.center_xp_mm + projector.line_pitch_mm * (line - 0.5 * (projector.lines - 1));
+    const double tan_theta = std::tan(projector.tilt_rad + std::atan(xp / projector.focal_length_mm));
+    return (projector.x_mm + projector.z_mm * tan_theta) / (tan_alpha + tan_theta);
+  };
+  const double line = ((word & 0xFFF) + 0.5) * projector.lines / (1 << kBits) - 0.5;
+  const double z = z_of_line(line);
+  constexpr double kStep = 1e-4;
+  const double slope = (z_of_line(line + kStep) - z_of_line(line - kStep)) / (2 * kStep);
+  const bool valid = projector.z_mm * tan_alpha < projector.x_mm && slope < 0 && z > projector.z_mm &&
+                     -slope < rig.measure.max_z_per_line_mm;
+  return valid ? z : std::nan("");
+}
+
+bool depths_are_right(const std::uint8_t* images) {
+  const Rig rig = load_rig("scanner");
+  const PlaneTriangulation triangulation(rig, kBits);
+  Scanner scanner(triangulation, {});
+  std::size_t valid = 0;
+  std::size_t on_limit = 0;
+  for (int i = 0; i < 2 * kBits + 2; ++i) {
+    if (!scanner.take(image_at(images, i), i % (2 * kBits))) {
+      continue;
+    }
+    for (std::size_t k = 0; k < kImageBytes; ++k) {
+      const double expected = plain_depth(rig, static_cast<int>(k) / kSide, scanner.codes()[k]);
+      const auto found = static_cast<double>(scanner.depth().values[k]);
+      if (std::isnan(expected) != std::isnan(found)) {
+        ++on_limit;  // rounding
+      } else if (!std::isnan(found)) {
+        ++valid;
+        if (std::abs(found - expected) > 2e-3) {
+          return false;
+        }
+      }
+    }
+  }
+  return valid > kImageBytes / 10 && on_limit < kImageBytes / 1000;
 }
 
 void set_counters(benchmark::State& state, std::int64_t updates) {
@@ -114,6 +167,49 @@ void filter(benchmark::State& state, const std::uint8_t* images) {
   set_counters(state, 1);
 }
 
+void triangulate(benchmark::State& state, const std::uint8_t* images) {
+  const FastGrayDecoder decoder = filled_decoder(images);
+  std::vector<std::uint16_t> words(kImageBytes);
+  FastMedian(kSide).filter(decoder.codes(), words.data());
+  const PlaneTriangulation triangulation(load_rig("scanner"), kBits);
+  std::vector<float> z(kImageBytes);
+  for (auto _ : state) {
+    triangulation.depth(words.data(), z.data());
+    benchmark::ClobberMemory();
+  }
+  set_counters(state, 1);
+}
+
+void find_moved(benchmark::State& state, const std::uint8_t* images) {
+  const FastGrayDecoder decoder = filled_decoder(images);
+  std::vector<std::uint16_t> words(kImageBytes);
+  const PlaneTriangulation triangulation(load_rig("scanner"), kBits);
+  std::vector<float> z(kImageBytes), background(kImageBytes, 500);
+  code_words(decoder.codes(), words.data());
+  triangulation.depth(words.data(), z.data());
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(moved(triangulation, z.data(), background.data(), 5));
+  }
+  set_counters(state, 1);
+}
+
+// All steps, `pairs` pairs one after another.
+void depth(benchmark::State& state, const std::uint8_t* images, int pairs) {
+  const PlaneTriangulation triangulation(load_rig("scanner"), kBits);
+  Scanner scanner(triangulation, {});
+  int image = 0;
+  int pattern = 0;
+  for (auto _ : state) {
+    for (int half = 0; half < 2; ++half) {
+      benchmark::DoNotOptimize(scanner.take(image_at(images, image), pattern));
+      image = (image + 1) % (2 * pairs);
+      pattern = (pattern + 1) % (2 * kBits);
+    }
+    benchmark::ClobberMemory();
+  }
+  set_counters(state, 1);
+}
+
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
 // 8 bits along one axis; the other axis has the least that the class takes, one bit, whose images are the same again.
 void opencv(benchmark::State& state, const std::uint8_t* images) {
@@ -149,6 +245,19 @@ void print_ratios(const bench::Collector& collector) {
                 cache / bytes, memory / bytes, 100 * memory / ceiling);
     std::printf("median: %.0f images/s\n", collector.median("median/cache") / bytes);
   }
+  const double filtered = collector.median("median/cache");
+  const double triangulated = collector.median("triangulation/cache");
+  const double whole = collector.median("depth/cache");
+  if (cache > 0 && filtered > 0 && triangulated > 0 && whole > 0) {
+    const double steps = 1 / cache + 1 / filtered + 1 / triangulated;
+    std::printf("triangulation: %.0f images/s\n", triangulated / bytes);
+    std::printf("depth image, all steps: %.0f images/s in cache, %.0f from memory, %.1f %% of the read ceiling\n",
+                whole / bytes, collector.median("depth/memory") / bytes,
+                ceiling > 0 ? 100 * collector.median("depth/memory") / ceiling : 0);
+    std::printf("  of its time: decoding %.0f %%, median %.0f %%, triangulation %.0f %%\n", 100 / cache / steps,
+                100 / filtered / steps, 100 / triangulated / steps);
+    std::printf("what moved: %.0f images/s\n", collector.median("moved/cache") / bytes);
+  }
   const double peer = collector.median("opencv/cache");
   if (peer > 0) {
     std::printf("OpenCV GrayCodePattern: %.1f code images/s; the fast decoder is %.0f times as fast\n", peer / bytes,
@@ -168,12 +277,20 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "bench_gray: the codes are wrong\n");
     return 1;
   }
+  if (!depths_are_right(data)) {
+    std::fprintf(stderr, "bench_gray: the depths are wrong\n");
+    return 1;
+  }
   bench::add_read_ceiling({images.data(), images.size()});
   const auto add = [](const char* name, auto&& function) { benchmark::RegisterBenchmark(name, function); };
   add("decode/cache", [data](benchmark::State& state) { decode(state, data, 1); });
   add("decode/memory", [data](benchmark::State& state) { decode(state, data, kImages / 2); });
   add("words/cache", [data](benchmark::State& state) { to_words(state, data); });
   add("median/cache", [data](benchmark::State& state) { filter(state, data); });
+  add("triangulation/cache", [data](benchmark::State& state) { triangulate(state, data); });
+  add("moved/cache", [data](benchmark::State& state) { find_moved(state, data); });
+  add("depth/cache", [data](benchmark::State& state) { depth(state, data, 1); });
+  add("depth/memory", [data](benchmark::State& state) { depth(state, data, kImages / 2); });
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
   add("opencv/cache", [data](benchmark::State& state) { opencv(state, data); });
 #endif
