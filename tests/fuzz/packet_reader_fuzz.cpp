@@ -1,0 +1,238 @@
+// libFuzzer target: the packet reader on streams that the fuzzer builds, damages and cuts into pieces.
+//
+// The input is a small program: each step appends a good packet, damages the stream, or adds bytes as they are. The
+// stream then goes through two readers in different pieces. Whatever it is, the following holds:
+//   - both give the same packets: how the bytes arrive does not matter;
+//   - what is given is, byte by byte, a stretch of the stream, in order, without overlap, and parse_packet finds it
+//   right;
+//   - every byte is either given or counted as discarded;
+//   - packets that were appended and not touched since are all given.
+// Under the address and undefined-behaviour sanitizers, which see what else could be wrong.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+#include "host/driver/counters.h"
+#include "host/driver/packet_reader.h"
+#include "host/driver/packet_tally.h"
+#include "model/packet.h"
+
+namespace selfproj {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::size_t kLargestStream = 4 * 1024;
+
+void require(bool holds, const char* what) {
+  if (!holds) {
+    std::fprintf(stderr, "packet_reader_fuzz: %s\n", what);
+    std::abort();
+  }
+}
+
+// The fuzzer's bytes, one after another; zeros at their end.
+class Input {
+ public:
+  explicit Input(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  [[nodiscard]] bool empty() const { return bytes_.empty(); }
+  std::uint8_t byte() {
+    const std::uint8_t first = bytes_.empty() ? std::uint8_t{0} : bytes_.front();
+    bytes_ = bytes_.subspan(bytes_.empty() ? 0 : 1);
+    return first;
+  }
+  std::size_t word() {
+    const std::size_t low = byte();
+    return low | std::size_t{byte()} << 8U;
+  }
+  std::span<const std::uint8_t> take(std::size_t most) {
+    const auto taken = bytes_.first(std::min(most, bytes_.size()));
+    bytes_ = bytes_.subspan(taken.size());
+    return taken;
+  }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+};
+
+struct Stretch {
+  std::size_t begin;
+  std::size_t end;
+  bool operator==(const Stretch&) const = default;
+};
+
+// A stream, and the appended packets that nothing has touched since.
+struct Stream {
+  Bytes bytes;
+  std::vector<Stretch> good;
+
+  // Bytes from `begin` on are no longer what was appended.
+  void touched(std::size_t begin, std::size_t end) {
+    std::erase_if(good, [&](const Stretch& packet) { return packet.begin < end && begin < packet.end; });
+  }
+};
+
+void append_good_packet(Input& input, std::uint64_t sequence, Stream& stream) {
+  const std::uint8_t shape = input.byte();
+  PacketHeader header;
+  header.kind = static_cast<std::uint8_t>(spec::kKindMoments + shape % 3);
+  header.mode = static_cast<std::uint8_t>(shape / 3 % 3);
+  header.columns = static_cast<std::uint16_t>(spec::kPixelsPerBeat * (1 + shape / 9));
+  header.rows = 8;
+  header.sequence = sequence / 2;
+  header.time_stamp = 100 * (sequence / 2);
+  header.lost = input.byte();
+  header.first_line = static_cast<std::uint16_t>(header.kind == spec::kKindMoments ? 0 : 1 + shape % 8);
+  header.lines = header.kind == spec::kKindMoments ? 0 : 1;
+  const std::size_t size = header.kind == spec::kKindMoments
+                               ? moments_payload_bytes(static_cast<Mode>(header.mode), header.columns)
+                           : header.kind == spec::kKindImage ? image_line_payload_bytes(header.columns)
+                                                             : codes_line_payload_bytes(header.columns);
+  const bool empty = shape % 16 == 15;  // a frame that broke
+  const std::size_t begin = stream.bytes.size();
+  append_packet(header, Bytes(empty ? 0 : size, shape), empty ? spec::kStatusIncomplete : 0, stream.bytes);
+  stream.good.push_back({begin, stream.bytes.size()});
+}
+
+// The last 16 bytes of stream become a trailer whose check word is right for a packet that began at `begin`, so that
+// judgement must come from everything else.
+void make_check_right(Stream& stream, std::size_t begin) {
+  const std::size_t size = stream.bytes.size() - begin;
+  if (size == 0 || size % spec::kPacketBeatBytes != 0) {
+    return;
+  }
+  const std::uint32_t check = check_word(std::span(stream.bytes).subspan(begin));
+  for (std::size_t i = 0; i < 4; ++i) {
+    stream.bytes[stream.bytes.size() - 4 + i] = static_cast<std::uint8_t>(check >> 8 * i);
+  }
+}
+
+Stream build(Input& input) {
+  Stream stream;
+  std::uint64_t sequence = 0;
+  while (!input.empty() && stream.bytes.size() < kLargestStream) {
+    const std::size_t size = stream.bytes.size();
+    switch (const std::uint8_t step = input.byte(); step % 8) {
+      case 0:
+      case 1:
+      case 2:
+        append_good_packet(input, sequence++, stream);
+        break;
+      case 3: {  // cut
+        const std::size_t less = std::min(input.word() % 600, size);
+        stream.touched(size - less, size);
+        stream.bytes.resize(size - less);
+        break;
+      }
+      case 4: {  // damaged bytes, counted from the end
+        const std::size_t back = input.word();
+        const std::uint8_t change = input.byte();
+        if (back < size && change != 0) {
+          stream.bytes[size - 1 - back] ^= change;
+          stream.touched(size - 1 - back, size - back);
+        }
+        break;
+      }
+      case 5: {  // bytes as they are
+        const auto raw = input.take(input.byte());
+        stream.bytes.insert(stream.bytes.end(), raw.begin(), raw.end());
+        break;
+      }
+      case 6: {  // one of the last packet's header fields is another, and the check word right all the same
+        if (!stream.good.empty() && stream.good.back().end == size) {
+          const Stretch last = stream.good.back();
+          stream.bytes[last.begin + input.byte() % spec::kHeaderBytes] ^= input.byte();
+          stream.touched(last.begin, last.end);
+          make_check_right(stream, last.begin);
+        }
+        break;
+      }
+      default:  // the beginning of a packet once more
+        if (!stream.good.empty()) {
+          const Stretch last = stream.good.back();
+          const std::size_t bytes = std::min(input.word() % 600, last.end - last.begin);
+          const Bytes again(stream.bytes.begin() + static_cast<std::ptrdiff_t>(last.begin),
+                            stream.bytes.begin() + static_cast<std::ptrdiff_t>(last.begin + bytes));
+          stream.bytes.insert(stream.bytes.end(), again.begin(), again.end());
+          if (bytes == last.end - last.begin) {
+            stream.good.push_back({size, size + bytes});
+          }
+        }
+    }
+  }
+  return stream;
+}
+
+// Feeds the stream in pieces of 1..largest bytes and gives where in it the packets were found.
+std::vector<Stretch> read(const Bytes& stream, std::size_t largest, std::uint32_t random, Counters& counters) {
+  std::vector<Stretch> given;
+  PacketStreamReader reader(counters, 1);
+  PacketTally tally(counters);
+  PacketView packet;
+  std::size_t at = 0;
+  const auto drain = [&] {
+    while (reader.next(packet)) {
+      const std::size_t end = at - reader.held();
+      require(end >= packet.size, "a packet of bytes that have not come");
+      const std::size_t begin = end - packet.size;
+      require(given.empty() || begin >= given.back().end, "a byte was given twice");
+      const std::uint8_t* bytes = packet.payload.data() - spec::kHeaderBytes;
+      require(std::equal(bytes, bytes + packet.size, stream.begin() + static_cast<std::ptrdiff_t>(begin)),
+              "not the bytes of the stream");
+      PacketView again;
+      require(parse_packet({bytes, packet.size}, again) == PacketError::none && again.header == packet.header,
+              "not a good packet");
+      given.push_back({begin, end});
+      tally.accept(packet.header);
+    }
+  };
+  while (at < stream.size()) {
+    const auto room = reader.room();
+    require(!room.empty(), "no room for more bytes, and no packet either");
+    random = random * 1664525 + 1013904223;
+    const std::size_t piece = std::min({std::size_t{1} + (random >> 8U) % largest, room.size(), stream.size() - at});
+    std::copy_n(stream.begin() + static_cast<std::ptrdiff_t>(at), piece, room.begin());
+    reader.added(piece);
+    at += piece;
+    drain();
+  }
+  reader.finish();
+  drain();
+  require(reader.held() == 0, "bytes are left");
+  return given;
+}
+
+void fuzz(std::span<const std::uint8_t> data) {
+  Input input(data);
+  const std::uint8_t seed = input.byte();
+  const std::size_t largest = 1 + input.word() % 2000;
+  const Stream stream = build(input);
+
+  Counters whole;
+  Counters pieces;
+  const std::vector<Stretch> given = read(stream.bytes, SIZE_MAX, seed, whole);
+  require(given == read(stream.bytes, largest, seed, pieces), "pieces change what is given");
+  require(whole == pieces, "pieces change what is counted");
+
+  std::size_t bytes = whole.bytes_discarded;
+  for (const Stretch& packet : given) {
+    bytes += packet.end - packet.begin;
+  }
+  require(bytes == stream.bytes.size(), "bytes are neither given nor discarded");
+  for (const Stretch& packet : stream.good) {
+    require(std::find(given.begin(), given.end(), packet) != given.end(), "a good packet was not given");
+  }
+}
+
+}  // namespace
+}  // namespace selfproj
+
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer's name
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  selfproj::fuzz({data, size});
+  return 0;
+}
