@@ -1,6 +1,7 @@
 // selfproj-sim: the world around the board, in simulation.
 
 #include "host/io/program_main.h"
+#include "sim/app/board_command.h"
 #include "sim/app/decode_command.h"
 #include "sim/app/experiment_command.h"
 #include "sim/app/moments_command.h"
@@ -12,6 +13,7 @@ int main(int argc, char** argv) {
         selfproj::add_moments_command(app);
         selfproj::add_decode_command(app);
         selfproj::add_experiment_command(app);
+        selfproj::add_board_command(app);
       },
       argc, argv);
 }

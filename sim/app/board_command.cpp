@@ -1,0 +1,258 @@
+#include "sim/app/board_command.h"
+
+#include <fmt/format.h>
+#include <sys/prctl.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <ctime>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/driver/clock.h"
+#include "host/driver/ring_list.h"
+#include "host/driver/ring_writer.h"
+#include "host/io/output_file.h"
+#include "host/io/progress.h"
+#include "host/io/status_line.h"
+#include "host/io/stop_signal.h"
+#include "host/io/user_error.h"
+#include "model/column_moments.h"
+#include "sim/board/packet_recording.h"
+
+namespace selfproj {
+namespace {
+
+constexpr double kDefaultRate = 10000;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
+
+struct Options {
+  std::string replay;
+  std::string line;  // COLUMNSxROWS
+  std::string mode = "grey-over";
+  int threshold = 60;
+  int line_frames = 100;
+  std::string ring;
+  std::string record;
+  double rate = kDefaultRate;
+  std::uint64_t count = 0;
+  double seconds = 0;
+  bool loop = false;
+  std::uint32_t slots = RingWriter::kDefaultSlots;
+  bool wait_for_reader = false;
+  bool keep = false;
+};
+
+const std::array<std::pair<const char*, Mode>, 3> kModes{
+    {{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}};
+
+void sleep_until(std::int64_t time_ns) {
+  const timespec until{static_cast<std::time_t>(time_ns / kSecondNs), static_cast<long>(time_ns % kSecondNs)};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR && !StopSignal::came()) {
+  }
+}
+
+PacketRecording make_line(const Options& options) {
+  int columns = 0;
+  int rows = 0;
+  char more = 0;
+  if (std::sscanf(options.line.c_str(), "%dx%d%c", &columns, &rows, &more) != 2 || columns < spec::kPixelsPerBeat ||
+      columns > spec::kMaxColumns || columns % spec::kPixelsPerBeat != 0 || rows < 1 || rows > spec::kMaxRows) {
+    throw UserError("--line " + options.line,
+                    fmt::format("is no image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
+                                spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
+  }
+  const Mode mode = std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) {
+                      return entry.first == options.mode;
+                    })->second;
+  return moving_line(rows, columns, options.line_frames, mode, options.threshold);
+}
+
+PacketRecording source_of(const Options& options) {
+  if (options.replay.empty() == options.line.empty()) {
+    throw UserError("board", "one of --replay FILE and --line COLUMNSxROWS is needed");
+  }
+  if (!options.line.empty()) {
+    return make_line(options);
+  }
+  Counters counters;
+  PacketRecording recording = read_recording(options.replay, counters);
+  if (counters.bad + counters.missing + counters.bytes_discarded > 0) {
+    fmt::print(stderr, "selfproj-sim: {}: {} bad packets and {} missing frames in the recording are left out\n",
+               options.replay, counters.bad, counters.missing);
+  }
+  return recording;
+}
+
+// How many frames are to be played; the largest number where there is no end.
+std::uint64_t frames_to_play(const Options& options, const PacketRecording& source) {
+  if (options.count > 0) {
+    return options.count;
+  }
+  if (options.loop || options.seconds > 0) {
+    return std::numeric_limits<std::uint64_t>::max();
+  }
+  return source.frames();
+}
+
+void record(const Options& options, const PacketRecording& source) {
+  const OutputFile file(options.record);
+  std::uint64_t frames = frames_to_play(options, source);
+  if (options.seconds > 0 && options.rate > 0) {
+    frames = std::min(frames, static_cast<std::uint64_t>(options.seconds * options.rate));
+  }
+  constexpr double kMostBytes = 4e9;  // they are put together in memory
+  const double bytes =
+      static_cast<double>(source.bytes()) / static_cast<double>(source.frames()) * static_cast<double>(frames);
+  if (bytes > kMostBytes) {
+    throw UserError("--record " + options.record, "would be more than 4 GB; --count or --seconds says how much");
+  }
+  const double clocks = kPixelClockHz / (options.rate > 0 ? options.rate : kDefaultRate);
+  std::string stream;
+  stream.reserve(static_cast<std::size_t>(bytes));
+  Progress progress("frame", static_cast<std::size_t>(frames));
+  for (std::uint64_t frame = 0; frame < frames; ++frame) {
+    source.play(frame, clocks, [&](std::size_t size, const auto& stamp) {
+      stream.resize(stream.size() + size);
+      stamp(reinterpret_cast<std::uint8_t*>(stream.data()) + stream.size() - size);
+    });
+    progress.update(static_cast<std::size_t>(frame + 1));
+  }
+  file.write(stream);
+  fmt::print("{} frames, {} bytes → {}\n", frames, stream.size(), options.record);
+}
+
+// A board in real time. Frames are due at fixed times from the start, not from each other, so that the rate is kept
+// exactly; one that is late follows at once, and how late the latest was is said.
+void play(const Options& options, const PacketRecording& source) {
+  RingWriter writer(options.ring, options.slots);
+  const std::uint64_t lost_before = writer.lost();
+  const StopSignal stop;
+  StatusLine status;
+  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // sleep to the point, not up to 50 µs longer
+
+  constexpr std::int64_t kGlanceNs = kSecondNs / 10;
+  while (options.wait_for_reader && !writer.has_reader() && !StopSignal::came()) {
+    status.show("waiting for a reader of ring:" + options.ring);
+    sleep_until(now_ns() + kGlanceNs / 10);
+  }
+
+  const std::uint64_t frames = frames_to_play(options, source);
+  const double period = options.rate > 0 ? static_cast<double>(kSecondNs) / options.rate : 0;
+  const double clocks = kPixelClockHz / (options.rate > 0 ? options.rate : kDefaultRate);
+  const std::int64_t start = now_ns();
+  const std::int64_t end = options.seconds > 0 ? start + std::llround(options.seconds * kSecondNs)
+                                               : std::numeric_limits<std::int64_t>::max();
+  std::int64_t next_glance = start + kGlanceNs;
+  std::int64_t latest = 0;
+  std::uint64_t renewed = 0;
+  std::uint64_t packets = 0;
+  std::uint64_t frame = 0;
+  for (; frame < frames && !StopSignal::came(); ++frame) {
+    const std::int64_t due = start + static_cast<std::int64_t>(static_cast<double>(frame) * period);
+    if (period > 0 ? due >= end : now_ns() >= end) {
+      break;
+    }
+    if (period > 0) {
+      if (now_ns() < due) {
+        sleep_until(due);
+      }
+      latest = std::max(latest, now_ns() - due);
+    }
+    source.play(frame, clocks, [&](std::size_t size, const auto& stamp) {
+      ++packets;
+      if (const std::span<std::uint8_t> room = writer.claim(); !room.empty()) {
+        stamp(room.data());
+        writer.publish(size);
+      }
+    });
+    if (due >= next_glance || (period == 0 && frame % 1024 == 0 && now_ns() >= next_glance)) {
+      const std::int64_t now = now_ns();
+      next_glance = std::max(now, due) + kGlanceNs;
+      renewed += writer.renew_if_removed() ? 1 : 0;
+      if (status.visible()) {
+        status.show(fmt::format("{} frames, {:.1f} s, lost in the ring {}", frame + 1,
+                                static_cast<double>(now - start) / kSecondNs, writer.lost() - lost_before));
+      }
+    }
+  }
+  const double seconds = static_cast<double>(now_ns() - start) / kSecondNs;
+  status.show("");
+  if (!options.keep) {
+    remove_ring(options.ring);
+  }
+  fmt::print(
+      "{} frames in {:.3f} s: {:.0f} frames/s, {} packets, {} lost in the full ring; ring made anew {} times; latest "
+      "frame {:.3f} ms late\n",
+      frame, seconds, static_cast<double>(frame) / seconds, packets, writer.lost() - lost_before, renewed,
+      static_cast<double>(latest) / 1e6);
+}
+
+void run(const Options& options) {
+  if (options.ring.empty() == options.record.empty()) {
+    throw UserError("board", "one of --ring NAME and --record FILE is needed");
+  }
+  if (!(options.rate >= 0) || options.rate > 1e9) {
+    throw UserError("--rate", "a number from 0 (as fast as it can) to 1e9 is needed");
+  }
+  if (!(options.seconds >= 0) || options.seconds > 1e9) {
+    throw UserError("--seconds", "a number from 0 to 1e9 is needed");
+  }
+  const PacketRecording source = source_of(options);
+  if (options.ring.empty()) {
+    record(options, source);
+  } else {
+    play(options, source);
+  }
+}
+
+}  // namespace
+
+void add_board_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("board", "A board in real time: recorded packets, or those of a moving line, into a ring");
+  const auto options = std::make_shared<Options>();
+  command->add_option("--replay", options->replay, "Packets recorded by --record, or by `selfproj-sim cosim`")
+      ->type_name("FILE");
+  command->add_option("--line", options->line, "Instead: a line of light that moves, through the model of the board")
+      ->type_name("COLUMNSxROWS");
+  command->add_option("--mode", options->mode, "Of --line: binary, grey, grey-over")
+      ->check(CLI::IsMember(std::vector<std::string>{"binary", "grey", "grey-over"}))
+      ->capture_default_str();
+  command->add_option("--threshold", options->threshold, "Of --line: a pixel is lit where it is greater than this")
+      ->check(CLI::Range(0, 255))
+      ->type_name("T")
+      ->capture_default_str();
+  command->add_option("--line-frames", options->line_frames, "Of --line: frames after which it is where it began")
+      ->check(CLI::Range(1, 100000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--ring", options->ring, "Ring in shared memory to play into, for the device ring:NAME")
+      ->type_name("NAME");
+  command->add_option("--record", options->record, "Instead: file to write the same packets to, at once")
+      ->type_name("FILE");
+  command->add_option("--rate", options->rate, "Frames a second; 0 is as fast as it can, whether read or not")
+      ->type_name("FPS")
+      ->capture_default_str();
+  command->add_option("--count", options->count, "Frames to play; without it, all of the source once")->type_name("N");
+  command->add_option("--seconds", options->seconds, "How long to play, again and again")->type_name("S");
+  command->add_flag("--loop", options->loop, "Play again and again, until Ctrl-C");
+  command->add_option("--slots", options->slots, "Packets that the ring holds, a power of two")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_flag("--wait-for-reader", options->wait_for_reader, "Begin when someone has opened the ring");
+  command->add_flag("--keep", options->keep, "Leave the ring there at the end, for a reader that comes later");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace selfproj

@@ -1,0 +1,123 @@
+#include "sim/board/packet_recording.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/driver/device.h"
+#include "host/io/user_error.h"
+#include "model/packet.h"
+
+namespace selfproj {
+namespace {
+
+// Little endian, on every machine.
+template <typename T>
+void store(std::uint8_t* bytes, T value) {
+  for (std::size_t i = 0; i < sizeof value; ++i) {
+    bytes[i] = static_cast<std::uint8_t>(value >> (8 * i));
+  }
+}
+
+}  // namespace
+
+void PacketRecording::add(const PacketHeader& header, std::span<const std::uint8_t> packet) {
+  if (frames_.empty() || frames_.back().sequence != header.sequence) {
+    frames_.push_back({header.sequence, header.encoder, packets_.size(), 0});
+  }
+  ++frames_.back().packets;
+  packets_.push_back({bytes_.size(), packet.size()});
+  bytes_.insert(bytes_.end(), packet.begin(), packet.end());
+}
+
+void PacketRecording::stamp(std::size_t packet, std::uint64_t frame, double clocks_per_frame,
+                            std::uint8_t* room) const {
+  const Packet& recorded = packets_[packet];
+  std::copy_n(bytes_.data() + recorded.begin, recorded.size, room);
+
+  // The encoder goes on: from the last frame to the first one of the next loop as far as on average from frame to
+  // frame. Differences are taken modulo 2^32, as the count itself.
+  const std::uint64_t loops = frame / frames_.size();
+  const Frame& first = frames_.front();
+  const auto way = static_cast<std::int32_t>(frames_.back().encoder - first.encoder);
+  const double step = frames_.size() > 1 ? static_cast<double>(way) / static_cast<double>(frames_.size() - 1) : 0;
+  const auto way_of_loop = static_cast<std::uint32_t>(way + static_cast<std::int32_t>(std::lround(step)));
+  const std::uint32_t encoder = frames_[static_cast<std::size_t>(frame % frames_.size())].encoder +
+                                static_cast<std::uint32_t>(loops) * way_of_loop;
+
+  std::uint8_t* trailer = room + recorded.size - spec::kTrailerBytes;
+  store(room + spec::kHeaderSequence, frame);
+  store(room + spec::kHeaderTimeStamp, static_cast<std::uint64_t>(static_cast<double>(frame) * clocks_per_frame));
+  store(room + spec::kHeaderEncoder, encoder);
+  store(room + spec::kHeaderLost, std::uint32_t{0});
+  store(trailer + spec::kTrailerSequence, frame);
+  store(trailer + spec::kTrailerCheck, check_word({room, recorded.size}));
+}
+
+PacketRecording read_recording(const std::string& file, Counters& counters) {
+  PacketRecording recording;
+  const std::unique_ptr<Device> device = open_device("file:" + file);
+  PacketView packet;
+  for (Next next = Next::timeout; next != Next::end; next = device->next(packet, std::chrono::seconds(1))) {
+    if (next == Next::packet) {
+      recording.add(packet.header, {packet.payload.data() - spec::kHeaderBytes, packet.size});
+    }
+  }
+  counters = device->counters();
+  if (recording.frames() == 0) {
+    throw UserError(file, counters.other_spec > 0 ? "has only packets of another specification" : "has no good packet");
+  }
+  return recording;
+}
+
+PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int threshold) {
+  constexpr double kPeak = 200;
+  constexpr double kBackground = 10;
+  constexpr double kSigma = 2;
+  constexpr std::uint32_t kEncoderPerFrame = 10;
+  if (rows < 1 || rows > spec::kMaxRows || columns < spec::kPixelsPerBeat || columns > spec::kMaxColumns ||
+      columns % spec::kPixelsPerBeat != 0 || frames < 1) {
+    throw std::invalid_argument("moving line: the size is out of range");
+  }
+  PacketRecording recording;
+  std::vector<std::uint8_t> pixels(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+  std::vector<std::uint8_t> payload(moments_payload_bytes(mode, columns));
+  std::vector<std::uint8_t> packet;
+  Moments moments;
+  moments.resize(columns);
+  for (int frame = 0; frame < frames; ++frame) {
+    for (int column = 0; column < columns; ++column) {
+      const double phase = static_cast<double>(column) / columns + static_cast<double>(frame) / frames;
+      const double line = (rows - 1) / 2.0 + rows / 4.0 * std::sin(2 * std::numbers::pi * phase);
+      for (int row = 0; row < rows; ++row) {
+        const double away = (row - line) / kSigma;
+        const double grey = kBackground + (kPeak - kBackground) * std::exp(-away * away / 2);
+        pixels[static_cast<std::size_t>(row * columns + column)] = static_cast<std::uint8_t>(std::lround(grey));
+      }
+    }
+    column_moments({pixels.data(), rows, columns, columns}, mode, threshold, moments.view());
+    pack_moments(mode, columns, moments.view(), payload.data());
+    PacketHeader header;
+    header.kind = spec::kKindMoments;
+    header.sequence = static_cast<std::uint64_t>(frame);
+    header.encoder = static_cast<std::uint32_t>(frame) * kEncoderPerFrame;
+    header.columns = static_cast<std::uint16_t>(columns);
+    header.rows = static_cast<std::uint16_t>(rows);
+    header.mode = static_cast<std::uint8_t>(mode);
+    header.threshold = static_cast<std::uint8_t>(threshold);
+    packet.clear();
+    append_packet(header, payload, 0, packet);
+    recording.add(header, packet);
+  }
+  return recording;
+}
+
+}  // namespace selfproj

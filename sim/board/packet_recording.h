@@ -1,0 +1,78 @@
+// Recorded packets, and how they are played again and again as one long run of a board.
+#ifndef SELFPROJ_SIM_BOARD_PACKET_RECORDING_H
+#define SELFPROJ_SIM_BOARD_PACKET_RECORDING_H
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/driver/counters.h"
+#include "model/column_moments.h"
+#include "model/packet.h"
+
+namespace selfproj {
+
+// The pixel clock of the original board, in Hz, in which time stamps count: 15,120 clocks a frame at 10,000 fps.
+inline constexpr double kPixelClockHz = 151'200'000;
+
+// The packets of a run of frames, held in memory. A frame is the packets of one sequence number: its moments, and the
+// lines of its image and code image, if there are any.
+//
+// Playing it numbers the frames without gaps from 0, loop after loop: sequence, time stamp, encoder count and check
+// word of each packet are written anew, `lost` is 0, and all else is as it was recorded.
+class PacketRecording {
+ public:
+  // One packet more, which must be right.
+  void add(const PacketHeader& header, std::span<const std::uint8_t> packet);
+
+  [[nodiscard]] std::size_t frames() const { return frames_.size(); }
+  [[nodiscard]] std::size_t packets() const { return packets_.size(); }
+  [[nodiscard]] std::size_t bytes() const { return bytes_.size(); }
+
+  // The packets of frame `frame` % frames(), frame >= 0 counted over all loops: calls
+  // emit(packet size in bytes, stamp), which calls stamp(room) on room for that many bytes to have the packet there.
+  template <typename Emit>
+  void play(std::uint64_t frame, double clocks_per_frame, const Emit& emit) const {
+    const Frame& recorded = frames_[static_cast<std::size_t>(frame % frames_.size())];
+    for (std::size_t i = recorded.first; i < recorded.first + recorded.packets; ++i) {
+      emit(packets_[i].size, [&](std::uint8_t* room) { stamp(i, frame, clocks_per_frame, room); });
+    }
+  }
+
+ private:
+  struct Packet {
+    std::size_t begin = 0;
+    std::size_t size = 0;
+  };
+  struct Frame {
+    std::uint64_t sequence = 0;  // as recorded
+    std::uint32_t encoder = 0;
+    std::size_t first = 0;
+    std::size_t packets = 0;
+  };
+
+  void stamp(std::size_t packet, std::uint64_t frame, double clocks_per_frame, std::uint8_t* room) const;
+
+  std::vector<std::uint8_t> bytes_;
+  std::vector<Packet> packets_;  // frame by frame
+  std::vector<Frame> frames_;
+};
+
+// Reads a recorded stream to its end; what the driver counts on the way goes to `counters`. Throws UserError where it
+// cannot be read or has no good packet.
+PacketRecording read_recording(const std::string& file, Counters& counters);
+
+// A line of light that moves over the image: `frames` images of rows x columns pixels (of 8 bits; peak 200, background
+// 10, two pixels of standard deviation, no noise), after which it is where it began, through the model of the board.
+// The line's row in column η (from 0) of frame k is
+//
+//     (rows - 1)/2 + (rows/4) sin(2π (η/columns + k/frames))
+//
+// so that every pixel and moment is known. Throws std::invalid_argument where a number is out of the circuit's range.
+PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int threshold);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_BOARD_PACKET_RECORDING_H
