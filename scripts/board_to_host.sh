@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# board_to_host.sh [--seconds S] [--rate FPS] [--rising]: two processes, a board that plays 512 x 96 pixels in mode grey-over
+# in real time into a ring (default: 10,000 frames a second for 60 s), and the on-line inspection of it. Fails unless every
+# frame became a profile: nothing lost, bad or missing. --rising then doubles the rate from there, 5 s each, as long as that
+# holds, and ends with the board as fast as it can, which says how many profiles a second the host makes.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+seconds=60
+rate=10000
+rising=false
+while (($# > 0)); do
+  case $1 in
+    --seconds) seconds=${2:?"board_to_host.sh: --seconds needs a number"}; shift 2 ;;
+    --rate) rate=${2:?"board_to_host.sh: --rate needs a number"}; shift 2 ;;
+    --rising) rising=true; shift ;;
+    *) echo "usage: scripts/board_to_host.sh [--seconds S] [--rate FPS] [--rising]" >&2; exit 2 ;;
+  esac
+done
+for program in selfproj selfproj-sim; do
+  [[ -x build/bin/$program ]] || { echo "board_to_host.sh: build/bin/$program is missing; run scripts/build.sh" >&2; exit 2; }
+done
+
+ring=board-to-host-$$
+trap 'build/bin/selfproj devices --remove "$ring" 2>/dev/null || true' EXIT
+
+# run RATE SECONDS INSPECT_OPTION...
+run() {
+  local rate=$1 seconds=$2 status=0
+  shift 2
+  build/bin/selfproj-sim board --line 512x96 --rate "$rate" --seconds "$seconds" --ring "$ring" --wait-for-reader \
+    --keep >"build/$ring.txt" &
+  local board=$!
+  # The ring is kept until both have ended, so that the reader is there from the first packet to the last.
+  until build/bin/selfproj devices | grep -q "ring:$ring  *process"; do sleep 0.05; done
+  build/bin/selfproj inspect --device "ring:$ring" "$@" || status=$?
+  wait "$board"
+  sed 's/^/    board: /' "build/$ring.txt"
+  rm -f "build/$ring.txt"
+  build/bin/selfproj devices --remove "$ring"
+  return "$status"
+}
+
+echo "$rate frames/s for $seconds s:"
+run "$rate" "$seconds" --check
+if $rising; then
+  while rate=$((2 * rate)); echo "$rate frames/s for 5 s:"; run "$rate" 5 --check; do :; done
+  echo "as fast as the board can, for 5 s:"
+  run 0 5
+fi

@@ -1,0 +1,307 @@
+// selfproj-sim board, selfproj inspect and selfproj devices as their user meets them: two processes and a ring.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/driver/device.h"
+#include "host/driver/ring_list.h"
+#include "host/driver/ring_writer.h"
+#include "host/io/duration_histogram.h"
+#include "model/packet.h"
+#include "sim/board/packet_recording.h"
+#include "tests/cli/program.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+class Board : public ::testing::Test {
+ protected:
+  void SetUp() override { remove_ring(ring_); }
+  void TearDown() override { remove_ring(ring_); }
+
+  [[nodiscard]] Outcome board(Words words) const {
+    words.insert(words.begin(), "board");
+    return run_program(SELFPROJ_SIM_PROGRAM, words, folder_.path());
+  }
+  [[nodiscard]] Outcome host(const Words& words) const { return run_program(SELFPROJ_PROGRAM, words, folder_.path()); }
+
+  // A board in a process of its own that begins when someone reads; it has made its ring when this returns.
+  [[nodiscard]] std::future<Outcome> board_beside(Words words) const {
+    words.insert(words.end(), {"--ring", ring_, "--wait-for-reader", "--keep"});
+    auto outcome = std::async(std::launch::async, [=, this] { return board(words); });
+    const auto there = [&] {
+      const auto rings = list_rings();
+      return std::any_of(rings.begin(), rings.end(),
+                         [&](const RingInfo& ring) { return ring.name == ring_ && ring.board; });
+    };
+    while (!there() && outcome.wait_for(std::chrono::milliseconds(10)) == std::future_status::timeout) {
+    }
+    return outcome;
+  }
+
+  [[nodiscard]] nlohmann::json json(const std::string& file) const {
+    return nlohmann::json::parse(read_text(folder_ / file));
+  }
+
+  ScratchFolder folder_;
+  std::string ring_ = "cli-test-" + std::to_string(getpid());
+};
+
+TEST_F(Board, RecordsAMovingLine) {
+  const Outcome made = board({"--line", "64x96", "--line-frames", "7", "--count", "20", "--record", "line.slfp"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto device = open_device("file:" + (folder_ / "line.slfp").string());
+  PacketView packet;
+  std::uint64_t frame = 0;
+  std::vector<std::vector<std::uint8_t>> payloads;
+  for (; device->next(packet, {}) == Next::packet; ++frame) {
+    EXPECT_EQ(packet.header.sequence, frame);
+    EXPECT_EQ(packet.header.time_stamp, 15120 * frame);
+    EXPECT_EQ(packet.header.encoder, 10 * frame);
+    payloads.emplace_back(packet.payload.begin(), packet.payload.end());
+  }
+  EXPECT_EQ(frame, 20U);
+  EXPECT_EQ(device->counters(), (Counters{.delivered = 20}));
+  EXPECT_EQ(payloads[3], payloads[10]);
+  EXPECT_NE(payloads[3], payloads[4]);
+}
+
+TEST_F(Board, ReplaysARecordingWithItsHolesClosed) {
+  // Moments and two image lines a frame, in binary mode, with frames missing and an encoder that wraps.
+  PacketRecording recording;
+  std::vector<std::uint8_t> packet;
+  for (const std::uint64_t sequence : {100U, 101U, 105U}) {
+    PacketHeader header;
+    header.sequence = sequence;
+    header.lost = 3;
+    header.encoder = static_cast<std::uint32_t>(-3 + 2 * static_cast<int>(sequence - 100));
+    header.columns = 16;
+    header.rows = 2;
+    for (std::uint16_t line = 0; line <= 2; ++line) {
+      header.kind = line == 0 ? spec::kKindMoments : spec::kKindImage;
+      header.first_line = line;
+      header.lines = line == 0 ? 0 : 1;
+      packet.clear();
+      append_packet(header, std::vector<std::uint8_t>(line == 0 ? 64 : 16, static_cast<std::uint8_t>(sequence)), 0,
+                    packet);
+      recording.add(header, packet);
+    }
+  }
+  EXPECT_EQ(recording.frames(), 3U);
+  EXPECT_EQ(recording.packets(), 9U);
+  const std::vector<std::int32_t> encoders{-3, -1, 7, 12, 14, 22, 27};  // on average 5 from frame to frame
+  for (std::uint64_t frame = 0; frame < 7; ++frame) {
+    std::uint16_t line = 0;
+    recording.play(frame, 1000.5, [&](std::size_t size, const auto& stamp) {
+      std::vector<std::uint8_t> room(size);
+      stamp(room.data());
+      PacketView view;
+      ASSERT_EQ(parse_packet(room, view), PacketError::none);
+      EXPECT_EQ(view.size, size);
+      EXPECT_EQ(view.header.sequence, frame);
+      EXPECT_EQ(view.header.time_stamp, static_cast<std::uint64_t>(1000.5 * static_cast<double>(frame)));
+      EXPECT_EQ(static_cast<std::int32_t>(view.header.encoder), encoders[static_cast<std::size_t>(frame)]);
+      EXPECT_EQ(view.header.lost, 0U);
+      EXPECT_EQ(view.header.first_line, line++);
+      EXPECT_EQ(view.payload[5], (std::vector<int>{100, 101, 105}[frame % 3]));
+    });
+    EXPECT_EQ(line, 3);
+  }
+}
+
+TEST_F(Board, MovingLineIsWhereItShouldBe) {
+  const PacketRecording recording = moving_line(96, 32, 8, Mode::grey_over, 60);
+  Moments moments;
+  moments.resize(32);
+  for (std::uint64_t frame = 0; frame < 8; ++frame) {
+    recording.play(frame, 1, [&](std::size_t size, const auto& stamp) {
+      std::vector<std::uint8_t> room(size);
+      stamp(room.data());
+      unpack_moments(Mode::grey_over, 32, room.data() + spec::kHeaderBytes, moments.view());
+    });
+    for (std::size_t column = 0; column < 32; ++column) {
+      const double phase = static_cast<double>(column) / 32 + static_cast<double>(frame) / 8;
+      const double right = 47.5 + 24 * std::sin(2 * 3.14159265358979 * phase) + 1;  // rows count from 1
+      EXPECT_NEAR(static_cast<double>(moments.m1[column]) / moments.m0[column], right, 0.05);
+    }
+  }
+}
+
+// The main case: two processes. There are more slots than frames, so that nothing can be lost however busy the machine
+// is.
+TEST_F(Board, EveryFrameBecomesAProfile) {
+  auto other = board_beside({"--line", "512x96", "--rate", "10000", "--count", "2000"});
+  const Outcome inspected = host({"inspect", "--device", "ring:" + ring_, "--json", "counts.json", "--check"});
+  const Outcome played = other.get();
+  EXPECT_EQ(played.status, 0) << played.err;
+  EXPECT_EQ(inspected.status, 0) << inspected.err;
+  EXPECT_EQ(inspected.out.find("2000 profiles, "), 0U) << inspected.out;
+  const auto counts = json("counts.json");
+  EXPECT_EQ(counts["profiles"], 2000);
+  EXPECT_GT(counts["points"], 2000 * 400);
+  for (const char* none : {"lost_on_board", "lost_in_ring", "missing_frames", "bad_packets", "repeated_packets",
+                           "board_restarts", "bytes_discarded", "resynchronized"}) {
+    EXPECT_EQ(counts[none], 0) << none;
+  }
+  EXPECT_GT(counts["delay_p50_us"], 0);
+  EXPECT_GE(counts["delay_p99_us"], counts["delay_p50_us"]);
+  EXPECT_GE(counts["delay_max_us"], counts["delay_p99_us"]);
+}
+
+// A ring far too small for a board that does not wait: what is not a profile is counted as lost, to the last frame.
+TEST_F(Board, WhatIsLostIsCounted) {
+  auto other = board_beside({"--line", "512x96", "--rate", "0", "--count", "100000", "--slots", "4"});
+  const Outcome inspected = host({"inspect", "--device", "ring:" + ring_, "--json", "counts.json"});
+  EXPECT_EQ(other.get().status, 0);
+  EXPECT_EQ(inspected.status, 0) << inspected.err;
+  const auto counts = json("counts.json");
+  EXPECT_EQ(counts["profiles"].get<int>() + counts["lost_in_ring"].get<int>(), 100000);
+  EXPECT_GT(counts["lost_in_ring"], 0);
+  EXPECT_LE(counts["missing_frames"], counts["lost_in_ring"]);
+  EXPECT_EQ(counts["bad_packets"], 0);
+}
+
+TEST_F(Board, CheckFailsWhereSomethingIsMissing) {
+  ASSERT_EQ(board({"--line", "512x96", "--count", "20", "--record", "line.slfp"}).status, 0);
+  std::string stream = read_text(folder_ / "line.slfp");
+  stream.erase(5 * stream.size() / 20 + 100, 1);
+  write_text(folder_ / "cut.slfp", stream);
+  const Words words{"inspect", "--device", "file:cut.slfp", "--json", "counts.json"};
+  EXPECT_EQ(host(words).status, 0);
+  EXPECT_EQ(json("counts.json")["profiles"], 19);
+  EXPECT_EQ(json("counts.json")["bad_packets"], 1);
+  EXPECT_EQ(json("counts.json")["missing_frames"], 1);
+  Words checked = words;
+  checked.emplace_back("--check");
+  const Outcome outcome = host(checked);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("--check: 19 profiles, 2 faults"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Board, WritesTheOutputsOfAnInspection) {
+  ASSERT_EQ(board({"--line", "512x96", "--count", "5", "--record", "line.slfp"}).status, 0);
+  const Outcome outcome = host({"inspect", "--device", "file:line.slfp", "--out", "results", "--keep", "3"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* file : {"moments.csv", "profile.csv", "cloud.ply", "height.tiff", "difference.tiff",
+                           "difference.png", "summary.json", "report.html"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "results" / file)) << file;
+  }
+  EXPECT_NE(outcome.out.find("3 frames (of 5, --keep 3) → results"), std::string::npos) << outcome.out;
+  const std::string moments = read_text(folder_ / "results" / "moments.csv");
+  EXPECT_EQ(std::count(moments.begin(), moments.end(), '\n'), 1 + 3 * 512);
+}
+
+TEST_F(Board, DiskFull) {
+  ASSERT_EQ(board({"--line", "512x96", "--count", "5", "--record", "line.slfp"}).status, 0);
+  for (const Words& words : {Words{"inspect", "--device", "file:line.slfp", "--json", "/dev/full"}}) {
+    const Outcome outcome = host(words);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find("No space left on device"), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(board({"--line", "512x96", "--record", "/dev/full"}).status, 2);
+  // A limit on the size of files, instead of a full disk that would have to be made.
+  const std::string limited = "ulimit -f 20; trap '' XFSZ; exec \"$0\" inspect --device file:line.slfp --out results";
+  const Outcome outcome = run_program("/bin/sh", {"-c", limited, SELFPROJ_PROGRAM}, folder_.path());
+  EXPECT_EQ(outcome.status, 2) << outcome.err;
+  EXPECT_EQ(folder_.names(), (Words{"line.slfp"})) << "something half written is left";
+}
+
+TEST_F(Board, Devices) {
+  RingWriter writer(ring_, 16);
+  const Outcome listed = host({"devices"});
+  EXPECT_EQ(listed.status, 0);
+  const auto at = listed.out.find("ring:" + ring_);
+  ASSERT_NE(at, std::string::npos) << listed.out;
+  EXPECT_NE(listed.out.find("process " + std::to_string(getpid()), at), std::string::npos) << listed.out;
+  EXPECT_EQ(host({"devices", "--remove", ring_}).status, 0);
+  const Outcome again = host({"devices", "--remove", ring_});
+  EXPECT_EQ(again.status, 2);
+  EXPECT_EQ(again.err, "selfproj: ring:" + ring_ + ": there is no such ring\n");
+}
+
+TEST_F(Board, Errors) {
+  ASSERT_EQ(board({"--line", "64x96", "--count", "5", "--record", "small.slfp"}).status, 0);
+  write_text(folder_ / "text", "no packets");
+  const std::vector<Words> wrong_board{
+      {},
+      {"--line", "512x96"},
+      {"--ring", ring_},
+      {"--line", "510x96", "--ring", ring_},
+      {"--line", "512", "--ring", ring_},
+      {"--line", "512x96x3", "--ring", ring_},
+      {"--line", "512x96", "--replay", "small.slfp", "--ring", ring_},
+      {"--line", "512x96", "--ring", ring_, "--record", "x"},
+      {"--line", "512x96", "--ring", "a/b"},
+      {"--line", "512x96", "--ring", ring_, "--slots", "100"},
+      {"--line", "512x96", "--ring", ring_, "--rate", "-1"},
+      {"--line", "512x96", "--ring", ring_, "--rate", "nan"},
+      {"--line", "512x96", "--record", "no/such/folder"},
+      {"--replay", "none", "--ring", ring_},
+      {"--replay", "text", "--ring", ring_},
+      {"--replay", ".", "--ring", ring_},
+  };
+  for (const Words& words : wrong_board) {
+    const Outcome outcome = board(words);
+    EXPECT_EQ(outcome.status, 2) << ::testing::PrintToString(words);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  const std::vector<Words> wrong_inspect{
+      {},
+      {"--device", "ring:" + ring_},
+      {"--device", "file:none"},
+      {"--device", "usb:0"},
+      {"--device", "sim:"},
+      {"--device", "file:small.slfp"},  // of another width than the rig
+      {"--device", "file:small.slfp", "--rig", "scanner"},
+      {"--device", "file:small.slfp", "--rig", "none.yaml"},
+      {"--device", "file:small.slfp", "--out", "text"},
+      {"--device", "file:small.slfp", "--json", "no/such/folder"},
+      {"--device", "file:small.slfp", "--seconds", "-3"},
+      {"--device", "file:small.slfp", "--keep", "0"},
+  };
+  for (Words words : wrong_inspect) {
+    words.insert(words.begin(), "inspect");
+    const Outcome outcome = host(words);
+    EXPECT_EQ(outcome.status, 2) << ::testing::PrintToString(words);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  EXPECT_EQ(folder_.names(), (Words{"small.slfp", "text"}));
+}
+
+TEST(DurationHistogram, PercentilesAgainstTheSortedNumbers) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    DurationHistogram histogram;
+    std::vector<std::int64_t> all;
+    for (int i = random.between(1, 3000); i > 0; --i) {
+      const auto ns = static_cast<std::int64_t>(random.bits() >> random.between(2, 63));
+      histogram.add(ns);
+      all.push_back(ns);
+    }
+    std::sort(all.begin(), all.end());
+    EXPECT_EQ(histogram.longest_ns(), all.back());
+    for (const double share : {0.0, 0.5, 0.9, 0.99, 1.0}) {
+      const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(all.size())));
+      const std::int64_t exact = all[rank == 0 ? 0 : rank - 1];
+      EXPECT_GE(histogram.percentile_ns(share), exact);
+      EXPECT_LE(histogram.percentile_ns(share), exact + exact / 32);
+    }
+  }
+  EXPECT_EQ(DurationHistogram().percentile_ns(0.5), 0);
+}
+
+}  // namespace
+}  // namespace selfproj::test
