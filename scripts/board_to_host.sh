@@ -1,20 +1,26 @@
 #!/usr/bin/env bash
-# board_to_host.sh [--seconds S] [--rate FPS] [--rising]: two processes, a board that plays 512 x 96 pixels in mode grey-over
-# in real time into a ring (default: 10,000 frames a second for 60 s), and the on-line inspection of it. Fails unless every
-# frame became a profile: nothing lost, bad or missing. --rising then doubles the rate from there, 5 s each, as long as that
-# holds, and ends with the board as fast as it can, which says how many profiles a second the host makes.
+# board_to_host.sh [--seconds S] [--rate FPS] [--rising] [--realtime]: two processes, a board that plays 512 x 96 pixels in
+# mode grey-over in real time into a ring (default: 10,000 frames a second for 60 s), and the on-line inspection of it. Fails
+# unless every frame became a profile: nothing lost, bad or missing.
+# --rising then doubles the rate from there, 5 s each, as long as that holds, and ends with the board as fast as it can, which
+# says how many profiles a second the host makes. --realtime gives both processes real-time priority (needs the right to it)
+# and lets the host sleep while it waits: on a machine that is busy with other things they would else not get a processor
+# for longer than the ring's 0.2 s.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 seconds=60
 rate=10000
 rising=false
+realtime=()
+wait=poll-then-block
 while (($# > 0)); do
   case $1 in
     --seconds) seconds=${2:?"board_to_host.sh: --seconds needs a number"}; shift 2 ;;
     --rate) rate=${2:?"board_to_host.sh: --rate needs a number"}; shift 2 ;;
     --rising) rising=true; shift ;;
-    *) echo "usage: scripts/board_to_host.sh [--seconds S] [--rate FPS] [--rising]" >&2; exit 2 ;;
+    --realtime) realtime=(chrt -f 10) wait=block; shift ;;
+    *) echo "usage: scripts/board_to_host.sh [--seconds S] [--rate FPS] [--rising] [--realtime]" >&2; exit 2 ;;
   esac
 done
 for program in selfproj selfproj-sim; do
@@ -28,12 +34,12 @@ trap 'build/bin/selfproj devices --remove "$ring" 2>/dev/null || true' EXIT
 run() {
   local rate=$1 seconds=$2 status=0
   shift 2
-  build/bin/selfproj-sim board --line 512x96 --rate "$rate" --seconds "$seconds" --ring "$ring" --wait-for-reader \
+  "${realtime[@]}" build/bin/selfproj-sim board --line 512x96 --rate "$rate" --seconds "$seconds" --ring "$ring" --wait-for-reader \
     --keep >"build/$ring.txt" &
   local board=$!
   # The ring is kept until both have ended, so that the reader is there from the first packet to the last.
   until build/bin/selfproj devices | grep -q "ring:$ring  *process"; do sleep 0.05; done
-  build/bin/selfproj inspect --device "ring:$ring" "$@" || status=$?
+  "${realtime[@]}" build/bin/selfproj inspect --device "ring:$ring" --wait "$wait" "$@" || status=$?
   wait "$board"
   sed 's/^/    board: /' "build/$ring.txt"
   rm -f "build/$ring.txt"

@@ -12,6 +12,7 @@ packages=(
   nlohmann-json3-dev                         # summaries
   libgtest-dev libbenchmark-dev              # tests, benchmarks
   clang-format-14 clang-tidy-14              # checks of the sources
+  clang-14 libclang-rt-14-dev                # fuzzing
 )
 
 fail() {

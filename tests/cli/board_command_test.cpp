@@ -9,7 +9,9 @@
 #include <filesystem>
 #include <future>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/driver/device.h"
@@ -203,6 +205,28 @@ TEST_F(Board, WritesTheOutputsOfAnInspection) {
   EXPECT_EQ(std::count(moments.begin(), moments.end(), '\n'), 1 + 3 * 512);
 }
 
+// The line crosses the middle row in column 1: there the surface is the reference itself, whichever is given.
+TEST_F(Board, DifferenceFromTheGivenReference) {
+  ASSERT_EQ(board({"--line", "512x96", "--count", "1", "--record", "line.slfp"}).status, 0);
+  write_text(folder_ / "curve.csv", "y_mm,z_mm\n-90,1165\n90,1165\n");
+  ASSERT_EQ(host({"pattern", "--reference", "curve.csv", "--out", "reference"}).status, 0);
+  for (const auto& [words, z] : {std::pair<Words, double>{{}, 1167}, {{"--reference", "reference"}, 1165}}) {
+    Words all{"inspect", "--device", "file:line.slfp", "--out", "results"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome outcome = host(all);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const std::string profile = read_text(folder_ / "results" / "profile.csv");
+    const std::string first = profile.substr(profile.find('\n') + 1);
+    EXPECT_EQ(first.find("1,1,"), 0U);
+    std::istringstream fields(first);
+    std::string field;
+    for (int i = 0; i < 5; ++i) {
+      std::getline(fields, field, ',');
+    }
+    EXPECT_NEAR(std::stod(field), z, 0.05);
+  }
+}
+
 TEST_F(Board, DiskFull) {
   ASSERT_EQ(board({"--line", "512x96", "--count", "5", "--record", "line.slfp"}).status, 0);
   for (const Words& words : {Words{"inspect", "--device", "file:line.slfp", "--json", "/dev/full"}}) {
@@ -267,6 +291,7 @@ TEST_F(Board, Errors) {
       {"--device", "file:small.slfp", "--rig", "scanner"},
       {"--device", "file:small.slfp", "--rig", "none.yaml"},
       {"--device", "file:small.slfp", "--out", "text"},
+      {"--device", "file:small.slfp", "--reference", "none"},
       {"--device", "file:small.slfp", "--json", "no/such/folder"},
       {"--device", "file:small.slfp", "--seconds", "-3"},
       {"--device", "file:small.slfp", "--keep", "0"},
