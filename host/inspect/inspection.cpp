@@ -448,7 +448,7 @@ void Inspection::write(OutputFolder& folder, const ReportParts& parts) const {
   folder.append("height.png", labelled_map_png(heights, height_scale(heights), pitch(), "height"));
   folder.append("difference.png", labelled_map_png(differences, scale, pitch(), "difference from the reference"));
   if (parts.camera) {
-    folder.append("frame.png", frame_png(*parts.camera));
+    folder.append(fmt::format("frame_{}.png", parts.camera->frame), frame_png(*parts.camera));
   }
   folder.append("summary.json", summary(parts));
   folder.append("report.html", report_html(report_data(parts)));

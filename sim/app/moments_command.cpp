@@ -4,13 +4,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/io/image_files.h"
@@ -18,6 +16,7 @@
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
 #include "model/column_moments.h"
+#include "sim/app/frame_options.h"
 #include "sim/app/moments_csv.h"
 #include "sim/engine/moments_engine.h"
 
@@ -33,20 +32,6 @@ struct Options {
   std::vector<std::string> images;
 };
 
-const std::array<std::pair<const char*, Mode>, 3> kModes{
-    {{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}};
-constexpr std::array<Channel, 4> kChannels{Channel::red, Channel::green, Channel::blue, Channel::grey};
-
-Mode mode_of(const std::string& name) {
-  return std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) { return entry.first == name; })->second;
-}
-
-std::optional<Channel> channel_of(const std::string& name) {
-  const auto* const found =
-      std::find_if(kChannels.begin(), kChannels.end(), [&](Channel channel) { return to_string(channel) == name; });
-  return found == kChannels.end() ? std::nullopt : std::optional(*found);
-}
-
 std::unique_ptr<MomentsEngine> make_engine(const std::string& name) {
   if (name == "model") {
     return make_model_engine();
@@ -57,22 +42,6 @@ std::unique_ptr<MomentsEngine> make_engine(const std::string& name) {
   }
 #endif
   throw UserError("--engine " + name, "this engine is not part of this build");
-}
-
-std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
-
-// What the circuit takes.
-void check_size(const std::string& file, const Image& image) {
-  if (image.columns % spec::kPixelsPerBeat != 0) {
-    throw UserError(file,
-                    fmt::format("has {} columns; a multiple of {} is needed", image.columns, spec::kPixelsPerBeat));
-  }
-  if (image.columns > spec::kMaxColumns) {
-    throw UserError(file, fmt::format("has {} columns; at most {} are taken", image.columns, spec::kMaxColumns));
-  }
-  if (image.rows > spec::kMaxRows) {
-    throw UserError(file, fmt::format("has {} rows; at most {} are taken", image.rows, spec::kMaxRows));
-  }
 }
 
 // How many frames are held in memory and handed to the engine at once.
@@ -91,7 +60,8 @@ void run(const Options& options) {
     check_image_file(file);
   }
   const std::unique_ptr<MomentsEngine> engine = make_engine(options.engine);
-  const std::optional<Channel> channel = channel_of(options.channel);
+  const std::optional<Channel> channel =
+      options.channel.empty() ? std::nullopt : std::optional(channel_of(options.channel));
   const std::size_t total = options.images.size();
 
   MomentsSettings settings{0, 0, mode_of(options.mode), options.threshold};
@@ -105,15 +75,12 @@ void run(const Options& options) {
       const std::string& file = options.images[i];
       const Image& image = images.emplace_back(read_image(file, channel));
       if (i == 0) {
-        check_size(file, image);
+        check_frame_size(file, image);
         settings.rows = image.rows;
         settings.columns = image.columns;
         batch = batch_size(image);
-      } else if (image.rows != settings.rows || image.columns != settings.columns) {
-        throw UserError(file, fmt::format("is {}, but {} is {}; all images must have one size",
-                                          size_text(image.rows, image.columns), options.images.front(),
-                                          size_text(settings.rows, settings.columns)));
       }
+      check_same_size(file, image, options.images.front(), settings.rows, settings.columns);
       if (images.size() < batch && i + 1 < total) {
         continue;
       }
@@ -140,11 +107,6 @@ void run(const Options& options) {
 void add_moments_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("moments", "Column moments of image files, one image a frame, rows down");
   const auto options = std::make_shared<Options>();
-  const auto names = [](const auto& list, auto name_of) {
-    std::vector<std::string> result;
-    std::transform(list.begin(), list.end(), std::back_inserter(result), name_of);
-    return result;
-  };
   command->add_option("--engine", options->engine, "What computes them: the board's RTL, the HLS kernel, the model")
       ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
       ->capture_default_str();
@@ -155,10 +117,10 @@ void add_moments_command(CLI::App& app) {
   command
       ->add_option("--mode", options->mode,
                    "A lit pixel weighs 1 (binary), its value (grey), its value - T (grey-over)")
-      ->check(CLI::IsMember(names(kModes, [](const auto& entry) { return std::string(entry.first); })))
+      ->check(CLI::IsMember(mode_names()))
       ->capture_default_str();
   command->add_option("--channel", options->channel, "What to take of colour images")
-      ->check(CLI::IsMember(names(kChannels, [](Channel channel) { return to_string(channel); })));
+      ->check(CLI::IsMember(channel_names()));
   command->add_option("--out", options->out, "Table to write: frame,column,m0,m1,n, counted from 1")
       ->type_name("FILE.csv")
       ->required();

@@ -133,6 +133,57 @@ std::vector<PlatformEngine> engines() {
 #endif
 }
 
+// What the checker lets pass and what not.
+TEST(PacketChecker, FindsEveryChangedByteAndCountsWhatIsMissing) {
+  PacketHeader header;
+  header.kind = spec::kKindMoments;
+  header.columns = 8;
+  header.rows = 4;
+  header.payload_size = 32;
+  header.first_line = 1;
+  header.lines = 4;
+  const auto packet = [&](std::uint64_t sequence, std::uint32_t lost) {
+    header.sequence = sequence;
+    header.lost = lost;
+    std::vector<std::uint8_t> bytes;
+    append_packet(header, std::vector<std::uint8_t>(32, 3), 0, bytes);
+    return bytes;
+  };
+  const auto expecting = [&](std::uint64_t count) {
+    PacketChecker checker;
+    for (std::uint64_t sequence = 0; sequence < count; ++sequence) {
+      header.sequence = sequence;
+      header.lost = 0;
+      checker.expect({header, std::vector<std::uint8_t>(32, 3), 0});
+    }
+    return checker;
+  };
+  const std::vector<std::uint8_t> right = packet(0, 0);
+  EXPECT_TRUE(expecting(1).check(right));
+  for (std::size_t i = 0; i < right.size(); ++i) {
+    std::vector<std::uint8_t> wrong = right;
+    wrong[i] ^= 1U;
+    EXPECT_FALSE(expecting(1).check(wrong)) << "byte " << i;
+  }
+  // A right packet that is not the model's.
+  header.encoder = 1;
+  const std::vector<std::uint8_t> other = packet(0, 0);
+  header.encoder = 0;
+  PacketChecker checker = expecting(1);
+  EXPECT_FALSE(checker.check(other));
+  EXPECT_NE(checker.first_mismatch().find("frame 1"), std::string::npos);
+
+  PacketChecker losing = expecting(4);
+  EXPECT_TRUE(losing.check(packet(1, 1)));
+  EXPECT_FALSE(losing.check(packet(2, 0)));  // lost, and not counted
+  EXPECT_FALSE(losing.check(packet(2, 1)));  // once more
+  losing.finish();
+  EXPECT_EQ(losing.matched(), 1U);
+  EXPECT_EQ(losing.matched_columns(), 8U);
+  EXPECT_EQ(losing.mismatches(), 2U);
+  EXPECT_EQ(losing.lost(), 2U);
+}
+
 class EveryEngine : public ::testing::TestWithParam<PlatformEngine> {};
 
 TEST_P(EveryEngine, FramesComeAtTheirTimeWithTheBeltsWay) {

@@ -127,7 +127,7 @@ TEST_F(WrittenInspection, HasAllFilesAndNothingElse) {
   }
   std::sort(names.begin(), names.end());
   EXPECT_EQ(names,
-            (std::vector<std::string>{"cloud.ply", "difference.png", "difference.tiff", "frame.png", "height.png",
+            (std::vector<std::string>{"cloud.ply", "difference.png", "difference.tiff", "frame_1.png", "height.png",
                                       "height.tiff", "moments.csv", "profile.csv", "report.html", "summary.json"}));
   EXPECT_EQ(scratch_.names(), std::vector<std::string>{"out"});
 }
@@ -226,7 +226,7 @@ TEST_F(WrittenInspection, HeightAndDifferenceAreTowardsTheCamera) {
 }
 
 TEST_F(WrittenInspection, PicturesAreThere) {
-  for (const char* name : {"difference.png", "height.png", "frame.png"}) {
+  for (const char* name : {"difference.png", "height.png", "frame_1.png"}) {
     const cv::Mat picture = cv::imread(file(name), cv::IMREAD_UNCHANGED);
     EXPECT_EQ(picture.type(), CV_8UC3) << name;
     EXPECT_GT(picture.cols, 100) << name;

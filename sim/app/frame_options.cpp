@@ -1,0 +1,83 @@
+#include "sim/app/frame_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+namespace {
+
+const std::array<std::pair<const char*, Mode>, 3> kModes{
+    {{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}};
+constexpr std::array<Channel, 4> kChannels{Channel::red, Channel::green, Channel::blue, Channel::grey};
+
+}  // namespace
+
+std::vector<std::string> mode_names() {
+  std::vector<std::string> names;
+  std::transform(kModes.begin(), kModes.end(), std::back_inserter(names),
+                 [](const auto& entry) { return entry.first; });
+  return names;
+}
+
+Mode mode_of(const std::string& name) {
+  for (const auto& [known, mode] : kModes) {
+    if (name == known) {
+      return mode;
+    }
+  }
+  throw std::invalid_argument("mode_of: " + name);
+}
+
+std::string mode_name(Mode mode) {
+  return std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) { return entry.second == mode; })->first;
+}
+
+std::vector<std::string> channel_names() {
+  std::vector<std::string> names;
+  std::transform(kChannels.begin(), kChannels.end(), std::back_inserter(names),
+                 [](Channel channel) { return to_string(channel); });
+  return names;
+}
+
+Channel channel_of(const std::string& name) {
+  const auto* const found =
+      std::find_if(kChannels.begin(), kChannels.end(), [&](Channel channel) { return to_string(channel) == name; });
+  if (found == kChannels.end()) {
+    throw std::invalid_argument("channel_of: " + name);
+  }
+  return *found;
+}
+
+std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
+
+void check_frame_size(const std::string& file, const Image& image) {
+  if (image.columns % spec::kPixelsPerBeat != 0) {
+    throw UserError(file,
+                    fmt::format("has {} columns; a multiple of {} is needed", image.columns, spec::kPixelsPerBeat));
+  }
+  if (image.columns > spec::kMaxColumns) {
+    throw UserError(file, fmt::format("has {} columns; at most {} are taken", image.columns, spec::kMaxColumns));
+  }
+  if (image.rows > spec::kMaxRows) {
+    throw UserError(file, fmt::format("has {} rows; at most {} are taken", image.rows, spec::kMaxRows));
+  }
+}
+
+void check_same_size(const std::string& file, const Image& image, const std::string& first, int rows, int columns) {
+  if (image.rows != rows || image.columns != columns) {
+    throw UserError(file, fmt::format("is {}, but {} is {}; all images must have one size",
+                                      size_text(image.rows, image.columns), first, size_text(rows, columns)));
+  }
+}
+
+}  // namespace selfproj

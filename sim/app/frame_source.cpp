@@ -1,0 +1,71 @@
+#include "sim/app/frame_source.h"
+
+#include <glob.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <future>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "sim/app/frame_options.h"
+
+namespace selfproj {
+
+SceneFrames::SceneFrames(const Renderer& renderer, int rows, int columns, std::size_t first, std::size_t count)
+    : renderer_(renderer), rows_(rows), columns_(columns), first_(first), count_(count) {}
+
+const Image* SceneFrames::next() {
+  const std::size_t wanted = std::max(1U, std::thread::hardware_concurrency());
+  while (ahead_.size() < wanted && asked_ < count_) {
+    const auto frame = static_cast<int>(first_ + asked_++);
+    ahead_.push_back(std::async(std::launch::async, [this, frame] {
+      Image image{rows_, columns_, {}};
+      image.pixels.resize(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_));
+      renderer_.render(frame, image.pixels);
+      return image;
+    }));
+  }
+  if (ahead_.empty()) {
+    return nullptr;
+  }
+  image_ = ahead_.front().get();
+  ahead_.pop_front();
+  return &image_;
+}
+
+RecordedFrames::RecordedFrames(std::vector<std::string> files, std::optional<Channel> channel)
+    : files_(std::move(files)), channel_(channel) {
+  for (const std::string& file : files_) {
+    check_image_file(file);
+  }
+  first_ = read_image(files_.front(), channel_);
+  check_frame_size(files_.front(), first_);
+}
+
+const Image* RecordedFrames::next() {
+  if (given_ == files_.size()) {
+    return nullptr;
+  }
+  const std::string& file = files_[given_++];
+  image_ = read_image(file, channel_);
+  check_same_size(file, image_, files_.front(), first_.rows, first_.columns);
+  return &image_;
+}
+
+std::vector<std::string> files_of_pattern(const std::string& pattern) {
+  glob_t found{};
+  const int result = glob(pattern.c_str(), 0, nullptr, &found);
+  std::vector<std::string> files(found.gl_pathv, found.gl_pathv + (result == 0 ? found.gl_pathc : 0));
+  globfree(&found);
+  if (files.empty()) {
+    throw UserError("--frames " + pattern, "no such files");
+  }
+  return files;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,78 @@
+// Where the frames of a co-simulation come from: a scene before the simulated camera, or recorded images.
+#ifndef SELFPROJ_SIM_APP_FRAME_SOURCE_H
+#define SELFPROJ_SIM_APP_FRAME_SOURCE_H
+
+#include <cstddef>
+#include <deque>
+#include <future>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/io/image_files.h"
+#include "sim/scene/renderer.h"
+
+namespace selfproj {
+
+class FrameSource {
+ public:
+  FrameSource() = default;
+  FrameSource(const FrameSource&) = delete;
+  FrameSource& operator=(const FrameSource&) = delete;
+  virtual ~FrameSource() = default;
+
+  [[nodiscard]] virtual std::size_t total() const = 0;
+  [[nodiscard]] virtual int rows() const = 0;
+  [[nodiscard]] virtual int columns() const = 0;
+
+  // The next frame, valid until the next call; null after the last one. Throws UserError naming what is wrong.
+  virtual const Image* next() = 0;
+};
+
+// Frames first..first + count - 1 (from 0) of a rendered scene; some are rendered ahead, by several threads.
+class SceneFrames final : public FrameSource {
+ public:
+  SceneFrames(const Renderer& renderer, int rows, int columns, std::size_t first, std::size_t count);
+
+  [[nodiscard]] std::size_t total() const override { return count_; }
+  [[nodiscard]] int rows() const override { return rows_; }
+  [[nodiscard]] int columns() const override { return columns_; }
+  const Image* next() override;
+
+ private:
+  const Renderer& renderer_;
+  int rows_;
+  int columns_;
+  std::size_t first_;
+  std::size_t count_;
+  std::size_t asked_ = 0;  // frames whose rendering has begun
+  std::deque<std::future<Image>> ahead_;
+  Image image_;
+};
+
+// Images of one size that the board takes.
+class RecordedFrames final : public FrameSource {
+ public:
+  // Looks at all files, and reads the first. Throws UserError naming the file.
+  RecordedFrames(std::vector<std::string> files, std::optional<Channel> channel);
+
+  [[nodiscard]] std::size_t total() const override { return files_.size(); }
+  [[nodiscard]] int rows() const override { return first_.rows; }
+  [[nodiscard]] int columns() const override { return first_.columns; }
+  const Image* next() override;
+
+ private:
+  std::vector<std::string> files_;
+  std::optional<Channel> channel_;
+  Image first_;
+  Image image_;
+  std::size_t given_ = 0;
+};
+
+// The files that a pattern with * ? [] names, in the order of their names; a name without any of these is that file.
+// Throws UserError where there is none.
+std::vector<std::string> files_of_pattern(const std::string& pattern);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_APP_FRAME_SOURCE_H

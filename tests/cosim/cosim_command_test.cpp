@@ -1,0 +1,282 @@
+// selfproj-sim cosim as its user meets it: frames in, folder and exit status out.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/rig.h"
+#include "host/optics/pattern.h"
+#include "host/optics/reference.h"
+#include "model/packet.h"
+#include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
+#include "tests/cli/program.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The frames under which the middle of A2's part passes: all three marks are there.
+const std::vector<std::string> kMiddle{"--first", "690"};
+
+class Cosim : public ::testing::Test {
+ protected:
+  Outcome run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "cosim");
+    return run_program(SELFPROJ_SIM_PROGRAM, arguments, folder.path());
+  }
+  // With the options for a scene's middle in front.
+  Outcome run_middle(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), kMiddle.begin(), kMiddle.end());
+    return run(std::move(arguments));
+  }
+
+  // Status 2, one line about `about`, and nothing left behind.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& about) {
+    SCOPED_TRACE(about);
+    const std::vector<std::string> before = folder.names();
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find(about), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(folder.names(), before);
+  }
+
+  [[nodiscard]] std::string text(const std::string& name) const { return read_text(folder / name); }
+
+  void write_image(const std::string& name, int rows, int columns, std::uint64_t seed) const {
+    Random random(seed);
+    cv::Mat image(rows, columns, CV_8UC1);
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        image.at<std::uint8_t>(row, column) = static_cast<std::uint8_t>(random.between(0, 255));
+      }
+    }
+    ASSERT_TRUE(cv::imwrite(folder / name, image));
+  }
+
+  ScratchFolder folder;
+};
+
+// The last line of what was printed.
+std::string last_line(const std::string& text) {
+  std::istringstream lines(text);
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    last = line;
+  }
+  return last;
+}
+
+std::vector<std::string> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST_F(Cosim, TheModelWritesAllFilesOfTheContract) {
+  const Outcome outcome =
+      run_middle({"--engine", "model", "--count", "4", "--out", "out", "--picture-frame", "2", "4"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(last_line(outcome.out), "matched 2048 columns in 4 frames, 0 mismatches");
+  EXPECT_EQ(names_in(folder / "out"),
+            (std::vector<std::string>{"cloud.ply", "difference.png", "difference.tiff", "frame_2.png", "frame_4.png",
+                                      "height.png", "height.tiff", "moments.csv", "profile.csv", "report.html",
+                                      "summary.json"}));
+  const std::string moments = text("out/moments.csv");
+  EXPECT_EQ(std::count(moments.begin(), moments.end(), '\n'), 1 + 4 * 512);
+  EXPECT_NE(moments.find("\n4,512,"), std::string::npos);
+  EXPECT_NE(text("out/summary.json").find("\"matched_columns\": 2048"), std::string::npos);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"out"});
+}
+
+// Marks are 1 mm deep, the treads beside them as the reference is, the treads 30, 39 and 21 mm high.
+TEST_F(Cosim, MarksShowInTheDifference) {
+  ASSERT_EQ(run_middle({"--engine", "model", "--count", "20", "--out", "out"}).status, 0);
+  const FloatImage difference = read_float_tiff(folder / "out/difference.tiff");
+  const FloatImage height = read_float_tiff(folder / "out/height.tiff");
+  ASSERT_EQ(difference.rows, 20);
+  ASSERT_EQ(difference.columns, 512);
+  const auto share = [](const FloatImage& image, double low, double high) {
+    const auto inside = std::count_if(image.values.begin(), image.values.end(),
+                                      [&](float value) { return double{value} > low && double{value} < high; });
+    return static_cast<double>(inside) / static_cast<double>(image.values.size());
+  };
+  EXPECT_GT(share(difference, -1.1, -0.9), 0.05);
+  EXPECT_GT(share(difference, -0.1, 0.1), 0.6);
+  EXPECT_EQ(share(difference, 0.2, 100), 0);
+  EXPECT_EQ(share(difference, -100, -1.3), 0);
+  for (const double tread : {0.0, 21.0, 30.0, 39.0}) {
+    EXPECT_GT(share(height, tread - 0.1, tread + 0.1), 0.05) << tread;
+  }
+}
+
+TEST_F(Cosim, SeedAndDisturbancesAreTheUsers) {
+  const auto packets = [&](const std::vector<std::string>& arguments) {
+    std::vector<std::string> all{"--engine", "model", "--count", "1", "--packets", "packets"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Outcome outcome = run_middle(all);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return text("packets");
+  };
+  const std::string plain = packets({});
+  EXPECT_EQ(packets({}), plain);
+  EXPECT_NE(packets({"--seed", "5"}), plain);
+  const std::string quiet = packets({"--without", "shot-noise,read-noise"});
+  EXPECT_NE(quiet, plain);
+  EXPECT_EQ(packets({"--without", "shot-noise,read-noise", "--seed", "5"}), quiet);
+  EXPECT_NE(packets({"--mode", "binary"}), plain);
+  EXPECT_NE(packets({"--threshold", "50"}), plain);
+}
+
+TEST_F(Cosim, PacketsAreTheStreamOfTheBoard) {
+  ASSERT_EQ(run_middle({"--engine", "model", "--count", "3", "--packets", "packets"}).status, 0);
+  const std::string stream = text("packets");
+  std::span<const std::uint8_t> left(reinterpret_cast<const std::uint8_t*>(stream.data()), stream.size());
+  for (std::uint64_t frame = 0; frame < 3; ++frame) {
+    PacketView packet;
+    ASSERT_EQ(parse_packet(left, packet), PacketError::none);
+    EXPECT_EQ(packet.header.sequence, frame);
+    EXPECT_EQ(packet.header.encoder, 10 * frame);
+    left = left.subspan(packet.size);
+  }
+  EXPECT_TRUE(left.empty());
+}
+
+// A pattern that the shell did not resolve; no rig: moments, centroids and pictures.
+TEST_F(Cosim, RecordedImagesWithoutARig) {
+  for (const int i : {1, 2, 3}) {
+    write_image("image_" + std::to_string(i) + ".png", 20, 64, static_cast<std::uint64_t>(i));
+  }
+  const Outcome outcome = run({"--engine", "model", "--frames", "image_*.png", "--threshold", "200", "--out", "out"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(last_line(outcome.out), "matched 192 columns in 3 frames, 0 mismatches");
+  EXPECT_EQ(names_in(folder / "out"), (std::vector<std::string>{"centroid.tiff", "frame_1.png", "frame_2.png",
+                                                                "frame_3.png", "moments.csv", "summary.json"}));
+  // The same table as that of the command `moments`.
+  const Outcome moments = run_program(SELFPROJ_SIM_PROGRAM,
+                                      {"moments", "--engine", "model", "--mode", "grey-over", "--threshold", "200",
+                                       "--out", "moments.csv", "image_1.png", "image_2.png", "image_3.png"},
+                                      folder.path());
+  ASSERT_EQ(moments.status, 0) << moments.err;
+  EXPECT_EQ(text("out/moments.csv"), text("moments.csv"));
+  const FloatImage centroid = read_float_tiff(folder / "out/centroid.tiff");
+  EXPECT_EQ(centroid.rows, 3);
+  EXPECT_EQ(centroid.columns, 64);
+  for (const float row : centroid.values) {
+    EXPECT_TRUE(std::isnan(row) || (row >= 1 && row <= 20)) << row;
+  }
+}
+
+// Images as the rig's camera takes them of the bare plane: measured as such.
+TEST_F(Cosim, RecordedImagesWithARig) {
+  const Rig rig = load_rig("light-section");
+  const double far = rig.plane_z_mm;
+  const auto plane = make_scene("plane", rig);
+  const Renderer renderer(rig, *plane, draw_pattern(rig, pattern_of_curve(rig, {{-far, far}, {far, far}})));
+  cv::Mat image(rig.camera.rows, rig.camera.columns, CV_8UC1);
+  renderer.render(0, {image.data, image.total()});
+  ASSERT_TRUE(cv::imwrite(folder / "plane.png", image));
+  const Outcome outcome = run({"--engine", "model", "--frames", "plane.png", "--rig", "light-section", "--out", "out"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const FloatImage height = read_float_tiff(folder / "out/height.tiff");
+  ASSERT_EQ(height.columns, 512);
+  EXPECT_TRUE(std::all_of(height.values.begin(), height.values.end(),
+                          [](float value) { return std::abs(double{value}) < 0.1; }));
+}
+
+TEST_F(Cosim, WhatIsWrongIsSaidInOneLine) {
+  write_image("a.png", 20, 64, 1);
+  write_image("b.png", 21, 64, 2);
+  write_image("odd.png", 20, 66, 3);
+  write_text(folder / "text.png", "no image");
+  write_text(folder / "file", "");
+  expect_refused({"--scene", "nowhere"}, "nowhere");
+  expect_refused({"--scene", "plane", "--frames", "a.png"}, "--frames");
+  expect_refused({"--frames", "c*.png", "--threshold", "9"}, "c*.png");
+  expect_refused({"--frames", "a.png", "b.png", "--threshold", "9", "--engine", "model", "--out", "out"}, "b.png");
+  expect_refused({"--frames", "a.png", "text.png", "--threshold", "9"}, "text.png");
+  expect_refused({"--frames", "odd.png", "--threshold", "9"}, "odd.png");
+  expect_refused({"--frames", "a.png"}, "--threshold");
+  expect_refused({"--frames", "a.png", "--channel", "red", "--threshold", "9"}, "a.png");
+  expect_refused({"--frames", "a.png", "--rig", "light-section"}, "a.png");
+  expect_refused({"--frames", "a.png", "--threshold", "9", "--without", "shot-noise"}, "--without");
+  expect_refused({"--rig", "scanner"}, "scanner");
+  expect_refused({"--rig", "nothing.yaml"}, "nothing.yaml");
+  expect_refused({"--count", "1401"}, "--count");
+  expect_refused({"--count", "0"}, "--count");
+  expect_refused({"--first", "1401"}, "--first");
+  expect_refused({"--without", "fog"}, "--without");
+  expect_refused({"--engine", "hls"}, "--engine hls");
+  expect_refused({"--out", "file/out"}, "file");
+  expect_refused({"--packets", "nowhere/packets"}, "nowhere");
+  expect_refused({"--count", "2", "--picture-frame", "3", "--out", "out"}, "--picture-frame");
+  expect_refused({"--engine", "model", "--trace", "a.fst"}, "--trace");
+  expect_refused({"--bus-stall", "96"}, "--bus-stall");
+}
+
+#ifdef SELFPROJ_HAS_RTL_PLATFORM
+
+// Packets and tables of both engines, byte for byte, with a bus that is often not ready.
+TEST_F(Cosim, RtlAndModelAreEqual) {
+  for (const char* mode : {"binary", "grey", "grey-over"}) {
+    SCOPED_TRACE(mode);
+    for (const std::string engine : {"rtl", "model"}) {
+      const Outcome outcome = run_middle({"--engine", engine, "--count", "5", "--mode", mode, "--bus-stall", "60",
+                                          "--out", engine, "--packets", engine + ".packets"});
+      ASSERT_EQ(outcome.status, 0) << outcome.err;
+      EXPECT_EQ(last_line(outcome.out), "matched 2560 columns in 5 frames, 0 mismatches");
+    }
+    EXPECT_EQ(text("rtl.packets"), text("model.packets"));
+    for (const char* file : {"moments.csv", "profile.csv", "cloud.ply", "height.tiff", "difference.tiff"}) {
+      EXPECT_EQ(text(std::string("rtl/") + file), text(std::string("model/") + file)) << file;
+    }
+  }
+}
+
+// A stretch of A2's frames, from the plane over the part's edge into the marks. All 1400: scripts/demo.sh.
+TEST_F(Cosim, EdgeAndMarksThroughTheRtl) {
+  const Outcome outcome = run({"--first", "440", "--count", "60"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(last_line(outcome.out), "matched 30720 columns in 60 frames, 0 mismatches");
+}
+
+TEST_F(Cosim, WaveformOfTheLastFrame) {
+  const Outcome outcome = run_middle({"--count", "3", "--trace", "wave.fst", "--trace-from", "3"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"wave.fst"});
+  EXPECT_GT(fs::file_size(folder / "wave.fst"), 10000U);
+  expect_refused({"--count", "3", "--trace", "wave.fst", "--trace-from", "4"}, "--trace-from");
+}
+
+TEST_F(Cosim, RealCaptures) {
+  const fs::path captures = SELFPROJ_CAPTURES;
+  if (!fs::exists(captures)) {
+    GTEST_SKIP() << "the real captures are not there: " << captures;
+  }
+  const Outcome outcome =
+      run({"--frames", captures / "sample*/sample*-b-0.jpg", "--channel", "red", "--threshold", "100", "--out", "out"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(last_line(outcome.out), "matched 3200 columns in 10 frames, 0 mismatches");
+  EXPECT_TRUE(fs::exists(folder / "out/frame_10.png"));
+}
+
+#endif
+
+}  // namespace
+}  // namespace selfproj::test
