@@ -100,7 +100,8 @@ PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int th
       for (int row = 0; row < rows; ++row) {
         const double away = (row - line) / kSigma;
         const double grey = kBackground + (kPeak - kBackground) * std::exp(-away * away / 2);
-        pixels[static_cast<std::size_t>(row * columns + column)] = static_cast<std::uint8_t>(std::lround(grey));
+        pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)] =
+            static_cast<std::uint8_t>(std::lround(grey));
       }
     }
     column_moments({pixels.data(), rows, columns, columns}, mode, threshold, moments.view());
