@@ -22,11 +22,13 @@ inline double distance_from_mark(Mark mark, double right, double down) {
     const double vr = r1 - r0;
     const double vd = d1 - d0;
     const double s = std::clamp(((right - r0) * vr + (down - d0) * vd) / (vr * vr + vd * vd), 0.0, 1.0);
-    return std::hypot(right - r0 - s * vr, down - d0 - s * vd);
+    const double r = right - r0 - s * vr;
+    const double d = down - d0 - s * vd;
+    return std::sqrt(r * r + d * d);
   };
   switch (mark) {
     case Mark::circle:
-      return std::abs(std::hypot(right, down) - kReach);
+      return std::abs(std::sqrt(right * right + down * down) - kReach);
     case Mark::cross:
       return std::min(segment(-kReach, -kReach, kReach, kReach), segment(-kReach, kReach, kReach, -kReach));
     case Mark::triangle_down:

@@ -145,8 +145,10 @@ bool Renderer::is_dark(int row, int column, HeightRange heights) const {
 Renderer::Hit Renderer::hit(PixelPoint pixel, double t, HeightRange heights) const {
   const Point3 ray = camera_.ray(pixel);  // of depth 1
   const double z = rig_.plane_z_mm;
-  const double h = first_hit(scene_, {ray.x * z, -ray.x, ray.y * z, -ray.y}, t, heights.low, heights.high);
-  return {(z - h) * ray, h};
+  const bool level = heights.high - heights.low <= kHeightTolerance;
+  const double h =
+      level ? heights.low : first_hit(scene_, {ray.x * z, -ray.x, ray.y * z, -ray.y}, t, heights.low, heights.high);
+  return {(z - h) * ray, h, level};
 }
 
 // The cosine of the incidence of the projector's light, with falloff where that is wanted; 0 in the shadow. `highest`:
@@ -157,7 +159,7 @@ double Renderer::lit_share(const Hit& hit, double t, double highest) const {
     return (scene_.height(p.x + dx, p.y + dy, t) - scene_.height(p.x - dx, p.y - dy, t)) / (2 * kSlopeStep);
   };
   // towards the camera, which is −z
-  const Point3 up{-slope(kSlopeStep, 0), -slope(0, kSlopeStep), -1};
+  const Point3 up = hit.level ? Point3{0, 0, -1} : Point3{-slope(kSlopeStep, 0), -slope(0, kSlopeStep), -1};
   const Point3 normal = 1 / std::sqrt(dot(up, up)) * up;
   const Point3 to_projector = projector_.centre() - p;
   const double distance_2 = dot(to_projector, to_projector);

@@ -63,6 +63,7 @@ class Renderer {
   struct Hit {
     Point3 point;
     double height;
+    bool level;  // so is all of the surface around
   };
 
   struct Light;  // of one frame, while it is rendered

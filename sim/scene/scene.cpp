@@ -93,7 +93,8 @@ class Stairs : public Prism {
  protected:
   [[nodiscard]] double top(double x, double y) const override {
     const int i = tread(y);
-    return tread_height(i) - (marked_ && distance(i, x, y) <= kMarkStroke / 2 ? kMarkDepth : 0);
+    const bool carved = marked_ && near_mark(i, {x, x, y, y}) && distance(i, x, y) <= kMarkStroke / 2;
+    return tread_height(i) - (carved ? kMarkDepth : 0);
   }
 
   [[nodiscard]] HeightRange top_range(const Box& box) const override {
@@ -103,11 +104,13 @@ class Stairs : public Prism {
     for (int i = first; i <= last; ++i) {
       const double height = tread_height(i);
       result = join(result, {height, height});
-      if (!marked_) {
+      if (!marked_ || !near_mark(i, box)) {
         continue;
       }
       // the distance from the mark changes over the rectangle by at most half its diagonal
-      const double half_diagonal = 0.5 * std::hypot(box.x1 - box.x0, box.y1 - box.y0);
+      const double dx = box.x1 - box.x0;
+      const double dy = box.y1 - box.y0;
+      const double half_diagonal = 0.5 * std::sqrt(dx * dx + dy * dy);
       const double d = distance(i, (box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2);
       if (d - half_diagonal <= kMarkStroke / 2) {
         result.low = std::min(result.low, height - kMarkDepth);
@@ -132,10 +135,15 @@ class Stairs : public Prism {
     return std::clamp(static_cast<int>(std::floor(y / kTreadWidth + std::size(kTreads) / 2.0)), 0, kLast);
   }
   static double tread_height(int i) { return kTreads[static_cast<std::size_t>(i)].height; }
+  static double middle(int i) { return kTreadWidth * (i - (std::size(kTreads) - 1) / 2.0); }
+  // Whether the rectangle touches the square that the tread's mark lies in.
+  static bool near_mark(int i, const Box& box) {
+    constexpr double kHalf = kMarkSize / 2;
+    return box.x0 <= kHalf && box.x1 >= -kHalf && box.y0 - middle(i) <= kHalf && box.y1 - middle(i) >= -kHalf;
+  }
+  // Read as the measured heights lie: later frames, which are smaller x, are down.
   static double distance(int i, double x, double y) {
-    const double middle = kTreadWidth * (i - (std::size(kTreads) - 1) / 2.0);
-    // read as the measured heights lie: later frames, which are smaller x, are down
-    return distance_from_mark(kTreads[static_cast<std::size_t>(i)].mark, y - middle, -x);
+    return distance_from_mark(kTreads[static_cast<std::size_t>(i)].mark, y - middle(i), -x);
   }
 
   bool marked_;
