@@ -305,6 +305,12 @@ Rig parse_rig(const std::string& yaml, const std::string& source) {
     throw UserError(source, fmt::format("measure.min_lit_px is {}, more than measure.max_lit_px, {}",
                                         rig.measure.min_lit_px, rig.measure.max_lit_px));
   }
+  const RigImaging& light = rig.imaging;
+  if (light.dark > light.ambient || light.ambient > light.white) {
+    throw UserError(source, fmt::format("imaging.dark is {}, imaging.ambient {}, imaging.white {}; each may be at most "
+                                        "the next",
+                                        light.dark, light.ambient, light.white));
+  }
   return rig;
 }
 

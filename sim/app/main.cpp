@@ -6,6 +6,7 @@
 #include "sim/app/decode_command.h"
 #include "sim/app/experiment_command.h"
 #include "sim/app/moments_command.h"
+#include "sim/app/scene_command.h"
 
 int main(int argc, char** argv) {
   return selfproj::program_main(
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
         selfproj::add_decode_command(app);
         selfproj::add_experiment_command(app);
         selfproj::add_board_command(app);
+        selfproj::add_scene_command(app);
       },
       argc, argv);
 }

@@ -78,15 +78,6 @@ std::vector<double> centres_of(const FloatImage& pattern) {
 
 }  // namespace
 
-FloatImage straight_line(const RigProjector& projector, double line, double width) {
-  FloatImage pattern(projector.lines, projector.columns);
-  for (int r = 0; r < pattern.rows; ++r) {
-    const double covered = std::min(r + 0.5, line + width / 2) - std::max(r - 0.5, line - width / 2);
-    std::fill_n(pattern.row(r), pattern.columns, static_cast<float>(std::max(0.0, covered)));
-  }
-  return pattern;
-}
-
 std::vector<double> gaussian_kernel(double sigma) {
   const int reach = static_cast<int>(std::ceil(kReach * sigma));
   std::vector<double> kernel(static_cast<std::size_t>(2 * reach + 1));

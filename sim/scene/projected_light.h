@@ -5,15 +5,10 @@
 #include <vector>
 
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
 #include "sim/scene/min_max_pyramid.h"
 #include "sim/scene/pinhole.h"
 
 namespace selfproj {
-
-// A pattern of a straight line, `width` projector lines wide, its middle at the line `line` (from 0, any fraction): the
-// light of each projector pixel is its covered share.
-FloatImage straight_line(const RigProjector& projector, double line, double width);
 
 // The weights of a Gaussian of standard deviation `sigma` at whole steps, -4 sigma to 4 sigma, of sum 1.
 std::vector<double> gaussian_kernel(double sigma);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "host/io/float_image.h"
@@ -27,16 +28,8 @@ constexpr double kSlopeStep = 5e-3;  // mm to both sides, for the surface's slop
 constexpr double kEverywhere = 1e6;  // mm
 constexpr float kGreyMaximum = 255;  // of an 8-bit image
 
-FloatImage checked(const FloatImage& pattern, const RigProjector& projector) {
-  if (pattern.rows != projector.lines || pattern.columns != projector.columns) {
-    throw UserError("pattern", fmt::format("has {} lines of {} columns; the rig's projector has {} of {}", pattern.rows,
-                                           pattern.columns, projector.lines, projector.columns));
-  }
-  const auto* const wrong = std::find_if_not(pattern.values.data(), pattern.values.data() + pattern.values.size(),
-                                             [](float value) { return value >= 0 && value <= 1; });
-  if (wrong != pattern.values.data() + pattern.values.size()) {
-    throw UserError("pattern", fmt::format("has a value of {}; light is 0 to 1", *wrong));
-  }
+const FloatImage& checked(const FloatImage& pattern, const RigProjector& projector) {
+  check_pattern(pattern, projector);
   return pattern;
 }
 
@@ -61,6 +54,18 @@ std::vector<float> pixel_kernel(int margin, int sub, double sigma) {
 }
 
 }  // namespace
+
+void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source) {
+  if (pattern.rows != projector.lines || pattern.columns != projector.columns) {
+    throw UserError(source, fmt::format("has {} lines of {} columns; the rig's projector has {} of {}", pattern.rows,
+                                        pattern.columns, projector.lines, projector.columns));
+  }
+  const auto wrong = std::find_if_not(pattern.values.begin(), pattern.values.end(),
+                                      [](float value) { return value >= 0 && value <= 1; });
+  if (wrong != pattern.values.end()) {
+    throw UserError(source, fmt::format("has a value of {}; light is 0 to 1", *wrong));
+  }
+}
 
 // What is the same for all pixels of a frame.
 struct Renderer::Light {

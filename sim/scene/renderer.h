@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "host/io/float_image.h"
@@ -26,10 +27,13 @@ struct RenderOptions {
   bool falloff = false;  // light falls with the distance from the projector, squared; as stated on the plane, x = y = 0
 };
 
+// Throws UserError about `source` where the pattern has not the projector's size or a value that is not 0..1.
+void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source = "pattern");
+
 class Renderer {
  public:
   // The scene must live as long as the renderer. The pattern has the light 0..1 of the projector's lines x columns.
-  // Throws UserError about the pattern: another size, a value that is not 0..1.
+  // Throws as check_pattern.
   Renderer(const Rig& rig, const Scene& scene, const FloatImage& pattern, RenderOptions options = {});
 
   // Puts another pattern into the projector; as the constructor, but cheaper. Not while another thread renders.

@@ -17,6 +17,7 @@
 
 #include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/optics/pattern.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/scene.h"
 
@@ -111,7 +112,7 @@ TEST(Renderer, StraightLineIsSeenWhere34Says) {
     const double z = rig.plane_z_mm - height;
     for (const double offset : {-6.0, -0.31, 0.0, 4.7}) {
       const double line = line_at(rig, offset, z);
-      const Renderer renderer(rig, scene, straight_line(rig.projector, line, 5), ideal());
+      const Renderer renderer(rig, scene, draw_straight_line(rig, line), ideal());
       const Frame frame(rig, renderer, 0);
       const double t = tan_theta(rig, line);
       const double expected = row_of(rig, (rig.projector.x_mm + rig.projector.z_mm * t) / z - t);
@@ -147,7 +148,7 @@ TEST(Renderer, LineOf39FallsOnTheMiddleOfTheImage) {
     }
     const auto i = static_cast<std::size_t>(next - columns.begin());
     const double f = (c - columns[i - 1]) / (columns[i] - columns[i - 1]);
-    const FloatImage straight = straight_line(p, (1 - f) * lines[i - 1] + f * lines[i], 5);
+    const FloatImage straight = draw_straight_line(rig, (1 - f) * lines[i - 1] + f * lines[i]);
     for (int r = 0; r < p.lines; ++r) {
       pattern.row(r)[c] = straight.row(r)[0];
     }
@@ -171,7 +172,7 @@ TEST(Renderer, TriangulatedHeightsAreTheTrueOnes) {
   const Rig rig = load_rig("light-section");
   const auto scene = make_scene("mountain", rig);
   const double line = line_at(rig, 0, rig.plane_z_mm - 12);
-  const Renderer renderer(rig, *scene, straight_line(rig.projector, line, 5), ideal());
+  const Renderer renderer(rig, *scene, draw_straight_line(rig, line), ideal());
   const int number = 700;
   const Frame frame(rig, renderer, number);
   std::vector<float> truth(512);
@@ -220,7 +221,7 @@ TEST(Renderer, GreyValuesAreThoseOfTheRig) {
 TEST(Renderer, BlurKeepsTheLightOfALineAndItsPlace) {
   const Rig rig = load_rig("light-section");
   const TestScene scene;
-  const FloatImage line = straight_line(rig.projector, line_at(rig, 0.1, rig.plane_z_mm), 5);
+  const FloatImage line = draw_straight_line(rig, line_at(rig, 0.1, rig.plane_z_mm));
   const Frame sharp(rig, Renderer(rig, scene, line, ideal()), 0);
   const auto variance = [&](const Frame& frame) {
     const double middle = frame.centroid(200, 8);
@@ -262,7 +263,7 @@ TEST(Renderer, MotionBlurAveragesOverTheExposure) {
   scene.x1 = 0;
   scene.fastest = speed;
   for (const double place : {-3.0, 0.5, 2.0}) {
-    const FloatImage line = straight_line(rig.projector, line_at(rig, place, rig.plane_z_mm - height), 5);
+    const FloatImage line = draw_straight_line(rig, line_at(rig, place, rig.plane_z_mm - height));
     RenderOptions options = ideal();
     const double lit = Frame(rig, Renderer(rig, scene, line, options), 1).sum(256, 8);
     options.motion_blur = true;
@@ -331,7 +332,7 @@ TEST(Renderer, TruthIsTheHeightOnTheLightSheet) {
   const Rig rig = load_rig("light-section");
   const auto stairs = make_scene("stairs", rig);
   const double line = line_at(rig, 0.2, rig.plane_z_mm - 30);
-  const Renderer renderer(rig, *stairs, straight_line(rig.projector, line, 5));
+  const Renderer renderer(rig, *stairs, draw_straight_line(rig, line));
   std::vector<float> heights(512);
   renderer.truth(700, heights);
   EXPECT_NEAR(heights[100], 30, 1e-3);
@@ -357,7 +358,7 @@ TEST(Renderer, TruthOnASlopeLiesOnTheSurface) {
   const Rig rig = load_rig("light-section");
   const auto mountain = make_scene("mountain", rig);
   const double line = line_at(rig, 0, rig.plane_z_mm - 12);
-  const Renderer renderer(rig, *mountain, straight_line(rig.projector, line, 5));
+  const Renderer renderer(rig, *mountain, draw_straight_line(rig, line));
   std::vector<float> heights(512);
   renderer.truth(500, heights);
   for (int column = 0; column < 512; ++column) {
@@ -378,7 +379,7 @@ TEST(Renderer, NoTruthInTheShadow) {
   std::vector<float> heights(512);
   for (const double top : {0.0, 40.0}) {
     scene.top = top;
-    const Renderer renderer(rig, scene, straight_line(rig.projector, line_at(rig, 0, rig.plane_z_mm), 5));
+    const Renderer renderer(rig, scene, draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm)));
     renderer.truth(0, heights);
     EXPECT_EQ(std::isnan(heights[256]), top > 0) << heights[256];
   }
@@ -466,7 +467,7 @@ TEST(Renderer, EightBitsAreRoundedAndBounded) {
 TEST(Renderer, ImagesDependOnSeedAndFrameAloneNotOnOrderOrThreads) {
   Rig rig = load_rig("light-section");
   const auto scene = make_scene("stairs-marked", rig);
-  const FloatImage line = straight_line(rig.projector, line_at(rig, 0, rig.plane_z_mm - 39), 5);
+  const FloatImage line = draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm - 39));
   const Renderer renderer(rig, *scene, line);
   constexpr int kCount = 6;
   constexpr int kFirst = 640;

@@ -72,6 +72,10 @@ TEST(Rig, ErrorsNameFileLineKeyAndReason) {
   EXPECT_EQ(error_of(with("  seed: 1\n", "  seed: 1\nspeed: 3\n")), "rig.yaml: line 42: speed: unknown key");
   EXPECT_EQ(error_of(with("min_lit_px: 3", "min_lit_px: 30")),
             "rig.yaml: measure.min_lit_px is 30, more than measure.max_lit_px, 24");
+  EXPECT_EQ(error_of(with("ambient: 8", "ambient: 201")),
+            "rig.yaml: imaging.dark is 2, imaging.ambient 201, imaging.white 200; each may be at most the next");
+  EXPECT_EQ(error_of(with("dark: 2", "dark: 9")),
+            "rig.yaml: imaging.dark is 9, imaging.ambient 8, imaging.white 200; each may be at most the next");
   EXPECT_EQ(error_of("just text"), "rig.yaml: is no rig: keys and values are expected");
   EXPECT_EQ(error_of("a: [1"), "rig.yaml: line 1: end of sequence flow not found");
   EXPECT_THROW(load_rig("no-such-rig"), UserError);

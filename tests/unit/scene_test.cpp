@@ -14,6 +14,7 @@
 
 #include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/optics/pattern.h"
 #include "sim/scene/marks.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
@@ -293,9 +294,10 @@ TEST(Pinhole, ProjectorIsThatOf36To38) {
 // ------------------------------------------------------------------ projected light
 
 TEST(ProjectedLight, StraightLineHasItsWidthAndPlace) {
-  const RigProjector rig = load_rig("light-section").projector;
+  const Rig all = load_rig("light-section");
+  const RigProjector& rig = all.projector;
   for (const double place : {100.0, 100.3, 100.5, 100.9}) {
-    const FloatImage pattern = straight_line(rig, place, 5);
+    const FloatImage pattern = draw_straight_line(all, place);
     double m0 = 0;
     double m1 = 0;
     for (int r = 0; r < rig.lines; ++r) {

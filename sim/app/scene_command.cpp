@@ -1,0 +1,276 @@
+#include "sim/app/scene_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <mutex>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/io/output_file.h"
+#include "host/io/output_folder.h"
+#include "host/io/progress.h"
+#include "host/io/rig.h"
+#include "host/io/user_error.h"
+#include "host/optics/pattern.h"
+#include "sim/scene/parallel.h"
+#include "sim/scene/pinhole.h"
+#include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
+
+namespace selfproj {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMostFrames = 100'000;
+constexpr const char* kPatternFile = "pattern.tiff";
+
+struct Options {
+  std::string scene;
+  std::string height_map;
+  double mm_per_pixel = 0;
+  std::string rig;  // empty: the scene's own
+  std::string pattern;
+  std::string out;
+  std::string truth;
+  int first = 1;
+  int count = 0;  // 0: to the scene's end
+  std::optional<std::int64_t> seed;
+  std::vector<std::string> without;
+  bool falloff = false;
+  int threads = 0;
+};
+
+// What --without takes, and the switch that it turns off.
+const std::array<std::pair<const char*, bool RenderOptions::*>, 6> kSwitches{{
+    {"shot-noise", &RenderOptions::shot_noise},
+    {"read-noise", &RenderOptions::read_noise},
+    {"quantization", &RenderOptions::quantization},
+    {"camera-blur", &RenderOptions::camera_blur},
+    {"projector-blur", &RenderOptions::projector_blur},
+    {"motion-blur", &RenderOptions::motion_blur},
+}};
+
+RenderOptions render_options(const Options& options) {
+  RenderOptions result;
+  for (const auto& [name, flag] : kSwitches) {
+    result.*flag = std::find(options.without.begin(), options.without.end(), name) == options.without.end();
+  }
+  result.falloff = options.falloff;
+  return result;
+}
+
+Rig rig_of(const Options& options) {
+  std::string name = options.rig;
+  if (name.empty()) {
+    const auto info = std::find_if(scenes().begin(), scenes().end(),
+                                   [&](const SceneInfo& scene) { return scene.name == options.scene; });
+    name = info == scenes().end() ? scenes().front().rig : info->rig;
+  }
+  Rig rig = load_rig(name);
+  rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
+  return rig;
+}
+
+// Light 0..1 from a file: 32-bit TIFF as it is, 8-bit images with 255 for full light. Without a file, a straight line
+// that the camera sees in the middle of its image of the plane.
+FloatImage pattern_of(const Options& options, const Rig& rig) {
+  if (options.pattern.empty()) {
+    return draw_straight_line(rig, Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);
+  }
+  FloatImage pattern;
+  const std::string extension = fs::path(options.pattern).extension().string();
+  if (extension == ".tiff" || extension == ".tif") {
+    pattern = read_float_tiff(options.pattern);
+  } else {
+    const Image image = read_image(options.pattern, std::nullopt);
+    pattern = FloatImage(image.rows, image.columns);
+    std::transform(image.pixels.begin(), image.pixels.end(), pattern.values.begin(),
+                   [](std::uint8_t value) { return static_cast<float>(value) / 255; });
+  }
+  check_pattern(pattern, rig.projector, options.pattern);
+  return pattern;
+}
+
+std::string frame_file(int number, bool quantized) {
+  return fmt::format("frame_{:05}.{}", number, quantized ? "png" : "tiff");
+}
+
+std::string encode_png(int rows, int columns, std::vector<std::uint8_t>& pixels) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", cv::Mat(rows, columns, CV_8UC1, pixels.data()), bytes);
+  std::string text(bytes.size(), '\0');
+  std::memcpy(text.data(), bytes.data(), bytes.size());
+  return text;
+}
+
+// The frames of an earlier run would be taken for this one's.
+void check_for_other_frames(const std::string& folder, int first, int count, bool quantized) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind("frame_", 0) != 0) {
+      continue;
+    }
+    const int number = std::atoi(name.c_str() + std::strlen("frame_"));
+    if (number < first || number >= first + count || name != frame_file(number, quantized)) {
+      throw UserError("--out " + folder, "holds frames of another run, " + name + " for one; give another folder");
+    }
+  }
+}
+
+// A file that may lie in the folder of the frames, which then need not exist yet.
+bool is_in(const std::string& folder, const std::string& file) {
+  const fs::path parent = fs::absolute(file).lexically_normal().parent_path();
+  return parent == (fs::absolute(folder) / "").lexically_normal().parent_path();
+}
+
+void render(const Options& options) {
+  OutputFolder out(options.out);
+  std::optional<OutputFile> truth_file;
+  const bool truth_inside = !options.truth.empty() && is_in(options.out, options.truth);
+  if (!options.truth.empty() && !truth_inside) {
+    truth_file.emplace(options.truth);
+  }
+  const Rig rig = rig_of(options);
+  const std::unique_ptr<Scene> scene =
+      options.height_map.empty()
+          ? make_scene(options.scene, rig)
+          : height_map_scene(read_float_tiff(options.height_map), options.mm_per_pixel, rig, options.height_map);
+  if (options.count == 0 && options.first > scene->frames()) {
+    throw UserError(fmt::format("--first {}", options.first),
+                    fmt::format("the scene ends after {} frames; give --count to see more", scene->frames()));
+  }
+  const int count = options.count > 0 ? options.count : scene->frames() + 1 - options.first;
+  const RenderOptions render_with = render_options(options);
+  const bool quantized = render_with.quantization;
+  check_for_other_frames(options.out, options.first, count, quantized);
+  const FloatImage pattern = pattern_of(options, rig);
+  const Renderer renderer(rig, *scene, pattern, render_with);
+
+  out.append(kPatternFile, encode_float_tiff(kPatternFile, pattern));
+  FloatImage truth(options.truth.empty() ? 0 : count, rig.camera.columns);
+  {
+    Progress progress("frame", static_cast<std::size_t>(count));
+    std::mutex mutex;
+    std::size_t done = 0;
+    parallel_for(count, options.threads, [&](int i) {
+      const int number = options.first + i;
+      const std::string file = frame_file(number, quantized);
+      std::string bytes;
+      FloatImage values(rig.camera.rows, rig.camera.columns);
+      if (quantized) {
+        std::vector<std::uint8_t> pixels(values.values.size());
+        renderer.render(number - 1, pixels);
+        bytes = encode_png(values.rows, values.columns, pixels);
+      } else {
+        renderer.render(number - 1, std::span<float>(values.values));
+        bytes = encode_float_tiff(file, values);
+      }
+      if (truth.rows > 0) {
+        renderer.truth(number - 1, {truth.row(i), static_cast<std::size_t>(truth.columns)});
+      }
+      const std::lock_guard lock(mutex);
+      out.append(file, bytes);
+      progress.update(++done);
+    });
+  }
+  if (truth_inside) {
+    out.append(fs::path(options.truth).filename().string(), encode_float_tiff(options.truth, truth));
+  }
+  out.commit();
+  if (truth_file) {
+    truth_file->write(encode_float_tiff(options.truth, truth));
+  }
+  fmt::print("{} {} of {} x {}, {}, rig {}, seed {}{} → {}\n", count, count == 1 ? "frame" : "frames",
+             rig.camera.columns, rig.camera.rows,
+             options.height_map.empty() ? "scene " + options.scene : "height map " + options.height_map, rig.name,
+             rig.imaging.seed,
+             options.without.empty() ? "" : fmt::format(", without {}", fmt::join(options.without, ", ")), out.name());
+}
+
+void list() {
+  fmt::print("{:14} {:>6}  {:14} {:10} {}\n", "scene", "frames", "rig", "reference", "what is to be seen");
+  for (const SceneInfo& info : scenes()) {
+    fmt::print("{:14} {:6}  {:14} {:10} {}\n", info.name, info.frames, info.rig,
+               info.reference.empty() ? "-" : info.reference, info.description);
+  }
+}
+
+void add_render(CLI::App& scene) {
+  CLI::App* command = scene.add_subcommand("render", "Write the camera's images of a scene, and the true heights");
+  const auto options = std::make_shared<Options>();
+  CLI::Option* name = command->add_option("SCENE", options->scene, "One of `scene list`");
+  CLI::Option* map = command->add_option("--height-map", options->height_map,
+                                         "A part instead of a scene: heights over the plane in mm, 32-bit floats, rows "
+                                         "along the conveyor (first row first), NaN bare plane");
+  map->type_name("FILE.tiff")->excludes(name);
+  CLI::Option* scale =
+      command->add_option("--mm-per-pixel", options->mm_per_pixel, "Side of a pixel of the height map");
+  scale->type_name("S")->needs(map);
+  map->needs(scale);
+  command->add_option("--rig", options->rig, "A built-in rig or a YAML file; default: the scene's own");
+  command
+      ->add_option("--pattern", options->pattern,
+                   "What the projector shows, its lines x columns: light 0..1 in 32-bit floats (.tiff) or 0..255 "
+                   "(.png); default: a straight line in the middle of the image of the plane")
+      ->type_name("FILE");
+  command->add_option("--first", options->first, "First frame, from 1")
+      ->check(CLI::Range(1, kMostFrames))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--count", options->count, "Number of frames; default: to the scene's end")
+      ->check(CLI::Range(1, kMostFrames))
+      ->type_name("N");
+  command->add_option("--seed", options->seed, "Of the noise, instead of the rig's");
+  std::vector<std::string> switches;
+  std::transform(kSwitches.begin(), kSwitches.end(), std::back_inserter(switches),
+                 [](const auto& entry) { return entry.first; });
+  command
+      ->add_option("--without", options->without,
+                   "Sources of error to turn off, with commas between; without quantization frames are 32-bit TIFF")
+      ->delimiter(',')
+      ->check(CLI::IsMember(switches));
+  command->add_flag("--falloff", options->falloff, "Light falls with the squared distance from the projector");
+  command->add_option("--threads", options->threads, "Threads; default: one a core")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  command->add_option("--truth", options->truth, "True heights on the light sheet, mm: a row a frame, NaN where unseen")
+      ->type_name("FILE.tiff");
+  command->add_option("--out", options->out, "Folder for frame_00001.png ... and pattern.tiff")
+      ->type_name("DIR")
+      ->required();
+  command->callback([options] {
+    if (options->scene.empty() && options->height_map.empty()) {
+      throw UserError("scene render", "name a scene, or give --height-map; `scene list` lists the scenes");
+    }
+    render(*options);
+  });
+}
+
+}  // namespace
+
+void add_scene_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("scene", "Scenes before the simulated camera");
+  command->require_subcommand(1);
+  command->add_subcommand("list", "List the built-in scenes")->callback(list);
+  add_render(*command);
+}
+
+}  // namespace selfproj
