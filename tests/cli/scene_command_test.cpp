@@ -127,7 +127,7 @@ TEST_F(SceneCommand, PatternFromTiffOrPng) {
   const Rig rig = load_rig("light-section");
   const FloatImage pattern = draw_straight_line(rig, 270.4);
   save("line.tiff", pattern);
-  write_pattern_png((folder_ / "line.png").string(), pattern);
+  write_text(folder_ / "line.png", encode_pattern_png(pattern));
   EXPECT_EQ(render({"plane", "--count", "1", "--pattern", "line.tiff"}).status, 0);
   EXPECT_EQ(read_float_tiff((folder_ / "out" / "pattern.tiff").string()), pattern);
   const Image from_tiff = frame("frame_00001.png");
