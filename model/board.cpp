@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <utility>
+#include <vector>
+
+#include "model/median3x3.h"
 
 namespace selfproj {
 
@@ -29,6 +32,12 @@ void BoardModel::beat(const BoardInputs& inputs, const VideoBeat& beat) {
 
   const auto at = static_cast<std::size_t>(row_) * static_cast<std::size_t>(settings_.columns);
   std::copy(beat.pixels.begin(), beat.pixels.end(), pixels_.begin() + static_cast<std::ptrdiff_t>(at) + column_);
+  last_frame_beat_ = inputs.clock;
+  ++frame_beats_;
+  if (settings_.codes) {
+    decoder_.pixels(row_, column_, spec::kPixelsPerBeat, beat.pixels.data(),
+                    due_ ? codes_.data() + at + static_cast<std::size_t>(column_) : nullptr);
+  }
   column_ += spec::kPixelsPerBeat;
 
   const bool complete = column_ == settings_.columns;
@@ -65,6 +74,7 @@ void BoardModel::start_frame(const BoardInputs& inputs) {
   column_ = 0;
   pixels_.assign(static_cast<std::size_t>(settings_.rows) * static_cast<std::size_t>(settings_.columns), 0);
   ++next_sequence_;
+  start_decoding(inputs.clock);
 }
 
 PacketHeader BoardModel::header(std::uint8_t kind) const {
@@ -85,8 +95,83 @@ PacketHeader BoardModel::header(std::uint8_t kind) const {
   return header;
 }
 
+void BoardModel::start_decoding(std::uint64_t clock) {
+  const bool close = frame_beats_ != 0 && frame_beats_ < kDecodeDistance && clock < last_frame_beat_ + kDecodeDistance;
+  frame_beats_ = 0;
+  due_ = false;
+  if (!settings_.codes) {
+    decoder_.restart();
+    return;
+  }
+  decoder_.configure({.rows = settings_.rows,
+                      .columns = settings_.columns,
+                      .bits = settings_.code_bits,
+                      .threshold = settings_.code_threshold});
+  if (close) {
+    decoder_.restart();
+  }
+  due_ = decoder_.begin(inputs_.pattern);
+  const bool busy = median_built_ && due_ && last_codes_columns_ >= 0 &&
+                    clock <= last_codes_ + kMedianClocks + static_cast<std::uint64_t>(last_codes_columns_ / 4);
+  if (busy) {
+    decoder_.end(false);
+    due_ = false;
+  }
+  abandoned_ += close || busy ? 1U : 0U;
+  if (due_) {
+    last_codes_columns_ = -1;
+    codes_.assign(pixels_.size(), 0);
+  }
+}
+
+// The packet of a line of codes, of which `columns` are there; zeros for the rest.
+void BoardModel::send_codes(int row, int columns, std::uint32_t status) {
+  const auto line_size = static_cast<std::size_t>(settings_.columns);
+  const auto first = static_cast<std::size_t>(std::max(row - 1, 0));  // of the lines that count
+  const int lines = std::min(row + 2, settings_.rows) - static_cast<int>(first);
+  std::vector<std::uint16_t> out(codes_.begin() + static_cast<std::ptrdiff_t>(first * line_size),
+                                 codes_.begin() + static_cast<std::ptrdiff_t>(first * line_size) +
+                                     static_cast<std::ptrdiff_t>(lines) * settings_.columns);
+  if (settings_.median) {
+    const std::vector<std::uint16_t> raw = out;
+    median3x3(raw.data(), lines, settings_.columns, out.data());
+  }
+  const std::uint16_t* line = out.data() + (static_cast<std::size_t>(row) - first) * line_size;
+  BoardPacket packet{.header = header(spec::kKindCodes), .payload = {}, .status = status};
+  packet.header.first_line = static_cast<std::uint16_t>(row + 1);
+  packet.header.lines = 1;
+  packet.payload.resize(codes_line_payload_bytes(settings_.columns));
+  packet.header.payload_size = static_cast<std::uint32_t>(packet.payload.size());
+  for (int column = 0; column < columns; ++column) {
+    const std::uint16_t word = line[column];
+    packet.payload[2 * static_cast<std::size_t>(column)] = static_cast<std::uint8_t>(word);
+    packet.payload[2 * static_cast<std::size_t>(column) + 1] = static_cast<std::uint8_t>(word >> 8U);
+  }
+  sink_(std::move(packet));
+}
+
+// A line of codes. Where the median is built it is that before the line that ended; one that broke gives of that line
+// what has a right neighbour, if anything.
+void BoardModel::end_code_line(std::uint32_t status) {
+  if (!due_) {
+    return;
+  }
+  if (!median_built_) {
+    send_codes(row_, column_, status);
+    return;
+  }
+  const int columns = status == 0 ? column_ : column_ - spec::kPixelsPerBeat;
+  if (row_ > 0 && columns > 0) {
+    send_codes(row_ - 1, columns, status);
+  }
+  if (status == 0 && row_ == settings_.rows - 1) {
+    send_codes(row_, column_, 0);
+  }
+}
+
 // A line of the raw image; a broken one is filled up with zeros.
 void BoardModel::end_line(std::uint32_t status) {
+  end_code_line(status);
   if (!settings_.image) {
     return;
   }
@@ -109,7 +194,12 @@ void BoardModel::end_frame(std::uint32_t status) {
     if (column_ != 0) {
       end_line(status);
     }
+  } else if (due_) {
+    last_codes_ = last_frame_beat_;
+    last_codes_columns_ = settings_.columns;
   }
+  decoder_.end(status == 0);
+  due_ = false;
   BoardPacket packet{.header = header(spec::kKindMoments), .payload = {}, .status = status};
   const bool in_last_row = row_ == settings_.rows || (row_ == settings_.rows - 1 && column_ != 0);
   if (in_last_row) {

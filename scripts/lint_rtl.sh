@@ -14,12 +14,14 @@ for source in "${sources[@]}"; do
   grep -Eq "^module $name\\b" "$source" || { echo "lint_rtl.sh: $source: holds no module $name" >&2; exit 1; }
 done
 
-# Parameters of sp_board to look at besides the default: the original's, with grey, with raw images, tiny.
+# Parameters of sp_board to look at besides the default: the original's, with grey, with raw images, tiny, with the decoder.
 board_configurations=(
   "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b0"
   "MaxColumns=512 MaxRows=127 Grey=1'b1 Image=1'b0"
   "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b1"
   "MaxColumns=16 MaxRows=7 Grey=1'b1 Image=1'b1"
+  "MaxColumns=64 MaxRows=40 Codes=1'b1"
+  "MaxColumns=64 MaxRows=40 Grey=1'b0 Image=1'b0 Codes=1'b1 CodesMedian=1'b0 CodeBits=8"
 )
 
 # Each of the three: TOOL_lint MODULE [PARAMETER=VALUE...]

@@ -1,6 +1,7 @@
 // The board between camera and bus: AXI4-Stream video in, packets out, registers on AXI4-Lite.
 //
 //   video ─▶ sp_frame_tracker ─┬▶ sp_moments_path: sp_column_moments ─▶ sp_packetizer ─▶ sp_packet_fifo ─┐
+//                              ├▶ sp_codes_path: sp_gray_core ──────────▶ sp_packetizer ─▶ sp_packet_fifo ─┤
 //                              ├▶ sp_image_path: sp_image_packer ─────▶ sp_packetizer ─▶ sp_packet_fifo ─┴▶ sp_packet_arbiter ─▶ bus
 //   encoder, trigger ──────────┴▶ sp_frame_info (header fields)
 //   AXI4-Lite ─▶ sp_axil_bridge ─▶ sp_registers
@@ -16,10 +17,14 @@ module sp_board #(
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter bit Grey = 1'b1,   // modes grey and grey_over
   parameter bit Image = 1'b1,  // raw-image packets
+  parameter bit Codes = 1'b0,  // Gray-code decoder, its state in on-chip memory for an image of the maxima
+  parameter bit CodesMedian = 1'b1,  // and the 3 x 3 median
+  parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // most bits of a code
   // Depth of the packet FIFOs, in beats of 16 bytes (512 beats fill the smallest block RAMs): one and a half times the
-  // largest moments packet, four image lines
+  // largest moments packet, four image lines, four lines of codes
   parameter int MomentsLogDepth = MaxColumns > (Grey ? 512 : 1024) ? $clog2(MaxColumns * (Grey ? 3 : 2) / 4 + 5) : 9,
-  parameter int ImageLogDepth = MaxColumns > 1952 ? $clog2(MaxColumns / 4 + 24) : 9
+  parameter int ImageLogDepth = MaxColumns > 1952 ? $clog2(MaxColumns / 4 + 24) : 9,
+  parameter int CodesLogDepth = MaxColumns > 976 ? $clog2(MaxColumns / 2 + 24) : 9
 ) (
   // Video clock domain
   input  wire logic         clk_i,
@@ -90,6 +95,10 @@ module sp_board #(
   logic [31:0]           frames, broken, stray, lost_moments, lost_image, encoder_count;
   logic [15:0]           encoder_errors;
   logic [63:0]           time_now;
+  logic                  set_decode, set_median;
+  logic [3:0]            set_bits;
+  logic [7:0]            set_code_threshold;
+  logic [31:0]           lost_codes, abandoned;
 
   sp_axil_bridge u_bridge (
     .bus_clk_i       (bus_clk_i),
@@ -126,7 +135,10 @@ module sp_board #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
     .Grey      (Grey),
-    .Image     (Image)
+    .Image     (Image),
+    .Codes     (Codes),
+    .Median    (CodesMedian),
+    .MaxBits   (CodeBits)
   ) u_registers (
     .clk_i                 (clk_i),
     .rst_i                 (rst_i),
@@ -152,6 +164,10 @@ module sp_board #(
     .trigger_period_o      (trigger_period),
     .trigger_camera_o      (trigger_camera),
     .trigger_width_o       (trigger_width),
+    .decode_o              (set_decode),
+    .median_o              (set_median),
+    .bits_o                (set_bits),
+    .code_threshold_o      (set_code_threshold),
     .frame_open_i          (frame_open),
     .take_i                (take),
     .frames_i              (frames),
@@ -159,6 +175,8 @@ module sp_board #(
     .stray_i               (stray),
     .lost_moments_i        (lost_moments),
     .lost_image_i          (lost_image),
+    .lost_codes_i          (lost_codes),
+    .abandoned_i           (abandoned),
     .time_i                (time_now),
     .encoder_i             (encoder_count),
     .encoder_errors_i      (encoder_errors)
@@ -342,11 +360,11 @@ module sp_board #(
     .m_data_o           (moments_out_data)
   );
 
-  // --- Raw image, and the way out ---
-  if (Image) begin : gen_image
-    logic         image_out_valid, image_out_ready, image_out_last;
-    logic [127:0] image_out_data;
+  // --- Raw image ---
+  logic         image_out_valid, image_out_ready, image_out_last;
+  logic [127:0] image_out_data;
 
+  if (Image) begin : gen_image
     sp_image_path #(
       .MaxColumns(MaxColumns),
       .MaxRows   (MaxRows),
@@ -383,7 +401,106 @@ module sp_board #(
       .m_last_o           (image_out_last),
       .m_data_o           (image_out_data)
     );
+  end else begin : gen_no_image
+    logic unused;
+    assign unused          = ^{image, image_out_ready};
+    assign lost_image      = 32'd0;
+    assign image_out_valid = 1'b0;
+    assign image_out_last  = 1'b0;
+    assign image_out_data  = '0;
+  end
 
+  // --- Codes ---
+  logic         codes_out_valid, codes_out_ready, codes_out_last;
+  logic [127:0] codes_out_data;
+
+  if (Codes) begin : gen_codes
+    sp_codes_path #(
+      .MaxColumns(MaxColumns),
+      .MaxRows   (MaxRows),
+      .MaxBits   (CodeBits),
+      .Median    (CodesMedian),
+      .LogDepth  (CodesLogDepth)
+    ) u_codes_path (
+      .clk_i              (clk_i),
+      .rst_i              (rst_i),
+      .decode_i           (set_decode),
+      .median_i           (set_median),
+      .bits_i             (set_bits),
+      .code_threshold_i   (set_code_threshold),
+      .take_i             (take),
+      .columns_i          (columns),
+      .rows_i             (rows),
+      .beat_valid_i       (beat_valid),
+      .beat_pixels_i      (beat_pixels),
+      .beat_line_start_i  (beat_line_start),
+      .beat_line_end_i    (beat_line_end),
+      .beat_last_row_i    (beat_last_row),
+      .frame_start_i      (frame_start),
+      .break_i            (frame_break),
+      .break_status_i     (break_status),
+      .info_stream_i      (info_stream),
+      .info_sequence_i    (info_sequence),
+      .info_time_stamp_i  (info_time_stamp),
+      .info_encoder_i     (info_encoder),
+      .info_pattern_i     (info_pattern),
+      .info_columns_i     (info_columns),
+      .info_rows_i        (info_rows),
+      .info_mode_i        (info_mode),
+      .info_threshold_i   (info_threshold),
+      .info_lines_i       (info_lines),
+      .info_stray_before_i(info_stray_before),
+      .lost_o             (lost_codes),
+      .abandoned_o        (abandoned),
+      .bus_clk_i          (bus_clk_i),
+      .bus_rst_i          (bus_rst_i),
+      .m_valid_o          (codes_out_valid),
+      .m_ready_i          (codes_out_ready),
+      .m_last_o           (codes_out_last),
+      .m_data_o           (codes_out_data)
+    );
+  end else begin : gen_no_codes
+    logic unused;
+    assign unused          = ^{set_decode, set_median, set_bits, set_code_threshold, rows, codes_out_ready};
+    assign lost_codes      = 32'd0;
+    assign abandoned       = 32'd0;
+    assign codes_out_valid = 1'b0;
+    assign codes_out_last  = 1'b0;
+    assign codes_out_data  = '0;
+  end
+
+  // --- The way out: moments first, then codes, then raw lines ---
+  logic         lines_valid, lines_ready, lines_last;
+  logic [127:0] lines_data;
+
+  if (Codes && Image) begin : gen_lines
+    sp_packet_arbiter #(
+      .Width(128)
+    ) u_line_arbiter (
+      .clk_i          (bus_clk_i),
+      .rst_i          (bus_rst_i),
+      .first_valid_i  (codes_out_valid),
+      .first_ready_o  (codes_out_ready),
+      .first_last_i   (codes_out_last),
+      .first_data_i   (codes_out_data),
+      .second_valid_i (image_out_valid),
+      .second_ready_o (image_out_ready),
+      .second_last_i  (image_out_last),
+      .second_data_i  (image_out_data),
+      .m_axis_tvalid_o(lines_valid),
+      .m_axis_tready_i(lines_ready),
+      .m_axis_tlast_o (lines_last),
+      .m_axis_tdata_o (lines_data)
+    );
+  end else begin : gen_one_kind
+    assign lines_valid     = Codes ? codes_out_valid : image_out_valid;
+    assign lines_last      = Codes ? codes_out_last : image_out_last;
+    assign lines_data      = Codes ? codes_out_data : image_out_data;
+    assign codes_out_ready = lines_ready;
+    assign image_out_ready = lines_ready;
+  end
+
+  if (Codes || Image) begin : gen_arbiter
     sp_packet_arbiter #(
       .Width(128)
     ) u_arbiter (
@@ -393,20 +510,19 @@ module sp_board #(
       .first_ready_o  (moments_out_ready),
       .first_last_i   (moments_out_last),
       .first_data_i   (moments_out_data),
-      .second_valid_i (image_out_valid),
-      .second_ready_o (image_out_ready),
-      .second_last_i  (image_out_last),
-      .second_data_i  (image_out_data),
+      .second_valid_i (lines_valid),
+      .second_ready_o (lines_ready),
+      .second_last_i  (lines_last),
+      .second_data_i  (lines_data),
       .m_axis_tvalid_o(m_axis_tvalid),
       .m_axis_tready_i(m_axis_tready),
       .m_axis_tlast_o (m_axis_tlast),
       .m_axis_tdata_o (m_axis_tdata)
     );
-  end else begin : gen_no_image
+  end else begin : gen_moments_only
     logic unused;
-    assign unused     = ^{image, beat_line_start};
-    assign lost_image = 32'd0;
-
+    assign unused            = ^{beat_line_start, lines_valid, lines_last, lines_data};
+    assign lines_ready       = 1'b0;
     assign m_axis_tvalid     = moments_out_valid;
     assign m_axis_tlast      = moments_out_last;
     assign m_axis_tdata      = moments_out_data;

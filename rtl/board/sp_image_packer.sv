@@ -1,5 +1,5 @@
-// Raw image: packs the pixels of a line into 16-byte payload beats, leftmost in the lowest byte, zeros after the last, and
-// sends a line once it is complete.
+// Lines of an image, raw or of codes: packs the pixels of a line into 16-byte payload beats, leftmost in the lowest byte, zeros
+// after the last, and sends a line once it is complete.
 //
 // The words of a line wait in a ring of at least two lines, so that lines may follow each other without a gap: line_done_o
 // asks for a packet when the line has ended or broken, and after accept_i its words leave one a clock. A line that broke
@@ -12,11 +12,12 @@
 module sp_image_packer #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int BeatBits = 32,  // four pixels of 8 bits; 64: four codes of 16
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),
-  parameter int WordBits = $clog2(MaxColumns / 16 + 2),
-  parameter int LogDepth = MaxColumns > 256 ? $clog2(MaxColumns / 8) : 5
+  parameter int WordBits = $clog2(MaxColumns * BeatBits / 512 + 2),
+  parameter int LogDepth = MaxColumns * BeatBits > 8192 ? $clog2(MaxColumns / 8 * (BeatBits / 32)) : 5
 ) (
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
@@ -25,8 +26,8 @@ module sp_image_packer #(
   input  wire logic                  image_i,  // the frame's image is wanted
   input  wire logic [ColumnBits-1:0] columns_i,
   input  wire logic                  beat_valid_i,
-  input  wire logic [31:0]           beat_pixels_i,
-  input  wire logic [1:0]            beat_group_i,  // low bits of the group
+  input  wire logic [BeatBits-1:0]   beat_pixels_i,
+  input  wire logic [1:0]            beat_group_i,  // low bits of the group; with 64 bits only the lowest
   input  wire logic [RowBits-1:0]    beat_row_i,
   input  wire logic                  beat_line_start_i,
   input  wire logic                  beat_line_end_i,
@@ -67,7 +68,7 @@ module sp_image_packer #(
       else if (break_i) line_open_q <= 1'b0;
     end
     if (valid && beat_line_start_i) begin
-      line_words_q <= WordBits'((32'(columns_i) + 32'd12) >> 4);
+      line_words_q <= WordBits'((32'(columns_i) * (BeatBits / 32) + 32'd12) >> 4);
       line_row_o   <= beat_row_i;
     end
   end
@@ -78,7 +79,7 @@ module sp_image_packer #(
   logic                partial_q;   // gathered_q holds beats that were not written
   logic                whole_q;     // word_q waits to be written
   logic [127:0]        word_q;
-  logic                write;
+  logic                write, last_of_word;
   logic [LogDepth-1:0] wr_ptr_q, next_ptr;
   logic [LogDepth-1:0] line_ptr_q;  // where the line begins
   logic [WordBits-1:0] count_q, next_count;
@@ -95,8 +96,8 @@ module sp_image_packer #(
       line_ptr_q <= '0;
       count_q    <= '0;
     end else begin
-      whole_q <= valid && beat_group_i == 2'd3;
-      if (valid) partial_q <= beat_group_i != 2'd3;
+      whole_q <= valid && last_of_word;
+      if (valid) partial_q <= !last_of_word;
       else if (line_done_o) partial_q <= 1'b0;
       wr_ptr_q <= next_ptr;
       count_q  <= line_done_o ? '0 : next_count;
@@ -104,15 +105,29 @@ module sp_image_packer #(
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    if (valid) begin
-      case (beat_group_i)
-        2'd0:    gathered_q <= {64'd0, beat_pixels_i};
-        2'd1:    gathered_q[63:32] <= beat_pixels_i;
-        2'd2:    gathered_q[95:64] <= beat_pixels_i;
-        default: word_q <= {beat_pixels_i, gathered_q};
-      endcase
+  if (BeatBits == 32) begin : gen_pixels
+    assign last_of_word = beat_group_i == 2'd3;
+
+    always_ff @(posedge clk_i) begin
+      if (valid) begin
+        case (beat_group_i)
+          2'd0:    gathered_q <= {64'd0, beat_pixels_i};
+          2'd1:    gathered_q[63:32] <= beat_pixels_i;
+          2'd2:    gathered_q[95:64] <= beat_pixels_i;
+          default: word_q <= {beat_pixels_i, gathered_q};
+        endcase
+      end
     end
+  end else begin : gen_codes
+    assign last_of_word = beat_group_i[0];
+
+    always_ff @(posedge clk_i) begin
+      if (valid && !last_of_word) gathered_q <= {32'd0, beat_pixels_i};
+      if (valid && last_of_word) word_q <= {beat_pixels_i, gathered_q[63:0]};
+    end
+
+    logic unused;
+    assign unused = beat_group_i[1];
   end
 
   // --- Words out of it: those of a line whose packet was accepted ---

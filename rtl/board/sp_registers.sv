@@ -9,6 +9,9 @@ module sp_registers #(
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter bit Grey = 1'b1,
   parameter bit Image = 1'b1,
+  parameter bit Codes = 1'b0,  // Gray-code decoder
+  parameter bit Median = 1'b0,
+  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1)
@@ -40,6 +43,10 @@ module sp_registers #(
   output logic      [23:0]            trigger_period_o,
   output logic      [23:0]            trigger_camera_o,
   output logic      [15:0]            trigger_width_o,
+  output logic                        decode_o,
+  output logic                        median_o,
+  output logic      [3:0]             bits_o,
+  output logic      [7:0]             code_threshold_o,
 
   // State
   input  wire logic                   frame_open_i,
@@ -49,6 +56,8 @@ module sp_registers #(
   input  wire logic [31:0]            stray_i,
   input  wire logic [31:0]            lost_moments_i,
   input  wire logic [31:0]            lost_image_i,
+  input  wire logic [31:0]            lost_codes_i,
+  input  wire logic [31:0]            abandoned_i,
   input  wire logic [63:0]            time_i,
   input  wire logic [31:0]            encoder_i,
   input  wire logic [15:0]            encoder_errors_i
@@ -62,11 +71,12 @@ module sp_registers #(
   // --- Request, one clock later, with the judgement of a write. data_i and address_i stay until the answer. ---
   logic        request_q, write_q, write_good_q;
   logic [7:0]  address_q;
-  logic        size_good, measure_good, image_wanted;
+  logic        size_good, measure_good, image_wanted, decode_good;
 
   assign size_good    = data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
                         data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
   assign measure_good = data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
+  assign decode_good  = Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
   assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
 
   always_ff @(posedge clk_i) begin
@@ -84,6 +94,7 @@ module sp_registers #(
         sp_spec_pkg::RegTriggerPeriod:  write_good_q <= data_i[23:0] != 24'd0;
         sp_spec_pkg::RegTriggerCamera:  write_good_q <= 1'b1;
         sp_spec_pkg::RegTriggerWidth:   write_good_q <= 1'b1;
+        sp_spec_pkg::RegDecode:         write_good_q <= decode_good;
         default:                        write_good_q <= 1'b0;
       endcase
     end
@@ -120,7 +131,7 @@ module sp_registers #(
     end else begin
       size_written_q <= write && address_q == sp_spec_pkg::RegSize;
       if (write && (address_q == sp_spec_pkg::RegControl || address_q == sp_spec_pkg::RegSize ||
-                    address_q == sp_spec_pkg::RegMeasure)) pending_q <= 1'b1;
+                    address_q == sp_spec_pkg::RegMeasure || address_q == sp_spec_pkg::RegDecode)) pending_q <= 1'b1;
       else if (take_i) pending_q <= 1'b0;
       if (write) begin
         case (address_q)
@@ -146,7 +157,8 @@ module sp_registers #(
           end
           sp_spec_pkg::RegTriggerPeriod: trigger_period_o <= data_i[23:0];
           sp_spec_pkg::RegTriggerCamera: trigger_camera_o <= data_i[23:0];
-          default:                       trigger_width_o <= data_i[15:0];
+          sp_spec_pkg::RegTriggerWidth: trigger_width_o <= data_i[15:0];
+          default: ;
         endcase
       end
     end
@@ -172,7 +184,9 @@ module sp_registers #(
         sp_spec_pkg::RegId:         data_o <= sp_spec_pkg::Magic;
         sp_spec_pkg::RegVersion:    data_o <= {16'd0, sp_spec_pkg::SpecVersion};
         sp_spec_pkg::RegSpecHash:   data_o <= sp_spec_pkg::SpecHash;
-        sp_spec_pkg::RegCapability: data_o <= {8'd0, Image, Grey, 10'(MaxRows), 12'(MaxColumns)};
+        sp_spec_pkg::RegCapability: begin
+          data_o <= {Codes ? 4'(MaxBits) : 4'd0, 2'd0, Codes && Median, Codes, Image, Grey, 10'(MaxRows), 12'(MaxColumns)};
+        end
         sp_spec_pkg::RegControl: begin
           data_o <= 32'(run_o) << sp_spec_pkg::RegControlRunLsb | 32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
                  32'(image_o) << sp_spec_pkg::RegControlImageLsb;
@@ -206,12 +220,54 @@ module sp_registers #(
         sp_spec_pkg::RegTimeHigh:      data_o <= time_high_q;
         sp_spec_pkg::RegEncoder:       data_o <= encoder_i;
         sp_spec_pkg::RegEncoderErrors: data_o <= 32'(encoder_errors_i);
+        sp_spec_pkg::RegDecode: begin
+          data_o <= 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |
+                 32'(bits_o) << sp_spec_pkg::RegDecodeBitsLsb | 32'(decode_o) << sp_spec_pkg::RegDecodeCodesLsb |
+                 32'(median_o) << sp_spec_pkg::RegDecodeMedianLsb;
+          if (!Codes) error_o <= 1'b1;
+        end
+        sp_spec_pkg::RegLostCodes: begin
+          data_o <= Codes ? lost_codes_i : 32'd0;
+          if (!Codes) error_o <= 1'b1;
+        end
+        sp_spec_pkg::RegAbandoned: begin
+          data_o <= Codes ? abandoned_i : 32'd0;
+          if (!Codes) error_o <= 1'b1;
+        end
         default: begin
           data_o  <= 32'd0;
           error_o <= 1'b1;
         end
       endcase
     end
+  end
+
+  // --- Decoder: in a build without one there is nothing to set ---
+  if (Codes) begin : gen_codes
+    localparam int SpecBits = 32'(sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeBitsLsb+:4]);
+    localparam logic [3:0] ResetBits = 4'(SpecBits < MaxBits ? SpecBits : MaxBits);
+
+    always_ff @(posedge clk_i) begin
+      if (rst_i) begin
+        decode_o         <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeCodesLsb];
+        median_o         <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeMedianLsb];
+        bits_o           <= ResetBits;
+        code_threshold_o <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeThresholdLsb+:8];
+      end else if (write && address_q == sp_spec_pkg::RegDecode) begin
+        decode_o         <= data_i[sp_spec_pkg::RegDecodeCodesLsb];
+        median_o         <= data_i[sp_spec_pkg::RegDecodeMedianLsb];
+        bits_o           <= data_i[sp_spec_pkg::RegDecodeBitsLsb+:4];
+        code_threshold_o <= data_i[sp_spec_pkg::RegDecodeThresholdLsb+:8];
+      end
+    end
+  end else begin : gen_no_codes
+    logic unused;
+
+    assign decode_o         = 1'b0;
+    assign median_o         = 1'b0;
+    assign bits_o           = 4'd0;
+    assign code_threshold_o = 8'd0;
+    assign unused           = ^{lost_codes_i, abandoned_i};
   end
 
 endmodule

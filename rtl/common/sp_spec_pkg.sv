@@ -3,7 +3,7 @@
 // verilator lint_off UNUSEDPARAM
 package sp_spec_pkg;
 
-  localparam logic [31:0] SpecHash = 32'h1EB962CE;
+  localparam logic [31:0] SpecHash = 32'h08691C00;
   localparam logic [15:0] SpecVersion = 16'h0100;
 
   localparam int PixelBits = 8;
@@ -69,6 +69,12 @@ package sp_spec_pkg;
   localparam int RegCapabilityGreyBits = 1;
   localparam int RegCapabilityImageLsb = 23;
   localparam int RegCapabilityImageBits = 1;
+  localparam int RegCapabilityCodesLsb = 24;
+  localparam int RegCapabilityCodesBits = 1;
+  localparam int RegCapabilityMedianLsb = 25;
+  localparam int RegCapabilityMedianBits = 1;
+  localparam int RegCapabilityCodeBitsLsb = 28;
+  localparam int RegCapabilityCodeBitsBits = 4;
   localparam logic [7:0] RegControl = 8'h10;
   localparam logic [31:0] RegControlReset = 32'h00000000;
   localparam int RegControlRunLsb = 0;
@@ -147,5 +153,21 @@ package sp_spec_pkg;
   localparam logic [7:0] RegEncoderErrors = 8'h54;
   localparam int RegEncoderErrorsCountLsb = 0;
   localparam int RegEncoderErrorsCountBits = 16;
+  localparam logic [7:0] RegDecode = 8'h58;
+  localparam logic [31:0] RegDecodeReset = 32'h00000805;
+  localparam int RegDecodeThresholdLsb = 0;
+  localparam int RegDecodeThresholdBits = 8;
+  localparam int RegDecodeBitsLsb = 8;
+  localparam int RegDecodeBitsBits = 4;
+  localparam int RegDecodeCodesLsb = 16;
+  localparam int RegDecodeCodesBits = 1;
+  localparam int RegDecodeMedianLsb = 17;
+  localparam int RegDecodeMedianBits = 1;
+  localparam logic [7:0] RegLostCodes = 8'h5C;
+  localparam int RegLostCodesCountLsb = 0;
+  localparam int RegLostCodesCountBits = 32;
+  localparam logic [7:0] RegAbandoned = 8'h60;
+  localparam int RegAbandonedCountLsb = 0;
+  localparam int RegAbandonedCountBits = 32;
 
 endpackage

@@ -33,6 +33,7 @@ module sp_gray_core #(
   input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,
   input  wire logic [15:0]           pattern_i,
 
+  output logic                       raw_start_o,  // first beat of codes of a frame, before the median
   output logic                       codes_valid_o,
   output logic      [63:0]           codes_o,
   output logic                       codes_start_o,
@@ -107,6 +108,8 @@ module sp_gray_core #(
     .wr_first_i(write_first),
     .wr_data_i (write_data)
   );
+
+  assign raw_start_o = raw_start;
 
   if (Median) begin : gen_median
     // Of the frame of the first beat of codes, seven clocks after its start: settings come at least so far apart.

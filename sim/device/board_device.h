@@ -19,6 +19,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -205,6 +206,17 @@ class BoardDevice {
                                  static_cast<std::uint32_t>(settings.mode) << spec::kRegMeasureModeLsb |
                                  static_cast<std::uint32_t>(settings.stream) << spec::kRegMeasureStreamLsb);
     write(spec::kRegTimeout, static_cast<std::uint32_t>(settings.timeout));
+    if (!decodes_) {
+      decodes_ = (read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0;
+    }
+    if (*decodes_) {
+      write(spec::kRegDecode, static_cast<std::uint32_t>(settings.code_threshold) << spec::kRegDecodeThresholdLsb |
+                                  static_cast<std::uint32_t>(settings.code_bits) << spec::kRegDecodeBitsLsb |
+                                  (settings.codes ? 1U << spec::kRegDecodeCodesLsb : 0U) |
+                                  (settings.median ? 1U << spec::kRegDecodeMedianLsb : 0U));
+    } else if (settings.codes) {
+      throw std::runtime_error("this board has no decoder");
+    }
     write(spec::kRegControl, control);
   }
 
@@ -389,6 +401,7 @@ class BoardDevice {
   ClockHook clock_hook_;
   BeatHook beat_hook_;
 
+  std::optional<bool> decodes_;  // the build has the decoder; nothing before it was asked
   RegisterAnswer answer_;
   bool access_done_ = true;
   bool drop_aw_ = false;

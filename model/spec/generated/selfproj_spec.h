@@ -9,7 +9,7 @@
 namespace selfproj {
 namespace spec {
 
-constexpr std::uint32_t kHash = 0x1EB962CEU;
+constexpr std::uint32_t kHash = 0x08691C00U;
 constexpr std::uint16_t kVersion = 0x0100;
 
 // Sizes
@@ -111,7 +111,7 @@ constexpr std::uint32_t kRegVersionReset = 0x00000100U;
 constexpr int kRegVersionVersionLsb = 0;
 constexpr int kRegVersionVersionBits = 16;
 constexpr std::uint32_t kRegSpecHash = 0x08;  // ro: hash of the specification
-constexpr std::uint32_t kRegSpecHashReset = 0x1EB962CEU;
+constexpr std::uint32_t kRegSpecHashReset = 0x08691C00U;
 constexpr int kRegSpecHashHashLsb = 0;
 constexpr int kRegSpecHashHashBits = 32;
 constexpr std::uint32_t kRegCapability = 0x0C;  // ro: what this build can do
@@ -124,6 +124,12 @@ constexpr int kRegCapabilityGreyLsb = 22;
 constexpr int kRegCapabilityGreyBits = 1;
 constexpr int kRegCapabilityImageLsb = 23;
 constexpr int kRegCapabilityImageBits = 1;
+constexpr int kRegCapabilityCodesLsb = 24;
+constexpr int kRegCapabilityCodesBits = 1;
+constexpr int kRegCapabilityMedianLsb = 25;
+constexpr int kRegCapabilityMedianBits = 1;
+constexpr int kRegCapabilityCodeBitsLsb = 28;
+constexpr int kRegCapabilityCodeBitsBits = 4;
 constexpr std::uint32_t kRegControl = 0x10;  // rw: run: accept frames. hold: keep the settings in force until cleared, so that several change together. image: send raw-image packets too
 constexpr std::uint32_t kRegControlReset = 0x00000000U;
 constexpr int kRegControlRunLsb = 0;
@@ -212,6 +218,24 @@ constexpr std::uint32_t kRegEncoderErrors = 0x54;  // ro: steps in which A and B
 constexpr std::uint32_t kRegEncoderErrorsReset = 0x00000000U;
 constexpr int kRegEncoderErrorsCountLsb = 0;
 constexpr int kRegEncoderErrorsCountBits = 16;
+constexpr std::uint32_t kRegDecode = 0x58;  // rw: Gray-code decoder (only in a build with codes, like the two below): ambiguity threshold, bits m (1..12, up to the build's code_bits), codes: decode and send code packets, median: 3 x 3 median of them
+constexpr std::uint32_t kRegDecodeReset = 0x00000805U;
+constexpr int kRegDecodeThresholdLsb = 0;
+constexpr int kRegDecodeThresholdBits = 8;
+constexpr int kRegDecodeBitsLsb = 8;
+constexpr int kRegDecodeBitsBits = 4;
+constexpr int kRegDecodeCodesLsb = 16;
+constexpr int kRegDecodeCodesBits = 1;
+constexpr int kRegDecodeMedianLsb = 17;
+constexpr int kRegDecodeMedianBits = 1;
+constexpr std::uint32_t kRegLostCodes = 0x5C;  // ro: code packets lost; wraps
+constexpr std::uint32_t kRegLostCodesReset = 0x00000000U;
+constexpr int kRegLostCodesCountLsb = 0;
+constexpr int kRegLostCodesCountBits = 32;
+constexpr std::uint32_t kRegAbandoned = 0x60;  // ro: frames after which the decoder waits for plane 0 though they were good: memory too late, or too close to the one before; wraps
+constexpr std::uint32_t kRegAbandonedReset = 0x00000000U;
+constexpr int kRegAbandonedCountLsb = 0;
+constexpr int kRegAbandonedCountBits = 32;
 
 }  // namespace spec
 }  // namespace selfproj

@@ -23,8 +23,11 @@ namespace selfproj::test {
 template <class Model>
 class Scoreboard {
  public:
-  explicit Scoreboard(const BoardDeviceOptions& options = {})
-      : device_(options), model_([this](BoardPacket&& packet) { expect(std::move(packet)); }) {
+  // `median_built`: see BoardModel; of no concern in a build without codes.
+  explicit Scoreboard(const BoardDeviceOptions& options = {}, bool median_built = true)
+      : device_(options),
+        median_built_(median_built),
+        model_([this](BoardPacket&& packet) { expect(std::move(packet)); }, median_built) {
     device_.on_packet([this](std::span<const std::uint8_t> bytes) { receive(bytes); });
     device_.on_clock([this](std::uint64_t clock) { before_clock(clock); });
     device_.on_beat([this](std::uint64_t clock, const VideoBeat& beat) {
@@ -47,7 +50,7 @@ class Scoreboard {
   // Both forget everything, in the middle of whatever they were doing.
   void reset() {
     device_.reset();
-    model_ = BoardModel([this](BoardPacket&& packet) { expect(std::move(packet)); });
+    model_ = BoardModel([this](BoardPacket&& packet) { expect(std::move(packet)); }, median_built_);
     streams_.clear();
     on_frame_ = false;
     pattern_ = 0;
@@ -83,6 +86,10 @@ class Scoreboard {
     }
     EXPECT_EQ(device_.read(spec::kRegLostMoments), streams_[spec::kKindMoments].lost);
     EXPECT_EQ(device_.read(spec::kRegLostImage), streams_[spec::kKindImage].lost);
+    if ((device_.read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0) {
+      EXPECT_EQ(device_.read(spec::kRegLostCodes), streams_[spec::kKindCodes].lost);
+      EXPECT_EQ(device_.read(spec::kRegAbandoned), static_cast<std::uint32_t>(model_.abandoned()));
+    }
     EXPECT_EQ(device_.read(spec::kRegFrames), static_cast<std::uint32_t>(model_.frames()));
     EXPECT_EQ(device_.read(spec::kRegBroken), static_cast<std::uint32_t>(model_.broken()));
     EXPECT_EQ(device_.read(spec::kRegStray), static_cast<std::uint32_t>(model_.stray()));
@@ -161,6 +168,7 @@ class Scoreboard {
   }
 
   BoardDevice<Model> device_;
+  bool median_built_;
   BoardModel model_;
   std::map<std::uint8_t, Stream> streams_;
   std::map<std::uint32_t, std::uint64_t> by_status_;

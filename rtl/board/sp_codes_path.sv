@@ -1,0 +1,286 @@
+// From beats to code packets, one a line: the Gray-code decoder, the packer, the packets, and the packet FIFO into the bus clock.
+//
+// Guarantees: every line whose codes began gives a packet or is counted in lost_o; packets come out whole. Lines of 112 columns and
+// more may follow each other without a gap.
+// Codes come so much later than their pixels (seven clocks; with the median a line more) that the header fields of
+// sp_frame_info may already be those of a later frame. They are therefore held from the frame's first codes on, each so late that the
+// header before it is out (sp_frame_info tells when headers read). Where a later frame has started by then (possible only
+// where frames follow each other by fewer clocks than that delay) the frame's packets are dropped, and counted.
+`default_nettype none
+
+module sp_codes_path #(
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
+  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,
+  parameter bit Median = 1'b1,
+  parameter int LogDepth = 9,  // of the packet FIFO, in beats of 16 bytes
+  // derived, do not set
+  parameter int ColumnBits = $clog2(MaxColumns + 1),
+  parameter int RowBits = $clog2(MaxRows + 1)
+) (
+  // Video clock domain
+  input  wire logic                  clk_i,
+  input  wire logic                  rst_i,
+
+  // Settings as written, those that sp_frame_tracker does not take over
+  input  wire logic                  decode_i,
+  input  wire logic                  median_i,
+  input  wire logic [3:0]            bits_i,
+  input  wire logic [7:0]            code_threshold_i,
+
+  // Beats, settings in force and breaks of sp_frame_tracker
+  input  wire logic                  take_i,
+  input  wire logic [ColumnBits-1:0] columns_i,
+  input  wire logic [RowBits-1:0]    rows_i,
+  input  wire logic                  beat_valid_i,
+  input  wire logic [31:0]           beat_pixels_i,
+  input  wire logic                  beat_line_start_i,
+  input  wire logic                  beat_line_end_i,
+  input  wire logic                  beat_last_row_i,
+  input  wire logic                  frame_start_i,
+  input  wire logic                  break_i,
+  input  wire logic [sp_spec_pkg::StatusBits-1:0]    break_status_i,
+
+  // Header fields of sp_frame_info
+  input  wire logic [7:0]            info_stream_i,
+  input  wire logic [63:0]           info_sequence_i,
+  input  wire logic [63:0]           info_time_stamp_i,
+  input  wire logic [31:0]           info_encoder_i,
+  input  wire logic [15:0]           info_pattern_i,
+  input  wire logic [ColumnBits-1:0] info_columns_i,
+  input  wire logic [RowBits-1:0]    info_rows_i,
+  input  wire logic [1:0]            info_mode_i,
+  input  wire logic [7:0]            info_threshold_i,
+  input  wire logic [RowBits-1:0]    info_lines_i,
+  input  wire logic                  info_stray_before_i,
+
+  output logic      [31:0]           lost_o,
+  output logic      [31:0]           abandoned_o,
+
+  // Bus clock domain: packets
+  input  wire logic                  bus_clk_i,
+  input  wire logic                  bus_rst_i,
+  output logic                       m_valid_o,
+  input  wire logic                  m_ready_i,
+  output logic                       m_last_o,
+  output logic      [127:0]          m_data_o
+);
+
+  localparam int StatusBits = sp_spec_pkg::StatusBits;
+  localparam int PayloadBits = $clog2(MaxColumns / 8 + 2);
+
+  // --- Settings: sp_frame_tracker takes over those of the clock before take_i ---
+  logic       decode_q, median_q;
+  logic [3:0] bits_q;
+  logic [7:0] code_threshold_q;
+
+  always_ff @(posedge clk_i) begin
+    {decode_q, median_q, bits_q, code_threshold_q} <= {decode_i, median_i, bits_i, code_threshold_i};
+  end
+
+  // --- Codes ---
+  logic                  raw_start, codes_valid, codes_start, codes_line_start, codes_line_end, codes_break;
+  logic [63:0]           codes;
+  logic [StatusBits-1:0] codes_status;
+
+  sp_gray_core #(
+    .MaxColumns(MaxColumns),
+    .MaxRows   (MaxRows),
+    .MaxBits   (MaxBits),
+    .Median    (Median)
+  ) u_core (
+    .clk_i             (clk_i),
+    .rst_i             (rst_i),
+    .take_i            (take_i),
+    .decode_i          (decode_q),
+    .bits_i            (bits_q),
+    .threshold_i       (code_threshold_q),
+    .columns_i         (columns_i),
+    .rows_i            (rows_i),
+    .median_i          (median_q),
+    .beat_valid_i      (beat_valid_i),
+    .beat_pixels_i     (beat_pixels_i),
+    .beat_line_start_i (beat_line_start_i),
+    .beat_line_end_i   (beat_line_end_i),
+    .beat_last_row_i   (beat_last_row_i),
+    .frame_start_i     (frame_start_i),
+    .break_i           (break_i),
+    .break_status_i    (break_status_i),
+    .pattern_i         (info_pattern_i),
+    .raw_start_o       (raw_start),
+    .codes_valid_o     (codes_valid),
+    .codes_o           (codes),
+    .codes_start_o     (codes_start),
+    .codes_line_start_o(codes_line_start),
+    .codes_line_end_o  (codes_line_end),
+    .codes_break_o     (codes_break),
+    .codes_status_o    (codes_status),
+    .abandoned_o       (abandoned_o)
+  );
+
+  // --- Place of the codes ---
+  logic               odd_q;  // low bit of the group
+  logic [RowBits-1:0] row_q, row;
+
+  assign row = codes_start ? RowBits'(1) : row_q;
+
+  always_ff @(posedge clk_i) begin
+    if (codes_valid) begin
+      odd_q <= codes_line_start || !odd_q;
+      row_q <= row + RowBits'(codes_line_end);
+    end
+  end
+
+  // --- Header fields, held ---
+  logic [6:1]            out_q;      // codes_start, so many clocks ago
+  logic [6:1]            begun_q;    // frame_start_i
+  logic                  later_q;    // a later frame has started
+  logic                  later1_q, later2_q, spoiled_q;
+  logic [ColumnBits-1:0] columns_before_q, line_columns, line_columns_q;
+  logic [7:0]            stream_q, threshold_q;
+  logic [63:0]           sequence_q, time_stamp_q;
+  logic [31:0]           encoder_q;
+  logic [15:0]           pattern_q;
+  logic [ColumnBits-1:0] columns_q;
+  logic [RowBits-1:0]    rows_q, lines_q;
+  logic [1:0]            mode_q;
+  logic                  stray_before_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      out_q   <= '0;
+      begun_q <= '0;
+    end else begin
+      out_q   <= {out_q[5:1], codes_start};
+      begun_q <= {begun_q[5:1], frame_start_i};
+    end
+    later_q  <= frame_start_i || (raw_start ? |begun_q : later_q);
+    later1_q <= raw_start ? |begun_q : later_q;
+    later2_q <= later1_q;
+    if (out_q[2]) spoiled_q <= later2_q;
+
+    if (out_q[3]) begin
+      stream_q    <= info_stream_i;
+      pattern_q   <= info_pattern_i;
+      mode_q      <= info_mode_i;
+      threshold_q <= info_threshold_i;
+      sequence_q  <= info_sequence_i;
+    end
+    if (out_q[4]) time_stamp_q <= info_time_stamp_i;
+    if (out_q[5]) begin
+      encoder_q <= info_encoder_i;
+      columns_q <= info_columns_i;
+      rows_q    <= info_rows_i;
+    end
+    if (out_q[6]) begin
+      lines_q        <= info_lines_i;
+      stray_before_q <= info_stray_before_i;
+    end
+  end
+
+  // The columns in force in the clock before the frame's first codes: where a later frame has started by then the packets are
+  // dropped.
+  assign line_columns = codes_start ? columns_before_q : line_columns_q;
+
+  always_ff @(posedge clk_i) begin
+    columns_before_q <= columns_i;
+    line_columns_q   <= line_columns;
+  end
+
+  // --- Packets ---
+  logic                   line_done, accept, words_valid, words_break;
+  logic [127:0]           words_data;
+  logic [PayloadBits-1:0] line_words;
+  logic [RowBits-1:0]     line_row;
+  logic [StatusBits-1:0]  line_status;
+  logic [LogDepth:0]      free;
+  logic                   put, put_last;
+  logic [127:0]           put_data;
+
+  sp_image_packer #(
+    .MaxColumns(MaxColumns),
+    .MaxRows   (MaxRows),
+    .BeatBits  (64)
+  ) u_packer (
+    .clk_i            (clk_i),
+    .rst_i            (rst_i),
+    .image_i          (1'b1),
+    .columns_i        (line_columns),
+    .beat_valid_i     (codes_valid),
+    .beat_pixels_i    (codes),
+    .beat_group_i     ({1'b0, !codes_line_start && odd_q}),
+    .beat_row_i       (row),
+    .beat_line_start_i(codes_line_start),
+    .beat_line_end_i  (codes_line_end),
+    .break_i          (codes_break),
+    .break_status_i   (codes_status),
+    .line_done_o      (line_done),
+    .line_words_o     (line_words),
+    .line_row_o       (line_row),
+    .line_status_o    (line_status),
+    .accept_i         (accept),
+    .words_valid_o    (words_valid),
+    .words_data_o     (words_data),
+    .words_break_o    (words_break)
+  );
+
+  sp_packetizer #(
+    .Kind       (sp_spec_pkg::KindCodes),
+    .ColumnBits (ColumnBits),
+    .RowBits    (RowBits),
+    .PayloadBits(PayloadBits),
+    .LogDepth   (LogDepth)
+  ) u_packetizer (
+    .clk_i          (clk_i),
+    .rst_i          (rst_i),
+    .start_i        (line_done),
+    .payload_beats_i(line_words),
+    .line_i         (line_row),
+    .spoiled_i      (spoiled_q),
+    .break_first_i  (1'b0),
+    .break_later_i  (1'b0),
+    .start_status_i (line_status),
+    .break_status_i ({StatusBits{1'b0}}),
+    .accept_o       (accept),
+    .payload_valid_i(words_valid),
+    .payload_data_i (words_data),
+    .payload_break_i(words_break),
+    .stream_i       (stream_q),
+    .sequence_i     (sequence_q),
+    .time_stamp_i   (time_stamp_q),
+    .encoder_i      (encoder_q),
+    .pattern_i      (pattern_q),
+    .columns_i      (columns_q),
+    .rows_i         (rows_q),
+    .mode_i         (mode_q),
+    .threshold_i    (threshold_q),
+    .lines_i        (lines_q),
+    .stray_before_i (stray_before_q),
+    .fifo_free_i    (free),
+    .fifo_valid_o   (put),
+    .fifo_last_o    (put_last),
+    .fifo_data_o    (put_data),
+    .lost_o         (lost_o)
+  );
+
+  sp_packet_fifo #(
+    .Width   (128),
+    .LogDepth(LogDepth)
+  ) u_fifo (
+    .wr_clk_i  (clk_i),
+    .wr_rst_i  (rst_i),
+    .wr_valid_i(put),
+    .wr_last_i (put_last),
+    .wr_data_i (put_data),
+    .wr_free_o (free),
+    .rd_clk_i  (bus_clk_i),
+    .rd_rst_i  (bus_rst_i),
+    .rd_valid_o(m_valid_o),
+    .rd_ready_i(m_ready_i),
+    .rd_last_o (m_last_o),
+    .rd_data_o (m_data_o)
+  );
+
+endmodule
+
+`default_nettype wire
