@@ -1,6 +1,6 @@
 // From beats to code packets, one a line: the Gray-code decoder, the packer, the packets, and the packet FIFO into the bus clock.
 //
-// Guarantees: every line whose codes began gives a packet or is counted in lost_o; packets come out whole. Lines of 112 columns and
+// Guarantees: every line whose codes began gives a packet or is counted in lost_o; packets come out whole. Lines of 88 columns and
 // more may follow each other without a gap.
 // Codes come so much later than their pixels (seven clocks; with the median a line more) that the header fields of
 // sp_frame_info may already be those of a later frame. They are therefore held from the frame's first codes on, each so late that the
