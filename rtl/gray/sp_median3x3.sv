@@ -160,9 +160,8 @@ module sp_median3x3 #(
   logic                window_valid_q, window_first_q, window_last_q, window_top_q, window_bottom_q;
 
   for (genvar i = 0; i < 4; i++) begin : gen_column
-    assign columns[Column*i+:Column] = {now1_q[Width*i+CodeBits] && bottom1_q, now1_q[Width*i+:CodeBits],
-                                        near[Width*i+:Width],
-                                        far[Width*i+CodeBits] && top1_q, far[Width*i+:CodeBits]};
+    assign columns[Column*i+:Column] = {bottom1_q ? now1_q[Width*i+:Width] : Width'(0), near[Width*i+:Width],
+                                        top1_q ? far[Width*i+:Width] : Width'(0)};
   end
 
   assign leaves = middle_valid_q && (middle_last_q || step1_q && !first1_q);
