@@ -5,7 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -17,6 +19,8 @@
 #include <string>
 #include <vector>
 
+#include "host/driver/device.h"
+#include "host/driver/image_assembler.h"
 #include "host/gray/calibration_file.h"
 #include "host/gray/depth_output.h"
 #include "host/gray/fast_decoder.h"
@@ -54,6 +58,8 @@ struct Options {
   std::string compare;
   bool compare_opengl = false;
   std::string out;
+  std::string device;
+  std::size_t count = 0;
   std::vector<std::string> images;
 };
 
@@ -79,6 +85,19 @@ void check_options(const Options& options) {
   }
   if (options.strict && options.median) {
     throw UserError("--strict, --median", "exclude each other: the median fills what --strict leaves out");
+  }
+  if (options.images.empty() == options.device.empty()) {
+    throw UserError("IMAGE, --device", "one of them is needed, and not both");
+  }
+  if (!options.device.empty()) {
+    if (options.row_bits > 0 || options.strict || options.median || !options.channel.empty()) {
+      throw UserError("--device",
+                      "brings codes decoded on the board; --row-bits, --strict, --median, --channel are for images");
+    }
+    return;
+  }
+  if (options.count > 0) {
+    throw UserError("--count", "goes with --device");
   }
   const std::size_t count = options.images.size();
   const auto need = static_cast<std::size_t>(2 * (options.bits + options.row_bits));
@@ -126,35 +145,49 @@ class Images {
   int columns_ = 0;
 };
 
-void check_size(const std::string& source, int rows, int columns, const std::string& file, const Image& image) {
-  if (image.rows != rows || image.columns != columns) {
-    throw UserError(source, fmt::format("is for images of {}, but {} is {}", size_text(rows, columns), file,
-                                        size_text(image.rows, image.columns)));
+// Where images come from, and their size.
+struct Source {
+  std::string name;
+  int rows = 0;
+  int columns = 0;
+};
+
+void check_size(const std::string& geometry, int rows, int columns, const Source& source) {
+  if (source.rows != rows || source.columns != columns) {
+    throw UserError(geometry, fmt::format("is for images of {}, but {} is {}", size_text(rows, columns), source.name,
+                                          size_text(source.rows, source.columns)));
   }
 }
 
-std::unique_ptr<PlaneTriangulation> rig_triangulation(const Options& options, const Image& first) {
+std::unique_ptr<PlaneTriangulation> rig_triangulation(const Options& options, const Source& source) {
   Rig rig = load_rig(options.rig);
-  check_size("--rig " + options.rig, rig.camera.rows, rig.camera.columns, options.images.front(), first);
+  check_size("--rig " + options.rig, rig.camera.rows, rig.camera.columns, source);
   if (std::isfinite(options.limits.max_z_per_line_mm)) {
     rig.measure.max_z_per_line_mm = options.limits.max_z_per_line_mm;
   }
   return std::make_unique<PlaneTriangulation>(rig, options.bits, options.limits);
 }
 
-std::unique_ptr<LensTriangulation> lens_triangulation(const Options& options, const Image& first) {
+std::unique_ptr<LensTriangulation> lens_triangulation(const Options& options, const Source& source) {
   const Calibration calibration = read_calibration(options.calibration);
   if (calibration.camera_rows > 0) {
-    check_size(options.calibration, calibration.camera_rows, calibration.camera_columns, options.images.front(), first);
+    check_size(options.calibration, calibration.camera_rows, calibration.camera_columns, source);
   }
   const LensSettings settings{
-      first.rows,        first.columns,           options.bits,  options.row_bits, options.lines,
+      source.rows,       source.columns,          options.bits,  options.row_bits, options.lines,
       options.row_lines, options.max_residual_px, options.limits};
   try {
     return std::make_unique<LensTriangulation>(calibration, settings);
   } catch (const std::invalid_argument& error) {
     throw UserError(options.calibration, error.what());
   }
+}
+
+std::unique_ptr<Triangulation> triangulation_for(const Options& options, const Source& source) {
+  if (options.rig.empty()) {
+    return lens_triangulation(options, source);
+  }
+  return rig_triangulation(options, source);
 }
 
 // What is written of all depth images, in their order.
@@ -191,11 +224,33 @@ struct Result {
   std::size_t depth_images = 0;
   std::optional<Moved> moved;
   double median_residual_px = std::numeric_limits<double>::quiet_NaN();
+  std::optional<Counters> counters;  // of the device
+  std::uint64_t incomplete = 0;      // code images of which lines are missing
 };
 
 std::string share_text(const DepthShares& shares, PointState state) {
   return fmt::format("{:.2f} % {}", 100.0 * static_cast<double>(shares.of(state)) / static_cast<double>(shares.total()),
                      name_of(state));
+}
+
+// The background of the options, where there is one.
+void set_background(const Options& options, const Triangulation& triangulation, Scanner& scanner) {
+  if (options.background.empty()) {
+    return;
+  }
+  const FloatImage background = read_float_tiff(options.background);
+  if (background.rows != triangulation.rows() || background.columns != triangulation.columns()) {
+    throw UserError(options.background,
+                    fmt::format("is {}, but the images are {}", size_text(background.rows, background.columns),
+                                size_text(triangulation.rows(), triangulation.columns())));
+  }
+  scanner.set_background(background);
+}
+
+void write_moved(const Scanner& scanner, OutputFolder& folder) {
+  FloatImage moved(scanner.depth().rows, scanner.depth().columns);
+  scanner.difference(moved);
+  folder.append("moved.tiff", encode_float_tiff("moved.tiff", moved));
 }
 
 // One axis: a depth image after every pair from the m-th on.
@@ -204,15 +259,7 @@ Result scan(const Options& options, Images& images, Image first, const Triangula
   const ScannerSettings settings{options.threshold, options.median, options.strict,
                                  static_cast<float>(options.min_difference_mm)};
   Scanner scanner(triangulation, settings);
-  if (!options.background.empty()) {
-    const FloatImage background = read_float_tiff(options.background);
-    if (background.rows != triangulation.rows() || background.columns != triangulation.columns()) {
-      throw UserError(options.background,
-                      fmt::format("is {}, but the images are {}", size_text(background.rows, background.columns),
-                                  size_text(triangulation.rows(), triangulation.columns())));
-    }
-    scanner.set_background(background);
-  }
+  set_background(options, triangulation, scanner);
   const int patterns = 2 * options.bits;
   const bool several = images.count() > static_cast<std::size_t>(patterns);
   std::vector<PointState> states(triangulation.pixels());
@@ -244,9 +291,79 @@ Result scan(const Options& options, Images& images, Image first, const Triangula
   }
   result.depth = scanner.depth();
   if (scanner.has_background()) {
-    FloatImage moved(result.depth.rows, result.depth.columns);
-    scanner.difference(moved);
-    folder.append("moved.tiff", encode_float_tiff("moved.tiff", moved));
+    write_moved(scanner, folder);
+  }
+  return result;
+}
+
+// Set by Ctrl-C, which ends a device's run as the device's own end does.
+volatile std::sig_atomic_t interrupted = 0;
+void interrupt(int /*signal*/) { interrupted = 1; }
+
+std::string note_of(const Counters& counters, const ImageAssembler& assembler, const Scanner& scanner) {
+  std::string note = fmt::format("lost on the board {}, in the ring {}, bad {}, incomplete {}", counters.lost_board,
+                                 counters.lost_ring, counters.bad, assembler.incomplete());
+  if (scanner.has_background()) {
+    const Moved& moved = scanner.moved();
+    note += fmt::format("; {} pixels moved, at {:.1f}, {:.1f}, {:.1f} mm", moved.pixels, moved.x, moved.y, moved.z);
+  }
+  return note;
+}
+
+// The board's code images, until the device ends, --count have come, or Ctrl-C.
+Result scan_device(const Options& options, OutputFolder& folder, Tables& tables,
+                   std::unique_ptr<Triangulation>& triangulation) {
+  using namespace std::chrono_literals;
+  const std::unique_ptr<Device> device = open_device(options.device);
+  ImageAssembler assembler(spec::kKindCodes, 0);
+  std::optional<Scanner> scanner;
+  Result result;
+  std::uint64_t sequence = 0;
+  static_cast<void>(std::signal(SIGINT, interrupt));
+  {
+    Progress progress("code image", options.count);
+    PacketView packet;
+    while (interrupted == 0 && (options.count == 0 || result.depth_images < options.count)) {
+      const Next next = device->next(packet, 100ms);
+      if (next == Next::end) {
+        break;
+      }
+      if (next == Next::packet && assembler.add(packet)) {
+        const PacketHeader& header = assembler.header();
+        const Source source{"a code image of " + options.device, header.rows, header.columns};
+        if (!scanner) {
+          triangulation = triangulation_for(options, source);
+          scanner.emplace(*triangulation, ScannerSettings{options.threshold, false, false,
+                                                          static_cast<float>(options.min_difference_mm)});
+          set_background(options, *triangulation, *scanner);
+        }
+        check_size("an earlier code image", triangulation->rows(), triangulation->columns(), source);
+        scanner->take_codes(assembler.codes().data());
+        sequence = header.sequence;
+        ++result.depth_images;
+        if (scanner->has_background()) {
+          tables.add(sequence, scanner->moved());
+        }
+      }
+      if (scanner && progress.due()) {
+        progress.update(result.depth_images, note_of(device->counters(), assembler, *scanner));
+      }
+    }
+  }
+  static_cast<void>(std::signal(SIGINT, SIG_DFL));
+  if (!scanner) {
+    throw UserError(options.device, "brought no complete code image");
+  }
+  std::vector<PointState> states(triangulation->pixels());
+  triangulation->explain(scanner->codes().data(), scanner->depth().values.data(), states.data());
+  result.shares = count_states(states);
+  tables.add(sequence, result.shares);
+  result.depth = scanner->depth();
+  result.counters = device->counters();
+  result.incomplete = assembler.incomplete();
+  if (scanner->has_background()) {
+    result.moved = scanner->moved();
+    write_moved(*scanner, folder);
   }
   return result;
 }
@@ -256,7 +373,9 @@ Result scan_both(const Options& options, Images& images, Image first, const Lens
                  Tables& tables) {
   const int rows = triangulation.rows();
   const int columns = triangulation.columns();
-  Result result{FloatImage(rows, columns), {}, 1, std::nullopt};
+  Result result;
+  result.depth = FloatImage(rows, columns);
+  result.depth_images = 1;
   Progress progress("image", images.count());
   std::array<Image, 2> pair;
   std::size_t next = 0;
@@ -311,14 +430,22 @@ Json depth_json(const FloatImage& depth) {
 std::string summary(const Options& options, const Result& result, const std::optional<CloudComparison>& comparison) {
   Json json;
   json["geometry"] = options.rig.empty() ? options.calibration : options.rig;
-  json["images"] = options.images.size();
+  if (result.counters) {
+    const Counters& counters = *result.counters;
+    json["device"] = {{"uri", options.device},           {"delivered", counters.delivered},
+                      {"flagged", counters.flagged},     {"lost_board", counters.lost_board},
+                      {"lost_ring", counters.lost_ring}, {"bad", counters.bad},
+                      {"incomplete", result.incomplete}};
+  } else {
+    json["images"] = options.images.size();
+    json["threshold"] = options.threshold;
+    json["median"] = options.median;
+    json["strict"] = options.strict;
+  }
   json["rows"] = result.depth.rows;
   json["columns"] = result.depth.columns;
   json["bits"] = options.bits;
   json["row_bits"] = options.row_bits;
-  json["threshold"] = options.threshold;
-  json["median"] = options.median;
-  json["strict"] = options.strict;
   json["depth_images"] = result.depth_images;
   json["depth_png_mm_per_unit"] = kDepthUnit;
   const std::size_t total = result.shares.total();
@@ -370,22 +497,23 @@ std::optional<CloudComparison> compare(const Options& options, const std::vector
 void run(const Options& options) {
   check_options(options);
   OutputFolder folder(options.out);
-  Images images(options.images, channel_of(options.channel));
-  Image first = images.read(0);
   Tables tables;
   Result result;
   std::unique_ptr<Triangulation> triangulation;
-  if (options.row_bits > 0) {
-    auto lens = lens_triangulation(options, first);
-    result = scan_both(options, images, std::move(first), *lens, tables);
-    triangulation = std::move(lens);
+  if (!options.device.empty()) {
+    result = scan_device(options, folder, tables, triangulation);
   } else {
-    if (options.rig.empty()) {
-      triangulation = lens_triangulation(options, first);
+    Images images(options.images, channel_of(options.channel));
+    Image first = images.read(0);
+    const Source source{options.images.front(), first.rows, first.columns};
+    if (options.row_bits > 0) {
+      auto lens = lens_triangulation(options, source);
+      result = scan_both(options, images, std::move(first), *lens, tables);
+      triangulation = std::move(lens);
     } else {
-      triangulation = rig_triangulation(options, first);
+      triangulation = triangulation_for(options, source);
+      result = scan(options, images, std::move(first), *triangulation, folder, tables);
     }
-    result = scan(options, images, std::move(first), *triangulation, folder, tables);
   }
   const std::optional<CloudComparison> comparison = compare(options, points_of(*triangulation, result.depth));
 
@@ -409,10 +537,10 @@ void run(const Options& options) {
       shares += (shares.empty() ? "" : ", ") + share_text(result.shares, state);
     }
   }
-  fmt::print("{} {} of {}, {} bits, threshold {}: {} → {}\n", result.depth_images,
+  const std::string how = options.device.empty() ? fmt::format("threshold {}", options.threshold) : options.device;
+  fmt::print("{} {} of {}, {} bits, {}: {} → {}\n", result.depth_images,
              result.depth_images == 1 ? "depth image" : "depth images",
-             size_text(result.depth.rows, result.depth.columns), options.bits, options.threshold, shares,
-             folder.name());
+             size_text(result.depth.rows, result.depth.columns), options.bits, how, shares, folder.name());
   if (comparison) {
     fmt::print(
         "{}: median distance of our {} points to its {}: {:.3f} mm; within 1 mm: {:.1f} % of ours, {:.1f} % of its\n",
@@ -424,7 +552,8 @@ void run(const Options& options) {
 }  // namespace
 
 void add_depth_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("depth", "Depth images of recorded Gray-code images: pos0 neg0 pos1 neg1 ...");
+  CLI::App* command = app.add_subcommand(
+      "depth", "Depth images of recorded Gray-code images, pos0 neg0 pos1 neg1 ..., or of a board that decodes");
   const auto options = std::make_shared<Options>();
   std::vector<std::string> channels;
   std::transform(kChannels.begin(), kChannels.end(), std::back_inserter(channels),
@@ -481,8 +610,13 @@ void add_depth_command(CLI::App& app) {
   command->add_option("--compare", options->compare, "Say how far the points lie from those of this cloud")
       ->type_name("FILE.ply");
   command->add_flag("--compare-opengl", options->compare_opengl, "The cloud's y and z have the other sign");
+  command
+      ->add_option("--device", options->device,
+                   "In place of images, a board that decodes: ring:NAME, file:PATH; until it ends, --count or Ctrl-C")
+      ->type_name("URI");
+  command->add_option("--count", options->count, "Device: so many code images")->check(CLI::PositiveNumber);
   command->add_option("--out", options->out, "Folder for the results")->type_name("DIR")->required();
-  command->add_option("IMAGE", options->images, "8-bit images of one size")->type_name("FILE")->required();
+  command->add_option("IMAGE", options->images, "8-bit images of one size")->type_name("FILE");
   command->callback([options] { run(*options); });
 }
 

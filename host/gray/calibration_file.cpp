@@ -58,7 +58,7 @@ class Reader {
       throw UserError(
           file_, key + " has " + std::to_string(matrix.total()) + " numbers; " + std::to_string(count) + " are due");
     }
-    const std::vector<double> values(matrix.begin<double>(), matrix.end<double>());
+    std::vector<double> values(matrix.begin<double>(), matrix.end<double>());
     if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) {
       throw UserError(file_, key + " has a number that is not finite");
     }

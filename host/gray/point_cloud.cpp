@@ -50,17 +50,17 @@ struct PlyLayout {
 };
 
 PlyLayout layout_of(const std::string& file, const std::string& bytes) {
-  static const std::map<std::string, std::size_t> kSizes{{"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},
-                                                         {"short", 2}, {"ushort", 2},  {"int16", 2},  {"uint16", 2},
-                                                         {"int", 4},   {"uint", 4},    {"int32", 4},  {"uint32", 4},
-                                                         {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
-  const std::string kEnd = "end_header\n";
-  const std::size_t end = bytes.find(kEnd);
+  static const std::map<std::string, std::size_t> sizes{{"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},
+                                                        {"short", 2}, {"ushort", 2},  {"int16", 2},  {"uint16", 2},
+                                                        {"int", 4},   {"uint", 4},    {"int32", 4},  {"uint32", 4},
+                                                        {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
+  const std::string last = "end_header\n";
+  const std::size_t end = bytes.find(last);
   if (bytes.compare(0, 4, "ply\n") != 0 || end == std::string::npos) {
     throw UserError(file, "is no PLY file");
   }
   PlyLayout layout;
-  layout.header = end + kEnd.size();
+  layout.header = end + last.size();
   std::istringstream lines(bytes.substr(0, end));
   std::string line;
   int elements = 0;
@@ -80,8 +80,8 @@ PlyLayout layout_of(const std::string& file, const std::string& bytes) {
         binary = binary && type == "vertex";
       }
     } else if (word == "property" && elements == 1) {
-      const auto size = kSizes.find(type);
-      if (size == kSizes.end()) {
+      const auto size = sizes.find(type);
+      if (size == sizes.end()) {
         throw UserError(file, "has a vertex property of type " + type);
       }
       if (type == "float" || type == "float32") {

@@ -26,13 +26,16 @@ Progress::~Progress() {
   }
 }
 
+bool Progress::due() const { return terminal_ && steady_clock::now() >= next_; }
+
 void Progress::update(std::size_t done, const std::string& note) {
-  if (!terminal_ || steady_clock::now() < next_) {
+  if (!due()) {
     return;
   }
   next_ = steady_clock::now() + kInterval;
   shown_ = true;
-  static_cast<void>(std::fprintf(stderr, "\r%s %zu of %zu%s%s\033[K", what_.c_str(), done, total_,
+  const std::string of = total_ > 0 ? " of " + std::to_string(total_) : std::string();
+  static_cast<void>(std::fprintf(stderr, "\r%s %zu%s%s%s\033[K", what_.c_str(), done, of.c_str(),
                                  note.empty() ? "" : ": ", note.c_str()));
 }
 

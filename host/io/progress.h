@@ -7,7 +7,8 @@
 
 namespace selfproj {
 
-// One line on standard error that counts up, "frame 120 of 1400", and goes away at the end. Only on a terminal.
+// One line on standard error that counts up, "frame 120 of 1400", or "frame 120" where the total is 0, not known, and
+// goes away at the end. Only on a terminal.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);
@@ -17,6 +18,9 @@ class Progress {
 
   // Shown at most ten times a second, with the note after the count.
   void update(std::size_t done, const std::string& note = {});
+
+  // Whether the next update will be shown: for notes that take time to write.
+  [[nodiscard]] bool due() const;
 
  private:
   std::string what_;

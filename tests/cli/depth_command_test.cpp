@@ -20,6 +20,7 @@
 #include "host/gray/triangulation.h"
 #include "host/io/float_image.h"
 #include "host/io/rig.h"
+#include "model/packet.h"
 #include "tests/cli/program.h"
 #include "tests/host/pinhole.h"
 
@@ -255,6 +256,75 @@ TEST_F(DepthCommand, TakesACalibrationAndComparesClouds) {
   EXPECT_EQ(std::count_if(depth.values.begin(), depth.values.end(), [](float z) { return !std::isnan(z); }), 1);
   EXPECT_NEAR(static_cast<double>(depth.values[10 * kColumns + 20]), 500, 20);  // half a column is worth 16 mm
   EXPECT_NE(outcome.out.find("our 1 points to its 2"), std::string::npos) << outcome.out;
+}
+
+// ------------------------------------------------------------------ codes of a board
+
+// The packets of one code image, a line each; line `skip` (from 0) is lost.
+void append_code_image(std::vector<std::uint8_t>& stream, std::uint64_t sequence, const std::vector<int>& codes,
+                       int skip = -1) {
+  for (int row = 0; row < kRows; ++row) {
+    PacketHeader header;
+    header.kind = spec::kKindCodes;
+    header.sequence = sequence;
+    header.time_stamp = 1000 * sequence;
+    header.columns = kColumns;
+    header.rows = kRows;
+    header.pattern = static_cast<std::uint16_t>(2 * kBits - 1);
+    header.first_line = static_cast<std::uint16_t>(row + 1);
+    header.lines = 1;
+    std::vector<std::uint8_t> payload(codes_line_payload_bytes(kColumns));
+    for (int column = 0; column < kColumns; ++column) {
+      const int code = codes[static_cast<std::size_t>(row * kColumns + column)];
+      const unsigned word = code < 0 ? 0U : static_cast<unsigned>(code) | 0x8000U;
+      payload[static_cast<std::size_t>(2 * column)] = static_cast<std::uint8_t>(word & 0xFFU);
+      payload[static_cast<std::size_t>(2 * column + 1)] = static_cast<std::uint8_t>(word >> 8U);
+    }
+    if (row != skip) {
+      append_packet(header, payload, 0, stream);
+    }
+  }
+}
+
+TEST_F(DepthCommand, TakesTheCodesOfADevice) {
+  const std::vector<int> plane = codes_of(flat);
+  const std::vector<int> object =
+      codes_of([](int row, int column) { return row >= 5 && row < 15 && column >= 10 && column < 20 ? 100.0 : 0.0; });
+  std::vector<std::uint8_t> stream;
+  append_code_image(stream, 11, plane);
+  append_code_image(stream, 13, object, 7);  // incomplete
+  append_code_image(stream, 15, object);
+  append_code_image(stream, 17, plane);
+  write_text(folder_ / "codes.bin", std::string(stream.begin(), stream.end()));
+  write_float_tiff((folder_ / "background.tiff").string(), expected(plane));
+  const Outcome outcome = depth({"--device", "file:codes.bin", "--count", "2", "--rig", "rig.yaml", "--bits", "6",
+                                 "--background", "background.tiff", "--min-difference", "20"});
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out.rfind("2 depth images of 40 x 30, 6 bits, file:codes.bin: ", 0), 0U) << outcome.out;
+  EXPECT_TRUE(same(tiff("depth.tiff"), expected(object)));
+  const std::string table = read_text(folder_ / "out/moved.csv");
+  EXPECT_EQ(table.rfind("pair,pixels,x,y,z\n11,0,,,\n15,100,", 0), 0U) << table;
+  EXPECT_NE(read_text(folder_ / "out/summary.json").find("\"incomplete\": 1"), std::string::npos);
+}
+
+TEST_F(DepthCommand, RefusesADeviceThatDoesNotFit) {
+  std::vector<std::uint8_t> stream;
+  append_code_image(stream, 11, codes_of(flat));
+  write_text(folder_ / "codes.bin", std::string(stream.begin(), stream.end()));
+  write_text(folder_ / "empty.bin", "");
+  const std::vector<std::string> base{"--rig", "rig.yaml", "--bits", "6"};
+  const auto with = [](std::vector<std::string> all, const std::vector<std::string>& more) {
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  expect_refused(with(base, {"--device", "file:empty.bin"}), "file:empty.bin: ", "no complete code image");
+  expect_refused(with(base, {"--device", "file:missing.bin"}), "missing.bin: ", "No such file");
+  expect_refused(with(base, {"--device", "file:codes.bin", "a.png"}), "IMAGE, --device: ", "not both");
+  expect_refused(base, "IMAGE, --device: ", "one of them");
+  expect_refused(with(base, {"--device", "file:codes.bin", "--median"}), "--device: ", "--median");
+  expect_refused(with(base, {"--count", "3", "a.png"}), "--count: ", "--device");
+  expect_refused({"--rig", "scanner", "--bits", "6", "--device", "file:codes.bin"}, "--rig scanner: ", "512 x 512");
 }
 
 // ------------------------------------------------------------------ bad input
