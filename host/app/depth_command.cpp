@@ -7,7 +7,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -33,6 +32,7 @@
 #include "host/io/output_folder.h"
 #include "host/io/progress.h"
 #include "host/io/rig.h"
+#include "host/io/stop_signal.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
@@ -296,10 +296,6 @@ Result scan(const Options& options, Images& images, Image first, const Triangula
   return result;
 }
 
-// Set by Ctrl-C, which ends a device's run as the device's own end does.
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int /*signal*/) { interrupted = 1; }
-
 std::string note_of(const Counters& counters, const ImageAssembler& assembler, const Scanner& scanner) {
   std::string note = fmt::format("lost on the board {}, in the ring {}, bad {}, incomplete {}", counters.lost_board,
                                  counters.lost_ring, counters.bad, assembler.incomplete());
@@ -319,11 +315,11 @@ Result scan_device(const Options& options, OutputFolder& folder, Tables& tables,
   std::optional<Scanner> scanner;
   Result result;
   std::uint64_t sequence = 0;
-  static_cast<void>(std::signal(SIGINT, interrupt));
   {
+    const StopSignal stop;
     Progress progress("code image", options.count);
     PacketView packet;
-    while (interrupted == 0 && (options.count == 0 || result.depth_images < options.count)) {
+    while (!StopSignal::came() && (options.count == 0 || result.depth_images < options.count)) {
       const Next next = device->next(packet, 100ms);
       if (next == Next::end) {
         break;
@@ -350,7 +346,6 @@ Result scan_device(const Options& options, OutputFolder& folder, Tables& tables,
       }
     }
   }
-  static_cast<void>(std::signal(SIGINT, SIG_DFL));
   if (!scanner) {
     throw UserError(options.device, "brought no complete code image");
   }
