@@ -16,6 +16,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/driver/device.h"
@@ -100,7 +101,7 @@ void check_options(const Options& options) {
     throw UserError("--count", "goes with --device");
   }
   const std::size_t count = options.images.size();
-  const auto need = static_cast<std::size_t>(2 * (options.bits + options.row_bits));
+  const auto need = 2 * static_cast<std::size_t>(options.bits + options.row_bits);
   if (count % 2 != 0) {
     throw UserError("IMAGE",
                     fmt::format("{} images are an odd number; each positive is followed by its negative", count));
@@ -125,7 +126,18 @@ class Images {
 
   [[nodiscard]] std::size_t count() const { return files_.size(); }
 
+  // The first image, to see its size; read(0) gives it then.
+  const Image& first() {
+    first_ = read(0);
+    return *first_;
+  }
+
   Image read(std::size_t i) {
+    if (i == 0 && first_) {
+      Image image = std::move(*first_);
+      first_.reset();
+      return image;
+    }
     Image image = read_image(files_[i], channel_);
     if (rows_ == 0) {
       rows_ = image.rows;
@@ -141,6 +153,7 @@ class Images {
  private:
   const std::vector<std::string>& files_;
   std::optional<Channel> channel_;
+  std::optional<Image> first_;
   int rows_ = 0;
   int columns_ = 0;
 };
@@ -254,8 +267,8 @@ void write_moved(const Scanner& scanner, OutputFolder& folder) {
 }
 
 // One axis: a depth image after every pair from the m-th on.
-Result scan(const Options& options, Images& images, Image first, const Triangulation& triangulation,
-            OutputFolder& folder, Tables& tables) {
+Result scan(const Options& options, Images& images, const Triangulation& triangulation, OutputFolder& folder,
+            Tables& tables) {
   const ScannerSettings settings{options.threshold, options.median, options.strict,
                                  static_cast<float>(options.min_difference_mm)};
   Scanner scanner(triangulation, settings);
@@ -269,7 +282,7 @@ Result scan(const Options& options, Images& images, Image first, const Triangula
   std::string note;
   for (std::size_t i = 0; i < images.count(); ++i) {
     Image& image = pair[i % 2];
-    image = i == 0 ? std::move(first) : images.read(i);
+    image = images.read(i);
     if (scanner.take(image.view(), static_cast<int>(i % static_cast<std::size_t>(patterns)))) {
       const std::size_t number = i / 2;
       triangulation.explain(scanner.codes().data(), scanner.depth().values.data(), states.data());
@@ -364,8 +377,7 @@ Result scan_device(const Options& options, OutputFolder& folder, Tables& tables,
 }
 
 // Both axes: one depth image of 2m column and 2n row images.
-Result scan_both(const Options& options, Images& images, Image first, const LensTriangulation& triangulation,
-                 Tables& tables) {
+Result scan_both(const Options& options, Images& images, const LensTriangulation& triangulation, Tables& tables) {
   const int rows = triangulation.rows();
   const int columns = triangulation.columns();
   Result result;
@@ -378,7 +390,7 @@ Result scan_both(const Options& options, Images& images, Image first, const Lens
     FastGrayDecoder decoder({rows, columns, bits, options.threshold});
     for (int pattern = 0; pattern < 2 * bits; ++pattern, ++next) {
       Image& image = pair[next % 2];
-      image = next == 0 ? std::move(first) : images.read(next);
+      image = images.read(next);
       decoder.take(image.view(), pattern, true);
       progress.update(next + 1);
     }
@@ -499,15 +511,15 @@ void run(const Options& options) {
     result = scan_device(options, folder, tables, triangulation);
   } else {
     Images images(options.images, channel_of(options.channel));
-    Image first = images.read(0);
+    const Image& first = images.first();
     const Source source{options.images.front(), first.rows, first.columns};
     if (options.row_bits > 0) {
       auto lens = lens_triangulation(options, source);
-      result = scan_both(options, images, std::move(first), *lens, tables);
+      result = scan_both(options, images, *lens, tables);
       triangulation = std::move(lens);
     } else {
       triangulation = triangulation_for(options, source);
-      result = scan(options, images, std::move(first), *triangulation, folder, tables);
+      result = scan(options, images, *triangulation, folder, tables);
     }
   }
   const std::optional<CloudComparison> comparison = compare(options, points_of(*triangulation, result.depth));

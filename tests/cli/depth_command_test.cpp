@@ -273,13 +273,14 @@ void append_code_image(std::vector<std::uint8_t>& stream, std::uint64_t sequence
     header.pattern = static_cast<std::uint16_t>(2 * kBits - 1);
     header.first_line = static_cast<std::uint16_t>(row + 1);
     header.lines = 1;
-    std::vector<std::uint8_t> payload(codes_line_payload_bytes(kColumns));
+    std::vector<std::uint8_t> payload;
     for (int column = 0; column < kColumns; ++column) {
       const int code = codes[static_cast<std::size_t>(row * kColumns + column)];
       const unsigned word = code < 0 ? 0U : static_cast<unsigned>(code) | 0x8000U;
-      payload[static_cast<std::size_t>(2 * column)] = static_cast<std::uint8_t>(word & 0xFFU);
-      payload[static_cast<std::size_t>(2 * column + 1)] = static_cast<std::uint8_t>(word >> 8U);
+      payload.push_back(static_cast<std::uint8_t>(word & 0xFFU));
+      payload.push_back(static_cast<std::uint8_t>(word >> 8U));
     }
+    payload.resize(codes_line_payload_bytes(kColumns));
     if (row != skip) {
       append_packet(header, payload, 0, stream);
     }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -32,6 +33,12 @@ constexpr std::uint16_t kMeasurable = 0x8000;
 
 double uniform(Random& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random.between(0, 1 << 30)) / (1 << 30);
+}
+
+// Row and column of pixel i.
+std::pair<double, double> place_of(std::size_t i, int columns) {
+  const auto at = std::div(static_cast<long>(i), static_cast<long>(columns));
+  return {static_cast<double>(at.quot), static_cast<double>(at.rem)};
 }
 
 // The three linear equations of (4.7) for pixel (column, row) and C, by Cramer's rule.
@@ -111,8 +118,7 @@ std::size_t expect_depths(const PlaneTriangulation& triangulation, const DepthMa
       EXPECT_EQ(states[i], PointState::not_measurable);
       continue;
     }
-    const double row = static_cast<double>(i / static_cast<std::size_t>(triangulation.columns()));
-    const double column = static_cast<double>(i % static_cast<std::size_t>(triangulation.columns()));
+    const auto [row, column] = place_of(i, triangulation.columns());
     const double c = (codes[i] & 0xFFF) + 0.5;
     const Expected expected = expected_depth(m, limits, codes_per_line, column, row, c, triangulation.rows(),
                                              triangulation.columns(), triangulation.bits());
@@ -224,7 +230,7 @@ TEST(PlaneTriangulation, CodeStandsForTheMiddleOfItsCell) {
   const PlaneTriangulation triangulation(rig, kBits);
   std::vector<std::uint16_t> codes(triangulation.pixels());
   for (std::size_t i = 0; i < codes.size(); ++i) {
-    const double row = static_cast<double>(i / 512);
+    const double row = place_of(i, 512).first;
     const double x = rig.plane_z_mm * rig.camera.pixel_pitch_mm * (row - 255.5) / rig.camera.focal_length_mm;
     const double line = test::projector_lights(rig.projector, {x, 0, rig.plane_z_mm}).row;
     const double code = std::floor((line + 0.5) * 256 / rig.projector.lines);
@@ -388,8 +394,8 @@ TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
     std::vector<std::uint16_t> codes(triangulation.pixels()), row_codes(codes.size());
     std::vector<double> truth(codes.size());
     for (std::size_t i = 0; i < codes.size(); ++i) {
-      const Point3 ray = camera_ray(calibration.camera, static_cast<double>(i % static_cast<std::size_t>(columns)),
-                                    static_cast<double>(i / static_cast<std::size_t>(columns)));
+      const auto [at_row, at_column] = place_of(i, columns);
+      const Point3 ray = camera_ray(calibration.camera, at_column, at_row);
       truth[i] = uniform(random, 550, 850);
       const auto [column, row] = projector_sees(calibration, ray, truth[i]);
       if (std::abs(column - 640) < 640 && std::abs(row - 400) < 400) {
@@ -409,8 +415,8 @@ TEST(LensTriangulation, FindsTheDepthOfTheColumnOrOfBothCodes) {
         continue;
       }
       ++valid;
-      const Point3 ray = camera_ray(calibration.camera, static_cast<double>(i % static_cast<std::size_t>(columns)),
-                                    static_cast<double>(i / static_cast<std::size_t>(columns)));
+      const auto [at_row, at_column] = place_of(i, columns);
+      const Point3 ray = camera_ray(calibration.camera, at_column, at_row);
       // One axis: the point's image lies on the column.
       ASSERT_FALSE(std::isnan(z[i]));
       EXPECT_NEAR(projector_sees(calibration, ray, static_cast<double>(z[i])).first, codes[i] & 0xFFF, 1e-3);
