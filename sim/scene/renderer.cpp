@@ -208,7 +208,9 @@ void Renderer::sample_block(const Light& light, int row, int column, HeightRange
     for (int i = 0; i < kSide; ++i) {
       for (int j = 0; j < kSide; ++j) {
         if (i % kSub == 0 && j % kSub == 0) {
-          const Hit h = hit({row + i / kSub + 0.0, column + j / kSub + 0.0}, light.middle, heights);
+          const int pixel_row = row + i / kSub;
+          const int pixel_column = column + j / kSub;
+          const Hit h = hit({static_cast<double>(pixel_row), static_cast<double>(pixel_column)}, light.middle, heights);
           to[i * kSide + j] = static_cast<float>(ambient * scene_.albedo(h.point.x, h.point.y, light.middle));
         } else {
           to[i * kSide + j] = to[(i - i % kSub) * kSide + j - j % kSub];
