@@ -13,7 +13,8 @@ mkdir -p "$stamps"
 if (($# > 0)); then
   sources=("$@")
 else
-  mapfile -t sources < <(git ls-files --cached --others --exclude-standard '*.cpp' | grep -v '/generated/')
+  # The fuzzer is built by clang alone, in a build of its own (scripts/fuzz.sh).
+  mapfile -t sources < <(git ls-files --cached --others --exclude-standard '*.cpp' | grep -v -e '/generated/' -e '^tests/fuzz/')
 fi
 
 # One line a source: its stamp, a hash of all the verdict depends on, and its name. The list ends with the word "end".
