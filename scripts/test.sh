@@ -20,9 +20,9 @@ echo "${#files[@]} files"
 step "lint of the RTL"
 scripts/lint_rtl.sh
 
-step "build, presets release and sanitizers"
+step "build: all for speed, the tests of label unit with the sanitizers"
 scripts/build.sh release
-scripts/build.sh sanitizers
+scripts/build.sh sanitizers unit_tests
 
 step "clang-tidy"
 scripts/tidy.sh

@@ -93,7 +93,8 @@ double line_peak(const Image& image) {
 ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
   constexpr double kStep = 0.02;
   const double reach = rig.plane_z_mm * std::abs(tan_beta(rig.camera, -1)) + 1;
-  const double time = scene.frames() / 2 / rig.camera.frame_rate_hz;
+  const int middle = scene.frames() / 2;
+  const double time = middle / rig.camera.frame_rate_hz;
   const int count = static_cast<int>(std::ceil(reach / kStep));
   ReferenceCurve curve;
   for (int i = -count; i <= count; ++i) {

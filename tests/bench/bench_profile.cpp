@@ -187,7 +187,7 @@ int run(int argc, char** argv) {
       std::fprintf(stderr, "bench_profile: the profiles are wrong (%s)\n", name.c_str());
       return 1;
     }
-    const auto add = [&, &set = packets](const std::string& step, Work what) {
+    const auto add = [&, &name = name, &set = packets](const std::string& step, Work what) {
       benchmark::RegisterBenchmark((step + "/" + name).c_str(),
                                    [&, what](benchmark::State& state) { work(state, profiler, set, what); });
     };
