@@ -53,7 +53,8 @@ class DecodeCommand : public ::testing::Test {
 
   // The run failed as the contract says: status 2, one line that begins with `subject` and has `reason`, nothing
   // written.
-  void expect_refused(std::vector<std::string> arguments, const std::string& subject, const std::string& reason) const {
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& subject,
+                      const std::string& reason) const {
     const std::vector<std::string> before = folder_.names();
     const Outcome outcome = decode(arguments);
     EXPECT_EQ(outcome.status, 2);

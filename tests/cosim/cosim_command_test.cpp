@@ -33,7 +33,7 @@ class Cosim : public ::testing::Test {
  protected:
   Outcome run(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "cosim");
-    return run_program(SELFPROJ_SIM_PROGRAM, arguments, folder.path());
+    return run_program(SELFPROJ_SIM_PROGRAM, arguments, folder_.path());
   }
   // With the options for a scene's middle in front.
   Outcome run_middle(std::vector<std::string> arguments) {
@@ -44,16 +44,16 @@ class Cosim : public ::testing::Test {
   // Status 2, one line about `about`, and nothing left behind.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& about) {
     SCOPED_TRACE(about);
-    const std::vector<std::string> before = folder.names();
+    const std::vector<std::string> before = folder_.names();
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     EXPECT_NE(outcome.err.find(about), std::string::npos) << outcome.err;
     EXPECT_EQ(outcome.out, "");
-    EXPECT_EQ(folder.names(), before);
+    EXPECT_EQ(folder_.names(), before);
   }
 
-  [[nodiscard]] std::string text(const std::string& name) const { return read_text(folder / name); }
+  [[nodiscard]] std::string text(const std::string& name) const { return read_text(folder_ / name); }
 
   void write_image(const std::string& name, int rows, int columns, std::uint64_t seed) const {
     Random random(seed);
@@ -63,10 +63,10 @@ class Cosim : public ::testing::Test {
         image.at<std::uint8_t>(row, column) = static_cast<std::uint8_t>(random.between(0, 255));
       }
     }
-    ASSERT_TRUE(cv::imwrite(folder / name, image));
+    ASSERT_TRUE(cv::imwrite(folder_ / name, image));
   }
 
-  ScratchFolder folder;
+  ScratchFolder folder_;
 };
 
 // The last line of what was printed.
@@ -94,7 +94,7 @@ TEST_F(Cosim, TheModelWritesAllFilesOfTheContract) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(last_line(outcome.out), "matched 2048 columns in 4 frames, 0 mismatches");
-  EXPECT_EQ(names_in(folder / "out"),
+  EXPECT_EQ(names_in(folder_ / "out"),
             (std::vector<std::string>{"cloud.ply", "difference.png", "difference.tiff", "frame_2.png", "frame_4.png",
                                       "height.png", "height.tiff", "moments.csv", "profile.csv", "report.html",
                                       "summary.json"}));
@@ -102,14 +102,14 @@ TEST_F(Cosim, TheModelWritesAllFilesOfTheContract) {
   EXPECT_EQ(std::count(moments.begin(), moments.end(), '\n'), 1 + 4 * 512);
   EXPECT_NE(moments.find("\n4,512,"), std::string::npos);
   EXPECT_NE(text("out/summary.json").find("\"matched_columns\": 2048"), std::string::npos);
-  EXPECT_EQ(folder.names(), std::vector<std::string>{"out"});
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"out"});
 }
 
 // Marks are 1 mm deep, the treads beside them as the reference is, the treads 30, 39 and 21 mm high.
 TEST_F(Cosim, MarksShowInTheDifference) {
   ASSERT_EQ(run_middle({"--engine", "model", "--count", "20", "--out", "out"}).status, 0);
-  const FloatImage difference = read_float_tiff(folder / "out/difference.tiff");
-  const FloatImage height = read_float_tiff(folder / "out/height.tiff");
+  const FloatImage difference = read_float_tiff(folder_ / "out/difference.tiff");
+  const FloatImage height = read_float_tiff(folder_ / "out/height.tiff");
   ASSERT_EQ(difference.rows, 20);
   ASSERT_EQ(difference.columns, 512);
   const auto share = [](const FloatImage& image, double low, double high) {
@@ -166,16 +166,16 @@ TEST_F(Cosim, RecordedImagesWithoutARig) {
   const Outcome outcome = run({"--engine", "model", "--frames", "image_*.png", "--threshold", "200", "--out", "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(last_line(outcome.out), "matched 192 columns in 3 frames, 0 mismatches");
-  EXPECT_EQ(names_in(folder / "out"), (std::vector<std::string>{"centroid.tiff", "frame_1.png", "frame_2.png",
-                                                                "frame_3.png", "moments.csv", "summary.json"}));
+  EXPECT_EQ(names_in(folder_ / "out"), (std::vector<std::string>{"centroid.tiff", "frame_1.png", "frame_2.png",
+                                                                 "frame_3.png", "moments.csv", "summary.json"}));
   // The same table as that of the command `moments`.
   const Outcome moments = run_program(SELFPROJ_SIM_PROGRAM,
                                       {"moments", "--engine", "model", "--mode", "grey-over", "--threshold", "200",
                                        "--out", "moments.csv", "image_1.png", "image_2.png", "image_3.png"},
-                                      folder.path());
+                                      folder_.path());
   ASSERT_EQ(moments.status, 0) << moments.err;
   EXPECT_EQ(text("out/moments.csv"), text("moments.csv"));
-  const FloatImage centroid = read_float_tiff(folder / "out/centroid.tiff");
+  const FloatImage centroid = read_float_tiff(folder_ / "out/centroid.tiff");
   EXPECT_EQ(centroid.rows, 3);
   EXPECT_EQ(centroid.columns, 64);
   for (const float row : centroid.values) {
@@ -191,10 +191,10 @@ TEST_F(Cosim, RecordedImagesWithARig) {
   const Renderer renderer(rig, *plane, draw_pattern(rig, pattern_of_curve(rig, {{-far, far}, {far, far}})));
   cv::Mat image(rig.camera.rows, rig.camera.columns, CV_8UC1);
   renderer.render(0, {image.data, image.total()});
-  ASSERT_TRUE(cv::imwrite(folder / "plane.png", image));
+  ASSERT_TRUE(cv::imwrite(folder_ / "plane.png", image));
   const Outcome outcome = run({"--engine", "model", "--frames", "plane.png", "--rig", "light-section", "--out", "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const FloatImage height = read_float_tiff(folder / "out/height.tiff");
+  const FloatImage height = read_float_tiff(folder_ / "out/height.tiff");
   ASSERT_EQ(height.columns, 512);
   EXPECT_TRUE(std::all_of(height.values.begin(), height.values.end(),
                           [](float value) { return std::abs(double{value}) < 0.1; }));
@@ -204,8 +204,8 @@ TEST_F(Cosim, WhatIsWrongIsSaidInOneLine) {
   write_image("a.png", 20, 64, 1);
   write_image("b.png", 21, 64, 2);
   write_image("odd.png", 20, 66, 3);
-  write_text(folder / "text.png", "no image");
-  write_text(folder / "file", "");
+  write_text(folder_ / "text.png", "no image");
+  write_text(folder_ / "file", "");
   expect_refused({"--scene", "nowhere"}, "nowhere");
   expect_refused({"--scene", "plane", "--frames", "a.png"}, "--frames");
   expect_refused({"--frames", "c*.png", "--threshold", "9"}, "c*.png");
@@ -259,8 +259,8 @@ TEST_F(Cosim, EdgeAndMarksThroughTheRtl) {
 TEST_F(Cosim, WaveformOfTheLastFrame) {
   const Outcome outcome = run_middle({"--count", "3", "--trace", "wave.fst", "--trace-from", "3"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(folder.names(), std::vector<std::string>{"wave.fst"});
-  EXPECT_GT(fs::file_size(folder / "wave.fst"), 10000U);
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"wave.fst"});
+  EXPECT_GT(fs::file_size(folder_ / "wave.fst"), 10000U);
   expect_refused({"--count", "3", "--trace", "wave.fst", "--trace-from", "4"}, "--trace-from");
 }
 
@@ -273,7 +273,7 @@ TEST_F(Cosim, RealCaptures) {
       run({"--frames", captures / "sample*/sample*-b-0.jpg", "--channel", "red", "--threshold", "100", "--out", "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(last_line(outcome.out), "matched 3200 columns in 10 frames, 0 mismatches");
-  EXPECT_TRUE(fs::exists(folder / "out/frame_10.png"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/frame_10.png"));
 }
 
 #endif
