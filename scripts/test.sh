@@ -24,8 +24,10 @@ step "build: all for speed, the tests of label unit with the sanitizers"
 scripts/build.sh release
 scripts/build.sh sanitizers unit_tests
 
-step "clang-tidy"
-scripts/tidy.sh
+# Tests and benchmarks are left to scripts/tidy.sh by hand: a source takes about 13 s, and there are 150.
+step "clang-tidy of host, model and sim"
+mapfile -t files < <(git ls-files --cached --others --exclude-standard 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' | grep -v '/generated/')
+scripts/tidy.sh "${files[@]}"
 
 step "tests of label unit under the sanitizers"
 ctest --preset sanitizers --label-regex '^unit$' --parallel "$(nproc)" --progress

@@ -27,7 +27,8 @@ namespace {
 // The part's section in the middle of its way.
 ReferenceCurve section_of(const Rig& rig, const Scene& scene) {
   ReferenceCurve curve;
-  const double time = scene.frames() / 2 / rig.camera.frame_rate_hz;
+  const int middle = scene.frames() / 2;
+  const double time = middle / rig.camera.frame_rate_hz;
   for (double y = -85; y <= 85; y += 0.05) {
     curve.y_mm.push_back(y);
     curve.z_mm.push_back(rig.plane_z_mm - scene.height(0, y, time));

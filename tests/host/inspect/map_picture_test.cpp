@@ -40,7 +40,7 @@ TEST(MapPicture, ValuesHaveTheirColoursAndGapsAreGrey) {
   expect_colour(picture.at<cv::Vec3b>(15, 25), colour_at(ColourMap::diverging, 1));
   for (int r = 10; r < 20; ++r) {
     for (int c = 10; c < 20; ++c) {
-      const auto gap = picture.at<cv::Vec3b>(r, c);
+      const auto& gap = picture.at<cv::Vec3b>(r, c);
       EXPECT_TRUE(gap == cv::Vec3b(178, 178, 178) || gap == cv::Vec3b(132, 132, 132));
     }
   }
