@@ -29,6 +29,7 @@
 #include "host/gray/scanner.h"
 #include "host/gray/triangulation.h"
 #include "host/io/float_image.h"
+#include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
 #include "host/io/progress.h"
@@ -63,16 +64,6 @@ struct Options {
   std::size_t count = 0;
   std::vector<std::string> images;
 };
-
-constexpr std::array<Channel, 4> kChannels{Channel::red, Channel::green, Channel::blue, Channel::grey};
-
-std::optional<Channel> channel_of(const std::string& name) {
-  const auto* const found =
-      std::find_if(kChannels.begin(), kChannels.end(), [&](Channel channel) { return to_string(channel) == name; });
-  return found == kChannels.end() ? std::nullopt : std::optional(*found);
-}
-
-std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
 
 void check_options(const Options& options) {
   if (options.rig.empty() == options.calibration.empty()) {
@@ -142,10 +133,8 @@ class Images {
     if (rows_ == 0) {
       rows_ = image.rows;
       columns_ = image.columns;
-    } else if (image.rows != rows_ || image.columns != columns_) {
-      throw UserError(files_[i],
-                      fmt::format("is {}, but {} is {}; all images must have one size",
-                                  size_text(image.rows, image.columns), files_.front(), size_text(rows_, columns_)));
+    } else {
+      check_same_size(files_[i], image, files_.front(), rows_, columns_);
     }
     return image;
   }
@@ -562,9 +551,6 @@ void add_depth_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "depth", "Depth images of recorded Gray-code images, pos0 neg0 pos1 neg1 ..., or of a board that decodes");
   const auto options = std::make_shared<Options>();
-  std::vector<std::string> channels;
-  std::transform(kChannels.begin(), kChannels.end(), std::back_inserter(channels),
-                 [](Channel channel) { return to_string(channel); });
   const CLI::Range positive(std::numeric_limits<double>::min(), 1e6, "a number greater than 0");
   command->add_option("--rig", options->rig, "Geometry: a built-in rig or a YAML file")->type_name("RIG");
   command
@@ -586,7 +572,8 @@ void add_depth_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--median", options->median, "3 x 3 median of the code image");
   command->add_flag("--strict", options->strict, "No depth where even one pair is ambiguous (default: two)");
-  command->add_option("--channel", options->channel, "What to take of colour images")->check(CLI::IsMember(channels));
+  command->add_option("--channel", options->channel, "What to take of colour images")
+      ->check(CLI::IsMember(channel_names()));
   command
       ->add_option("--lines", options->lines,
                    "Calibration: projector columns that the 2^M codes cover (default: 2^M, a code a column)")

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "host/io/float_image.h"
+#include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
 #include "host/io/progress.h"
@@ -216,8 +217,10 @@ void add_pattern_command(CLI::App& app) {
       ->check(CLI::Range(1, 64))
       ->excludes(reference)
       ->excludes(line);
-  const std::map<std::string, Channel> channels = {
-      {"red", Channel::red}, {"green", Channel::green}, {"blue", Channel::blue}, {"grey", Channel::grey}};
+  std::map<std::string, Channel> channels;
+  for (const std::string& name : channel_names()) {
+    channels[name] = *channel_of(name);
+  }
   command->add_option("--channel", options->channel, "what to take of colour images: red, green, blue or grey")
       ->transform(CLI::CheckedTransformer(channels));
   static_cast<void>(scan);

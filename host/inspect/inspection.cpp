@@ -21,6 +21,7 @@
 #include "host/inspect/colour_map.h"
 #include "host/inspect/frame_picture.h"
 #include "host/inspect/number_text.h"
+#include "host/io/frame_options.h"
 #include "host/io/user_error.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -125,18 +126,6 @@ nlohmann::ordered_json to_json(const std::vector<Fact>& facts) {
     std::visit([&](const auto& value) { result[fact.key] = value; }, fact.value);
   }
   return result;
-}
-
-std::string mode_name(std::uint8_t mode) {
-  switch (static_cast<Mode>(mode)) {
-    case Mode::binary:
-      return "binary";
-    case Mode::grey:
-      return "grey";
-    case Mode::grey_over:
-      return "grey-over";
-  }
-  return "unknown";
 }
 
 }  // namespace
@@ -374,7 +363,7 @@ std::string Inspection::summary(const ReportParts& parts) const {
                   {"mm_per_column", rounded(way.column_mm)}};
   json["first_sequence"] = frames_.front().sequence;
   json["last_sequence"] = frames_.back().sequence;
-  json["mode"] = mode_name(frames_.front().mode);
+  json["mode"] = mode_name(static_cast<Mode>(frames_.front().mode));
   json["threshold"] = frames_.front().threshold;
   json["counters"] = to_json(parts.counters);
   json["settings"] = to_json(parts.settings);
@@ -389,7 +378,7 @@ ReportData Inspection::report_data(const ReportParts& parts) const {
   ReportData data;
   data.title = parts.title;
   data.subtitle = fmt::format("rig {} · {} × {} px · mode {} · threshold {}", rig_.name, rig_.camera.rows, columns_,
-                              mode_name(frames_.front().mode), frames_.front().threshold);
+                              mode_name(static_cast<Mode>(frames_.front().mode)), frames_.front().threshold);
   data.height = height();
   data.difference = difference();
   data.y = y();

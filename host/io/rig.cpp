@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/frame_options.h"
 #include "host/io/rigs_built_in.h"
 #include "host/io/user_error.h"
 
@@ -34,8 +35,7 @@ constexpr Range kPositive{0, kFar, true};
 constexpr Range kNotNegative{0, kFar};
 constexpr Range kAny{-kFar, kFar};
 
-const std::vector<std::pair<const char*, Mode>> kModes = {
-    {"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}};
+const std::vector<std::pair<const char*, Mode>> kModeChoices(kModes.begin(), kModes.end());
 const std::vector<std::pair<const char*, RigKind>> kKinds = {{"light-section", RigKind::light_section},
                                                              {"scanner", RigKind::scanner}};
 
@@ -70,7 +70,7 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.number("encoder_mm_per_count", rig.conveyor.encoder_mm_per_count, 1, kPositive);
   v.end();
   v.begin("measure");
-  v.choice("mode", rig.measure.mode, kModes);
+  v.choice("mode", rig.measure.mode, kModeChoices);
   v.integer("threshold", rig.measure.threshold, 0, 255);
   v.integer("min_lit_px", rig.measure.min_lit_px, 1, 1 << 14);
   v.integer("max_lit_px", rig.measure.max_lit_px, 1, 1 << 14);

@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
@@ -16,12 +15,12 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/driver/clock.h"
 #include "host/driver/ring_list.h"
 #include "host/driver/ring_writer.h"
+#include "host/io/frame_options.h"
 #include "host/io/output_file.h"
 #include "host/io/progress.h"
 #include "host/io/status_line.h"
@@ -53,9 +52,6 @@ struct Options {
   bool keep = false;
 };
 
-const std::array<std::pair<const char*, Mode>, 3> kModes{
-    {{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}};
-
 void sleep_until(std::int64_t time_ns) {
   const timespec until{static_cast<std::time_t>(time_ns / kSecondNs), static_cast<long>(time_ns % kSecondNs)};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR && !StopSignal::came()) {
@@ -72,10 +68,7 @@ PacketRecording make_line(const Options& options) {
                     fmt::format("is no image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
                                 spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
   }
-  const Mode mode = std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) {
-                      return entry.first == options.mode;
-                    })->second;
-  return moving_line(rows, columns, options.line_frames, mode, options.threshold);
+  return moving_line(rows, columns, options.line_frames, mode_of(options.mode), options.threshold);
 }
 
 PacketRecording source_of(const Options& options) {
@@ -227,7 +220,7 @@ void add_board_command(CLI::App& app) {
   command->add_option("--line", options->line, "Instead: a line of light that moves, through the model of the board")
       ->type_name("COLUMNSxROWS");
   command->add_option("--mode", options->mode, "Of --line: binary, grey, grey-over")
-      ->check(CLI::IsMember(std::vector<std::string>{"binary", "grey", "grey-over"}))
+      ->check(CLI::IsMember(mode_names()))
       ->capture_default_str();
   command->add_option("--threshold", options->threshold, "Of --line: a pixel is lit where it is greater than this")
       ->check(CLI::Range(0, 255))

@@ -24,6 +24,7 @@
 #include "host/inspect/frame_picture.h"
 #include "host/inspect/inspection.h"
 #include "host/io/float_image.h"
+#include "host/io/frame_options.h"
 #include "host/io/output_file.h"
 #include "host/io/output_folder.h"
 #include "host/io/program_main.h"
@@ -34,7 +35,6 @@
 #include "host/optics/pattern.h"
 #include "host/optics/reference.h"
 #include "sim/app/cosim_run.h"
-#include "sim/app/frame_options.h"
 #include "sim/app/frame_source.h"
 #include "sim/app/moments_csv.h"
 #include "sim/experiment/light_section.h"
@@ -170,8 +170,7 @@ Setup recorded_setup(const Options& options) {
   files.resize(count);
 
   Setup setup;
-  setup.source = std::make_unique<RecordedFrames>(
-      files, options.channel.empty() ? std::nullopt : std::optional(channel_of(options.channel)));
+  setup.source = std::make_unique<RecordedFrames>(files, channel_of(options.channel));
   setup.facts = {{"frames_from", "recorded images", options.frames.front()}};
   // Without a rig nothing is known about the images but their grey values.
   setup.rig = light_section_rig(options.rig.empty() ? "light-section" : options.rig);

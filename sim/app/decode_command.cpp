@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -17,6 +16,7 @@
 #include <system_error>
 #include <vector>
 
+#include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
 #include "host/io/progress.h"
@@ -39,14 +39,6 @@ struct Options {
   std::vector<std::string> images;
 };
 
-constexpr Channel kChannels[] = {Channel::red, Channel::green, Channel::blue, Channel::grey};  // NOLINT
-
-std::optional<Channel> channel_of(const std::string& name) {
-  const auto* const found = std::find_if(std::begin(kChannels), std::end(kChannels),
-                                         [&](Channel channel) { return to_string(channel) == name; });
-  return found == std::end(kChannels) ? std::nullopt : std::optional(*found);
-}
-
 std::unique_ptr<GrayEngine> make_engine(const std::string& name) {
   if (name == "model") {
     return make_gray_model_engine();
@@ -68,24 +60,8 @@ void add_png(OutputFolder& out, const std::string& file, const cv::Mat& image) {
   out.append(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
-
 std::string code_file(std::size_t pair) { return fmt::format("code_{:04}.png", pair); }
 std::string measurable_file(std::size_t pair) { return fmt::format("measurable_{:04}.png", pair); }
-
-// What the engine takes.
-void check_size(const std::string& file, const Image& image, const GrayEngine& engine) {
-  if (image.columns % spec::kPixelsPerBeat != 0) {
-    throw UserError(file,
-                    fmt::format("has {} columns; a multiple of {} is needed", image.columns, spec::kPixelsPerBeat));
-  }
-  if (image.columns > engine.max_columns()) {
-    throw UserError(file, fmt::format("has {} columns; at most {} are taken", image.columns, engine.max_columns()));
-  }
-  if (image.rows > engine.max_rows()) {
-    throw UserError(file, fmt::format("has {} rows; at most {} are taken", image.rows, engine.max_rows()));
-  }
-}
 
 // What can be seen without reading the images.
 void check_files(const Options& options) {
@@ -128,15 +104,13 @@ void run(const Options& options) {
       const std::string& file = options.images[i];
       const Image image = read_image(file, channel);
       if (i == 0) {
-        check_size(file, image, *engine);
+        check_frame_size(file, image, engine->max_rows(), engine->max_columns());
         settings.rows = image.rows;
         settings.columns = image.columns;
         codes.create(image.rows, image.columns, CV_16UC1);
         engine->start(settings, options.median);
-      } else if (image.rows != settings.rows || image.columns != settings.columns) {
-        throw UserError(file, fmt::format("is {}, but {} is {}; all images must have one size",
-                                          size_text(image.rows, image.columns), options.images.front(),
-                                          size_text(settings.rows, settings.columns)));
+      } else {
+        check_same_size(file, image, options.images.front(), settings.rows, settings.columns);
       }
       if (engine->take(image.view(), static_cast<int>(i % cycle), codes.ptr<std::uint16_t>())) {
         cv::Mat measurable(codes.size(), CV_8UC1);
@@ -167,9 +141,6 @@ void add_decode_command(CLI::App& app) {
       "decode",
       "Gray codes of image files: positive and negative of plane 0 (the most significant bit), of plane 1, ...");
   const auto options = std::make_shared<Options>();
-  std::vector<std::string> channels;
-  std::transform(std::begin(kChannels), std::end(kChannels), std::back_inserter(channels),
-                 [](Channel channel) { return to_string(channel); });
   command->add_option("--engine", options->engine, "What decodes them: the board's RTL, the HLS kernel, the model")
       ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
       ->capture_default_str();
@@ -182,7 +153,8 @@ void add_decode_command(CLI::App& app) {
       ->type_name("T")
       ->capture_default_str();
   command->add_flag("--median", options->median, "3 x 3 median of the measurable codes");
-  command->add_option("--channel", options->channel, "What to take of colour images")->check(CLI::IsMember(channels));
+  command->add_option("--channel", options->channel, "What to take of colour images")
+      ->check(CLI::IsMember(channel_names()));
   command
       ->add_option("--out", options->out,
                    "Folder for code_KKKK.png (16 bits, 0 where not measurable) and measurable_KKKK.png (0 or 255), "

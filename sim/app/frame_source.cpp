@@ -11,8 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/frame_options.h"
 #include "host/io/user_error.h"
-#include "sim/app/frame_options.h"
+#include "model/spec/generated/selfproj_spec.h"
 
 namespace selfproj {
 
@@ -44,7 +45,7 @@ RecordedFrames::RecordedFrames(std::vector<std::string> files, std::optional<Cha
     check_image_file(file);
   }
   first_ = read_image(files_.front(), channel_);
-  check_frame_size(files_.front(), first_);
+  check_frame_size(files_.front(), first_, spec::kMaxRows, spec::kMaxColumns);
 }
 
 const Image* RecordedFrames::next() {

@@ -11,12 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_file.h"
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
 #include "model/column_moments.h"
-#include "sim/app/frame_options.h"
+#include "model/spec/generated/selfproj_spec.h"
 #include "sim/app/moments_csv.h"
 #include "sim/engine/moments_engine.h"
 
@@ -60,8 +61,7 @@ void run(const Options& options) {
     check_image_file(file);
   }
   const std::unique_ptr<MomentsEngine> engine = make_engine(options.engine);
-  const std::optional<Channel> channel =
-      options.channel.empty() ? std::nullopt : std::optional(channel_of(options.channel));
+  const std::optional<Channel> channel = channel_of(options.channel);
   const std::size_t total = options.images.size();
 
   MomentsSettings settings{0, 0, mode_of(options.mode), options.threshold};
@@ -75,7 +75,7 @@ void run(const Options& options) {
       const std::string& file = options.images[i];
       const Image& image = images.emplace_back(read_image(file, channel));
       if (i == 0) {
-        check_frame_size(file, image);
+        check_frame_size(file, image, spec::kMaxRows, spec::kMaxColumns);
         settings.rows = image.rows;
         settings.columns = image.columns;
         batch = batch_size(image);

@@ -1,10 +1,11 @@
-#include "sim/app/frame_options.h"
+#include "host/io/frame_options.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -16,8 +17,6 @@
 namespace selfproj {
 namespace {
 
-const std::array<std::pair<const char*, Mode>, 3> kModes{
-    {{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}};
 constexpr std::array<Channel, 4> kChannels{Channel::red, Channel::green, Channel::blue, Channel::grey};
 
 }  // namespace
@@ -39,7 +38,9 @@ Mode mode_of(const std::string& name) {
 }
 
 std::string mode_name(Mode mode) {
-  return std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) { return entry.second == mode; })->first;
+  const auto* const found =
+      std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) { return entry.second == mode; });
+  return found == kModes.end() ? "unknown" : found->first;
 }
 
 std::vector<std::string> channel_names() {
@@ -49,7 +50,10 @@ std::vector<std::string> channel_names() {
   return names;
 }
 
-Channel channel_of(const std::string& name) {
+std::optional<Channel> channel_of(const std::string& name) {
+  if (name.empty()) {
+    return std::nullopt;
+  }
   const auto* const found =
       std::find_if(kChannels.begin(), kChannels.end(), [&](Channel channel) { return to_string(channel) == name; });
   if (found == kChannels.end()) {
@@ -60,16 +64,16 @@ Channel channel_of(const std::string& name) {
 
 std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
 
-void check_frame_size(const std::string& file, const Image& image) {
+void check_frame_size(const std::string& file, const Image& image, int max_rows, int max_columns) {
   if (image.columns % spec::kPixelsPerBeat != 0) {
     throw UserError(file,
                     fmt::format("has {} columns; a multiple of {} is needed", image.columns, spec::kPixelsPerBeat));
   }
-  if (image.columns > spec::kMaxColumns) {
-    throw UserError(file, fmt::format("has {} columns; at most {} are taken", image.columns, spec::kMaxColumns));
+  if (image.columns > max_columns) {
+    throw UserError(file, fmt::format("has {} columns; at most {} are taken", image.columns, max_columns));
   }
-  if (image.rows > spec::kMaxRows) {
-    throw UserError(file, fmt::format("has {} rows; at most {} are taken", image.rows, spec::kMaxRows));
+  if (image.rows > max_rows) {
+    throw UserError(file, fmt::format("has {} rows; at most {} are taken", image.rows, max_rows));
   }
 }
 

@@ -1,0 +1,42 @@
+// What the commands that take frames have in common: names of modes and channels, sizes of images.
+#ifndef SELFPROJ_HOST_IO_FRAME_OPTIONS_H
+#define SELFPROJ_HOST_IO_FRAME_OPTIONS_H
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/image_files.h"
+#include "model/column_moments.h"
+
+namespace selfproj {
+
+// The modes, as options and rigs spell them.
+inline constexpr std::array<std::pair<const char*, Mode>, 3> kModes{
+    {{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}};
+std::vector<std::string> mode_names();
+
+// The mode of one of these names; throws std::invalid_argument for any other. The name of a mode; "unknown" where it is
+// none of the three.
+Mode mode_of(const std::string& name);
+std::string mode_name(Mode mode);
+
+// Names of the channels: red, green, blue, grey; and the channel of one of them, none for the empty name. Throws
+// std::invalid_argument for any other.
+std::vector<std::string> channel_names();
+std::optional<Channel> channel_of(const std::string& name);
+
+// "512 x 96": columns x rows.
+std::string size_text(int rows, int columns);
+
+// Throws UserError naming the file where a circuit of these maxima takes no image of this size.
+void check_frame_size(const std::string& file, const Image& image, int max_rows, int max_columns);
+
+// Throws UserError naming the file where it has another size than the first one.
+void check_same_size(const std::string& file, const Image& image, const std::string& first, int rows, int columns);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_IO_FRAME_OPTIONS_H
