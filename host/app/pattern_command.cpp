@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include <system_error>
 #include <vector>
 
+#include "host/gray/gray_sequence.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
@@ -48,28 +48,6 @@ struct Options {
   std::optional<Channel> channel;
 };
 
-// The images of a folder in the order of their names; what begins with a dot is none.
-std::vector<std::string> images_in(const std::string& folder) {
-  std::error_code error;
-  if (!fs::is_directory(folder, error)) {
-    throw UserError(folder, fs::exists(folder, error) ? "is not a folder" : "there is no such folder");
-  }
-  std::vector<std::string> files;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (!entry->path().filename().string().starts_with('.')) {
-      files.push_back(entry->path().string());
-    }
-  }
-  if (error) {
-    throw UserError(folder, error.message());
-  }
-  if (files.empty()) {
-    throw UserError(folder, "has no images");
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 // Hands over the images one after another, each of the camera's size.
 void for_each_image(const Rig& rig, const std::vector<std::string>& files, std::optional<Channel> channel,
                     const std::function<void(std::size_t index, const Image& image)>& take) {
@@ -86,7 +64,7 @@ void for_each_image(const Rig& rig, const std::vector<std::string>& files, std::
 }
 
 ReferenceProfile scanned(const Rig& rig, const Options& options) {
-  const std::vector<std::string> files = images_in(options.scan);
+  const std::vector<std::string> files = files_of_folder(options.scan);
   const std::vector<int> lines = sweep_lines(rig, options.every);
   if (files.size() != lines.size()) {
     throw UserError(options.scan, fmt::format("has {} images; a sweep by {} of this rig has {}, of the lines {}..{}",
@@ -100,7 +78,7 @@ ReferenceProfile scanned(const Rig& rig, const Options& options) {
 
 ReferenceProfile with_residual_out(const Rig& rig, const Options& options, const ReferenceProfile& reference) {
   CentroidMean mean(rig);
-  for_each_image(rig, images_in(options.residual), options.channel,
+  for_each_image(rig, files_of_folder(options.residual), options.channel,
                  [&](std::size_t, const Image& image) { mean.add(image.view()); });
   return without_residual(rig, reference, mean.centroids());
 }
@@ -189,6 +167,49 @@ void run(const Options& options) {
   }
 }
 
+struct GrayOptions {
+  std::string projector;
+  std::string rig;
+  std::string out;
+};
+
+void make_gray(const GrayOptions& options) {
+  if (options.projector.empty() == options.rig.empty()) {
+    throw UserError("--projector, --rig", "one of them is needed, and not both");
+  }
+  FrameSize size;
+  if (options.rig.empty()) {
+    size = size_of_text("--projector", options.projector, GraySequence::kMaxSide);
+  } else {
+    const RigProjector projector = load_rig(options.rig).projector;
+    size = {projector.lines, projector.columns};
+  }
+  const GraySequence sequence(size.columns, size.rows);
+  OutputFolder folder(options.out);
+  Progress progress("pattern", static_cast<std::size_t>(sequence.count()));
+  const int digits = sequence.count() > 100 ? 3 : 2;
+  for (int i = 0; i < sequence.count(); ++i) {
+    folder.append(fmt::format("pattern_{:0{}}.png", i, digits),
+                  encode_png({sequence.rows(), sequence.columns(), sequence.image(i)}));
+    progress.update(static_cast<std::size_t>(i) + 1);
+  }
+  folder.commit();
+  fmt::print("{}: {} patterns of {}: {} bits for columns, {} for rows, white, black\n", options.out, sequence.count(),
+             options.projector.empty() ? size_text(size.rows, size.columns) : options.projector, sequence.column_bits(),
+             sequence.row_bits());
+}
+
+CLI::App* add_gray(CLI::App& pattern) {
+  CLI::App* command = pattern.add_subcommand(
+      "gray", "The Gray-code patterns of both axes, positive and negative in turn, then white and black");
+  const auto options = std::make_shared<GrayOptions>();
+  command->add_option("--projector", options->projector, "Columns and rows of the projector")->type_name("WxH");
+  command->add_option("--rig", options->rig, "Instead, a built-in rig or a YAML file; its lines are the rows");
+  command->add_option("--out", options->out, "Folder for pattern_00.png ...")->type_name("DIR")->required();
+  command->callback([options] { make_gray(*options); });
+  return command;
+}
+
 }  // namespace
 
 void add_pattern_command(CLI::App& app) {
@@ -196,7 +217,7 @@ void add_pattern_command(CLI::App& app) {
       "pattern", "Make the pattern whose line a reference part straightens, from the part's shape or from a scan");
   auto options = std::make_shared<Options>();
   command->add_option("--rig", options->rig, "a built-in rig or a YAML file (light-section)");
-  command->add_option("--out", options->out, "folder for the results, written whole or not at all")->required();
+  command->add_option("--out", options->out, "folder for the results, written whole or not at all");
   auto* source = command->add_option_group("what from", "one of");
   auto* reference = source->add_option(
       "--reference", options->reference,
@@ -205,7 +226,7 @@ void add_pattern_command(CLI::App& app) {
                                   "folder of the images seen under the patterns of --sweep, in the order of names");
   auto* line = source->add_option("--line", options->line, "only a straight line at this projector line (from 0)");
   auto* sweep = source->add_flag("--sweep", options->sweep, "only the straight lines to scan a part with");
-  source->require_option(1);
+  source->require_option(0, 1);
   command
       ->add_option("--residual", options->residual,
                    "folder of images of the part under its own pattern: takes each column's residual out")
@@ -223,8 +244,20 @@ void add_pattern_command(CLI::App& app) {
   }
   command->add_option("--channel", options->channel, "what to take of colour images: red, green, blue or grey")
       ->transform(CLI::CheckedTransformer(channels));
-  static_cast<void>(scan);
-  command->callback([options] { run(*options); });
+  const CLI::App* gray = add_gray(*command);
+  // What is required where no subcommand is: CLI11 would ask for it beside a subcommand too.
+  command->callback([=] {
+    if (gray->parsed()) {
+      return;
+    }
+    if (options->out.empty()) {
+      throw UserError("--out", "is required");
+    }
+    if (reference->empty() && scan->empty() && line->empty() && sweep->empty()) {
+      throw UserError("--reference, --scan, --line, --sweep", "one of them is needed, or the subcommand gray");
+    }
+    run(*options);
+  });
 }
 
 }  // namespace selfproj

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <iterator>
 #include <optional>
 #include <stdexcept>
@@ -63,6 +64,17 @@ std::optional<Channel> channel_of(const std::string& name) {
 }
 
 std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
+
+FrameSize size_of_text(const std::string& option, const std::string& text, int max_side) {
+  FrameSize size;
+  char more = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &size.columns, &size.rows, &more) != 2 || size.columns < 1 ||
+      size.columns > max_side || size.rows < 1 || size.rows > max_side) {
+    throw UserError(
+        option, fmt::format("is '{}'; a size such as 1024x768 is expected, columns and rows 1 to {}", text, max_side));
+  }
+  return size;
+}
 
 void check_frame_size(const std::string& file, const Image& image, int max_rows, int max_columns) {
   if (image.columns % spec::kPixelsPerBeat != 0) {

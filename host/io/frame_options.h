@@ -31,6 +31,14 @@ std::optional<Channel> channel_of(const std::string& name);
 // "512 x 96": columns x rows.
 std::string size_text(int rows, int columns);
 
+struct FrameSize {
+  int rows = 0;
+  int columns = 0;
+};
+
+// The size of such a text, both sides 1..max_side. Throws UserError about `option` otherwise.
+FrameSize size_of_text(const std::string& option, const std::string& text, int max_side);
+
 // Throws UserError naming the file where a circuit of these maxima takes no image of this size.
 void check_frame_size(const std::string& file, const Image& image, int max_rows, int max_columns);
 

@@ -1,5 +1,6 @@
 #include "host/io/image_files.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -117,6 +119,38 @@ Image read_image(const std::string& file, std::optional<Channel> channel) {
     result.pixels.insert(result.pixels.end(), pixels, pixels + plane.cols);
   }
   return result;
+}
+
+std::vector<std::string> files_of_folder(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw UserError(folder, fs::exists(folder, error) ? "is not a folder" : "there is no such folder");
+  }
+  std::vector<std::string> files;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (!entry->path().filename().string().starts_with('.')) {
+      files.push_back(entry->path().string());
+    }
+  }
+  if (error) {
+    throw UserError(folder, error.message());
+  }
+  if (files.empty()) {
+    throw UserError(folder, "has no images");
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string encode_png(const Image& image) {
+  cv::Mat mat(image.rows, image.columns, CV_8UC1);
+  std::vector<std::uint8_t> bytes;
+  std::copy(image.pixels.begin(), image.pixels.end(), mat.begin<std::uint8_t>());
+  if (image.pixels.empty() || !cv::imencode(".png", mat, bytes)) {
+    throw std::invalid_argument("an image of this size cannot be written as PNG");
+  }
+  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace selfproj

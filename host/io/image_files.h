@@ -37,6 +37,13 @@ void check_image_file(const std::string& file);
 // channel and image do not go together.
 Image read_image(const std::string& file, std::optional<Channel> channel);
 
+// The files of a folder in the order of their names; what begins with a dot is none of them. Throws UserError where the
+// folder cannot be read or has none.
+std::vector<std::string> files_of_folder(const std::string& folder);
+
+// The bytes of a PNG file. Throws std::invalid_argument where the image has no pixels or is too large.
+std::string encode_png(const Image& image);
+
 }  // namespace selfproj
 
 #endif  // SELFPROJ_HOST_IO_IMAGE_FILES_H

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -63,6 +64,27 @@ TEST(PatternCommand, StraightLineAndSweep) {
   ASSERT_EQ(pattern(folder, {"--sweep", "--every", "64", "--out", "sweep"}).status, 0);
   EXPECT_TRUE(std::filesystem::exists(folder / "sweep" / "line_00064.png"));
   expect_refused(folder, pattern(folder, {"--line", "512", "--out", "out"}), "--line: is 512");
+}
+
+TEST(PatternCommand, GraySequence) {
+  const ScratchFolder folder;
+  const Outcome outcome = pattern(folder, {"gray", "--projector", "5x3", "--out", "gray"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "gray: 12 patterns of 5x3: 3 bits for columns, 2 for rows, white, black\n");
+  const Image second = read_image((folder / "gray" / "pattern_01.png").string(), {});  // bit 2 of 0..4, inverse
+  EXPECT_EQ(second.pixels,
+            (std::vector<std::uint8_t>{255, 255, 255, 255, 0, 255, 255, 255, 255, 0, 255, 255, 255, 255, 0}));
+  const Image rows = read_image((folder / "gray" / "pattern_08.png").string(), {});  // bit 0 of 0, 1, 3
+  EXPECT_EQ(rows.pixels, (std::vector<std::uint8_t>{0, 0, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255}));
+  EXPECT_TRUE(std::filesystem::exists(folder / "gray" / "pattern_11.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "gray" / "pattern_12.png"));
+  // The rig's lines are the rows.
+  ASSERT_EQ(pattern(folder, {"gray", "--rig", "light-section", "--out", "rig"}).status, 0);
+  EXPECT_EQ(read_image((folder / "rig" / "pattern_37.png").string(), {}).rows, 512);
+  expect_refused(folder, pattern(folder, {"gray", "--projector", "5x", "--out", "out"}), "--projector: is '5x'");
+  expect_refused(folder, pattern(folder, {"gray", "--projector", "0x5", "--out", "out"}), "--projector: is '0x5'");
+  expect_refused(folder, pattern(folder, {"gray", "--out", "out"}), "--projector, --rig: one of them is needed");
+  expect_refused(folder, pattern(folder, {"gray", "--projector", "4x4"}), "--out");
 }
 
 TEST(PatternCommand, WrongInputIsOneLine) {
