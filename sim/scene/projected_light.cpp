@@ -115,14 +115,27 @@ double ProjectedLight::at(PixelPoint p) const {
          fr * ((1 - fc) * static_cast<double>(below[0]) + fc * static_cast<double>(below[1]));
 }
 
-bool ProjectedLight::is_dark(double line_0, double line_1, double column_0, double column_1) const {
+MinMaxPyramid::Range ProjectedLight::range(double line_0, double line_1, double column_0, double column_1) const {
+  const double last_row = light_.rows - 1.0;
+  const double last_column = light_.columns - 1.0;
   const double r0 = std::max(0.0, std::floor(line_0 + margin_));
-  const double r1 = std::min(light_.rows - 1.0, std::ceil(line_1 + margin_));
+  const double r1 = std::min(last_row, std::ceil(line_1 + margin_));
   const double c0 = std::max(0.0, std::floor(column_0 + margin_));
-  const double c1 = std::min(light_.columns - 1.0, std::ceil(column_1 + margin_));
-  return r0 > r1 || c0 > c1 ||
-         ranges_.range(static_cast<int>(r0), static_cast<int>(r1), static_cast<int>(c0), static_cast<int>(c1)).high <=
-             0;
+  const double c1 = std::min(last_column, std::ceil(column_1 + margin_));
+  if (r0 > r1 || c0 > c1) {
+    return {0, 0};
+  }
+  MinMaxPyramid::Range found =
+      ranges_.range(static_cast<int>(r0), static_cast<int>(r1), static_cast<int>(c0), static_cast<int>(c1));
+  if (line_0 + margin_ < 0 || line_1 + margin_ > last_row || column_0 + margin_ < 0 ||
+      column_1 + margin_ > last_column) {
+    found.low = std::min(found.low, 0.0F);  // beyond the pattern
+  }
+  return found;
+}
+
+bool ProjectedLight::is_dark(double line_0, double line_1, double column_0, double column_1) const {
+  return range(line_0, line_1, column_0, column_1).high <= 0;
 }
 
 double ProjectedLight::line_centre(double column) const {

@@ -21,6 +21,27 @@ class ProjectedLight {
   // The light at a place of the pattern: linear between the centres of the blurred pixels, 0 beyond the pattern.
   [[nodiscard]] double at(PixelPoint p) const;
 
+  // The same in 32-bit floats, for many places.
+  [[nodiscard]] float quick_at(float line, float column) const {
+    const float r = line + static_cast<float>(margin_);
+    const float c = column + static_cast<float>(margin_);
+    if (!(r > 0 && c > 0 && r < static_cast<float>(light_.rows - 1) && c < static_cast<float>(light_.columns - 1))) {
+      return 0;
+    }
+    const int r0 = static_cast<int>(r);
+    const int c0 = static_cast<int>(c);
+    const float fr = r - static_cast<float>(r0);
+    const float fc = c - static_cast<float>(c0);
+    const float* above = light_.row(r0) + c0;
+    const float* below = above + light_.columns;
+    const float left = above[0] + fr * (below[0] - above[0]);
+    const float right = above[1] + fr * (below[1] - above[1]);
+    return left + fc * (right - left);
+  }
+
+  // Bounds of the light in the rectangle.
+  [[nodiscard]] MinMaxPyramid::Range range(double line_0, double line_1, double column_0, double column_1) const;
+
   // Whether no place in the rectangle is lit.
   [[nodiscard]] bool is_dark(double line_0, double line_1, double column_0, double column_1) const;
 

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,34 +22,11 @@ namespace selfproj {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLift = 1e-3;       // mm off the surface, where its shadow is looked for
-constexpr double kSlopeStep = 5e-3;  // mm to both sides, for the surface's slope
-constexpr double kEverywhere = 1e6;  // mm
 constexpr float kGreyMaximum = 255;  // of an 8-bit image
 
 const FloatImage& checked(const FloatImage& pattern, const RigProjector& projector) {
   check_pattern(pattern, projector);
   return pattern;
-}
-
-int margin_of(double blur) { return blur > 0 ? static_cast<int>(std::ceil(4 * blur)) : 0; }
-
-// The share of a sub-pixel's light that falls on a pixel: the pixel's square and the lens's Gaussian, folded.
-std::vector<float> pixel_kernel(int margin, int sub, double sigma) {
-  const auto below = [&](double d) {  // share of the Gaussian below d
-    return sigma > 0 ? 0.5 * std::erfc(-d / (sigma * std::numbers::sqrt2)) : static_cast<double>(d > 0);
-  };
-  std::vector<double> weights;
-  double sum = 0;
-  for (int k = 0; k < (2 * margin + 1) * sub; ++k) {
-    const double d = (k + 0.5) / sub - margin - 0.5;  // from the pixel's centre
-    weights.push_back(below(d + 0.5) - below(d - 0.5));
-    sum += weights.back();
-  }
-  std::vector<float> kernel(weights.size());
-  std::transform(weights.begin(), weights.end(), kernel.begin(),
-                 [sum](double weight) { return static_cast<float>(weight / sum); });
-  return kernel;
 }
 
 }  // namespace
@@ -81,44 +57,21 @@ Renderer::Renderer(const Rig& rig, const Scene& scene, const FloatImage& pattern
       options_(options),
       camera_(Pinhole::of_camera(rig.camera)),
       projector_(Pinhole::of_projector(rig.projector)),
+      surface_(rig, scene, options.falloff),
       light_(checked(pattern, rig.projector), options.projector_blur ? rig.imaging.projector_blur_px : 0),
-      margin_(margin_of(options.camera_blur ? rig.imaging.camera_blur_px : 0)),
-      kernel_(pixel_kernel(margin_, kSub, options.camera_blur ? rig.imaging.camera_blur_px : 0)) {}
+      margin_(lens_margin(options.camera_blur ? rig.imaging.camera_blur_px : 0)),
+      kernel_(lens_kernel(options.camera_blur ? rig.imaging.camera_blur_px : 0)) {}
 
 void Renderer::set_pattern(const FloatImage& pattern) {
   light_ =
       ProjectedLight(checked(pattern, rig_.projector), options_.projector_blur ? rig_.imaging.projector_blur_px : 0);
 }
 
-HeightRange Renderer::all_heights(double t0, double t1) const {
-  return scene_.range({-kEverywhere, kEverywhere, -kEverywhere, kEverywhere}, t0, t1);
-}
-
 double Renderer::true_height(int frame, double x, double y) const { return scene_.height(x, y, time_of(frame)); }
 
-// The bounds of the heights that the rays through a block of pixels can meet: the block's footprint between two heights
-// gives bounds of the surface in it, which give a smaller footprint, and so on.
 HeightRange Renderer::block_heights(const Light& light, int row, int column) const {
-  const Point3 first = camera_.ray({row - 0.5, column - 0.5});
-  const Point3 last = camera_.ray({row + kBlock - 0.5, column + kBlock - 0.5});
-  const double t0 = light.middle - light.exposure / 2;
-  const double t1 = light.middle + light.exposure / 2;
-  HeightRange heights = light.heights;
-  constexpr int kTries = 8;
-  constexpr double kWorthwhile = 0.9;
-  for (int i = 0; i < kTries; ++i) {
-    const double near = rig_.plane_z_mm - heights.high;
-    const double far = rig_.plane_z_mm - heights.low;
-    const HeightRange found = scene_.range({first.x * (first.x < 0 ? far : near), last.x * (last.x > 0 ? far : near),
-                                            first.y * (first.y < 0 ? far : near), last.y * (last.y > 0 ? far : near)},
-                                           t0, t1);
-    const double before = heights.high - heights.low;
-    heights = {std::max(heights.low, found.low), std::min(heights.high, found.high)};
-    if (heights.high - heights.low > kWorthwhile * before) {
-      break;
-    }
-  }
-  return heights;
+  return surface_.heights_between({row - 0.5, column - 0.5}, {row + kBlock - 0.5, column + kBlock - 0.5},
+                                  light.middle - light.exposure / 2, light.middle + light.exposure / 2, light.heights);
 }
 
 // Whether no light falls on what the rays through a block of pixels meet between these heights. What they pass is
@@ -147,53 +100,10 @@ bool Renderer::is_dark(int row, int column, HeightRange heights) const {
   return light_.is_dark(line_0, line_1, column_0, column_1);
 }
 
-Renderer::Hit Renderer::hit(PixelPoint pixel, double t, HeightRange heights) const {
-  const Point3 ray = camera_.ray(pixel);  // of depth 1
-  const double z = rig_.plane_z_mm;
-  const bool level = heights.high - heights.low <= kHeightTolerance;
-  const double h =
-      level ? heights.low : first_hit(scene_, {ray.x * z, -ray.x, ray.y * z, -ray.y}, t, heights.low, heights.high);
-  return {(z - h) * ray, h, level};
-}
-
-// The cosine of the incidence of the projector's light, with falloff where that is wanted; 0 in the shadow. `highest`:
-// bound of all heights.
-double Renderer::lit_share(const Hit& hit, double t, double highest) const {
-  const Point3 p = hit.point;
-  const auto slope = [&](double dx, double dy) {
-    return (scene_.height(p.x + dx, p.y + dy, t) - scene_.height(p.x - dx, p.y - dy, t)) / (2 * kSlopeStep);
-  };
-  // towards the camera, which is −z
-  const Point3 up = hit.level ? Point3{0, 0, -1} : Point3{-slope(kSlopeStep, 0), -slope(0, kSlopeStep), -1};
-  const Point3 normal = 1 / std::sqrt(dot(up, up)) * up;
-  const Point3 to_projector = projector_.centre() - p;
-  const double distance_2 = dot(to_projector, to_projector);
-  const double cosine = dot(normal, to_projector) / std::sqrt(distance_2);
-  if (!(cosine > 0)) {
-    return 0;
-  }
-  const Point3 start = p + kLift * normal;
-  const double low = rig_.plane_z_mm - start.z;
-  const double top = rig_.plane_z_mm - projector_.centre().z;  // the projector's height
-  const double high = std::min(highest, top);
-  if (low < high) {
-    const double dx = (projector_.centre().x - start.x) / (top - low);
-    const double dy = (projector_.centre().y - start.y) / (top - low);
-    if (is_blocked(scene_, {start.x - dx * low, dx, start.y - dy * low, dy}, t, low, high)) {
-      return 0;
-    }
-  }
-  if (!options_.falloff) {
-    return cosine;
-  }
-  const Point3 whole = Point3{0, 0, rig_.plane_z_mm} - projector_.centre();
-  return cosine * dot(whole, whole) / distance_2;
-}
-
 // The grey value that the projector's light gives a surface point.
 double Renderer::grey(const Hit& hit, double t, double highest) const {
   const double light = projector_.depth(hit.point) > 0 ? light_.at(projector_.project(hit.point)) : 0;
-  return light > 0 ? (rig_.imaging.white - rig_.imaging.ambient) * light * lit_share(hit, t, highest) *
+  return light > 0 ? (rig_.imaging.white - rig_.imaging.ambient) * light * surface_.lit_share(hit, t, highest) *
                          scene_.albedo(hit.point.x, hit.point.y, t)
                    : 0;
 }
@@ -210,7 +120,8 @@ void Renderer::sample_block(const Light& light, int row, int column, HeightRange
         if (i % kSub == 0 && j % kSub == 0) {
           const int pixel_row = row + i / kSub;
           const int pixel_column = column + j / kSub;
-          const Hit h = hit({static_cast<double>(pixel_row), static_cast<double>(pixel_column)}, light.middle, heights);
+          const Hit h =
+              surface_.hit({static_cast<double>(pixel_row), static_cast<double>(pixel_column)}, light.middle, heights);
           to[i * kSide + j] = static_cast<float>(ambient * scene_.albedo(h.point.x, h.point.y, light.middle));
         } else {
           to[i * kSide + j] = to[(i - i % kSub) * kSide + j - j % kSub];
@@ -226,7 +137,7 @@ void Renderer::sample_block(const Light& light, int row, int column, HeightRange
       for (int pass = 0; pass < light.passes; ++pass) {
         const int instant = (i + j) % kSub * light.passes + pass;
         const double t = light.middle + light.exposure * ((instant + 0.5) / (kSub * light.passes) - 0.5);
-        const Hit h = hit(pixel, t, heights);
+        const Hit h = surface_.hit(pixel, t, heights);
         sum += grey(h, t, light.heights.high);
         if (ambient > 0) {
           sum += ambient * scene_.albedo(h.point.x, h.point.y, t);
@@ -243,7 +154,7 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
   const int rows = rig_.camera.rows;
   const int columns = rig_.camera.columns;
   Light light{time_of(frame), options_.motion_blur ? rig_.camera.exposure_s : 0, 1, {}};
-  light.heights = all_heights(light.middle - light.exposure / 2, light.middle + light.exposure / 2);
+  light.heights = surface_.all_heights(light.middle - light.exposure / 2, light.middle + light.exposure / 2);
   const double way = scene_.speed() * light.exposure;  // in pixels of the nearest surface:
   const double way_px =
       way * rig_.camera.focal_length_mm / rig_.camera.pixel_pitch_mm / (rig_.plane_z_mm - light.heights.high);
@@ -309,15 +220,15 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
 
 // Shot noise has the variance of the electrons' number, that is, of Poisson's distribution for the light above the dark
 // value, taken as normal.
-void Renderer::add_noise(int frame, std::span<float> pixels) const {
-  if (!options_.shot_noise && !options_.read_noise) {
+void add_noise(const RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels) {
+  if (!options.shot_noise && !options.read_noise) {
     return;
   }
-  NormalNoise noise(static_cast<std::uint64_t>(rig_.imaging.seed), static_cast<std::uint64_t>(frame));
-  const double shot = options_.shot_noise ? 1 / rig_.imaging.electrons_per_grey : 0;
-  const double read = options_.read_noise ? rig_.imaging.read_noise * rig_.imaging.read_noise : 0;
+  NormalNoise noise(static_cast<std::uint64_t>(imaging.seed), static_cast<std::uint64_t>(frame));
+  const double shot = options.shot_noise ? 1 / imaging.electrons_per_grey : 0;
+  const double read = options.read_noise ? imaging.read_noise * imaging.read_noise : 0;
   const auto with = [&](float value, float random) {
-    const double variance = read + shot * std::max(0.0, static_cast<double>(value) - rig_.imaging.dark);
+    const double variance = read + shot * std::max(0.0, static_cast<double>(value) - imaging.dark);
     return value + random * static_cast<float>(std::sqrt(variance));
   };
   for (std::size_t i = 0; i < pixels.size(); i += 2) {
@@ -329,30 +240,38 @@ void Renderer::add_noise(int frame, std::span<float> pixels) const {
   }
 }
 
+void quantize(std::span<float> pixels) {
+  std::transform(pixels.begin(), pixels.end(), pixels.begin(),
+                 [](float value) { return std::clamp(std::nearbyint(value), 0.0F, kGreyMaximum); });
+}
+
+void quantize(std::span<const float> from, std::span<std::uint8_t> to) {
+  std::transform(from.begin(), from.end(), to.begin(), [](float value) {
+    return static_cast<std::uint8_t>(std::clamp(std::nearbyint(value), 0.0F, kGreyMaximum));
+  });
+}
+
 void Renderer::render(int frame, std::span<float> pixels) const {
   expose(frame, pixels);
-  add_noise(frame, pixels);
+  add_noise(rig_.imaging, options_, frame, pixels);
   if (options_.quantization) {
-    std::transform(pixels.begin(), pixels.end(), pixels.begin(),
-                   [](float value) { return std::clamp(std::nearbyint(value), 0.0F, kGreyMaximum); });
+    quantize(pixels);
   }
 }
 
 void Renderer::render(int frame, std::span<std::uint8_t> pixels) const {
   std::vector<float> values(pixels.size());
   render(frame, values);
-  std::transform(values.begin(), values.end(), pixels.begin(), [](float value) {
-    return static_cast<std::uint8_t>(std::clamp(std::nearbyint(value), 0.0F, kGreyMaximum));
-  });
+  quantize(values, pixels);
 }
 
 void Renderer::truth(int frame, std::span<float> heights) const {
   const double t = time_of(frame);
-  const HeightRange all = all_heights(t, t);
+  const HeightRange all = surface_.all_heights(t, t);
   for (int column = 0; column < rig_.camera.columns; ++column) {
     // how far, in projector lines, what a row sees is from the light sheet
     const auto miss = [&](double row) {
-      const Hit h = hit({row, column + 0.0}, t, all);
+      const Hit h = surface_.hit({row, column + 0.0}, t, all);
       if (projector_.depth(h.point) <= 0) {
         return kNan;
       }
@@ -373,8 +292,8 @@ void Renderer::truth(int frame, std::span<float> heights) const {
           ((miss(middle) < 0) == (above < 0) ? low : high) = middle;
         }
         constexpr double kThere = 0.01;  // a jump of the surface across the sheet is no crossing
-        const Hit h = hit({low, column + 0.0}, t, all);
-        if (std::abs(miss(low)) < kThere && lit_share(h, t, all.high) > 0) {
+        const Hit h = surface_.hit({low, column + 0.0}, t, all);
+        if (std::abs(miss(low)) < kThere && surface_.lit_share(h, t, all.high) > 0) {
           ++seen;
           height = h.height;
         }

@@ -9,9 +9,10 @@
 
 #include "host/io/float_image.h"
 #include "host/io/rig.h"
+#include "sim/scene/lens_kernel.h"
+#include "sim/scene/lit_surface.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
-#include "sim/scene/ray.h"
 #include "sim/scene/scene.h"
 
 namespace selfproj {
@@ -26,6 +27,14 @@ struct RenderOptions {
   bool motion_blur = true;  // false: all light comes at the middle of the exposure
   bool falloff = false;  // light falls with the distance from the projector, squared; as stated on the plane, x = y = 0
 };
+
+// Adds the noise of RenderOptions to an image of grey values, which a frame of this number has with this rig's seed:
+// normal, of variance (grey - dark) / electrons_per_grey + read_noise^2. The same whoever made the image.
+void add_noise(const RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels);
+
+// Grey values to whole ones, bounded to 0..255.
+void quantize(std::span<float> pixels);
+void quantize(std::span<const float> from, std::span<std::uint8_t> to);
 
 // Throws UserError about `source` where the pattern has not the projector's size or a value that is not 0..1.
 void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source = "pattern");
@@ -60,34 +69,26 @@ class Renderer {
 
  private:
   // Sub-pixels along a side of a pixel.
-  static constexpr int kSub = 4;
+  static constexpr int kSub = kSubPixels;
   // Pixels along a side of the blocks that are looked at for light as a whole.
   static constexpr int kBlock = 4;
 
-  struct Hit {
-    Point3 point;
-    double height;
-    bool level;  // so is all of the surface around
-  };
-
+  using Hit = LitSurface::Hit;
   struct Light;  // of one frame, while it is rendered
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
-  [[nodiscard]] HeightRange all_heights(double t0, double t1) const;
   [[nodiscard]] HeightRange block_heights(const Light& light, int row, int column) const;
   [[nodiscard]] bool is_dark(int row, int column, HeightRange heights) const;
-  [[nodiscard]] Hit hit(PixelPoint pixel, double t, HeightRange heights) const;
-  [[nodiscard]] double lit_share(const Hit& hit, double t, double highest) const;
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
   void sample_block(const Light& light, int row, int column, HeightRange heights, bool dark, float* to) const;
   void expose(int frame, std::span<float> pixels) const;
-  void add_noise(int frame, std::span<float> pixels) const;
 
   Rig rig_;
   const Scene& scene_;
   RenderOptions options_;
   Pinhole camera_;
   Pinhole projector_;
+  LitSurface surface_;
   ProjectedLight light_;
   int margin_;                 // pixels around the image that the lens's blur draws from
   std::vector<float> kernel_;  // of pixel and lens, one weight a sub-pixel: (2 margin + 1) kSub

@@ -2,12 +2,14 @@
 #ifndef SELFPROJ_SIM_SCENE_SCENE_H
 #define SELFPROJ_SIM_SCENE_SCENE_H
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "host/io/float_image.h"
 #include "host/io/rig.h"
+#include "sim/scene/body.h"
 
 namespace selfproj {
 
@@ -50,6 +52,14 @@ class Scene {
 
   // No part of the surface moves faster than this, mm/s.
   [[nodiscard]] virtual double speed() const = 0;
+
+  // Bodies in front of the surface at the time t, which may hover and move: always as many, in the same order, at most
+  // kMostBodies. Only the renderer of whole patterns (pattern_renderer.h) shows them.
+  [[nodiscard]] virtual Bodies bodies(double /*t*/) const { return {}; }
+  static constexpr std::size_t kMostBodies = 32;
+
+  // No point of a body moves faster than this, mm/s.
+  [[nodiscard]] virtual double body_speed() const { return 0; }
 };
 
 // A part, given in its own coordinates, that lies on the conveyor, which moves along +x:

@@ -1,0 +1,102 @@
+#include "sim/scene/lit_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/scene/ray.h"
+
+namespace selfproj {
+namespace {
+
+constexpr double kSlopeStep = 5e-3;  // mm to both sides, for the surface's slope
+constexpr double kEverywhere = 1e6;  // mm
+
+}  // namespace
+
+LitSurface::LitSurface(const Rig& rig, const Scene& scene, bool falloff)
+    : scene_(scene),
+      plane_z_(rig.plane_z_mm),
+      falloff_(falloff),
+      camera_(Pinhole::of_camera(rig.camera)),
+      projector_(Pinhole::of_projector(rig.projector).centre()) {}
+
+HeightRange LitSurface::all_heights(double t0, double t1) const {
+  return scene_.range({-kEverywhere, kEverywhere, -kEverywhere, kEverywhere}, t0, t1);
+}
+
+// The footprint between two heights gives bounds of the surface in it, which give a smaller footprint, and so on.
+HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_pixel, double t0, double t1,
+                                        HeightRange all) const {
+  const Point3 first = camera_.ray(first_pixel);
+  const Point3 last = camera_.ray(last_pixel);
+  HeightRange heights = all;
+  constexpr int kTries = 8;
+  constexpr double kWorthwhile = 0.9;
+  for (int i = 0; i < kTries; ++i) {
+    const double near = plane_z_ - heights.high;
+    const double far = plane_z_ - heights.low;
+    const HeightRange found = scene_.range({first.x * (first.x < 0 ? far : near), last.x * (last.x > 0 ? far : near),
+                                            first.y * (first.y < 0 ? far : near), last.y * (last.y > 0 ? far : near)},
+                                           t0, t1);
+    const double before = heights.high - heights.low;
+    heights = {std::max(heights.low, found.low), std::min(heights.high, found.high)};
+    if (heights.high - heights.low > kWorthwhile * before) {
+      break;
+    }
+  }
+  return heights;
+}
+
+LitSurface::Hit LitSurface::hit(PixelPoint pixel, double t, HeightRange heights) const {
+  const Point3 ray = camera_.ray(pixel);  // of depth 1
+  const double z = plane_z_;
+  const bool level = heights.high - heights.low <= kHeightTolerance;
+  const double h =
+      level ? heights.low : first_hit(scene_, {ray.x * z, -ray.x, ray.y * z, -ray.y}, t, heights.low, heights.high);
+  return {(z - h) * ray, h, level};
+}
+
+Point3 LitSurface::normal(const Hit& hit, double t) const {
+  const Point3 p = hit.point;
+  const auto slope = [&](double dx, double dy) {
+    return (scene_.height(p.x + dx, p.y + dy, t) - scene_.height(p.x - dx, p.y - dy, t)) / (2 * kSlopeStep);
+  };
+  // towards the camera, which is −z
+  const Point3 up = hit.level ? Point3{0, 0, -1} : Point3{-slope(kSlopeStep, 0), -slope(0, kSlopeStep), -1};
+  return 1 / std::sqrt(dot(up, up)) * up;
+}
+
+double LitSurface::incidence(Point3 point, Point3 normal) const {
+  const Point3 to_projector = projector_ - point;
+  const double distance_2 = dot(to_projector, to_projector);
+  const double cosine = dot(normal, to_projector) / std::sqrt(distance_2);
+  if (!(cosine > 0)) {
+    return 0;
+  }
+  if (!falloff_) {
+    return cosine;
+  }
+  const Point3 whole = Point3{0, 0, plane_z_} - projector_;
+  return cosine * dot(whole, whole) / distance_2;
+}
+
+bool LitSurface::in_shadow(Point3 point, Point3 normal, double t, double highest) const {
+  const Point3 start = point + kShadowLift * normal;
+  const double low = plane_z_ - start.z;
+  const double top = plane_z_ - projector_.z;  // the projector's height
+  const double high = std::min(highest, top);
+  if (low >= high) {
+    return false;
+  }
+  const double dx = (projector_.x - start.x) / (top - low);
+  const double dy = (projector_.y - start.y) / (top - low);
+  return is_blocked(scene_, {start.x - dx * low, dx, start.y - dy * low, dy}, t, low, high);
+}
+
+double LitSurface::lit_share(const Hit& hit, double t, double highest) const {
+  const Point3 up = normal(hit, t);
+  const double share = incidence(hit.point, up);
+  return share > 0 && !in_shadow(hit.point, up, t, highest) ? share : 0;
+}
+
+}  // namespace selfproj
