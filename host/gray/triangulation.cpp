@@ -30,14 +30,19 @@ struct Common {
   float low, high;
 };
 
-// One pixel; NaN where not valid. Written without branches, for the vectorizer.
-[[gnu::always_inline]] inline float depth_of(std::uint16_t word, float at, float slope, float least, const Common& k) {
-  const float code = static_cast<float>(static_cast<int>(word & kCode)) + 0.5F;
+// One pixel; NaN where not valid, also where the code (C, with its half) is NaN. Written without branches, for the
+// vectorizer.
+[[gnu::always_inline]] inline float depth_of(float code, bool measurable, float at, float slope, float least,
+                                             const Common& k) {
   const float denominator = at - code * slope;
   const float z = k.origin_z + (code * k.e1 - k.e0) / denominator;
-  const bool measurable = (word & GrayDecoder::kMeasurable) != 0;
   const bool valid = measurable & (denominator > least) & (z > k.low) & (z < k.high);  // NOLINT: no branches
   return valid ? z : std::numeric_limits<float>::quiet_NaN();
+}
+
+[[gnu::always_inline]] inline float depth_of(std::uint16_t word, float at, float slope, float least, const Common& k) {
+  return depth_of(static_cast<float>(static_cast<int>(word & kCode)) + 0.5F, (word & GrayDecoder::kMeasurable) != 0, at,
+                  slope, least, k);
 }
 
 SELFPROJ_CLONES void depth_of_row(const std::uint16_t* __restrict codes, std::ptrdiff_t count, float at, float slope,
@@ -57,6 +62,16 @@ SELFPROJ_CLONES void depth_of_pixels(const std::uint16_t* __restrict codes, std:
   }
 }
 
+SELFPROJ_CLONES void depth_of_lines_of_row(const float* __restrict lines, std::ptrdiff_t count, float codes_per_line,
+                                           float at, float slope, float least, const Common& common,
+                                           float* __restrict z) {
+  const Common k = common;
+  const float half = 0.5F * codes_per_line;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    z[i] = depth_of(lines[i] * codes_per_line + half, true, at, slope, least, k);
+  }
+}
+
 cv::Vec3d row_of(const cv::Matx<double, 2, 4>& matrix, int row) {
   return {matrix(row, 0), matrix(row, 1), matrix(row, 2)};
 }
@@ -70,7 +85,7 @@ cv::Vec3d ray_of(const cv::Matx33d& inverse, double row, double column) {
 
 }  // namespace
 
-DepthMatrices depth_matrices(const Rig& rig, int bits) {
+DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines) {
   const RigCamera& camera = rig.camera;
   const RigProjector& projector = rig.projector;
   const double focal = camera.focal_length_mm / camera.pixel_pitch_mm;
@@ -83,11 +98,11 @@ DepthMatrices depth_matrices(const Rig& rig, int bits) {
   const double cosine = std::cos(projector.tilt_rad);
   const cv::Vec4d depth(-sine, 0, cosine, sine * projector.x_mm - cosine * projector.z_mm);
   const cv::Vec4d side(-cosine, 0, -sine, cosine * projector.x_mm + sine * projector.z_mm);
-  // C = (line + 1/2) 2^m / H, line = (H - 1)/2 + (Xp - center)/pitch.
-  const double codes_per_line = std::ldexp(1.0, bits) / projector.lines;
-  const cv::Vec4d code =
-      codes_per_line * ((0.5 * projector.lines - projector.center_xp_mm / projector.line_pitch_mm) * depth +
-                        (projector.focal_length_mm / projector.line_pitch_mm) * side);
+  // C = (line + 1/2) 2^m / H, line = (H - 1)/2 + (Xp - center)/pitch, counted from the first of the H.
+  const int lines = coded_lines > 0 ? coded_lines : projector.lines;
+  const double codes_per_line = std::ldexp(1.0, bits) / lines;
+  const cv::Vec4d code = codes_per_line * ((0.5 * lines - projector.center_xp_mm / projector.line_pitch_mm) * depth +
+                                           (projector.focal_length_mm / projector.line_pitch_mm) * side);
   return {camera_matrix, {code[0], code[1], code[2], code[3], depth[0], depth[1], depth[2], depth[3]}};
 }
 
@@ -118,6 +133,7 @@ PlaneTriangulation::PlaneTriangulation(int rows, int columns, int bits, const De
   center_ = -1.0 * (inverse * cv::Vec3d(matrices.camera(0, 3), matrices.camera(1, 3), matrices.camera(2, 3)));
   set_origin(center_);
   low_ = std::max(limits.min_z_mm, center_[2]);
+  codes_per_line_ = codes_per_line;
   coarse_ = codes_per_line / limits.max_z_per_line_mm;
 
   e0_ = row_of(projector_, 0).dot(center_) + projector_(0, 3);
@@ -148,14 +164,14 @@ PlaneTriangulation::PlaneTriangulation(int rows, int columns, int bits, const De
   }
 }
 
-PlaneTriangulation::PlaneTriangulation(const Rig& rig, int bits, DepthLimits limits)
+PlaneTriangulation::PlaneTriangulation(const Rig& rig, int bits, DepthLimits limits, int coded_lines)
     : PlaneTriangulation(
-          rig.camera.rows, rig.camera.columns, bits, depth_matrices(rig, bits),
+          rig.camera.rows, rig.camera.columns, bits, depth_matrices(rig, bits, coded_lines),
           [&] {
             limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
             return limits;
           }(),
-          std::ldexp(1.0, bits) / rig.projector.lines) {}
+          std::ldexp(1.0, bits) / (coded_lines > 0 ? coded_lines : rig.projector.lines)) {}
 
 // H_P = (e1 n0 - n1 e0) / (n0 - C n1): before the projector, both have one sign, which `sign_` makes positive.
 PlaneTriangulation::Terms PlaneTriangulation::terms(const cv::Vec3d& ray) const {
@@ -181,24 +197,45 @@ void PlaneTriangulation::depth(const std::uint16_t* codes, float* z) const {
   }
 }
 
+void PlaneTriangulation::depth_of_lines(int row, const float* lines, float* z) const {
+  const Common common{static_cast<float>(sign_ * e0_), static_cast<float>(sign_ * e1_), static_cast<float>(center_[2]),
+                      static_cast<float>(low_), static_cast<float>(high_)};
+  const auto per_line = static_cast<float>(codes_per_line_);
+  if (by_rows_) {
+    const auto r = static_cast<std::size_t>(row);
+    depth_of_lines_of_row(lines, columns(), per_line, at_[r], slope_[r], least_[r], common, z);
+    return;
+  }
+  const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns());
+  for (std::size_t c = 0; c < static_cast<std::size_t>(columns()); ++c) {
+    z[c] = depth_of((lines[c] + 0.5F) * per_line, true, at_[first + c], slope_[first + c], least_[first + c], common);
+  }
+}
+
+PointState PlaneTriangulation::explain_code(std::size_t pixel, double code, float z) const {
+  const std::size_t k = by_rows_ ? pixel / static_cast<std::size_t>(columns()) : pixel;
+  const double denominator = static_cast<double>(at_[k]) - code * static_cast<double>(slope_[k]);
+  const double way = sign_ * (code * e1_ - e0_) / denominator;
+  const bool out = center_[2] + way <= low_ || center_[2] + way >= high_;
+  if (!std::isnan(z)) {
+    return PointState::valid;
+  }
+  if (denominator <= 0 || way <= 0 || std::isinf(least_[k])) {
+    return PointState::no_intersection;
+  }
+  return denominator <= static_cast<double>(least_[k]) || !out ? PointState::too_coarse : PointState::out_of_range;
+}
+
+PointState PlaneTriangulation::explain_line(std::size_t pixel, float line, float z) const {
+  return std::isnan(line) ? PointState::no_line
+                          : explain_code(pixel, (static_cast<double>(line) + 0.5) * codes_per_line_, z);
+}
+
 void PlaneTriangulation::explain(const std::uint16_t* codes, const float* z, PointState* states) const {
   for (std::size_t i = 0; i < pixels(); ++i) {
-    const std::size_t k = by_rows_ ? i / static_cast<std::size_t>(columns()) : i;
-    const double code = (codes[i] & kCode) + 0.5;
-    const double denominator = static_cast<double>(at_[k]) - code * static_cast<double>(slope_[k]);
-    const double way = sign_ * (code * e1_ - e0_) / denominator;
-    const bool out = center_[2] + way <= low_ || center_[2] + way >= high_;
-    if (!std::isnan(z[i])) {
-      states[i] = PointState::valid;
-    } else if ((codes[i] & GrayDecoder::kMeasurable) == 0) {
-      states[i] = PointState::not_measurable;
-    } else if (denominator <= 0 || way <= 0 || std::isinf(least_[k])) {
-      states[i] = PointState::no_intersection;
-    } else if (denominator <= static_cast<double>(least_[k]) || !out) {
-      states[i] = PointState::too_coarse;
-    } else {
-      states[i] = PointState::out_of_range;
-    }
+    states[i] = std::isnan(z[i]) && (codes[i] & GrayDecoder::kMeasurable) == 0
+                    ? PointState::not_measurable
+                    : explain_code(i, (codes[i] & kCode) + 0.5, z[i]);
   }
 }
 

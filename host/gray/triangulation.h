@@ -45,9 +45,9 @@ struct DepthMatrices {
   cv::Matx<double, 2, 4> projector;  // T_P
 };
 
-// Those of a rig whose projector shows `bits` pairs coded along its lines, H lines to 2^bits codes: code centre
-// Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H - 1)/2) + center_xp.
-DepthMatrices depth_matrices(const Rig& rig, int bits);
+// Those of a rig whose projector shows `bits` pairs coded along its lines, its central H lines to 2^bits codes (all of
+// them where H is 0): code centre Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H - 1)/2) + center_xp.
+DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines = 0);
 
 struct Point3f {
   float x = 0;
@@ -114,11 +114,18 @@ class PlaneTriangulation : public Triangulation {
   PlaneTriangulation(int rows, int columns, int bits, const DepthMatrices& matrices, const DepthLimits& limits,
                      double codes_per_line = 1);
 
-  // The size of the rig's camera, and its max_z_per_line_mm in place of that of `limits`.
-  PlaneTriangulation(const Rig& rig, int bits, DepthLimits limits = {});
+  // The size of the rig's camera, and its max_z_per_line_mm in place of that of `limits`. `coded_lines` as above.
+  PlaneTriangulation(const Rig& rig, int bits, DepthLimits limits = {}, int coded_lines = 0);
 
   void depth(const std::uint16_t* codes, float* z) const override;
   void explain(const std::uint16_t* codes, const float* z, PointState* states) const override;
+
+  // Depths of the pixels of one row whose places on the projector are known, as lines of a rig's projector (from 0,
+  // with a fraction; NaN: none), all of whose lines are coded. Allocates nothing.
+  void depth_of_lines(int row, const float* lines, float* z) const;
+
+  // Why a pixel has the depth z of its line; no_line where it has none.
+  [[nodiscard]] PointState explain_line(std::size_t pixel, float line, float z) const;
 
  private:
   // Of a pixel, or of a row where it is the same for all its pixels (a camera without rotation about z against the
@@ -127,10 +134,12 @@ class PlaneTriangulation : public Triangulation {
     double at, slope, least;
   };
   [[nodiscard]] Terms terms(const cv::Vec3d& ray) const;
+  [[nodiscard]] PointState explain_code(std::size_t pixel, double code, float z) const;
 
   cv::Matx<double, 2, 4> projector_;
   cv::Vec3d center_;
-  double e0_ = 0, e1_ = 0;     // signed so that valid denominators are > 0
+  double e0_ = 0, e1_ = 0;  // signed so that valid denominators are > 0
+  double codes_per_line_ = 1;
   double coarse_ = 0;          // codes per line / limit
   double sign_ = 1;            // of e1 n0 - n1 e0 in the middle of the image
   double low_ = 0, high_ = 0;  // limits of z
