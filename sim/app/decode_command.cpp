@@ -43,6 +43,9 @@ std::unique_ptr<GrayEngine> make_engine(const std::string& name) {
   if (name == "model") {
     return make_gray_model_engine();
   }
+  if (name == "hls") {
+    return make_gray_hls_engine();
+  }
 #ifdef SELFPROJ_HAS_RTL_ENGINE
   if (name == "rtl") {
     return make_gray_rtl_engine();

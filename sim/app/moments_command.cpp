@@ -37,6 +37,9 @@ std::unique_ptr<MomentsEngine> make_engine(const std::string& name) {
   if (name == "model") {
     return make_model_engine();
   }
+  if (name == "hls") {
+    return make_hls_engine();
+  }
 #ifdef SELFPROJ_HAS_RTL_ENGINE
   if (name == "rtl") {
     return make_rtl_engine();

@@ -40,6 +40,10 @@ std::unique_ptr<GrayEngine> make_gray_model_engine();
 // The RTL, compiled by Verilator with memory for 4096 x 4095 pixels; only where SELFPROJ_HAS_RTL_ENGINE is defined.
 std::unique_ptr<GrayEngine> make_gray_rtl_engine();
 
+// The HLS kernel (hls/gray_decoder.h) for images of 4096 x 4095 pixels, with SystemC's integers; in the library
+// selfproj_sim_hls_engine.
+std::unique_ptr<GrayEngine> make_gray_hls_engine();
+
 }  // namespace selfproj
 
 #endif  // SELFPROJ_SIM_ENGINE_GRAY_ENGINE_H

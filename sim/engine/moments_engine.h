@@ -40,6 +40,9 @@ std::unique_ptr<MomentsEngine> make_model_engine();
 // The board's RTL, compiled by Verilator; only where SELFPROJ_HAS_RTL_ENGINE is defined.
 std::unique_ptr<MomentsEngine> make_rtl_engine();
 
+// The HLS kernel (hls/column_moments.h) with SystemC's integers; in the library selfproj_sim_hls_engine.
+std::unique_ptr<MomentsEngine> make_hls_engine();
+
 }  // namespace selfproj
 
 #endif  // SELFPROJ_SIM_ENGINE_MOMENTS_ENGINE_H

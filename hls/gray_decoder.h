@@ -1,0 +1,345 @@
+// Gray-code decoder, 4 pixels a step: what model/gray_decoder.h and model/median3x3.h specify, for HLS tools.
+//
+// Three layers, as in column_moments.h:
+//   pure functions     binarization, state and code of one pixel
+//   GraySequence, GrayDecoder   what a frame is; a beat of 4 pixels and their state in, 4 codes out
+//   GrayDecoderKernel  one step of the streams: video in, codes out, the median between; gray_decoder_top() is one of
+//   them
+#ifndef SELFPROJ_HLS_GRAY_DECODER_H
+#define SELFPROJ_HLS_GRAY_DECODER_H
+
+#include "hls/median3x3.h"
+#include "hls/types.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+namespace hls {
+
+constexpr int kMaxCodeBits = spec::kCodeCodeBits;
+
+using Plane = Uint<kMaxCodeBits>;  // a bit a plane: that of plane p of m in bit m-1-p
+using PlaneCount = Uint<4>;        // 0..kMaxCodeBits
+using PatternIndex = Uint<16>;
+// What is kept of a pixel, low bits first: the positive, 8 bits; the planes' bits; which of them are ambiguous.
+constexpr int kStateBits = spec::kPixelBits + 2 * kMaxCodeBits;
+using PixelState = Uint<kStateBits>;
+
+// --- Pure functions ---
+
+// The state of a pixel after a frame. In a negative the one bit of `weight` becomes
+//     B = (positive - pixel > threshold)  xor  the bit of `above`, that of the plane before (plane 0: none)
+//     (4.15, 4.17)
+// and ambiguous where the two differ by no more than the threshold. Bits outside `mask`, left of another m, become 0.
+inline PixelState next_state(GrayPixel pixel, PixelState state, GrayPixel threshold, bool negative, Plane weight,
+                             Plane above, Plane mask) {
+#pragma HLS inline
+  const GrayPixel positive = state;
+  const Plane planes = state >> spec::kPixelBits;
+  const Plane ambiguous = state >> (spec::kPixelBits + kMaxCodeBits);
+  const Uint<spec::kPixelBits + 1> lit_above = pixel + threshold;
+  const Uint<spec::kPixelBits + 1> dark_above = positive + threshold;
+  const bool lit = positive > lit_above;
+  const bool dark = pixel > dark_above;
+  const Plane before = planes & above;
+  Plane changed = 0;
+  Plane set_plane = 0;
+  Plane set_ambiguous = 0;
+  if (negative) {
+    changed = weight;
+    if (lit != (before != 0)) {
+      set_plane = weight;
+    }
+    if (!lit && !dark) {
+      set_ambiguous = weight;
+    }
+  }
+  const Plane kept = mask & ~changed;
+  const Plane next_planes = (planes & kept) | set_plane;
+  const Plane next_ambiguous = (ambiguous & kept) | set_ambiguous;
+  PixelState next = next_ambiguous;
+  next = (next << kMaxCodeBits) | next_planes;
+  next = (next << spec::kPixelBits) | pixel;
+  return next;
+}
+
+// The code word of a pixel: measurable where at most one plane is ambiguous (4.4, 4.16, 4.18).
+inline CodeWord code_word(PixelState state) {
+#pragma HLS inline
+  const Plane planes = state >> spec::kPixelBits;
+  const Plane ambiguous = state >> (spec::kPixelBits + kMaxCodeBits);
+  const Plane but_lowest = ambiguous & (ambiguous - 1);
+  CodeWord word = planes;
+  if (but_lowest == 0) {
+    word = word | (1 << spec::kCodeMeasurableLsb);
+  }
+  return word;
+}
+
+inline Plane weight_of_plane(PlaneCount bits, Uint<4> plane) {
+#pragma HLS inline
+  const Uint<4> place = bits - 1 - plane;
+  const Plane weight = 1 << static_cast<int>(place);
+  return weight;
+}
+
+// The m planes.
+inline Plane mask_of(PlaneCount bits) {
+#pragma HLS inline
+  const Uint<kMaxCodeBits + 1> all = (1 << static_cast<int>(bits)) - 1;
+  const Plane mask = all;
+  return mask;
+}
+
+// --- Classes with state ---
+
+// Which frames are the next ones, and what each is: the sequence rules of the model.
+class GraySequence {
+ public:
+  // Of the frame under way
+  bool taken = false;
+  bool negative = false;
+  bool due = false;  // its codes are to be sent
+  Plane weight = 0;
+  Plane above = 0;
+  Plane mask = 0;
+
+  void restart() {
+#pragma HLS inline
+    next_ = 0;
+    pairs_ = 0;
+  }
+
+  // Codes are due from the next frame, if it is the next one.
+  bool due_next(PlaneCount bits) const {
+#pragma HLS inline
+    return (next_ & 1) != 0 && pairs_ + 1 >= bits;
+  }
+
+  // A frame begins.
+  void start(PatternIndex pattern, PlaneCount bits) {
+#pragma HLS inline
+    const bool fresh = pattern != next_;
+    const Uint<5> index = pattern;
+    Uint<5> last = bits;
+    last = (last << 1) - 1;
+    if (fresh) {
+      pairs_ = 0;
+    }
+    taken = !fresh || pattern == 0;
+    negative = taken && (index & 1) != 0;
+    if (negative && pairs_ != bits) {
+      pairs_ = pairs_ + 1;
+    }
+    due = negative && pairs_ == bits;
+    next_ = 0;
+    if (taken && index != last) {
+      next_ = index + 1;
+    }
+    mask = mask_of(bits);
+    weight = weight_of_plane(bits, index >> 1);
+    above = (weight << 1) & mask;
+  }
+
+ private:
+  Uint<5> next_ = 0;   // index expected; 0 while waiting for plane 0
+  Uint<4> pairs_ = 0;  // in succession, up to m
+};
+
+// A beat, or none.
+struct GrayIn {
+  bool valid = false;
+  Uint<32> pixels = 0;  // leftmost in the low bits
+  bool start = false;   // of a frame; what follows counts only with it
+  bool line_end = false;
+  bool last_row = false;
+};
+
+// The pixels' state and their codes. Images up to kMaxColumns x kMaxRows.
+template <int kMaxColumns, int kMaxRows>
+class GrayDecoder {
+ public:
+  GrayDecoder(){
+// The states of a beat are one word: one read and one write a step.
+#pragma HLS aggregate variable = state_ compact = bit
+#pragma HLS bind_storage variable = state_ type = ram_s2p impl = uram
+  }
+
+  // A beat of the frame that `sequence` was told of. Frames begin at least kMemoryDistance steps after the last beat of
+  // one of fewer beats: GrayDecoderKernel sees to it.
+  CodesBeat step(const GrayIn& in, const GraySequence& sequence, GrayPixel threshold) {
+#pragma HLS inline
+// A word is read once a frame, at the earliest kMemoryDistance steps after it was written in the frame before.
+#pragma HLS dependence variable = state_ type = inter direction = RAW distance = 4 true
+    static_assert(kMemoryDistance == 4, "the distance in the pragma");
+    CodesBeat out;
+    if (in.valid) {
+      if (in.start) {
+        at_ = 0;
+      }
+      const Word stored = state_[static_cast<int>(at_)];
+      Word word;
+      for (int lane = kCodeLanes - 1; lane >= 0; --lane) {
+#pragma HLS unroll
+        const PixelState state = stored.pixels[lane];
+        const GrayPixel pixel = in.pixels >> (spec::kPixelBits * lane);
+        const PixelState next =
+            next_state(pixel, state, threshold, sequence.negative, sequence.weight, sequence.above, sequence.mask);
+        word.pixels[lane] = next.to_uint();
+        out.codes = (out.codes << spec::kCodeWordBits) | code_word(next);
+      }
+      if (sequence.taken) {
+        state_[static_cast<int>(at_)] = word;
+      }
+      out.valid = sequence.due;
+      out.start = in.start;
+      out.line_end = in.line_end;
+      out.last_row = in.last_row;
+      at_ = at_ + 1;
+    }
+    return out;
+  }
+
+ private:
+  static constexpr int kWords = kMaxColumns / kCodeLanes * kMaxRows;
+  static_assert(kStateBits == 32, "a state is stored in 32 bits");
+
+  // Plain words of 32 bits: a simulation of a large image would need six times the room for its integers.
+  struct Word {
+    std::uint32_t pixels[kCodeLanes];
+  };
+
+  Memory<Word, kWords> state_;
+  Uint<bits_for(kWords)> at_ = 0;
+};
+
+// --- Streams ---
+
+// What is set, taken over at each frame's start; a change of any but the median makes the decoder wait for plane 0.
+struct GraySetup {
+  Uint<13> columns = 0;  // a multiple of 4 from 4
+  Uint<12> rows = 0;     // from 1
+  PlaneCount bits = 1;   // m, 1..12
+  GrayPixel threshold = 0;
+  bool median = false;
+};
+
+// Video beats (tuser: start of frame, tlast: end of line) to codes, four a beat (tuser: start of a code image, tlast:
+// end of a line).
+//
+// Beats before a start are dropped. A line that ends too early or too late breaks its frame, as does a start within it;
+// then the decoder waits for plane 0, and a code image that had begun to leave is not finished.
+template <int kMaxColumns, int kMaxRows>
+class GrayDecoderKernel {
+ public:
+  // One clock; `pattern` is that of a frame that starts in it. True while more steps without input would give more
+  // output.
+  bool step(Stream<AxisBeat<32>>& video, const GraySetup& setup, PatternIndex pattern, Stream<AxisBeat<64>>& codes) {
+#pragma HLS inline
+    late_memory_step();
+    GrayIn in;
+    AxisBeat<32> beat;
+    bool broken = false;
+    if (may_read(setup) && video.read_nb(beat)) {
+      broken = place(beat, setup, pattern, in);
+    }
+    const CodesBeat raw = decoder_.step(in, sequence_, setup_.threshold);
+    const CodesBeat out = median_.step(raw, broken, setup_.median);
+    if (out.valid) {
+      codes.write(axis_beat<64>(out.codes, out.start, out.line_end));
+    }
+    count(raw);
+    return median_left_ != 0;
+  }
+
+ private:
+  // A small frame after a small frame must wait for the state to be written, and a frame with codes for the last line
+  // of the one before to leave the median. Between the two there is a positive, so that only frames of one or two lines
+  // wait.
+  bool may_read(const GraySetup& setup) const {
+#pragma HLS inline
+    return open_ || (since_ == 0 && (median_left_ == 0 || !sequence_.due_next(setup.bits)));
+  }
+
+  // Where the beat lies, and what its frame is; true where a frame with codes broke, the one before or its own.
+  bool place(const AxisBeat<32>& beat, const GraySetup& setup, PatternIndex pattern, GrayIn& in) {
+#pragma HLS inline
+    const bool line_end = beat.last != 0;
+    bool broken = false;
+    if (beat.user != 0) {
+      broken = open_ && sequence_.due;
+      if (open_ || setup.columns != setup_.columns || setup.rows != setup_.rows || setup.bits != setup_.bits ||
+          setup.threshold != setup_.threshold) {
+        sequence_.restart();
+      }
+      setup_ = setup;
+      sequence_.start(pattern, setup.bits);
+      open_ = true;
+      row_ = 1;
+      group_ = 1;
+      groups_ = setup.columns >> 2;
+      beats_ = 0;
+      in.start = true;
+    }
+    if (open_) {
+      in.valid = true;
+      in.pixels = beat.data.to_uint();
+      in.line_end = group_ == groups_;
+      in.last_row = row_ == setup_.rows;
+      if (line_end != in.line_end) {
+        in.valid = false;
+        broken = sequence_.due;
+        open_ = false;
+        sequence_.restart();
+      } else if (line_end) {
+        open_ = !in.last_row;
+        row_ = row_ + 1;
+        group_ = 1;
+      } else {
+        group_ = group_ + 1;
+      }
+      if (beats_ != kMemoryDistance) {
+        beats_ = beats_ + 1;
+      }
+      since_ = 0;
+      if (beats_ != kMemoryDistance) {
+        since_ = kMemoryDistance;
+      }
+    }
+    return broken;
+  }
+
+  void count(const CodesBeat& raw) {
+#pragma HLS inline
+    if (since_ != 0) {
+      since_ = since_ - 1;
+    }
+    if (raw.valid && raw.line_end && raw.last_row) {
+      median_left_ = groups_ + 1;
+    } else if (median_left_ != 0) {
+      median_left_ = median_left_ - 1;
+    }
+  }
+
+  GrayDecoder<kMaxColumns, kMaxRows> decoder_;
+  GraySequence sequence_;
+  Median3x3<kMaxColumns> median_;
+  GraySetup setup_;     // of the frame under way
+  bool open_ = false;   // a frame is under way
+  Uint<12> row_ = 1;    // of the next beat
+  Uint<11> group_ = 1;  // likewise, from 1
+  Uint<11> groups_ = 1;
+  Uint<3> beats_ = 0;         // of the frame, up to kMemoryDistance
+  Uint<3> since_ = 0;         // steps until what was read is written
+  Uint<11> median_left_ = 0;  // steps until the last code image is out
+};
+
+// The kernel as a tool takes it, for images up to 640 x 480: free-running, a clock a call. See gray_decoder.cpp.
+constexpr int kTopColumns = 640;
+constexpr int kTopRows = 480;
+void gray_decoder_top(Stream<AxisBeat<32>>& video, Uint<13> columns, Uint<12> rows, PlaneCount bits,
+                      GrayPixel threshold, Uint<1> median, PatternIndex pattern, Stream<AxisBeat<64>>& codes);
+
+}  // namespace hls
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HLS_GRAY_DECODER_H

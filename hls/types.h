@@ -1,0 +1,144 @@
+// The types that the kernels are written in: exact-width integers, streams, beats of AXI4-Stream, arrays.
+//
+// With SELFPROJ_HLS_VENDOR_TYPES they are those of the HLS tool (ap_int.h, hls_stream.h, and ap_axi_sdata.h where there
+// is one), whose folder has to be in the include path; without, SystemC's integers, which need no kernel, and a queue.
+// The kernels use what both have in common: every operation gives at least the bits of the exact result or is at once
+// put into a variable of the width that is meant. Nothing relies on the value of what was not assigned.
+#ifndef SELFPROJ_HLS_TYPES_H
+#define SELFPROJ_HLS_TYPES_H
+
+#include <cstdint>
+
+#ifdef SELFPROJ_HLS_VENDOR_TYPES
+#include <ap_int.h>
+#include <hls_stream.h>
+#if defined(__has_include)
+#if __has_include(<ap_axi_sdata.h>)
+#include <ap_axi_sdata.h>
+#define SELFPROJ_HLS_VENDOR_AXIS
+#endif
+#endif
+#else
+#include <sysc/datatypes/int/sc_biguint.h>
+#include <sysc/datatypes/int/sc_uint.h>
+
+#include <deque>
+#endif
+
+namespace selfproj {
+namespace hls {
+
+#ifdef SELFPROJ_HLS_VENDOR_TYPES
+
+template <int kBits>
+using Uint = ap_uint<kBits>;  // 1..64 bits
+template <int kBits>
+using WideUint = ap_uint<kBits>;  // any number of bits
+
+template <typename T>
+using Stream = ::hls::stream<T>;
+
+#else
+
+template <int kBits>
+using Uint = sc_dt::sc_uint<kBits>;
+template <int kBits>
+using WideUint = sc_dt::sc_biguint<kBits>;
+
+// As far as the kernels and their users need it, what hls::stream is to a C++ program: a queue without an end.
+template <typename T>
+class Stream {
+ public:
+  bool empty() const { return queue_.empty(); }
+  void write(const T& value) { queue_.push_back(value); }
+  // Takes the first value; false where there is none.
+  bool read_nb(T& value) {
+    if (queue_.empty()) {
+      return false;
+    }
+    value = queue_.front();
+    queue_.pop_front();
+    return true;
+  }
+
+ private:
+  std::deque<T> queue_;
+};
+
+#endif
+
+// The data of a beat.
+template <int kBits, bool kWide>
+struct AxisDataOf {
+  using Type = Uint<kBits>;
+};
+template <int kBits>
+struct AxisDataOf<kBits, true> {
+  using Type = WideUint<kBits>;
+};
+template <int kBits>
+using AxisData = typename AxisDataOf<kBits, (kBits > 64)>::Type;
+
+// A beat of AXI4-Stream with tuser (start of a frame) and tlast.
+#ifdef SELFPROJ_HLS_VENDOR_AXIS
+template <int kBits>
+using AxisBeat = ap_axiu<kBits, 1, 1, 1>;
+#else
+template <int kBits>
+struct AxisBeat {
+  AxisData<kBits> data;
+  Uint<kBits / 8> keep;
+  Uint<kBits / 8> strb;
+  Uint<1> user;
+  Uint<1> last;
+  Uint<1> id;
+  Uint<1> dest;
+};
+#endif
+
+// A beat all of whose bytes count.
+template <int kBits>
+AxisBeat<kBits> axis_beat(const AxisData<kBits>& data, bool user, bool last) {
+  AxisBeat<kBits> beat;
+  beat.data = data;
+  beat.keep = 0;
+  beat.keep = ~beat.keep;
+  beat.strb = beat.keep;
+  beat.user = user ? 1 : 0;
+  beat.last = last ? 1 : 0;
+  beat.id = 0;
+  beat.dest = 0;
+  return beat;
+}
+
+// Steps from a write to a memory of a kernel to the first read of the same word that needs to see it there. The kernels
+// tell the tool so (#pragma HLS dependence ... distance = 4) and go round the memory for what is newer.
+constexpr int kMemoryDistance = 4;
+
+// Bits that hold 0..largest.
+constexpr int bits_for(long long largest) {
+  int bits = 1;
+  for (int i = 1; i < 62; ++i) {
+    bits += (largest >> i) != 0 ? 1 : 0;
+  }
+  return bits;
+}
+
+}  // namespace hls
+}  // namespace selfproj
+
+// A memory of a kernel. For tools it is an array; with SELFPROJ_HLS_LATE_MEMORY (tests) one that puts kMemoryDistance
+// to the test.
+#ifdef SELFPROJ_HLS_LATE_MEMORY
+#include "hls/late_memory.h"
+#else
+namespace selfproj {
+namespace hls {
+template <typename T, int kWords>
+using Memory = T[kWords];
+inline void late_memory_step() {}
+}  // namespace hls
+}  // namespace selfproj
+#endif
+
+#endif  // SELFPROJ_HLS_TYPES_H

@@ -1,0 +1,191 @@
+// Random sequences of frames through the kernel of the Gray-code decoder, every code compared with the model.
+#ifndef SELFPROJ_TESTS_HLS_GRAY_KERNEL_BENCH_H
+#define SELFPROJ_TESTS_HLS_GRAY_KERNEL_BENCH_H
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "hls/gray_decoder.h"
+#include "model/gray_decoder.h"
+#include "model/median3x3.h"
+#include "tests/support/random_cases.h"
+#include "tests/support/reference_gray.h"
+
+namespace selfproj::test {
+
+class GrayKernelBench {
+ public:
+  using Video = hls::Stream<hls::AxisBeat<32>>;
+  using Codes = hls::Stream<hls::AxisBeat<64>>;
+  using Step = std::function<void(Video&, const hls::GraySetup&, hls::PatternIndex, Codes&)>;
+
+  explicit GrayKernelBench(Step step) : step_(std::move(step)), model_({.rows = 1, .columns = 4, .bits = 1}) {}
+
+  // A frame; in `gaps` per cent of the steps no beat. One that is not good breaks after some of its beats, in one of
+  // three ways.
+  void play(const GraySettings& settings, bool median, const GrayFrame& frame, int gaps, Random& random) {
+    model_.configure(settings);
+    setup_.columns = settings.columns;
+    setup_.rows = settings.rows;
+    setup_.bits = settings.bits;
+    setup_.threshold = settings.threshold;
+    setup_.median = median;
+    const int groups = settings.columns / 4;
+    const int all = groups * settings.rows;
+    // A frame whose end is missing breaks when the next one starts; so does the model's.
+    model_.end(!std::exchange(cut_, false));
+    const bool due = model_.begin(frame.pattern);
+    expect(settings, median, due, frame);
+    int beats = all;
+    bool swaps_last = false;
+    if (!frame.good) {
+      beats = random.between(1, all);
+      swaps_last = beats == all || random.chance(60);
+      cut_ = !swaps_last;
+    }
+    for (int i = 0; i < beats; ++i) {
+      while (random.chance(gaps)) {
+        step(frame.pattern);
+      }
+      std::uint32_t pixels = 0;
+      for (std::size_t k = 4; k-- > 0;) {
+        pixels = pixels << 8U | frame.pixels[4 * static_cast<std::size_t>(i) + k];
+      }
+      const bool last = (i % groups == groups - 1) != (swaps_last && i == beats - 1);
+      video_.write(hls::axis_beat<32>(pixels, i == 0, last));
+      do {  // pattern and settings count when the frame's start is read
+        step(frame.pattern);
+      } while (!video_.empty() && !::testing::Test::HasFatalFailure());
+    }
+    if (due && !frame.good) {
+      broken_ = images_;  // what has not left by now may be missing
+    }
+    if (!cut_) {
+      model_.end(frame.good);
+    }
+    if (swaps_last) {
+      drop_broken();
+      for (int i = random.between(0, 4); i > 0; --i) {  // beats outside any frame
+        video_.write(hls::axis_beat<32>(static_cast<std::uint32_t>(random.bits()), false, random.chance(30)));
+        step(0);
+      }
+    }
+  }
+
+  void idle(int steps) {
+    for (int i = 0; i < steps; ++i) {
+      step(0);
+    }
+  }
+
+  // Until all is out.
+  void finish(int columns) {
+    idle(columns / 4 + 8);
+    drop_broken();
+    EXPECT_TRUE(expected_.empty()) << expected_.size() << " beats did not come";
+  }
+
+  [[nodiscard]] std::uint64_t pixels() const { return 4 * matched_; }
+  [[nodiscard]] std::uint64_t steps() const { return steps_; }
+
+ private:
+  struct Beat {
+    std::uint64_t words;
+    bool start, line_end;
+    int image;
+  };
+
+  void expect(const GraySettings& settings, bool median, bool due, const GrayFrame& frame) {
+    std::vector<std::uint16_t> codes(frame.pixels.size());
+    for (int row = 0; row < settings.rows; ++row) {
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(row) * settings.columns;
+      model_.pixels(row, 0, settings.columns, frame.pixels.data() + at, codes.data() + at);
+    }
+    if (!due) {
+      return;
+    }
+    ++images_;
+    if (median) {
+      std::vector<std::uint16_t> filtered(codes.size());
+      median3x3(codes.data(), settings.rows, settings.columns, filtered.data());
+      codes = filtered;
+    }
+    const auto groups = static_cast<std::size_t>(settings.columns) / 4;
+    for (std::size_t i = 0; i < codes.size() / 4; ++i) {
+      std::uint64_t words = 0;
+      for (std::size_t k = 4; k-- > 0;) {
+        words = words << 16U | codes[4 * i + k];
+      }
+      expected_.push_back({words, i == 0, i % groups == groups - 1, images_});
+    }
+  }
+
+  void drop_broken() {
+    while (!expected_.empty() && expected_.front().image == broken_) {
+      expected_.pop_front();
+    }
+  }
+
+  void step(int pattern) {
+    step_(video_, setup_, pattern, codes_);
+    ++steps_;
+    hls::AxisBeat<64> beat;
+    while (codes_.read_nb(beat)) {
+      if (beat.user != 0) {
+        drop_broken();
+      }
+      ASSERT_FALSE(expected_.empty()) << "more codes than expected";
+      ASSERT_EQ(beat.data.to_uint64(), expected_.front().words);
+      ASSERT_EQ(beat.user != 0, expected_.front().start);
+      ASSERT_EQ(beat.last != 0, expected_.front().line_end);
+      expected_.pop_front();
+      ++matched_;
+    }
+  }
+
+  Step step_;
+  Video video_;
+  Codes codes_;
+  hls::GraySetup setup_;
+  GrayDecoder model_;
+  bool cut_ = false;
+  int images_ = 0;   // code images so far
+  int broken_ = -1;  // the last one that broke
+  std::deque<Beat> expected_;
+  std::uint64_t matched_ = 0;
+  std::uint64_t steps_ = 0;
+};
+
+// Several sequences with settings of their own: all m, differences about the threshold, frames that are missing, come
+// twice, have wrong indices or break; gaps.
+inline void play_gray_sequences(GrayKernelBench& bench, int sequences, int frames, Random& random) {
+  int columns = 4;
+  for (int i = 0; i < sequences && !::testing::Test::HasFatalFailure(); ++i) {
+    columns = 4 * random.between(1, random.chance(50) ? 3 : 16);
+    const GraySettings settings{.rows = random.between(1, random.chance(50) ? 2 : 16),
+                                .columns = columns,
+                                .bits = random.between(1, GrayDecoder::kMaxBits),
+                                .threshold = random.chance(20) ? random.between(0, 255) : random.between(0, 12)};
+    GraySequence sequence(settings, random);
+    const bool median = random.chance(60);
+    const int gaps = random.chance(60) ? 0 : random.between(1, 60);
+    for (int frame = 0; frame < frames && !::testing::Test::HasFatalFailure(); ++frame) {
+      bench.play(settings, median, sequence.next(), gaps, random);
+    }
+    if (random.chance(50)) {
+      bench.idle(random.between(1, 60));
+    }
+  }
+  bench.finish(columns);
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_HLS_GRAY_KERNEL_BENCH_H

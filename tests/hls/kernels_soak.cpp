@@ -1,0 +1,75 @@
+// Soak of the HLS kernels: random frames and sequences, every word compared with the model.
+//
+//     hls_soak [FRAMES [PIXELS [FIRST_SEED]]]      100,000 frames of moments and 10,000,000 decoded pixels from seed 1
+//     on
+//
+// Ends with two lines that say what was compared; exit status 1 at the first mismatch.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+
+#include "tests/hls/gray_kernel_bench.h"
+#include "tests/hls/moments_bench.h"
+
+namespace {
+
+std::uint64_t g_frames = 100'000;
+std::uint64_t g_pixels = 10'000'000;
+std::uint64_t g_seed = 1;
+
+}  // namespace
+
+namespace selfproj::test {
+namespace {
+
+TEST(HlsSoak, EveryMomentEqualsTheModel) {
+  constexpr std::uint64_t kFrames = 200;  // a seed
+  const auto kernel = std::make_shared<hls::ColumnMomentsKernel>();
+  std::uint64_t frames = 0;
+  std::uint64_t beats = 0;
+  for (std::uint64_t seed = g_seed; frames < g_frames; ++seed, frames += kFrames) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed << "; repeat with: 1 0 " << seed);
+    Random random(seed);
+    MomentsBench bench([&](auto& video, const auto& setup, auto& payload) { kernel->step(video, setup, payload); });
+    play_moments_frames(bench, kFrames, random);
+    ASSERT_FALSE(HasFailure());
+    beats += bench.matched();
+  }
+  std::printf("matched the payload of %llu frames, %llu beats of 16 bytes, 0 mismatches\n",
+              static_cast<unsigned long long>(frames), static_cast<unsigned long long>(beats));
+}
+
+TEST(HlsSoak, EveryCodeEqualsTheModel) {
+  std::uint64_t pixels = 0;
+  for (std::uint64_t seed = g_seed; pixels < g_pixels; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed << "; repeat with: 0 1 " << seed);
+    Random random(seed);
+    const auto kernel = std::make_shared<hls::GrayDecoderKernel<64, 16>>();
+    GrayKernelBench bench(
+        [&](auto& video, const auto& setup, auto pattern, auto& codes) { kernel->step(video, setup, pattern, codes); });
+    play_gray_sequences(bench, 10, 100, random);
+    ASSERT_FALSE(HasFailure());
+    pixels += bench.pixels();
+  }
+  std::printf("matched %llu decoded pixels, 0 mismatches\n", static_cast<unsigned long long>(pixels));
+}
+
+}  // namespace
+}  // namespace selfproj::test
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  if (argc > 1) {
+    g_frames = std::strtoull(argv[1], nullptr, 10);
+  }
+  if (argc > 2) {
+    g_pixels = std::strtoull(argv[2], nullptr, 10);
+  }
+  if (argc > 3) {
+    g_seed = std::strtoull(argv[3], nullptr, 10);
+  }
+  return RUN_ALL_TESTS();
+}

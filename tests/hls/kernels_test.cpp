@@ -1,0 +1,149 @@
+// The HLS kernels against the model. Built once with SystemC's integers, once with memories that show late what was
+// written, and once with the vendor's integers where there are any.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+#include "tests/hls/gray_kernel_bench.h"
+#include "tests/hls/moments_bench.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr Mode kModes[] = {Mode::binary, Mode::grey, Mode::grey_over};
+
+MomentsBench::Step moments_kernel() {
+  return [kernel = std::make_shared<hls::ColumnMomentsKernel>()](auto& video, const auto& setup, auto& payload) {
+    kernel->step(video, setup, payload);
+  };
+}
+
+MomentsBench::Step moments_top() {
+  return [](auto& video, const auto& setup, auto& payload) {
+    hls::column_moments_top(video, setup.columns, setup.rows, setup.mode, setup.threshold, payload);
+  };
+}
+
+GrayKernelBench::Step gray_kernel() {
+  return [kernel = std::make_shared<hls::GrayDecoderKernel<64, 16>>()](
+             auto& video, const auto& setup, auto pattern, auto& codes) { kernel->step(video, setup, pattern, codes); };
+}
+
+GrayKernelBench::Step gray_top() {
+  return [](auto& video, const auto& setup, auto pattern, auto& codes) {
+    hls::gray_decoder_top(video, setup.columns, setup.rows, setup.bits, setup.threshold, setup.median ? 1 : 0, pattern,
+                          codes);
+  };
+}
+
+TEST(HlsColumnMoments, RandomFrames) {
+  std::uint64_t matched = 0;
+  for (const std::uint64_t seed : seeds(200)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    // The top function's kernel lives on from case to case.
+    MomentsBench bench(random.chance(50) ? moments_kernel() : moments_top());
+    play_moments_frames(bench, 40, random);
+    ASSERT_FALSE(HasFailure());
+    matched += bench.matched();
+  }
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(matched, 20'000U) << "too little was compared";
+  }
+}
+
+// All small sizes, one frame right behind the other.
+TEST(HlsColumnMoments, SmallSizes) {
+  Random random(1);
+  for (const Mode mode : kModes) {
+    for (int columns = 4; columns <= 32; columns += 4) {
+      for (int rows = 1; rows <= 7; ++rows) {
+        SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
+        MomentsBench bench(moments_kernel());
+        for (int frame = 0; frame < 5; ++frame) {
+          bench.play(random_moments_frame(random, columns, rows, mode), 0, random);
+        }
+        bench.finish();
+        ASSERT_FALSE(HasFailure());
+      }
+    }
+  }
+}
+
+// Every sum at its largest value.
+TEST(HlsColumnMoments, LargestImage) {
+  Random random(1);
+  for (const Mode mode : kModes) {
+    MomentsBench bench(moments_kernel());
+    MomentsFrame frame = random_moments_frame(random, spec::kMaxColumns, spec::kMaxRows, mode);
+    frame.threshold = 0;
+    std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
+    bench.play(frame, 0, random);
+    bench.finish();
+    EXPECT_EQ(bench.matched(), (mode == Mode::binary ? 1U : 2U) * spec::kMaxColumns / 4);
+  }
+}
+
+// A beat every step, without a wait between frames of one size and two rows or more: in steps the promise of the RTL.
+TEST(HlsColumnMoments, TakesABeatEveryStep) {
+  Random random(1);
+  for (const Mode mode : kModes) {
+    for (const int columns : {4, 8, 12, 64, 512, 2048}) {
+      for (const int rows : {2, 3, 16}) {
+        SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
+        MomentsBench bench(moments_kernel());
+        for (int frame = 0; frame < 4; ++frame) {
+          bench.play(random_moments_frame(random, columns, rows, mode), 0, random);
+          ASSERT_TRUE(bench.all_read());
+        }
+        EXPECT_EQ(bench.steps(), static_cast<std::uint64_t>(4 * rows * columns / 4));
+        bench.finish();
+      }
+    }
+  }
+}
+
+TEST(HlsGrayDecoder, RandomSequences) {
+  std::uint64_t pixels = 0;
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    GrayKernelBench bench(random.chance(70) ? gray_kernel() : gray_top());
+    play_gray_sequences(bench, 6, 100, random);
+    ASSERT_FALSE(HasFailure());
+    pixels += bench.pixels();
+  }
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(pixels, 400'000U) << "too little was compared";
+  }
+}
+
+// A beat every step, codes of every pair, frames of three lines and more: in steps the promise of the RTL.
+TEST(HlsGrayDecoder, TakesABeatEveryStep) {
+  Random random(1);
+  for (const int bits : {1, 2, 7, 12}) {
+    for (const int columns : {4, 8, 64}) {
+      for (const bool median : {false, true}) {
+        const GraySettings settings{.rows = 4, .columns = columns, .bits = bits};
+        GrayKernelBench bench(gray_kernel());
+        for (int frame = 0; frame < 6 * bits; ++frame) {
+          bench.play(settings, median,
+                     {.pixels = random.bytes(static_cast<std::size_t>(4 * columns)), .pattern = frame % (2 * bits)}, 0,
+                     random);
+        }
+        EXPECT_EQ(bench.steps(), static_cast<std::uint64_t>(6 * bits * columns));
+        bench.finish(columns);
+        const auto pairs = static_cast<std::uint64_t>(2 * bits + 1);
+        EXPECT_EQ(bench.pixels(), pairs * 4 * static_cast<std::uint64_t>(columns));
+        ASSERT_FALSE(HasFailure());
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace selfproj::test

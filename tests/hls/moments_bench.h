@@ -1,0 +1,204 @@
+// Random frames through the kernel of the column moments, every beat of payload compared with the model.
+#ifndef SELFPROJ_TESTS_HLS_MOMENTS_BENCH_H
+#define SELFPROJ_TESTS_HLS_MOMENTS_BENCH_H
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "hls/column_moments.h"
+#include "model/column_moments.h"
+#include "model/packet.h"
+#include "sim/engine/hls_streams.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+
+struct MomentsFrame {
+  int columns = 4;
+  int rows = 1;
+  Mode mode = Mode::binary;
+  int threshold = 0;
+  std::vector<std::uint8_t> pixels;  // row by row
+};
+
+class MomentsBench {
+ public:
+  using Video = hls::Stream<hls::AxisBeat<32>>;
+  using Payload = hls::Stream<hls::AxisBeat<128>>;
+  // One step of what is tested.
+  using Step = std::function<void(Video&, const hls::MomentsSetup&, Payload&)>;
+
+  explicit MomentsBench(Step step) : step_(std::move(step)) {}
+
+  // How a frame ends.
+  enum class End {
+    whole,
+    early,  // its last beat has tlast where none should be
+    late,   // its last beat lacks tlast at a line's end
+    cut,    // nothing: the next one begins
+  };
+
+  // A frame of which the first `beats` come, in `gaps` per cent of the steps no beat. For End::late `beats` ends a
+  // line, for End::early it does not.
+  void play(const MomentsFrame& frame, int gaps, Random& random, End end = End::whole, int beats = -1) {
+    const int groups = frame.columns / 4;
+    const int all = groups * frame.rows;
+    beats = end == End::whole ? all : beats;
+    while (!video_.empty()) {  // the settings count when a frame's start is read
+      step();
+    }
+    setup_.columns = frame.columns;
+    setup_.rows = frame.rows;
+    setup_.mode = static_cast<unsigned>(frame.mode);
+    setup_.threshold = frame.threshold;
+    expect(frame, beats, end);
+    for (int i = 0; i < beats; ++i) {
+      while (random.chance(gaps)) {
+        step();
+      }
+      bool last = i % groups == groups - 1;
+      if (i == beats - 1 && (end == End::early || end == End::late)) {
+        last = !last;
+      }
+      video_.write(hls::axis_beat<32>(pixels_at(frame, i), i == 0, last));
+      step();
+    }
+  }
+
+  // Beats outside any frame.
+  void stray(int beats, Random& random) {
+    for (int i = 0; i < beats; ++i) {
+      video_.write(hls::axis_beat<32>(static_cast<std::uint32_t>(random.bits()), false, random.chance(30)));
+      step();
+    }
+  }
+
+  void finish() {
+    for (int i = 0; i < hls::kLanes * spec::kMaxColumns && (!video_.empty() || !expected_.empty()); ++i) {
+      step();
+    }
+    for (int i = 0; i < 10; ++i) {
+      step();
+    }
+    EXPECT_TRUE(expected_.empty()) << expected_.size() << " beats did not come";
+  }
+
+  [[nodiscard]] std::uint64_t steps() const { return steps_; }
+  [[nodiscard]] std::uint64_t matched() const { return matched_; }
+  [[nodiscard]] std::size_t waiting() const { return expected_.size(); }
+  [[nodiscard]] bool all_read() { return video_.empty(); }
+
+ private:
+  struct Beat {
+    std::vector<std::uint8_t> bytes;
+    bool first, last;
+  };
+
+  static std::uint32_t pixels_at(const MomentsFrame& frame, int beat) {
+    std::uint32_t pixels = 0;
+    for (std::size_t i = 4; i-- > 0;) {
+      pixels = pixels << 8U | frame.pixels[4 * static_cast<std::size_t>(beat) + i];
+    }
+    return pixels;
+  }
+
+  void expect(const MomentsFrame& frame, int beats, End end) {
+    Moments moments;
+    moments.resize(frame.columns);
+    column_moments({frame.pixels.data(), frame.rows, frame.columns, frame.columns}, frame.mode, frame.threshold,
+                   moments.view());
+    std::vector<std::uint8_t> payload(moments_payload_bytes(frame.mode, frame.columns));
+    pack_moments(frame.mode, frame.columns, moments.view(), payload.data());
+    const int of_last_row = std::max(0, beats - (frame.rows - 1) * frame.columns / 4);
+    const int words = of_last_row * (frame.mode == Mode::binary ? 1 : 2);
+    for (int i = 0; i < words; ++i) {
+      const auto from = payload.begin() + 16 * static_cast<std::ptrdiff_t>(i);
+      expected_.push_back({{from, from + 16}, i == 0, end == End::whole && i == words - 1});
+    }
+  }
+
+  void step() {
+    step_(video_, setup_, payload_);
+    ++steps_;
+    hls::AxisBeat<128> beat;
+    while (payload_.read_nb(beat)) {
+      ASSERT_FALSE(expected_.empty()) << "more payload than expected";
+      std::vector<std::uint8_t> bytes;
+      append_beat(beat, bytes);
+      ASSERT_EQ(bytes, expected_.front().bytes);
+      ASSERT_EQ(beat.user != 0, expected_.front().first);
+      ASSERT_EQ(beat.last != 0, expected_.front().last);
+      ASSERT_EQ(beat.keep.to_uint(), 0xFFFFU);
+      expected_.pop_front();
+      ++matched_;
+    }
+  }
+
+  Step step_;
+  Video video_;
+  Payload payload_;
+  hls::MomentsSetup setup_;
+  std::deque<Beat> expected_;
+  std::uint64_t steps_ = 0;
+  std::uint64_t matched_ = 0;
+};
+
+inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, Mode mode) {
+  MomentsFrame frame;
+  frame.columns = columns;
+  frame.rows = rows;
+  frame.mode = mode;
+  frame.threshold = random.chance(20) ? 0 : random.chance(10) ? 255 : random.between(0, 255);
+  frame.pixels = random.bytes(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  if (random.chance(15)) {  // all of one value, the extreme ones above all
+    std::fill(frame.pixels.begin(), frame.pixels.end(),
+              static_cast<std::uint8_t>(random.chance(70) ? 255 : random.between(0, 255)));
+  }
+  return frame;
+}
+
+// `frames` frames of changing size, mode and threshold; some break, with stray beats behind them; gaps anywhere.
+inline void play_moments_frames(MomentsBench& bench, int frames, Random& random) {
+  int columns = 4;
+  int rows = 1;
+  Mode mode = Mode::binary;
+  const int breaks = random.chance(50) ? 0 : random.between(1, 40);
+  const bool dense = random.chance(50);
+  for (int i = 0; i < frames && !::testing::Test::HasFatalFailure(); ++i) {
+    if (i == 0 || random.chance(30)) {
+      columns = 4 * random.between(1, random.chance(50) ? 3 : 16);
+      rows = random.between(1, random.chance(50) ? 2 : 9);
+      mode = static_cast<Mode>(random.between(0, 2));
+    }
+    const MomentsFrame frame = random_moments_frame(random, columns, rows, mode);
+    const int groups = columns / 4;
+    const int gaps = dense ? 0 : random.between(0, 60);
+    if (!random.chance(breaks)) {
+      bench.play(frame, gaps, random);
+      continue;
+    }
+    const int row = random.chance(60) ? rows : random.between(1, rows);
+    const int kind = random.between(0, 2);
+    if (kind == 0 && groups > 1) {
+      bench.play(frame, gaps, random, MomentsBench::End::early, (row - 1) * groups + random.between(1, groups - 1));
+      bench.stray(random.between(0, 5), random);
+    } else if (kind == 1) {
+      bench.play(frame, gaps, random, MomentsBench::End::late, row * groups);
+      bench.stray(random.between(0, 5), random);
+    } else if (rows * groups > 1) {
+      bench.play(frame, gaps, random, MomentsBench::End::cut,
+                 std::min((row - 1) * groups + random.between(1, groups), rows * groups - 1));
+    }
+  }
+  bench.finish();
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_HLS_MOMENTS_BENCH_H

@@ -1,0 +1,262 @@
+// The SystemC shells clock by clock: every output equal to that of the RTL beside it, with the same inputs, and, by the
+// benches of the RTL, to the model's.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "Vsp_column_moments_ports.h"
+#include "Vsp_gray_decoder_ports.h"
+#include "Vsp_median3x3_ports.h"
+#include "sim/shells/blocks.h"
+#include "tests/rtl/blocks/column_moments_bench.h"
+#include "tests/rtl/blocks/gray_bench.h"
+#include "tests/rtl/blocks/median3x3_bench.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+// All modules have to be there before the kernel first runs. They are used by one case after the other, each of which
+// begins with a reset, whatever the one before has left behind.
+struct Shells {
+  ColumnMomentsBlock moments{"moments"};
+  GrayDecoderBlock decoder{"decoder"};
+  Median3x3Block median{"median"};
+};
+
+Shells& shells() {
+  static Shells all;
+  return all;
+}
+
+template <typename To, typename From>
+void set(To& to, const From& from) {
+  if constexpr (std::is_integral_v<To>) {
+    to = static_cast<To>(from);
+  } else {
+    for (std::size_t i = 0; i < 4; ++i) {
+      to[i] = from[i];
+    }
+  }
+}
+
+// Clocks compared, and how many outputs differed.
+std::uint64_t g_clocks = 0;
+
+// To a bench the shell is a Verilated model; beside it runs the real one.
+template <typename Pins, typename Rtl, typename Derived>
+class Beside : public Pins {
+ public:
+  explicit Beside(VerilatedContext* context) : rtl_(context) {}
+  Beside(const Beside&) = delete;
+  Beside& operator=(const Beside&) = delete;
+  ~Beside() = default;
+
+  std::uint8_t clk_i = 0;
+
+  void eval() {
+    rtl_.clk_i = clk_i;
+    static_cast<Derived*>(this)->inputs(rtl_);
+    rtl_.eval();
+    if (clk_i != 0 && !high_) {
+      Derived::block().clock(*this);
+      known_ = known_ || this->rst_i != 0;
+      if (known_) {
+        ++g_clocks;
+        static_cast<Derived*>(this)->compare(rtl_);
+      }
+    }
+    high_ = clk_i != 0;
+  }
+  void final() { rtl_.final(); }
+
+ private:
+  Rtl rtl_;
+  bool high_ = false;
+  bool known_ = false;  // there was a reset
+};
+
+class Moments final : public Beside<ColumnMomentsPins, Vsp_column_moments, Moments> {
+ public:
+  using Beside::Beside;
+  static ColumnMomentsBlock& block() { return shells().moments; }
+  void inputs(Vsp_column_moments& rtl) const {
+    set(rtl.rst_i, rst_i);
+    set(rtl.beat_valid_i, beat_valid_i);
+    set(rtl.beat_pixels_i, beat_pixels_i);
+    set(rtl.beat_group_i, beat_group_i);
+    set(rtl.beat_row_i, beat_row_i);
+    set(rtl.beat_first_row_i, beat_first_row_i);
+    set(rtl.beat_last_row_i, beat_last_row_i);
+    set(rtl.beat_line_end_i, beat_line_end_i);
+    set(rtl.one_group_i, one_group_i);
+    set(rtl.two_groups_i, two_groups_i);
+    set(rtl.mode_i, mode_i);
+    set(rtl.threshold_i, threshold_i);
+    set(rtl.break_i, break_i);
+    set(rtl.accept_i, accept_i);
+  }
+  void compare(Vsp_column_moments& rtl) const {
+    EXPECT_EQ(moments_valid_o, rtl.moments_valid_o);
+    if (rtl.moments_valid_o != 0) {
+      EXPECT_EQ(word128(moments_data_o), word128(rtl.moments_data_o));
+    }
+    EXPECT_EQ(moments_break_o, rtl.moments_break_o);
+    EXPECT_EQ(spoiled_o, rtl.spoiled_o);
+  }
+};
+
+class Decoder final : public Beside<GrayDecoderPins, Vsp_gray_decoder, Decoder> {
+ public:
+  using Beside::Beside;
+  static GrayDecoderBlock& block() { return shells().decoder; }
+  void inputs(Vsp_gray_decoder& rtl) const {
+    set(rtl.rst_i, rst_i);
+    set(rtl.take_i, take_i);
+    set(rtl.decode_i, decode_i);
+    set(rtl.bits_i, bits_i);
+    set(rtl.threshold_i, threshold_i);
+    set(rtl.columns_i, columns_i);
+    set(rtl.rows_i, rows_i);
+    set(rtl.beat_valid_i, beat_valid_i);
+    set(rtl.beat_pixels_i, beat_pixels_i);
+    set(rtl.beat_line_start_i, beat_line_start_i);
+    set(rtl.beat_line_end_i, beat_line_end_i);
+    set(rtl.beat_last_row_i, beat_last_row_i);
+    set(rtl.frame_start_i, frame_start_i);
+    set(rtl.break_i, break_i);
+    set(rtl.break_status_i, break_status_i);
+    set(rtl.pattern_i, pattern_i);
+    set(rtl.mem_data_i, mem_data_i);
+    set(rtl.mem_late_i, mem_late_i);
+    set(rtl.busy_i, busy_i);
+  }
+  void compare(Vsp_gray_decoder& rtl) const {
+    EXPECT_EQ(mem_read_o, rtl.mem_read_o);
+    if (rtl.mem_read_o != 0) {
+      EXPECT_EQ(mem_read_first_o, rtl.mem_read_first_o);
+    }
+    EXPECT_EQ(mem_write_o, rtl.mem_write_o);
+    if (rtl.mem_write_o != 0) {
+      EXPECT_EQ(mem_write_first_o, rtl.mem_write_first_o);
+      EXPECT_EQ(word128(mem_data_o), word128(rtl.mem_data_o));
+    }
+    EXPECT_EQ(mem_end_o, rtl.mem_end_o);
+    EXPECT_EQ(codes_valid_o, rtl.codes_valid_o);
+    if (rtl.codes_valid_o != 0) {
+      EXPECT_EQ(codes_o, rtl.codes_o);
+      EXPECT_EQ(codes_start_o, rtl.codes_start_o);
+      EXPECT_EQ(codes_line_start_o, rtl.codes_line_start_o);
+      EXPECT_EQ(codes_line_end_o, rtl.codes_line_end_o);
+      EXPECT_EQ(codes_last_row_o, rtl.codes_last_row_o);
+    }
+    EXPECT_EQ(codes_break_o, rtl.codes_break_o);
+    if (rtl.codes_break_o != 0) {
+      EXPECT_EQ(codes_status_o, rtl.codes_status_o);
+    }
+    EXPECT_EQ(abandoned_o, rtl.abandoned_o);
+  }
+};
+
+class Median final : public Beside<Median3x3Pins, Vsp_median3x3, Median> {
+ public:
+  using Beside::Beside;
+  static Median3x3Block& block() { return shells().median; }
+  void inputs(Vsp_median3x3& rtl) const {
+    set(rtl.rst_i, rst_i);
+    set(rtl.s_valid_i, s_valid_i);
+    set(rtl.s_codes_i, s_codes_i);
+    set(rtl.s_start_i, s_start_i);
+    set(rtl.s_line_start_i, s_line_start_i);
+    set(rtl.s_line_end_i, s_line_end_i);
+    set(rtl.s_last_row_i, s_last_row_i);
+    set(rtl.s_break_i, s_break_i);
+    set(rtl.s_status_i, s_status_i);
+    set(rtl.s_median_i, s_median_i);
+  }
+  void compare(Vsp_median3x3& rtl) const {
+    EXPECT_EQ(busy_o, rtl.busy_o);
+    EXPECT_EQ(m_valid_o, rtl.m_valid_o);
+    if (rtl.m_valid_o != 0) {
+      EXPECT_EQ(m_codes_o, rtl.m_codes_o);
+      EXPECT_EQ(m_start_o, rtl.m_start_o);
+      EXPECT_EQ(m_line_start_o, rtl.m_line_start_o);
+      EXPECT_EQ(m_line_end_o, rtl.m_line_end_o);
+    }
+    EXPECT_EQ(m_break_o, rtl.m_break_o);
+    if (rtl.m_break_o != 0) {
+      EXPECT_EQ(m_status_o, rtl.m_status_o);
+    }
+  }
+};
+
+template <typename Dut>
+void list_ports(const Dut& /*dut*/, const Recorder& /*recorder*/) {}  // nothing is recorded of them
+
+void expect_clocks(std::uint64_t least) {
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(std::exchange(g_clocks, 0U), least) << "too little was compared";
+  }
+}
+
+TEST(ColumnMomentsShell, SmallSizes) {
+  moments::small_sizes<Moments>({Mode::binary, Mode::grey, Mode::grey_over});
+  expect_clocks(30'000);
+}
+
+TEST(ColumnMomentsShell, OriginalImage) {
+  moments::large_size<Moments>(512, 96, {Mode::binary, Mode::grey, Mode::grey_over});
+  expect_clocks(70'000);
+}
+
+// 255 in every pixel of the tallest image: every sum at its largest, one and two groups a line.
+TEST(ColumnMomentsShell, TallestImages) {
+  for (const int columns : {4, 8}) {
+    moments::large_size<Moments>(columns, 1023, {Mode::binary, Mode::grey, Mode::grey_over});
+  }
+  expect_clocks(15'000);
+}
+
+TEST(ColumnMomentsShell, RandomFrames) {
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    const std::vector<Mode> modes{Mode::binary, Mode::grey, Mode::grey_over};
+    Random one_size(seed);
+    moments::random_frames<Moments>(one_size, modes, 64, 9, false);
+    Random changing(seed);
+    moments::random_frames<Moments>(changing, modes, changing.chance(50) ? 64 : 400, 9, true);
+    ASSERT_FALSE(HasFailure());
+  }
+  expect_clocks(200'000);
+}
+
+TEST(GrayDecoderShell, RandomSequences) {
+  std::uint64_t pixels = 0;
+  for (const std::uint64_t seed : seeds(40)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    GrayBench<Decoder> bench(random);
+    bench.late_permille = random.chance(60) ? 0 : random.between(0, 10);
+    bench.busy_percent = random.chance(60) ? 0 : random.between(0, 10);
+    play_gray_frames(bench, {.frames = 250}, random);
+    ASSERT_FALSE(HasFailure());
+    pixels += bench.pixels();
+  }
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(pixels, 30'000U) << "too little was compared";
+  }
+  expect_clocks(100'000);
+}
+
+TEST(Median3x3Shell, RandomImagesGapsAndBreaks) {
+  median::random_images<Median>(40);
+  expect_clocks(10'000);
+}
+
+}  // namespace
+}  // namespace selfproj::test

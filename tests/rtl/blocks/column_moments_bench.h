@@ -1,0 +1,383 @@
+// Frames into the column moments as sp_frame_tracker gives them, accepted as sp_packetizer does, and every word
+// compared with the model, in the clock that the header of sp_column_moments states.
+#ifndef SELFPROJ_TESTS_RTL_BLOCKS_COLUMN_MOMENTS_BENCH_H
+#define SELFPROJ_TESTS_RTL_BLOCKS_COLUMN_MOMENTS_BENCH_H
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "model/column_moments.h"
+#include "model/packet.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test::moments {
+
+constexpr int kAcceptDelay = 4;     // from the first beat of the last row to accept_i
+constexpr int kBusyAfter = 7;       // sp_packetizer: from a packet's last payload beat to the next decision
+constexpr int kBinaryDelay = 8;     // from a beat to its word
+constexpr int kGreyFirstDelay = 5;  // from a beat to its drain read; and from there:
+constexpr int kDrainDelay = 8;      // to the first two columns of the group; the other two come a clock later
+constexpr int kBinaryBreakDelay = 7;
+
+struct Frame {
+  int columns = 4;
+  int rows = 1;
+  Mode mode = Mode::binary;
+  int threshold = 0;
+  std::vector<std::uint8_t> pixels;
+  int gaps = 0;        // percent of clocks without a beat
+  bool wanted = true;  // its packet is taken, where that can be
+  int stop_row = 0;    // the frame breaks after `stop_beats` beats of this row; 0: it does not break
+  int stop_beats = 0;
+  int break_after = 1;  // clocks from its last beat to break_i
+  // filled in by the bench
+  std::vector<std::uint8_t> words;
+  std::optional<bool> accepted;
+  int words_sent = 0;
+  std::int64_t last_drain = INT64_MIN / 2;
+  std::int64_t last_word = INT64_MIN / 2;
+};
+
+template <typename Dut>
+class Bench {
+ public:
+  explicit Bench(Random& random) : random_(random) {
+    moments_.valid_when("moments_data_o", [this] { return moments_->moments_valid_o != 0; });
+    moments_->beat_valid_i = 0;
+    moments_->break_i = 0;
+    moments_->accept_i = 0;
+    moments_.reset();
+  }
+
+  // Plays a frame; the next clock is the one after its last beat.
+  void play(Frame settings) {
+    auto frame = std::make_shared<Frame>(std::move(settings));
+    prepare(*frame);
+    const int groups = frame->columns / 4;
+    for (int row = 1; row <= frame->rows; ++row) {
+      for (int group = 0; group < groups; ++group) {
+        while (frame->gaps > 0 && random_.chance(frame->gaps)) {
+          clock();
+        }
+        const bool stops = row == frame->stop_row && group + 1 == frame->stop_beats;
+        beat(frame, row, group, stops);
+        if (::testing::Test::HasFatalFailure()) {
+          return;
+        }
+        if (stops) {
+          if (row == frame->rows) {
+            breaks_.push_back({moments_.clock() - 1 + frame->break_after, frame});
+          }
+          return;
+        }
+      }
+    }
+  }
+
+  void idle(int clocks) {
+    for (int i = 0; i < clocks && !::testing::Test::HasFatalFailure(); ++i) {
+      clock();
+    }
+  }
+
+  // Until everything expected has left.
+  void finish() {
+    while (!::testing::Test::HasFatalFailure() &&
+           (!expected_.empty() || !last_row_.empty() || !breaks_.empty() || !decisions_.empty())) {
+      clock();
+    }
+    idle(20);
+  }
+
+  // Waits until the next frame's packet can be taken, if its last row begins `ahead` clocks from now or later.
+  void wait_for_room(int ahead) {
+    while (!::testing::Test::HasFatalFailure() &&
+           (!decisions_.empty() || moments_.clock() + ahead + kAcceptDelay - 1 < idle_from_)) {
+      clock();
+    }
+  }
+
+  std::int64_t now() const { return moments_.clock(); }
+  bool frame_is_breaking() const { return !breaks_.empty(); }
+
+  int frames_accepted = 0;
+  int frames_spoiled = 0;
+  int frames_refused = 0;
+  int words_matched = 0;
+  std::int64_t last_beat_clock = 0;
+  std::int64_t last_word_clock = 0;
+
+ private:
+  struct Output {
+    std::optional<Word128> word;
+    bool ends_early = false;
+  };
+  struct LastRowBeat {
+    std::int64_t clock;
+    int group;
+    std::shared_ptr<Frame> frame;
+  };
+  struct Break {
+    std::int64_t clock;
+    std::shared_ptr<Frame> frame;
+  };
+
+  void prepare(Frame& frame) const {
+    Moments moments;
+    moments.resize(frame.columns);
+    const ImageView image = {frame.pixels.data(), frame.rows, frame.columns, frame.columns};
+    column_moments(image, frame.mode, frame.threshold, moments.view());
+    frame.words.resize(moments_payload_bytes(frame.mode, frame.columns));
+    pack_moments(frame.mode, frame.columns, moments.view(), frame.words.data());
+  }
+
+  static Word128 word_at(const Frame& frame, int index) {
+    Word128 word{};
+    for (std::size_t i = 0; i < 16; ++i) {
+      const auto at = 16 * static_cast<std::size_t>(index) + i;
+      // a payload of 8 columns and grey is whole beats; of 4 columns and binary, too
+      word[i / 4] |= static_cast<std::uint32_t>(frame.words[at]) << (8 * (i % 4));
+    }
+    return word;
+  }
+
+  void beat(const std::shared_ptr<Frame>& frame, int row, int group, bool broken) {
+    const int groups = frame->columns / 4;
+    const auto at = static_cast<std::size_t>(row - 1) * static_cast<std::size_t>(frame->columns) +
+                    static_cast<std::size_t>(4 * group);
+    std::uint32_t pixels = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      pixels |= static_cast<std::uint32_t>(frame->pixels[at + i]) << (8 * i);
+    }
+    moments_->beat_valid_i = 1;
+    moments_->beat_pixels_i = pixels;
+    moments_->beat_group_i = static_cast<std::remove_reference_t<decltype(moments_->beat_group_i)>>(group);
+    moments_->beat_row_i = static_cast<std::remove_reference_t<decltype(moments_->beat_row_i)>>(row);
+    moments_->beat_first_row_i = row == 1;
+    moments_->beat_last_row_i = row == frame->rows;
+    moments_->beat_line_end_i = !broken && group == groups - 1;
+    moments_->one_group_i = groups == 1;
+    moments_->two_groups_i = groups == 2;
+    moments_->mode_i = static_cast<CData>(frame->mode);
+    moments_->threshold_i = static_cast<CData>(frame->threshold);
+    if (row == frame->rows) {
+      if (group == 0) {
+        decisions_.push_back({moments_.clock() + kAcceptDelay - 1, frame});
+      }
+      last_row_.push_back({moments_.clock(), group, frame});
+      last_beat_clock = moments_.clock();
+    }
+    step();
+    moments_->beat_valid_i = 0;
+    moments_->beat_pixels_i = static_cast<std::uint32_t>(random_.bits());  // may be anything
+  }
+
+  void clock() { step(); }
+
+  void step() {
+    const std::int64_t now = moments_.clock();
+    SCOPED_TRACE(::testing::Message() << "clock " << now);
+    if (next_accept_) {
+      accept_ = *next_accept_;
+      next_accept_.reset();
+    }
+    moments_->accept_i = accept_;
+    moments_->break_i = 0;
+    for (const Break& b : breaks_) {
+      if (b.clock == now) {
+        moments_->break_i = 1;
+      }
+    }
+    moments_.settle();
+    // a beat of a last row, four clocks ago: its frame's fate is known
+    while (!last_row_.empty() && last_row_.front().clock + kAcceptDelay == now) {
+      const LastRowBeat beat = last_row_.front();
+      last_row_.erase(last_row_.begin());
+      if (*beat.frame->accepted) {
+        expect_words(*beat.frame, beat.clock, beat.group);
+      }
+    }
+    while (!breaks_.empty() && breaks_.front().clock + 3 == now) {
+      const Break b = breaks_.front();
+      breaks_.erase(breaks_.begin());
+      if (*b.frame->accepted) {
+        expect_break(*b.frame, b.clock);
+      }
+    }
+    while (!decisions_.empty() && decisions_.front().clock == now) {
+      Frame& frame = *decisions_.front().frame;
+      const bool spoiled = moments_->spoiled_o != 0;
+      frames_spoiled += spoiled ? 1 : 0;
+      frame.accepted = frame.wanted && now >= idle_from_ && !spoiled;
+      (*frame.accepted ? frames_accepted : frames_refused) += 1;
+      if (*frame.accepted) {
+        idle_from_ = INT64_MAX;
+      }
+      next_accept_ = frame.accepted;
+      decisions_.erase(decisions_.begin());
+    }
+    const auto found = expected_.find(now);
+    const Output output = found == expected_.end() ? Output{} : found->second;
+    ASSERT_EQ(moments_->moments_valid_o, output.word ? 1 : 0);
+    if (output.word) {
+      ASSERT_EQ(word128(moments_->moments_data_o), *output.word);
+      ++words_matched;
+      last_word_clock = now;
+    }
+    ASSERT_EQ(moments_->moments_break_o, output.ends_early ? 1 : 0);
+    if (found != expected_.end()) {
+      expected_.erase(found);
+    }
+    moments_.rise();
+  }
+
+  void expect_words(Frame& frame, std::int64_t clock, int group) {
+    if (frame.mode == Mode::binary) {
+      frame.last_word = clock + kBinaryDelay;
+      expected_[frame.last_word].word = word_at(frame, group);
+      ++frame.words_sent;
+    } else {
+      frame.last_drain = std::max(clock + kGreyFirstDelay, frame.last_drain + 2);
+      frame.last_word = frame.last_drain + kDrainDelay + 1;
+      expected_[frame.last_word - 1].word = word_at(frame, 2 * group);
+      expected_[frame.last_word].word = word_at(frame, 2 * group + 1);
+      frame.words_sent += 2;
+    }
+    if (frame.stop_row == 0 && frame.words_sent == static_cast<int>(frame.words.size() / 16)) {
+      idle_from_ = frame.last_word + kBusyAfter;
+    }
+  }
+
+  void expect_break(const Frame& frame, std::int64_t clock) {
+    const std::int64_t when = frame.mode == Mode::binary ? clock + kBinaryBreakDelay
+                                                         : std::max(clock + 4, frame.last_drain + 2) + kDrainDelay;
+    ASSERT_GE(when, frame.last_word);
+    expected_[when].ends_early = true;
+    const int missing = static_cast<int>(frame.words.size() / 16) - frame.words_sent;
+    idle_from_ = (missing > 0 ? when + missing : frame.last_word) + kBusyAfter;
+  }
+
+  Random& random_;
+  Clocked<Dut> moments_;
+  std::map<std::int64_t, Output> expected_;  // by clock
+  std::vector<LastRowBeat> last_row_;
+  std::vector<Break> breaks_, decisions_;
+  std::optional<bool> next_accept_;
+  bool accept_ = false;
+  std::int64_t idle_from_ = 0;
+};
+
+inline Frame random_frame(Random& random, int columns, int rows, Mode mode) {
+  Frame frame;
+  frame.columns = columns;
+  frame.rows = rows;
+  frame.mode = mode;
+  frame.threshold = random.chance(20) ? 0 : random.chance(10) ? 255 : random.between(0, 255);
+  const auto size = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  frame.pixels = random.bytes(size);
+  if (random.chance(15)) {  // all of one value, the extreme ones above all
+    std::fill(frame.pixels.begin(), frame.pixels.end(),
+              static_cast<std::uint8_t>(random.chance(70) ? 255 : random.between(0, 255)));
+  }
+  return frame;
+}
+
+constexpr std::array<Mode, 3> kModes = {Mode::binary, Mode::grey, Mode::grey_over};
+
+// All small sizes, frames one after the other as soon as their packets allow it.
+template <typename Dut>
+void small_sizes(const std::vector<Mode>& modes) {
+  Random random(1);
+  for (const Mode mode : modes) {
+    for (int columns = 4; columns <= 32; columns += 4) {
+      for (int rows = 1; rows <= 7; ++rows) {
+        SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
+        Bench<Dut> bench(random);
+        for (int frame = 0; frame < 8; ++frame) {
+          Frame next = random_frame(random, columns, rows, mode);
+          next.gaps = frame < 5 ? 0 : 40;
+          bench.wait_for_room((rows - 1) * columns / 4);
+          bench.play(next);
+          ASSERT_FALSE(::testing::Test::HasFatalFailure());
+        }
+        bench.finish();
+        ASSERT_EQ(bench.frames_accepted, 8);
+        ASSERT_EQ(bench.frames_spoiled, 0);
+      }
+    }
+  }
+}
+
+// The extremes: every pixel at its largest, in the largest images, so that every sum takes its largest value.
+template <typename Dut>
+void large_size(int columns, int rows, const std::vector<Mode>& modes) {
+  Random random(1);
+  for (const Mode mode : modes) {
+    SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
+    Bench<Dut> bench(random);
+    Frame frame = random_frame(random, columns, rows, mode);
+    frame.threshold = 0;
+    std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
+    bench.play(frame);
+    frame = random_frame(random, columns, rows, mode);
+    bench.play(frame);  // right behind it
+    bench.finish();
+    ASSERT_EQ(bench.frames_accepted, 2);
+    ASSERT_EQ(bench.frames_spoiled, 0);
+  }
+}
+
+// Frames of one size without a gap between them, some refused, with gaps inside, some broken in their last row or
+// before.
+template <typename Dut>
+void random_frames(Random& random, const std::vector<Mode>& modes, int max_columns, int max_rows, bool sizes_change) {
+  Bench<Dut> bench(random);
+  int columns = 4;
+  int rows = 1;
+  Mode mode = Mode::binary;
+  const int breaks = random.chance(50) ? 0 : random.between(1, 40);
+  const bool dense = random.chance(50);
+  for (int i = 0; i < 40; ++i) {
+    if (i == 0 || (sizes_change && random.chance(50))) {
+      columns = 4 * random.between(1, max_columns / 4);
+      columns = random.chance(40) ? 4 * random.between(1, 3) : columns;
+      rows = random.between(1, max_rows);
+      mode = modes[static_cast<std::size_t>(random.between(0, static_cast<int>(modes.size()) - 1))];
+    }
+    Frame frame = random_frame(random, columns, rows, mode);
+    frame.gaps = dense ? 0 : random.between(0, 70);
+    frame.wanted = random.chance(85);
+    if (random.chance(breaks)) {
+      frame.stop_row = random.chance(70) ? rows : random.between(1, rows);
+      frame.stop_beats = random.between(1, columns / 4);
+      frame.break_after = random.chance(60) ? 1 : random.between(1, 15);
+    }
+    bench.play(frame);
+    ASSERT_FALSE(::testing::Test::HasFatalFailure()) << "frame " << i;
+    // the next frame begins at once, or with the break, or later
+    if (frame.stop_row == rows) {
+      bench.idle(frame.break_after - 1 + (random.chance(50) ? 0 : 1));
+    }
+    bench.idle(random.chance(60) ? 0 : random.between(1, 40));
+    ASSERT_FALSE(::testing::Test::HasFatalFailure()) << "frame " << i;
+  }
+  bench.finish();
+  EXPECT_GT(bench.words_matched, 0);
+  if (!sizes_change) {
+    EXPECT_EQ(bench.frames_spoiled, 0);
+  }
+}
+
+}  // namespace selfproj::test::moments
+
+#endif  // SELFPROJ_TESTS_RTL_BLOCKS_COLUMN_MOMENTS_BENCH_H

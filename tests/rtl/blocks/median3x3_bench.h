@@ -1,0 +1,216 @@
+// Code images through the 3 x 3 median and every code compared with its model, at the clock that the header of
+// sp_median3x3 states.
+#ifndef SELFPROJ_TESTS_RTL_BLOCKS_MEDIAN3X3_BENCH_H
+#define SELFPROJ_TESTS_RTL_BLOCKS_MEDIAN3X3_BENCH_H
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <map>
+#include <vector>
+
+#include "model/gray_decoder.h"
+#include "model/median3x3.h"
+#include "model/spec/generated/selfproj_spec.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test::median {
+
+constexpr int kLatency = 5;      // from a beat to the group left of that above it
+constexpr int kLastLatency = 6;  // from a line's last beat to the group above it
+constexpr int kBreakLatency = 6;
+constexpr int kAfterBusy = 3;              // clocks before the next frame may begin
+constexpr std::uint16_t kUnused = 0x7000;  // bits 14..12 of a code word
+
+template <typename Dut>
+class MedianBench {
+ public:
+  explicit MedianBench(Random& random) : random_(random) {
+    for (const char* port : {"m_codes_o", "m_start_o", "m_line_start_o", "m_line_end_o"}) {
+      median_.valid_when(port, [this] { return median_->m_valid_o != 0; });
+    }
+    median_.valid_when("m_status_o", [this] { return median_->m_break_o != 0; });
+    median_->s_valid_i = 0;
+    median_->s_break_i = 0;
+    median_.reset();
+  }
+
+  // One frame, in `gaps` per cent of the clocks no beat. It breaks after `cut` beats where that is less than all.
+  void frame(const std::vector<std::uint16_t>& codes, int rows, int columns, bool median, int gaps, int cut) {
+    const int groups = columns / 4;
+    std::vector<std::uint16_t> out(codes.size());
+    if (median) {
+      median3x3(codes.data(), rows, columns, out.data());
+    } else {
+      std::transform(codes.begin(), codes.end(), out.begin(),
+                     [](std::uint16_t code) { return static_cast<std::uint16_t>(code & ~kUnused); });
+    }
+    const auto expect = [&](std::int64_t clock, int row, int group) {
+      expected_[clock] = {words(out, row * columns + 4 * group), row == 0 && group == 0, group == 0,
+                          group == groups - 1};
+    };
+    for (int i = 0; i < rows * groups && i < cut; ++i) {
+      while (random_.chance(gaps)) {
+        clock();
+      }
+      const int row = i / groups;
+      const int group = i % groups;
+      median_->s_valid_i = 1;
+      median_->s_codes_i = words(codes, 4 * i);
+      median_->s_start_i = i == 0;
+      median_->s_line_start_i = group == 0;
+      median_->s_line_end_i = group == groups - 1;
+      median_->s_last_row_i = row == rows - 1;
+      median_->s_median_i = i == 0 ? median : random_.chance(50);
+      const std::int64_t now = median_.clock();
+      if (row > 0 && group > 0) {
+        expect(now + kLatency, row - 1, group - 1);
+      }
+      if (row > 0 && group == groups - 1) {
+        expect(now + kLastLatency, row - 1, group);
+      }
+      if (i == rows * groups - 1) {
+        for (int pass = 0; pass < groups; ++pass) {  // the last line
+          const std::int64_t step = now + 1 + pass;
+          if (pass > 0) {
+            expect(step + kLatency, row, pass - 1);
+          }
+          if (pass == groups - 1) {
+            expect(step + kLastLatency, row, pass);
+          }
+        }
+      }
+      clock();
+      ASSERT_FALSE(::testing::Test::HasFatalFailure());
+    }
+    if (cut < rows * groups) {
+      break_now(true);
+    } else if (random_.chance(30)) {
+      break_now(false);  // of another frame, which does not come in
+    }
+  }
+
+  void wait() {
+    while (median_->busy_o != 0 && !::testing::Test::HasFatalFailure()) {
+      clock();
+    }
+    for (int i = 0; i < kAfterBusy; ++i) {
+      clock();
+    }
+  }
+
+  void idle(int clocks) {
+    for (int i = 0; i < clocks && !::testing::Test::HasFatalFailure(); ++i) {
+      clock();
+    }
+    EXPECT_TRUE(expected_.empty());
+  }
+
+  [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
+
+ private:
+  struct Codes {
+    std::uint64_t words;
+    bool start, line_start, line_end;
+  };
+
+  static std::uint64_t words(const std::vector<std::uint16_t>& codes, int at) {
+    std::uint64_t all = 0;
+    for (int i = 3; i >= 0; --i) {
+      all = all << 16U | codes[static_cast<std::size_t>(at + i)];
+    }
+    return all;
+  }
+
+  void break_now(bool passed) {
+    const auto status = static_cast<std::uint32_t>(random_.between(1, 31));
+    median_->s_break_i = 1;
+    median_->s_status_i = static_cast<CData>(status);
+    if (passed) {
+      breaks_[median_.clock() + kBreakLatency] = status;
+    }
+    clock();
+  }
+
+  void clock() {
+    const std::int64_t now = median_.clock();
+    median_.settle();
+    const auto found = expected_.find(now);
+    ASSERT_EQ(median_->m_valid_o != 0, found != expected_.end()) << "clock " << now;
+    if (found != expected_.end()) {
+      ASSERT_EQ(median_->m_codes_o, found->second.words) << "clock " << now;
+      ASSERT_EQ(median_->m_start_o != 0, found->second.start) << "clock " << now;
+      ASSERT_EQ(median_->m_line_start_o != 0, found->second.line_start) << "clock " << now;
+      ASSERT_EQ(median_->m_line_end_o != 0, found->second.line_end) << "clock " << now;
+      expected_.erase(found);
+      pixels_ += 4;
+    }
+    const auto broken = breaks_.find(now);
+    ASSERT_EQ(median_->m_break_o != 0, broken != breaks_.end()) << "clock " << now;
+    if (broken != breaks_.end()) {
+      ASSERT_EQ(median_->m_status_o, broken->second) << "clock " << now;
+      breaks_.erase(broken);
+    }
+    median_.rise();
+    median_->s_valid_i = 0;
+    median_->s_break_i = 0;
+    median_->s_codes_i = random_.bits();
+    median_->s_start_i = random_.bits() & 1U;
+    median_->s_line_start_i = random_.bits() & 1U;
+    median_->s_line_end_i = random_.bits() & 1U;
+    median_->s_last_row_i = random_.bits() & 1U;
+  }
+
+  Random& random_;
+  Clocked<Dut> median_;
+  std::map<std::int64_t, Codes> expected_;  // by clock
+  std::map<std::int64_t, std::uint32_t> breaks_;
+  std::uint64_t pixels_ = 0;
+};
+
+inline std::vector<std::uint16_t> random_codes(Random& random, int size) {
+  const int percent = random.between(0, 100);
+  const int most = random.chance(50) ? 4095 : random.between(0, 8);
+  std::vector<std::uint16_t> codes(static_cast<std::size_t>(size));
+  for (std::uint16_t& code : codes) {
+    code = static_cast<std::uint16_t>(
+        random.between(0, most) | (random.chance(percent) ? GrayDecoder::kMeasurable : 0) | (random.bits() & kUnused));
+  }
+  return codes;
+}
+
+// Random images, some of which break, with gaps and without, as close to each other as may be.
+template <typename Dut>
+void random_images(int cases) {
+  std::uint64_t pixels = 0;
+  for (const std::uint64_t seed : seeds(cases)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    MedianBench<Dut> bench(random);
+    for (int frame = 0; frame < 20; ++frame) {
+      const int rows = random.between(1, random.chance(50) ? 3 : 9);
+      const int columns = 4 * random.between(1, random.chance(50) ? 3 : 16);
+      const int beats = rows * columns / 4;
+      bench.frame(random_codes(random, rows * columns), rows, columns, random.chance(80),
+                  random.chance(50) ? 0 : random.between(0, 60), random.chance(20) ? random.between(1, beats) : beats);
+      if (random.chance(30)) {
+        bench.idle(100);
+      } else {
+        bench.wait();
+      }
+      ASSERT_FALSE(::testing::Test::HasFatalFailure());
+    }
+    bench.idle(100);
+    pixels += bench.pixels();
+  }
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(pixels, static_cast<std::uint64_t>(1000 * cases)) << "too little was compared";
+  }
+}
+
+}  // namespace selfproj::test::median
+
+#endif  // SELFPROJ_TESTS_RTL_BLOCKS_MEDIAN3X3_BENCH_H
