@@ -58,6 +58,11 @@ module sp_async_fifo #(
     .rst_i(wr_rst_i),
     .d_i  (rd_gray_q),
     .q_o  (rd_gray_seen)
+`ifdef FORMAL
+    ,
+    .f_before_o(f_rd_before),
+    .f_meta_o  (f_rd_meta)
+`endif
   );
 
   // Gray to binary: bit i is the exclusive or of all bits from i on, for up to 16 bits
@@ -95,6 +100,11 @@ module sp_async_fifo #(
     .rst_i(rd_rst_i),
     .d_i  (wr_gray_q),
     .q_o  (wr_gray_seen)
+`ifdef FORMAL
+    ,
+    .f_before_o(f_wr_before),
+    .f_meta_o  (f_wr_meta)
+`endif
   );
 
   // A word is read at the earliest two read clocks after its write, and overwritten only after its place was freed.
@@ -110,7 +120,105 @@ module sp_async_fifo #(
     .rd_en_i  (fetch),
     .rd_addr_i(rd_ptr_q[LogDepth-1:0]),
     .rd_data_o(rd_data_o)
+`ifdef FORMAL
+    ,
+    .f_addr_i (f_mark[LogDepth-1:0]),
+    .f_word_o (f_there)
+`endif
   );
+
+`ifdef FORMAL
+  // Two free clocks: each may rise at any moment. Reset of both sides at the beginning, until each clock has risen twice
+  // and a moment is over.
+  (* gclk *) logic f_moment;
+  logic f_wr_clk_q = 1'b1, f_rd_clk_q = 1'b1;
+  logic [1:0] f_wr_rises_q = 2'd0, f_rd_rises_q = 2'd0;
+  logic f_reset_q = 1'b1;
+  logic f_run_q = 1'b0;
+  always_ff @(posedge f_moment) begin
+    f_wr_clk_q <= wr_clk_i;
+    f_rd_clk_q <= rd_clk_i;
+    if (wr_clk_i && !f_wr_clk_q && !f_wr_rises_q[1]) f_wr_rises_q <= f_wr_rises_q + 2'd1;
+    if (rd_clk_i && !f_rd_clk_q && !f_rd_rises_q[1]) f_rd_rises_q <= f_rd_rises_q + 2'd1;
+    f_reset_q <= !(f_wr_rises_q[1] && f_rd_rises_q[1]);
+    f_run_q   <= !f_reset_q;
+  end
+  always_comb begin
+    assume (wr_rst_i == f_reset_q);
+    assume (rd_rst_i == f_reset_q);
+  end
+  // Inputs change with their clock only.
+  always_ff @(posedge f_moment) if (f_run_q) begin
+    if (!(wr_clk_i && !f_wr_clk_q)) assume ($stable(wr_valid_i) && $stable(wr_data_i));
+    if (!(rd_clk_i && !f_rd_clk_q)) assume ($stable(rd_ready_i));
+  end
+
+  // Pointers on their way, as binary numbers.
+  logic [LogDepth:0] f_rd_before, f_rd_meta, f_wr_before, f_wr_meta;
+  function automatic logic [LogDepth:0] f_binary(input logic [LogDepth:0] gray);
+    f_binary = gray;
+    for (int i = 1; i <= LogDepth; i++) f_binary = f_binary ^ (gray >> i);
+  endfunction
+
+  (* anyconst *) logic [LogDepth:0] f_mark;
+  logic [Width-1:0] f_there;
+  logic [Width-1:0] f_word_q;
+  logic             f_at_output_q;
+  always_ff @(posedge wr_clk_i) if (write && wr_ptr_q == f_mark) f_word_q <= wr_data_i;
+  always_ff @(posedge rd_clk_i) begin
+    if (rd_rst_i) f_at_output_q <= 1'b0;
+    else if (fetch) f_at_output_q <= rd_ptr_q == f_mark;
+  end
+
+  logic [LogDepth:0] f_step1, f_step2, f_step3, f_step4, f_step5, f_step6, f_step7, f_held, f_before_mark;
+  assign f_step1 = f_binary(f_rd_meta) - rd_bin_seen;
+  assign f_step2 = f_binary(f_rd_before) - f_binary(f_rd_meta);
+  assign f_step3 = rd_ptr_q - f_binary(f_rd_before);
+  assign f_step4 = f_binary(wr_gray_seen) - rd_ptr_q;
+  assign f_step5 = f_binary(f_wr_meta) - f_binary(wr_gray_seen);
+  assign f_step6 = f_binary(f_wr_before) - f_binary(f_wr_meta);
+  assign f_step7 = wr_ptr_q - f_binary(f_wr_before);
+  assign f_held        = wr_ptr_q - rd_ptr_q;
+  assign f_before_mark = f_mark - rd_ptr_q;
+
+  always_comb if (f_run_q && !f_reset_q) begin
+    // Rule 1: what either side knows of the other's pointer is behind it, in order: read as the writer sees it, read,
+    // written as the reader sees it, written – and all of it within the depth.
+    assert (wr_gray_q == (wr_ptr_q ^ (wr_ptr_q >> 1)));
+    assert (rd_gray_q == (rd_ptr_q ^ (rd_ptr_q >> 1)));
+    assert ((LogDepth + 4)'(f_step1) + (LogDepth + 4)'(f_step2) + (LogDepth + 4)'(f_step3) + (LogDepth + 4)'(f_step4) +
+            (LogDepth + 4)'(f_step5) + (LogDepth + 4)'(f_step6) + (LogDepth + 4)'(f_step7) <= (LogDepth + 4)'(1 << LogDepth));
+    assert (f_step3 <= (LogDepth + 1)'(1));
+    assert (f_step7 <= (LogDepth + 1)'(1));
+    // Rule 2: a place that is promised is there.
+    assert ((LogDepth + 2)'(wr_free_o) + (LogDepth + 2)'(f_held) <= (LogDepth + 2)'(1 << LogDepth));
+    // Rule 3: the memory holds what was written, and the output shows it, in order.
+    if (f_before_mark < f_held) assert (f_there == f_word_q);
+    if (rd_valid_o && f_at_output_q) assert (rd_data_o == f_word_q);
+    if (f_at_output_q) assert (rd_ptr_q == f_mark + (LogDepth + 1)'(1));
+    // Rule 4: a word is not read while its place is written.
+    if (fetch && write) assert (wr_ptr_q[LogDepth-1:0] != rd_ptr_q[LogDepth-1:0]);
+  end
+
+  // Reset leaves nothing behind: one rise clears a side's pointers, two what has come to it of the other's.
+  always_comb if (!f_run_q || f_reset_q) begin
+    if (f_wr_rises_q != 2'd0) assert (wr_ptr_q == '0 && wr_gray_q == '0 && f_rd_meta == '0);
+    if (f_rd_rises_q != 2'd0) assert (rd_ptr_q == '0 && rd_gray_q == '0 && f_wr_meta == '0 && !rd_valid_o && !f_at_output_q);
+    if (f_wr_rises_q[1]) assert (rd_gray_seen == '0 && f_wr_before == '0);
+    if (f_rd_rises_q[1]) assert (wr_gray_seen == '0 && f_rd_before == '0);
+    assert (f_reset_q || f_wr_rises_q[1] && f_rd_rises_q[1]);
+  end
+  always_comb if (f_run_q) assert (!f_reset_q && f_wr_rises_q[1] && f_rd_rises_q[1]);
+
+  // Rule 5: what waits at the output does not change.
+  always_ff @(posedge f_moment) if (f_run_q) begin
+    if ($past(f_run_q && rd_valid_o && !rd_ready_i)) assert (rd_valid_o && $stable(rd_data_o));
+  end
+  always_ff @(posedge f_moment) if (f_run_q) begin
+    cover (wr_free_o == '0);
+    cover (f_at_output_q && rd_valid_o && f_mark == (LogDepth + 1)'(1));
+  end
+`endif
 
 endmodule
 

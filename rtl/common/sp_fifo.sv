@@ -56,7 +56,54 @@ module sp_fifo #(
     .rd_en_i  (fetch),
     .rd_addr_i(rd_ptr_q[LogDepth-1:0]),
     .rd_data_o(m_data_o)
+`ifdef FORMAL
+    ,
+    .f_addr_i (f_mark[LogDepth-1:0]),
+    .f_word_o (f_there)
+`endif
   );
+
+`ifdef FORMAL
+  // Reset once, at the beginning.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  always_comb assume (rst_i == !f_ran_q);
+
+  // Any one place of the pointer's round; the word written there last; whether it is the one at the output.
+  (* anyconst *) logic [LogDepth:0] f_mark;
+  logic [Width-1:0] f_there;
+  logic [Width-1:0] f_word_q;
+  logic             f_at_output_q;
+  logic             f_was_full_q = 1'b0;
+  logic [LogDepth:0] f_held, f_before_mark;
+  assign f_held        = wr_ptr_q - rd_ptr_q;
+  assign f_before_mark = f_mark - rd_ptr_q;
+  always_ff @(posedge clk_i) begin
+    if (write && wr_ptr_q == f_mark) f_word_q <= s_data_i;
+    if (rst_i) f_at_output_q <= 1'b0;
+    else if (fetch) f_at_output_q <= rd_ptr_q == f_mark;
+  end
+
+  // Rule 1: never more words than places; a place is refused exactly while the memory is full.
+  // Rule 2: the memory holds what was written, and the output shows it, in order: the words are read in the pointer's order.
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (f_held <= (LogDepth + 1)'(1 << LogDepth));
+    assert (s_ready_o == (f_held != (LogDepth + 1)'(1 << LogDepth)));
+    if (f_before_mark < f_held) assert (f_there == f_word_q);
+    if (m_valid_o && f_at_output_q) assert (m_data_o == f_word_q);
+    if (f_at_output_q) assert (rd_ptr_q == f_mark + (LogDepth + 1)'(1));
+  end
+
+  // Rule 3: what waits does not change.
+  // Rule 4: a word that is in the memory is at the output a clock later where that is free.
+  always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
+    if ($past(m_valid_o && !m_ready_i)) assert (m_valid_o && $stable(m_data_o));
+    if ($past(f_held != '0 && (m_ready_i || !m_valid_o))) assert (m_valid_o);
+    cover (!s_ready_o);
+    if ($past(!s_ready_o)) f_was_full_q <= 1'b1;
+    cover (f_was_full_q && m_valid_o && f_at_output_q && f_held == '0);
+  end
+`endif
 
 endmodule
 

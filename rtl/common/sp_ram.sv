@@ -20,6 +20,11 @@ module sp_ram #(
   input  wire logic                rd_en_i,
   input  wire logic [LogDepth-1:0] rd_addr_i,
   output logic      [Width-1:0]    rd_data_o
+`ifdef FORMAL
+  ,
+  input  wire logic [LogDepth-1:0] f_addr_i,  // a place to look into, for the proofs of the users
+  output logic      [Width-1:0]    f_word_o
+`endif
 );
 
   (* no_rw_check *) logic [Width-1:0] memory[0:Depth-1];
@@ -28,9 +33,18 @@ module sp_ram #(
     if (wr_en_i) memory[wr_addr_i] <= wr_data_i;
   end
 
+`ifdef FORMAL
+  // Read and write of one place at once: any word. (Of two clocks: the users prove that it never happens.)
+  (* anyseq *) logic [Width-1:0] f_any;
+  always_ff @(posedge rd_clk_i) begin
+    if (rd_en_i) rd_data_o <= wr_en_i && wr_addr_i == rd_addr_i ? f_any : memory[rd_addr_i];
+  end
+  assign f_word_o = memory[f_addr_i];
+`else
   always_ff @(posedge rd_clk_i) begin
     if (rd_en_i) rd_data_o <= memory[rd_addr_i];
   end
+`endif
 
 endmodule
 

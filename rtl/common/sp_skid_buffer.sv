@@ -42,6 +42,44 @@ module sp_skid_buffer #(
     if (!spare_valid_q) spare_q <= s_data_i;
   end
 
+`ifdef FORMAL
+  // Reset once, at the beginning.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  always_comb assume (rst_i == !f_ran_q);
+
+  // Rule 1: words that came in = words that went out + words inside.
+  // Rule 2: the word with any number f_mark comes out as it went in, as the one of that number.
+  (* anyconst *) logic [3:0] f_mark;
+  logic [3:0] f_in_q, f_out_q;  // modulo 16: more than fit
+  logic [Width-1:0] f_word_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      f_in_q  <= '0;
+      f_out_q <= '0;
+    end else begin
+      if (s_valid_i && s_ready_o) f_in_q <= f_in_q + 4'd1;
+      if (m_valid_o && m_ready_i) f_out_q <= f_out_q + 4'd1;
+    end
+    if (s_valid_i && s_ready_o && f_in_q == f_mark) f_word_q <= s_data_i;
+  end
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (f_in_q - f_out_q == 4'(m_valid_o) + 4'(spare_valid_q));
+    if (m_valid_o && f_out_q == f_mark) assert (m_data_o == f_word_q);
+    if (spare_valid_q && f_out_q + 4'd1 == f_mark) assert (spare_q == f_word_q);
+    if (spare_valid_q) assert (m_valid_o);
+  end
+
+  // Rule 3: what waits does not change.
+  // Rule 4: one word a clock: what came in is at the output a clock later where nothing waits.
+  always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
+    if ($past(m_valid_o && !m_ready_i)) assert (m_valid_o && $stable(m_data_o));
+    if ($past(s_valid_i && s_ready_o && m_ready_i)) assert (m_valid_o);
+    cover (m_valid_o && $past(m_valid_o && m_ready_i, 1) && $past(m_valid_o && m_ready_i, 2));
+    cover (m_valid_o && $past(spare_valid_q) && $past(m_ready_i));
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -11,6 +11,11 @@ module sp_sync #(
   input  wire logic             rst_i,
   input  wire logic [Width-1:0] d_i,
   output logic      [Width-1:0] q_o
+`ifdef FORMAL
+  ,
+  output logic      [Width-1:0] f_before_o,  // d_i a moment ago
+  output logic      [Width-1:0] f_meta_o     // the first flop
+`endif
 );
 
   (* async_reg = "true" *) logic [Width-1:0] meta_q;
@@ -21,10 +26,26 @@ module sp_sync #(
       meta_q <= '0;
       sync_q <= '0;
     end else begin
+`ifdef FORMAL
+      meta_q <= f_caught;
+`else
       meta_q <= d_i;
+`endif
       sync_q <= meta_q;
     end
   end
+
+`ifdef FORMAL
+  // A bit that changes beside the clock's edge is caught old or new, each bit for itself.
+  (* gclk *) logic f_moment;
+  (* anyseq *) logic [Width-1:0] f_late;
+  logic [Width-1:0] f_before_q;
+  logic [Width-1:0] f_caught;
+  always_ff @(posedge f_moment) f_before_q <= d_i;
+  assign f_caught   = d_i & ~f_late | f_before_q & f_late;
+  assign f_before_o = f_before_q;
+  assign f_meta_o   = meta_q;
+`endif
 
   assign q_o = sync_q;
 

@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+"""Proves the rules written inside the RTL modules (`ifdef FORMAL), with Yosys, yosys-smtbmc and z3.
+
+    prove.py [NAME...]           the proofs named, or all; the table of README.md as they end
+    prove.py --faults [NAME...]  the planted faults: each must make its proof fail
+    prove.py --list              all names, a line each: proofs, then faults
+
+A proof of depth K by induction: no trace of K steps from the beginning breaks a rule, and K steps that keep the rules
+are never followed by one that breaks them. Bounded: no trace of K steps from the beginning breaks one. Covers: traces up to the
+depth given reach every cover statement, so that the rules do not hold for want of traces.
+
+Standard library only.
+"""
+
+import argparse
+import dataclasses
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+@dataclasses.dataclass(frozen=True)
+class Proof:
+    name: str
+    module: str
+    parameters: tuple  # of "NAME=VALUE"
+    kind: str          # induction or bounded
+    depth: int
+    cover: int         # depth of the covers; 0: the module has none
+    clocks: int = 1    # 2: free clocks, every step a moment
+    limit_s: int = 600
+
+
+@dataclasses.dataclass(frozen=True)
+class Fault:
+    name: str    # PROOF/what
+    proof: str
+    file: str    # below rtl/
+    old: str     # occurs once
+    new: str
+    bounded: int = 0  # depth of a search from the beginning; 0: that of the proof
+
+
+PROOFS = [
+    Proof("skid_buffer", "sp_skid_buffer", ("Width=3",), "induction", 2, 8),
+    Proof("fifo", "sp_fifo", ("Width=3", "LogDepth=2"), "induction", 2, 20),
+    Proof("async_fifo", "sp_async_fifo", ("Width=1", "LogDepth=2"), "induction", 2, 24, clocks=2),
+]
+
+FAULTS = [
+    Fault("skid_buffer/drops", "skid_buffer", "common/sp_skid_buffer.sv",
+          "end else if (s_valid_i) begin", "end else if (s_valid_i && !m_ready_i && m_valid_o && 1'b0) begin", 12),
+    Fault("skid_buffer/ready_late", "skid_buffer", "common/sp_skid_buffer.sv",
+          "assign s_ready_o = !spare_valid_q;", "assign s_ready_o = 1'b1;", 12),
+    Fault("fifo/one_too_many", "fifo", "common/sp_fifo.sv",
+          "assign s_ready_o = wr_ptr_q != {!rd_ptr_q[LogDepth], rd_ptr_q[LogDepth-1:0]};", "assign s_ready_o = 1'b1;", 12),
+    Fault("fifo/narrow", "fifo", "common/sp_fifo.sv", ".wr_data_i(s_data_i),", ".wr_data_i(Width'(s_data_i[Width-2:0])),", 12),
+    Fault("async_fifo/no_synchronizer", "async_fifo", "common/sp_async_fifo.sv",
+          "rd_gray_q != wr_gray_seen &&", "rd_gray_q != wr_gray_q &&", 0),
+    Fault("async_fifo/binary_pointer", "async_fifo", "common/sp_async_fifo.sv",
+          "wr_gray_q <= wr_next ^ (wr_next >> 1);", "wr_gray_q <= wr_next;", 0),
+]
+
+
+class ProofError(Exception):
+    """A tool failed, or a fault cannot be planted."""
+
+
+def run(command, limit_s, folder):
+    try:
+        return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=limit_s, check=False)
+    except FileNotFoundError as error:
+        raise ProofError(f"{error.filename}: not installed; scripts/setup.sh installs it") from error
+    except subprocess.TimeoutExpired as error:
+        raise ProofError(f"{command[0]}: no answer within {limit_s} s") from error
+
+
+def write_smt2(proof, rtl, folder):
+    """The module with its rules, as SMT-LIB: the file's path."""
+    sources = sorted(path for path in rtl.rglob("sp_*.sv") if not path.name.endswith("_pkg.sv"))
+    path = folder / f"{proof.name}.smt2"
+    parameters = "".join(f" -set {text.replace('=', ' ')}" for text in proof.parameters)
+    two_clocks = "memory_map; clk2fflogic; opt_clean;" if proof.clocks == 2 else ""
+    script = (f"read_verilog -formal -sv {rtl}/common/sp_spec_pkg.sv {' '.join(map(str, sources))}; "
+              + (f"chparam{parameters} {proof.module}; " if parameters else "")
+              + f"prep -nordff -flatten -top {proof.module}; {two_clocks} dffunmap; write_smt2 -wires {path}")
+    result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
+    if result.returncode != 0 or not path.exists():
+        said = [line for line in (result.stdout + result.stderr).splitlines() if not line.startswith(">")]
+        raise ProofError(f"Yosys failed on {proof.module}: " + "\n".join(said[-3:]))
+    return path
+
+
+def solve(proof, smt2, options, folder):
+    """(passed, output) of yosys-smtbmc."""
+    result = run(["yosys-smtbmc", "-s", "z3", "--unroll", "--noprogress", *options, str(smt2)], proof.limit_s, folder)
+    output = result.stdout + result.stderr
+    if "Status: PASSED" in output:
+        return True, output
+    if "Status: FAILED" in output:
+        return False, output
+    raise ProofError(f"yosys-smtbmc gave no verdict on {proof.name}:\n{output[-2000:]}")
+
+
+def wrong(output):
+    """The lines that say what failed, without the clock."""
+    lines = [re.sub(r"^##\s+\S+\s+", "", line) for line in output.splitlines()]
+    return [line for line in lines if "failed" in line.lower() or "Unreached" in line]
+
+
+def prove(proof, folder):
+    """One line of the table; raises ProofError where a rule does not hold or a cover is not reached."""
+    smt2 = write_smt2(proof, ROOT / "rtl", folder)
+    begin = time.monotonic()
+    steps = [["-t", str(proof.depth)]]
+    if proof.kind == "induction":
+        steps.append(["-i", "-t", str(proof.depth)])
+    for options in steps:
+        passed, output = solve(proof, smt2, options, folder)
+        if not passed:
+            raise ProofError(f"{proof.name} ({' '.join(options)}):\n" + "\n".join(wrong(output)))
+    proved_s = time.monotonic() - begin
+    covers = 0
+    if proof.cover:
+        passed, output = solve(proof, smt2, ["-c", "-t", str(proof.cover)], folder)
+        covers = output.count("Reached cover statement")
+        if not passed or covers == 0:
+            raise ProofError(f"{proof.name}: covers not reached within {proof.cover} steps:\n" + "\n".join(wrong(output)))
+    parameters = ", ".join(proof.parameters)
+    return (f"| `{proof.module}` ({parameters}) | {proof.kind} | {proof.depth} | {proof.clocks} | {covers} | "
+            f"{proved_s:.0f} s |")
+
+
+def plant(fault, folder):
+    """A copy of rtl/ with the fault in it."""
+    copy = folder / "rtl"
+    shutil.copytree(ROOT / "rtl", copy)
+    path = copy / fault.file
+    text = path.read_text()
+    if text.count(fault.old) != 1:
+        raise ProofError(f"{fault.name}: rtl/{fault.file} holds its place {text.count(fault.old)} times, not once")
+    path.write_text(text.replace(fault.old, fault.new))
+    return copy
+
+
+def expect_failure(fault, folder):
+    """One line about the fault; raises ProofError where its proof does not find it."""
+    proof = next(proof for proof in PROOFS if proof.name == fault.proof)
+    smt2 = write_smt2(proof, plant(fault, folder), folder)
+    if fault.bounded:
+        options = ["-t", str(fault.bounded)]
+    else:
+        options = ["-i"] * (proof.kind == "induction") + ["-t", str(proof.depth)]
+    passed, output = solve(proof, smt2, options, folder)
+    if passed:
+        raise ProofError(f"{fault.name}: not found by {proof.name} ({' '.join(options)})")
+    return f"{fault.name}: found"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--faults", action="store_true", help="the planted faults instead")
+    parser.add_argument("--list", action="store_true", help="the names")
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    arguments = parser.parse_args()
+    if arguments.list:
+        print("\n".join([proof.name for proof in PROOFS] + [fault.name for fault in FAULTS]))
+        return 0
+    known = FAULTS if arguments.faults else PROOFS
+    unknown = set(arguments.names) - {entry.name for entry in known}
+    if unknown:
+        print(f"prove.py: {sorted(unknown)[0]}: no such {'fault' if arguments.faults else 'proof'}", file=sys.stderr)
+        return 2
+    failed = False
+    for entry in known:
+        if arguments.names and entry.name not in arguments.names:
+            continue
+        with tempfile.TemporaryDirectory(prefix="prove.") as folder:
+            try:
+                action = expect_failure if arguments.faults else prove
+                print(action(entry, pathlib.Path(folder)), flush=True)
+            except ProofError as error:
+                print(f"prove.py: {error}", file=sys.stderr)
+                failed = True
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
