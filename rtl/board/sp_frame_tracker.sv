@@ -287,6 +287,95 @@ module sp_frame_tracker #(
 
   assign frame_open_o = open_q;
 
+`ifdef FORMAL
+  // Reset once, at the beginning.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  always_comb assume (rst_i == !f_ran_q);
+  // Settings are sizes that the maxima allow; a new size is announced by hold_i (sp_registers does both).
+  always_comb begin
+    assume (columns_i[1:0] == 2'd0 && columns_i != '0 && columns_i <= ColumnBits'(MaxColumns));
+    assume (rows_i != '0 && rows_i <= RowBits'(MaxRows));
+  end
+  logic [ColumnBits-1:0] f_columns_before_q;
+  logic [RowBits-1:0]    f_rows_before_q;
+  logic                  f_after_reset_q;
+  always_ff @(posedge clk_i) {f_columns_before_q, f_rows_before_q, f_after_reset_q} <= {columns_i, rows_i, rst_i};
+  always_comb begin
+    if (columns_i != f_columns_before_q || rows_i != f_rows_before_q || f_after_reset_q || rst_i) assume (hold_i);
+  end
+
+  // What was taken over, kept here a second time.
+  logic                  f_known_q;
+  logic [ColumnBits-1:0] f_columns_q;
+  logic [RowBits-1:0]    f_rows_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_known_q <= 1'b0;
+    else if (take) {f_known_q, f_columns_q, f_rows_q} <= {1'b1, columns_i, rows_i};
+  end
+
+  // Rule 1: settings change at a frame's start and nowhere else, and not while they are held.
+  // Rule 2: six clocks at least lie between two take-overs.
+  always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
+    if (!($stable(columns_o) && $stable(rows_o) && $stable(mode_o) && $stable(threshold_o) && $stable(stream_o) &&
+          $stable(image_o))) begin
+      assert (frame_start_o && take_o && !$past(hold_i));
+    end
+    if (take_o) assert (!$past(take_o) && $past(took_q[TakeDistance-1:1]) == '0);
+    cover (take_o && f_known_q && !$stable(columns_o));
+  end
+
+  // Rule 3: a frame that began has ended well, has broken, or is open: nothing else becomes of it.
+  logic [3:0] f_started_q, f_good_q, f_broken_q;  // modulo 16
+  always_ff @(posedge clk_i) begin
+    if (rst_i) {f_started_q, f_good_q, f_broken_q} <= '0;
+    else begin
+      f_started_q <= f_started_q + 4'(start);
+      f_good_q    <= f_good_q + 4'(frame_end);
+      f_broken_q  <= f_broken_q + 4'(break_o);
+    end
+  end
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (f_started_q == f_good_q + f_broken_q + 4'(open_q) + 4'(break_o) + 4'(late_break_q));
+    assert (f_broken_q == broken_o[3:0]);
+    assert (f_known_q == in_force_q);
+    if (open_q || took_q != '0) assert (in_force_q);
+    // A break is of one frame: the late ones and that of a start never meet.
+    assert (!(late_break_q && start_breaks));
+    if (late_break_q) assert (!open_q);
+  end
+
+  // Rule 4: beats of a frame lie inside it: rows 1 to rows_o, groups below columns_o / 4.
+  always_comb if (f_ran_q && !rst_i) begin
+    if (in_force_q) assert (f_columns_q == columns_o && f_rows_q == rows_o);
+    if (open_q) begin
+      assert (row_q >= RowBits'(1) && row_q <= rows_o);
+      assert (row_is_last_q == (row_q == rows_o));
+      assert ((ColumnBits)'(group_q) < columns_o >> 2);
+      assert (group_is_last_q == ((ColumnBits)'(group_q) == (columns_o >> 2) - ColumnBits'(1)));
+    end
+    if (!hold_i) begin
+      assert (next_one_q == (columns_i == ColumnBits'(4)));
+      assert (next_two_q == (columns_i == ColumnBits'(8)));
+      assert (next_one_row_q == (rows_i == RowBits'(1)));
+      assert (next_two_rows_q == (rows_i == RowBits'(2)));
+      assert (next_groups_m2_q == GroupBits'((columns_i >> 2) - ColumnBits'(2)));
+      assert (next_rows_m1_q == rows_i - RowBits'(1));
+    end
+    if (in_force_q) begin
+      assert (columns_o[1:0] == 2'd0 && columns_o != '0 && columns_o <= ColumnBits'(MaxColumns));
+      assert (rows_o != '0 && rows_o <= RowBits'(MaxRows));
+      assert (one_group_o == (columns_o == ColumnBits'(4)));
+      assert (two_groups_o == (columns_o == ColumnBits'(8)));
+      assert (one_row_q == (rows_o == RowBits'(1)));
+      assert (two_rows_q == (rows_o == RowBits'(2)));
+      assert (rows_m1_q == rows_o - RowBits'(1));
+      assert (groups_m2_q == GroupBits'((columns_o >> 2) - ColumnBits'(2)));
+    end
+    cover (frame_end && rows_o == RowBits'(2) && columns_o == ColumnBits'(8));
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -60,6 +60,51 @@ module sp_packet_arbiter #(
     .m_data_o ({m_axis_tlast_o, m_axis_tdata_o})
   );
 
+`ifdef FORMAL
+  // Reset once, at the beginning; words that wait do not change.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  always_comb assume (rst_i == !f_ran_q);
+  always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
+    if ($past(first_valid_i && !first_ready_o)) assume (first_valid_i && $stable(first_data_i) && $stable(first_last_i));
+    if ($past(second_valid_i && !second_ready_o)) assume (second_valid_i && $stable(second_data_i) && $stable(second_last_i));
+  end
+
+  // What was taken last: of which stream, and whether its packet goes on.
+  logic f_first, f_second, f_inside_q, f_of_second_q;
+  assign f_first  = first_valid_i && first_ready_o;
+  assign f_second = second_valid_i && second_ready_o;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_inside_q <= 1'b0;
+    else if (f_first || f_second) begin
+      f_inside_q    <= !(f_first ? first_last_i : second_last_i);
+      f_of_second_q <= f_second;
+    end
+  end
+
+  // Rule 1: never a word of both at once.
+  // Rule 2: a packet that has begun is finished before the other stream has its turn.
+  // Rule 3: between packets the first stream goes before the second.
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (!(f_first && f_second));
+    if (f_inside_q && f_second) assert (f_of_second_q);
+    if (f_inside_q && f_first) assert (!f_of_second_q);
+    if (!f_inside_q && first_valid_i) assert (!f_second);
+    assert (busy_q == f_inside_q);
+    if (busy_q) assert (of_second_q == f_of_second_q);
+  end
+
+  // Rule 4: a word taken is at the output a clock later where nothing waits; what waits there does not change (AXI4-Stream).
+  always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
+    if ($past((f_first || f_second) && m_axis_tready_i)) assert (m_axis_tvalid_o);
+    if ($past(m_axis_tvalid_o && !m_axis_tready_i)) begin
+      assert (m_axis_tvalid_o && $stable(m_axis_tdata_o) && $stable(m_axis_tlast_o));
+    end
+    cover (f_first && $past(f_second && second_last_i) && $past(f_inside_q));
+    cover (f_second && f_inside_q && first_valid_i);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -128,29 +128,26 @@ module sp_async_fifo #(
   );
 
 `ifdef FORMAL
-  // Two free clocks: each may rise at any moment. Reset of both sides at the beginning, until each clock has risen twice
-  // and a moment is over.
+  // Two free clocks: each may rise at any moment.
   (* gclk *) logic f_moment;
-  logic f_wr_clk_q = 1'b1, f_rd_clk_q = 1'b1;
-  logic [1:0] f_wr_rises_q = 2'd0, f_rd_rises_q = 2'd0;
-  logic f_reset_q = 1'b1;
-  logic f_run_q = 1'b0;
-  always_ff @(posedge f_moment) begin
-    f_wr_clk_q <= wr_clk_i;
-    f_rd_clk_q <= rd_clk_i;
-    if (wr_clk_i && !f_wr_clk_q && !f_wr_rises_q[1]) f_wr_rises_q <= f_wr_rises_q + 2'd1;
-    if (rd_clk_i && !f_rd_clk_q && !f_rd_rises_q[1]) f_rd_rises_q <= f_rd_rises_q + 2'd1;
-    f_reset_q <= !(f_wr_rises_q[1] && f_rd_rises_q[1]);
-    f_run_q   <= !f_reset_q;
-  end
-  always_comb begin
-    assume (wr_rst_i == f_reset_q);
-    assume (rd_rst_i == f_reset_q);
-  end
+  logic f_wr_rise, f_rd_rise, f_wr_one, f_rd_one, f_wr_two, f_rd_two, f_run;
+  sp_formal_clocks u_clocks (
+    .a_clk_i (wr_clk_i),
+    .a_rst_i (wr_rst_i),
+    .b_clk_i (rd_clk_i),
+    .b_rst_i (rd_rst_i),
+    .a_rise_o(f_wr_rise),
+    .b_rise_o(f_rd_rise),
+    .a_one_o (f_wr_one),
+    .b_one_o (f_rd_one),
+    .a_two_o (f_wr_two),
+    .b_two_o (f_rd_two),
+    .run_o   (f_run)
+  );
   // Inputs change with their clock only.
-  always_ff @(posedge f_moment) if (f_run_q) begin
-    if (!(wr_clk_i && !f_wr_clk_q)) assume ($stable(wr_valid_i) && $stable(wr_data_i));
-    if (!(rd_clk_i && !f_rd_clk_q)) assume ($stable(rd_ready_i));
+  always_ff @(posedge f_moment) if (f_run) begin
+    if (!f_wr_rise) assume ($stable(wr_valid_i) && $stable(wr_data_i));
+    if (!f_rd_rise) assume ($stable(rd_ready_i));
   end
 
   // Pointers on their way, as binary numbers.
@@ -181,7 +178,7 @@ module sp_async_fifo #(
   assign f_held        = wr_ptr_q - rd_ptr_q;
   assign f_before_mark = f_mark - rd_ptr_q;
 
-  always_comb if (f_run_q && !f_reset_q) begin
+  always_comb if (f_run) begin
     // Rule 1: what either side knows of the other's pointer is behind it, in order: read as the writer sees it, read,
     // written as the reader sees it, written – and all of it within the depth.
     assert (wr_gray_q == (wr_ptr_q ^ (wr_ptr_q >> 1)));
@@ -201,20 +198,18 @@ module sp_async_fifo #(
   end
 
   // Reset leaves nothing behind: one rise clears a side's pointers, two what has come to it of the other's.
-  always_comb if (!f_run_q || f_reset_q) begin
-    if (f_wr_rises_q != 2'd0) assert (wr_ptr_q == '0 && wr_gray_q == '0 && f_rd_meta == '0);
-    if (f_rd_rises_q != 2'd0) assert (rd_ptr_q == '0 && rd_gray_q == '0 && f_wr_meta == '0 && !rd_valid_o && !f_at_output_q);
-    if (f_wr_rises_q[1]) assert (rd_gray_seen == '0 && f_wr_before == '0);
-    if (f_rd_rises_q[1]) assert (wr_gray_seen == '0 && f_rd_before == '0);
-    assert (f_reset_q || f_wr_rises_q[1] && f_rd_rises_q[1]);
+  always_comb if (!f_run) begin
+    if (f_wr_one) assert (wr_ptr_q == '0 && wr_gray_q == '0 && f_rd_meta == '0);
+    if (f_rd_one) assert (rd_ptr_q == '0 && rd_gray_q == '0 && f_wr_meta == '0 && !rd_valid_o && !f_at_output_q);
+    if (f_wr_two) assert (rd_gray_seen == '0 && f_wr_before == '0);
+    if (f_rd_two) assert (wr_gray_seen == '0 && f_rd_before == '0);
   end
-  always_comb if (f_run_q) assert (!f_reset_q && f_wr_rises_q[1] && f_rd_rises_q[1]);
 
   // Rule 5: what waits at the output does not change.
-  always_ff @(posedge f_moment) if (f_run_q) begin
-    if ($past(f_run_q && rd_valid_o && !rd_ready_i)) assert (rd_valid_o && $stable(rd_data_o));
+  always_ff @(posedge f_moment) if (f_run) begin
+    if ($past(f_run && rd_valid_o && !rd_ready_i)) assert (rd_valid_o && $stable(rd_data_o));
   end
-  always_ff @(posedge f_moment) if (f_run_q) begin
+  always_ff @(posedge f_moment) if (f_run) begin
     cover (wr_free_o == '0);
     cover (f_at_output_q && rd_valid_o && f_mark == (LogDepth + 1)'(1));
   end

@@ -51,6 +51,8 @@ PROOFS = [
     Proof("skid_buffer", "sp_skid_buffer", ("Width=3",), "induction", 2, 8),
     Proof("fifo", "sp_fifo", ("Width=3", "LogDepth=2"), "induction", 2, 20),
     Proof("async_fifo", "sp_async_fifo", ("Width=1", "LogDepth=2"), "induction", 2, 24, clocks=2),
+    Proof("packet_arbiter", "sp_packet_arbiter", ("Width=2",), "induction", 2, 16),
+    Proof("frame_tracker", "sp_frame_tracker", ("MaxColumns=12", "MaxRows=3"), "induction", 4, 24),
 ]
 
 FAULTS = [
@@ -87,7 +89,8 @@ def write_smt2(proof, rtl, folder):
     path = folder / f"{proof.name}.smt2"
     parameters = "".join(f" -set {text.replace('=', ' ')}" for text in proof.parameters)
     two_clocks = "memory_map; clk2fflogic; opt_clean;" if proof.clocks == 2 else ""
-    script = (f"read_verilog -formal -sv {rtl}/common/sp_spec_pkg.sv {' '.join(map(str, sources))}; "
+    script = (f"read_verilog -formal -sv {rtl}/common/sp_spec_pkg.sv {' '.join(map(str, sources))} "
+              f"{ROOT}/tests/formal/sp_formal_clocks.sv; "
               + (f"chparam{parameters} {proof.module}; " if parameters else "")
               + f"prep -nordff -flatten -top {proof.module}; {two_clocks} dffunmap; write_smt2 -wires {path}")
     result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
