@@ -14,6 +14,12 @@ for source in "${sources[@]}"; do
   grep -Eq "^module $name\\b" "$source" || { echo "lint_rtl.sh: $source: holds no module $name" >&2; exit 1; }
 done
 
+# Yosys 0.23 takes ~Width'(0) for a cast to ~Width bits and makes zero of it without a word.
+if grep -nE "(^|[^A-Za-z0-9_) '\`]|[=(,?:] )[~!-][A-Za-z_][A-Za-z0-9_:]*'\(" "${sources[@]}" >&2; then
+  echo "lint_rtl.sh: the lines above put a unary operator before a cast, of which Yosys makes a wrong netlist" >&2
+  exit 1
+fi
+
 # Parameters of sp_board to look at besides the default: the original's, with grey, with raw images, tiny, with the decoder.
 board_configurations=(
   "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b0"

@@ -86,6 +86,74 @@ module sp_gray_lane #(
     else code_o <= {measurable, 15'(planes_q3)};
   end
 
+`ifdef FORMAL
+  // What went in, as far back as it is needed.
+  logic [7:0]           f_pixel1_q, f_pixel2_q, f_pixel3_q, f_threshold2_q, f_threshold3_q;
+  logic [StateBits-1:0] f_state1_q, f_state2_q, f_state3_q, f_out4_q;
+  logic [3*MaxBits:0]   f_frame3_q;
+  logic                 f_clear4_q;
+  logic [2:0]           f_clocks_q = 3'd0;  // up to 4
+  always_ff @(posedge clk_i) begin
+    {f_pixel3_q, f_pixel2_q, f_pixel1_q} <= {f_pixel2_q, f_pixel1_q, pixel_i};
+    {f_state3_q, f_state2_q, f_state1_q} <= {f_state2_q, f_state1_q, state_i};
+    {f_threshold3_q, f_threshold2_q}     <= {f_threshold2_q, threshold_i};
+    f_frame3_q                           <= {negative_i, weight_i, above_i, mask_i};
+    {f_clear4_q, f_out4_q}               <= {clear_i, state_o};
+    if (!f_clocks_q[2]) f_clocks_q <= f_clocks_q + 3'd1;
+  end
+  // At most one plane is that of the frame, at most one that before it; the planes are among the m.
+  always_comb begin
+    assume ((weight_i & (weight_i - MaxBits'(1))) == '0 && (above_i & (above_i - MaxBits'(1))) == '0);
+    assume ((weight_i & ~mask_i) == '0 && (above_i & ~mask_i) == '0);
+  end
+
+  // Method, section 4: the pair's grey values, G of (4.15), phi, B of (4.17).
+  logic               f_negative, f_g, f_phi, f_b;
+  logic [MaxBits-1:0] f_weight, f_above, f_mask, f_planes, f_ambiguous;
+  logic [9:0]         f_positive_grey, f_negative_grey, f_threshold;
+  assign {f_negative, f_weight, f_above, f_mask} = f_frame3_q;
+  assign f_positive_grey = 10'(f_state3_q[7:0]);
+  assign f_negative_grey = 10'(f_pixel3_q);
+  assign f_threshold     = 10'(f_threshold3_q);
+  assign f_g         = f_positive_grey > f_negative_grey + f_threshold;
+  assign f_phi       = !f_g && f_negative_grey <= f_positive_grey + f_threshold;
+  assign f_planes    = f_state3_q[8+:MaxBits];
+  assign f_ambiguous = f_state3_q[8+MaxBits+:MaxBits];
+  assign f_b         = f_g != ((f_planes & f_above) != '0);
+
+  // Any one plane.
+  (* anyconst *) logic [3:0] f_plane;
+  logic f_one;
+  always_comb begin
+    f_one = f_out4_q[8+MaxBits+:MaxBits] == '0;
+    for (int i = 0; i < MaxBits; i++) if (f_out4_q[8+MaxBits+:MaxBits] == MaxBits'(1) << i) f_one = 1'b1;
+    assume (f_plane < 4'(MaxBits));
+    if (f_clocks_q >= 3'd3) begin
+      // Rule 1: the pixel takes the positive's place.
+      assert (state_o[7:0] == f_pixel3_q);
+      // Rule 2: a negative sets its own plane to B and phi; every other plane of the m stays, those beyond are 0.
+      if (!f_mask[f_plane]) begin
+        assert (!state_o[8+f_plane] && !state_o[8+MaxBits+f_plane]);
+      end else if (f_negative && f_weight[f_plane]) begin
+        assert (state_o[8+f_plane] == f_b && state_o[8+MaxBits+f_plane] == f_phi);
+      end else begin
+        assert (state_o[8+f_plane] == f_planes[f_plane] && state_o[8+MaxBits+f_plane] == f_ambiguous[f_plane]);
+      end
+    end
+    // Rule 3: the code is the planes, measurable where at most one of them is ambiguous (4.16).
+    if (f_clocks_q[2]) begin
+      if (f_clear4_q) assert (code_o == '0);
+      else begin
+        assert (code_o[14:0] == 15'(f_out4_q[8+:MaxBits]));
+        assert (code_o[15] == f_one);
+      end
+    end
+  end
+  always_ff @(posedge clk_i) if (f_clocks_q[2]) begin
+    cover (f_negative && f_phi && !f_clear4_q && !code_o[15]);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

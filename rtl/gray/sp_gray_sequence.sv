@@ -46,7 +46,7 @@ module sp_gray_sequence #(
   assign pairs_up = pairs_q == bits_i ? pairs_q : pairs_q + 4'd1;
   assign refused_o = start_i && busy_i && follows && index[0] && enough;
   assign weight   = MaxBits'(1) << (bits_i - 4'd1 - index[4:1]);
-  assign mask     = ~(~MaxBits'(0) << bits_i);
+  assign mask     = ~({MaxBits{1'b1}} << bits_i);
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -73,6 +73,70 @@ module sp_gray_sequence #(
       mask_o   <= mask;
     end
   end
+
+`ifdef FORMAL
+  // Reset once, at the beginning; m changes only with a restart.
+  logic f_ran_q = 1'b0;
+  logic [3:0] f_bits_q;
+  always_ff @(posedge clk_i) {f_ran_q, f_bits_q} <= {1'b1, bits_i};
+  always_comb begin
+    assume (rst_i == !f_ran_q);
+    assume (bits_i >= 4'd1 && bits_i <= 4'(MaxBits));
+    if (f_ran_q && bits_i != f_bits_q) assume (restart_i);
+  end
+
+  // Frames taken in succession from index 0 on, up to 2 m, and the index that goes on with them.
+  logic [4:0] f_length_q, f_length, f_grown, f_next_q, f_next;
+  logic       f_goes_on, f_taken, f_due, f_refused;
+  assign f_length  = restart_i ? 5'd0 : f_length_q;
+  assign f_next    = restart_i ? 5'd0 : f_next_q;
+  assign f_goes_on = f_length != 5'd0 && pattern_i == 16'(f_next);
+  assign f_grown   = !f_goes_on ? 5'd1 : f_length == {bits_i, 1'b0} ? f_length : f_length + 5'd1;
+  assign f_due     = decode_i && (f_goes_on || pattern_i == '0) && pattern_i[0] && f_grown == {bits_i, 1'b0};
+  assign f_refused = f_due && busy_i;
+  assign f_taken   = decode_i && (f_goes_on || pattern_i == '0) && !f_refused;
+  logic f_due_q, f_negative_q, f_known_q, f_weight_right_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      {f_length_q, f_next_q, f_due_q, f_negative_q, f_known_q} <= '0;
+    end else if (start_i) begin
+      f_length_q   <= f_taken && !lost_i ? f_grown : 5'd0;
+      f_next_q     <= !f_taken || lost_i || pattern_i[4:0] == {bits_i, 1'b0} - 5'd1 ? 5'd0 : pattern_i[4:0] + 5'd1;
+      f_due_q      <= f_due && f_taken;
+      f_negative_q <= f_taken && pattern_i[0];
+      f_known_q    <= 1'b1;
+    end else if (restart_i || lost_i) begin
+      {f_length_q, f_next_q} <= '0;
+    end
+  end
+
+  always_comb if (f_ran_q && !rst_i) begin
+    // Rule 1: codes are due from a negative once m pairs have come in succession from index 0, and never else.
+    assert (due_o == f_due_q);
+    assert (negative_o == f_negative_q);
+    // Rule 2: a frame is refused only where its codes would be due and cannot be taken.
+    assert (refused_o == (start_i && f_refused));
+    if (due_o) assert (negative_o);
+    // What is kept says the same in other words.
+    assert (next_q == f_next_q);
+    assert (pairs_q == f_length_q[4:1]);
+    if (!restart_i) begin
+      assert (f_length_q <= {bits_i, 1'b0} && f_next_q < {bits_i, 1'b0});
+      if (f_length_q < {bits_i, 1'b0}) assert (f_next_q == f_length_q);
+      if (f_length_q == '0) assert (f_next_q == '0);
+    end
+  end
+  // Rule 3: plane p of m weighs 2^(m-1-p) (4.18), and the plane before it twice that.
+  always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
+    if ($past(start_i && f_taken)) begin
+      assert (weight_o << ($past(pattern_i[4:1])) == MaxBits'(1) << ($past(bits_i) - 4'd1));
+      assert (above_o == ($past(pattern_i[4:1]) == 4'd0 ? MaxBits'(0) : weight_o << 1));
+      assert (mask_o == MaxBits'((1 << $past(bits_i)) - 1));
+    end
+    cover (due_o && mask_o == MaxBits'(3) && above_o == '0);
+    cover ($past(refused_o));
+  end
+`endif
 
 endmodule
 

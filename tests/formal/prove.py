@@ -53,6 +53,8 @@ PROOFS = [
     Proof("async_fifo", "sp_async_fifo", ("Width=1", "LogDepth=2"), "induction", 2, 24, clocks=2),
     Proof("packet_arbiter", "sp_packet_arbiter", ("Width=2",), "induction", 2, 16),
     Proof("frame_tracker", "sp_frame_tracker", ("MaxColumns=12", "MaxRows=3"), "induction", 4, 24),
+    Proof("gray_lane", "sp_gray_lane", (), "induction", 5, 8),
+    Proof("gray_sequence", "sp_gray_sequence", (), "induction", 3, 16),
 ]
 
 FAULTS = [
