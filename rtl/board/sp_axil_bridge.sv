@@ -175,6 +175,11 @@ module sp_axil_bridge #(
     .rst_i(bus_rst_i),
     .d_i  (back_q),
     .q_o  (seen_back)
+`ifdef FORMAL
+    ,
+    .f_before_o(f_back_before),
+    .f_meta_o  (f_back_meta)
+`endif
   );
 
   // --- Video clock ---
@@ -183,6 +188,11 @@ module sp_axil_bridge #(
     .rst_i(rst_i),
     .d_i  (toggle_q),
     .q_o  (toggle_there)
+`ifdef FORMAL
+    ,
+    .f_before_o(f_there_before),
+    .f_meta_o  (f_there_meta)
+`endif
   );
 
   assign request_o    = toggle_there != toggle_before_q;
@@ -203,6 +213,108 @@ module sp_axil_bridge #(
       back_data_q  <= read_data_i;
     end
   end
+
+`ifdef FORMAL
+  // Two free clocks: each may rise at any moment.
+  (* gclk *) logic f_moment;
+  logic f_bus_rise, f_rise, f_bus_one, f_one, f_bus_two, f_two, f_run;
+  sp_formal_clocks u_clocks (
+    .a_clk_i (bus_clk_i),
+    .a_rst_i (bus_rst_i),
+    .b_clk_i (clk_i),
+    .b_rst_i (rst_i),
+    .a_rise_o(f_bus_rise),
+    .b_rise_o(f_rise),
+    .a_one_o (f_bus_one),
+    .b_one_o (f_one),
+    .a_two_o (f_bus_two),
+    .b_two_o (f_two),
+    .run_o   (f_run)
+  );
+  // Inputs change with their clock only; the registers answer a request once, and never without one.
+  logic f_asked_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_asked_q <= 1'b0;
+    else f_asked_q <= (f_asked_q || request_o) && !answer_i;
+  end
+  always_comb if (answer_i) assume (f_asked_q && !rst_i);
+  always_ff @(posedge f_moment) if (f_run) begin
+    if (!f_bus_rise) begin
+      assume ($stable(s_axil_awvalid_i) && $stable(s_axil_awaddr_i) && $stable(s_axil_wvalid_i) && $stable(s_axil_wdata_i));
+      assume ($stable(s_axil_wstrb_i) && $stable(s_axil_bready_i) && $stable(s_axil_rready_i));
+      assume ($stable(s_axil_arvalid_i) && $stable(s_axil_araddr_i));
+    end
+    if (!f_rise) assume ($stable(answer_i) && $stable(error_i) && $stable(read_data_i));
+  end
+
+  // Rule 1: every address and every data word taken is answered once: taken = answered + waiting + under way + at the output.
+  logic [3:0] f_aw_q, f_w_q, f_b_q, f_ar_q, f_r_q;  // modulo 16
+  always_ff @(posedge bus_clk_i) begin
+    if (bus_rst_i) {f_aw_q, f_w_q, f_b_q, f_ar_q, f_r_q} <= '0;
+    else begin
+      f_aw_q <= f_aw_q + 4'(s_axil_awvalid_i && s_axil_awready_o);
+      f_w_q  <= f_w_q + 4'(s_axil_wvalid_i && s_axil_wready_o);
+      f_b_q  <= f_b_q + 4'(s_axil_bvalid_o && s_axil_bready_i);
+      f_ar_q <= f_ar_q + 4'(s_axil_arvalid_i && s_axil_arready_o);
+      f_r_q  <= f_r_q + 4'(s_axil_rvalid_o && s_axil_rready_i);
+    end
+  end
+  logic f_writing, f_reading;  // at the registers, and the bus still waits
+  assign f_writing = busy_q && !late_q && !reading_q;
+  assign f_reading = busy_q && !late_q && reading_q;
+  always_comb if (f_run) begin
+    assert (f_aw_q == f_b_q + 4'(aw_full_q) + 4'(f_writing) + 4'(s_axil_bvalid_o));
+    assert (f_w_q == f_b_q + 4'(w_full_q) + 4'(f_writing) + 4'(s_axil_bvalid_o));
+    assert (f_ar_q == f_r_q + 4'(ar_full_q) + 4'(f_reading) + 4'(s_axil_rvalid_o));
+    // An answer is at the output or still to come, not both.
+    assert (!(f_writing && s_axil_bvalid_o) && !(f_reading && s_axil_rvalid_o));
+    // It says OKAY or SLVERR.
+    if (s_axil_bvalid_o) assert (s_axil_bresp_o == Okay || s_axil_bresp_o == SlaveError);
+    if (s_axil_rvalid_o) assert (s_axil_rresp_o == Okay || s_axil_rresp_o == SlaveError);
+    if (f_writing) assert (s_axil_bresp_o == SlaveError);
+    if (f_reading) assert (s_axil_rresp_o == SlaveError);
+    assert (!late_q || busy_q);
+    if (busy_q) assert (ask_write_q == !reading_q);
+  end
+  always_comb if (!f_run && f_bus_one) begin
+    assert (!busy_q && !late_q && !aw_full_q && !w_full_q && !ar_full_q && !s_axil_bvalid_o && !s_axil_rvalid_o);
+    assert ({f_aw_q, f_w_q, f_b_q, f_ar_q, f_r_q} == '0);
+  end
+
+  // A request goes round once: what the toggle has reached is a beginning of its way, all of it while nothing is under way.
+  logic f_there_before, f_there_meta, f_back_before, f_back_meta;
+  logic [8:1] f_not_yet;
+  assign f_not_yet = {seen_back, f_back_meta, f_back_before, back_q, toggle_before_q, toggle_there, f_there_meta,
+                      f_there_before} ^ {8{toggle_q}};
+  always_comb begin
+    if (f_run) begin
+      for (int i = 1; i < 8; i++) if (f_not_yet[i]) assert (f_not_yet[i+1]);
+      if (!busy_q) assert (f_not_yet == '0);
+      assert (f_asked_q == (toggle_before_q != back_q));
+    end else begin
+      if (f_bus_one) assert (!toggle_q && !f_back_meta);
+      if (f_one) assert (!toggle_before_q && !back_q && !f_there_meta && !f_asked_q);
+      if (f_bus_two) assert (!seen_back && !f_there_before);
+      if (f_two) assert (!toggle_there && !f_back_before);
+    end
+  end
+
+  // Rule 2: an answer that waits does not change.
+  always_ff @(posedge f_moment) if (f_run) begin
+    if ($past(f_run && s_axil_bvalid_o && !s_axil_bready_i)) assert (s_axil_bvalid_o && $stable(s_axil_bresp_o));
+    if ($past(f_run && s_axil_rvalid_o && !s_axil_rready_i)) begin
+      assert (s_axil_rvalid_o && $stable(s_axil_rresp_o) && $stable(s_axil_rdata_o));
+    end
+    // Rule 3: what the registers are asked stands still from the request until the bus has its answer.
+    if ($past(f_run && busy_q) && busy_q) begin
+      assert ($stable(ask_write_q) && $stable(ask_address_q) && $stable(ask_data_q));
+    end
+    if (request_o) assert (busy_q);
+    cover (s_axil_bvalid_o && s_axil_bresp_o == Okay);
+    cover (s_axil_rvalid_o && s_axil_rresp_o == Okay);
+    cover (late_q && s_axil_rvalid_o);
+  end
+`endif
 
 endmodule
 

@@ -55,6 +55,7 @@ PROOFS = [
     Proof("frame_tracker", "sp_frame_tracker", ("MaxColumns=12", "MaxRows=3"), "induction", 4, 24),
     Proof("gray_lane", "sp_gray_lane", (), "induction", 5, 8),
     Proof("gray_sequence", "sp_gray_sequence", (), "induction", 3, 16),
+    Proof("axil_bridge", "sp_axil_bridge", ("AddressBits=2", "TimeoutBits=2"), "induction", 3, 36, clocks=2),
 ]
 
 FAULTS = [
