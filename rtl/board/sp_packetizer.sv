@@ -247,6 +247,84 @@ module sp_packetizer #(
     assign unused = ^line_q;
   end
 
+`ifdef FORMAL
+  // Reset once, at the beginning. Requests as sp_frame_tracker gives them; a payload has a beat at least.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  always_comb begin
+    assume (rst_i == !f_ran_q);
+    assume (!(start_i && break_first_i));
+    if (start_i) assume (payload_beats_i != '0);
+  end
+  // The FIFO: it never promises a place that is not there; places come free at any time.
+  (* anyseq *) logic [LogDepth:0] f_freed;
+  logic [LogDepth:0] f_free_q;
+  always_comb begin
+    assume (fifo_free_i <= f_free_q);
+    assume ((LogDepth + 3)'(f_freed) + (LogDepth + 3)'(f_free_q) <= (LogDepth + 3)'(1 << LogDepth));
+  end
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_free_q <= (LogDepth + 1)'(1 << LogDepth);
+    else f_free_q <= f_free_q + f_freed - (LogDepth + 1)'(fifo_valid_o);
+  end
+
+  // Rule 1: delivered + lost = requested, always (but for those on their way to the decision or to the counter).
+  logic [3:0] f_asked_q, f_taken_q;  // modulo 16
+  always_ff @(posedge clk_i) begin
+    if (rst_i) {f_asked_q, f_taken_q} <= '0;
+    else begin
+      f_asked_q <= f_asked_q + 4'(start_i || break_first_i);
+      f_taken_q <= f_taken_q + 4'(take || take_empty);
+    end
+  end
+
+  // Rule 2: whole packets only: header, payload as announced, trailer; fifo_last_o with the last beat and no other.
+  // Rule 3: no beat without a place in the FIFO.
+  localparam int FLeftBits = PayloadBits + 1 > 4 ? PayloadBits + 1 : 4;
+  logic [FLeftBits-1:0] f_left_q, f_after;  // beats of the packet that have not left; less that at the FIFO
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_left_q <= '0;
+    else if (take || take_empty) f_left_q <= FLeftBits'(take ? payload2_q : PayloadBits'(0)) + FLeftBits'(Overhead);
+    else if (fifo_valid_o) f_left_q <= f_left_q - FLeftBits'(1);
+  end
+  assign f_after = f_left_q - FLeftBits'(fifo_valid_o);
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (f_asked_q == f_taken_q + lost_o[3:0] + 4'(start_q[1]) + 4'(start_q[2]) + 4'(break_first_q[1]) +
+            4'(break_first_q[2]) + 4'(lost_now_q[0]) + 4'(lost_now_q[1]));
+    assert (!(start_q[1] && break_first_q[1]) && !(start_q[2] && break_first_q[2]));
+    if (break_first_q[1]) assert (payload1_q == '0);
+    if (break_first_q[2]) assert (payload2_q == '0);
+    if (start_q[1]) assert (payload1_q != '0);
+    if (start_q[2]) assert (payload2_q != '0);
+    if (fifo_valid_o) assert (f_left_q != '0 && f_free_q != '0);
+    if (fifo_valid_o) assert (fifo_last_o == (f_left_q == FLeftBits'(1)));
+    assert (CountBits'(f_free_q) >= CountBits'(f_left_q));
+    if (start_q[1] || break_first_q[1]) assert (need1_q == CountBits'(payload1_q) + CountBits'(Overhead));
+    if ((start_q[2] || break_first_q[2]) && room2_q && state_q == StIdle) begin
+      assert (CountBits'(f_free_q) >= CountBits'(payload2_q) + CountBits'(Overhead));
+    end
+    case (state_q)
+      StIdle:    assert (f_left_q == '0 && !fifo_valid_o);
+      StHeader: begin
+        assert (f_after == FLeftBits'(left_q) + FLeftBits'(Overhead) - FLeftBits'(step_q));
+        assert (empty_q == (left_q == '0) && one_left_q == (left_q == PayloadBits'(1)));
+      end
+      StPayload, StFill: begin
+        assert (f_after == FLeftBits'(left_q) + FLeftBits'(1));
+        assert (left_q != '0 && one_left_q == (left_q == PayloadBits'(1)));
+      end
+      StTrailer: assert (f_after == FLeftBits'(1) && step_q != 2'd3);
+      StSettle: begin
+        assert (f_after == '0 && step_q != 2'd2);
+        if (step_q != 2'd3) assert (!fifo_valid_o);
+      end
+      default: assert (1'b0);
+    endcase
+    cover (fifo_valid_o && fifo_last_o && f_taken_q == 4'd2 && lost_o == 32'd1);
+    cover (state_q == StFill && f_left_q == FLeftBits'(3));
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -56,6 +56,7 @@ PROOFS = [
     Proof("gray_lane", "sp_gray_lane", (), "induction", 5, 8),
     Proof("gray_sequence", "sp_gray_sequence", (), "induction", 3, 16),
     Proof("axil_bridge", "sp_axil_bridge", ("AddressBits=2", "TimeoutBits=2"), "induction", 3, 36, clocks=2),
+    Proof("packetizer", "sp_packetizer", ("ColumnBits=4", "RowBits=2", "PayloadBits=3", "LogDepth=4"), "induction", 2, 40),
 ]
 
 FAULTS = [
