@@ -79,6 +79,51 @@ module sp_packet_fifo #(
     .rd_data_o ({rd_last_o, rd_data_o})
   );
 
+`ifdef FORMAL
+  // Two free clocks: each may rise at any moment.
+  (* gclk *) logic f_moment;
+  logic f_wr_rise, f_rd_rise, f_wr_one, f_rd_one, f_wr_two, f_rd_two, f_run;
+  sp_formal_clocks u_clocks (
+    .a_clk_i (wr_clk_i),
+    .a_rst_i (wr_rst_i),
+    .b_clk_i (rd_clk_i),
+    .b_rst_i (rd_rst_i),
+    .a_rise_o(f_wr_rise),
+    .b_rise_o(f_rd_rise),
+    .a_one_o (f_wr_one),
+    .b_one_o (f_rd_one),
+    .a_two_o (f_wr_two),
+    .b_two_o (f_rd_two),
+    .run_o   (f_run)
+  );
+  // Inputs change with their clock only; the writer looks for a place first.
+  always_comb if (wr_valid_i) assume (!wr_rst_i && wr_free_o != '0);
+  always_ff @(posedge f_moment) if (f_run) begin
+    if (!f_wr_rise) assume ($stable(wr_valid_i) && $stable(wr_last_i) && $stable(wr_data_i));
+    if (!f_rd_rise) assume ($stable(rd_ready_i));
+  end
+
+  // Rule 1: a packet shows at the output only once its last word is in, and then to its end without a wait for the writer:
+  // whole packets written are more than packets read, from the first word at the output to the last.
+  logic [LogDepth:0] f_whole;
+  logic              f_inside_q;
+  assign f_whole = written_q - read_q;
+  always_ff @(posedge rd_clk_i) begin
+    if (rd_rst_i) f_inside_q <= 1'b0;
+    else if (rd_valid_o && rd_ready_i) f_inside_q <= !rd_last_o;
+  end
+  always_comb if (f_run) begin
+    if (rd_valid_o || f_inside_q) assert (f_whole != '0 && whole);
+    assert (f_whole <= (LogDepth + 1)'((1 << LogDepth) + 1));
+  end
+
+  // Rule 2: what waits at the output does not change (AXI4-Stream).
+  always_ff @(posedge f_moment) if (f_run) begin
+    if ($past(f_run && rd_valid_o && !rd_ready_i)) assert (rd_valid_o && $stable(rd_data_o) && $stable(rd_last_o));
+    cover (rd_valid_o && f_inside_q && rd_last_o);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -57,6 +57,9 @@ PROOFS = [
     Proof("gray_sequence", "sp_gray_sequence", (), "induction", 3, 16),
     Proof("axil_bridge", "sp_axil_bridge", ("AddressBits=2", "TimeoutBits=2"), "induction", 3, 36, clocks=2),
     Proof("packetizer", "sp_packetizer", ("ColumnBits=4", "RowBits=2", "PayloadBits=3", "LogDepth=4"), "induction", 2, 40),
+    Proof("packet_fifo", "sp_packet_fifo", ("Width=1", "LogDepth=1"), "bounded", 16, 24, clocks=2),
+    Proof("column_moments_binary", "sp_column_moments", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 16, 20),
+    Proof("column_moments_grey", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1"), "bounded", 18, 26),
 ]
 
 FAULTS = [
@@ -92,11 +95,11 @@ def write_smt2(proof, rtl, folder):
     sources = sorted(path for path in rtl.rglob("sp_*.sv") if not path.name.endswith("_pkg.sv"))
     path = folder / f"{proof.name}.smt2"
     parameters = "".join(f" -set {text.replace('=', ' ')}" for text in proof.parameters)
-    two_clocks = "memory_map; clk2fflogic; opt_clean;" if proof.clocks == 2 else ""
+    two_clocks = "clk2fflogic;" if proof.clocks == 2 else ""
     script = (f"read_verilog -formal -sv {rtl}/common/sp_spec_pkg.sv {' '.join(map(str, sources))} "
               f"{ROOT}/tests/formal/sp_formal_clocks.sv; "
               + (f"chparam{parameters} {proof.module}; " if parameters else "")
-              + f"prep -nordff -flatten -top {proof.module}; {two_clocks} dffunmap; write_smt2 -wires {path}")
+              + f"prep -nordff -flatten -top {proof.module}; memory_map; {two_clocks} opt -full; dffunmap; write_smt2 -wires {path}")
     result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
     if result.returncode != 0 or not path.exists():
         said = [line for line in (result.stdout + result.stderr).splitlines() if not line.startswith(">")]
