@@ -6,6 +6,7 @@ set -euo pipefail
 packages=(
   g++ cmake ninja-build git python3          # build, generator
   verilator yosys iverilog                   # simulation, synthesis, lint
+  z3                                         # proofs
   libsystemc-dev                             # co-simulation
   libopencv-core-dev libopencv-imgcodecs-dev libopencv-imgproc-dev  # image files, colour conversion
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs

@@ -105,16 +105,24 @@ module sp_packet_fifo #(
 
   // Rule 1: a packet shows at the output only once its last word is in, and then to its end without a wait for the writer:
   // whole packets written are more than packets read, from the first word at the output to the last.
-  logic [LogDepth:0] f_whole;
-  logic              f_inside_q;
-  assign f_whole = written_q - read_q;
+  logic [4:0] f_in_q, f_out_q, f_whole;  // modulo 32: more than fit
+  logic       f_inside_q;
+  assign f_whole = f_in_q - f_out_q;
+  always_ff @(posedge wr_clk_i) begin
+    if (wr_rst_i) f_in_q <= '0;
+    else f_in_q <= f_in_q + 5'(wr_valid_i && wr_last_i);
+  end
+  always_ff @(posedge rd_clk_i) begin
+    if (rd_rst_i) f_out_q <= '0;
+    else f_out_q <= f_out_q + 5'(rd_valid_o && rd_ready_i && rd_last_o);
+  end
   always_ff @(posedge rd_clk_i) begin
     if (rd_rst_i) f_inside_q <= 1'b0;
     else if (rd_valid_o && rd_ready_i) f_inside_q <= !rd_last_o;
   end
   always_comb if (f_run) begin
     if (rd_valid_o || f_inside_q) assert (f_whole != '0 && whole);
-    assert (f_whole <= (LogDepth + 1)'((1 << LogDepth) + 1));
+    assert (f_whole <= 5'((1 << LogDepth) + 1));
   end
 
   // Rule 2: what waits at the output does not change (AXI4-Stream).
