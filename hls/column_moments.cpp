@@ -1,7 +1,6 @@
 #include "hls/column_moments.h"
 
-namespace selfproj {
-namespace hls {
+using namespace selfproj::hls;
 
 void column_moments_top(Stream<AxisBeat<32>>& video, Columns columns, Row rows, ModeBits mode, Pixel threshold,
                         Stream<AxisBeat<128>>& payload) {
@@ -24,6 +23,3 @@ void column_moments_top(Stream<AxisBeat<32>>& video, Columns columns, Row rows, 
   setup.threshold = threshold;
   kernel.step(video, setup, payload);
 }
-
-}  // namespace hls
-}  // namespace selfproj

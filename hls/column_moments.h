@@ -465,11 +465,13 @@ class ColumnMomentsKernel {
   Pixel threshold_ = 0;
 };
 
-// The kernel as a tool takes it: free-running, a clock a call. See column_moments.cpp.
-void column_moments_top(Stream<AxisBeat<32>>& video, Columns columns, Row rows, ModeBits mode, Pixel threshold,
-                        Stream<AxisBeat<128>>& payload);
-
 }  // namespace hls
 }  // namespace selfproj
+
+// The kernel as a tool takes it: free-running, a clock a call. In no namespace, which some tools want of a top
+// function. See column_moments.cpp.
+void column_moments_top(selfproj::hls::Stream<selfproj::hls::AxisBeat<32>>& video, selfproj::hls::Columns columns,
+                        selfproj::hls::Row rows, selfproj::hls::ModeBits mode, selfproj::hls::Pixel threshold,
+                        selfproj::hls::Stream<selfproj::hls::AxisBeat<128>>& payload);
 
 #endif  // SELFPROJ_HLS_COLUMN_MOMENTS_H

@@ -1,7 +1,6 @@
 #include "hls/gray_decoder.h"
 
-namespace selfproj {
-namespace hls {
+using namespace selfproj::hls;
 
 void gray_decoder_top(Stream<AxisBeat<32>>& video, Uint<13> columns, Uint<12> rows, PlaneCount bits,
                       GrayPixel threshold, Uint<1> median, PatternIndex pattern, Stream<AxisBeat<64>>& codes) {
@@ -28,6 +27,3 @@ void gray_decoder_top(Stream<AxisBeat<32>>& video, Uint<13> columns, Uint<12> ro
   setup.median = median != 0;
   kernel.step(video, setup, pattern, codes);
 }
-
-}  // namespace hls
-}  // namespace selfproj

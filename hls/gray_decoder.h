@@ -161,7 +161,7 @@ class GrayDecoder {
   GrayDecoder(){
 // The states of a beat are one word: one read and one write a step.
 #pragma HLS aggregate variable = state_ compact = bit
-#pragma HLS bind_storage variable = state_ type = ram_s2p impl = uram
+#pragma HLS bind_storage variable = state_ type = ram_s2p impl = auto
   }
 
   // A beat of the frame that `sequence` was told of. Frames begin at least kMemoryDistance steps after the last beat of
@@ -333,13 +333,18 @@ class GrayDecoderKernel {
   Uint<11> median_left_ = 0;  // steps until the last code image is out
 };
 
-// The kernel as a tool takes it, for images up to 640 x 480: free-running, a clock a call. See gray_decoder.cpp.
+// Largest image of the top function.
 constexpr int kTopColumns = 640;
 constexpr int kTopRows = 480;
-void gray_decoder_top(Stream<AxisBeat<32>>& video, Uint<13> columns, Uint<12> rows, PlaneCount bits,
-                      GrayPixel threshold, Uint<1> median, PatternIndex pattern, Stream<AxisBeat<64>>& codes);
 
 }  // namespace hls
 }  // namespace selfproj
+
+// The kernel as a tool takes it: free-running, a clock a call. In no namespace, which some tools want of a top
+// function. See gray_decoder.cpp.
+void gray_decoder_top(selfproj::hls::Stream<selfproj::hls::AxisBeat<32>>& video, selfproj::hls::Uint<13> columns,
+                      selfproj::hls::Uint<12> rows, selfproj::hls::PlaneCount bits, selfproj::hls::GrayPixel threshold,
+                      selfproj::hls::Uint<1> median, selfproj::hls::PatternIndex pattern,
+                      selfproj::hls::Stream<selfproj::hls::AxisBeat<64>>& codes);
 
 #endif  // SELFPROJ_HLS_GRAY_DECODER_H

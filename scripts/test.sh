@@ -8,6 +8,9 @@ step() { printf '\n== %s\n' "$*"; }
 
 scripts/setup.sh
 
+step "headers of HLS tools"
+hls/get_ap_types.sh || echo "the kernels are not tested with the vendor's integers"
+
 step "generated files"
 python3 model/spec/generate.py --check
 echo "they are what model/spec/selfproj.json gives"

@@ -255,6 +255,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
     d1_break_ = false;
     d2_break_ = false;
     d2_weights_ = 0;
+    was_active_ = false;
     spoiled_ = false;
   }
 

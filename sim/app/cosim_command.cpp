@@ -205,6 +205,8 @@ PlatformOptions platform_options(const Options& options, const Setup& setup) {
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
   } else if (options.engine == "rtl") {
     platform.engine = PlatformEngine::rtl;
+  } else if (options.engine == "hls") {
+    platform.engine = PlatformEngine::hls;
 #endif
   } else {
     throw UserError("--engine " + options.engine, "this engine is not part of this build");

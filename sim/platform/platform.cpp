@@ -20,7 +20,9 @@ namespace {
 // SystemC elaborates once in the life of a kernel: every platform has a kernel of its own in place of the default one.
 class Kernel {
  public:
-  Kernel() {
+  // SystemC 2.3.4 frees what a port's reset_signal_is() leaves behind when it elaborates, and again with the kernel:
+  // one whose modules have clocked threads with a reset is left where it is, some kilobytes.
+  explicit Kernel(bool has_resets) : has_resets_(has_resets) {
     if (std::exchange(alive, true)) {
       throw std::logic_error("two platforms at once");
     }
@@ -30,6 +32,9 @@ class Kernel {
   Kernel(const Kernel&) = delete;
   Kernel& operator=(const Kernel&) = delete;
   ~Kernel() {
+    if (has_resets_) {
+      static_cast<void>(kernel_.release());
+    }
     kernel_.reset();
     use(default_);
     alive = false;
@@ -42,6 +47,7 @@ class Kernel {
   }
 
   inline static bool alive = false;
+  bool has_resets_;
   sc_core::sc_simcontext* default_ = sc_core::sc_curr_simcontext;
   std::unique_ptr<sc_core::sc_simcontext> kernel_ = std::make_unique<sc_core::sc_simcontext>();
 };
@@ -83,9 +89,9 @@ std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const Camer
     return make_model_core(core);
   }
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
-  return make_rtl_core(core);
+  return options.engine == PlatformEngine::hls ? make_hls_core(core) : make_rtl_core(core);
 #else
-  throw UserError("--engine rtl", "this engine is not part of this build");
+  throw UserError("--engine", "this engine is not part of this build");
 #endif
 }
 
@@ -93,7 +99,8 @@ std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const Camer
 
 struct Platform::Parts {
   Parts(const PlatformOptions& options, Camera::Source frames, BusSink::Receiver packets, BoardModel::Sink expected)
-      : timing(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz)),
+      : kernel(options.engine == PlatformEngine::hls),
+        timing(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz)),
         period(sc_core::sc_time::from_value(kPixelClockPs)),
         camera("camera", timing, kFirstClock, period, std::move(frames)),
         conveyor("conveyor", clocks_a_step(options.encoder_steps_per_s), kFirstClock, period),

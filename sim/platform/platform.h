@@ -22,7 +22,7 @@
 
 namespace selfproj {
 
-enum class PlatformEngine : std::uint8_t { rtl, model };
+enum class PlatformEngine : std::uint8_t { rtl, hls, model };
 
 struct PlatformOptions {
   PlatformEngine engine = PlatformEngine::rtl;

@@ -10,16 +10,18 @@
 #include <utility>
 
 #include "Vboard.h"
+#include "Vboard_hls.h"
 #include "Vboard_traced.h"
 #include "sim/device/board_device.h"
 #include "sim/platform/board_core.h"
 #include "sim/platform/camera_timing.h"
+#include "sim/platform/shell_slot.h"
 
 namespace selfproj {
 namespace {
 
 template <class Model>
-class RtlCore final : public BoardCore {
+class RtlCore : public BoardCore {
  public:
   explicit RtlCore(const BoardCoreOptions& options)
       : device_({.seed = options.seed,
@@ -113,6 +115,16 @@ class RtlCore final : public BoardCore {
   std::uint64_t queue_end_ = 0;  // clock at which all that was queued is in
 };
 
+// The board with the SystemC shell in the place of sp_column_moments. The shell is there before the board's first
+// clock.
+struct ShellFirst {
+  ShellSlot shell;
+};
+class HlsCore final : private ShellFirst, public RtlCore<Vboard_hls> {
+ public:
+  using RtlCore::RtlCore;
+};
+
 }  // namespace
 
 std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
@@ -121,5 +133,7 @@ std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
   }
   return std::make_unique<RtlCore<Vboard_traced>>(options);
 }
+
+std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options) { return std::make_unique<HlsCore>(options); }
 
 }  // namespace selfproj

@@ -127,7 +127,7 @@ TEST(CameraTiming, RefusesWhatTheBoardDoes) {
 
 std::vector<PlatformEngine> engines() {
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
-  return {PlatformEngine::rtl, PlatformEngine::model};
+  return {PlatformEngine::rtl, PlatformEngine::hls, PlatformEngine::model};
 #else
   return {PlatformEngine::model};
 #endif
@@ -288,8 +288,9 @@ TEST_P(EveryEngine, DecouplingOfTimeChangesNothing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Platform, EveryEngine, ::testing::ValuesIn(engines()),
-                         [](const auto& engine) { return engine.param == PlatformEngine::rtl ? "Rtl" : "Model"; });
+INSTANTIATE_TEST_SUITE_P(Platform, EveryEngine, ::testing::ValuesIn(engines()), [](const auto& engine) {
+  return engine.param == PlatformEngine::rtl ? "Rtl" : engine.param == PlatformEngine::hls ? "Hls" : "Model";
+});
 
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
 

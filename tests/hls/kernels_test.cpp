@@ -24,7 +24,7 @@ MomentsBench::Step moments_kernel() {
 
 MomentsBench::Step moments_top() {
   return [](auto& video, const auto& setup, auto& payload) {
-    hls::column_moments_top(video, setup.columns, setup.rows, setup.mode, setup.threshold, payload);
+    column_moments_top(video, setup.columns, setup.rows, setup.mode, setup.threshold, payload);
   };
 }
 
@@ -35,8 +35,8 @@ GrayKernelBench::Step gray_kernel() {
 
 GrayKernelBench::Step gray_top() {
   return [](auto& video, const auto& setup, auto pattern, auto& codes) {
-    hls::gray_decoder_top(video, setup.columns, setup.rows, setup.bits, setup.threshold, setup.median ? 1 : 0, pattern,
-                          codes);
+    gray_decoder_top(video, setup.columns, setup.rows, setup.bits, setup.threshold, setup.median ? 1 : 0, pattern,
+                     codes);
   };
 }
 

@@ -1,0 +1,237 @@
+#!/usr/bin/env python3
+"""check_sources.py [FILE...]: looks in the kernels and shells of hls/ (or in the files named) for what synthesis tools refuse.
+
+Everywhere: dynamic allocation, virtual functions, exceptions and run-time types, the standard library but for its integers,
+floating point, goto, loops whose bounds are not constants, recursion, headers that are not of the kernels. In files under a folder
+`shells` besides: processes other than clocked threads with a synchronous reset and methods; threads without a reset section, or with a
+path without wait(); what the open compiler ICSC does not take.
+
+Looked at is what an HLS tool sees: the branches of SELFPROJ_HLS_VENDOR_TYPES in shared headers. One line a finding; exit status 1
+where there is one.
+"""
+import pathlib
+import re
+import sys
+
+FOLDER = pathlib.Path(__file__).resolve().parent
+
+DEFINED = {"SELFPROJ_HLS_VENDOR_TYPES"}
+UNDEFINED = {"SELFPROJ_HLS_LATE_MEMORY", "SELFPROJ_HLS_VENDOR_AXIS"}
+HEADERS = re.compile(r'"(hls/[\w/]+\.h|model/spec/generated/selfproj_spec\.h)"|'
+                     r"<(cstdint|cstddef|ap_int\.h|hls_stream\.h|ap_axi_sdata\.h)>")
+SHELL_HEADERS = re.compile(HEADERS.pattern + "|<systemc>")
+WORDS = [
+    ("dynamic allocation", r"\b(new|delete|malloc|calloc|realloc|free|alloca)\b"),
+    ("virtual function", r"\b(virtual|override|dynamic_cast|typeid)\b"),
+    ("exception", r"\b(throw|try|catch)\b"),
+    ("standard library", r"\bstd\s*::\s*(?!u?int(8|16|32|64)_t\b|size_t\b)\w+"),
+    ("floating point", r"\b(float|double)\b|\bhalf\s+\w|\b\d+\.\d*|\.\d+\b|\b\d+[eE][-+]?\d+\b"),
+    ("goto", r"\bgoto\b"),
+]
+SHELL_WORDS = [
+    ("not for ICSC", r"\b(sc_event|sc_fifo|sc_mutex|sc_semaphore|sc_buffer|sc_inout|sc_export|sc_logic|sc_lv|sc_bv|sc_bit|"
+                     r"sc_signal_resolved|sc_signal_rv|sc_fixed|sc_ufixed|sc_time|sc_spawn|SC_FORK)\b"),
+    ("process that is not clocked", r"\bSC_THREAD\b"),
+    ("not for ICSC", r"\b(next_trigger|notify|const_cast|reinterpret_cast)\b"),
+]
+KEYWORDS = {"if", "for", "while", "switch", "return", "sizeof", "static_cast", "static_assert", "defined", "alignof", "decltype"}
+
+
+def blank(match):
+    """Spaces in place of a text, its lines kept."""
+    return re.sub(r"[^\n]", " ", match.group())
+
+
+def seen(text):
+    """The source as a tool sees it: no comments, no contents of strings, no branches that are not compiled; lines kept."""
+    text = re.sub(r"//[^\n]*|/\*.*?\*/", blank, text, flags=re.S)
+    out = []
+    branches = []  # of conditions: whether what is inside counts
+    for line in text.split("\n"):
+        directive = re.match(r"\s*#\s*(\w+)\s*(.*)", line)
+        word, rest = (directive.group(1), directive.group(2).strip()) if directive else ("", "")
+        if word in ("if", "ifdef", "ifndef"):
+            known = rest in DEFINED or rest in UNDEFINED
+            counts = rest in DEFINED if word == "ifdef" else rest in UNDEFINED
+            branches.append([counts, known] if known and word != "if" else [True, False])
+        elif word in ("else", "elif") and branches and branches[-1][1]:
+            branches[-1][0] = not branches[-1][0]
+        elif word == "endif" and branches:
+            branches.pop()
+        out.append(line if all(b[0] for b in branches) else "")
+    return "\n".join(out)
+
+
+def closing(text, start):
+    """The place behind the bracket that closes the one at `start`."""
+    pairs = {"{": "}", "(": ")"}
+    depth = 0
+    for i in range(start, len(text)):
+        depth += (text[i] == text[start]) - (text[i] == pairs[text[start]])
+        if depth == 0:
+            return i + 1
+    return len(text)
+
+
+class Source:
+    def __init__(self, name, text, shell):
+        self.name = name
+        self.shell = shell
+        self.text = seen(text)
+        self.code = re.sub(r'"(\\.|[^"\\\n])*"', blank, re.sub(r"^\s*#[^\n]*", blank, self.text, flags=re.M))
+        self.findings = []
+
+    def find(self, at, what):
+        self.findings.append((self.text.count("\n", 0, at) + 1, what))
+
+    def check(self):
+        for include in re.finditer(r'^\s*#\s*include\s+(\S+)', self.text, flags=re.M):
+            if not (SHELL_HEADERS if self.shell else HEADERS).fullmatch(include.group(1)):
+                self.find(include.start(1), f"header {include.group(1)}")
+        for what, pattern in WORDS + (SHELL_WORDS if self.shell else []):
+            for word in re.finditer(pattern, self.code):
+                self.find(word.start(), f"{what}: {' '.join(word.group().split())}")
+        self.check_loops()
+        if self.shell:
+            self.check_processes()
+
+    # --- Loops ---
+
+    def check_loops(self):
+        constant = r"[\s\d()+\-*/]*(?:\bk[A-Z]\w*\b[\s\d()+\-*/]*)*"
+        counted = re.compile(rf"\(\s*int (\w+) = {constant};\s*\1 (?:<|<=|>|>=|!=) {constant};\s*(?:\+\+|--)\1\s*\)")
+        for loop in re.finditer(r"\b(for|while|do)\b", self.code):
+            if loop.group() == "for":
+                head = counted.match(self.code, self.code.index("(", loop.start()))
+                if not head:
+                    self.find(loop.start(), "loop whose bounds are not constants")
+                    continue
+                start = head.end()
+                while self.code[start].isspace():
+                    start += 1
+                body = self.code[start:closing(self.code, start)] if self.code[start] == "{" else ""
+                if re.search(rf"\b{head.group(1)}\s*([-+*/|&^]|<<|>>)?=[^=]|(\+\+|--)\s*{head.group(1)}\b", body):
+                    self.find(loop.start(), "loop that changes its own counter")
+            elif not (self.shell and loop.group() == "while" and self.is_thread_loop(loop.start())):
+                self.find(loop.start(), "loop without a bound")
+
+    def is_thread_loop(self, at):
+        head = re.compile(r"while\s*\(\s*true\s*\)\s*\{").match(self.code, at)
+        return head and self.waits(self.code[head.end():closing(self.code, head.end() - 1) - 1])
+
+    @staticmethod
+    def waits(body):
+        """Every path through a block comes to a wait(): one stands in it by itself, and nothing leaves the block before."""
+        flat = body
+        while True:
+            inner = re.sub(r"\{[^{}]*\}", blank, flat)
+            if inner == flat:
+                break
+            flat = inner
+        return re.search(r"(?:^|[;}]|\s)\s*wait\(\);", flat) and not re.search(r"\b(continue|break|return)\b", body)
+
+    # --- Processes of a shell ---
+
+    def check_processes(self):
+        for process in re.finditer(r"\bSC_CTHREAD\(\s*(\w+)\s*,\s*\w+\.pos\(\)\s*\)\s*;\s*(reset_signal_is\()?", self.code):
+            if not process.group(2):
+                self.find(process.start(), f"thread {process.group(1)} without a reset")
+            body = re.search(rf"\bvoid {process.group(1)}\(\)\s*\{{", self.code)
+            if not body:
+                self.find(process.start(), f"thread {process.group(1)} is not defined here")
+                continue
+            code = self.code[body.end():closing(self.code, body.end() - 1)]
+            loop = code.find("while")
+            if loop < 0 or not self.waits(code[:loop]):
+                self.find(body.start(), f"thread {process.group(1)} without a reset section that ends in wait()")
+        for process in re.finditer(r"\bSC_CTHREAD\b(?!\(\s*\w+\s*,\s*\w+\.pos\(\)\s*\)\s*;)", self.code):
+            self.find(process.start(), "thread whose clock edge is not a port's pos()")
+        for process in re.finditer(r"\bSC_METHOD\(\s*(\w+)\s*\)", self.code):
+            body = re.search(rf"\bvoid {process.group(1)}\(\)\s*\{{", self.code)
+            if body and re.search(r"\bwait\s*\(", self.code[body.end():closing(self.code, body.end() - 1)]):
+                self.find(body.start(), f"method {process.group(1)} waits")
+
+    # --- Functions, for recursion ---
+
+    def functions(self):
+        """(class or "", name, place, code of the body, the types of its class's members and of its parameters)"""
+        classes = []
+        for head in re.finditer(r"\b(?:class|struct)\s+(\w+)[^;{()]*\{", self.code):
+            classes.append((head.group(1), head.end(), closing(self.code, head.end() - 1)))
+        heads = re.compile(r"\b(?:(\w+)::)?(\w+)\s*(\((?:[^(){};]|\([^()]*\))*\))\s*(?:const\s*)?(?::[^{};]*)?\{")
+        for head in heads.finditer(self.code):
+            if head.group(2) in KEYWORDS:
+                continue
+            owner = head.group(1) or ""
+            around = ""
+            for name, start, end in classes:  # the innermost is the last that begins before it
+                if start <= head.start() < end:
+                    owner, around = name, self.code[start:end]
+            body = self.code[head.end():closing(self.code, head.end() - 1)]
+            yield owner, head.group(2), head.start(), body, around + head.group(3) + body
+
+
+def recursion(sources):
+    """Finds functions that call themselves, however far around."""
+    functions = {}
+    for source in sources:
+        for owner, name, at, body, around in source.functions():
+            functions.setdefault((owner, name), []).append((source, at, body, around))
+    classes = {owner for owner, _ in functions if owner}
+    calls = {}
+    for (owner, name), bodies in functions.items():
+        called = calls.setdefault((owner, name), set())
+        for _, _, body, around in bodies:
+            for call in re.finditer(r"(?:\b(\w+)\s*(?:\[[^\]]*\])?\s*(\.|->|::)\s*)?\b(\w+)\s*\(", body):
+                target, how, what = call.group(1), call.group(2), call.group(3)
+                if not target or target == "this":
+                    called.add((owner, what) if (owner, what) in functions else ("", what))
+                elif how == "::":
+                    called.add((target, what))
+                else:
+                    declared = re.findall(rf"\b(\w+)\s*(?:<[^;(){{}}]*>)?[\s&]+{target}\b", around)
+                    kinds = [kind for kind in declared if kind in classes]
+                    # The type of an object that is not known: any class that has such a function.
+                    called.update((kind, what) for kind in (kinds or ([] if declared else classes)))
+    found = set()
+    for function in functions:
+        reached, new = set(), {function}
+        while new:
+            new = {other for one in new for other in calls.get(one, ()) if other in functions} - reached
+            reached |= new
+        if function in reached and function not in found:
+            found.add(function)
+            source, at, _, _ = functions[function][0]
+            source.find(at, f"recursion: {'::'.join(filter(None, function))}")
+
+
+def check(files):
+    """files: (name, text). The findings as lines of text."""
+    sources = [Source(name, text, "shells" in pathlib.PurePath(name).parts) for name, text in files]
+    for source in sources:
+        source.check()
+    recursion(sources)
+    return [f"{source.name}:{line}: {what}" for source in sources for line, what in sorted(source.findings)]
+
+
+def kernel_files():
+    # late_memory.h is for tests; tools never see it.
+    return sorted(f for pattern in ("*.h", "*.cpp", "shells/*.h") for f in FOLDER.glob(pattern) if f.name != "late_memory.h")
+
+
+def main():
+    files = [pathlib.Path(name) for name in sys.argv[1:]] or kernel_files()
+    try:
+        findings = check([(str(f.relative_to(FOLDER.parent) if FOLDER in f.parents else f), f.read_text()) for f in files])
+    except OSError as error:
+        print(f"check_sources.py: {error.filename}: {error.strerror}", file=sys.stderr)
+        return 2
+    for finding in findings:
+        print(finding, file=sys.stderr)
+    if not findings:
+        print(f"check_sources.py: {len(files)} files hold nothing that synthesis refuses")
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,95 @@
+"""The check of the kernels' sources: they pass it, and whatever fault is put into one of them is found, at its line, and nothing else."""
+import pathlib
+import sys
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "hls"))
+import check_sources  # noqa: E402
+
+KERNEL = "hls/column_moments.h"
+SHELL = "hls/shells/column_moments_shell.h"
+
+# The kind of fault, and lines that have it; the one with the fault ends in // HERE.
+FAULTS = [
+    ("dynamic allocation", "inline int* f() { return new int(3); }  // HERE"),
+    ("dynamic allocation", "inline void f(int* p) { delete p; }  // HERE"),
+    ("dynamic allocation", "inline void* f() { return malloc(16); }  // HERE"),
+    ("virtual function", "struct F {\n  virtual int f() { return 1; }  // HERE\n};"),
+    ("exception", "inline int f(int a) {\n  if (a < 0) {\n    throw a;  // HERE\n  }\n  return a;\n}"),
+    ("standard library", "inline void f(std::vector<int>& v);  // HERE"),
+    ("standard library", "inline int f() { return std::max(1, 2); }  // HERE"),
+    ("floating point", "inline float f();  // HERE"),
+    ("floating point", "constexpr auto kF = 1.5;  // HERE"),
+    ("floating point", "constexpr auto kF = 1e3;  // HERE"),
+    ("goto", "inline void f() {\nagain:\n  goto again;  // HERE\n}"),
+    ("loop without a bound", "inline int f(int a) {\n  while (a > 0) {  // HERE\n    a = a - 1;\n  }\n  return a;\n}"),
+    ("loop without a bound", "inline int f(int a) {\n  do {\n    a = a - 1;  \n  } while (a > 0);  // HERE\n  return a;\n}"),
+    ("loop whose bounds", "inline int f(int n) {\n  int s = 0;\n  for (int i = 0; i < n; ++i) {  // HERE\n    s += i;\n  }\n  return s;\n}"),
+    ("loop whose bounds", "inline int f() {\n  int s = 0;\n  for (;;) {  // HERE\n    s += 1;\n  }\n}"),
+    ("loop whose bounds", "inline int f() {\n  int s = 0;\n  for (int i = 0; i < kLanes; i += 2) {  // HERE\n    s += i;\n  }\n  return s;\n}"),
+    ("loop that changes", "inline int f() {\n  int s = 0;\n  for (int i = 0; i < kLanes; ++i) {  // HERE\n    i = 0;\n  }\n  return s;\n}"),
+    ("recursion: f", "inline int f(int a) {  // HERE\n  return a == 0 ? 1 : f(a - 1);\n}"),
+    ("recursion: F::g", "struct F {\n  int f(int a) { return g(a); }\n  int g(int a) { return a == 0 ? 1 : f(a - 1); }  // HERE\n};"),
+    ("recursion: F::f", "struct F {\n  int f(F& other) { return other.f(*this); }  // HERE\n};"),
+    ("header", "#include <algorithm>  // HERE"),
+    ("header", '#include "sim/shells/ram.h"  // HERE'),
+]
+SHELL_FAULTS = [
+    ("process that is not clocked", "struct F {\n  F() { SC_THREAD(f); }  // HERE\n};"),
+    ("thread f without a reset", "struct F {\n  F() { SC_CTHREAD(f, clk_i.pos()); }  // HERE\n  void f() {\n    wait();\n"
+                                 "    while (true) {\n      wait();\n    }\n  }\n};"),
+    ("thread f without a reset section", "struct F {\n  F() {\n    SC_CTHREAD(f, clk_i.pos());\n    reset_signal_is(rst_i, true);\n  }\n"
+                                         "  void f() {  // HERE\n    while (true) {\n      wait();\n    }\n  }\n};"),
+    ("loop without a bound", "struct F {\n  void f() {\n    while (true) {  // HERE\n      if (a.read()) {\n        wait();\n      }\n    }\n  }\n};"),
+    ("loop without a bound", "struct F {\n  void f() {\n    while (true) {  // HERE\n      if (a.read()) {\n        continue;\n      }\n"
+                             "      wait();\n    }\n  }\n};"),
+    ("method f waits", "struct F {\n  F() { SC_METHOD(f); }\n  void f() { wait(); }  // HERE\n};"),
+    ("not for ICSC", "struct F {\n  sc_core::sc_event e;  // HERE\n};"),
+    ("not for ICSC", "struct F {\n  sc_core::sc_inout<bool> p;  // HERE\n};"),
+]
+# What only looks like one.
+FINE = [
+    "// a new word, delete it, while (true), 1.5",
+    'constexpr const char* kName = "new float 1.5";',
+    "inline int f(const F& other) {\n  return other.g(1);\n}",
+    "inline int f(int a) {\n  int s = a;\n  for (int i = kLanes - 1; i >= 0; --i) {\n    if (i == 2) {\n      s = s + i;\n    }\n  }\n  return s;\n}",
+    "#ifdef SELFPROJ_HLS_LATE_MEMORY\n#include <vector>\n#endif",
+    "#ifndef SELFPROJ_HLS_VENDOR_TYPES\n#include <deque>\n#else\n#endif",
+]
+
+
+class CheckSources(unittest.TestCase):
+    def files(self):
+        return [(str(f.relative_to(ROOT)), f.read_text()) for f in check_sources.kernel_files()]
+
+    def with_lines(self, name, lines):
+        """A file with the lines within its namespace; and where they are."""
+        head, tail = (ROOT / name).read_text().split("namespace hls {\n", 1)
+        head += "namespace hls {\n"
+        return [(name, head + lines + "\n" + tail)], head.count("\n") + 1
+
+    def test_kernels_pass(self):
+        files = self.files()
+        self.assertGreaterEqual(len(files), 9)
+        self.assertEqual(check_sources.check(files), [])
+
+    def test_every_fault_is_found(self):
+        faults = [(name, *fault) for name in (KERNEL, SHELL) for fault in FAULTS] + [(SHELL, *fault) for fault in SHELL_FAULTS]
+        for name, kind, lines in faults:
+            with self.subTest(file=name, kind=kind, lines=lines):
+                files, first = self.with_lines(name, lines)
+                line = first + lines[:lines.index("// HERE")].count("\n")
+                findings = check_sources.check(files)
+                self.assertTrue(any(f.startswith(f"{name}:{line}: {kind}") for f in findings), findings)
+                self.assertTrue(all(f.startswith(f"{name}:") for f in findings), findings)
+
+    def test_what_only_looks_like_a_fault(self):
+        for lines in FINE:
+            with self.subTest(lines=lines):
+                files, _ = self.with_lines(KERNEL, lines)
+                self.assertEqual(check_sources.check(files), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

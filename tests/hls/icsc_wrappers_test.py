@@ -1,0 +1,65 @@
+"""The modules that put memories beside the translated shells (hls/icsc/sp_*_hls.sv), linted by Verilator with an empty module in the
+shell's place that has the ports of the SystemC source: every port is connected, at its width, and the outer ports are those of the RTL."""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BITS = {"bool": 1, "Pixels": 32, "Group": 9, "Row": 10, "ModeBits": 2, "Pixel": 8, "WideUint<128>": 128, "Uint<kMBits>": 56,
+        "Uint<kABits>": 54, "Uint<64>": 64, "CodeStatus": 5, "CodeGroup": 9, "CodeLine": 52}
+
+
+def ports(shell):
+    text = (ROOT / "hls" / "shells" / shell).read_text()
+    return [(direction, BITS[kind], name) for direction, kind, name in
+            re.findall(r"sc_core::sc_(in|out)<(\w+(?:<\w+>)?)> (\w+)\{", text)]
+
+
+def outer_ports(file, parameters):
+    """{name: (direction, bits)} of a module's header."""
+    head = file.read_text().split(") (", 1)[-1].split(");", 1)[0]
+    found = {}
+    for direction, width, name in re.findall(r"(input|output)\s+(?:wire )?logic\s*(\[[^\]]*\])?\s*(\w+)", head):
+        bits = 1
+        if width:
+            high = width.strip("[]").split(":")[0]
+            bits = int(eval(high, {}, parameters)) + 1  # arithmetic on the parameters
+        found[name] = (direction, bits)
+    return found
+
+
+def main():
+    failed = 0
+    for name, shell, rtl in (("sp_column_moments_hls", "column_moments_shell.h", "moments/sp_column_moments.sv"),
+                             ("sp_median3x3_hls", "median3x3_shell.h", "gray/sp_median3x3.sv")):
+        wrapper = ROOT / "hls" / "icsc" / f"{name}.sv"
+        module = re.search(r"hls_\w+Shell", wrapper.read_text()).group()
+        listed = ports(shell)
+        lines = [f"  {'input wire' if direction == 'in' else 'output'} logic [{bits - 1}:0] {port}" for direction, bits, port in listed]
+        with tempfile.TemporaryDirectory() as folder:
+            stub = pathlib.Path(folder) / f"{module}.sv"
+            stub.write_text(f"module {module} (\n" + ",\n".join(lines) + "\n);\nendmodule\n")
+            lint = subprocess.run(["verilator", "--lint-only", "-Wall", "-Wno-UNDRIVEN", "-Wno-UNUSED", "--top-module", name,
+                                   ROOT / "rtl" / "common" / "sp_ram.sv", stub, wrapper], capture_output=True, text=True, check=False)
+        if lint.returncode or lint.stderr:
+            print(f"{name}: {lint.stderr}", file=sys.stderr)
+            failed = 1
+        parameters = {"GroupBits": 9, "RowBits": 10, "sp_spec_pkg__StatusBits": 5}
+        source = (ROOT / "rtl" / rtl)
+        with tempfile.TemporaryDirectory() as folder:
+            plain = pathlib.Path(folder) / "rtl.sv"
+            plain.write_text(re.sub(r"//[^\n]*", "", source.read_text()).replace("sp_spec_pkg::", "sp_spec_pkg__"))
+            want = outer_ports(plain, parameters)
+            plain.write_text(wrapper.read_text().replace(f"module {name} (", f"module {name} #() ("))
+            have = outer_ports(plain, parameters)
+        if not want or want != have:
+            print(f"{name}: ports {have} instead of {want}", file=sys.stderr)
+            failed = 1
+        print(f"{name}: {len(listed)} ports of the shell, {len(have)} of the RTL")
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(main())

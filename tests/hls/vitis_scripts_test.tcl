@@ -1,0 +1,36 @@
+# tclsh vitis_scripts_test.tcl FOLDER: the scripts of hls/vitis with the tool's commands in name only: that they are Tcl, ask for all steps
+# in their order, and name files that there are.
+set folder [lindex $argv 0]
+set ::asked {}
+foreach command {open_project set_top add_files open_solution set_part create_clock config_rtl csim_design csynth_design cosim_design
+                 export_design} {
+  proc $command {args} "lappend ::asked \[list $command \$args\]"
+}
+rename exit tcl_exit
+proc exit {args} {}
+
+foreach name {column_moments gray_decoder} {
+  set ::asked {}
+  set argv {}
+  source [file join $folder $name.tcl]
+  set steps {}
+  foreach entry $::asked {
+    lappend steps [lindex $entry 0]
+    if {[lindex $entry 0] eq "add_files"} {
+      foreach word [lindex $entry 1] {
+        if {[string match *.cpp $word] && ![file exists $word]} {
+          puts stderr "$name.tcl: $word does not exist"
+          tcl_exit 1
+        }
+      }
+    }
+  }
+  set want {open_project set_top add_files add_files open_solution set_part create_clock config_rtl csim_design csynth_design cosim_design
+            export_design}
+  if {$steps ne [concat {*}$want]} {
+    puts stderr "$name.tcl: asks for $steps"
+    tcl_exit 1
+  }
+}
+puts "both scripts ask for [llength $steps] steps"
+tcl_exit 0
