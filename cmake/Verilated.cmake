@@ -35,8 +35,20 @@ function(selfproj_verilate target)
   # The model is always built for speed: an unoptimized one is ten times slower, and there is nothing to step through.
   verilate(${target} ${features} SOURCES ${SELFPROJ_RTL} TOP_MODULE ${arg_TOP} PREFIX ${arg_PREFIX}
     VERILATOR_ARGS ${options} OPT_FAST -O3 OPT_SLOW -O1 OPT_GLOBAL -O2)
+  # Verilator writes a dozen files a model, each of which reads the same headers: what runs seldom becomes one, and so does
+  # what runs often. (Not with coverage, whose functions are too many for one.)
+  get_target_property(seldom ${target} SOURCES)
+  list(FILTER seldom INCLUDE REGEX "/${arg_PREFIX}[.]dir/[^/]*[.]cpp$")
+  set(often ${seldom})
+  list(FILTER seldom INCLUDE REGEX "__Syms[.]cpp$|Slow[.]cpp$|__ConstPool_[0-9]+[.]cpp$")
+  list(REMOVE_ITEM often ${seldom})
+  if(NOT SELFPROJ_COVERAGE)
+    selfproj_join_sources(${target} ${arg_PREFIX}__seldom -O1 ${seldom})
+  endif()
   if(arg_CLOCKS)
     selfproj_verilated_clocks(${target} ${arg_PREFIX} ${arg_TRACE} ${arg_CLOCKS})
+  elseif(NOT SELFPROJ_COVERAGE)
+    selfproj_join_sources(${target} ${arg_PREFIX}__often -O3 ${often})
   endif()
   # Headers of others: their warnings are not ours.
   get_target_property(includes ${target} INTERFACE_INCLUDE_DIRECTORIES)
@@ -45,12 +57,25 @@ function(selfproj_verilate target)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${SELFPROJ_RTL})
 endfunction()
 
+# In the target, the file `name`.cpp, compiled with `flags`, in place of these sources.
+function(selfproj_join_sources target name flags)
+  set(includes "")
+  foreach(source IN LISTS ARGN)
+    string(APPEND includes "#include \"${source}\"\n")
+  endforeach()
+  set(file "${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp")
+  file(CONFIGURE OUTPUT "${file}" CONTENT "// Written by cmake/Verilated.cmake.\n${includes}" @ONLY)
+  set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
+  set_source_files_properties("${file}" PROPERTIES COMPILE_FLAGS " ${flags}" OBJECT_DEPENDS "${ARGN}")
+  target_sources(${target} PRIVATE "${file}")
+endfunction()
+
 # The file PREFIX__clocked.cpp of a model with CLOCKS: rise(), of the parts of Verilator 5.006's own eval(). Other versions may
 # name them in another way; then this does not compile, and `model.eval()` in their place is right, only slower.
 function(selfproj_verilated_clocks target prefix waveforms)
   get_target_property(fast ${target} SOURCES)
   list(FILTER fast INCLUDE REGEX "/${prefix}[.]dir/[^/]*[.]cpp$")
-  list(FILTER fast EXCLUDE REGEX "__Syms[.]cpp$|Slow[.]cpp$")
+  list(FILTER fast EXCLUDE REGEX "__Syms[.]cpp$|Slow[.]cpp$|__ConstPool_[0-9]+[.]cpp$")
   set(includes "")
   set(before "")
   set(evaluate "  model.eval();\n")
