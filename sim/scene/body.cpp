@@ -15,6 +15,15 @@ namespace {
 Point3 lower(Point3 a, Point3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
 Point3 upper(Point3 a, Point3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 
+double square(double a) { return a * a; }
+
+// Of a point from a straight line, squared.
+double distance_2(const Ray& line, Point3 p) {
+  const Point3 d = p - line.from;
+  const double along = dot(d, line.along);
+  return dot(d, d) - along * along / dot(line.along, line.along);
+}
+
 double checked_albedo(double albedo) {
   if (!(albedo >= 0 && albedo <= 1)) {
     throw std::invalid_argument("a body's albedo is not 0..1");
@@ -41,6 +50,7 @@ bool through_ball(Point3 from, Point3 along, double radius_2, double& enters, do
 
 Ellipsoid::Ellipsoid(Point3 centre, const std::array<Point3, 3>& axes, Point3 half, double albedo)
     : centre_(centre),
+      longest_(std::max({half.x, half.y, half.z})),
       to_sphere_{1 / half.x * axes[0], 1 / half.y * axes[1], 1 / half.z * axes[2]},
       albedo_(checked_albedo(albedo)) {
   if (!(half.x > 0 && half.y > 0 && half.z > 0)) {
@@ -82,6 +92,10 @@ bool Ellipsoid::blocks(const Ray& ray, double most) const {
   return enters(ray, s, leaves) && leaves > 0 && s < most;
 }
 
+bool Ellipsoid::is_near(const Ray& line, double slack) const {
+  return distance_2(line, centre_) <= square(longest_ + slack);
+}
+
 Cuboid Ellipsoid::bounds() const { return bounds_; }
 
 Capsule::Capsule(Point3 a, Point3 b, double radius, double albedo)
@@ -91,52 +105,54 @@ Capsule::Capsule(Point3 a, Point3 b, double radius, double albedo)
   }
 }
 
-// The nearest of its two balls and its cylinder: the hull of the balls is convex, so that the first of their surfaces
-// that belongs to it is where the ray enters.
+// A ray enters by the cylinder's side where it meets the endless cylinder between the ends, else by the ball at the end
+// beyond which it does: through the other it could only come from inside the cylinder.
 bool Capsule::meets(const Ray& ray, double most, Meeting& meeting) const {
-  double best = most;
-  Point3 nearest;  // of the axis
-  bool found = false;
   const Point3 axis = b_ - a_;
   const double length_2 = dot(axis, axis);
-  if (length_2 > 0) {
-    const Point3 from = ray.from - a_;
-    const double from_along = dot(from, axis) / length_2;
-    const double along_along = dot(ray.along, axis) / length_2;
-    double s = 0;
-    double leaves = 0;
-    const Point3 across = ray.along - along_along * axis;
-    const bool through = through_ball(from - from_along * axis, across, radius_ * radius_, s, leaves);
-    if (!through && dot(across, across) > 0) {
-      return false;  // not even the endless cylinder
-    }
-    if (through && s > 0 && s < best) {
-      const double place = from_along + s * along_along;
-      if (place >= 0 && place <= 1) {
-        best = s;
-        nearest = a_ + place * axis;
-        found = true;
-      }
-    }
+  const Point3 from = ray.from - a_;
+  const double from_along = length_2 > 0 ? dot(from, axis) / length_2 : 0;
+  const double along_along = length_2 > 0 ? dot(ray.along, axis) / length_2 : 0;
+  const Point3 across = ray.along - along_along * axis;
+  double s = 0;
+  double leaves = 0;
+  double place = along_along > 0 ? -1 : 2;  // of a ray along the axis
+  if (through_ball(from - from_along * axis, across, radius_ * radius_, s, leaves)) {
+    place = from_along + s * along_along;
+  } else if (dot(across, across) > 0) {
+    return false;  // not even the endless cylinder
   }
-  for (const Point3& end : {a_, b_}) {
-    double s = 0;
-    double leaves = 0;
-    if (through_ball(ray.from - end, ray.along, radius_ * radius_, s, leaves) && s > 0 && s < best) {
-      best = s;
-      nearest = end;
-      found = true;
+  Point3 nearest = a_ + place * axis;  // of the axis
+  if (place < 0 || place > 1) {
+    nearest = place < 0 ? a_ : b_;
+    if (!through_ball(ray.from - nearest, ray.along, radius_ * radius_, s, leaves)) {
+      return false;
     }
   }
-  if (found) {
-    meeting = {best, 1 / radius_ * (ray.from + best * ray.along - nearest)};
+  if (!(s > 0 && s < most)) {
+    return false;
   }
-  return found;
+  meeting = {s, 1 / radius_ * (ray.from + s * ray.along - nearest)};
+  return true;
 }
 
 bool Capsule::blocks(const Ray& ray, double most) const {
   Meeting unused;
   return meets(ray, most, unused);
+}
+
+// The shortest way between two straight lines, the second from a to b only.
+bool Capsule::is_near(const Ray& line, double slack) const {
+  const Point3 axis = b_ - a_;
+  const Point3 from = a_ - line.from;
+  const double ll = dot(line.along, line.along);
+  // What of both stands upright on the line: its distance from it is |from + u axis| of these.
+  const Point3 from_up = from - dot(from, line.along) / ll * line.along;
+  const Point3 axis_up = axis - dot(axis, line.along) / ll * line.along;
+  const double aa = dot(axis_up, axis_up);
+  const double u = aa > 0 ? std::clamp(-dot(from_up, axis_up) / aa, 0.0, 1.0) : 0;
+  const Point3 d = from_up + u * axis_up;
+  return dot(d, d) <= square(radius_ + slack);
 }
 
 Cuboid Capsule::bounds() const {
@@ -188,6 +204,12 @@ bool Block::meets(const Ray& ray, double most, Meeting& meeting) const {
 bool Block::blocks(const Ray& ray, double most) const {
   Meeting unused;
   return meets(ray, most, unused);
+}
+
+bool Block::is_near(const Ray& line, double slack) const {
+  const Point3 middle = 0.5 * (box_.low + box_.high);
+  const Point3 half = 0.5 * (box_.high - box_.low);
+  return distance_2(line, middle) <= square(std::sqrt(dot(half, half)) + slack);
 }
 
 }  // namespace selfproj

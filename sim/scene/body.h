@@ -42,6 +42,10 @@ class Body {
   // Whether the body keeps light from coming along the ray between s = 0 and s = most.
   [[nodiscard]] virtual bool blocks(const Ray& ray, double most) const = 0;
 
+  // False only where the straight line of the ray, to both sides without end, nowhere comes as near to the body as
+  // `slack` mm.
+  [[nodiscard]] virtual bool is_near(const Ray& line, double slack) const = 0;
+
   // Where all of it is.
   [[nodiscard]] virtual Cuboid bounds() const = 0;
 
@@ -57,6 +61,7 @@ class Ellipsoid final : public Body {
   Ellipsoid(Point3 centre, const std::array<Point3, 3>& axes, Point3 half, double albedo = 1);
   [[nodiscard]] bool meets(const Ray& ray, double most, Meeting& meeting) const override;
   [[nodiscard]] bool blocks(const Ray& ray, double most) const override;
+  [[nodiscard]] bool is_near(const Ray& line, double slack) const override;
   [[nodiscard]] Cuboid bounds() const override;
   [[nodiscard]] double albedo() const override { return albedo_; }
 
@@ -64,6 +69,7 @@ class Ellipsoid final : public Body {
   [[nodiscard]] bool enters(const Ray& ray, double& s, double& leaves) const;
 
   Point3 centre_;
+  double longest_;                   // half-axis
   std::array<Point3, 3> to_sphere_;  // rows of the map to the ball of radius 1
   Cuboid bounds_;
   double albedo_;
@@ -75,6 +81,7 @@ class Capsule final : public Body {
   Capsule(Point3 a, Point3 b, double radius, double albedo = 1);
   [[nodiscard]] bool meets(const Ray& ray, double most, Meeting& meeting) const override;
   [[nodiscard]] bool blocks(const Ray& ray, double most) const override;
+  [[nodiscard]] bool is_near(const Ray& line, double slack) const override;
   [[nodiscard]] Cuboid bounds() const override;
   [[nodiscard]] double albedo() const override { return albedo_; }
 
@@ -90,6 +97,7 @@ class Block final : public Body {
   explicit Block(const Cuboid& box, double albedo = 1);
   [[nodiscard]] bool meets(const Ray& ray, double most, Meeting& meeting) const override;
   [[nodiscard]] bool blocks(const Ray& ray, double most) const override;
+  [[nodiscard]] bool is_near(const Ray& line, double slack) const override;
   [[nodiscard]] Cuboid bounds() const override { return box_; }
   [[nodiscard]] double albedo() const override { return albedo_; }
 

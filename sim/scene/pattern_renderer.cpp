@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -369,8 +370,9 @@ PatternRenderer::Motion PatternRenderer::motion_of(int frame) const {
   }
   const double way_px = scene_.body_speed() * exposure * rig_.camera.focal_length_mm / rig_.camera.pixel_pitch_mm /
                         std::max(nearest, 1.0);
+  constexpr double kWayPx = 0.75;  // from one instant to the next
   constexpr int kMostPasses = 64;
-  motion.passes = std::clamp(static_cast<int>(std::ceil(way_px)), 1, kMostPasses);
+  motion.passes = std::clamp(static_cast<int>(std::ceil(way_px / (kWayPx * kSub))), 1, kMostPasses);
   const int instants = kSub * motion.passes;
   for (int i = 0; i < instants; ++i) {
     const double t = middle + exposure * ((i + 0.5) / instants - 0.5);
@@ -389,7 +391,47 @@ PatternRenderer::Motion PatternRenderer::motion_of(int frame) const {
     std::for_each(motion.instants.begin(), motion.instants.end(), join);
     mark(body, all, motion.seen, motion.shaded);
   }
+  narrow(motion, scene_.body_speed() * exposure / 4);
   return motion;
+}
+
+// Takes out of the blocks' masks the bodies that are too far from the block's rays, and from those of the light on the
+// surface in it. `way`: what a body moves between two of the three times that are looked at.
+void PatternRenderer::narrow(Motion& motion, double way) const {
+  const int nodes_across = 2 * blocks_across_ + 1;
+  const auto far = [&](std::uint32_t mask, const Ray& line, double slack) {
+    std::uint32_t result = mask;
+    for (std::uint32_t rest = mask; rest != 0; rest &= rest - 1) {
+      const auto body = static_cast<std::size_t>(__builtin_ctz(rest));
+      if (std::none_of(motion.ends.begin(), motion.ends.end(),
+                       [&](const Moment& moment) { return moment.bodies[body]->is_near(line, slack); })) {
+        result ^= std::uint32_t{1} << body;
+      }
+    }
+    return result;
+  };
+  const double deepest = rig_.plane_z_mm - heights_.low;
+  constexpr double kHalfDiagonal = kBlock * std::numbers::sqrt2 / 2;
+  const double slack = deepest * kHalfDiagonal * rig_.camera.pixel_pitch_mm / rig_.camera.focal_length_mm;
+  for (int down = 0; down < blocks_down_; ++down) {
+    for (int across = 0; across < blocks_across_; ++across) {
+      const auto index = static_cast<std::size_t>(down * blocks_across_ + across);
+      const Point3 along = camera_.ray(node_pixel(2 * down + 1, 2 * across + 1));
+      motion.seen[index] = far(motion.seen[index], {{0, 0, 0}, along}, slack + way);
+      if (motion.seen[index] != 0 || motion.shaded[index] == 0 || blocks_[index].samples >= 0) {
+        continue;  // what is seen may be anywhere
+      }
+      const auto node = static_cast<std::size_t>((2 * down + 1) * nodes_across + 2 * across + 1);
+      const Point3 middle = static_cast<double>(nodes_[node].z) * along;
+      double furthest = 0;
+      for (const int corner : {0, 1, 2, 3}) {
+        const Point3 ray = camera_.ray(node_pixel(2 * (down + corner / 2), 2 * (across + corner % 2)));
+        const Point3 d = static_cast<double>(blocks_[index].corners[static_cast<std::size_t>(corner)].z) * ray - middle;
+        furthest = std::max(furthest, std::sqrt(dot(d, d)));
+      }
+      motion.shaded[index] = far(motion.shaded[index], {middle, projector_.centre() - middle}, furthest + way);
+    }
+  }
 }
 
 // `still`: what the ray meets of the surface. `seen`, `shaded`: the bodies that may matter.

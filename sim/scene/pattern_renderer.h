@@ -110,6 +110,7 @@ class PatternRenderer {
   [[nodiscard]] Motion motion_of(int frame) const;
   void mark(std::size_t body, const Cuboid& bounds, std::vector<std::uint32_t>& seen,
             std::vector<std::uint32_t>& shaded) const;
+  void narrow(Motion& motion, double way) const;
   [[nodiscard]] Look look(PixelPoint pixel, const Spot& still, const Moment& moment, std::uint32_t seen,
                           std::uint32_t shaded) const;
   void still_values(const Block& block, const ProjectedLight& pattern, bool dark, Values& values) const;

@@ -16,6 +16,7 @@
 #include "host/io/user_error.h"
 #include "sim/scene/height_map.h"
 #include "sim/scene/marks.h"
+#include "sim/scene/scanner_scenes.h"
 
 namespace selfproj {
 namespace {
@@ -172,6 +173,7 @@ const std::vector<SceneInfo>& scenes() {
         {"stairs-marked", "A2: the same with a circle, a cross and a triangle carved 1 mm deep", "light-section",
          "stairs", 0},
     };
+    list.insert(list.end(), scanner_scenes().begin(), scanner_scenes().end());
     for (SceneInfo& info : list) {
       info.frames = make_scene(info.name, load_rig(info.rig))->frames();
     }
@@ -189,6 +191,13 @@ std::unique_ptr<Scene> make_scene(const std::string& name, const Rig& rig) {
   }
   if (name == "stairs" || name == "stairs-marked") {
     return std::make_unique<Stairs>(rig, name == "stairs-marked");
+  }
+  const std::vector<SceneInfo>& of_scanner = scanner_scenes();
+  if (std::any_of(of_scanner.begin(), of_scanner.end(), [&](const SceneInfo& info) { return info.name == name; })) {
+    if (rig.kind != RigKind::scanner) {
+      throw UserError(name, fmt::format("is a scene for a rig of kind scanner; {} is none", rig.name));
+    }
+    return make_scanner_scene(name, rig);
   }
   std::string names;
   for (const SceneInfo& info : scenes()) {

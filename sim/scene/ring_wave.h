@@ -1,0 +1,67 @@
+// The wave that a body makes that falls into shallow water, by the linear theory of long waves.
+#ifndef SELFPROJ_SIM_SCENE_RING_WAVE_H
+#define SELFPROJ_SIM_SCENE_RING_WAVE_H
+
+#include <cstddef>
+#include <vector>
+
+namespace selfproj {
+
+// The water's rise eta over its level obeys eta_tt = c^2 (eta_xx + eta_yy), c = sqrt(g depth), whatever its wavelength.
+// At t = 0 it rests, with a crater whose rim holds what the crater lacks:
+//
+//     eta(r, 0) = -crater (1 - r^2/(2 s^2)) exp(-r^2/(2 s^2))
+//     eta(r, t) = -crater s^4/2 . integral over k of k^3 exp(-k^2 s^2/2) J0(k r) cos(c k t)
+//
+// The integral is summed over a table of radii and times once; between them it is linear.
+class RingWave {
+ public:
+  // Millimetres, seconds. Throws std::invalid_argument where one of them is not > 0.
+  RingWave(double depth_mm, double crater_mm, double s_mm, double longest_s);
+
+  [[nodiscard]] double speed() const { return speed_; }  // mm/s
+  // No |eta| is greater, at any time.
+  [[nodiscard]] double most() const { return most_; }
+
+  // The wave at a time, as a function of the radius.
+  class Profile {
+   public:
+    struct Value {
+      double rise;   // mm
+      double slope;  // d rise / d r
+    };
+    // 0 beyond its reach.
+    [[nodiscard]] Value at(double r) const {
+      const double place = r / kStep;
+      const auto i = static_cast<std::size_t>(place);
+      if (!(place >= 0) || i + 1 >= values_.size()) {
+        return {0, 0};
+      }
+      const double f = place - static_cast<double>(i);
+      return {values_[i].rise + f * (values_[i + 1].rise - values_[i].rise),
+              values_[i].slope + f * (values_[i + 1].slope - values_[i].slope)};
+    }
+    // Where there is no wave further out, mm.
+    [[nodiscard]] double reach() const { return values_.empty() ? 0 : kStep * static_cast<double>(values_.size() - 1); }
+
+   private:
+    friend class RingWave;
+    std::vector<Value> values_;
+  };
+  // t < 0: level water. Times beyond the longest are taken as that.
+  [[nodiscard]] Profile profile(double t) const;
+
+ private:
+  static constexpr double kStep = 1;         // mm of radius
+  static constexpr double kTimeStep = 5e-4;  // s
+
+  double speed_;
+  double s_;
+  double most_ = 0;
+  std::size_t radii_ = 0;
+  std::vector<float> rise_;  // times x radii
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_SCENE_RING_WAVE_H
