@@ -53,7 +53,7 @@ FloatImage random_map(Random& random) {
 std::vector<std::unique_ptr<Scene>> all_scenes(const Rig& rig, Random& random) {
   std::vector<std::unique_ptr<Scene>> all;
   for (const SceneInfo& info : scenes()) {
-    all.push_back(make_scene(info.name, rig));
+    all.push_back(make_scene(info.name, load_rig(info.rig)));
   }
   all.push_back(height_map_scene(random_map(random), 2.5, rig));
   return all;
@@ -62,7 +62,7 @@ std::vector<std::unique_ptr<Scene>> all_scenes(const Rig& rig, Random& random) {
 // ------------------------------------------------------------------ scenes
 
 TEST(Scene, ListedOnesExistAndNameTheirReference) {
-  ASSERT_EQ(scenes().size(), 4U);
+  ASSERT_EQ(scenes().size(), 10U);
   for (const SceneInfo& info : scenes()) {
     const Rig rig = load_rig(info.rig);
     EXPECT_EQ(make_scene(info.name, rig)->frames(), info.frames);
@@ -71,6 +71,8 @@ TEST(Scene, ListedOnesExistAndNameTheirReference) {
   EXPECT_EQ(scenes()[3].name, "stairs-marked");
   EXPECT_EQ(scenes()[3].reference, "stairs");
   EXPECT_EQ(scenes()[3].frames, 1400);
+  EXPECT_EQ(error_of([] { make_scene("fist", load_rig("light-section")); }),
+            "fist: is a scene for a rig of kind scanner; light-section is none");
 }
 
 // The part comes to x = 0 5 mm after the first frame and has passed 5 mm before the last.
@@ -198,8 +200,9 @@ TEST(Scene, HeightMapLiesAsHeightsAreMeasured) {
 
 TEST(Scene, ErrorsNameWhatIsWrong) {
   const Rig rig = load_rig("light-section");
-  EXPECT_EQ(error_of([&] { make_scene("hill", rig); }),
-            "hill: is no scene (there are plane, mountain, stairs, stairs-marked)");
+  EXPECT_EQ(
+      error_of([&] { make_scene("hill", rig); }),
+      "hill: is no scene (there are plane, mountain, stairs, stairs-marked, desk, fist, pool, waves, keyboard, keys)");
   EXPECT_EQ(error_of([&] { height_map_scene({}, 1, rig, "a.tiff"); }), "a.tiff: has no pixels");
   const FloatImage map(2, 2, 1);
   for (const double scale : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
@@ -216,7 +219,7 @@ TEST(Scene, ErrorsNameWhatIsWrong) {
 // Against small steps along the ray.
 TEST(Ray, FirstHitAndShadowAreThoseOfSmallSteps) {
   constexpr double kStep = 0.01;  // mm of height
-  constexpr double kTop = 45;
+  constexpr double kTop = 70;
   for (const std::uint64_t seed : seeds(10)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
