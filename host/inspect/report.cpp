@@ -235,13 +235,7 @@ void add_map(std::string& html, std::string_view title, std::string_view explana
                  explanation);
 }
 
-// One line of a plot; NaN leaves a gap.
-struct Trace {
-  std::vector<double> x;
-  std::vector<double> y;
-  const char* style;  // "a" or "b"
-  std::string name;
-};
+using Trace = ReportTrace;
 
 // More points than pixels are of no use: of each run of points the least and the greatest stay.
 Trace thinned(const Trace& trace) {
@@ -438,22 +432,57 @@ void add_camera(std::string& html, const CameraPicture& camera) {
                  rows, columns);
 }
 
-}  // namespace
-
-std::string report_html(const ReportData& data) {
-  std::string html;
+// Everything up to the tiles of what is to be seen first.
+void add_head(std::string& html, const std::string& title, const std::string& subtitle,
+              const std::vector<Fact>& highlights) {
   auto to = std::back_inserter(html);
   fmt::format_to(to,
                  "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
                  "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
                  "<title>{0}</title><style>{1}</style></head><body><main>\n<h1>{0}</h1><p class=\"dim\">{2}</p>\n",
-                 escape(data.title), kStyle, escape(data.subtitle));
+                 escape(title), kStyle, escape(subtitle));
   html += "<div class=\"tiles\">";
-  for (const Fact& fact : data.highlights) {
+  for (const Fact& fact : highlights) {
     fmt::format_to(to, "<div class=\"card tile\"><b>{} <span>{}</span></b><span class=\"dim small\">{}</span></div>",
                    fact_text(fact), escape(fact.unit), escape(fact.label));
   }
-  html += "</div>\n<div class=\"two\">";
+  html += "</div>\n";
+}
+
+void add_foot(std::string& html, const std::vector<Fact>& counters, const std::vector<Fact>& settings) {
+  html += "<section class=\"two\">";
+  add_facts(html, "Counters", counters);
+  add_facts(html, "Settings", settings);
+  html += "</section>\n</main></body></html>\n";
+}
+
+}  // namespace
+
+std::string page_html(const ReportPage& page) {
+  std::string html;
+  add_head(html, page.title, page.subtitle, page.highlights);
+  for (const ReportPlot& plot : page.plots) {
+    add_plot(html, escape(plot.title), plot.traces, escape(plot.x_label), escape(plot.y_label), plot.min_span);
+  }
+  html += "<section class=\"two\">";
+  for (const ReportPicture& shown : page.pictures) {
+    fmt::format_to(std::back_inserter(html), "<div class=\"card\"><h2>{}</h2><div class=\"camera\">{}</div>",
+                   escape(shown.title), picture(shown.png, shown.title));
+    fmt::format_to(std::back_inserter(html), "<p class=\"dim small\" style=\"margin-top:8px\">{}</p></div>\n",
+                   escape(shown.note));
+  }
+  html += "</section>\n";
+  for (const ReportTable& table : page.tables) {
+    add_table(html, table);
+  }
+  add_foot(html, page.counters, page.settings);
+  return html;
+}
+
+std::string report_html(const ReportData& data) {
+  std::string html;
+  add_head(html, data.title, data.subtitle, data.highlights);
+  html += "<div class=\"two\">";
   add_map(html, "Difference from the reference", "Positive: nearer to the camera than the reference.", data.difference,
           difference_scale(data.difference), data.pitch);
   add_map(html, "Height over the plane", "Rows are frames (along the belt), columns image columns.", data.height,
@@ -471,10 +500,7 @@ std::string report_html(const ReportData& data) {
   if (data.camera) {
     add_camera(html, *data.camera);
   }
-  html += "<section class=\"two\">";
-  add_facts(html, "Counters", data.counters);
-  add_facts(html, "Settings", data.settings);
-  html += "</section>\n</main></body></html>\n";
+  add_foot(html, data.counters, data.settings);
   return html;
 }
 

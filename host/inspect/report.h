@@ -63,6 +63,42 @@ struct ReportData {
   MapPitch pitch;
 };
 
+// One line of a plot; NaN leaves a gap.
+struct ReportTrace {
+  std::vector<double> x;
+  std::vector<double> y;
+  const char* style = "a";  // "a" or "b"
+  std::string name;
+};
+
+// Traces over one another, with one scale. Left out where there is nothing to draw.
+struct ReportPlot {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<ReportTrace> traces;
+  double min_span = 1;  // of the vertical scale
+};
+
+struct ReportPicture {
+  std::string title;
+  std::string png;
+  std::string note;  // below it
+};
+
+// A page of plots, pictures and tables, in this order.
+struct ReportPage {
+  std::string title;
+  std::string subtitle;
+  std::vector<Fact> highlights;  // what is to be seen first
+  std::vector<ReportPlot> plots;
+  std::vector<ReportPicture> pictures;
+  std::vector<ReportTable> tables;
+  std::vector<Fact> counters;
+  std::vector<Fact> settings;
+};
+std::string page_html(const ReportPage& page);
+
 // The page as text.
 std::string report_html(const ReportData& data);
 

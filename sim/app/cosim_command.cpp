@@ -34,7 +34,9 @@
 #include "host/optics/differential_profile.h"
 #include "host/optics/pattern.h"
 #include "host/optics/reference.h"
+#include "model/gray_decoder.h"
 #include "sim/app/cosim_run.h"
+#include "sim/app/cosim_scanner.h"
 #include "sim/app/frame_source.h"
 #include "sim/app/moments_csv.h"
 #include "sim/experiment/light_section.h"
@@ -65,6 +67,9 @@ struct Options {
   std::string packets;
   std::string trace;
   std::size_t trace_from = 1;
+  std::optional<int> bits;  // the rest is for scanners
+  bool no_median = false;
+  std::optional<double> min_difference;
 };
 
 const std::map<std::string, bool RenderOptions::*>& disturbances() {
@@ -143,8 +148,9 @@ Setup scene_setup(const Options& options) {
       std::make_unique<Renderer>(rig, *setup.scene, draw_pattern(rig, pattern_of_curve(rig, curve)), render);
   const std::size_t count =
       frames_to_play(options, static_cast<std::size_t>(setup.scene->frames()), "scene " + options.scene);
-  setup.source =
-      std::make_unique<SceneFrames>(*setup.renderer, rig.camera.rows, rig.camera.columns, options.first - 1, count);
+  setup.source = std::make_unique<SceneFrames>(
+      [renderer = setup.renderer.get()](int frame, std::span<std::uint8_t> pixels) { renderer->render(frame, pixels); },
+      rig.camera.rows, rig.camera.columns, options.first - 1, count);
   setup.profiler = std::make_unique<DifferentialProfiler>(rig, reference);
   setup.facts = {{"scene", "scene", options.scene},
                  {"reference", "reference", reference_name},
@@ -408,7 +414,48 @@ std::vector<Fact> counters_of(const CosimResult& result) {
           fact("resynchronized", "resynchronized", result.driver.resynchronized)};
 }
 
+// Scenes of rig B have a run of their own.
+void run_scanner(const Options& options) {
+  const auto refuse = [&](bool given, const char* option) {
+    if (given) {
+      throw UserError(option, fmt::format("is not for scene {}, which a scanner sees", options.scene));
+    }
+  };
+  refuse(!options.mode.empty(), "--mode");
+  refuse(!options.channel.empty(), "--channel");
+  refuse(!options.trace.empty(), "--trace");
+  ScannerCosimOptions scanner{
+      .scene = options.scene,
+      .engine = options.engine,
+      .threshold = options.threshold,
+      .seed = options.seed,
+      .first = options.first,
+      .count = options.count,
+      .bits = options.bits.value_or(ScannerCosimOptions{}.bits),
+      .median = !options.no_median,
+      .min_difference_mm = options.min_difference.value_or(ScannerCosimOptions{}.min_difference_mm),
+      .bus_stall = options.bus_stall,
+      .out = options.out,
+      .pictures = options.pictures,
+      .packets = options.packets};
+  if (!options.rig.empty()) {
+    scanner.rig = options.rig;
+  }
+  for (const std::string& name : options.without) {
+    scanner.render.*disturbances().at(name) = false;
+    scanner.without += (scanner.without.empty() ? "" : ", ") + name;
+  }
+  run_scanner_cosim(scanner);
+}
+
 void run(const Options& options) {
+  if (options.frames.empty() && is_scanner_scene(options.scene)) {
+    run_scanner(options);
+    return;
+  }
+  if (options.bits || options.no_median || options.min_difference) {
+    throw UserError("--bits, --no-median, --min-difference", "are for the scenes of a scanner");
+  }
   const std::optional<OutputFile> packets_file =
       options.packets.empty() ? std::nullopt : std::optional<OutputFile>(options.packets);
   std::optional<OutputFolder> folder;
@@ -503,7 +550,8 @@ void add_cosim_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--rig", options->rig,
-                   "Built-in rig or its YAML file (scenes: light-section; recorded images: none, so that only moments "
+                   "Built-in rig or its YAML file (scenes: light-section, or scanner; recorded images: none, so that "
+                   "only moments "
                    "and centroids come out)")
       ->type_name("RIG");
   command->add_option("--channel", options->channel, "What to take of colour images")
@@ -512,7 +560,10 @@ void add_cosim_command(CLI::App& app) {
       ->add_option("--mode", options->mode,
                    "A lit pixel weighs 1 (binary), its value (grey), its value - T (grey-over) [the rig's]")
       ->check(CLI::IsMember(mode_names()));
-  command->add_option("--threshold", options->threshold, "A pixel is lit where it is greater than this [the rig's]")
+  command
+      ->add_option("--threshold", options->threshold,
+                   "A pixel is lit where it is greater than this; a scanner's pair is ambiguous where it differs "
+                   "by no more [the rig's]")
       ->check(CLI::Range(0, 255))
       ->type_name("T");
   command->add_option("--seed", options->seed, "Of all that is random [the rig's]")->type_name("N");
@@ -544,6 +595,15 @@ void add_cosim_command(CLI::App& app) {
       ->type_name("K");
   command->add_option("--packets", options->packets, "Keeps the stream of packets, for selfproj-sim board --replay")
       ->type_name("FILE");
+  command->add_option("--bits", options->bits, "With a scanner's scene: bits of the Gray code [8]")
+      ->check(CLI::Range(1, GrayDecoder::kMaxBits))
+      ->type_name("M");
+  command->add_flag("--no-median", options->no_median, "With a scanner's scene: codes without the 3 x 3 median");
+  command
+      ->add_option("--min-difference", options->min_difference,
+                   "With a scanner's scene: from the background, mm, of what counts as moved [10]")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->type_name("MM");
   CLI::Option* trace =
       command->add_option("--trace", options->trace, "Waveforms of the board (engine rtl)")->type_name("FILE.fst");
   command->add_option("--trace-from", options->trace_from, "... from this frame of this run on, from 1")

@@ -74,6 +74,7 @@ CosimResult run_cosim(const PlatformOptions& options, FrameSource& frames, const
   checker.finish();
 
   result.columns = checker.matched_columns();
+  result.codes = checker.matched_codes();
   result.mismatches = checker.mismatches();
   result.first_mismatch = checker.first_mismatch();
   result.lost = checker.lost();
@@ -90,7 +91,8 @@ CosimResult run_cosim(const PlatformOptions& options, FrameSource& frames, const
   must_be(board.frames, result.platform.frames, "frames accepted by the board");
   must_be(board.broken, 0, "broken frames");
   must_be(board.stray, 0, "beats outside any frame");
-  must_be(board.lost_moments + board.lost_image, result.lost, "packets lost by the board's count");
+  must_be(board.lost_moments + board.lost_image + board.lost_codes, result.lost, "packets lost by the board's count");
+  must_be(board.abandoned, 0, "frames abandoned by the decoder");
   must_be(result.driver.bad, 0, "packets refused by the driver");
   must_be(result.driver.bytes_discarded, 0, "bytes discarded by the driver");
   must_be(device.misframed(), 0, "packets whose end is not where their header says");

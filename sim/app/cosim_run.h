@@ -25,6 +25,7 @@ struct CosimCallbacks {
 
 struct CosimResult {
   std::uint64_t columns = 0;     // whose moments matched
+  std::uint64_t codes = 0;       // pixels whose code matched
   std::uint64_t frames = 0;      // whose packets of moments matched
   std::uint64_t mismatches = 0;  // packets that did not match, counters that disagree
   std::uint64_t lost = 0;        // packets lost on the board, all of them counted by it

@@ -17,8 +17,8 @@
 
 namespace selfproj {
 
-SceneFrames::SceneFrames(const Renderer& renderer, int rows, int columns, std::size_t first, std::size_t count)
-    : renderer_(renderer), rows_(rows), columns_(columns), first_(first), count_(count) {}
+SceneFrames::SceneFrames(Render render, int rows, int columns, std::size_t first, std::size_t count)
+    : render_(std::move(render)), rows_(rows), columns_(columns), first_(first), count_(count) {}
 
 const Image* SceneFrames::next() {
   const std::size_t wanted = std::max(1U, std::thread::hardware_concurrency());
@@ -27,7 +27,7 @@ const Image* SceneFrames::next() {
     ahead_.push_back(std::async(std::launch::async, [this, frame] {
       Image image{rows_, columns_, {}};
       image.pixels.resize(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_));
-      renderer_.render(frame, image.pixels);
+      render_(frame, image.pixels);
       return image;
     }));
   }

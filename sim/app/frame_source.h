@@ -3,14 +3,16 @@
 #define SELFPROJ_SIM_APP_FRAME_SOURCE_H
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
+#include <functional>
 #include <future>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "host/io/image_files.h"
-#include "sim/scene/renderer.h"
 
 namespace selfproj {
 
@@ -32,7 +34,9 @@ class FrameSource {
 // Frames first..first + count - 1 (from 0) of a rendered scene; some are rendered ahead, by several threads.
 class SceneFrames final : public FrameSource {
  public:
-  SceneFrames(const Renderer& renderer, int rows, int columns, std::size_t first, std::size_t count);
+  // Writes the image of a frame; may be called by several threads at once.
+  using Render = std::function<void(int frame, std::span<std::uint8_t> pixels)>;
+  SceneFrames(Render render, int rows, int columns, std::size_t first, std::size_t count);
 
   [[nodiscard]] std::size_t total() const override { return count_; }
   [[nodiscard]] int rows() const override { return rows_; }
@@ -40,7 +44,7 @@ class SceneFrames final : public FrameSource {
   const Image* next() override;
 
  private:
-  const Renderer& renderer_;
+  Render render_;
   int rows_;
   int columns_;
   std::size_t first_;

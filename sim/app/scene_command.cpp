@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <mutex>
@@ -29,6 +30,7 @@
 #include "host/io/user_error.h"
 #include "host/optics/pattern.h"
 #include "sim/scene/parallel.h"
+#include "sim/scene/pattern_renderer.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
@@ -38,6 +40,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kDefaultBits = 8;
+constexpr int kMostBits = 12;
+constexpr int kMostDepths = 256;  // 1 MB each
 constexpr int kMostFrames = 100'000;
 constexpr const char* kPatternFile = "pattern.tiff";
 
@@ -46,7 +51,8 @@ struct Options {
   std::string height_map;
   double mm_per_pixel = 0;
   std::string rig;  // empty: the scene's own
-  std::string pattern;
+  std::vector<std::string> patterns;
+  int bits = 0;  // 0: not given
   std::string out;
   std::string truth;
   int first = 1;
@@ -88,24 +94,28 @@ Rig rig_of(const Options& options) {
   return rig;
 }
 
-// Light 0..1 from a file: 32-bit TIFF as it is, 8-bit images with 255 for full light. Without a file, a straight line
-// that the camera sees in the middle of its image of the plane.
-FloatImage pattern_of(const Options& options, const Rig& rig) {
-  if (options.pattern.empty()) {
-    return draw_straight_line(rig, Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);
-  }
+// Light 0..1 from a file: 32-bit TIFF as it is, 8-bit images with 255 for full light.
+FloatImage read_pattern(const std::string& file, const Rig& rig) {
   FloatImage pattern;
-  const std::string extension = fs::path(options.pattern).extension().string();
+  const std::string extension = fs::path(file).extension().string();
   if (extension == ".tiff" || extension == ".tif") {
-    pattern = read_float_tiff(options.pattern);
+    pattern = read_float_tiff(file);
   } else {
-    const Image image = read_image(options.pattern, std::nullopt);
+    const Image image = read_image(file, std::nullopt);
     pattern = FloatImage(image.rows, image.columns);
     std::transform(image.pixels.begin(), image.pixels.end(), pattern.values.begin(),
                    [](std::uint8_t value) { return static_cast<float>(value) / 255; });
   }
-  check_pattern(pattern, rig.projector, options.pattern);
+  check_pattern(pattern, rig.projector, file);
   return pattern;
+}
+
+// Without a file, a straight line that the camera sees in the middle of its image of the plane.
+FloatImage pattern_of(const Options& options, const Rig& rig) {
+  if (options.patterns.empty()) {
+    return draw_straight_line(rig, Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);
+  }
+  return read_pattern(options.patterns.front(), rig);
 }
 
 std::string frame_file(int number, bool quantized) {
@@ -141,6 +151,60 @@ bool is_in(const std::string& folder, const std::string& file) {
   return parent == (fs::absolute(folder) / "").lexically_normal().parent_path();
 }
 
+// What makes the frames of a scene and knows the truth about them.
+struct FrameMaker {
+  std::function<void(int frame, std::span<float> pixels)> render;
+  std::function<void(int frame, std::span<float> values)> truth;
+  int truth_rows = 1;  // a frame
+  FloatImage pattern;  // where there is one alone
+};
+
+FrameMaker light_section(const Options& options, const Rig& rig, const Scene& scene, const RenderOptions& render_with) {
+  if (options.bits > 0) {
+    throw UserError("--bits", "is for rigs of kind scanner; " + rig.name + " is none");
+  }
+  if (options.patterns.size() > 1) {
+    throw UserError("--pattern", "one is enough for a light section");
+  }
+  FrameMaker maker;
+  maker.pattern = pattern_of(options, rig);
+  const auto renderer = std::make_shared<Renderer>(rig, scene, maker.pattern, render_with);
+  maker.render = [renderer](int frame, std::span<float> pixels) { renderer->render(frame, pixels); };
+  maker.truth = [renderer](int frame, std::span<float> heights) { renderer->truth(frame, heights); };
+  return maker;
+}
+
+FrameMaker whole_patterns(const Options& options, const Rig& rig, const Scene& scene,
+                          const RenderOptions& render_with) {
+  if (scene.speed() != 0) {
+    throw UserError("--rig " + rig.name, "its conveyor moves; the surface before a scanner stands still");
+  }
+  if (options.bits > 0 && !options.patterns.empty()) {
+    throw UserError("--bits, --pattern", "exclude each other");
+  }
+  const auto light = std::make_shared<std::vector<ProjectedLight>>();
+  const double blur = render_with.projector_blur ? rig.imaging.projector_blur_px : 0;
+  for (const std::string& file : options.patterns) {
+    light->emplace_back(read_pattern(file, rig), blur);
+  }
+  if (options.patterns.empty()) {
+    for (const Image& image : gray_patterns(rig.projector, options.bits > 0 ? options.bits : kDefaultBits)) {
+      light->push_back(project_image(rig, image, render_with.projector_blur));
+    }
+  }
+  const auto renderer = std::make_shared<PatternRenderer>(rig, scene, render_with, options.threads);
+  FrameMaker maker;
+  // The first frame that is rendered shows the first pattern, so that a window of a scene is a whole sequence.
+  const int first = options.first - 1;
+  maker.render = [renderer, light, first](int frame, std::span<float> pixels) {
+    const auto pattern = static_cast<std::size_t>(frame - first) % light->size();
+    renderer->render(frame, (*light)[pattern], pixels);
+  };
+  maker.truth = [renderer](int frame, std::span<float> z) { renderer->depth(frame, z); };
+  maker.truth_rows = rig.camera.rows;
+  return maker;
+}
+
 void render(const Options& options) {
   OutputFolder out(options.out);
   std::optional<OutputFile> truth_file;
@@ -161,11 +225,16 @@ void render(const Options& options) {
   const RenderOptions render_with = render_options(options);
   const bool quantized = render_with.quantization;
   check_for_other_frames(options.out, options.first, count, quantized);
-  const FloatImage pattern = pattern_of(options, rig);
-  const Renderer renderer(rig, *scene, pattern, render_with);
-
-  out.append(kPatternFile, encode_float_tiff(kPatternFile, pattern));
-  FloatImage truth(options.truth.empty() ? 0 : count, rig.camera.columns);
+  const FrameMaker maker = rig.kind == RigKind::scanner ? whole_patterns(options, rig, *scene, render_with)
+                                                        : light_section(options, rig, *scene, render_with);
+  if (!options.truth.empty() && maker.truth_rows > 1 && count > kMostDepths) {
+    throw UserError("--truth " + options.truth,
+                    fmt::format("is for {} frames of depth at most, not {}", kMostDepths, count));
+  }
+  if (!maker.pattern.values.empty()) {
+    out.append(kPatternFile, encode_float_tiff(kPatternFile, maker.pattern));
+  }
+  FloatImage truth(options.truth.empty() ? 0 : count * maker.truth_rows, rig.camera.columns);
   {
     Progress progress("frame", static_cast<std::size_t>(count));
     std::mutex mutex;
@@ -175,16 +244,17 @@ void render(const Options& options) {
       const std::string file = frame_file(number, quantized);
       std::string bytes;
       FloatImage values(rig.camera.rows, rig.camera.columns);
+      maker.render(number - 1, values.values);
       if (quantized) {
         std::vector<std::uint8_t> pixels(values.values.size());
-        renderer.render(number - 1, pixels);
+        quantize(values.values, pixels);
         bytes = encode_png(values.rows, values.columns, pixels);
       } else {
-        renderer.render(number - 1, std::span<float>(values.values));
         bytes = encode_float_tiff(file, values);
       }
       if (truth.rows > 0) {
-        renderer.truth(number - 1, {truth.row(i), static_cast<std::size_t>(truth.columns)});
+        maker.truth(number - 1, {truth.row(i * maker.truth_rows),
+                                 static_cast<std::size_t>(maker.truth_rows) * static_cast<std::size_t>(truth.columns)});
       }
       const std::lock_guard lock(mutex);
       out.append(file, bytes);
@@ -227,10 +297,16 @@ void add_render(CLI::App& scene) {
   map->needs(scale);
   command->add_option("--rig", options->rig, "A built-in rig or a YAML file; default: the scene's own");
   command
-      ->add_option("--pattern", options->pattern,
+      ->add_option("--pattern", options->patterns,
                    "What the projector shows, its lines x columns: light 0..1 in 32-bit floats (.tiff) or 0..255 "
-                   "(.png); default: a straight line in the middle of the image of the plane")
+                   "(.png); default: a straight line in the middle of the image of the plane. With a scanner: "
+                   "several (once each, or commas between), one a frame, over and over; default: Gray codes")
+      ->delimiter(',')
+      ->allow_extra_args(false)
       ->type_name("FILE");
+  command->add_option("--bits", options->bits, "With a scanner: Gray codes of so many bits [8]")
+      ->check(CLI::Range(1, kMostBits))
+      ->type_name("M");
   command->add_option("--first", options->first, "First frame, from 1")
       ->check(CLI::Range(1, kMostFrames))
       ->type_name("N")
@@ -251,7 +327,11 @@ void add_render(CLI::App& scene) {
   command->add_option("--threads", options->threads, "Threads; default: one a core")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
-  command->add_option("--truth", options->truth, "True heights on the light sheet, mm: a row a frame, NaN where unseen")
+  command
+      ->add_option(
+          "--truth", options->truth,
+          "True heights on the light sheet, mm: a row a frame, NaN where unseen. With a scanner: z of what each "
+          "pixel sees, mm, the frames one below the other")
       ->type_name("FILE.tiff");
   command->add_option("--out", options->out, "Folder for frame_00001.png ... and pattern.tiff")
       ->type_name("DIR")

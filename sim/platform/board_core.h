@@ -27,6 +27,8 @@ struct BusOptions {
 struct BoardCoreOptions {
   BusOptions bus = {};
   std::uint64_t seed = 1;  // of the stalls
+  int patterns = 1;        // the sequencer counts frames modulo this
+  bool codes = false;  // the build with the Gray-code decoder, for images up to 512 x 512; it has binary moments only
   std::string trace_file;  // FST; empty: none. Engine rtl only
   std::uint64_t trace_from_clock = 0;
 };
@@ -38,6 +40,8 @@ struct BoardCounters {
   std::uint64_t stray = 0;         // beats outside any frame
   std::uint64_t lost_moments = 0;  // packets lost in full FIFOs
   std::uint64_t lost_image = 0;
+  std::uint64_t lost_codes = 0;
+  std::uint64_t abandoned = 0;  // frames after which the decoder waits for plane 0 though they were good
 };
 
 class BoardCore {

@@ -24,7 +24,7 @@ class ModelCore final : public BoardCore {
   explicit ModelCore(const BoardCoreOptions& options)
       : bus_period_(static_cast<double>(options.bus.period_ps)),
         stall_percent_(options.bus.stall_percent),
-        feed_([this](BoardPacket&& packet) { take(packet); }) {}
+        feed_([this](BoardPacket&& packet) { take(packet); }, options.patterns) {}
 
   void on_packet(PacketSink sink) override { sink_ = std::move(sink); }
 
@@ -57,7 +57,7 @@ class ModelCore final : public BoardCore {
 
   [[nodiscard]] BoardCounters counters() override {
     const BoardModel& model = feed_.model();
-    return {.frames = model.frames(), .broken = model.broken(), .stray = model.stray()};
+    return {.frames = model.frames(), .broken = model.broken(), .stray = model.stray(), .abandoned = model.abandoned()};
   }
 
  private:

@@ -15,7 +15,9 @@ namespace selfproj {
 
 class ModelFeed {
  public:
-  explicit ModelFeed(BoardModel::Sink sink) : model_(std::move(sink)) {}
+  // Frame k has the pattern index k mod patterns.
+  explicit ModelFeed(BoardModel::Sink sink, int patterns = 1)
+      : model_(std::move(sink)), patterns_(static_cast<std::uint64_t>(patterns)) {}
 
   void write(const BoardSettings& settings) { model_.write(settings); }
 
@@ -27,7 +29,8 @@ class ModelFeed {
       std::memcpy(beat.pixels.data(), pixels.data() + at, beat.pixels.size());
       beat.line_end = at + beat.pixels.size() == pixels.size();
       clock_ = clock++;
-      model_.beat({.clock = clock_, .encoder = count_}, beat);
+      const auto pattern = static_cast<std::uint16_t>(model_.frames() % patterns_);
+      model_.beat({.clock = clock_, .encoder = count_, .pattern = pattern}, beat);
       beat.start = false;
     }
   }
@@ -47,6 +50,7 @@ class ModelFeed {
 
  private:
   BoardModel model_;
+  std::uint64_t patterns_;
   std::uint64_t clock_ = 0;
   unsigned phase_ = 0;
   std::uint32_t count_ = 0;

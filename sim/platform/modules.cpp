@@ -224,8 +224,9 @@ void BusSink::hold_up() {
   });
 }
 
-Scoreboard::Scoreboard(const sc_core::sc_module_name& name, const BoardSettings& settings, BoardModel::Sink sink)
-    : sc_module(name), feed_(std::move(sink)) {
+Scoreboard::Scoreboard(const sc_core::sc_module_name& name, const BoardSettings& settings, int patterns,
+                       BoardModel::Sink sink)
+    : sc_module(name), feed_(std::move(sink), patterns) {
   feed_.write(settings);
   video.bind(*this);
   encoder_pins.bind(*this);

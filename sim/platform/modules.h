@@ -218,7 +218,7 @@ class Scoreboard : public sc_core::sc_module, public VideoInterface, public Enco
   sc_core::sc_export<VideoInterface> video{"video"};
   sc_core::sc_export<EncoderInterface> encoder_pins{"encoder_pins"};
 
-  Scoreboard(const sc_core::sc_module_name& name, const BoardSettings& settings, BoardModel::Sink sink);
+  Scoreboard(const sc_core::sc_module_name& name, const BoardSettings& settings, int patterns, BoardModel::Sink sink);
 
   void line(const VideoLine& line) override { inputs_.line(line); }
   void promise_video(std::uint64_t clock) override;

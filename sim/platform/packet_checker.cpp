@@ -44,6 +44,9 @@ bool PacketChecker::check(std::span<const std::uint8_t> bytes) {
   if (got.header.kind == spec::kKindMoments && !got.payload.empty()) {
     matched_columns_ += got.header.columns;
   }
+  if (got.header.kind == spec::kKindCodes) {
+    matched_codes_ += got.payload.size() / sizeof(std::uint16_t);
+  }
   return true;
 }
 

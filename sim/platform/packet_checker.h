@@ -29,6 +29,7 @@ class PacketChecker {
 
   [[nodiscard]] std::uint64_t matched() const { return matched_; }
   [[nodiscard]] std::uint64_t matched_columns() const { return matched_columns_; }  // of moments packets
+  [[nodiscard]] std::uint64_t matched_codes() const { return matched_codes_; }      // pixels, of code packets
   [[nodiscard]] std::uint64_t mismatches() const { return mismatches_; }
   [[nodiscard]] std::uint64_t lost() const { return lost_[0] + lost_[1] + lost_[2]; }  // of all kinds
   // Of packets of a kind.
@@ -45,6 +46,7 @@ class PacketChecker {
   std::vector<std::uint8_t> want_;
   std::uint64_t matched_ = 0;
   std::uint64_t matched_columns_ = 0;
+  std::uint64_t matched_codes_ = 0;
   std::uint64_t mismatches_ = 0;
   std::string first_mismatch_;
 };

@@ -71,6 +71,13 @@ void check(const PlatformOptions& options) {
       bus.hold_up_s < 0) {
     throw std::invalid_argument("the options of the bus make no sense");
   }
+  constexpr int kMostPatterns = 256;
+  if (options.patterns < 1 || options.patterns > kMostPatterns) {
+    throw std::invalid_argument("patterns are 1..256");
+  }
+  if (options.settings.codes && !options.trace_file.empty()) {
+    throw std::invalid_argument("there is no build with both codes and waveforms");
+  }
   if (options.quantum_lines == 0 || options.trace_from == 0) {
     throw std::invalid_argument("the quantum and the first frame of a trace are at least 1");
   }
@@ -83,6 +90,8 @@ std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const Camer
   const BoardCoreOptions core{
       .bus = options.bus,
       .seed = options.seed,
+      .patterns = options.patterns,
+      .codes = options.settings.codes,
       .trace_file = options.trace_file,
       .trace_from_clock = Platform::kFirstClock + (options.trace_from - 1) * timing.frame_clocks};
   if (options.engine == PlatformEngine::model) {
@@ -115,7 +124,7 @@ struct Platform::Parts {
     sink.ready(board.bus_ready);
     sink.finished(finished);
     if (expected) {
-      scoreboard = std::make_unique<Scoreboard>("scoreboard", options.settings, std::move(expected));
+      scoreboard = std::make_unique<Scoreboard>("scoreboard", options.settings, options.patterns, std::move(expected));
       camera.video(scoreboard->video);
       conveyor.encoder(scoreboard->encoder_pins);
     }

@@ -28,6 +28,7 @@ struct PlatformOptions {
   PlatformEngine engine = PlatformEngine::rtl;
   BoardSettings settings = {};  // columns and rows are those of the frames
   double frame_rate_hz = 10000;
+  int patterns = 1;                // 1..256: frame k carries the pattern index k mod patterns (sequencer on_frame)
   double encoder_steps_per_s = 0;  // at most a quarter of the pixel clock; 0: no encoder
   BusOptions bus = {};
   std::uint64_t seed = 1;           // of the bus's stalls

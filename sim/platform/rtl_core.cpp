@@ -11,6 +11,7 @@
 
 #include "Vboard.h"
 #include "Vboard_hls.h"
+#include "Vboard_scanner.h"
 #include "Vboard_traced.h"
 #include "sim/device/board_device.h"
 #include "sim/platform/board_core.h"
@@ -30,6 +31,7 @@ class RtlCore : public BoardCore {
                  .bus_phase_ps = options.bus.phase_ps,
                  .bus_stall_percent = options.bus.stall_percent,
                  .trace_file = options.trace_file}),
+        patterns_(options.patterns),
         trace_from_(options.trace_file.empty() ? kNever : options.trace_from_clock) {
     device_.run(1);
     origin_ps_ = device_.time_ps();
@@ -43,6 +45,11 @@ class RtlCore : public BoardCore {
   }
 
   void write(const BoardSettings& settings) override {
+    if (patterns_ > 1) {
+      device_.write(spec::kRegTriggerControl,
+                    1U << spec::kRegTriggerControlOnFrameLsb | static_cast<std::uint32_t>(patterns_ - 1)
+                                                                   << spec::kRegTriggerControlLastPatternLsb);
+    }
     device_.write(settings);
     queue_end_ = device_.clock();
   }
@@ -88,7 +95,9 @@ class RtlCore : public BoardCore {
             .broken = device_.read(spec::kRegBroken),
             .stray = device_.read(spec::kRegStray),
             .lost_moments = device_.read(spec::kRegLostMoments),
-            .lost_image = device_.read(spec::kRegLostImage)};
+            .lost_image = device_.read(spec::kRegLostImage),
+            .lost_codes = device_.read(spec::kRegLostCodes),
+            .abandoned = device_.read(spec::kRegAbandoned)};
   }
 
  private:
@@ -110,6 +119,7 @@ class RtlCore : public BoardCore {
   }
 
   BoardDevice<Model> device_;
+  int patterns_;
   std::uint64_t trace_from_;
   std::uint64_t origin_ps_ = 0;
   std::uint64_t queue_end_ = 0;  // clock at which all that was queued is in
@@ -128,6 +138,9 @@ class HlsCore final : private ShellFirst, public RtlCore<Vboard_hls> {
 }  // namespace
 
 std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
+  if (options.codes) {
+    return std::make_unique<RtlCore<Vboard_scanner>>(options);
+  }
   if (options.trace_file.empty()) {
     return std::make_unique<RtlCore<Vboard>>(options);
   }

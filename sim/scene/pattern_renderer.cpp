@@ -670,7 +670,7 @@ void PatternRenderer::render(int frame, const ProjectedLight& pattern, std::span
   quantize(values, pixels);
 }
 
-void PatternRenderer::depth(int frame, std::span<float> z, bool lit_only) const {
+void PatternRenderer::lit_depth(int frame, std::span<float> z, float least_light) const {
   const Motion motion = motion_of(frame);
   for (int row = 0; row < rig_.camera.rows; ++row) {
     for (int column = 0; column < rig_.camera.columns; ++column) {
@@ -681,7 +681,7 @@ void PatternRenderer::depth(int frame, std::span<float> z, bool lit_only) const 
       if (!motion.seen.empty() && (motion.seen[block] | motion.shaded[block]) != 0) {
         spot = look({row + 0.0, column + 0.0}, spot, motion.ends[1], motion.seen[block], motion.shaded[block]).spot;
       }
-      z[i] = lit_only && spot.light <= 0 ? std::numeric_limits<float>::quiet_NaN() : spot.z;
+      z[i] = spot.light <= least_light ? std::numeric_limits<float>::quiet_NaN() : spot.z;
     }
   }
 }

@@ -68,7 +68,10 @@ class PatternRenderer {
 
   // The truth: z in mm of what each pixel's centre sees at the middle of the frame's exposure, of surface and bodies.
   // With lit_only NaN where the projector's light does not fall.
-  void depth(int frame, std::span<float> z, bool lit_only = false) const;
+  void depth(int frame, std::span<float> z, bool lit_only = false) const { lit_depth(frame, z, lit_only ? 0 : -1); }
+
+  // The same, NaN where full light of the projector adds no more grey values than this: what a scanner can measure.
+  void lit_depth(int frame, std::span<float> z, float least_light) const;
 
   [[nodiscard]] const Rig& rig() const { return rig_; }
 

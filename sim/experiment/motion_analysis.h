@@ -1,0 +1,61 @@
+// What the depth images of the experiments B1 to B3 say of what moves: how often, how far, how fast.
+#ifndef SELFPROJ_SIM_EXPERIMENT_MOTION_ANALYSIS_H
+#define SELFPROJ_SIM_EXPERIMENT_MOTION_ANALYSIS_H
+
+#include <cstddef>
+#include <vector>
+
+#include "host/gray/triangulation.h"
+#include "host/io/float_image.h"
+
+namespace selfproj {
+
+// y = mean + amplitude sin(2 pi frequency t + phase), least squares.
+struct SineFit {
+  double frequency = 0;  // Hz; NaN where there are too few values
+  double mean = 0;
+  double amplitude = 0;
+  double residual = 0;  // RMS of what it leaves
+};
+
+// The best of all frequencies in low..high, to 0.001 Hz, of which a whole period was seen; values that are NaN are left
+// out. At least 8 must be there.
+SineFit fit_sine(const std::vector<double>& t, const std::vector<double>& y, double low, double high);
+
+// y = at_0 + slope t, least squares; NaN where there are not two different t. Values that are NaN are left out.
+struct LineFit {
+  double at_0 = 0;
+  double slope = 0;
+};
+LineFit fit_line(const std::vector<double>& t, const std::vector<double>& y);
+
+// How high the surface has risen over a background, in mm towards the camera, averaged over rings about a place.
+class RingMeans {
+ public:
+  // Rings `step` mm wide, `count` of them, about (x, y); only points within the rectangle count.
+  struct Place {
+    double x, y;
+    double x0, x1, y0, y1;
+  };
+  RingMeans(const Triangulation& triangulation, const Place& place, double step, std::size_t count);
+
+  // Means of background - depth over the pixels that have both, by the background's points; NaN for rings of fewer than
+  // 20 pixels.
+  [[nodiscard]] std::vector<double> means(const FloatImage& depth, const FloatImage& background) const;
+
+  [[nodiscard]] double radius(std::size_t ring) const { return (static_cast<double>(ring) + 0.5) * step_; }
+
+ private:
+  const Triangulation& triangulation_;
+  Place place_;
+  double step_;
+  std::size_t count_;
+};
+
+// The radius of the foremost crest: from outside, the first greatest mean that is at least `least` and half of the
+// greatest of all; its place by a parabola through it and its neighbours. NaN where there is none.
+double foremost_crest(const RingMeans& rings, const std::vector<double>& means, double least);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_EXPERIMENT_MOTION_ANALYSIS_H
