@@ -31,6 +31,7 @@ class RtlCore : public BoardCore {
                  .bus_phase_ps = options.bus.phase_ps,
                  .bus_stall_percent = options.bus.stall_percent,
                  .trace_file = options.trace_file}),
+        codes_(options.codes),
         patterns_(options.patterns),
         trace_from_(options.trace_file.empty() ? kNever : options.trace_from_clock) {
     device_.run(1);
@@ -96,8 +97,8 @@ class RtlCore : public BoardCore {
             .stray = device_.read(spec::kRegStray),
             .lost_moments = device_.read(spec::kRegLostMoments),
             .lost_image = device_.read(spec::kRegLostImage),
-            .lost_codes = device_.read(spec::kRegLostCodes),
-            .abandoned = device_.read(spec::kRegAbandoned)};
+            .lost_codes = codes_ ? device_.read(spec::kRegLostCodes) : 0,
+            .abandoned = codes_ ? device_.read(spec::kRegAbandoned) : 0};
   }
 
  private:
@@ -119,6 +120,7 @@ class RtlCore : public BoardCore {
   }
 
   BoardDevice<Model> device_;
+  bool codes_;
   int patterns_;
   std::uint64_t trace_from_;
   std::uint64_t origin_ps_ = 0;

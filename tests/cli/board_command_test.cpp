@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -18,6 +19,7 @@
 #include "host/driver/ring_list.h"
 #include "host/driver/ring_writer.h"
 #include "host/io/duration_histogram.h"
+#include "host/io/rig.h"
 #include "model/packet.h"
 #include "sim/board/packet_recording.h"
 #include "tests/cli/program.h"
@@ -163,6 +165,42 @@ TEST_F(Board, EveryFrameBecomesAProfile) {
 }
 
 // A ring far too small for a board that does not wait: what is not a profile is counted as lost, to the last frame.
+// The scanner's codes, live: a board that replays code packets in a process of its own, and `selfproj depth` at its
+// ring, whose newest depth image is the one that the simulation made of the same packets.
+TEST_F(Board, CodesThroughARingBecomeDepthImages) {
+  Rig rig = load_rig("scanner");
+  rig.camera.rows = rig.camera.columns = 64;
+  rig.camera.pixel_pitch_mm *= 8;
+  rig.projector.lines /= 8;
+  rig.projector.columns /= 8;
+  rig.projector.line_pitch_mm *= 8;
+  rig.projector.column_pitch_mm *= 8;
+  rig.measure.max_z_per_line_mm *= 8;
+  std::ofstream(folder_ / "small.yaml") << to_yaml(rig);
+  const Outcome simulated =
+      run_program(SELFPROJ_SIM_PROGRAM,
+                  {"cosim", "--scene", "fist", "--engine", "model", "--rig", "small.yaml", "--bits", "5", "--count",
+                   "40", "--packets", "codes.slfp", "--out", "simulated"},
+                  folder_.path());
+  ASSERT_EQ(simulated.status, 0) << simulated.err;
+  // 16 code images of 64 lines and 40 frames of moments: all of it has room in the ring
+  auto other = board_beside({"--replay", "codes.slfp", "--rate", "500", "--slots", "2048"});
+  const Outcome depth = host({"depth", "--rig", "small.yaml", "--bits", "5", "--device", "ring:" + ring_, "--count",
+                              "16", "--background", "simulated/background.tiff", "--out", "host"});
+  const Outcome played = other.get();
+  EXPECT_EQ(played.status, 0) << played.err;
+  ASSERT_EQ(depth.status, 0) << depth.err;
+  EXPECT_EQ(read_text(folder_ / "host" / "depth.tiff"), read_text(folder_ / "simulated" / "depth.tiff"));
+  const auto device = json("host/summary.json")["device"];
+  for (const char* counter : {"lost_board", "lost_ring", "bad", "flagged", "incomplete"}) {
+    EXPECT_EQ(device[counter], 0) << counter;
+  }
+  EXPECT_EQ(json("host/summary.json")["depth_images"], 16);
+  // a line of moved.csv for each
+  const std::string moved = read_text(folder_ / "host" / "moved.csv");
+  EXPECT_EQ(std::count(moved.begin(), moved.end(), '\n'), 17);
+}
+
 TEST_F(Board, WhatIsLostIsCounted) {
   auto other = board_beside({"--line", "512x96", "--rate", "0", "--count", "100000", "--slots", "4"});
   const Outcome inspected = host({"inspect", "--device", "ring:" + ring_, "--json", "counts.json"});

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -19,6 +20,7 @@
 #include "host/io/image_files.h"
 #include "host/io/rig.h"
 #include "host/optics/pattern.h"
+#include "sim/scene/pattern_renderer.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 #include "tests/cli/program.h"
@@ -105,6 +107,61 @@ TEST_F(SceneCommand, FramesAndTruthAreTheRenderers) {
       EXPECT_TRUE(found == right || (std::isnan(found) && std::isnan(right)));
     }
   }
+}
+
+// A scanner's scene: Gray codes frame by frame from the first one rendered, or patterns of the user's.
+TEST_F(SceneCommand, WholePatternsOfAScanner) {
+  Rig rig = load_rig("scanner");
+  rig.camera.rows = rig.camera.columns = 32;
+  rig.camera.pixel_pitch_mm *= 16;
+  rig.projector.lines = 48;
+  rig.projector.columns = 64;
+  rig.projector.line_pitch_mm *= 16;
+  rig.projector.column_pitch_mm *= 16;
+  std::ofstream(folder_ / "small.yaml") << to_yaml(rig);
+  const std::vector<std::string> common{"fist", "--rig", "small.yaml", "--first", "41", "--count", "5"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), common.begin(), common.end());
+    return render(more);
+  };
+  const Outcome outcome = with({"--bits", "2", "--truth", "truth.tiff"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(names("out"), (std::vector<std::string>{"frame_00041.png", "frame_00042.png", "frame_00043.png",
+                                                    "frame_00044.png", "frame_00045.png"}));
+  const std::unique_ptr<Scene> scene = make_scene("fist", rig);
+  const PatternRenderer renderer(rig, *scene);
+  const PatternSet patterns(rig, gray_patterns(rig.projector, 2));
+  const FloatImage truth = read_float_tiff((folder_ / "truth.tiff").string());
+  ASSERT_EQ(truth.rows, 5 * 32);
+  std::vector<std::uint8_t> expected(32 * 32);
+  std::vector<float> z(32 * 32);
+  for (int i = 0; i < 5; ++i) {
+    renderer.render(40 + i, patterns[i % 4], std::span<std::uint8_t>(expected));
+    EXPECT_EQ(frame(fmt::format("frame_{:05}.png", 41 + i)).pixels, expected);
+    renderer.depth(40 + i, z);
+    EXPECT_TRUE(std::equal(z.begin(), z.end(), truth.row(32 * i)));
+  }
+  // the same patterns as files, commas between
+  fs::remove_all(folder_ / "out");
+  std::string files;
+  for (int i = 0; i < 4; ++i) {
+    std::vector<Image> images = gray_patterns(rig.projector, 2);
+    Image& image = images[static_cast<std::size_t>(i)];
+    const std::string name = fmt::format("p{}.png", i);
+    cv::imwrite((folder_ / name).string(), cv::Mat(image.rows, image.columns, CV_8UC1, image.pixels.data()));
+    files += (i > 0 ? "," : "") + name;
+  }
+  ASSERT_EQ(with({"--pattern", files}).status, 0);
+  EXPECT_EQ(frame("frame_00045.png").pixels, expected);
+  fs::remove_all(folder_ / "out");
+  expect_refused({"render", "fist", "--rig", "small.yaml", "--out", "out", "--bits", "2", "--pattern", "p0.png"},
+                 "--bits, --pattern: exclude each other");
+  expect_refused({"render", "fist", "--rig", "small.yaml", "--out", "out", "--truth", "t.tiff"},
+                 "--truth t.tiff: is for 256 frames of depth at most, not 2000");
+  expect_refused({"render", "stairs", "--out", "out", "--bits", "2"},
+                 "--bits: is for rigs of kind scanner; light-section is none");
+  expect_refused({"render", "fist", "--rig", "light-section", "--out", "out"},
+                 "fist: is a scene for a rig of kind scanner; light-section is none");
 }
 
 // The line that is the default lies in the middle of the plane's image.
