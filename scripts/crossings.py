@@ -1,0 +1,178 @@
+#!/usr/bin/env python3
+"""Lists every signal that crosses between the clocks of sp_board, with what makes the crossing safe.
+
+    crossings.py [--rtl FOLDER] [--parameters NAME=VALUE ...]
+
+Yosys elaborates the board; a crossing is a register or memory of one clock in whose inputs a register or memory of another
+has a part. Each has to be a synchronizer's first flop (sp_sync) with no logic before it, or stand in rtl/crossings.txt, whose lines are
+
+    from | to | why it is safe
+
+with regular expressions for the two names. Exit status 1 and one line for each crossing that is neither, and for each line
+that fits none. Standard library only.
+"""
+
+import argparse
+import collections
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+LIST = ROOT / "rtl" / "crossings.txt"
+
+
+class CrossingError(Exception):
+    """Yosys failed, or the list cannot be read."""
+
+
+def netlist(rtl, parameters):
+    """The flattened board after `proc` and `memory`, as Yosys's JSON."""
+    sources = sorted(path for path in rtl.rglob("sp_*.sv") if not path.name.endswith("_pkg.sv"))
+    assignments = "".join(f" -set {text.replace('=', ' ', 1)}" for text in parameters)
+    with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
+        path = pathlib.Path(folder) / "board.json"
+        script = (f"read_verilog -sv {rtl}/common/sp_spec_pkg.sv {' '.join(map(str, sources))}; "
+                  + (f"chparam{assignments} sp_board; " if assignments else "")
+                  + "hierarchy -check -top sp_board; proc; flatten; opt -full; memory_dff; memory_collect; opt_clean; "
+                  + f"write_json {path}")
+        result = subprocess.run(["yosys", "-q", "-p", script], capture_output=True, text=True, check=False)
+        if result.returncode != 0:
+            raise CrossingError("Yosys: " + (result.stdout + result.stderr).strip().splitlines()[-1])
+        modules = json.loads(path.read_text())["modules"]
+    return next(body for body in modules.values() if body["attributes"].get("top"))
+
+
+class Graph:
+    """Registers, memories and the logic between them, bit by bit."""
+
+    def __init__(self, module):
+        self.names = {}   # bit: name of its wire, the shortest of those that were written down
+        for name, net in module["netnames"].items():
+            if net.get("hide_name"):
+                continue
+            for bit in net["bits"]:
+                if isinstance(bit, int) and len(name) < len(self.names.get(bit, " " * 1000)):
+                    self.names[bit] = name
+        self.driver = {}  # bit: (register, clock) or the bits it follows from
+        self.inputs = collections.defaultdict(set)  # (register, clock): bits
+        for name, cell in module["cells"].items():
+            self.add(name, cell)
+
+    def add(self, name, cell):
+        kind, bits, directions = cell["type"], cell["connections"], cell["port_directions"]
+        inputs = [bit for port, value in bits.items() if directions[port] == "input" for bit in value]
+        outputs = [bit for port, value in bits.items() if directions[port] == "output" for bit in value]
+        if re.match(r"\$(a|s)?(al)?dff", kind):
+            clock = self.names.get(bits["CLK"][0])
+            key = (self.names.get(outputs[0], name), clock)
+            for bit in outputs:
+                self.driver[bit] = key
+            self.inputs[key] |= {bit for bit in inputs if isinstance(bit, int)} - set(bits["CLK"])
+        elif kind.startswith("$mem"):
+            self.add_memory(name, cell)
+        elif kind.startswith(("$assert", "$assume", "$cover", "$print", "$check", "$scopeinfo", "$meminit")):
+            return
+        else:
+            for bit in outputs:
+                self.driver[bit] = [bit for bit in inputs if isinstance(bit, int)]
+
+    def add_memory(self, name, cell):
+        bits, parameters = cell["connections"], cell["parameters"]
+        name = parameters.get("MEMID", name).lstrip("\\")
+        write = (name, self.names.get(bits["WR_CLK"][0])) if bits["WR_CLK"] else (name, None)
+        self.inputs[write] |= {bit for port in ("WR_EN", "WR_ADDR", "WR_DATA") for bit in bits[port] if isinstance(bit, int)}
+        address = [bit for port in ("RD_ADDR", "RD_EN") for bit in bits[port] if isinstance(bit, int)]
+        if "1" in parameters["RD_CLK_ENABLE"]:
+            read = (name + " (read)", self.names.get(bits["RD_CLK"][0]))
+            self.inputs[read] |= set(address)
+            if read[1] != write[1]:
+                self.inputs[read].add(("memory", write))
+            for bit in bits["RD_DATA"]:
+                self.driver[bit] = read
+        else:
+            for bit in bits["RD_DATA"]:
+                self.driver[bit] = [*address, ("memory", write)]
+
+    def sources(self, key, direct=True):
+        """Registers and memories that have a part in the inputs of one; without `direct`, those with logic between."""
+        left = [bit for bit in self.inputs[key] if direct or not isinstance(self.driver.get(bit), tuple)]
+        found, seen = set(), set()
+        while left:
+            bit = left.pop()
+            if bit in seen:
+                continue
+            seen.add(bit)
+            if isinstance(bit, tuple):
+                found.add(bit[1])
+                continue
+            driver = self.driver.get(bit)
+            if isinstance(driver, tuple):
+                found.add(driver)
+            elif driver:
+                left.extend(driver)
+        return found
+
+    def crossings(self):
+        """(from, its clock, to, its clock), sorted."""
+        return sorted({(*source, *key) for key in self.inputs for source in self.sources(key) if source[1] != key[1]},
+                      key=str)
+
+
+def read_list():
+    rules = []
+    for number, line in enumerate(LIST.read_text().splitlines(), 1):
+        if not line.strip() or line.startswith("#"):
+            continue
+        fields = [field.strip() for field in line.split(" | ", 2)]
+        if len(fields) != 3:
+            raise CrossingError(f"{LIST.relative_to(ROOT)}:{number}: not three fields: from | to | why")
+        rules.append((re.compile(fields[0]), re.compile(fields[1]), fields[2]))
+    return rules
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rtl", type=pathlib.Path, default=ROOT / "rtl", metavar="FOLDER", help="default: rtl/")
+    parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of sp_board")
+    arguments = parser.parse_args()
+    try:
+        rules = read_list()
+        graph = Graph(netlist(arguments.rtl, arguments.parameters))
+        crossings = graph.crossings()
+    except (CrossingError, OSError, re.error) as error:
+        print(f"crossings.py: {error}", file=sys.stderr)
+        return 1
+    used = set()
+    wrong = 0
+    for source, source_clock, target, target_clock in crossings:
+        if re.search(r"\.meta_q$", target):
+            if (source, source_clock) in graph.sources((target, target_clock), direct=False):
+                print(f"crossings.py: {source} -> {target}: logic before the synchronizer", file=sys.stderr)
+                wrong += 1
+            how = "synchronizer " + target.rsplit(".", 1)[0]
+        else:
+            fitting = [i for i, (of, to, _) in enumerate(rules) if of.fullmatch(source) and to.fullmatch(target)]
+            if not fitting:
+                print(f"crossings.py: {source} ({source_clock}) -> {target} ({target_clock}): neither a synchronizer nor in "
+                      f"{LIST.relative_to(ROOT)}", file=sys.stderr)
+                wrong += 1
+                continue
+            used.update(fitting)
+            how = rules[fitting[0]][2]
+        print(f"{source} ({source_clock}) -> {target} ({target_clock}): {how}")
+    for i, (of, to, _) in enumerate(rules):
+        if i not in used:
+            print(f"crossings.py: {LIST.relative_to(ROOT)}: nothing crosses from {of.pattern} to {to.pattern}", file=sys.stderr)
+            wrong += 1
+    if not crossings:
+        print("crossings.py: no crossing found at all", file=sys.stderr)
+        wrong += 1
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

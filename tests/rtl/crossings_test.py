@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""scripts/crossings.py finds what it is there for: faults planted in a copy of rtl/, each of which it has to name.
+
+Standard library only.
+"""
+
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+# File below rtl/, text, what takes its place, and what has to be said.
+FAULTS = [
+    ("common/sp_packet_fifo.sv", "assign whole      = written_gray_seen !=", "assign whole      = written_gray_q !=",
+     "neither a synchronizer nor in"),
+    ("common/sp_async_fifo.sv", ".d_i  (rd_gray_q),", ".d_i  (rd_ptr_q ^ (rd_ptr_q >> 1)),", "logic before the synchronizer"),
+    ("board/sp_axil_bridge.sv", "assign request_o    = toggle_there !=", "assign request_o    = toggle_q !=",
+     "neither a synchronizer nor in"),
+]
+
+
+def main():
+    for file, old, new, said in FAULTS:
+        with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
+            copy = pathlib.Path(folder) / "rtl"
+            shutil.copytree(ROOT / "rtl", copy)
+            text = (copy / file).read_text()
+            if text.count(old) != 1:
+                print(f"crossings_test.py: rtl/{file} holds '{old}' {text.count(old)} times, not once", file=sys.stderr)
+                return 1
+            (copy / file).write_text(text.replace(old, new))
+            result = subprocess.run([sys.executable, ROOT / "scripts" / "crossings.py", "--rtl", copy, "--parameters",
+                                     "MaxColumns=64", "MaxRows=40", "Image=1'b0"], capture_output=True, text=True, check=False)
+            if result.returncode != 1 or said not in result.stderr:
+                print(f"crossings_test.py: the fault in {file} was not found:\n{result.stderr}", file=sys.stderr)
+                return 1
+    print(f"{len(FAULTS)} faults found")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
