@@ -23,6 +23,12 @@
 #include "hls/types.h"
 #include "model/spec/generated/selfproj_spec.h"
 
+// clang-tidy, in this file:
+//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+//   equals-default: the constructor holds pragmas
+//   reserved-identifier, identifier-naming: of the variables that clang makes itself to copy arrays of structs
+// NOLINTBEGIN(performance-unnecessary-value-param,modernize-use-equals-default)
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 namespace selfproj {
 namespace hls {
 
@@ -473,5 +479,8 @@ class ColumnMomentsKernel {
 void column_moments_top(selfproj::hls::Stream<selfproj::hls::AxisBeat<32>>& video, selfproj::hls::Columns columns,
                         selfproj::hls::Row rows, selfproj::hls::ModeBits mode, selfproj::hls::Pixel threshold,
                         selfproj::hls::Stream<selfproj::hls::AxisBeat<128>>& payload);
+
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
+// NOLINTEND(performance-unnecessary-value-param,modernize-use-equals-default)
 
 #endif  // SELFPROJ_HLS_COLUMN_MOMENTS_H

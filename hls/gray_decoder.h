@@ -12,6 +12,12 @@
 #include "hls/types.h"
 #include "model/spec/generated/selfproj_spec.h"
 
+// clang-tidy, in this file:
+//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+//   equals-default: the constructor holds pragmas
+//   reserved-identifier, identifier-naming: of the variables that clang makes itself to copy arrays of structs
+// NOLINTBEGIN(performance-unnecessary-value-param,modernize-use-equals-default)
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 namespace selfproj {
 namespace hls {
 
@@ -154,8 +160,8 @@ struct GrayIn {
   bool last_row = false;
 };
 
-// The pixels' state and their codes. Images up to kMaxColumns x kMaxRows.
-template <int kMaxColumns, int kMaxRows>
+// The pixels' state and their codes. Images up to MaxColumns x MaxRows.
+template <int MaxColumns, int MaxRows>
 class GrayDecoder {
  public:
   GrayDecoder(){
@@ -200,7 +206,7 @@ class GrayDecoder {
   }
 
  private:
-  static constexpr int kWords = kMaxColumns / kCodeLanes * kMaxRows;
+  static constexpr int kWords = MaxColumns / kCodeLanes * MaxRows;
   static_assert(kStateBits == 32, "a state is stored in 32 bits");
 
   // Plain words of 32 bits: a simulation of a large image would need six times the room for its integers.
@@ -228,7 +234,7 @@ struct GraySetup {
 //
 // Beats before a start are dropped. A line that ends too early or too late breaks its frame, as does a start within it;
 // then the decoder waits for plane 0, and a code image that had begun to leave is not finished.
-template <int kMaxColumns, int kMaxRows>
+template <int MaxColumns, int MaxRows>
 class GrayDecoderKernel {
  public:
   // One clock; `pattern` is that of a frame that starts in it. True while more steps without input would give more
@@ -320,9 +326,9 @@ class GrayDecoderKernel {
     }
   }
 
-  GrayDecoder<kMaxColumns, kMaxRows> decoder_;
+  GrayDecoder<MaxColumns, MaxRows> decoder_;
   GraySequence sequence_;
-  Median3x3<kMaxColumns> median_;
+  Median3x3<MaxColumns> median_;
   GraySetup setup_;     // of the frame under way
   bool open_ = false;   // a frame is under way
   Uint<12> row_ = 1;    // of the next beat
@@ -346,5 +352,8 @@ void gray_decoder_top(selfproj::hls::Stream<selfproj::hls::AxisBeat<32>>& video,
                       selfproj::hls::Uint<12> rows, selfproj::hls::PlaneCount bits, selfproj::hls::GrayPixel threshold,
                       selfproj::hls::Uint<1> median, selfproj::hls::PatternIndex pattern,
                       selfproj::hls::Stream<selfproj::hls::AxisBeat<64>>& codes);
+
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
+// NOLINTEND(performance-unnecessary-value-param,modernize-use-equals-default)
 
 #endif  // SELFPROJ_HLS_GRAY_DECODER_H

@@ -23,7 +23,7 @@ inline std::int64_t& late_memory_clock() {
 
 inline void late_memory_step() { ++late_memory_clock(); }
 
-template <typename T, int kWords>
+template <typename T, int Words>
 class Memory {
  public:
   class Word {
@@ -64,7 +64,7 @@ class Memory {
     }
   }
 
-  std::vector<T> words_ = std::vector<T>(kWords);
+  std::vector<T> words_ = std::vector<T>(Words);
   std::deque<Late> late_;
 };
 

@@ -10,6 +10,12 @@
 #include "hls/types.h"
 #include "model/spec/generated/selfproj_spec.h"
 
+// clang-tidy, in this file:
+//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+//   equals-default: the constructor holds pragmas
+//   reserved-identifier, identifier-naming: of the variables that clang makes itself to copy arrays of structs
+// NOLINTBEGIN(performance-unnecessary-value-param,modernize-use-equals-default)
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 namespace selfproj {
 namespace hls {
 
@@ -101,7 +107,7 @@ inline Uint<4> half_of(bool above, bool below, bool outer) {
 
 // --- Class with state ---
 
-template <int kMaxColumns>
+template <int MaxColumns>
 class Median3x3 {
  public:
   Median3x3(){
@@ -259,7 +265,7 @@ class Median3x3 {
     }
   }
 
-  static constexpr int kGroups = kMaxColumns / kCodeLanes;
+  static constexpr int kGroups = MaxColumns / kCodeLanes;
   using Group = Uint<bits_for(kGroups - 1)>;
 
   // The line before, and the one before that
@@ -285,5 +291,8 @@ class Median3x3 {
 
 }  // namespace hls
 }  // namespace selfproj
+
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
+// NOLINTEND(performance-unnecessary-value-param,modernize-use-equals-default)
 
 #endif  // SELFPROJ_HLS_MEDIAN3X3_H

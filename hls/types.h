@@ -30,20 +30,20 @@ namespace hls {
 
 #ifdef SELFPROJ_HLS_VENDOR_TYPES
 
-template <int kBits>
-using Uint = ap_uint<kBits>;  // 1..64 bits
-template <int kBits>
-using WideUint = ap_uint<kBits>;  // any number of bits
+template <int Bits>
+using Uint = ap_uint<Bits>;  // 1..64 bits
+template <int Bits>
+using WideUint = ap_uint<Bits>;  // any number of bits
 
 template <typename T>
 using Stream = ::hls::stream<T>;
 
 #else
 
-template <int kBits>
-using Uint = sc_dt::sc_uint<kBits>;
-template <int kBits>
-using WideUint = sc_dt::sc_biguint<kBits>;
+template <int Bits>
+using Uint = sc_dt::sc_uint<Bits>;
+template <int Bits>
+using WideUint = sc_dt::sc_biguint<Bits>;
 
 // As far as the kernels and their users need it, what hls::stream is to a C++ program: a queue without an end.
 template <typename T>
@@ -68,27 +68,27 @@ class Stream {
 #endif
 
 // The data of a beat.
-template <int kBits, bool kWide>
+template <int Bits, bool Wide>
 struct AxisDataOf {
-  using Type = Uint<kBits>;
+  using Type = Uint<Bits>;
 };
-template <int kBits>
-struct AxisDataOf<kBits, true> {
-  using Type = WideUint<kBits>;
+template <int Bits>
+struct AxisDataOf<Bits, true> {
+  using Type = WideUint<Bits>;
 };
-template <int kBits>
-using AxisData = typename AxisDataOf<kBits, (kBits > 64)>::Type;
+template <int Bits>
+using AxisData = typename AxisDataOf<Bits, (Bits > 64)>::Type;
 
 // A beat of AXI4-Stream with tuser (start of a frame) and tlast.
 #ifdef SELFPROJ_HLS_VENDOR_AXIS
-template <int kBits>
-using AxisBeat = ap_axiu<kBits, 1, 1, 1>;
+template <int Bits>
+using AxisBeat = ap_axiu<Bits, 1, 1, 1>;
 #else
-template <int kBits>
+template <int Bits>
 struct AxisBeat {
-  AxisData<kBits> data;
-  Uint<kBits / 8> keep;
-  Uint<kBits / 8> strb;
+  AxisData<Bits> data;
+  Uint<Bits / 8> keep;
+  Uint<Bits / 8> strb;
   Uint<1> user;
   Uint<1> last;
   Uint<1> id;
@@ -97,9 +97,9 @@ struct AxisBeat {
 #endif
 
 // A beat all of whose bytes count.
-template <int kBits>
-AxisBeat<kBits> axis_beat(const AxisData<kBits>& data, bool user, bool last) {
-  AxisBeat<kBits> beat;
+template <int Bits>
+AxisBeat<Bits> axis_beat(const AxisData<Bits>& data, bool user, bool last) {
+  AxisBeat<Bits> beat;
   beat.data = data;
   beat.keep = 0;
   beat.keep = ~beat.keep;
@@ -134,8 +134,8 @@ constexpr int bits_for(long long largest) {
 #else
 namespace selfproj {
 namespace hls {
-template <typename T, int kWords>
-using Memory = T[kWords];
+template <typename T, int Words>
+using Memory = T[Words];
 inline void late_memory_step() {}
 }  // namespace hls
 }  // namespace selfproj

@@ -168,6 +168,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
     Sum1 next = base + s3_addend_[lane];
     return next;
   }
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): as in column_moments.h
   static Uint<kMBits / 2> word_m(Sum0 m0, Row n) {
     Uint<kMBits / 2> word = n;
     word = (word << spec::kGreyM0Bits) | m0;

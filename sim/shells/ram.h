@@ -13,16 +13,16 @@ namespace selfproj {
 
 // Words of up to 64 bits. The word at rd_addr stands at rd_data one clock after rd_en, and holds until the next one. A
 // read in the clock of a write to the same address gives a wrong word, every bit of it: nobody may use that.
-template <int kBits, int kAddressBits>
+template <int Bits, int AddressBits>
 class ShellRam : public sc_core::sc_module {
  public:
   sc_core::sc_in<bool> clk{"clk"};
   sc_core::sc_in<bool> rd_en{"rd_en"};
-  sc_core::sc_in<hls::Uint<kAddressBits>> rd_addr{"rd_addr"};
-  sc_core::sc_out<hls::Uint<kBits>> rd_data{"rd_data"};
+  sc_core::sc_in<hls::Uint<AddressBits>> rd_addr{"rd_addr"};
+  sc_core::sc_out<hls::Uint<Bits>> rd_data{"rd_data"};
   sc_core::sc_in<bool> wr_en{"wr_en"};
-  sc_core::sc_in<hls::Uint<kAddressBits>> wr_addr{"wr_addr"};
-  sc_core::sc_in<hls::Uint<kBits>> wr_data{"wr_data"};
+  sc_core::sc_in<hls::Uint<AddressBits>> wr_addr{"wr_addr"};
+  sc_core::sc_in<hls::Uint<Bits>> wr_data{"wr_data"};
 
   explicit ShellRam(const sc_core::sc_module_name& name) : sc_module(name) {
     SC_HAS_PROCESS(ShellRam);
@@ -45,7 +45,7 @@ class ShellRam : public sc_core::sc_module {
     }
   }
 
-  std::vector<std::uint64_t> words_ = std::vector<std::uint64_t>(std::size_t{1} << kAddressBits);
+  std::vector<std::uint64_t> words_ = std::vector<std::uint64_t>(std::size_t{1} << AddressBits);
 };
 
 }  // namespace selfproj
