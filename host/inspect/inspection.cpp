@@ -28,12 +28,13 @@
 namespace selfproj {
 namespace {
 
-constexpr std::array<const char*, 6> kValidityNames = {"valid",    "unlit",        "too_few",
-                                                       "too_wide", "no_reference", "out_of_range"};
-constexpr std::array<const char*, 6> kValidityLabels = {"points",
+constexpr std::array<const char*, 7> kValidityNames = {"valid",   "unlit",        "too_few",     "too_wide",
+                                                       "cut_off", "no_reference", "out_of_range"};
+constexpr std::array<const char*, 7> kValidityLabels = {"points",
                                                         "columns without light",
                                                         "columns with too few lit pixels",
                                                         "columns with too many lit pixels",
+                                                        "columns whose line the image's border cuts off",
                                                         "columns without a reference",
                                                         "columns out of range"};
 

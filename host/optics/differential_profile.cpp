@@ -58,6 +58,7 @@ struct ProfileTables {
   float projector_x;
   float projector_z;
   float max_z_per_line;
+  float rows;
   std::int32_t min_lit;
   std::int32_t max_lit;
 };
@@ -119,6 +120,7 @@ constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t
     s = sum > 0.0F ? s : code(Validity::out_of_range);
     s = reach > 0.0F ? s : code(Validity::out_of_range);
     s = valid[i] != 0 ? s : code(Validity::no_reference);
+    s = line_is_cut_off(c, static_cast<float>(n), t.rows) ? code(Validity::cut_off) : s;
     s = n > t.max_lit ? code(Validity::too_wide) : s;
     s = n < t.min_lit ? code(Validity::too_few) : s;
     s = n == 0 ? code(Validity::unlit) : s;
@@ -185,6 +187,7 @@ DifferentialProfiler::DifferentialProfiler(const Rig& rig, const ReferenceProfil
       projector_x_(static_cast<float>(rig.projector.x_mm)),
       projector_z_(static_cast<float>(rig.projector.z_mm)),
       max_z_per_line_(static_cast<float>(rig.measure.max_z_per_line_mm)),
+      rows_(static_cast<float>(rig.camera.rows)),
       min_lit_(rig.measure.min_lit_px),
       max_lit_(rig.measure.max_lit_px) {
   if (reference.columns() != rig.camera.columns) {
@@ -221,6 +224,7 @@ ProfileTables DifferentialProfiler::tables_from(int first) const {
           projector_x_,
           projector_z_,
           max_z_per_line_,
+          rows_,
           min_lit_,
           max_lit_};
 }

@@ -37,9 +37,10 @@ class DifferentialProfiler {
 
   // The profile of the moments in the payload of a packet of kind moments (model/packet.h) of columns() columns, in
   // this mode. `out` has columns() entries in each of its arrays, which do not overlap; what is not valid becomes NaN,
-  // with the first reason of Validity that fits. A column is out_of_range where the light plane is not before the
-  // camera's ray, z0 tan α < x0 does not hold, or one projector line is worth more than max_z_per_line_mm.
-  // Allocates nothing and keeps no state: any number of threads may call it at once. Unknown modes count as grey.
+  // with the first reason of Validity that fits. A column is cut_off where line_is_cut_off says so. It is out_of_range
+  // where the light plane is not before the camera's ray, z0 tan α < x0 does not hold, or one projector line is worth
+  // more than max_z_per_line_mm. Allocates nothing and keeps no state: any number of threads may call it at once.
+  // Unknown modes count as grey.
   void profile(Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
 
   // The same of moments, which are only read, and are as large as column_moments gives them (below 2^31).
@@ -54,6 +55,7 @@ class DifferentialProfiler {
   float projector_x_;
   float projector_z_;
   float max_z_per_line_;
+  float rows_;
   std::int32_t min_lit_;
   std::int32_t max_lit_;
   // Of each column.

@@ -10,6 +10,7 @@
 
 #include "host/optics/geometry.h"
 #include "host/optics/pattern.h"
+#include "host/optics/profile.h"
 
 namespace selfproj {
 namespace {
@@ -24,14 +25,16 @@ void take_moments(const Rig& rig, const ImageView& image, Moments& moments) {
   column_moments(image, rig.measure.mode, rig.measure.threshold, moments.view());
 }
 
-// Whether the column has a centroid by the rig's rules for lit pixels.
-bool has_centroid(const Rig& rig, const Moments& moments, std::size_t column) {
-  const auto n = static_cast<int>(moments.n[column]);
-  return n >= rig.measure.min_lit_px && n <= rig.measure.max_lit_px && moments.m0[column] > 0;
-}
-
 double centroid(const Moments& moments, std::size_t column) {  // (3.2)
   return static_cast<double>(moments.m1[column]) / moments.m0[column];
+}
+
+// Whether the column has a centroid by the rig's rules for lit pixels, and all of the line is in the image.
+bool has_centroid(const Rig& rig, const Moments& moments, std::size_t column) {
+  const auto n = static_cast<int>(moments.n[column]);
+  return n >= rig.measure.min_lit_px && n <= rig.measure.max_lit_px && moments.m0[column] > 0 &&
+         !line_is_cut_off(static_cast<float>(centroid(moments, column)), static_cast<float>(n),
+                          static_cast<float>(rig.camera.rows));
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ class CentroidMean {
   void add(const ImageView& image);
 
   // C, rows from 1, one a column; NaN where more than half of the images had no good centroid (too few lit pixels, too
-  // many).
+  // many, the line cut off by the border).
   [[nodiscard]] std::vector<double> centroids() const;
 
  private:

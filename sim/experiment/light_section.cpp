@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "host/optics/pattern.h"
 #include "host/optics/profile.h"
 #include "host/optics/reference.h"
+#include "host/optics/scan.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
 #include "sim/scene/parallel.h"
@@ -35,8 +35,8 @@ std::size_t pixels_of(const Rig& rig) {
   return static_cast<std::size_t>(rig.camera.rows) * static_cast<std::size_t>(rig.camera.columns);
 }
 
-// Centroids, one a column, of the reference part under the pattern, from the moments of 16 frames in the middle of its
-// way; NaN where a column is not lit as the rig asks. The noise is another than that of the measurement.
+// Centroids, one a column, of the reference part under the pattern, means over 16 frames in the middle of its way; NaN
+// where a column is not lit as the rig asks. The noise is another than that of the measurement.
 std::array<std::vector<double>, kAllModes.size()> centroids_of(Rig rig, const Scene& scene, const FloatImage& pattern,
                                                                const RenderOptions& options) {
   constexpr int kFrames = 16;
@@ -45,28 +45,14 @@ std::array<std::vector<double>, kAllModes.size()> centroids_of(Rig rig, const Sc
   const int first = std::max(0, scene.frames() / 2 - kFrames / 2);
   std::vector<std::vector<std::uint8_t>> images(kFrames, std::vector<std::uint8_t>(pixels_of(rig)));
   parallel_for(kFrames, 0, [&](int i) { renderer.render(first + i, std::span(images[static_cast<std::size_t>(i)])); });
-  const auto columns = static_cast<std::size_t>(rig.camera.columns);
   std::array<std::vector<double>, kAllModes.size()> result;
   for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-    std::vector<double> m0(columns, 0);
-    std::vector<double> m1(columns, 0);
-    std::vector<double> n(columns, 0);
-    Moments moments;
-    moments.resize(rig.camera.columns);
+    rig.measure.mode = kAllModes[m];
+    CentroidMean mean(rig);
     for (const auto& image : images) {
-      column_moments(view_of(rig, image), kAllModes[m], rig.measure.threshold, moments.view());
-      for (std::size_t c = 0; c < columns; ++c) {
-        m0[c] += moments.m0[c];
-        m1[c] += moments.m1[c];
-        n[c] += moments.n[c];
-      }
+      mean.add(view_of(rig, image));
     }
-    result[m].assign(columns, std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t c = 0; c < columns; ++c) {
-      if (n[c] >= kFrames * rig.measure.min_lit_px && n[c] <= kFrames * rig.measure.max_lit_px) {
-        result[m][c] = m1[c] / m0[c];  // (3.2)
-      }
-    }
+    result[m] = mean.centroids();
   }
   return result;
 }

@@ -27,7 +27,7 @@ double uniform(Random& random, double low, double high) {
 Rig random_rig(Random& random) {
   Rig rig = load_rig("light-section");
   rig.camera.columns = 4 * random.between(1, 300);
-  rig.camera.rows = random.between(2, 512);
+  rig.camera.rows = random.between(10, 512);
   rig.projector.x_mm = uniform(random, 50, 500);
   rig.projector.z_mm = uniform(random, -300, 700);
   rig.projector.tilt_rad = uniform(random, 0, 30) * kPi / 180;
@@ -83,7 +83,7 @@ TEST(DifferentialProfile, PointsComeBack) {
       do {
         z = z_r + uniform(random, -40, 40);
         row = row_from_one(rig, x_of_plane(rig, reference.tan_theta[k], z), z);
-      } while (row < 1 || row > rig.camera.rows);
+      } while (row - 3 < 1.5 || row + 3 > rig.camera.rows - 0.5);  // 6 lit pixels, none in the first or last row
       seen.set(i, row);
       points.push_back({x_of_plane(rig, reference.tan_theta[k], z), z * tan_beta, z});
       met.push_back({x_r, z_r * tan_beta, z_r});
@@ -139,7 +139,7 @@ TEST(DifferentialProfile, NearerToTheCameraIsNegative) {
 TEST(DifferentialProfile, StraightLineMeasuresTheSame) {
   const Rig rig = [] {
     Rig r = load_rig("light-section");
-    r.camera.rows = 300;  // the straight line moves
+    r.camera.rows = 600;  // the straight line moves
     return r;
   }();
   const int columns = rig.camera.columns;
@@ -319,9 +319,16 @@ TEST(DifferentialProfile, PayloadsOfAllModesAgainstDoublePrecision) {
       int valid = 0;
       for (std::size_t i = 0; i < columns; ++i) {
         const auto n = static_cast<int>(moments.n[i]);
+        const double c = n == 0 ? 0 : static_cast<double>(moments.m1[i]) / moments.m0[i];
+        const double first = c - 0.5 * n - 1.5;  // 0 where the line leaves just the first row free
+        const double last = rig.camera.rows - 0.5 - c - 0.5 * n;
+        if (n > 0 && mode != Mode::binary && std::min(std::abs(first), std::abs(last)) < 1e-5) {
+          continue;  // floats may see it either way
+        }
         const Validity right = n == 0                       ? Validity::unlit
                                : n < rig.measure.min_lit_px ? Validity::too_few
                                : n > rig.measure.max_lit_px ? Validity::too_wide
+                               : first < 0 || last < 0      ? Validity::cut_off
                                : reference.valid[i] == 0    ? Validity::no_reference
                                                             : Validity::valid;
         ASSERT_EQ(profile.validity[i], static_cast<std::uint8_t>(right)) << i;
@@ -346,6 +353,71 @@ TEST(DifferentialProfile, PayloadsOfAllModesAgainstDoublePrecision) {
       }
       ASSERT_TRUE(valid > 0 || columns < 16);
     }
+  }
+}
+
+// Lines of light that move over the first and the last row, blurred, with noise, beside the same lines in an image that
+// holds all of them.
+TEST(DifferentialProfile, LinesCutOffByTheBorder) {
+  constexpr int kRows = 40;
+  constexpr int kBeyond = 30;  // rows of the larger image above and below
+  constexpr int kColumns = 64;
+  Rig rig = load_rig("light-section");
+  rig.camera.rows = kRows;
+  rig.camera.columns = kColumns;
+  rig.measure.min_lit_px = 1;
+  const DifferentialProfiler profiler(rig, plane_reference(rig));
+  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+    int valid = 0;
+    int cut_off = 0;
+    for (const std::uint64_t seed : seeds(100)) {
+      SCOPED_TRACE(how_to_repeat(seed));
+      Random random(seed);
+      std::vector<std::uint8_t> large(static_cast<std::size_t>((kRows + 2 * kBeyond) * kColumns));
+      for (int c = 0; c < kColumns; ++c) {
+        const double middle = uniform(random, -8, kRows + 7);  // of the line; pixel centres are whole numbers
+        const double half = uniform(random, 0.5, 8);
+        const double blur = uniform(random, 0.3, 1.5);
+        const double light = uniform(random, 60, 240);
+        for (int r = -kBeyond; r < kRows + kBeyond; ++r) {
+          const auto edge = [&](double at) { return std::erf((r - at) / (blur * std::sqrt(2.0))); };
+          const double value = 8 + light / 2 * (edge(middle - half) - edge(middle + half)) + uniform(random, -2, 2);
+          large[static_cast<std::size_t>((r + kBeyond) * kColumns + c)] =
+              static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0));
+        }
+      }
+      Moments whole;
+      Moments seen;
+      whole.resize(kColumns);
+      seen.resize(kColumns);
+      column_moments({large.data(), kRows + 2 * kBeyond, kColumns, kColumns}, mode, rig.measure.threshold,
+                     whole.view());
+      const std::uint8_t* image = large.data() + kBeyond * kColumns;
+      column_moments({image, kRows, kColumns, kColumns}, mode, rig.measure.threshold, seen.view());
+      Profile profile;
+      profile.resize(kColumns);
+      profiler.profile(seen.view(), profile.view());
+      for (std::size_t c = 0; c < kColumns; ++c) {
+        const auto lit = [&](int row) {
+          return image[static_cast<std::size_t>(row * kColumns) + c] > rig.measure.threshold;
+        };
+        const bool touches = lit(0) || lit(kRows - 1);
+        const bool nearly = lit(1) || lit(kRows - 2);
+        if (profile.validity[c] == static_cast<std::uint8_t>(Validity::valid)) {
+          ++valid;
+          ASSERT_FALSE(touches) << "column " << c;
+          ASSERT_EQ(seen.n[c], whole.n[c]) << "column " << c;  // nothing is missing, and so the centroid is right
+          ASSERT_NEAR(static_cast<double>(profile.centroid[c]),
+                      static_cast<double>(whole.m1[c]) / whole.m0[c] - kBeyond, 1e-4);
+        } else if (seen.n[c] > 0) {
+          ++cut_off;
+          ASSERT_EQ(profile.validity[c], static_cast<std::uint8_t>(Validity::cut_off)) << "column " << c;
+          ASSERT_TRUE(touches || (nearly && mode != Mode::binary)) << "column " << c;
+        }
+      }
+    }
+    EXPECT_GT(valid, 2000);
+    EXPECT_GT(cut_off, 1000);
   }
 }
 

@@ -28,7 +28,7 @@ namespace selfproj {
 namespace {
 
 constexpr int kColumns = 8;
-constexpr int kFrames = 5;
+constexpr int kFrames = 6;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 struct Sample {
@@ -238,14 +238,14 @@ TEST_F(WrittenInspection, SummaryCounts) {
   EXPECT_EQ(json["frames"], kFrames);
   EXPECT_EQ(json["columns"], kColumns);
   EXPECT_EQ(json["column_count"]["valid"], kFrames * (kColumns - 1));
-  for (const char* reason : {"unlit", "too_few", "too_wide", "no_reference", "out_of_range"}) {
+  for (const char* reason : {"unlit", "too_few", "too_wide", "cut_off", "no_reference", "out_of_range"}) {
     EXPECT_EQ(json["column_count"][reason], 1) << reason;
   }
   EXPECT_EQ(json["counters"]["lost_on_board"], 1234567);
   EXPECT_EQ(json["settings"]["scene"], "stairs");
   EXPECT_DOUBLE_EQ(json["settings"]["gain"], 1.5);
   EXPECT_EQ(json["belt"]["x_from"], "encoder");
-  EXPECT_DOUBLE_EQ(json["belt"]["mm"], 0.4);
+  EXPECT_DOUBLE_EQ(json["belt"]["mm"], 0.5);
   EXPECT_DOUBLE_EQ(json["belt"]["mm_per_frame"], 0.1);
   EXPECT_EQ(json["first_sequence"], 100);
   EXPECT_EQ(json["mode"], "grey-over");
@@ -325,7 +325,7 @@ TEST(Inspection, BeltMovesOnWhereTheBoardWasRestarted) {
 }
 
 TEST(Inspection, CountsWhatItDoesNotKeep) {
-  const Inspection inspection = inspect(kFrames, {.max_frames = 3});
+  const Inspection inspection = inspect(5, {.max_frames = 3});
   EXPECT_EQ(inspection.frames(), 3U);
   EXPECT_EQ(inspection.frames_not_kept(), 2U);
   EXPECT_EQ(inspection.height().rows, 3);
