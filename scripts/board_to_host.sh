@@ -5,7 +5,7 @@
 # --rising then doubles the rate from there, 5 s each, as long as that holds, and ends with the board as fast as it can, which
 # says how many profiles a second the host makes. --realtime gives both processes real-time priority (needs the right to it)
 # and lets the host sleep while it waits: on a machine that is busy with other things they would else not get a processor
-# for longer than the ring's 0.2 s.
+# for longer than the ring holds, 1.6 s.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -58,18 +58,20 @@ const std::array<std::pair<const char*, Wait>, 3> kWaits{
 
 // What the inspection itself counts, beside the driver.
 struct Work {
-  std::uint64_t profiles = 0;     // frames that became one
-  std::uint64_t broken = 0;       // frames flagged by the board
-  std::uint64_t other_size = 0;   // frames of another size than the rig's camera
-  std::uint64_t not_moments = 0;  // packets of images and codes
-  std::uint64_t points = 0;       // valid columns of all profiles
-  std::int64_t first_ns = 0;      // arrival of the first packet
-  std::int64_t last_ns = 0;       // of the last one
-  DurationHistogram delay;        // from a packet's arrival to its profile
+  std::uint64_t profiles = 0;      // frames that became one
+  std::uint64_t broken = 0;        // frames flagged by the board
+  std::uint64_t other_size = 0;    // frames of another size than the rig's camera
+  std::uint64_t not_moments = 0;   // packets of images and codes
+  std::uint64_t points = 0;        // valid columns of all profiles
+  std::int64_t first_ns = 0;       // arrival of the first packet
+  std::int64_t first_done_ns = 0;  // when the first profile was there
+  std::int64_t last_done_ns = 0;   // and the last one
+  DurationHistogram delay;         // from a packet's arrival to its profile
 
-  // Frames a second, from the first packet to the last.
+  // Frames a second, from the first profile to the last; 0 where there is no second one. (Packets of a file arrive many
+  // at a time.)
   [[nodiscard]] double rate() const {
-    const auto ns = static_cast<double>(last_ns - first_ns);
+    const auto ns = static_cast<double>(last_done_ns - first_done_ns);
     return profiles > 1 && ns > 0 ? static_cast<double>(profiles - 1) * 1e9 / ns : 0;
   }
 };
@@ -210,8 +212,9 @@ void run(const Options& options) {
       const bool made = take(packet, rig, profiler, device->uri(), profile, work);
       now = now_ns();
       if (made) {
-        work.last_ns = device->arrival_ns();
-        work.delay.add(now - work.last_ns);
+        work.first_done_ns = work.profiles == 0 ? now : work.first_done_ns;
+        work.last_done_ns = now;
+        work.delay.add(now - device->arrival_ns());
         ++work.profiles;
         work.points += static_cast<std::uint64_t>(std::count(profile.validity.begin(), profile.validity.end(), 0));
         if (inspection) {

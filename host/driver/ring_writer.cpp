@@ -1,6 +1,7 @@
 #include "host/driver/ring_writer.h"
 
 #include <linux/futex.h>
+#include <sys/statvfs.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -25,6 +26,22 @@ RingWriter::RingWriter(const std::string& name, std::uint32_t slots) : name_(nam
     throw UserError("ring:" + name, std::to_string(slots) + " slots; a power of two up to 65536 is needed");
   }
   start();
+}
+
+std::uint32_t RingWriter::deep_slots(const std::string& name) {
+  if (ring::Memory there;
+      there.attach(ring::shared_name(name).c_str()) == ring::Memory::Found::ring && there.slots() >= kDefaultSlots) {
+    return there.slots();
+  }
+  std::uint32_t slots = kDeepSlots;
+  struct statvfs room {};
+  if (statvfs("/dev/shm", &room) == 0) {
+    const std::uint64_t free = std::uint64_t{room.f_bavail} * room.f_frsize;
+    while (slots > kDefaultSlots && 2 * ring::ring_bytes(slots) > free) {
+      slots /= 2;
+    }
+  }
+  return slots;
 }
 
 void RingWriter::start() {

@@ -21,6 +21,7 @@
 #include "host/inspect/map_picture.h"
 #include "host/inspect/number_text.h"
 #include "host/io/float_image.h"
+#include "host/optics/profile.h"
 
 namespace selfproj {
 namespace {
@@ -84,7 +85,7 @@ table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nu
 th, td { text-align: right; padding: 6px 0 6px 18px; border-top: 1px solid var(--rule); vertical-align: top; }
 thead th { border-top: 0; color: var(--dim); font-weight: 500; font-size: 13px; vertical-align: bottom; }
 th:first-child, td:first-child { text-align: left; padding-left: 0; font-weight: 400; min-width: 9em; }
-.facts td { text-align: right; overflow-wrap: anywhere; }
+.facts td { text-align: right; overflow-wrap: break-word; max-width: 56vw; }
 .facts tr:first-child > * { border-top: 0; }
 @media (max-width: 480px) { main { padding: 18px 12px 32px; } h1 { font-size: 22px; } .card { padding: 14px 12px; }
   .tiles { grid-template-columns: 1fr 1fr; gap: 8px; } .tile { padding: 10px 12px; } .tile b { font-size: 17px; }
@@ -398,7 +399,8 @@ void add_difference_plots(std::string& html, const ReportData& data, int frame, 
   html += "</div>";
 }
 
-void add_camera(std::string& html, const CameraPicture& camera) {
+// `axes`: what rows and columns mean.
+void add_camera(std::string& html, const CameraPicture& camera, std::string_view axes) {
   auto to = std::back_inserter(html);
   const int rows = camera.image.rows;
   const int columns = camera.image.columns;
@@ -427,9 +429,8 @@ void add_camera(std::string& html, const CameraPicture& camera) {
     last = row;
   }
   fmt::format_to(to,
-                 "\"/></svg></div><p class=\"dim small\" style=\"margin-top:8px\">{} × {} px, 8 bit; rows along x "
-                 "downwards, columns along y</p></section>\n",
-                 rows, columns);
+                 "\"/></svg></div><p class=\"dim small\" style=\"margin-top:8px\">{} × {} px, 8 bit{}</p></section>\n",
+                 rows, columns, axes);
 }
 
 // Everything up to the tiles of what is to be seen first.
@@ -456,6 +457,35 @@ void add_foot(std::string& html, const std::vector<Fact>& counters, const std::v
   html += "</section>\n</main></body></html>\n";
 }
 
+// What the line is like in one image: frame, lit columns, lowest, median and greatest row, lit pixels a column, columns
+// that the border cuts off.
+std::vector<std::string> line_row(const CameraPicture& camera) {
+  std::vector<double> rows;
+  double lit = 0;
+  int cut_off = 0;
+  for (std::size_t i = 0; i < camera.moments.m0.size(); ++i) {
+    if (camera.moments.m0[i] > 0) {
+      rows.push_back(static_cast<double>(camera.moments.m1[i]) / camera.moments.m0[i]);  // (3.2)
+      lit += camera.moments.n[i];
+      cut_off +=
+          static_cast<int>(line_is_cut_off(static_cast<float>(rows.back()), static_cast<float>(camera.moments.n[i]),
+                                           static_cast<float>(camera.image.rows)));
+    }
+  }
+  const std::string frame = fmt::format("frame {}", camera.frame);
+  if (rows.empty()) {
+    return {frame, "0", "–", "–", "–", "–", "0"};
+  }
+  std::sort(rows.begin(), rows.end());
+  return {frame,
+          std::to_string(rows.size()),
+          fmt::format("{:.2f}", rows.front()),
+          fmt::format("{:.2f}", rows[rows.size() / 2]),
+          fmt::format("{:.2f}", rows.back()),
+          fmt::format("{:.1f}", lit / static_cast<double>(rows.size())),
+          std::to_string(cut_off)};
+}
+
 }  // namespace
 
 std::string page_html(const ReportPage& page) {
@@ -479,6 +509,28 @@ std::string page_html(const ReportPage& page) {
   return html;
 }
 
+std::string report_html(const MomentsReport& data) {
+  std::string html;
+  add_head(html, data.title, data.subtitle, data.highlights);
+  ReportTable table{"The line in the images",
+                    {"", "columns with light", "row: least", "median", "greatest", "lit pixels a column",
+                     "columns cut off by the border"},
+                    {},
+                    "Rows from 1, downwards; the row of a column is that of its centroid, M1 / M0. There is no rig, so "
+                    "nothing is said about lengths. The moments of all frames are in moments.csv."};
+  for (const CameraPicture& camera : data.cameras) {
+    table.rows.push_back(line_row(camera));
+  }
+  add_table(html, table);
+  html += "<div class=\"two\">";
+  for (const CameraPicture& camera : data.cameras) {
+    add_camera(html, camera, "");
+  }
+  html += "</div>\n";
+  add_foot(html, data.counters, data.settings);
+  return html;
+}
+
 std::string report_html(const ReportData& data) {
   std::string html;
   add_head(html, data.title, data.subtitle, data.highlights);
@@ -498,7 +550,7 @@ std::string report_html(const ReportData& data) {
     add_difference_plots(html, data, frame, column);
   }
   if (data.camera) {
-    add_camera(html, *data.camera);
+    add_camera(html, *data.camera, "; rows along x downwards, columns along y");
   }
   add_foot(html, data.counters, data.settings);
   return html;

@@ -102,6 +102,19 @@ std::string page_html(const ReportPage& page);
 // The page as text.
 std::string report_html(const ReportData& data);
 
+// What is known of images whose geometry is not: moments, and where the line is in the image.
+struct MomentsReport {
+  std::string title;
+  std::string subtitle;  // where the images are from, mode, threshold
+  std::vector<Fact> highlights;
+  std::vector<Fact> counters;
+  std::vector<Fact> settings;
+  std::vector<CameraPicture> cameras;  // those to be shown
+};
+
+// The page as text: the images with the line that was found in them, and a table of what it is like.
+std::string report_html(const MomentsReport& data);
+
 }  // namespace selfproj
 
 #endif  // SELFPROJ_HOST_INSPECT_REPORT_H

@@ -47,7 +47,7 @@ struct Options {
   std::uint64_t count = 0;
   double seconds = 0;
   bool loop = false;
-  std::uint32_t slots = RingWriter::kDefaultSlots;
+  std::optional<std::uint32_t> slots;  // empty: RingWriter::deep_slots()
   bool wait_for_reader = false;
   bool keep = false;
 };
@@ -128,7 +128,7 @@ void record(const Options& options, const PacketRecording& source) {
 // A board in real time. Frames are due at fixed times from the start, not from each other, so that the rate is kept
 // exactly; one that is late follows at once, and how late the latest was is said.
 void play(const Options& options, const PacketRecording& source) {
-  RingWriter writer(options.ring, options.slots);
+  RingWriter writer(options.ring, options.slots.value_or(RingWriter::deep_slots(options.ring)));
   const std::uint64_t lost_before = writer.lost();
   const StopSignal stop;
   StatusLine status;
@@ -240,9 +240,11 @@ void add_board_command(CLI::App& app) {
   command->add_option("--count", options->count, "Frames to play; without it, all of the source once")->type_name("N");
   command->add_option("--seconds", options->seconds, "How long to play, again and again")->type_name("S");
   command->add_flag("--loop", options->loop, "Play again and again, until Ctrl-C");
-  command->add_option("--slots", options->slots, "Packets that the ring holds, a power of two")
-      ->type_name("N")
-      ->capture_default_str();
+  command
+      ->add_option("--slots", options->slots,
+                   fmt::format("Packets that the ring holds, a power of two [{}, or fewer where /dev/shm is small]",
+                               RingWriter::kDeepSlots))
+      ->type_name("N");
   command->add_flag("--wait-for-reader", options->wait_for_reader, "Begin when someone has opened the ring");
   command->add_flag("--keep", options->keep, "Leave the ring there at the end, for a reader that comes later");
   command->callback([options] { run(*options); });

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -32,7 +33,6 @@
 #include "host/io/rig.h"
 #include "host/io/user_error.h"
 #include "host/optics/differential_profile.h"
-#include "host/optics/pattern.h"
 #include "host/optics/reference.h"
 #include "model/gray_decoder.h"
 #include "sim/app/cosim_run.h"
@@ -53,7 +53,9 @@ struct Options {
   std::string scene = "stairs-marked";
   std::vector<std::string> frames;  // empty: the scene
   std::string engine = "rtl";
-  std::string rig;  // empty: light-section for scenes, none for recorded images
+  std::string rig;       // empty: light-section for scenes, none for recorded images
+  std::string real_rig;  // empty: the rig
+  bool residual = false;
   std::string channel;
   std::string mode;              // empty: the rig's
   std::optional<int> threshold;  // likewise
@@ -71,15 +73,6 @@ struct Options {
   bool no_median = false;
   std::optional<double> min_difference;
 };
-
-const std::map<std::string, bool RenderOptions::*>& disturbances() {
-  static const std::map<std::string, bool RenderOptions::*> all{{"shot-noise", &RenderOptions::shot_noise},
-                                                                {"read-noise", &RenderOptions::read_noise},
-                                                                {"camera-blur", &RenderOptions::camera_blur},
-                                                                {"projector-blur", &RenderOptions::projector_blur},
-                                                                {"motion-blur", &RenderOptions::motion_blur}};
-  return all;
-}
 
 // How many frames from --first on; `total` of them exist.
 std::size_t frames_to_play(const Options& options, std::size_t total, const std::string& what) {
@@ -129,35 +122,46 @@ Setup scene_setup(const Options& options) {
   setup.rig = light_section_rig(options.rig.empty() ? "light-section" : options.rig);
   apply_options(options, setup.rig);
   const Rig& rig = setup.rig;
+  Rig real = rig;
+  if (!options.real_rig.empty()) {
+    real = light_section_rig(options.real_rig);
+    if (real.camera.rows != rig.camera.rows || real.camera.columns != rig.camera.columns) {
+      throw UserError("--real-rig " + options.real_rig,
+                      fmt::format("has images of {}, --rig of {}", size_text(real.camera.rows, real.camera.columns),
+                                  size_text(rig.camera.rows, rig.camera.columns)));
+    }
+    real.imaging.seed = rig.imaging.seed;
+  }
   const auto info = std::find_if(scenes().begin(), scenes().end(),
                                  [&](const SceneInfo& entry) { return entry.name == options.scene; });
-  setup.scene = make_scene(options.scene, rig);
+  setup.scene = make_scene(options.scene, real);
   const std::string reference_name = info->reference.empty() ? info->name : info->reference;
-  const ReferenceCurve curve = curve_of_scene(rig, *make_scene(reference_name, rig));
-  const ReferenceProfile reference = reference_of_curve(rig, curve);
+  const RenderOptions render = options_without(options.without);
+  const LightSection light = self_projection(rig, real, *make_scene(reference_name, real), render, options.residual);
+  const auto mode =
+      static_cast<std::size_t>(std::find(kAllModes.begin(), kAllModes.end(), rig.measure.mode) - kAllModes.begin());
+  const ReferenceProfile& reference = light.references.at(mode);
   if (reference.valid_columns() == 0) {
     throw UserError("--scene " + options.scene, "the rig's camera sees the projected line in no column");
   }
-  RenderOptions render;
-  std::string without;
-  for (const std::string& name : options.without) {
-    render.*disturbances().at(name) = false;
-    without += (without.empty() ? "" : ", ") + name;
-  }
-  setup.renderer =
-      std::make_unique<Renderer>(rig, *setup.scene, draw_pattern(rig, pattern_of_curve(rig, curve)), render);
+  setup.renderer = std::make_unique<Renderer>(real, *setup.scene, light.pattern, render);
   const std::size_t count =
       frames_to_play(options, static_cast<std::size_t>(setup.scene->frames()), "scene " + options.scene);
   setup.source = std::make_unique<SceneFrames>(
       [renderer = setup.renderer.get()](int frame, std::span<std::uint8_t> pixels) { renderer->render(frame, pixels); },
       rig.camera.rows, rig.camera.columns, options.first - 1, count);
   setup.profiler = std::make_unique<DifferentialProfiler>(rig, reference);
-  setup.facts = {{"scene", "scene", options.scene},
-                 {"reference", "reference", reference_name},
-                 {"reference_columns", "columns with a reference", std::int64_t{reference.valid_columns()}},
-                 {"seed", "seed of the noise", rig.imaging.seed}};
-  if (!without.empty()) {
-    setup.facts.push_back({"without", "simulated without", without});
+  setup.facts = {
+      {"scene", "scene", options.scene},
+      {"reference", "reference", reference_name},
+      {"residual", "residual of the reference", std::string(options.residual ? "measured and removed" : "left")},
+      {"reference_columns", "columns with a reference", std::int64_t{reference.valid_columns()}},
+      {"seed", "seed of the noise", rig.imaging.seed}};
+  if (!options.real_rig.empty()) {
+    setup.facts.push_back({"real_rig", "rig that took the images", options.real_rig});
+  }
+  if (!options.without.empty()) {
+    setup.facts.push_back({"without", "simulated without", fmt::format("{}", fmt::join(options.without, ", "))});
   }
   return setup;
 }
@@ -165,6 +169,9 @@ Setup scene_setup(const Options& options) {
 Setup recorded_setup(const Options& options) {
   if (!options.without.empty()) {
     throw UserError("--without", "recorded images are as they are");
+  }
+  if (options.residual || !options.real_rig.empty()) {
+    throw UserError(options.residual ? "--residual" : "--real-rig", "is for scenes, not for recorded images");
   }
   std::vector<std::string> files;
   for (const std::string& pattern : options.frames) {
@@ -344,6 +351,7 @@ class Collector {
       folder.append("summary.json", summary(parts));
       folder.append("moments.csv", csv_);
       folder.append("centroid.tiff", encode_float_tiff("centroid.tiff", image));
+      folder.append("report.html", report_html(report(parts, pictures)));
     }
     for (const CameraPicture& picture : pictures) {
       folder.append(fmt::format("frame_{}.png", picture.frame), frame_png(picture));
@@ -365,6 +373,24 @@ class Collector {
       }
     }
     return json.dump(2) + "\n";
+  }
+
+  [[nodiscard]] MomentsReport report(const ReportParts& parts, const std::vector<CameraPicture>& pictures) const {
+    const RigMeasure& measure = setup_.rig.measure;
+    const auto lit = centroids_.size() - static_cast<std::size_t>(std::count_if(centroids_.begin(), centroids_.end(),
+                                                                                [](float c) { return std::isnan(c); }));
+    return {.title = parts.title,
+            .subtitle = fmt::format("{} × {} px · no rig: moments only · mode {} · threshold {}", setup_.source->rows(),
+                                    columns_, mode_name(measure.mode), measure.threshold),
+            .highlights = {{"frames", "frames", static_cast<std::int64_t>(setup_.source->total())},
+                           {"lit", "columns with light", static_cast<std::int64_t>(lit)},
+                           {"lit_share", "of all columns",
+                            fmt::format("{:.1f}", 100 * static_cast<double>(lit) /
+                                                      static_cast<double>(std::max<std::size_t>(1, centroids_.size()))),
+                            "%"}},
+            .counters = parts.counters,
+            .settings = parts.settings,
+            .cameras = pictures};
   }
 
   const Setup& setup_;
@@ -554,6 +580,12 @@ void add_cosim_command(CLI::App& app) {
                    "only moments "
                    "and centroids come out)")
       ->type_name("RIG");
+  command->add_flag("--residual", options->residual,
+                    "Measure the reference part once with its own pattern, keep each column's offset and remove it");
+  command
+      ->add_option("--real-rig", options->real_rig,
+                   "Rig that takes the images, where it is not quite what --rig says (an error of calibration)")
+      ->type_name("RIG");
   command->add_option("--channel", options->channel, "What to take of colour images")
       ->check(CLI::IsMember(channel_names()));
   command
@@ -568,8 +600,10 @@ void add_cosim_command(CLI::App& app) {
       ->type_name("T");
   command->add_option("--seed", options->seed, "Of all that is random [the rig's]")->type_name("N");
   std::vector<std::string> names;
-  for (const auto& [name, member] : disturbances()) {
-    names.push_back(name);
+  for (const auto& [name, flag] : kDisturbances) {
+    if (flag != &RenderOptions::quantization) {  // the board takes 8 bits
+      names.emplace_back(name);
+    }
   }
   command->add_option("--without", options->without, "Leaves these out of the simulated camera's image, comma between")
       ->delimiter(',')

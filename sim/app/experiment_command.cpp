@@ -4,12 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/inspect/report.h"
@@ -29,16 +27,9 @@ struct Options {
   std::string out;
   std::vector<std::string> off;
   bool no_residual = false;
+  bool sources = false;
   int every = 1;
 };
-
-const std::array<std::pair<const char*, bool RenderOptions::*>, 6> kSources{
-    {{"shot-noise", &RenderOptions::shot_noise},
-     {"read-noise", &RenderOptions::read_noise},
-     {"quantization", &RenderOptions::quantization},
-     {"camera-blur", &RenderOptions::camera_blur},
-     {"projector-blur", &RenderOptions::projector_blur},
-     {"motion-blur", &RenderOptions::motion_blur}}};
 
 // Characters that a text takes on a terminal: its code points.
 std::size_t width_of(const std::string& text) {
@@ -76,9 +67,8 @@ void run(const Options& options) {
   experiment.rig = load_rig(options.rig);
   experiment.residual = !options.no_residual;
   experiment.every = options.every;
-  for (const auto& [name, member] : kSources) {
-    experiment.render.*member = std::find(options.off.begin(), options.off.end(), name) == options.off.end();
-  }
+  experiment.sources = options.sources;
+  experiment.render = options_without(options.off);
   std::optional<Progress> progress;
   ExperimentResult result = run_experiment(options.name, experiment, [&](std::size_t done, std::size_t all) {
     if (!progress) {
@@ -125,12 +115,15 @@ void add_experiment_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--no-residual", options->no_residual, "Do not measure and remove the reference's residual");
   std::vector<std::string> sources;
-  for (const auto& source : kSources) {
-    sources.emplace_back(source.first);
+  for (const Disturbance& source : kDisturbances) {
+    sources.emplace_back(source.name);
   }
-  command->add_option("--off", options->off, "Switch an error source off (may be given several times)")
-      ->check(CLI::IsMember(sources))
-      ->take_all();
+  command->add_option("--off", options->off, "Switch error sources off, comma between")
+      ->delimiter(',')
+      ->check(CLI::IsMember(sources));
+  command->add_flag(
+      "--sources", options->sources,
+      "Also the table of error sources: the self-projected measurement with each of them off in its turn");
   command->callback([options] { run(*options); });
 }
 

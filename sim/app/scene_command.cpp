@@ -63,21 +63,8 @@ struct Options {
   int threads = 0;
 };
 
-// What --without takes, and the switch that it turns off.
-const std::array<std::pair<const char*, bool RenderOptions::*>, 6> kSwitches{{
-    {"shot-noise", &RenderOptions::shot_noise},
-    {"read-noise", &RenderOptions::read_noise},
-    {"quantization", &RenderOptions::quantization},
-    {"camera-blur", &RenderOptions::camera_blur},
-    {"projector-blur", &RenderOptions::projector_blur},
-    {"motion-blur", &RenderOptions::motion_blur},
-}};
-
 RenderOptions render_options(const Options& options) {
-  RenderOptions result;
-  for (const auto& [name, flag] : kSwitches) {
-    result.*flag = std::find(options.without.begin(), options.without.end(), name) == options.without.end();
-  }
+  RenderOptions result = options_without(options.without);
   result.falloff = options.falloff;
   return result;
 }
@@ -316,8 +303,8 @@ void add_render(CLI::App& scene) {
       ->type_name("N");
   command->add_option("--seed", options->seed, "Of the noise, instead of the rig's");
   std::vector<std::string> switches;
-  std::transform(kSwitches.begin(), kSwitches.end(), std::back_inserter(switches),
-                 [](const auto& entry) { return entry.first; });
+  std::transform(kDisturbances.begin(), kDisturbances.end(), std::back_inserter(switches),
+                 [](const Disturbance& entry) { return entry.name; });
   command
       ->add_option("--without", options->without,
                    "Sources of error to turn off, with commas between; without quantization frames are 32-bit TIFF")

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "host/optics/geometry.h"
 #include "sim/experiment/light_section.h"
 #include "sim/scene/marks.h"
+#include "sim/scene/parallel.h"
 #include "sim/scene/scene.h"
 
 namespace selfproj {
@@ -102,18 +104,7 @@ Mask tread_regions(const FloatImage& x, const FloatImage& y, const Measurement& 
   return mask;
 }
 
-// How far along x, mm, the line lights the surface to either side of its middle: half its width, three standard
-// deviations of the projector's blur, half the way during an exposure. That near to a step some of its light lies on
-// the other side.
-double line_reach(const Rig& rig) {
-  const RigProjector& p = rig.projector;
-  const double middle = line_on_middle(p, rig.plane_z_mm);
-  const double per_line = (rig.plane_z_mm - p.z_mm) * (tan_theta(p, middle + 0.5) - tan_theta(p, middle - 0.5));
-  return (rig.measure.line_width_px / 2 + 3 * rig.imaging.projector_blur_px) * per_line +
-         rig.conveyor.speed_mm_per_s * rig.camera.exposure_s / 2;
-}
-
-// Adds the points that have a step within `reach` mm along x, whether or not a frame was taken beyond it.
+// Adds the points that have a step within `reach` mm along x.
 void add_steps_along_x(Mask& mask, const Measurement& m, const Renderer& renderer, double reach) {
   constexpr int kSamples = 9;  // to each side
   const FloatImage x = m.by_mode[0].x();
@@ -143,16 +134,59 @@ Mask rows_of(const Mask& mask, int columns, int first, int count) {
   return {begin, begin + static_cast<std::ptrdiff_t>(count) * columns};
 }
 
+// What the light sheet meets in the measured frames and in those up to `reach` frames before and after them, NaN in the
+// others. Rows are the scene's frames.
+FloatImage truth_around(const Measurement& m, const Renderer& renderer, int frames, int reach) {
+  FloatImage truth(frames, m.truth.columns, std::numeric_limits<float>::quiet_NaN());
+  std::vector<int> wanted;
+  for (const int frame : m.frames) {
+    for (int i = std::max({0, frame - reach, wanted.empty() ? 0 : wanted.back() + 1});
+         i <= std::min(frame + reach, frames - 1); ++i) {
+      wanted.push_back(i);
+    }
+  }
+  parallel_for(static_cast<int>(wanted.size()), 0, [&](int i) {
+    const int frame = wanted[static_cast<std::size_t>(i)];
+    renderer.truth(frame, {truth.row(frame), static_cast<std::size_t>(truth.columns)});
+  });
+  return truth;
+}
+
+// The points near an edge along x, as `near_steps` finds those near one across: within `reach` mm of a height step of
+// the surface, or of what the light sheet meets from frame to frame (`truth`), which also jumps where a shadow ends.
+Mask near_steps_along_x(const Measurement& m, const Renderer& renderer, const FloatImage& truth, double frame_mm,
+                        double reach) {
+  const int frames = static_cast<int>(std::ceil(reach / frame_mm));
+  Mask mask;
+  for (const int frame : m.frames) {
+    const int first = std::max(0, frame - frames);
+    const int count = std::min(truth.rows, frame + frames + 1) - first;
+    const Mask around = near_steps(rows_of(truth, first, count), kFrameStep, 0, frames);
+    const Mask row = rows_of(around, truth.columns, frame - first, 1);
+    mask.insert(mask.end(), row.begin(), row.end());
+  }
+  add_steps_along_x(mask, m, renderer, reach);
+  return mask;
+}
+
 MethodFigures figures_of(const Measurement& m, const LightSection& setup, const Scene& scene, const Published& what,
                          const RenderOptions& render) {
   const Rig& rig = setup.rig;
   const Renderer renderer(rig, scene, setup.pattern, render);  // for its truth
-  const MapPitch pitch = m.by_mode[0].pitch();
-  const double reach = std::max(kStepColumns * pitch.column_mm, line_reach(rig));
+  const double column_mm = m.by_mode[0].pitch().column_mm;
+  const double frame_mm = rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz;
+  const double reach = kStepColumns * column_mm;
+  const FloatImage truth = truth_around(m, renderer, scene.frames(), static_cast<int>(std::ceil(reach / frame_mm)));
+  const auto within = [&](int columns) {
+    const Mask across = near_steps(m.truth, kColumnStep, columns, 0);
+    Mask mask = near_steps_along_x(m, renderer, truth, frame_mm, columns * column_mm);
+    std::transform(mask.begin(), mask.end(), across.begin(), mask.begin(), std::bit_or<>());
+    return mask;
+  };
+  const Mask steps = within(kStepColumns);
+  const Mask within_2 = within(2);
+  const Mask within_1 = within(1);
   const Mask across = near_steps(m.truth, kColumnStep, kStepColumns, 0);
-  Mask steps = near_steps(m.truth, kFrameStep, 0, static_cast<int>(std::ceil(reach / pitch.row_mm)));
-  std::transform(steps.begin(), steps.end(), across.begin(), steps.begin(), std::bit_or<>());
-  add_steps_along_x(steps, m, renderer, reach);
   // Frames in which the line lies on the part; the others count nowhere.
   int first = 0;
   int count = 0;
@@ -172,11 +206,17 @@ MethodFigures figures_of(const Measurement& m, const LightSection& setup, const 
     const FloatImage x = inspection.x();
     const FloatImage y = inspection.y();
     ExperimentFigures& figures = result.modes[mode];
-    figures.errors = height_errors(rows_of(height, first, count), rows_of(x, first, count), rows_of(y, first, count),
-                                   rows_of(steps, x.columns, first, count), [&](int row, double px, double py) {
-                                     const auto k = static_cast<std::size_t>(first + row);
-                                     return renderer.true_height(m.frames[k], px, py);
-                                   });
+    const auto errors_outside = [&](const Mask& left_out) {
+      return height_errors(rows_of(height, first, count), rows_of(x, first, count), rows_of(y, first, count),
+                           rows_of(left_out, x.columns, first, count), [&](int row, double px, double py) {
+                             const auto k = static_cast<std::size_t>(first + row);
+                             return renderer.true_height(m.frames[k], px, py);
+                           });
+    };
+    figures.errors = errors_outside(steps);
+    figures.errors_beyond_2 = errors_outside(within_2);
+    figures.errors_beyond_1 = errors_outside(within_1);
+    figures.errors_at_edges = errors_outside(across);
     figures.range = centroid_range(inspection.centroid(), steps, first, count);
     if (what.treads.empty()) {
       continue;
@@ -207,6 +247,8 @@ void add_rows(ReportTable& table, const MethodFigures& figures, const Published&
   row("height error, largest, mm", error, [&](const auto& f) { return mm(f.errors.max); });
   row("height error, RMS, mm", "–", [&](const auto& f) { return mm(f.errors.rms); });
   row("height error, mean, mm", "–", [&](const auto& f) { return mm(f.errors.mean); });
+  row("largest, edges across the belt included, mm", "–", [&](const auto& f) { return mm(f.errors_at_edges.max); });
+  row("RMS, edges across the belt included, mm", "–", [&](const auto& f) { return mm(f.errors_at_edges.rms); });
   for (std::size_t i = 0; i < what.treads.size(); ++i) {
     row(fmt::format("step of {:g} mm", what.treads[i]), i < steps.size() ? steps[i] : "–",
         [&](const auto& f) { return mm(f.steps[i]); });
@@ -227,6 +269,44 @@ ReportTable table_of(const std::string& title, const MethodFigures& figures) {
           {"", "published", "grey-over", "grey", "binary"},
           {},
           ""};
+}
+
+// What is measured by self-projection when one thing is other than it is.
+struct Source {
+  std::string name;
+  ExperimentOptions options;
+};
+
+std::vector<Source> sources_of(const ExperimentOptions& as_it_is) {
+  std::vector<Source> sources = {{"nothing", as_it_is}};
+  const auto add = [&](const std::string& name) -> ExperimentOptions& {
+    sources.push_back({name, as_it_is});
+    return sources.back().options;
+  };
+  for (const auto& [name, flag] : kDisturbances) {
+    add(name).render.*flag = false;
+  }
+  ExperimentOptions& noiseless = add("both noises");
+  noiseless.render.shot_noise = noiseless.render.read_noise = false;
+  ExperimentOptions& thin = add("line's width (1 projector line, white 255)");
+  thin.rig.measure.line_width_px = 1;
+  thin.rig.imaging.white = 255;
+  ExperimentOptions& ideal = add("noises, blurs, line's width");
+  ideal = sources[sources.size() - 2].options;
+  for (const auto& [name, flag] : kDisturbances) {
+    ideal.render.*flag = flag == &RenderOptions::quantization;
+  }
+  ExperimentOptions& residual = add(as_it_is.residual ? "removal of the residual" : "the residual");
+  residual.residual = !as_it_is.residual;
+  return sources;
+}
+
+MethodFigures measure_self_projected(const ExperimentOptions& options, const Scene& scene, const Scene& reference,
+                                     const Published& what, const std::function<void(std::size_t)>& progress,
+                                     Measurement& measurement) {
+  const LightSection setup = self_projection(options.rig, options.rig, reference, options.render, options.residual);
+  measurement = measure(setup, scene, options.render, options.every, options.threads, progress);
+  return figures_of(measurement, setup, scene, what, options.render);
 }
 
 void check(ExperimentResult& result, const Published& what) {
@@ -263,34 +343,63 @@ ExperimentResult run_experiment(const std::string& name, const ExperimentOptions
   const std::unique_ptr<Scene> scene = make_scene(what->scene, options.rig);
   const std::unique_ptr<Scene> reference = make_scene(what->reference, options.rig);
   const auto frames = static_cast<std::size_t>((scene->frames() + options.every - 1) / options.every);
+  const std::vector<Source> sources = options.sources ? sources_of(options) : std::vector<Source>();
+  const std::size_t all = (2 + sources.size()) * frames;
+  std::size_t before = 0;
+  const auto count = [&](std::size_t done) { progress(before + done, all); };
 
   ExperimentResult result;
   result.name = name;
-  {
-    const LightSection setup = self_projection(options.rig, *reference, options.render, options.residual);
-    result.measurement = measure(setup, *scene, options.render, options.every, options.threads,
-                                 [&](std::size_t done) { progress(done, 2 * frames); });
-    result.self_projected = figures_of(result.measurement, setup, *scene, *what, options.render);
-  }
+  result.self_projected = measure_self_projected(options, *scene, *reference, *what, count, result.measurement);
+  before += frames;
   {
     Rig rig = options.rig;
     rig.camera.rows = what->conventional_rows;
     const LightSection setup = straight_line(rig, *reference, options.render, what->height / 2);
-    const Measurement measurement = measure(setup, *scene, options.render, options.every, options.threads,
-                                            [&](std::size_t done) { progress(frames + done, 2 * frames); });
+    const Measurement measurement = measure(setup, *scene, options.render, options.every, options.threads, count);
+    before += frames;
     result.conventional = figures_of(measurement, setup, *scene, *what, options.render);
   }
 
   ReportTable self = table_of("Self-projected", result.self_projected);
   add_rows(self, result.self_projected, *what, what->range, what->error, what->steps, what->depth);
   self.note = fmt::format(
-      "Measured with camera noise, against the truth of the simulation. Points within {} columns of a height step or "
-      "part "
-      "edge, or so near to one along x that the line lights both sides of it ({:.2f} mm), are left out and counted.",
-      kStepColumns, line_reach(options.rig));
+      "Measured with camera noise, against the truth of the simulation. Points within {} columns ({:.2f} mm) of a "
+      "height "
+      "step or part edge are left out and counted; “edges across the belt included”: only those whose step is in the "
+      "same frame.",
+      kStepColumns, kStepColumns * result.measurement.by_mode[0].pitch().column_mm);
   ReportTable conventional = table_of("Conventional, straight line", result.conventional);
   add_rows(conventional, result.conventional, *what, what->range_conventional, what->error_conventional, {}, "–");
   result.tables = {std::move(self), std::move(conventional)};
+  if (!sources.empty()) {
+    ReportTable table = {
+        "Sources of error, self-projected",
+        {"mm; switched off", "grey-over: largest", "RMS", "beyond 2", "beyond 1", "grey: largest", "RMS",
+         "binary: largest", "RMS"},
+        {},
+        "Height errors as above. “Beyond 2”, “beyond 1”: the largest where only points within 2 columns "
+        "or 1 of a step are left out."};
+    for (const Source& source : sources) {
+      Measurement unused;
+      const MethodFigures figures = measure_self_projected(source.options, *scene, *reference, *what, count, unused);
+      before += frames;
+      table.rows.push_back({source.name});
+      std::vector<double> values;
+      for (const ExperimentFigures& f : figures.modes) {
+        values.push_back(f.errors.max);
+        values.push_back(f.errors.rms);
+        if (values.size() == 2) {
+          values.push_back(f.errors_beyond_2.max);
+          values.push_back(f.errors_beyond_1.max);
+        }
+      }
+      for (const double value : values) {
+        table.rows.back().push_back(fmt::format("{:.4f}", value));
+      }
+    }
+    result.tables.push_back(std::move(table));
+  }
 
   const RigImaging& imaging = options.rig.imaging;
   const double noise = std::sqrt(imaging.read_noise * imaging.read_noise +

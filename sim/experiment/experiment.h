@@ -20,13 +20,17 @@ struct ExperimentOptions {
   Rig rig;
   RenderOptions render;
   bool residual = true;  // the reference is measured once, and each column's remaining offset kept
+  bool sources = false;  // also the table of error sources
   int every = 1;         // every so many frames only
   int threads = 0;       // 0: one a core
 };
 
 // What a method found in one mode, against the truth. Lengths in mm, centroids in pixels.
 struct ExperimentFigures {
-  HeightErrors errors;
+  HeightErrors errors;             // without what is within 3 columns of a height step or part edge, in any direction
+  HeightErrors errors_beyond_2;    // the same with 2 columns
+  HeightErrors errors_beyond_1;    // with 1
+  HeightErrors errors_at_edges;    // the same, but with what is near an edge that runs across the belt, along the line
   CentroidRange range;             // in the frames in which the line lies on the part
   std::vector<double> steps;       // of A2: mean height of the treads, away from marks and edges
   std::vector<double> mark_depth;  // of A2: of ○ × ▽
@@ -43,7 +47,7 @@ struct ExperimentResult {
   MethodFigures self_projected;
   MethodFigures conventional;
   Measurement measurement;               // self-projected
-  std::vector<ReportTable> tables;       // published and measured
+  std::vector<ReportTable> tables;       // published and measured; sources of error
   std::vector<std::string> not_reached;  // what does not hold of what the project has set itself, a line each
   std::vector<Fact> conditions;          // of the measurement: line peak, ambient light, noise, ...
 };

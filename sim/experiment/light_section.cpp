@@ -36,12 +36,14 @@ std::size_t pixels_of(const Rig& rig) {
 }
 
 // Centroids, one a column, of the reference part under the pattern, means over 16 frames in the middle of its way; NaN
-// where a column is not lit as the rig asks. The noise is another than that of the measurement.
-std::array<std::vector<double>, kAllModes.size()> centroids_of(Rig rig, const Scene& scene, const FloatImage& pattern,
+// where a column is not lit as the rig asks. The noise is another than that of the measurement. `real` takes the
+// images.
+std::array<std::vector<double>, kAllModes.size()> centroids_of(Rig rig, Rig real, const Scene& scene,
+                                                               const FloatImage& pattern,
                                                                const RenderOptions& options) {
   constexpr int kFrames = 16;
-  rig.imaging.seed += 1;
-  const Renderer renderer(rig, scene, pattern, options);
+  real.imaging.seed += 1;
+  const Renderer renderer(real, scene, pattern, options);
   const int first = std::max(0, scene.frames() / 2 - kFrames / 2);
   std::vector<std::vector<std::uint8_t>> images(kFrames, std::vector<std::uint8_t>(pixels_of(rig)));
   parallel_for(kFrames, 0, [&](int i) { renderer.render(first + i, std::span(images[static_cast<std::size_t>(i)])); });
@@ -57,9 +59,33 @@ std::array<std::vector<double>, kAllModes.size()> centroids_of(Rig rig, const Sc
   return result;
 }
 
+// Moments of grey values that are not whole numbers, which no board has: in units of 1 / kFine, with which M1 of 255
+// rows of white is still below 2^31. The centroid does not see the unit.
+constexpr int kFine = 256;
+
+void fine_moments(const Rig& rig, const std::vector<float>& values, Mode mode, Moments& moments) {
+  std::fill(moments.m0.begin(), moments.m0.end(), 0U);
+  std::fill(moments.m1.begin(), moments.m1.end(), 0U);
+  std::fill(moments.n.begin(), moments.n.end(), 0U);
+  const auto columns = static_cast<std::size_t>(rig.camera.columns);
+  const auto threshold = static_cast<float>(rig.measure.threshold);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const float value = std::min(values[i], 255.0F);
+    if (value <= threshold) {
+      continue;
+    }
+    const float weight = mode == Mode::binary ? 1.0F : mode == Mode::grey ? value : value - threshold;
+    const auto units = static_cast<std::uint32_t>(std::lround(weight * kFine));
+    moments.m0[i % columns] += units;
+    moments.m1[i % columns] += units * static_cast<std::uint32_t>(i / columns + 1);
+    ++moments.n[i % columns];
+  }
+}
+
 // What one frame gives, before it is added in its turn.
 struct FrameResult {
   std::vector<std::uint8_t> pixels;
+  std::vector<float> values;  // instead, where nothing is quantized
   std::array<Moments, kAllModes.size()> moments;
   std::array<Profile, kAllModes.size()> profiles;
 };
@@ -91,12 +117,13 @@ ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
   return curve;
 }
 
-LightSection self_projection(const Rig& rig, const Scene& reference, const RenderOptions& options, bool residual) {
+LightSection self_projection(const Rig& rig, const Rig& real, const Scene& reference, const RenderOptions& options,
+                             bool residual) {
   const ReferenceCurve curve = curve_of_scene(rig, reference);
   LightSection result{rig, draw_pattern(rig, pattern_of_curve(rig, curve)), {}};
   result.references.fill(reference_of_curve(rig, curve));
   if (residual) {
-    const auto centroids = centroids_of(rig, reference, result.pattern, options);
+    const auto centroids = centroids_of(rig, real, reference, result.pattern, options);
     for (std::size_t m = 0; m < kAllModes.size(); ++m) {
       result.references[m] = without_residual(rig, result.references[m], centroids[m]);
     }
@@ -107,7 +134,7 @@ LightSection self_projection(const Rig& rig, const Scene& reference, const Rende
 LightSection straight_line(const Rig& rig, const Scene& reference, const RenderOptions& options, double middle_height) {
   const double line = line_on_middle(rig.projector, rig.plane_z_mm - middle_height);
   LightSection result{rig, draw_straight_line(rig, line), {}};
-  const auto centroids = centroids_of(rig, reference, result.pattern, options);
+  const auto centroids = centroids_of(rig, rig, reference, result.pattern, options);
   for (std::size_t m = 0; m < kAllModes.size(); ++m) {
     result.references[m] = reference_of_straight_line(rig, line, centroids[m]);
   }
@@ -148,9 +175,17 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
       FrameResult& frame = batch[static_cast<std::size_t>(i)];
       const int number = result.frames[static_cast<std::size_t>(begin + i)];
       renderer.render(number, std::span(frame.pixels));
+      if (!options.quantization) {
+        frame.values.resize(frame.pixels.size());
+        renderer.render(number, std::span(frame.values));
+      }
       renderer.truth(number, {result.truth.row(begin + i), static_cast<std::size_t>(rig.camera.columns)});
       for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-        column_moments(view_of(rig, frame.pixels), kAllModes[m], rig.measure.threshold, frame.moments[m].view());
+        if (options.quantization) {
+          column_moments(view_of(rig, frame.pixels), kAllModes[m], rig.measure.threshold, frame.moments[m].view());
+        } else {
+          fine_moments(rig, frame.values, kAllModes[m], frame.moments[m]);
+        }
         profilers[m].profile(frame.moments[m].view(), frame.profiles[m].view());
       }
     });

@@ -33,7 +33,10 @@ ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene);
 
 // Self-projection with the pattern that belongs to the reference part, known as a shape. With `residual` the reference
 // part is measured once (16 frames of it, with noise of their own), and what is left of each column's offset is kept.
-LightSection self_projection(const Rig& rig, const Scene& reference, const RenderOptions& options, bool residual);
+// `real` is what camera and projector are like, `rig` what is believed of them, from which everything is computed;
+// their images have one size.
+LightSection self_projection(const Rig& rig, const Rig& real, const Scene& reference, const RenderOptions& options,
+                             bool residual);
 
 // The conventional method: a straight line in the middle of the image at `middle_height` mm over the plane, the
 // reference part measured once as above.
@@ -49,7 +52,8 @@ struct Measurement {
   double line_peak = 0;  // median over the columns of the greatest grey value of the middle frame
 };
 
-// Measures every `every`-th frame by several threads (0: one a core). `progress` is told how many are done.
+// Measures every `every`-th frame by several threads; without quantization from the renderer's grey values as numbers
+// (the reference's residual is always measured with 8 bits) (0: one a core). `progress` is told how many are done.
 Measurement measure(const LightSection& setup, const Scene& scene, const RenderOptions& options, int every, int threads,
                     const std::function<void(std::size_t)>& progress);
 

@@ -31,6 +31,14 @@ const FloatImage& checked(const FloatImage& pattern, const RigProjector& project
 
 }  // namespace
 
+RenderOptions options_without(const std::vector<std::string>& names) {
+  RenderOptions options;
+  for (const auto& [name, flag] : kDisturbances) {
+    options.*flag = std::find(names.begin(), names.end(), name) == names.end();
+  }
+  return options;
+}
+
 void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source) {
   if (pattern.rows != projector.lines || pattern.columns != projector.columns) {
     throw UserError(source, fmt::format("has {} lines of {} columns; the rig's projector has {} of {}", pattern.rows,

@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_SIM_SCENE_RENDERER_H
 #define SELFPROJ_SIM_SCENE_RENDERER_H
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -35,6 +36,23 @@ void add_noise(const RigImaging& imaging, const RenderOptions& options, int fram
 // Grey values to whole ones, bounded to 0..255.
 void quantize(std::span<float> pixels);
 void quantize(std::span<const float> from, std::span<std::uint8_t> to);
+
+// The switches of RenderOptions that turn a source of error off, by the names that commands take.
+struct Disturbance {
+  const char* name;
+  bool RenderOptions::*flag;
+};
+inline constexpr std::array<Disturbance, 6> kDisturbances{{
+    {"shot-noise", &RenderOptions::shot_noise},
+    {"read-noise", &RenderOptions::read_noise},
+    {"quantization", &RenderOptions::quantization},
+    {"camera-blur", &RenderOptions::camera_blur},
+    {"projector-blur", &RenderOptions::projector_blur},
+    {"motion-blur", &RenderOptions::motion_blur},
+}};
+
+// Everything on but the disturbances of these names.
+RenderOptions options_without(const std::vector<std::string>& names);
 
 // Throws UserError about `source` where the pattern has not the projector's size or a value that is not 0..1.
 void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source = "pattern");

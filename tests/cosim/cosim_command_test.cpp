@@ -158,6 +158,39 @@ TEST_F(Cosim, PacketsAreTheStreamOfTheBoard) {
   EXPECT_TRUE(left.empty());
 }
 
+// The rig is not what it is believed to be: its projector is turned by 0.02 degrees. The reference part measured once
+// with its own pattern takes that out.
+TEST_F(Cosim, ResidualTakesOutAWrongRig) {
+  std::string yaml = to_yaml(load_rig("light-section"));
+  const std::size_t at = yaml.find("tilt_deg: 20");
+  ASSERT_NE(at, std::string::npos);
+  yaml.insert(at + std::string("tilt_deg: 20").size(), ".02");
+  write_text(folder_ / "real.yaml", yaml);
+  std::vector<double> rms;
+  for (const bool residual : {false, true}) {
+    std::vector<std::string> arguments{"--engine", "model", "--scene", "mountain", "--first",    "650",
+                                       "--count",  "8",     "--out",   "out",      "--real-rig", "real.yaml"};
+    if (residual) {
+      arguments.emplace_back("--residual");
+    }
+    const Outcome outcome = run(arguments);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    double square = 0;
+    std::size_t count = 0;
+    for (const float value : read_float_tiff(folder_ / "out/difference.tiff").values) {
+      if (!std::isnan(value)) {
+        square += double{value} * double{value};
+        ++count;
+      }
+    }
+    ASSERT_EQ(count, 8U * 512);
+    rms.push_back(std::sqrt(square / static_cast<double>(count)));
+  }
+  EXPECT_GT(rms[0], 0.3);  // one row, 0.39 mm
+  EXPECT_LT(rms[1], 0.01);
+  expect_refused({"--frames", "real.yaml", "--threshold", "9", "--residual"}, "--residual");
+}
+
 // A pattern that the shell did not resolve; no rig: moments, centroids and pictures.
 TEST_F(Cosim, RecordedImagesWithoutARig) {
   for (const int i : {1, 2, 3}) {
@@ -166,8 +199,17 @@ TEST_F(Cosim, RecordedImagesWithoutARig) {
   const Outcome outcome = run({"--engine", "model", "--frames", "image_*.png", "--threshold", "200", "--out", "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(last_line(outcome.out), "matched 192 columns in 3 frames, 0 mismatches");
-  EXPECT_EQ(names_in(folder_ / "out"), (std::vector<std::string>{"centroid.tiff", "frame_1.png", "frame_2.png",
-                                                                 "frame_3.png", "moments.csv", "summary.json"}));
+  EXPECT_EQ(names_in(folder_ / "out"),
+            (std::vector<std::string>{"centroid.tiff", "frame_1.png", "frame_2.png", "frame_3.png", "moments.csv",
+                                      "report.html", "summary.json"}));
+  // The page shows the line in each image, and no lengths.
+  const std::string page = text("out/report.html");
+  for (const char* part : {"Camera image of frame 1", "Camera image of frame 3", "median", "no rig"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  for (const char* part : {"Height", "Difference", " mm<"}) {
+    EXPECT_EQ(page.find(part), std::string::npos) << part;
+  }
   // The same table as that of the command `moments`.
   const Outcome moments = run_program(SELFPROJ_SIM_PROGRAM,
                                       {"moments", "--engine", "model", "--mode", "grey-over", "--threshold", "200",
