@@ -19,9 +19,9 @@ build/bin/selfproj-sim cosim --scene stairs-marked --out "$out/stairs-marked" --
 
 captures=../shared/data/laser-chrisspen/images
 if [[ -d $captures ]]; then
-  printf '\nReal captures of a laser line (laser-chrisspen), red channel, through the same board:\n'
-  build/bin/selfproj-sim cosim --frames "$captures/sample*/sample*-b-0.jpg" --channel red --threshold 150 \
-    --out "$out/captures"
+  printf '\nReal captures of a laser line (laser-chrisspen), red channel less that without the laser, through the same board:\n'
+  build/bin/selfproj-sim cosim --frames "$captures/sample*/sample*-b-0.jpg" --background "$captures/sample*/sample*-a-0.jpg" \
+    --channel red --threshold 30 --out "$out/captures"
 else
   printf '\nSkipped: the real captures are not there (%s)\n' "$captures"
 fi
@@ -35,5 +35,5 @@ Look at
   $out/stairs-marked/cloud.ply        the points, for any viewer of point clouds
 TEXT
 if [[ -d $captures ]]; then
-  echo "  $out/captures/frame_4.png            a real image with the line that was found"
+  echo "  $out/captures/report.html            real images with the line that was found"
 fi

@@ -410,7 +410,7 @@ void add_camera(std::string& html, const CameraPicture& camera, std::string_view
   html += picture(image_png(camera.image), "camera image");
   fmt::format_to(to,
                  "<svg viewBox=\"0 0 {} {}\" preserveAspectRatio=\"none\"><path stroke=\"#ff7a1a\" "
-                 "stroke-width=\"1.2\" d=\"",
+                 "stroke-width=\"1.8\" d=\"",
                  columns, rows);
   double last = std::numeric_limits<double>::quiet_NaN();
   for (int c = 0; c < columns; ++c) {

@@ -51,7 +51,8 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string scene = "stairs-marked";
-  std::vector<std::string> frames;  // empty: the scene
+  std::vector<std::string> frames;      // empty: the scene
+  std::vector<std::string> background;  // of the frames
   std::string engine = "rtl";
   std::string rig;       // empty: light-section for scenes, none for recorded images
   std::string real_rig;  // empty: the rig
@@ -166,6 +167,16 @@ Setup scene_setup(const Options& options) {
   return setup;
 }
 
+// The files of all the patterns of an option.
+std::vector<std::string> files_of(const std::string& option, const std::vector<std::string>& patterns) {
+  std::vector<std::string> files;
+  for (const std::string& pattern : patterns) {
+    const std::vector<std::string> found = files_of_pattern(option, pattern);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
 Setup recorded_setup(const Options& options) {
   if (!options.without.empty()) {
     throw UserError("--without", "recorded images are as they are");
@@ -173,18 +184,26 @@ Setup recorded_setup(const Options& options) {
   if (options.residual || !options.real_rig.empty()) {
     throw UserError(options.residual ? "--residual" : "--real-rig", "is for scenes, not for recorded images");
   }
-  std::vector<std::string> files;
-  for (const std::string& pattern : options.frames) {
-    const std::vector<std::string> found = files_of_pattern(pattern);
-    files.insert(files.end(), found.begin(), found.end());
-  }
+  std::vector<std::string> files = files_of("--frames", options.frames);
   const std::size_t count = frames_to_play(options, files.size(), "--frames " + options.frames.front());
-  files.erase(files.begin(), files.begin() + static_cast<std::ptrdiff_t>(options.first - 1));
-  files.resize(count);
+  std::vector<std::string> background = files_of("--background", options.background);
+  if (!background.empty() && background.size() != files.size()) {
+    throw UserError("--background " + options.background.front(),
+                    fmt::format("{} files for {} frames", background.size(), files.size()));
+  }
+  for (auto* list : {&files, &background}) {
+    if (!list->empty()) {
+      list->erase(list->begin(), list->begin() + static_cast<std::ptrdiff_t>(options.first - 1));
+      list->resize(count);
+    }
+  }
 
   Setup setup;
-  setup.source = std::make_unique<RecordedFrames>(files, channel_of(options.channel));
+  setup.source = std::make_unique<RecordedFrames>(files, channel_of(options.channel), background);
   setup.facts = {{"frames_from", "recorded images", options.frames.front()}};
+  if (!background.empty()) {
+    setup.facts.push_back({"background", "subtracted from them", options.background.front()});
+  }
   // Without a rig nothing is known about the images but their grey values.
   setup.rig = light_section_rig(options.rig.empty() ? "light-section" : options.rig);
   apply_options(options, setup.rig);
@@ -568,9 +587,16 @@ void add_cosim_command(CLI::App& app) {
   CLI::Option* scene = command->add_option("--scene", options->scene, "Scene under the simulated camera (scene list)")
                            ->type_name("NAME")
                            ->capture_default_str();
-  command->add_option("--frames", options->frames, "Recorded images instead: files, or patterns such as 'run/*.png'")
+  CLI::Option* frames =
+      command
+          ->add_option("--frames", options->frames, "Recorded images instead: files, or patterns such as 'run/*.png'")
+          ->type_name("PATTERN")
+          ->excludes(scene);
+  command
+      ->add_option("--background", options->background,
+                   "The same views without the line, one for each frame, to be subtracted before the board sees them")
       ->type_name("PATTERN")
-      ->excludes(scene);
+      ->needs(frames);
   command->add_option("--engine", options->engine, "What computes: the board's RTL, the HLS kernel, the model")
       ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
       ->capture_default_str();

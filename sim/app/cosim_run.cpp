@@ -61,7 +61,7 @@ CosimResult run_cosim(const PlatformOptions& options, FrameSource& frames, const
           return std::nullopt;
         }
         if (callbacks.frame) {
-          callbacks.frame(given, *image);
+          callbacks.frame(given, frames.picture());
         }
         ++given;
         return image->view();

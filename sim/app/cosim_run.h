@@ -17,7 +17,7 @@
 namespace selfproj {
 
 struct CosimCallbacks {
-  // Each frame as the camera gives it, from 0.
+  // Each frame as the source shows it (FrameSource::picture), from 0.
   std::function<void(std::size_t frame, const Image& image)> frame;
   // Each packet as the driver gives it: its bytes, and what is in it; valid during the call.
   std::function<void(std::span<const std::uint8_t> bytes, const PacketView& packet)> packet;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <future>
 #include <optional>
 #include <string>
@@ -39,10 +40,13 @@ const Image* SceneFrames::next() {
   return &image_;
 }
 
-RecordedFrames::RecordedFrames(std::vector<std::string> files, std::optional<Channel> channel)
-    : files_(std::move(files)), channel_(channel) {
-  for (const std::string& file : files_) {
-    check_image_file(file);
+RecordedFrames::RecordedFrames(std::vector<std::string> files, std::optional<Channel> channel,
+                               std::vector<std::string> background)
+    : files_(std::move(files)), background_(std::move(background)), channel_(channel) {
+  for (const auto* list : {&files_, &background_}) {
+    for (const std::string& file : *list) {
+      check_image_file(file);
+    }
   }
   first_ = read_image(files_.front(), channel_);
   check_frame_size(files_.front(), first_, spec::kMaxRows, spec::kMaxColumns);
@@ -53,18 +57,28 @@ const Image* RecordedFrames::next() {
     return nullptr;
   }
   const std::string& file = files_[given_++];
-  image_ = read_image(file, channel_);
-  check_same_size(file, image_, files_.front(), first_.rows, first_.columns);
+  as_taken_ = read_image(file, channel_);
+  check_same_size(file, as_taken_, files_.front(), first_.rows, first_.columns);
+  image_ = as_taken_;
+  if (!background_.empty()) {
+    const std::string& name = background_[given_ - 1];
+    const Image background = read_image(name, channel_);
+    check_same_size(name, background, files_.front(), first_.rows, first_.columns);
+    std::transform(image_.pixels.begin(), image_.pixels.end(), background.pixels.begin(), image_.pixels.begin(),
+                   [](std::uint8_t with, std::uint8_t without) {
+                     return static_cast<std::uint8_t>(std::max(0, int{with} - int{without}));
+                   });
+  }
   return &image_;
 }
 
-std::vector<std::string> files_of_pattern(const std::string& pattern) {
+std::vector<std::string> files_of_pattern(const std::string& option, const std::string& pattern) {
   glob_t found{};
   const int result = glob(pattern.c_str(), 0, nullptr, &found);
   std::vector<std::string> files(found.gl_pathv, found.gl_pathv + (result == 0 ? found.gl_pathc : 0));
   globfree(&found);
   if (files.empty()) {
-    throw UserError("--frames " + pattern, "no such files");
+    throw UserError(option + " " + pattern, "no such files");
   }
   return files;
 }

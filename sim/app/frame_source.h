@@ -29,6 +29,9 @@ class FrameSource {
 
   // The next frame, valid until the next call; null after the last one. Throws UserError naming what is wrong.
   virtual const Image* next() = 0;
+
+  // What a human is shown of the frame that next() gave last: the same unless something was taken away from it.
+  [[nodiscard]] virtual const Image& picture() const = 0;
 };
 
 // Frames first..first + count - 1 (from 0) of a rendered scene; some are rendered ahead, by several threads.
@@ -42,6 +45,7 @@ class SceneFrames final : public FrameSource {
   [[nodiscard]] int rows() const override { return rows_; }
   [[nodiscard]] int columns() const override { return columns_; }
   const Image* next() override;
+  [[nodiscard]] const Image& picture() const override { return image_; }
 
  private:
   Render render_;
@@ -57,25 +61,30 @@ class SceneFrames final : public FrameSource {
 // Images of one size that the board takes.
 class RecordedFrames final : public FrameSource {
  public:
-  // Looks at all files, and reads the first. Throws UserError naming the file.
-  RecordedFrames(std::vector<std::string> files, std::optional<Channel> channel);
+  // Looks at all files, and reads the first. `background`: none, or an image for each of the files, taken without the
+  // line, that is subtracted from it (what would be negative becomes 0). Throws UserError naming the file.
+  RecordedFrames(std::vector<std::string> files, std::optional<Channel> channel,
+                 std::vector<std::string> background = {});
 
   [[nodiscard]] std::size_t total() const override { return files_.size(); }
   [[nodiscard]] int rows() const override { return first_.rows; }
   [[nodiscard]] int columns() const override { return first_.columns; }
   const Image* next() override;
+  [[nodiscard]] const Image& picture() const override { return as_taken_; }
 
  private:
   std::vector<std::string> files_;
+  std::vector<std::string> background_;
   std::optional<Channel> channel_;
   Image first_;
+  Image as_taken_;
   Image image_;
   std::size_t given_ = 0;
 };
 
 // The files that a pattern with * ? [] names, in the order of their names; a name without any of these is that file.
-// Throws UserError where there is none.
-std::vector<std::string> files_of_pattern(const std::string& pattern);
+// Throws UserError, naming the option, where there is none.
+std::vector<std::string> files_of_pattern(const std::string& option, const std::string& pattern);
 
 }  // namespace selfproj
 

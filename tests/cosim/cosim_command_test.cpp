@@ -225,6 +225,28 @@ TEST_F(Cosim, RecordedImagesWithoutARig) {
   }
 }
 
+// What is in the background is not the line, and the picture shows the image as it was taken.
+TEST_F(Cosim, BackgroundIsTakenAway) {
+  cv::Mat off(20, 64, CV_8UC1, cv::Scalar(90));
+  off.rowRange(0, 5).setTo(250);  // brighter than the line, and brighter without it
+  cv::Mat on = off.clone();
+  on.rowRange(0, 5).setTo(240);
+  on.row(12).setTo(200);
+  ASSERT_TRUE(cv::imwrite(folder_ / "on.png", on));
+  ASSERT_TRUE(cv::imwrite(folder_ / "off.png", off));
+  const Outcome outcome =
+      run({"--engine", "model", "--frames", "on.png", "--background", "off.png", "--threshold", "30", "--out", "out"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const FloatImage centroid = read_float_tiff(folder_ / "out/centroid.tiff");
+  EXPECT_TRUE(std::all_of(centroid.values.begin(), centroid.values.end(), [](float row) { return row == 13; }));
+  const cv::Mat picture = cv::imread(folder_ / "out/frame_1.png", cv::IMREAD_GRAYSCALE);
+  double most = 0;
+  cv::minMaxLoc(picture(cv::Rect(70, 40, 20, 10)), nullptr, &most);  // within the first five rows of the image
+  EXPECT_EQ(most, 240);
+  expect_refused({"--frames", "on.png", "off.png", "--background", "off.png", "--threshold", "30"}, "--background");
+  expect_refused({"--frames", "on.png", "--background", "none*.png", "--threshold", "30"}, "none*.png");
+}
+
 // Images as the rig's camera takes them of the bare plane: measured as such.
 TEST_F(Cosim, RecordedImagesWithARig) {
   const Rig rig = load_rig("light-section");
@@ -313,10 +335,36 @@ TEST_F(Cosim, RealCaptures) {
     GTEST_SKIP() << "the real captures are not there: " << captures;
   }
   const Outcome outcome =
-      run({"--frames", captures / "sample*/sample*-b-0.jpg", "--channel", "red", "--threshold", "100", "--out", "out"});
+      run({"--frames", captures / "sample*/sample*-b-0.jpg", "--background", captures / "sample*/sample*-a-0.jpg",
+           "--channel", "red", "--threshold", "30", "--out", "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(last_line(outcome.out), "matched 3200 columns in 10 frames, 0 mismatches");
   EXPECT_TRUE(fs::exists(folder_ / "out/frame_10.png"));
+  // The line is where the captures' owner found it, where both did: a white pixel a column in a picture of his.
+  const FloatImage centroid = read_float_tiff(folder_ / "out/centroid.tiff");
+  ASSERT_EQ(centroid.rows, 10);
+  int both = 0;
+  int near = 0;
+  const std::vector<std::string> order{"1", "10", "2", "3", "4", "5", "6", "7", "8", "9"};  // of the names
+  for (int i = 0; i < 10; ++i) {
+    const std::string name = "sample" + order[static_cast<std::size_t>(i)];
+    const cv::Mat owner = cv::imread(captures / name / ("_" + name + "-line-3.jpg"), cv::IMREAD_GRAYSCALE);
+    ASSERT_EQ(owner.cols, 320) << name;
+    for (int column = 0; column < owner.cols; ++column) {
+      double most = 0;
+      cv::Point at;
+      cv::minMaxLoc(owner.col(column), nullptr, &most, nullptr, &at);
+      const auto row = static_cast<double>(centroid.row(i)[column]);
+      if (most > 128 && !std::isnan(row)) {
+        ++both;
+        near += std::abs(row - 1 - at.y) <= 2 ? 1 : 0;
+      }
+    }
+  }
+  RecordProperty("columns", both);
+  RecordProperty("near", near);
+  EXPECT_GT(both, 1000);
+  EXPECT_GE(near, both * 95 / 100);
 }
 
 #endif
