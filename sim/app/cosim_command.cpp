@@ -469,6 +469,8 @@ void run_scanner(const Options& options) {
   refuse(!options.mode.empty(), "--mode");
   refuse(!options.channel.empty(), "--channel");
   refuse(!options.trace.empty(), "--trace");
+  refuse(options.residual, "--residual");
+  refuse(!options.real_rig.empty(), "--real-rig");
   ScannerCosimOptions scanner{
       .scene = options.scene,
       .engine = options.engine,
@@ -486,10 +488,8 @@ void run_scanner(const Options& options) {
   if (!options.rig.empty()) {
     scanner.rig = options.rig;
   }
-  for (const std::string& name : options.without) {
-    scanner.render.*disturbances().at(name) = false;
-    scanner.without += (scanner.without.empty() ? "" : ", ") + name;
-  }
+  scanner.render = options_without(options.without);
+  scanner.without = fmt::format("{}", fmt::join(options.without, ", "));
   run_scanner_cosim(scanner);
 }
 
