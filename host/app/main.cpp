@@ -1,10 +1,12 @@
 // selfproj: what runs on the production PC.
 
+#include "host/app/accuracy_command.h"
 #include "host/app/depth_command.h"
 #include "host/app/devices_command.h"
 #include "host/app/inspect_command.h"
 #include "host/app/pattern_command.h"
 #include "host/app/rig_command.h"
+#include "host/app/stripes_command.h"
 #include "host/io/program_main.h"
 
 int main(int argc, char** argv) {
@@ -14,6 +16,8 @@ int main(int argc, char** argv) {
         selfproj::add_rig_command(app);
         selfproj::add_pattern_command(app);
         selfproj::add_depth_command(app);
+        selfproj::add_match_command(app);
+        selfproj::add_accuracy_command(app);
         selfproj::add_devices_command(app);
         selfproj::add_inspect_command(app);
       },

@@ -14,6 +14,7 @@
 #include <system_error>
 #include <vector>
 
+#include "host/app/stripes_command.h"
 #include "host/gray/gray_sequence.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
@@ -245,16 +246,17 @@ void add_pattern_command(CLI::App& app) {
   command->add_option("--channel", options->channel, "what to take of colour images: red, green, blue or grey")
       ->transform(CLI::CheckedTransformer(channels));
   const CLI::App* gray = add_gray(*command);
+  const CLI::App* stripes = add_stripes_command(*command);
   // What is required where no subcommand is: CLI11 would ask for it beside a subcommand too.
   command->callback([=] {
-    if (gray->parsed()) {
+    if (gray->parsed() || stripes->parsed()) {
       return;
     }
     if (options->out.empty()) {
       throw UserError("--out", "is required");
     }
     if (reference->empty() && scan->empty() && line->empty() && sweep->empty()) {
-      throw UserError("--reference, --scan, --line, --sweep", "one of them is needed, or the subcommand gray");
+      throw UserError("--reference, --scan, --line, --sweep", "one of them is needed, or a subcommand: gray, stripes");
     }
     run(*options);
   });

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace selfproj {
@@ -20,6 +21,16 @@ void check(bool holds, const char* reason) {
   if (!holds) {
     throw std::invalid_argument(reason);
   }
+}
+
+// The points of which both coordinates are known.
+ProjectorPoints both(FloatImage line, FloatImage column) {
+  for (std::size_t i = 0; i < line.values.size(); ++i) {
+    if (std::isnan(line.values[i]) || std::isnan(column.values[i])) {
+      line.values[i] = column.values[i] = kNan;
+    }
+  }
+  return {std::move(line), std::move(column)};
 }
 
 }  // namespace
@@ -123,15 +134,7 @@ void LinePointScan::add(const ImageView& image) {
   ++next_;
 }
 
-ProjectorPoints LinePointScan::points() {
-  ProjectorPoints points{line_axis_.coordinates(), column_axis_.coordinates()};
-  for (std::size_t i = 0; i < points.line.values.size(); ++i) {
-    if (std::isnan(points.line.values[i]) || std::isnan(points.column.values[i])) {
-      points.line.values[i] = points.column.values[i] = kNan;
-    }
-  }
-  return points;
-}
+ProjectorPoints LinePointScan::points() { return both(line_axis_.coordinates(), column_axis_.coordinates()); }
 
 namespace {
 
@@ -212,6 +215,49 @@ FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int most_open, int 
     }
   }
   return result;
+}
+
+GrayPointScan::GrayPointScan(const Rig& rig)
+    : sequence_(rig.projector.columns, rig.projector.lines),
+      columns_({rig.camera.rows, rig.camera.columns, sequence_.column_bits(), rig.measure.code_threshold}),
+      lines_({rig.camera.rows, rig.camera.columns, sequence_.row_bits(), rig.measure.code_threshold}),
+      positive_(static_cast<std::size_t>(rig.camera.rows) * static_cast<std::size_t>(rig.camera.columns)) {}
+
+void GrayPointScan::add(const ImageView& image) {
+  check(next_ < count(), "gray scan: there are more images than patterns");
+  check(image.rows == lines_.settings().rows && image.columns == lines_.settings().columns,
+        "gray scan: an image has another size");
+  const bool of_columns = next_ < sequence_.first_of_rows();
+  const int pattern = of_columns ? next_ : next_ - sequence_.first_of_rows();
+  if (next_ < sequence_.white()) {
+    FastGrayDecoder& decoder = of_columns ? columns_ : lines_;
+    if (pattern % 2 == 0) {
+      for (int r = 0; r < image.rows; ++r) {
+        std::copy_n(image.pixels + r * image.stride, image.columns,
+                    positive_.data() + static_cast<std::ptrdiff_t>(r) * image.columns);
+      }
+      decoder.take({positive_.data(), image.rows, image.columns, image.columns}, pattern, true);
+    } else {
+      decoder.take(image, pattern, true);
+    }
+  }
+  ++next_;
+}
+
+ProjectorPoints GrayPointScan::points() const {
+  const auto coordinates = [](const CodeImageView& image) {
+    AmbiguousCodes codes{image.rows, image.columns, image.bits, {}, {}};
+    const auto count = static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns);
+    if (image.codes8 != nullptr) {
+      codes.codes.assign(image.codes8, image.codes8 + count);
+      codes.ambiguous.assign(image.ambiguous8, image.ambiguous8 + count);
+    } else {
+      codes.codes.assign(image.codes16, image.codes16 + count);
+      codes.ambiguous.assign(image.ambiguous16, image.ambiguous16 + count);
+    }
+    return coordinates_of_codes(codes);
+  };
+  return both(coordinates(lines_.codes()), coordinates(columns_.codes()));
 }
 
 }  // namespace selfproj

@@ -235,6 +235,21 @@ FloatImage self_projected_pattern(const SelfReference& reference, int index) {
   return pattern;
 }
 
+FloatImage scan_pattern(const Rig& rig, int index) {
+  const int lines = rig.projector.lines;
+  const int columns = rig.projector.columns;
+  check(index >= 0 && index < lines + columns, "scan pattern: index out of range");
+  FloatImage pattern(lines, columns);
+  if (index < lines) {
+    std::fill_n(pattern.row(index), columns, 1.0F);
+  } else {
+    for (int l = 0; l < lines; ++l) {
+      pattern.row(l)[index - lines] = 1;
+    }
+  }
+  return pattern;
+}
+
 FloatImage gray_pattern(const Rig& rig, int bits, int lines, int index) {
   check(bits >= 1 && bits <= 12, "gray pattern: bits out of range");
   check(lines >= 1 && lines <= rig.projector.lines, "gray pattern: lines out of range");

@@ -46,6 +46,9 @@ void check_stripes(const Stripes& stripes);
 // Self-projected pattern i (0..2m - 1; even: positive of plane i / 2, odd: its negative) of (4.13): light 0 or 1.
 FloatImage self_projected_pattern(const SelfReference& reference, int index);
 
+// Pattern i of a line scan: line i of the projector's lines, then, from i = lines on, of its columns.
+FloatImage scan_pattern(const Rig& rig, int index);
+
 // Pattern i of the conventional method (4.1): stripes along the projector's lines, 2^bits codes over the central
 // `lines` lines (as many as the projector has, or fewer); dark, in positives and negatives, beyond them.
 FloatImage gray_pattern(const Rig& rig, int bits, int lines, int index);

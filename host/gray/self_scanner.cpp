@@ -1,5 +1,6 @@
 #include "host/gray/self_scanner.h"
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -15,6 +16,8 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLinesPerUnit = 1.0F / (1U << GrayMatch::kFractionBits);
 
+constexpr std::uint32_t kNanBits = 0x7FC00000;
+
 // More than one ambiguous pair.
 [[gnu::always_inline]] inline bool is_unmeasurable(int ambiguous) { return (ambiguous & (ambiguous - 1)) != 0; }
 
@@ -24,20 +27,26 @@ SELFPROJ_CLONES void look_up(const std::uint8_t* __restrict codes, const std::ui
   for (std::int32_t i = 0; i < count; ++i) {
     const std::uint32_t pair = pairs[static_cast<std::int32_t>(codes[i]) * pitch + (i >> 1)];
     const auto word = static_cast<std::int32_t>((pair >> (static_cast<std::uint32_t>(i & 1) * 16U)) & 0xFFFFU);
-    const bool none = (word == GrayMatch::kNone) | is_unmeasurable(ambiguous[i]);  // NOLINT: no branches
+    // What is none becomes NaN by its bits: a choice between two values is control flow to the compiler here, and the
+    // loop then stays scalar.
+    const std::uint32_t none = (word == GrayMatch::kNone ? 1U : 0U) | (is_unmeasurable(ambiguous[i]) ? 1U : 0U);
     const float line = static_cast<float>(word) * kLinesPerUnit;
-    lines[i] = none ? kNan : line;
+    lines[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(line) | ((0U - none) & kNanBits));
   }
 }
 
-SELFPROJ_CLONES void subtract(const float* __restrict from, const float* __restrict z, std::ptrdiff_t count,
-                              float* __restrict difference) {
+SELFPROJ_CLONES void subtract_all(const float* __restrict from, const float* __restrict z, std::ptrdiff_t count,
+                                  float* __restrict difference) {
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     difference[i] = from[i] - z[i];
   }
 }
 
 }  // namespace
+
+void subtract(const float* from, const float* z, std::ptrdiff_t count, float* difference) {
+  subtract_all(from, z, count, difference);
+}
 
 void look_up_row(const MatchTable& table, int row, const std::uint8_t* codes, const std::uint8_t* ambiguous,
                  float* lines) {

@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_HOST_GRAY_SELF_SCANNER_H
 #define SELFPROJ_HOST_GRAY_SELF_SCANNER_H
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +20,9 @@ namespace selfproj {
 // of CodeImageView, table.columns() of each. Allocates nothing.
 void look_up_row(const MatchTable& table, int row, const std::uint8_t* codes, const std::uint8_t* ambiguous,
                  float* lines);
+
+// from - z of `count` pixels, NaN where one of them is.
+void subtract(const float* from, const float* z, std::ptrdiff_t count, float* difference);
 
 class SelfScanner {
  public:

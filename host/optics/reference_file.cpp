@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "host/io/user_error.h"
+#include "host/optics/geometry_keys.h"
 
 namespace selfproj {
 namespace {
@@ -105,28 +106,6 @@ double number(const Lines& lines, std::string_view field) {
   }
   return value;
 }
-
-// What a reference depends on.
-std::vector<std::pair<std::string, double>> geometry_of(const Rig& rig) {
-  return {{"camera.rows", rig.camera.rows},
-          {"camera.columns", rig.camera.columns},
-          {"camera.pixel_pitch_mm", rig.camera.pixel_pitch_mm},
-          {"camera.focal_length_mm", rig.camera.focal_length_mm},
-          {"projector.x_mm", rig.projector.x_mm},
-          {"projector.z_mm", rig.projector.z_mm},
-          {"projector.tilt_rad", rig.projector.tilt_rad},
-          {"projector.focal_length_mm", rig.projector.focal_length_mm},
-          {"projector.lines", rig.projector.lines},
-          {"projector.columns", rig.projector.columns},
-          {"projector.line_pitch_mm", rig.projector.line_pitch_mm},
-          {"projector.column_pitch_mm", rig.projector.column_pitch_mm},
-          {"projector.center_xp_mm", rig.projector.center_xp_mm},
-          {"projector.center_yp_mm", rig.projector.center_yp_mm}};
-}
-
-// Numbers are written so that they read back to the same value; a rig that went through its YAML may differ in the last
-// digit.
-bool same(double a, double b) { return std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b)); }
 
 // The heights of a TIFF as one row.
 std::vector<double> heights_of(const Rig& rig, const std::string& file, std::optional<int> frame) {
@@ -226,7 +205,7 @@ ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, co
       lines.fail(fmt::format("is damaged: {} is expected", key));
     }
     const double made_for = number(lines, line->substr(start.size()));
-    if (!same(made_for, value)) {
+    if (!same_geometry(made_for, value)) {
       throw UserError(source,
                       fmt::format("was made for another rig: {} is {} there and {} here", key, made_for, value));
     }

@@ -11,11 +11,14 @@
 #include <vector>
 
 #include "host/inspect/report.h"
+#include "host/io/float_image.h"
 #include "host/io/output_folder.h"
 #include "host/io/program_main.h"
 #include "host/io/progress.h"
 #include "host/io/rig.h"
+#include "host/io/user_error.h"
 #include "sim/experiment/experiment.h"
+#include "sim/experiment/structured_light.h"
 #include "sim/scene/renderer.h"
 
 namespace selfproj {
@@ -23,12 +26,13 @@ namespace {
 
 struct Options {
   std::string name;
-  std::string rig = "light-section";
+  std::string rig;  // empty: that of the experiment
   std::string out;
   std::vector<std::string> off;
   bool no_residual = false;
   bool sources = false;
   int every = 1;
+  bool gray_scan = false;
 };
 
 // Characters that a text takes on a terminal: its code points.
@@ -58,13 +62,79 @@ void print(const ReportTable& table) {
   fmt::print("\n");
 }
 
+// Ends as every experiment does: what is not reached is said and makes the exit status 1.
+void conclude(const std::string& name, const std::vector<std::string>& not_reached) {
+  for (const std::string& line : not_reached) {
+    fmt::print("not reached: {}\n", line);
+  }
+  if (!not_reached.empty()) {
+    throw CheckFailed(fmt::format("{}: {} of the figures wanted are not reached", name, not_reached.size()));
+  }
+  fmt::print("{}: all figures reached\n", name);
+}
+
+void run_structured_light(const Options& options) {
+  std::optional<OutputFolder> folder;
+  if (!options.out.empty()) {
+    folder.emplace(options.out);
+  }
+  const Rig rig = load_rig(options.rig.empty() ? "scanner" : options.rig);
+  if (rig.kind != RigKind::scanner) {
+    throw UserError("--rig", fmt::format("{} is no rig of kind scanner", options.rig));
+  }
+  StructuredLightResult result;
+  {
+    std::optional<Progress> progress;
+    const auto show = [&](std::size_t done, std::size_t all) {
+      if (!progress) {
+        progress.emplace("image", all);
+      }
+      progress->update(done);
+    };
+    if (options.name == "B4") {
+      StructuredLightOptions experiment;
+      experiment.rig = rig;
+      experiment.render = options_without(options.off);
+      experiment.gray_scan = options.gray_scan;
+      result = run_cuboids(experiment, show);
+    } else {
+      StreamOptions experiment;
+      experiment.rig = rig;
+      experiment.render = options_without(options.off);
+      experiment.gray_scan = options.gray_scan;
+      // Where the mouse is in the middle of the image; the hands go through half a period.
+      experiment.first = options.name == "B7" ? 230 : 0;
+      experiment.pairs = options.name == "B7" ? 60 : 80;
+      result = run_stream(options.name, experiment, show);
+    }
+  }
+  for (const ReportTable& table : result.tables) {
+    print(table);
+  }
+  if (folder) {
+    folder->append("depth.tiff", encode_float_tiff("depth.tiff", result.depth));
+    folder->append("difference.tiff", encode_float_tiff("difference.tiff", result.difference));
+    folder->append("truth.tiff", encode_float_tiff("truth.tiff", result.truth));
+    folder->append("report.html", page_html(result.page));
+    folder->commit();
+  }
+  conclude(options.name, result.not_reached);
+}
+
 void run(const Options& options) {
+  if (options.name.starts_with('B')) {
+    run_structured_light(options);
+    return;
+  }
+  if (options.gray_scan) {
+    throw UserError("--gray-scan", "goes with B4, B7, B8");
+  }
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(options.out);
   }
   ExperimentOptions experiment;
-  experiment.rig = load_rig(options.rig);
+  experiment.rig = load_rig(options.rig.empty() ? "light-section" : options.rig);
   experiment.residual = !options.no_residual;
   experiment.every = options.every;
   experiment.sources = options.sources;
@@ -89,14 +159,7 @@ void run(const Options& options) {
     result.measurement.by_mode[0].write(*folder, parts);
     folder->commit();
   }
-  for (const std::string& line : result.not_reached) {
-    fmt::print("not reached: {}\n", line);
-  }
-  if (!result.not_reached.empty()) {
-    throw CheckFailed(
-        fmt::format("{}: {} of the figures wanted are not reached", result.name, result.not_reached.size()));
-  }
-  fmt::print("{}: all figures reached\n", result.name);
+  conclude(result.name, result.not_reached);
 }
 
 }  // namespace
@@ -105,15 +168,20 @@ void add_experiment_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "experiment", "Run an experiment of the thesis in simulation: published figures beside measured ones");
-  command->add_option("NAME", options->name, "A1 (mountain) or A2 (stairs with carved marks)")
+  command
+      ->add_option(
+          "NAME", options->name,
+          "A1 (mountain), A2 (stairs with carved marks); structured light: B4 (cuboids), B7 (mouse), B8 (hands)")
       ->required()
-      ->check(CLI::IsMember({"A1", "A2"}));
-  command->add_option("--rig", options->rig, "Built-in rig or YAML file")->capture_default_str();
+      ->check(CLI::IsMember({"A1", "A2", "B4", "B7", "B8"}));
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file (default: that of the experiment)");
   command->add_option("--out", options->out, "Folder for the files of the inspection and the report");
   command->add_option("--every", options->every, "Take every so many frames only")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_flag("--no-residual", options->no_residual, "Do not measure and remove the reference's residual");
+  command->add_flag("--gray-scan", options->gray_scan,
+                    "B4, B7, B8: scan the reference by Gray codes, not line by line");
   std::vector<std::string> sources;
   for (const Disturbance& source : kDisturbances) {
     sources.emplace_back(source.name);

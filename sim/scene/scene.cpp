@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/io/float_image.h"
@@ -17,6 +18,7 @@
 #include "sim/scene/height_map.h"
 #include "sim/scene/marks.h"
 #include "sim/scene/scanner_scenes.h"
+#include "sim/scene/self_scenes.h"
 
 namespace selfproj {
 namespace {
@@ -174,6 +176,7 @@ const std::vector<SceneInfo>& scenes() {
          "stairs", 0},
     };
     list.insert(list.end(), scanner_scenes().begin(), scanner_scenes().end());
+    list.insert(list.end(), self_scenes().begin(), self_scenes().end());
     for (SceneInfo& info : list) {
       info.frames = make_scene(info.name, load_rig(info.rig))->frames();
     }
@@ -192,12 +195,14 @@ std::unique_ptr<Scene> make_scene(const std::string& name, const Rig& rig) {
   if (name == "stairs" || name == "stairs-marked") {
     return std::make_unique<Stairs>(rig, name == "stairs-marked");
   }
-  const std::vector<SceneInfo>& of_scanner = scanner_scenes();
-  if (std::any_of(of_scanner.begin(), of_scanner.end(), [&](const SceneInfo& info) { return info.name == name; })) {
-    if (rig.kind != RigKind::scanner) {
-      throw UserError(name, fmt::format("is a scene for a rig of kind scanner; {} is none", rig.name));
+  for (const auto& [of_scanner, make] :
+       {std::pair{&scanner_scenes(), &make_scanner_scene}, {&self_scenes(), &make_self_scene}}) {
+    if (std::any_of(of_scanner->begin(), of_scanner->end(), [&](const SceneInfo& info) { return info.name == name; })) {
+      if (rig.kind != RigKind::scanner) {
+        throw UserError(name, fmt::format("is a scene for a rig of kind scanner; {} is none", rig.name));
+      }
+      return make(name, rig);
     }
-    return make_scanner_scene(name, rig);
   }
   std::string names;
   for (const SceneInfo& info : scenes()) {

@@ -62,7 +62,7 @@ std::vector<std::unique_ptr<Scene>> all_scenes(const Rig& rig, Random& random) {
 // ------------------------------------------------------------------ scenes
 
 TEST(Scene, ListedOnesExistAndNameTheirReference) {
-  ASSERT_EQ(scenes().size(), 10U);
+  ASSERT_EQ(scenes().size(), 16U);
   for (const SceneInfo& info : scenes()) {
     const Rig rig = load_rig(info.rig);
     EXPECT_EQ(make_scene(info.name, rig)->frames(), info.frames);
@@ -200,9 +200,10 @@ TEST(Scene, HeightMapLiesAsHeightsAreMeasured) {
 
 TEST(Scene, ErrorsNameWhatIsWrong) {
   const Rig rig = load_rig("light-section");
-  EXPECT_EQ(
-      error_of([&] { make_scene("hill", rig); }),
-      "hill: is no scene (there are plane, mountain, stairs, stairs-marked, desk, fist, pool, waves, keyboard, keys)");
+  EXPECT_EQ(error_of([&] { make_scene("hill", rig); }),
+            "hill: is no scene (there are plane, mountain, stairs, stairs-marked, desk, fist, pool, waves, keyboard, "
+            "keys, cuboids, cuboids-marked, slider, mouse, "
+            "block, hands)");
   EXPECT_EQ(error_of([&] { height_map_scene({}, 1, rig, "a.tiff"); }), "a.tiff: has no pixels");
   const FloatImage map(2, 2, 1);
   for (const double scale : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {

@@ -1,0 +1,300 @@
+#include "host/app/stripes_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/gray/depth_output.h"
+#include "host/gray/match_table.h"
+#include "host/gray/point_scan.h"
+#include "host/gray/self_reference.h"
+#include "host/gray/self_reference_file.h"
+#include "host/gray/self_scanner.h"
+#include "host/inspect/map_picture.h"
+#include "host/io/float_image.h"
+#include "host/io/frame_options.h"
+#include "host/io/image_files.h"
+#include "host/io/output_folder.h"
+#include "host/io/progress.h"
+#include "host/io/rig.h"
+#include "host/io/user_error.h"
+#include "host/optics/pattern.h"
+
+namespace selfproj {
+namespace {
+
+Rig scanner_rig(const std::string& name) {
+  const Rig rig = load_rig(name);
+  if (rig.kind != RigKind::scanner) {
+    throw UserError("--rig", fmt::format("{} is no rig of kind scanner", name));
+  }
+  return rig;
+}
+
+Image camera_image(const Rig& rig, const std::string& file, const std::string& channel) {
+  Image image = read_image(file, channel_of(channel));
+  if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
+    throw UserError(file, fmt::format("is {}; the rig's camera has {}", size_text(image.rows, image.columns),
+                                      size_text(rig.camera.rows, rig.camera.columns)));
+  }
+  return image;
+}
+
+// --- selfproj pattern stripes ---
+
+struct StripesOptions {
+  std::string rig = "scanner";
+  std::string scan;
+  bool sweep = false;
+  bool gray_code = false;
+  Stripes stripes;
+  bool reflected = false;
+  std::string channel;
+  std::string out;
+};
+
+void make_sweep(const Rig& rig, OutputFolder& folder) {
+  const int count = LinePointScan(rig).count();
+  Progress progress("pattern", static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    folder.append(fmt::format("pattern_{:05}.png", i), encode_pattern_png(scan_pattern(rig, i)));
+    progress.update(static_cast<std::size_t>(i) + 1);
+  }
+}
+
+template <class Scan>
+void take_folder(const Rig& rig, const StripesOptions& options, const std::vector<std::string>& files, Scan& scan) {
+  Progress progress("image", files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    scan.add(camera_image(rig, files[i], options.channel).view());
+    progress.update(i + 1);
+  }
+}
+
+ProjectorPoints scanned(const Rig& rig, const StripesOptions& options) {
+  const std::vector<std::string> files = files_of_folder(options.scan);
+  if (options.gray_code) {
+    GrayPointScan scan(rig);
+    const auto all = static_cast<std::size_t>(scan.count());
+    if (files.size() != all && files.size() + 2 != all) {
+      throw UserError(options.scan, fmt::format("has {} images; the Gray codes of this rig's projector have {}, or {} "
+                                                "without white and black",
+                                                files.size(), all, all - 2));
+    }
+    take_folder(rig, options, files, scan);
+    return scan.points();
+  }
+  LinePointScan scan(rig);
+  if (files.size() != static_cast<std::size_t>(scan.count())) {
+    throw UserError(options.scan,
+                    fmt::format("has {} images; a scan of this rig's projector has {}, one a line and one "
+                                "a column",
+                                files.size(), scan.count()));
+  }
+  take_folder(rig, options, files, scan);
+  return scan.points();
+}
+
+void run_stripes(const StripesOptions& options) {
+  if (options.sweep == !options.scan.empty()) {
+    throw UserError("--scan, --sweep", "one of them is needed, and not both");
+  }
+  if (options.gray_code && options.sweep) {
+    throw UserError("--gray-code", "goes with --scan; selfproj pattern gray makes its patterns");
+  }
+  const Rig rig = scanner_rig(options.rig);
+  OutputFolder folder(options.out);
+  if (options.sweep) {
+    make_sweep(rig, folder);
+    folder.commit();
+    return;
+  }
+  const ProjectorPoints points = scanned(rig, options);
+  Stripes stripes = options.stripes;
+  stripes.code = options.reflected ? StripeCode::reflected : StripeCode::cyclic;
+  SelfReference reference;
+  try {
+    reference = make_self_reference(rig, points, stripes);
+  } catch (const std::invalid_argument&) {
+    throw UserError(options.scan, "no camera pixel sees the light of a line and of a column");
+  }
+  write_self_reference(rig, reference, folder);
+  folder.commit();
+  std::size_t measurable = 0;
+  for (std::size_t i = 0; i < points.line.values.size(); ++i) {
+    measurable += reference.measurable(i) ? 1 : 0;
+  }
+  const auto seen = static_cast<double>(std::count(reference.seen.begin(), reference.seen.end(), 1));
+  fmt::print(
+      "{}: {} bits, {} code; reference in {} of {} camera pixels; {:.1f} % of the projector's seen, the rest "
+      "filled in\n",
+      options.out, stripes.bits, options.reflected ? "reflected" : "cyclic", measurable, points.line.values.size(),
+      100 * seen / static_cast<double>(reference.seen.size()));
+}
+
+// --- selfproj match ---
+
+struct MatchOptions {
+  std::string rig = "scanner";
+  std::string reference;
+  MatchSettings settings;
+  int threshold = -1;
+  std::string channel;
+  std::string out;
+  std::vector<std::string> images;
+};
+
+void run_match(const MatchOptions& options) {
+  const Rig rig = scanner_rig(options.rig);
+  const SelfReference reference = read_self_reference(rig, options.reference);
+  const int codes = 1 << reference.stripes.bits;
+  const auto patterns = static_cast<std::size_t>(2 * reference.stripes.bits);
+  if (options.settings.e < 0 || options.settings.e >= codes) {
+    throw UserError("--e", fmt::format("is {}; the reference has {} bits, so that e is 0 to {}", options.settings.e,
+                                       reference.stripes.bits, codes - 1));
+  }
+  if (!(options.settings.line_width > 0) || options.settings.line_width > rig.projector.lines) {
+    throw UserError("--line-width", fmt::format("is {}; a' is greater than 0 and at most the projector's {} lines",
+                                                options.settings.line_width, rig.projector.lines));
+  }
+  if (options.images.size() < patterns || options.images.size() % 2 != 0) {
+    throw UserError("IMAGE", fmt::format("{} images are {}; {} or more are needed, each positive before its negative",
+                                         options.images.size(),
+                                         options.images.size() < patterns ? "too few" : "an odd number", patterns));
+  }
+  for (const std::string& file : options.images) {
+    check_image_file(file);
+  }
+  OutputFolder folder(options.out);
+  const MatchTable table(rig, reference, options.settings);
+  const int threshold = options.threshold >= 0 ? options.threshold : rig.measure.code_threshold;
+  SelfScanner scanner(rig, reference, table, threshold);
+  std::array<Image, 2> pair;  // the scanner looks at the positive when its negative comes
+  std::vector<PointState> states;
+  std::string shares = "pair";
+  for (int state = 0; state < kPointStates; ++state) {
+    shares += fmt::format(",{}", name_of(static_cast<PointState>(state)));
+  }
+  shares += '\n';
+  DepthShares newest;
+  std::size_t depth_images = 0;
+  {
+    Progress progress("image", options.images.size());
+    for (std::size_t i = 0; i < options.images.size(); ++i) {
+      Image& image = pair.at(i % 2);
+      image = camera_image(rig, options.images[i], options.channel);
+      if (scanner.take(image.view(), static_cast<int>(i % patterns))) {
+        scanner.explain(states);
+        newest = count_states(states);
+        shares += fmt::format("{},{}\n", i / 2, fmt::join(newest.count, ","));
+        ++depth_images;
+        if (options.images.size() > patterns) {
+          for (const auto& [name, map] :
+               {std::pair{"depth", &scanner.depth()}, {"difference", &scanner.difference()}}) {
+            const std::string file = fmt::format("{}_{:04}.tiff", name, i / 2);
+            folder.append(file, encode_float_tiff(file, *map));
+          }
+        }
+      }
+      progress.update(i + 1);
+    }
+  }
+  const double pitch = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  folder.append("depth.tiff", encode_float_tiff("depth.tiff", scanner.depth()));
+  folder.append("depth.png", depth_png(scanner.depth()));
+  folder.append("depth_colour.png", depth_picture(scanner.triangulation(), scanner.depth(), true, "depth z"));
+  folder.append("difference.tiff", encode_float_tiff("difference.tiff", scanner.difference()));
+  folder.append("difference.png", labelled_map_png(scanner.difference(), difference_scale(scanner.difference()),
+                                                   {pitch, pitch}, "difference from the reference, mm"));
+  folder.append("cloud.ply", cloud_ply(scanner.triangulation(), scanner.depth()));
+  folder.append("shares.csv", shares);
+  nlohmann::ordered_json json{{"rig", options.rig},
+                              {"reference", options.reference},
+                              {"bits", reference.stripes.bits},
+                              {"e", options.settings.e},
+                              {"printed_direction", options.settings.printed_direction},
+                              {"printed_window", options.settings.printed_window},
+                              {"threshold", threshold},
+                              {"images", options.images.size()},
+                              {"depth_images", depth_images},
+                              {"codes_without_match", table.missing()},
+                              {"codes_with_several_candidates", table.doubled()}};
+  for (int i = 0; i < kPointStates; ++i) {
+    const auto state = static_cast<PointState>(i);
+    json["newest"][name_of(state)] = newest.of(state);
+  }
+  folder.append("summary.json", json.dump(2) + "\n");
+  folder.commit();
+  fmt::print(
+      "{} depth images: {} of {} pixels valid; codes without a match {:.2f} %, with several candidates {:.2f} % "
+      "→ {}\n",
+      depth_images, newest.of(PointState::valid), newest.total(), 100 * table.missing(), 100 * table.doubled(),
+      options.out);
+}
+
+}  // namespace
+
+CLI::App* add_stripes_command(CLI::App& pattern) {
+  CLI::App* command = pattern.add_subcommand(
+      "stripes",
+      "Self-projected structured light: patterns to scan a reference with, and the reference folder of them");
+  const auto options = std::make_shared<StripesOptions>();
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file, of kind scanner")->capture_default_str();
+  command->add_flag("--sweep", options->sweep, "Only the patterns of a scan: each line, then each column");
+  command->add_option("--scan", options->scan, "Folder of the images seen under them, in the order of names")
+      ->type_name("DIR");
+  command->add_flag("--gray-code", options->gray_code, "The scan's images are those under `selfproj pattern gray`");
+  command->add_option("--bits", options->stripes.bits, "m, pairs of patterns")
+      ->check(CLI::Range(1, Stripes::kMaxBits))
+      ->capture_default_str();
+  command->add_option("--rows-per-code", options->stripes.width, "a, width of a code in camera rows")
+      ->check(CLI::Range(1, Stripes::kMaxWidth))
+      ->capture_default_str();
+  command->add_flag("--reflected", options->reflected, "The code as printed in the thesis (default: cyclic)");
+  command->add_option("--channel", options->channel, "What to take of colour images")
+      ->check(CLI::IsMember(channel_names()));
+  command->add_option("--out", options->out, "Folder for the results, written whole or not at all")
+      ->type_name("DIR")
+      ->required();
+  command->callback([options] { run_stripes(*options); });
+  return command;
+}
+
+void add_match_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "match",
+      "Depth and difference from a reference, of images under its self-projected patterns, pos0 neg0 pos1 ...");
+  const auto options = std::make_shared<MatchOptions>();
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file, of kind scanner")->capture_default_str();
+  command->add_option("--reference", options->reference, "Folder of `selfproj pattern stripes`")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("--e", options->settings.e, "Codes below the reference that are searched, 0..2^m - 1")
+      ->capture_default_str();
+  command->add_flag("--printed-direction", options->settings.printed_direction,
+                    "Search along Xp at constant Yp, as printed in (4.19)");
+  command->add_flag("--printed-window", options->settings.printed_window,
+                    "Window of projector lines, as printed in (4.20)");
+  command->add_option("--line-width", options->settings.line_width, "a' of the printed window, projector lines a code")
+      ->capture_default_str();
+  command->add_option("--threshold", options->threshold, "Differences of a pair up to this are ambiguous (the rig's)")
+      ->check(CLI::Range(0, 255));
+  command->add_option("--channel", options->channel, "What to take of colour images")
+      ->check(CLI::IsMember(channel_names()));
+  command->add_option("--out", options->out, "Folder for the results")->type_name("DIR")->required();
+  command->add_option("IMAGE", options->images, "8-bit images of the camera's size")->type_name("FILE")->required();
+  command->callback([options] { run_match(*options); });
+}
+
+}  // namespace selfproj

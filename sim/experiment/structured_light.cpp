@@ -1,0 +1,985 @@
+#include "sim/experiment/structured_light.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "host/gray/depth_output.h"
+#include "host/gray/gray_sequence.h"
+#include "host/gray/scanner.h"
+#include "host/gray/self_scanner.h"
+#include "host/gray/triangulation.h"
+#include "host/inspect/map_picture.h"
+#include "sim/scene/parallel.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/pinhole.h"
+#include "sim/scene/self_scenes.h"
+
+namespace selfproj {
+namespace {
+
+constexpr int kCodedLines = 512;  // of the conventional method: the central ones
+
+Image to_image(const FloatImage& pattern) {
+  constexpr float kFull = 255;
+  Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
+  std::transform(pattern.values.begin(), pattern.values.end(), image.pixels.begin(),
+                 [](float value) { return static_cast<std::uint8_t>(std::lround(kFull * value)); });
+  return image;
+}
+
+std::size_t pixels_of(const Rig& rig) {
+  return static_cast<std::size_t>(rig.camera.rows) * static_cast<std::size_t>(rig.camera.columns);
+}
+
+// Renders the images under pattern(0), pattern(1), ... and hands them over in their order.
+void take_images(const PatternRenderer& renderer, const RenderOptions& options, int first, int count,
+                 const std::function<Image(int)>& pattern, const std::function<void(int, const ImageView&)>& take,
+                 const std::function<void()>& done) {
+  constexpr int kBatch = 8;
+  const Rig& rig = renderer.rig();
+  std::array<std::vector<std::uint8_t>, kBatch> images;
+  for (int begin = 0; begin < count; begin += kBatch) {
+    const int size = std::min(kBatch, count - begin);
+    parallel_for(size, 0, [&](int i) {
+      auto& image = images.at(static_cast<std::size_t>(i));
+      image.resize(pixels_of(rig));
+      const ProjectedLight light = project_image(rig, pattern(begin + i), options.projector_blur);
+      renderer.render(first + begin + i, light, std::span(image));
+    });
+    for (int i = 0; i < size; ++i) {
+      take(begin + i,
+           {images.at(static_cast<std::size_t>(i)).data(), rig.camera.rows, rig.camera.columns, rig.camera.columns});
+      done();
+    }
+  }
+}
+
+// --- B4 ---
+
+enum Face : std::uint8_t { plane, low, letter, high, block_3, block_6, block_9, faces, none = 255 };
+constexpr std::array<const char*, faces> kFaceNames{"plane",   "low cuboid", "letter", "high cuboid",
+                                                    "block 3", "block 6",    "block 9"};
+
+struct Place {
+  double x, y, z;
+};
+
+Place place_of(const Rig& rig, std::size_t pixel, double z) {
+  const auto columns = static_cast<std::size_t>(rig.camera.columns);
+  const double scale = z * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  return {(static_cast<double>(pixel / columns) - 0.5 * (rig.camera.rows - 1)) * scale,
+          (static_cast<double>(pixel % columns) - 0.5 * (rig.camera.columns - 1)) * scale, z};
+}
+
+Face face_of(const Rig& rig, const Place& p) {
+  const double height = rig.plane_z_mm - p.z;
+  const auto is = [&](double wanted) { return std::abs(height - wanted) < 0.05; };
+  const auto in = [&](const Box& box) { return p.x > box.x0 && p.x < box.x1 && p.y > box.y0 && p.y < box.y1; };
+  if (is(0)) {
+    return plane;
+  }
+  if (in(Cuboids::kLowPart.box)) {
+    return is(Cuboids::kLow) ? low : is(Cuboids::kLow - Cuboids::kLetterDepth) ? letter : none;
+  }
+  if (in(Cuboids::kHighPart.box)) {
+    for (std::size_t i = 0; i < Cuboids::kBlocks.size(); ++i) {
+      if (is(Cuboids::kHigh + Cuboids::kBlockHeights.at(i))) {
+        return static_cast<Face>(block_3 + i);
+      }
+    }
+    return is(Cuboids::kHigh) ? high : none;
+  }
+  return none;
+}
+
+// The face of each pixel, 3 pixels and more inside of its edges; none elsewhere.
+std::vector<Face> interiors(const Rig& rig, const FloatImage& truth) {
+  constexpr int kMargin = 3;
+  std::vector<Face> all(truth.values.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] = std::isnan(truth.values[i]) ? none : face_of(rig, place_of(rig, i, static_cast<double>(truth.values[i])));
+  }
+  std::vector<Face> inner(all.size(), none);
+  for (int r = kMargin; r + kMargin < truth.rows; ++r) {
+    for (int c = kMargin; c + kMargin < truth.columns; ++c) {
+      const auto at = [&](int row, int column) {
+        return all[static_cast<std::size_t>(row) * static_cast<std::size_t>(truth.columns) +
+                   static_cast<std::size_t>(column)];
+      };
+      bool even = true;
+      for (int dr = -kMargin; dr <= kMargin && even; ++dr) {
+        for (int dc = -kMargin; dc <= kMargin && even; ++dc) {
+          even = at(r + dr, c + dc) == at(r, c);
+        }
+      }
+      if (even) {
+        inner[static_cast<std::size_t>(r) * static_cast<std::size_t>(truth.columns) + static_cast<std::size_t>(c)] =
+            at(r, c);
+      }
+    }
+  }
+  return inner;
+}
+
+// What a method finds of one face.
+struct FaceFigures {
+  std::size_t pixels = 0;
+  std::size_t valid = 0;
+  double height = 0;      // mean over the plane
+  double difference = 0;  // mean, from the reference
+  double rms = 0;         // of z against the truth
+  double most = 0;        // likewise
+  double width = 0;       // mean of a code's width in z
+};
+using Figures = std::array<FaceFigures, faces>;
+
+struct Method {
+  std::string name;
+  FloatImage depth, difference;
+  Figures figures;
+};
+
+void evaluate(const Rig& rig, const FloatImage& truth, const std::vector<Face>& inner,
+              const std::function<double(std::size_t pixel)>& width, Method& method) {
+  for (std::size_t i = 0; i < inner.size(); ++i) {
+    if (inner[i] == none) {
+      continue;
+    }
+    FaceFigures& face = method.figures.at(inner[i]);
+    ++face.pixels;
+    const auto z = static_cast<double>(method.depth.values[i]);
+    const auto difference = static_cast<double>(method.difference.values[i]);
+    if (std::isnan(z) || std::isnan(difference)) {
+      continue;
+    }
+    ++face.valid;
+    const double error = z - static_cast<double>(truth.values[i]);
+    face.height += rig.plane_z_mm - z;
+    face.difference += difference;
+    face.rms += error * error;
+    face.most = std::max(face.most, std::abs(error));
+    face.width += width(i);
+  }
+  for (FaceFigures& face : method.figures) {
+    const auto count = static_cast<double>(face.valid);  // NaN where there is none
+    face.height /= count;
+    face.difference /= count;
+    face.rms = std::sqrt(face.rms / count);
+    face.width /= count;
+  }
+}
+
+// z of a projector line seen by a pixel of this row (4.8), by matrices of the simulation's own: the pixel's ray meets
+// the plane of the line.
+class LinePlanes {
+ public:
+  explicit LinePlanes(const Rig& rig) : rig_(&rig), projector_(Pinhole::of_projector(rig.projector)) {}
+  [[nodiscard]] double z(std::size_t pixel, double line) const {
+    const double middle = 0.5 * (rig_->projector.columns - 1);
+    const Point3 up = projector_.ray({line, middle});
+    const Point3 c = projector_.centre();
+    const Place ray = place_of(*rig_, pixel, 1);
+    // The line's plane holds the projector's centre, the direction `up` and y: normal (up.z, 0, -up.x).
+    return (up.z * c.x - up.x * c.z) / (up.z * ray.x - up.x);
+  }
+  [[nodiscard]] PixelPoint light(std::size_t pixel, double z) const {
+    const Place p = place_of(*rig_, pixel, z);
+    return projector_.project({p.x, p.y, p.z});
+  }
+
+ private:
+  const Rig* rig_;
+  Pinhole projector_;
+};
+
+std::string text(double value, int digits = 2) {
+  return std::isnan(value) ? "–" : fmt::format("{:.{}f}", value, digits);
+}
+
+// A depth image of the conventional method: m bits over the central lines, median.
+Method conventional(const StructuredLightOptions& options, const PatternRenderer& reference,
+                    const PatternRenderer& part, int bits, const std::function<void()>& done) {
+  const Rig& rig = options.rig;
+  const PlaneTriangulation triangulation(rig, bits, {}, kCodedLines);
+  const auto depth_of = [&](const PatternRenderer& renderer, int first) {
+    Scanner scanner(triangulation, {rig.measure.code_threshold, true, false, 5});
+    std::vector<std::uint8_t> positive;
+    take_images(
+        renderer, options.render, first, 2 * bits,
+        [&](int i) { return to_image(gray_pattern(rig, bits, kCodedLines, i)); },
+        [&](int i, const ImageView& image) {
+          if (i % 2 == 0) {
+            positive.assign(image.pixels, image.pixels + pixels_of(rig));
+            scanner.take({positive.data(), image.rows, image.columns, image.columns}, i);
+          } else {
+            scanner.take(image, i);
+          }
+        },
+        done);
+    return scanner.depth();
+  };
+  Method method;
+  method.name = fmt::format("conventional, {} bits", bits);
+  method.depth = depth_of(part, 0);
+  method.difference = depth_of(reference, 1000);
+  for (std::size_t i = 0; i < method.depth.values.size(); ++i) {
+    method.difference.values[i] -= method.depth.values[i];
+  }
+  return method;
+}
+
+// Where there is a step (neighbours more than 1 mm apart in z, or a shadow's edge) within so many pixels along rows and
+// columns.
+std::vector<std::uint8_t> near_steps(const FloatImage& z, int reach) {
+  const auto at = [&](int r, int c) {
+    return static_cast<std::size_t>(r) * static_cast<std::size_t>(z.columns) + static_cast<std::size_t>(c);
+  };
+  const auto differ = [&](std::size_t a, std::size_t b) {
+    return std::isnan(z.values[a]) != std::isnan(z.values[b]) || std::abs(z.values[a] - z.values[b]) > 1;
+  };
+  std::vector<std::uint8_t> steps(z.values.size(), 0);
+  for (int r = 0; r < z.rows; ++r) {
+    for (int c = 0; c < z.columns; ++c) {
+      const bool down = r + 1 < z.rows && differ(at(r, c), at(r + 1, c));
+      const bool right = c + 1 < z.columns && differ(at(r, c), at(r, c + 1));
+      steps[at(r, c)] = down || right ? 1 : 0;
+    }
+  }
+  std::vector<std::uint8_t> along = steps;
+  for (int r = 0; r < z.rows; ++r) {
+    for (int c = 0; c < z.columns; ++c) {
+      for (int k = std::max(0, c - reach); k <= std::min(z.columns - 1, c + reach) && along[at(r, c)] == 0; ++k) {
+        along[at(r, c)] = steps[at(r, k)];
+      }
+    }
+  }
+  std::vector<std::uint8_t> result = along;
+  for (int r = 0; r < z.rows; ++r) {
+    for (int c = 0; c < z.columns; ++c) {
+      for (int k = std::max(0, r - reach); k <= std::min(z.rows - 1, r + reach) && result[at(r, c)] == 0; ++k) {
+        result[at(r, c)] = along[at(k, c)];
+      }
+    }
+  }
+  return result;
+}
+
+// Height over the plane along the middle row or column.
+ReportPlot profile(const Rig& rig, const std::string& name, const FloatImage& depth, const FloatImage& truth,
+                   bool along_row) {
+  ReportPlot plot{fmt::format("{}: profile through the centre, {}", name, along_row ? "along y" : "along x"),
+                  along_row ? "column" : "row",
+                  "height, mm",
+                  {{{}, {}, "a", "measured"}, {{}, {}, "b", "truth"}},
+                  1};
+  const int count = along_row ? depth.columns : depth.rows;
+  for (int i = 0; i < count; ++i) {
+    const int r = along_row ? depth.rows / 2 : i;
+    const int c = along_row ? i : depth.columns / 2;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const float z = k == 0 ? depth.row(r)[c] : truth.row(r)[c];
+      plot.traces[k].x.push_back(i);
+      plot.traces[k].y.push_back(rig.plane_z_mm - static_cast<double>(z));
+    }
+  }
+  return plot;
+}
+
+FloatImage height_of(const Rig& rig, const FloatImage& depth) {
+  FloatImage height = depth;
+  for (float& value : height.values) {
+    value = static_cast<float>(rig.plane_z_mm) - value;
+  }
+  return height;
+}
+
+ReportTable scan_table(const SelfReference& reference, const LinePlanes& planes, const FloatImage& reference_z,
+                       bool gray_scan) {
+  double square = 0;
+  double most = 0;
+  std::size_t count = 0;
+  std::size_t lit = 0;
+  for (std::size_t i = 0; i < reference_z.values.size(); ++i) {
+    lit += std::isnan(reference_z.values[i]) ? 0U : 1U;
+    if (reference.measurable(i) && !std::isnan(reference_z.values[i])) {
+      const PixelPoint truth = planes.light(i, static_cast<double>(reference_z.values[i]));
+      const double error = static_cast<double>(reference.points.line.values[i]) - truth.row;
+      if (std::abs(error) < 8) {  // beyond, it is another surface: at edges the truth is that of the pixel's centre
+        square += error * error;
+        most = std::max(most, std::abs(error));
+        ++count;
+      }
+    }
+  }
+  return {
+      fmt::format("Scan of the reference: {}", gray_scan ? "Gray codes, 42 images" : "lines, 1792 images"),
+      {"", "lit pixels measured", "line, RMS", "line, largest"},
+      {{"X_R against the truth", fmt::format("{:.1f} %", 100 * static_cast<double>(count) / static_cast<double>(lit)),
+        text(std::sqrt(square / static_cast<double>(count)), 3), text(most)}}};
+}
+
+void add_method_rows(const Method& method, ReportTable& heights, ReportTable& errors) {
+  const Figures& f = method.figures;
+  heights.rows.push_back({method.name, text(f[low].height), text(f[high].height), text(-f[letter].difference),
+                          text(f[block_3].difference), text(f[block_6].difference), text(f[block_9].difference)});
+  std::vector<std::string> row{method.name};
+  for (const Face face : {plane, low, high, letter, block_3, block_6, block_9}) {
+    row.push_back(fmt::format("{} / {} / {}", text(f.at(face).rms), text(f.at(face).most), text(f.at(face).width)));
+  }
+  errors.rows.push_back(row);
+}
+
+void check_figures(const Figures& f, std::vector<std::string>& not_reached) {
+  const auto wanted = [&](const char* what, double value, double truth, double bound) {
+    if (!(std::abs(value - truth) <= bound)) {
+      not_reached.push_back(fmt::format("{} is {:.2f} mm; {} ± {} mm is wanted", what, value, truth, bound));
+    }
+  };
+  wanted("the low cuboid's height", f[low].height, Cuboids::kLow, 0.83);
+  wanted("the high cuboid's height", f[high].height, Cuboids::kHigh, 0.45);
+  wanted("the letter's depth", -f[letter].difference, Cuboids::kLetterDepth, 0.70);
+  constexpr std::array<double, 3> kBounds{0.22, 0.62, 0.28};  // of the published 2.78, 5.38, 9.28
+  for (std::size_t i = 0; i < kBounds.size(); ++i) {
+    wanted(kFaceNames.at(block_3 + i), f.at(block_3 + i).difference, Cuboids::kBlockHeights.at(i), kBounds.at(i));
+  }
+}
+
+}  // namespace
+
+ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOptions& options, bool gray_codes,
+                            const ProgressOfImages& progress) {
+  Rig scanned = rig;
+  scanned.imaging.seed += 1;  // noise of its own
+  const PatternRenderer renderer(scanned, scene, options);
+  std::size_t done = 0;
+  if (gray_codes) {
+    GrayPointScan scan(rig);
+    const GraySequence sequence(rig.projector.columns, rig.projector.lines);
+    take_images(
+        renderer, options, 0, scan.count(),
+        [&](int i) {
+          return Image{sequence.rows(), sequence.columns(), sequence.image(i)};
+        },
+        [&](int, const ImageView& image) { scan.add(image); },
+        [&] { progress(++done, static_cast<std::size_t>(scan.count())); });
+    return scan.points();
+  }
+  LinePointScan scan(rig);
+  take_images(
+      renderer, options, 0, scan.count(), [&](int i) { return to_image(scan_pattern(rig, i)); },
+      [&](int, const ImageView& image) { scan.add(image); },
+      [&] { progress(++done, static_cast<std::size_t>(scan.count())); });
+  return scan.points();
+}
+
+std::vector<Image> images_of(const Rig& rig, const Scene& scene, const RenderOptions& options,
+                             const std::vector<FloatImage>& patterns, int first) {
+  const PatternRenderer renderer(rig, scene, options);
+  std::vector<Image> images;
+  take_images(
+      renderer, options, first, static_cast<int>(patterns.size()),
+      [&](int i) { return to_image(patterns[static_cast<std::size_t>(i)]); },
+      [&](int, const ImageView& image) {
+        images.push_back({image.rows, image.columns, {image.pixels, image.pixels + pixels_of(rig)}});
+      },
+      [] {});
+  return images;
+}
+
+MatchShares match_shares(const Rig& rig, const SelfReference& reference, const MatchSettings& settings,
+                         const FloatImage& true_z, const FloatImage& reference_z) {
+  const MatchSearch search(rig, reference, settings);
+  const LinePlanes planes(rig);
+  const int codes = 1 << reference.stripes.bits;
+  const std::vector<std::uint8_t> near = near_steps(reference_z, codes * reference.stripes.width);
+  std::vector<Match> matches;
+  MatchShares shares;
+  std::size_t wrong = 0;
+  std::size_t missing = 0;
+  std::size_t far_wrong = 0;
+  for (std::size_t i = 0; i < true_z.values.size(); ++i) {
+    const auto columns = static_cast<std::size_t>(rig.camera.columns);
+    const int row = static_cast<int>(i / columns);
+    const int column = static_cast<int>(i % columns);
+    if (std::isnan(true_z.values[i]) || !search.can_find(row, column)) {
+      continue;
+    }
+    const PixelPoint light = planes.light(i, static_cast<double>(true_z.values[i]));
+    const auto line = static_cast<int>(std::lround(light.row));
+    const auto across = static_cast<int>(std::lround(light.column));
+    if (line < 0 || line >= rig.projector.lines || across < 0 || across >= rig.projector.columns) {
+      continue;
+    }
+    const int cell = reference.cell(line, across);
+    const int n = cell_of_row(row, rig.camera.rows, reference.stripes.width) - cell;
+    if (n < -settings.e || n >= codes - settings.e) {
+      continue;
+    }
+    search.find(row, column, matches);
+    const Match& match = matches[static_cast<std::size_t>(code_of_cell(reference.stripes, cell))];
+    const bool is_wrong = match.candidates > 0 && std::abs(match.line - light.row) > match.half_width + 1;
+    ++shares.pixels;
+    missing += match.candidates == 0 ? 1 : 0;
+    wrong += is_wrong ? 1 : 0;
+    if (near[i] == 0) {
+      ++shares.far;
+      far_wrong += is_wrong ? 1 : 0;
+    }
+  }
+  shares.wrong = static_cast<double>(wrong) / static_cast<double>(shares.pixels);
+  shares.none = static_cast<double>(missing) / static_cast<double>(shares.pixels);
+  shares.far_wrong = static_cast<double>(far_wrong) / static_cast<double>(shares.far);
+  return shares;
+}
+
+StructuredLightResult run_cuboids(const StructuredLightOptions& options, const ProgressOfImages& progress) {
+  const Rig& rig = options.rig;
+  const auto reference_scene = make_self_scene("cuboids", rig);
+  const auto part_scene = make_self_scene("cuboids-marked", rig);
+  const std::size_t scan_images = options.gray_scan ? static_cast<std::size_t>(GrayPointScan(rig).count())
+                                                    : static_cast<std::size_t>(LinePointScan(rig).count());
+  std::size_t all = scan_images + 2 * static_cast<std::size_t>(options.stripes.bits);
+  for (const int bits : options.conventional_bits) {
+    all += 4 * static_cast<std::size_t>(bits);  // the reference and the part
+  }
+  std::size_t done = 0;
+  const auto count = [&] { progress(++done, all); };
+
+  const ProjectorPoints points =
+      scan_points(rig, *reference_scene, options.render, options.gray_scan, [&](std::size_t, std::size_t) { count(); });
+  const SelfReference reference = make_self_reference(rig, points, options.stripes);
+  const MatchSettings settings{options.e};
+  const MatchTable table(rig, reference, settings);
+
+  const PatternRenderer reference_renderer(rig, *reference_scene, options.render);
+  const PatternRenderer part_renderer(rig, *part_scene, options.render);
+  FloatImage truth(rig.camera.rows, rig.camera.columns);
+  FloatImage lit = truth;
+  FloatImage reference_z = truth;
+  part_renderer.depth(0, truth.values);
+  part_renderer.depth(0, lit.values, true);
+  reference_renderer.depth(0, reference_z.values, true);
+  const std::vector<Face> inner = interiors(rig, lit);
+  const LinePlanes planes(rig);
+
+  StructuredLightResult result;
+  std::vector<Method> methods;
+  {
+    SelfScanner scanner(rig, reference, table, rig.measure.code_threshold);
+    std::vector<std::uint8_t> positive;
+    take_images(
+        part_renderer, options.render, 0, 2 * options.stripes.bits,
+        [&](int i) { return to_image(self_projected_pattern(reference, i)); },
+        [&](int i, const ImageView& image) {
+          if (i % 2 == 0) {
+            positive.assign(image.pixels, image.pixels + pixels_of(rig));
+            scanner.take({positive.data(), image.rows, image.columns, image.columns}, i);
+          } else {
+            scanner.take(image, i);
+          }
+          if (i == 2 * options.stripes.bits - 2) {
+            result.page.pictures.push_back(
+                {"Camera image, finest stripes",
+                 encode_png({image.rows, image.columns, {image.pixels, image.pixels + pixels_of(rig)}}), ""});
+          }
+        },
+        count);
+    result.page.pictures.insert(
+        result.page.pictures.begin(),
+        ReportPicture{"Finest self-projected pattern",
+                      encode_png(to_image(self_projected_pattern(reference, 2 * options.stripes.bits - 2))), ""});
+    Method method{
+        fmt::format("self-projected, {} bits", options.stripes.bits), scanner.depth(), scanner.difference(), {}};
+    const MatchSearch search(rig, reference, settings);
+    std::vector<Match> matches;
+    const auto width = [&](std::size_t i) {
+      const PixelPoint light = planes.light(i, static_cast<double>(truth.values[i]));
+      search.find(static_cast<int>(i) / rig.camera.columns, static_cast<int>(i) % rig.camera.columns, matches);
+      for (const Match& match : matches) {
+        if (match.candidates > 0 && std::abs(match.line - light.row) <= match.half_width + 0.5) {
+          return planes.z(i, match.line - match.half_width) - planes.z(i, match.line + match.half_width);
+        }
+      }
+      return std::numeric_limits<double>::quiet_NaN();
+    };
+    // Places at the edge of a cell may be in none by rounding: those do not count for the mean width.
+    evaluate(
+        rig, truth, inner,
+        [&, last = 0.0](std::size_t i) mutable {
+          const double w = width(i);
+          last = std::isnan(w) ? last : w;
+          return last;
+        },
+        method);
+    result.depth = method.depth;
+    result.difference = method.difference;
+    methods.push_back(std::move(method));
+  }
+  for (const int bits : options.conventional_bits) {
+    Method method = conventional(options, reference_renderer, part_renderer, bits, count);
+    const double half = 0.5 * kCodedLines / (1 << bits);
+    evaluate(
+        rig, truth, inner,
+        [&](std::size_t i) {
+          const double line = planes.light(i, static_cast<double>(truth.values[i])).row;
+          return planes.z(i, line - half) - planes.z(i, line + half);
+        },
+        method);
+    methods.push_back(std::move(method));
+  }
+
+  ReportTable heights{
+      "B4: mean heights of the faces' interiors, mm",
+      {"", "low cuboid", "high cuboid", "letter", "block 3", "block 6", "block 9"},
+      {{"true", "25", "109", "2", "3", "6", "9"},
+       {"published, self-projected 4 bits", "25.83", "108.55", "2.70 or less", "2.78", "5.38", "9.28"},
+       {"published, conventional 8 bits", "within 0.56", "within 1.41", "–", "–", "–", "–"}},
+      "Over the plane; letter and blocks: difference from the reference. Interiors are 3 pixels and more "
+      "from the faces' edges. Camera noise on."};
+  ReportTable errors{"B4: error of z per pixel, mm: RMS / largest / one code's width in z",
+                     {"", "plane", "low cuboid", "high cuboid", "letter", "block 3", "block 6", "block 9"},
+                     {},
+                     "Over the same pixels."};
+  for (const Method& method : methods) {
+    add_method_rows(method, heights, errors);
+  }
+  ReportTable valid{"B4: share of the interiors' pixels that have a depth, %", {""}, {}};
+  for (const char* name : kFaceNames) {
+    valid.header.emplace_back(name);
+  }
+  for (const Method& method : methods) {
+    valid.rows.push_back({method.name});
+    for (const FaceFigures& face : method.figures) {
+      valid.rows.back().push_back(text(100 * static_cast<double>(face.valid) / static_cast<double>(face.pixels), 1));
+    }
+  }
+  ReportTable shares{"B4: wrong matches of true codes",
+                     {"", "pixels", "wrong", "none", "16 cells or more from steps", "of these wrong"},
+                     {},
+                     "Of the pixels in the projector's light whose true place is in the window. Printed: along Xp at "
+                     "constant Yp, window of 48 lines."};
+  for (const StripeCode code : {StripeCode::cyclic, StripeCode::reflected}) {
+    for (const bool printed : {false, true}) {
+      SelfReference variant = reference;
+      variant.stripes.code = code;
+      const MatchShares s = match_shares(rig, variant, {options.e, printed, printed, 3}, lit, reference_z);
+      shares.rows.push_back({fmt::format("{} code, {} search", code == StripeCode::cyclic ? "cyclic" : "reflected",
+                                         printed ? "printed" : "corrected"),
+                             std::to_string(s.pixels), fmt::format("{:.3f} %", 100 * s.wrong),
+                             fmt::format("{:.2f} %", 100 * s.none), std::to_string(s.far),
+                             fmt::format("{:.3f} %", 100 * s.far_wrong)});
+      if (code == StripeCode::cyclic && !printed && s.far_wrong > 0) {
+        result.not_reached.push_back("matches 16 cells or more from steps are wrong");
+      }
+    }
+  }
+  check_figures(methods[0].figures, result.not_reached);
+  result.tables = {std::move(heights), std::move(errors), std::move(valid), std::move(shares),
+                   scan_table(reference, planes, reference_z, options.gray_scan)};
+  result.truth = truth;
+
+  ReportPage& page = result.page;
+  page.title = "Experiment B4";
+  page.subtitle = "Cuboids of different heights: self-projected structured light beside the conventional method";
+  page.tables = result.tables;
+  const PlaneTriangulation geometry(rig, options.stripes.bits);
+  const double down = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  const MapPitch pitch{down, down};
+  const MapScale height_colours{ColourMap::sequential, 0, 125};
+  for (const Method& method : methods) {
+    page.pictures.push_back({method.name + ": height",
+                             labelled_map_png(height_of(rig, method.depth), height_colours, pitch, "height, mm"), ""});
+    page.pictures.push_back(
+        {method.name + ": difference from the reference",
+         labelled_map_png(method.difference, {ColourMap::diverging, -12, 12}, pitch, "difference, mm"), ""});
+    page.plots.push_back(profile(rig, method.name, method.depth, truth, true));
+    page.plots.push_back(profile(rig, method.name, method.depth, truth, false));
+  }
+  page.settings = {
+      {"e", "e", static_cast<std::int64_t>(options.e)},
+      {"a", "a, camera rows a code", static_cast<std::int64_t>(options.stripes.width)},
+      {"threshold", "threshold of the binarization", static_cast<std::int64_t>(rig.measure.code_threshold)},
+      {"seed", "seed", rig.imaging.seed}};
+  return result;
+}
+
+// --- B7, B8 ---
+
+namespace {
+
+// A scene that stands as it was at one time.
+class Frozen final : public Scene {
+ public:
+  Frozen(const Scene& scene, double time) : scene_(scene), time_(time) {}
+  [[nodiscard]] int frames() const override { return scene_.frames(); }
+  [[nodiscard]] double height(double x, double y, double /*t*/) const override { return scene_.height(x, y, time_); }
+  [[nodiscard]] HeightRange range(const Box& box, double /*t0*/, double /*t1*/) const override {
+    return scene_.range(box, time_, time_);
+  }
+  [[nodiscard]] double speed() const override { return 0; }
+  [[nodiscard]] Bodies bodies(double /*t*/) const override { return scene_.bodies(time_); }
+
+ private:
+  const Scene& scene_;
+  double time_;
+};
+
+// What is to be measured: a moving thing in the part of the image with these columns.
+struct Thing {
+  std::string name;
+  int column_0, column_1;
+  double least;  // mm over the reference from which on a pixel belongs to it, for its size
+};
+
+// Of one depth image.
+struct ThingFigures {
+  std::size_t pixels = 0;  // that truly show it, in the projector's light
+  std::size_t valid = 0;
+  double square = 0;                   // of z against the truth
+  double height = 0, true_height = 0;  // 95th of 100 parts of the differences from the reference
+  double rows = 0, true_rows = 0;      // extent in pixels
+  double columns = 0, true_columns = 0;
+};
+
+double quantile(std::vector<float>& values, double share) {
+  if (values.empty()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return static_cast<double>(*at);
+}
+
+// Rows and columns over which a thing reaches: from the first to the last that have at least a quarter as many of its
+// pixels as the fullest one, so that single pixels do not count.
+std::pair<double, double> extent(const FloatImage& difference, const Thing& thing) {
+  std::vector<int> of_row(static_cast<std::size_t>(difference.rows), 0);
+  std::vector<int> of_column(static_cast<std::size_t>(difference.columns), 0);
+  for (int r = 0; r < difference.rows; ++r) {
+    for (int c = thing.column_0; c < thing.column_1; ++c) {
+      if (static_cast<double>(difference.row(r)[c]) > thing.least) {
+        ++of_row[static_cast<std::size_t>(r)];
+        ++of_column[static_cast<std::size_t>(c)];
+      }
+    }
+  }
+  const auto length = [](const std::vector<int>& counts) {
+    const int least = std::max(1, *std::max_element(counts.begin(), counts.end()) / 4);
+    const auto in = [least](int count) { return count >= least; };
+    const auto first = std::find_if(counts.begin(), counts.end(), in);
+    const auto last = std::find_if(counts.rbegin(), counts.rend(), in);
+    return first == counts.end() ? 0.0 : static_cast<double>(last.base() - first);
+  };
+  return {length(of_row), length(of_column)};
+}
+
+FloatImage minus(const FloatImage& a, const FloatImage& b) {
+  FloatImage result = a;
+  for (std::size_t i = 0; i < result.values.size(); ++i) {
+    result.values[i] -= b.values[i];
+  }
+  return result;
+}
+
+ThingFigures figures_of(const Thing& thing, const FloatImage& depth, const FloatImage& difference,
+                        const FloatImage& truth, const FloatImage& true_difference) {
+  ThingFigures f;
+  std::vector<float> heights;
+  std::vector<float> true_heights;
+  for (int r = 0; r < depth.rows; ++r) {
+    for (int c = thing.column_0; c < thing.column_1; ++c) {
+      if (!(true_difference.row(r)[c] > 1)) {
+        continue;
+      }
+      ++f.pixels;
+      true_heights.push_back(true_difference.row(r)[c]);
+      const double error = static_cast<double>(depth.row(r)[c]) - static_cast<double>(truth.row(r)[c]);
+      if (!std::isnan(error) && !std::isnan(difference.row(r)[c])) {
+        ++f.valid;
+        f.square += error * error;
+        heights.push_back(difference.row(r)[c]);
+      }
+    }
+  }
+  constexpr double kShare = 0.95;
+  f.height = quantile(heights, kShare);
+  f.true_height = quantile(true_heights, kShare);
+  std::tie(f.rows, f.columns) = extent(difference, thing);
+  std::tie(f.true_rows, f.true_columns) = extent(true_difference, thing);
+  return f;
+}
+
+// All depth images of a thing by a method.
+class Summary {
+ public:
+  void add(const ThingFigures& f) {
+    ++images_;
+    pixels_ += static_cast<double>(f.pixels);
+    valid_ += static_cast<double>(f.valid);
+    square_ += f.square;
+    const double rms = std::sqrt(f.square / static_cast<double>(f.valid));
+    worst_ = std::max(worst_, rms);
+    height_ += f.height - f.true_height;
+    height_most_ = std::max(height_most_, std::abs(f.height - f.true_height));
+    size_most_ = std::max({size_most_, std::abs(f.rows - f.true_rows), std::abs(f.columns - f.true_columns)});
+    rows_ += f.rows - f.true_rows;
+    columns_ += f.columns - f.true_columns;
+  }
+  [[nodiscard]] double rms() const { return std::sqrt(square_ / valid_); }
+  [[nodiscard]] std::vector<std::string> cells() const {
+    return {std::to_string(images_),
+            text(100 * valid_ / pixels_, 1),
+            text(rms()),
+            text(worst_),
+            text(height_ / images_),
+            text(height_most_),
+            text(rows_ / images_, 1),
+            text(columns_ / images_, 1),
+            text(size_most_, 0)};
+  }
+
+ private:
+  int images_ = 0;
+  double pixels_ = 0, valid_ = 0, square_ = 0, worst_ = 0;
+  double height_ = 0, height_most_ = 0, rows_ = 0, columns_ = 0, size_most_ = 0;
+};
+
+// One of the two methods, streaming.
+class Stream {
+ public:
+  virtual ~Stream() = default;
+  Stream() = default;
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+  [[nodiscard]] virtual bool take(const ImageView& image, int pattern) = 0;
+  [[nodiscard]] virtual const FloatImage& depth() const = 0;
+  [[nodiscard]] virtual FloatImage difference() const = 0;
+  [[nodiscard]] virtual int bits() const = 0;
+  [[nodiscard]] virtual FloatImage pattern(int index) const = 0;
+};
+
+class SelfStream final : public Stream {
+ public:
+  SelfStream(const Rig& rig, const SelfReference& reference, const MatchTable& table)
+      : reference_(reference), scanner_(rig, reference, table, rig.measure.code_threshold) {}
+  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
+  [[nodiscard]] FloatImage difference() const override { return scanner_.difference(); }
+  [[nodiscard]] int bits() const override { return reference_.stripes.bits; }
+  [[nodiscard]] FloatImage pattern(int index) const override { return self_projected_pattern(reference_, index); }
+
+ private:
+  const SelfReference& reference_;
+  SelfScanner scanner_;
+};
+
+class ConventionalStream final : public Stream {
+ public:
+  ConventionalStream(const Rig& rig, int bits)
+      : rig_(rig),
+        triangulation_(rig, bits, {}, kCodedLines),
+        scanner_(triangulation_, {rig.measure.code_threshold, true, false, 5}) {}
+  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
+  [[nodiscard]] FloatImage difference() const override { return minus(reference_, scanner_.depth()); }
+  [[nodiscard]] int bits() const override { return triangulation_.bits(); }
+  [[nodiscard]] FloatImage pattern(int index) const override {
+    return gray_pattern(rig_, triangulation_.bits(), kCodedLines, index);
+  }
+  void set_reference(const FloatImage& depth) { reference_ = depth; }
+
+ private:
+  const Rig& rig_;
+  PlaneTriangulation triangulation_;
+  Scanner scanner_;
+  FloatImage reference_;
+};
+
+// Frames first .. first + count - 1 under the stream's patterns, the first under pattern 0. `see` is told the frame
+// after each depth image.
+void play(const PatternRenderer& renderer, const RenderOptions& options, Stream& stream, int first, int count,
+          const std::function<void(int frame)>& see, const std::function<void()>& done) {
+  std::vector<Image> patterns;
+  for (int i = 0; i < 2 * stream.bits(); ++i) {
+    patterns.push_back(to_image(stream.pattern(i)));
+  }
+  const PatternSet lights(renderer.rig(), patterns, options.projector_blur);
+  std::array<std::vector<std::uint8_t>, 2> pair;
+  const Rig& rig = renderer.rig();
+  for (int i = 0; i < count; i += 2) {
+    parallel_for(2, 0, [&](int half) {
+      auto& image = pair.at(static_cast<std::size_t>(half));
+      image.resize(pixels_of(rig));
+      renderer.render(first + i + half, lights.of_frame(i + half), std::span(image));
+    });
+    for (int half = 0; half < 2; ++half) {
+      const ImageView view{pair.at(static_cast<std::size_t>(half)).data(), rig.camera.rows, rig.camera.columns,
+                           rig.camera.columns};
+      if (stream.take(view, (i + half) % lights.size())) {
+        see(first + i + half);
+      }
+      done();
+    }
+  }
+}
+
+}  // namespace
+
+StructuredLightResult run_stream(const std::string& name, const StreamOptions& options,
+                                 const ProgressOfImages& progress) {
+  const Rig& rig = options.rig;
+  const bool mouse = name == "B7";
+  const auto background = make_self_scene(mouse ? "slider" : "block", rig);
+  const auto scene = make_self_scene(mouse ? "mouse" : "hands", rig);
+  const int columns = rig.camera.columns;
+  // The mouse from 6 mm over the slider on: its plate is 3 mm thick.
+  const std::vector<Thing> things = mouse
+                                        ? std::vector<Thing>{{"mouse", 0, columns, 6}}
+                                        : std::vector<Thing>{{"left hand, over z = 441 mm", 0, columns / 2, 5},
+                                                             {"right hand, over z = 550 mm", columns / 2, columns, 5}};
+  constexpr int kConventionalBits = 8;
+  const int start = 2 * kConventionalBits - 2;  // frames before the first common pair
+  const int frames = start + 2 * options.pairs;
+  const int stills = (options.pairs + options.still_every - 1) / options.still_every;
+  const std::size_t scan =
+      static_cast<std::size_t>(options.gray_scan ? GrayPointScan(rig).count() : LinePointScan(rig).count());
+  const std::size_t all = scan + 2 * static_cast<std::size_t>(kConventionalBits) +
+                          2 * static_cast<std::size_t>(frames) +
+                          static_cast<std::size_t>(stills) * 2 * (4 + kConventionalBits);
+  std::size_t done = 0;
+  const auto count = [&] { progress(++done, all); };
+
+  const ProjectorPoints points =
+      scan_points(rig, *background, options.render, options.gray_scan, [&](std::size_t, std::size_t) { count(); });
+  const SelfReference reference = make_self_reference(rig, points, {});
+  const MatchTable table(rig, reference, {0});
+  const PatternRenderer background_renderer(rig, *background, options.render);
+  const PatternRenderer renderer(rig, *scene, options.render);
+  FloatImage background_z(rig.camera.rows, rig.camera.columns);
+  background_renderer.depth(0, background_z.values);
+
+  StructuredLightResult result;
+  ReportTable table_of_errors{
+      fmt::format("{}: every depth image against the truth in the middle of its window", name),
+      {"", "depth images", "valid, %", "z RMS, mm", "worst image", "height, mean error", "largest", "rows, mean error",
+       "columns", "largest, px"},
+      {},
+      "Pixels that truly show the object in the projector's light. Height: the 95th of 100 parts of the differences "
+      "from "
+      "the reference. Size: rows and columns that hold at least a quarter as many of its pixels as the fullest one."};
+  ReportTable motion{fmt::format("{}: what motion adds", name),
+                     {"", "window, ms", "z RMS moving, mm", "z RMS at rest, mm", "added, mm"},
+                     {},
+                     "Over the same instants. Added: root of the difference of the squares."};
+
+  const double pixel = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  const auto measure = [&](Stream& stream, const std::string& method) {
+    std::vector<Summary> moving(things.size());
+    std::vector<Summary> moving_then(things.size());
+    std::vector<Summary> at_rest(things.size());
+    const int window = 2 * stream.bits();
+    std::vector<int> instants;
+    int seen = 0;
+    const auto look = [&](const PatternRenderer& of, int truth_frame, std::vector<Summary>& to,
+                          std::vector<Summary>* also, bool keep) {
+      FloatImage truth(rig.camera.rows, rig.camera.columns);
+      of.depth(truth_frame, truth.values, true);
+      const FloatImage true_difference = minus(background_z, truth);
+      const FloatImage difference = stream.difference();
+      for (std::size_t k = 0; k < things.size(); ++k) {
+        const ThingFigures f = figures_of(things[k], stream.depth(), difference, truth, true_difference);
+        to[k].add(f);
+        if (also != nullptr) {
+          (*also)[k].add(f);
+        }
+      }
+      if (keep) {
+        result.page.pictures.push_back(
+            {fmt::format("{}, t = {:.3f} s", method, truth_frame / rig.camera.frame_rate_hz),
+             labelled_map_png(difference, {ColourMap::diverging, mouse ? -35.0 : -60.0, mouse ? 35.0 : 60.0},
+                              {pixel, pixel}, "difference from the reference, mm"),
+             ""});
+        result.depth = stream.depth();
+        result.difference = difference;
+        result.truth = truth;
+      }
+    };
+    play(
+        renderer, options.render, stream, options.first, frames,
+        [&](int frame) {
+          if (frame < options.first + start) {
+            return;
+          }
+          const int middle = frame - stream.bits() + 1;
+          const bool rest = seen % options.still_every == 0;
+          look(renderer, middle, moving, rest ? &moving_then : nullptr, rest);
+          if (rest) {
+            instants.push_back(middle);
+          }
+          ++seen;
+        },
+        count);
+    for (const int middle : instants) {
+      const Frozen frozen(*scene, middle / rig.camera.frame_rate_hz);
+      const PatternRenderer still(rig, frozen, options.render);
+      play(
+          still, options.render, stream, 0, window,
+          [&](int frame) {
+            if (frame == window - 1) {
+              look(still, 0, at_rest, nullptr, false);
+            }
+          },
+          count);
+    }
+    for (std::size_t k = 0; k < things.size(); ++k) {
+      table_of_errors.rows.push_back({things[k].name + ", " + method});
+      for (const std::string& cell : moving[k].cells()) {
+        table_of_errors.rows.back().push_back(cell);
+      }
+      const double square = moving_then[k].rms() * moving_then[k].rms() - at_rest[k].rms() * at_rest[k].rms();
+      motion.rows.push_back({things[k].name + ", " + method, text(1000 * window / rig.camera.frame_rate_hz, 0),
+                             text(moving_then[k].rms()), text(at_rest[k].rms()),
+                             text(std::sqrt(std::max(square, 0.0)))});
+    }
+  };
+
+  {
+    SelfStream stream(rig, reference, table);
+    measure(stream, "self-projected, 4 bits");
+  }
+  const FloatImage depth = result.depth;
+  const FloatImage difference = result.difference;
+  const FloatImage truth = result.truth;
+  {
+    ConventionalStream stream(rig, kConventionalBits);
+    play(
+        background_renderer, options.render, stream, 0, 2 * kConventionalBits, [](int) {}, count);
+    stream.set_reference(stream.depth());
+    measure(stream, "conventional, 8 bits");
+  }
+  result.depth = depth;
+  result.difference = difference;
+  result.truth = truth;
+  result.tables = {std::move(table_of_errors), std::move(motion)};
+  result.page.title = "Experiment " + name;
+  result.page.subtitle = mouse ? "Mouse on a slider, 300 mm/s: a film strip, 500 depth images a second"
+                               : "Two hands at different heights: a film strip, 500 depth images a second";
+  result.page.tables = result.tables;
+  result.page.settings = {{"e", "e", std::int64_t{0}}, {"seed", "seed", rig.imaging.seed}};
+  return result;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,81 @@
+// Structured light measured in simulation: a reference scanned, patterns projected, depth images compared with the
+// truth. What the experiment B4 of the thesis needs.
+#ifndef SELFPROJ_SIM_EXPERIMENT_STRUCTURED_LIGHT_H
+#define SELFPROJ_SIM_EXPERIMENT_STRUCTURED_LIGHT_H
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/gray/match_table.h"
+#include "host/gray/point_scan.h"
+#include "host/gray/self_reference.h"
+#include "host/inspect/report.h"
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/io/rig.h"
+#include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
+
+namespace selfproj {
+
+using ProgressOfImages = std::function<void(std::size_t done, std::size_t all)>;
+
+// Scans the scene with the simulated camera: 768 + 1024 lines, or Gray codes along both axes (those of `selfproj
+// pattern gray`).
+ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOptions& options, bool gray_codes,
+                            const ProgressOfImages& progress);
+
+// The camera's images of a still scene under the patterns, one after another from frame `first` on.
+std::vector<Image> images_of(const Rig& rig, const Scene& scene, const RenderOptions& options,
+                             const std::vector<FloatImage>& patterns, int first = 0);
+
+// What is matched of the true codes of a scene: for every pixel on which the projector's light falls, whose true place
+// lies within the window.
+struct MatchShares {
+  std::size_t pixels = 0;
+  double wrong = 0;      // share of them whose match is another place: by more than half the cell and a line
+  double none = 0;       // share without a match
+  std::size_t far = 0;   // pixels 2^m cells or more from a step of the reference, in the camera's image
+  double far_wrong = 0;  // share of those
+};
+MatchShares match_shares(const Rig& rig, const SelfReference& reference, const MatchSettings& settings,
+                         const FloatImage& true_z, const FloatImage& reference_z);
+
+struct StructuredLightOptions {
+  Rig rig;
+  RenderOptions render;
+  bool gray_scan = false;
+  int e = 8;
+  Stripes stripes;
+  std::vector<int> conventional_bits{8, 7, 6, 5, 4};
+};
+
+// B4 with its tables, pictures and what does not hold of what is wanted.
+struct StructuredLightResult {
+  std::vector<ReportTable> tables;
+  std::vector<std::string> not_reached;
+  ReportPage page;
+  FloatImage depth, difference, truth;  // mm
+};
+StructuredLightResult run_cuboids(const StructuredLightOptions& options, const ProgressOfImages& progress);
+
+// B7 (mouse) and B8 (hands) as streams at the camera's frame rate: e = 0, a depth image after every pair. Beside it the
+// conventional method with 8 bits over the same frames; and both with the object standing still where it was in the
+// middle of a window of 2m frames, which shows what motion adds.
+struct StreamOptions {
+  Rig rig;
+  RenderOptions render;
+  bool gray_scan = true;
+  int first = 0;         // frame
+  int pairs = 40;        // of images, from where the first depth image of both methods is due
+  int still_every = 10;  // depth images of which one is repeated with the object at rest
+};
+StructuredLightResult run_stream(const std::string& name, const StreamOptions& options,
+                                 const ProgressOfImages& progress);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_EXPERIMENT_STRUCTURED_LIGHT_H
