@@ -24,6 +24,9 @@ function(selfproj_verilate target)
   foreach(parameter IN LISTS arg_PARAMETERS)
     list(APPEND options "-G${parameter}")
   endforeach()
+  # The model is always built for speed: an unoptimized one is ten times slower, and there is nothing to step through. Its
+  # scattered bits are no vectors: gathering them costs more than it saves. One that counts is built once for one run.
+  set(optimization "-O3 -fno-tree-vectorize -fno-tree-slp-vectorize")
   set(features "")
   if(arg_TRACE)
     list(APPEND features TRACE_FST)
@@ -31,10 +34,10 @@ function(selfproj_verilate target)
   if(SELFPROJ_COVERAGE)
     list(APPEND options --coverage-line --coverage-toggle)
     list(APPEND features COVERAGE)
+    set(optimization -O1)
   endif()
-  # The model is always built for speed: an unoptimized one is ten times slower, and there is nothing to step through.
   verilate(${target} ${features} SOURCES ${SELFPROJ_RTL} TOP_MODULE ${arg_TOP} PREFIX ${arg_PREFIX}
-    VERILATOR_ARGS ${options} OPT_FAST -O3 OPT_SLOW -O1 OPT_GLOBAL -O2)
+    VERILATOR_ARGS ${options} OPT_FAST ${optimization} OPT_SLOW -O1 OPT_GLOBAL -O2)
   # Verilator writes a dozen files a model, each of which reads the same headers: what runs seldom becomes one, and so does
   # what runs often. (Not with coverage, whose functions are too many for one.)
   get_target_property(seldom ${target} SOURCES)
@@ -46,9 +49,9 @@ function(selfproj_verilate target)
     selfproj_join_sources(${target} ${arg_PREFIX}__seldom -O1 ${seldom})
   endif()
   if(arg_CLOCKS)
-    selfproj_verilated_clocks(${target} ${arg_PREFIX} ${arg_TRACE} ${arg_CLOCKS})
+    selfproj_verilated_clocks(${target} ${arg_PREFIX} ${arg_TRACE} "${optimization}" ${arg_CLOCKS})
   elseif(NOT SELFPROJ_COVERAGE)
-    selfproj_join_sources(${target} ${arg_PREFIX}__often -O3 ${often})
+    selfproj_join_sources(${target} ${arg_PREFIX}__often "${optimization}" ${often})
   endif()
   # Headers of others: their warnings are not ours.
   get_target_property(includes ${target} INTERFACE_INCLUDE_DIRECTORIES)
@@ -72,7 +75,7 @@ endfunction()
 
 # The file PREFIX__clocked.cpp of a model with CLOCKS: rise(), of the parts of Verilator 5.006's own eval(). Other versions may
 # name them in another way; then this does not compile, and `model.eval()` in their place is right, only slower.
-function(selfproj_verilated_clocks target prefix waveforms)
+function(selfproj_verilated_clocks target prefix waveforms optimization)
   get_target_property(fast ${target} SOURCES)
   list(FILTER fast INCLUDE REGEX "/${prefix}[.]dir/[^/]*[.]cpp$")
   list(FILTER fast EXCLUDE REGEX "__Syms[.]cpp$|Slow[.]cpp$|__ConstPool_[0-9]+[.]cpp$")
@@ -112,6 +115,6 @@ void rise<${prefix}>(${prefix} & model) {
 ${low}${evaluate}}
 }  // namespace selfproj
 " @ONLY)
-  set_source_files_properties("${file}" PROPERTIES COMPILE_FLAGS " -O3" OBJECT_DEPENDS "${fast}")
+  set_source_files_properties("${file}" PROPERTIES COMPILE_FLAGS " ${optimization}" OBJECT_DEPENDS "${fast}")
   target_sources(${target} PRIVATE "${file}")
 endfunction()

@@ -70,9 +70,9 @@ module sp_axil_bridge #(
   logic                   timed_out_q;
   logic                   seen_back;    // the answer's toggle
   logic                   done;
-  logic                   idle;
   logic                   start_write, start_read;
   logic                   refuse;
+  logic                   awake;
 
   // video side
   logic                   toggle_there, toggle_before_q;
@@ -80,11 +80,23 @@ module sp_axil_bridge #(
   logic                   back_error_q;
   logic [31:0]            back_data_q;
 
-  assign done        = busy_q && seen_back == toggle_q;
-  assign idle        = !busy_q || late_q;
-  assign start_write = idle && aw_full_q && w_full_q && !s_axil_bvalid_o && (was_read_q || !ar_full_q || s_axil_rvalid_o);
-  assign start_read  = idle && ar_full_q && !s_axil_rvalid_o && !start_write;
-  assign refuse      = late_q || start_write && !w_whole_q;
+  // Where nothing waits, is under way or unanswered nothing moves but what comes in.
+  assign awake = aw_full_q || w_full_q || ar_full_q || busy_q || s_axil_bvalid_o || s_axil_rvalid_o;
+
+  always_comb begin
+    done        = 1'b0;
+    start_write = 1'b0;
+    start_read  = 1'b0;
+    refuse      = 1'b0;
+    if (awake) begin
+      done = busy_q && seen_back == toggle_q;
+      if (!busy_q || late_q) begin
+        start_write = aw_full_q && w_full_q && !s_axil_bvalid_o && (was_read_q || !ar_full_q || s_axil_rvalid_o);
+        start_read  = ar_full_q && !s_axil_rvalid_o && !start_write;
+      end
+      refuse = late_q || start_write && !w_whole_q;
+    end
+  end
 
   always_ff @(posedge bus_clk_i) begin
     if (bus_rst_i) begin
@@ -105,28 +117,30 @@ module sp_axil_bridge #(
       if (s_axil_arvalid_i && s_axil_arready_o) ar_full_q <= 1'b1;
       else if (start_read) ar_full_q <= 1'b0;
 
-      if (s_axil_bready_i) s_axil_bvalid_o <= 1'b0;
-      if (s_axil_rready_i) s_axil_rvalid_o <= 1'b0;
+      if (awake) begin
+        if (s_axil_bready_i) s_axil_bvalid_o <= 1'b0;
+        if (s_axil_rready_i) s_axil_rvalid_o <= 1'b0;
 
-      if (done) begin
-        busy_q <= 1'b0;
-        late_q <= 1'b0;
-        if (!late_q && !reading_q) s_axil_bvalid_o <= 1'b1;
-        if (!late_q && reading_q) s_axil_rvalid_o <= 1'b1;
-      end else if (busy_q && !late_q && timed_out_q) begin
-        late_q <= 1'b1;
-        if (reading_q) s_axil_rvalid_o <= 1'b1;
-        else s_axil_bvalid_o <= 1'b1;
-      end
+        if (done) begin
+          busy_q <= 1'b0;
+          late_q <= 1'b0;
+          if (!late_q && !reading_q) s_axil_bvalid_o <= 1'b1;
+          if (!late_q && reading_q) s_axil_rvalid_o <= 1'b1;
+        end else if (busy_q && !late_q && timed_out_q) begin
+          late_q <= 1'b1;
+          if (reading_q) s_axil_rvalid_o <= 1'b1;
+          else s_axil_bvalid_o <= 1'b1;
+        end
 
-      if (start_write || start_read) begin
-        was_read_q <= start_read;
-        if (refuse) begin
-          if (start_write) s_axil_bvalid_o <= 1'b1;
-          else s_axil_rvalid_o <= 1'b1;
-        end else begin
-          busy_q   <= 1'b1;
-          toggle_q <= !toggle_q;
+        if (start_write || start_read) begin
+          was_read_q <= start_read;
+          if (refuse) begin
+            if (start_write) s_axil_bvalid_o <= 1'b1;
+            else s_axil_rvalid_o <= 1'b1;
+          end else begin
+            busy_q   <= 1'b1;
+            toggle_q <= !toggle_q;
+          end
         end
       end
     end
@@ -140,32 +154,34 @@ module sp_axil_bridge #(
     end
     if (s_axil_arvalid_i && s_axil_arready_o) ar_q <= s_axil_araddr_i;
 
-    // Until the registers have answered, an error
-    if (start_write || start_read) begin
-      if (!busy_q) begin
-        reading_q     <= start_read;
-        ask_write_q   <= start_write;
-        ask_address_q <= start_write ? aw_q : ar_q;
-        ask_data_q    <= w_q;
+    if (awake) begin
+      // Until the registers have answered, an error
+      if (start_write || start_read) begin
+        if (!busy_q) begin
+          reading_q     <= start_read;
+          ask_write_q   <= start_write;
+          ask_address_q <= start_write ? aw_q : ar_q;
+          ask_data_q    <= w_q;
+        end
+        if (start_write) s_axil_bresp_o <= SlaveError;
+        else s_axil_rresp_o <= SlaveError;
       end
-      if (start_write) s_axil_bresp_o <= SlaveError;
-      else s_axil_rresp_o <= SlaveError;
-    end
 
-    if (!busy_q) begin
-      clocks_q    <= '0;
-      timed_out_q <= 1'b0;
-    end else begin
-      clocks_q    <= clocks_q + TimeoutBits'(1);
-      timed_out_q <= &clocks_q;
-    end
-
-    if (done && !late_q) begin
-      if (reading_q) begin
-        s_axil_rdata_o <= back_data_q;
-        s_axil_rresp_o <= back_error_q ? SlaveError : Okay;
+      if (!busy_q) begin
+        clocks_q    <= '0;
+        timed_out_q <= 1'b0;
       end else begin
-        s_axil_bresp_o <= back_error_q ? SlaveError : Okay;
+        clocks_q    <= clocks_q + TimeoutBits'(1);
+        timed_out_q <= &clocks_q;
+      end
+
+      if (done && !late_q) begin
+        if (reading_q) begin
+          s_axil_rdata_o <= back_data_q;
+          s_axil_rresp_o <= back_error_q ? SlaveError : Okay;
+        end else begin
+          s_axil_bresp_o <= back_error_q ? SlaveError : Okay;
+        end
       end
     end
   end

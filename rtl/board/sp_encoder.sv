@@ -24,6 +24,9 @@ module sp_encoder (
   logic       settled_q;  // level_q has come from the pins
   logic [3:0] start_q;
   logic       up_q, down_q, error_q;
+  logic       still_q;   // the lines stood at level_q a clock ago
+  logic       busy_q;    // or they did not two clocks ago, or the first levels are to come
+  logic       awake;
 
   sp_sync #(
     .Width(2)
@@ -34,27 +37,51 @@ module sp_encoder (
     .q_o  (now)
   );
 
-  logic [1:0] changing;  // the last three samples were not the same
-  assign changing = (now ^ before1_q) | (now ^ before2_q);
+  // Two clocks after the lines have come to rest at level_q everything below holds its value: nothing moves then.
+  assign awake = now != level_q || busy_q;
 
   always_ff @(posedge clk_i) begin
-    before1_q <= now;
-    before2_q <= before1_q;
-    level_q    <= rst_i || !settled_q ? now : (level_q & changing) | (now & ~changing);
-    previous_q <= level_q;
+    if (rst_i) begin
+      still_q <= 1'b0;
+      busy_q  <= 1'b1;
+    end else if (awake) begin
+      still_q <= now == level_q;
+      busy_q  <= now != level_q || !still_q || !settled_q;
+    end
+  end
+
+  logic [1:0] changing;  // the last three samples were not the same
+  always_comb begin
+    changing = '0;
+    if (awake) changing = (now ^ before1_q) | (now ^ before2_q);
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (awake) begin
+      before1_q  <= now;
+      before2_q  <= before1_q;
+      level_q    <= settled_q ? (level_q & changing) | (now & ~changing) : now;
+      previous_q <= level_q;
+    end
   end
 
   logic [1:0] moved;
   logic       one_moved;
-  assign moved     = level_q ^ previous_q;
-  assign one_moved = settled_q && (moved == 2'b01 || moved == 2'b10);
+  always_comb begin
+    moved     = '0;
+    one_moved = 1'b0;
+    if (awake) begin
+      moved     = level_q ^ previous_q;
+      one_moved = settled_q && (moved == 2'b01 || moved == 2'b10);
+    end
+  end
 
   // The lines may stand anywhere at reset: the first levels are taken over without counting.
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       start_q   <= '0;
       settled_q <= 1'b0;
-    end else begin
+    end else if (awake) begin
       start_q   <= {start_q[2:0], 1'b1};
       settled_q <= start_q[3];
     end
@@ -67,7 +94,7 @@ module sp_encoder (
       error_q  <= 1'b0;
       count_o  <= '0;
       errors_o <= '0;
-    end else begin
+    end else if (awake) begin
       // {b, a} runs 00, 01, 11, 10 where A leads
       up_q    <= one_moved && (level_q[0] ^ previous_q[1]);
       down_q  <= one_moved && !(level_q[0] ^ previous_q[1]);

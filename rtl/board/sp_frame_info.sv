@@ -52,19 +52,21 @@ module sp_frame_info #(
   // Clocks from the edge that takes a frame's first beat at the video input to the edge that captures the time.
   localparam logic [63:0] CaptureDelay = 64'd6;
 
-  logic [6:1] start_q;  // frame_start_i, so many clocks ago
-  logic [6:1] stray_q;
-  logic [5:1] take_q;
+  logic [17:0] events_q;  // {frame_start_i, take_i, stray_before_i}, one to six clocks ago, the latest lowest
+  logic        start3, start4, start5, start6, take3, take5;  // of it, so many clocks ago
+  logic        awake;  // a frame's fields are being captured; else nothing moves but the time
+
+  assign awake  = frame_start_i || (events_q & 18'b100_100_100_100_100_100) != '0;
+  assign start3 = events_q[8];
+  assign start4 = events_q[11];
+  assign start5 = events_q[14];
+  assign start6 = events_q[17];
+  assign take3  = events_q[7];
+  assign take5  = events_q[13];
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      start_q <= '0;
-      take_q  <= '0;
-    end else begin
-      start_q <= {start_q[5:1], frame_start_i};
-      take_q  <= {take_q[4:1], take_i};
-    end
-    stray_q <= {stray_q[5:1], stray_before_i};
+    if (rst_i) events_q <= '0;
+    else if (awake) events_q <= {events_q[14:0], frame_start_i, take_i, stray_before_i};
   end
 
   sp_counter64 #(
@@ -82,28 +84,30 @@ module sp_frame_info #(
   ) u_sequence (
     .clk_i  (clk_i),
     .rst_i  (rst_i),
-    .inc_i  (start_q[3]),
+    .inc_i  (start3),
     .count_o(sequence_o)
   );
 
   assign frames_o = sequence_o[31:0] + 32'd1;
-  assign captured_o = start_q[3];
+  assign captured_o = start3;
 
   always_ff @(posedge clk_i) begin
-    if (take_q[3]) begin
-      stream_o    <= stream_i;
-      mode_o      <= mode_i;
-      threshold_o <= threshold_i;
+    if (awake) begin
+      if (take3) begin
+        stream_o    <= stream_i;
+        mode_o      <= mode_i;
+        threshold_o <= threshold_i;
+      end
+      if (start3) pattern_o <= pattern_i;
+      if (start4) time_stamp_o <= time_o;
+      if (start5) encoder_o <= encoder_i;
+      if (take5) begin
+        columns_o <= columns_i;
+        rows_o    <= rows_i;
+      end
+      lines_o <= rows_o;
+      if (start6) stray_before_o <= events_q[15];
     end
-    if (start_q[3]) pattern_o <= pattern_i;
-    if (start_q[4]) time_stamp_o <= time_o;
-    if (start_q[5]) encoder_o <= encoder_i;
-    if (take_q[5]) begin
-      columns_o <= columns_i;
-      rows_o    <= rows_i;
-    end
-    lines_o <= rows_o;
-    if (start_q[6]) stray_before_o <= stray_q[6];
   end
 
 endmodule

@@ -116,8 +116,14 @@ module sp_frame_tracker #(
   logic                    start;
   logic                    take;
 
-  assign start = s1_valid_q && s1_start_q && run_i && (in_force_q || !hold_i);
-  assign take  = start && !hold_i && took_q == '0;
+  always_comb begin
+    start = 1'b0;
+    take  = 1'b0;
+    if (s1_valid_q && s1_start_q) begin
+      start = run_i && (in_force_q || !hold_i);
+      take  = start && !hold_i && took_q == '0;
+    end
+  end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -125,9 +131,11 @@ module sp_frame_tracker #(
       take_o     <= 1'b0;
       in_force_q <= 1'b0;
     end else begin
-      took_q     <= {took_q[TakeDistance-2:0], take};
-      take_o     <= take;
-      in_force_q <= in_force_q || take;
+      if (take || took_q != '0) begin
+        took_q <= {took_q[TakeDistance-2:0], take};
+        take_o <= take;
+      end
+      if (take) in_force_q <= 1'b1;
     end
     if (take) begin
       image_o      <= image_i;
@@ -152,6 +160,7 @@ module sp_frame_tracker #(
   logic [GroupBits-1:0] group_q;          // the next beat's
   logic                 group_is_last_q;
   logic [RowBits-1:0]   row_q;
+  logic                 row_is_first_q;
   logic                 row_is_last_q;
   logic                 timed_out;
 
@@ -160,14 +169,26 @@ module sp_frame_tracker #(
   logic in_last_row, line_end, short_line, long_line, frame_end;
   logic one, two, one_row, two_rows;
 
-  assign one      = take ? next_one_q : one_group_o;
-  assign two      = take ? next_two_q : two_groups_o;
-  assign one_row  = take ? next_one_row_q : one_row_q;
-  assign two_rows = take ? next_two_rows_q : two_rows_q;
+  always_comb begin
+    one         = one_group_o;
+    two         = two_groups_o;
+    one_row     = one_row_q;
+    two_rows    = two_rows_q;
+    at_end      = group_is_last_q;
+    in_last_row = row_is_last_q;
+    if (take) begin
+      one      = next_one_q;
+      two      = next_two_q;
+      one_row  = next_one_row_q;
+      two_rows = next_two_rows_q;
+    end
+    if (start) begin
+      at_end      = one;
+      in_last_row = one_row;
+    end
+  end
 
   assign belongs      = start || s1_valid_q && !s1_start_q && open_q;
-  assign at_end      = start ? one : group_is_last_q;
-  assign in_last_row = start ? one_row : row_is_last_q;
   assign line_end    = belongs && s1_last_q && at_end;
   assign short_line  = belongs && s1_last_q && !at_end;
   assign long_line   = belongs && !s1_last_q && at_end;
@@ -179,7 +200,7 @@ module sp_frame_tracker #(
       in_line_q     <= 1'b0;
       in_last_row_q <= 1'b0;
     end else if (belongs) begin
-      open_q        <= !short_line && !long_line && !frame_end;
+      open_q        <= !(short_line || long_line || frame_end);
       in_line_q     <= !s1_last_q;
       in_last_row_q <= in_last_row;
     end else if (s1_valid_q && s1_start_q || timed_out) begin
@@ -193,12 +214,16 @@ module sp_frame_tracker #(
         group_q         <= '0;
         group_is_last_q <= one;
         row_q           <= (start ? RowBits'(1) : row_q) + RowBits'(1);
+        row_is_first_q  <= 1'b0;
         row_is_last_q   <= start ? two_rows : row_q == rows_m1_q;
       end else begin
         group_q         <= (start ? '0 : group_q) + GroupBits'(1);
         group_is_last_q <= start ? two : group_q == groups_m2_q;
-        row_q           <= start ? RowBits'(1) : row_q;
-        row_is_last_q   <= in_last_row;
+        if (start) begin
+          row_q          <= RowBits'(1);
+          row_is_first_q <= 1'b1;
+          row_is_last_q  <= in_last_row;
+        end
       end
     end
   end
@@ -212,22 +237,27 @@ module sp_frame_tracker #(
     if (s1_valid_q) begin
       clocks_left_q <= timeout_i;
       watch_q       <= timeout_i != 24'd0;
+      timed_out_q   <= 1'b0;
     end else begin
       clocks_left_q <= clocks_left_q - 24'd1;
+      timed_out_q   <= watch_q && clocks_left_q == 24'd1;
     end
-    timed_out_q <= watch_q && clocks_left_q == 24'd1 && !s1_valid_q;
   end
 
   assign timed_out = timed_out_q && open_q && !s1_valid_q;
 
   // --- Stage 2: outputs ---
   logic stray_q;
+  logic stray;         // the beat is discarded while running
   logic start_breaks;  // a start ends an open frame
+  logic late_break;    // a line or a pause ends it
   logic late_break_q;
   logic late_in_last_q;
   logic [sp_spec_pkg::StatusBits-1:0] late_status_q;
 
+  assign stray        = s1_valid_q && !belongs && run_i;
   assign start_breaks = s1_valid_q && s1_start_q && open_q;
+  assign late_break   = short_line || long_line || timed_out;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -236,17 +266,24 @@ module sp_frame_tracker #(
       last_row_start_o <= 1'b0;
       late_break_q     <= 1'b0;
       break_o          <= 1'b0;
-      stray_q          <= 1'b0;
-      stray_before_o   <= 1'b0;
     end else begin
       beat_valid_o     <= belongs;
       frame_start_o    <= start;
       last_row_start_o <= belongs && in_last_row && (start || !in_line_q);
-      late_break_q     <= short_line || long_line || timed_out;
+      late_break_q     <= late_break;
       break_o          <= start_breaks || late_break_q;
-      if (start) stray_before_o <= stray_q;
-      if (start) stray_q <= 1'b0;
-      else if (s1_valid_q && !belongs && run_i) stray_q <= 1'b1;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      stray_q        <= 1'b0;
+      stray_before_o <= 1'b0;
+    end else if (start) begin
+      stray_q        <= 1'b0;
+      stray_before_o <= stray_q;
+    end else if (stray) begin
+      stray_q <= 1'b1;
     end
   end
 
@@ -255,12 +292,12 @@ module sp_frame_tracker #(
       beat_pixels_o     <= s1_pixels_q;
       beat_group_o      <= start ? '0 : group_q;
       beat_row_o        <= start ? RowBits'(1) : row_q;
-      beat_first_row_o  <= start || row_q == RowBits'(1);
+      beat_first_row_o  <= start || row_is_first_q;
       beat_last_row_o   <= in_last_row;
       beat_line_start_o <= start || !in_line_q;
       beat_line_end_o   <= line_end;
     end
-    if (short_line || long_line || timed_out) begin
+    if (late_break) begin
       late_in_last_q <= timed_out ? in_last_row_q : in_last_row;
       late_status_q  <= '0;
       late_status_q[sp_spec_pkg::StatusShortLineBit]  <= short_line;
@@ -281,7 +318,7 @@ module sp_frame_tracker #(
       stray_o  <= '0;
     end else begin
       if (break_o) broken_o <= broken_o + 32'd1;
-      if (s1_valid_q && !belongs && run_i) stray_o <= stray_o + 32'd1;
+      if (stray) stray_o <= stray_o + 32'd1;
     end
   end
 
@@ -350,6 +387,7 @@ module sp_frame_tracker #(
     if (in_force_q) assert (f_columns_q == columns_o && f_rows_q == rows_o);
     if (open_q) begin
       assert (row_q >= RowBits'(1) && row_q <= rows_o);
+      assert (row_is_first_q == (row_q == RowBits'(1)));
       assert (row_is_last_q == (row_q == rows_o));
       assert ((ColumnBits)'(group_q) < columns_o >> 2);
       assert (group_is_last_q == ((ColumnBits)'(group_q) == (columns_o >> 2) - ColumnBits'(1)));

@@ -73,48 +73,51 @@ module sp_packetizer #(
   localparam logic [2:0] StTrailer = 3'd4;  // the check word is complete in its third clock
   localparam logic [2:0] StSettle = 3'd5;   // until fifo_free_i counts this packet
 
+  logic [2:0] state_q;
+
   // --- Requests on their way to the decision ---
-  logic [2:1]             start_q;
-  logic [2:1]             break_first_q;
-  logic [3:1]             break_later_q;
+  logic                   asked, awake;
+  logic [11:0]            asked_q;  // {start_i, break_first_i, break_later_i}, one to four clocks ago, the latest lowest
+  logic                   start2, break_first2, break_later2, break_later3;
   logic [PayloadBits-1:0] payload, payload1_q, payload2_q;
   logic [RowBits-1:0]     line1_q, line2_q;
   logic [CountBits-1:0]   need1_q;
   logic                   room2_q;
   logic [StatusBits-1:0]  status1_q, status2_q, status3_q;
 
-  assign payload = start_i ? payload_beats_i : PayloadBits'(0);
+  assign payload      = start_i ? payload_beats_i : PayloadBits'(0);
+  assign asked        = start_i || break_first_i || break_later_i;
+  assign start2       = asked_q[5];
+  assign break_first2 = asked_q[4];
+  assign break_later2 = asked_q[3];
+  assign break_later3 = asked_q[6];
+  // Without a request in the last four clocks, and with no packet under way, nothing below moves.
+  assign awake        = asked || asked_q != '0 || state_q != StIdle;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      start_q       <= '0;
-      break_first_q <= '0;
-      break_later_q <= '0;
-    end else begin
-      start_q       <= {start_q[1], start_i};
-      break_first_q <= {break_first_q[1], break_first_i};
-      break_later_q <= {break_later_q[2:1], break_later_i};
-    end
+    if (rst_i) asked_q <= '0;
+    else if (awake) asked_q <= {asked_q[8:0], start_i, break_first_i, break_later_i};
   end
 
   always_ff @(posedge clk_i) begin
-    if (start_i || break_first_i || break_later_i) begin
-      payload1_q <= payload;
-      need1_q    <= CountBits'(payload) + CountBits'(Overhead);
-      line1_q    <= line_i;
-      status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
+    if (awake) begin
+      if (asked) begin
+        payload1_q <= payload;
+        need1_q    <= CountBits'(payload) + CountBits'(Overhead);
+        line1_q    <= line_i;
+        status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
+      end
+      if (asked_q[2:0] != '0) begin
+        payload2_q <= payload1_q;
+        room2_q    <= CountBits'(fifo_free_i) >= need1_q;
+        line2_q    <= line1_q;
+        status2_q  <= status1_q;
+      end
+      if (break_later2) status3_q <= status2_q;
     end
-    if (start_q[1] || break_first_q[1] || break_later_q[1]) begin
-      payload2_q <= payload1_q;
-      room2_q    <= CountBits'(fifo_free_i) >= need1_q;
-      line2_q    <= line1_q;
-      status2_q  <= status1_q;
-    end
-    if (break_later_q[2]) status3_q <= status2_q;
   end
 
   // --- State ---
-  logic [2:0]             state_q;
   logic [1:0]             step_q;          // within header, trailer, settling
   logic [PayloadBits-1:0] left_q;          // payload beats to come
   logic                   one_left_q;
@@ -127,9 +130,16 @@ module sp_packetizer #(
   logic                   take, take_empty, put_payload;
   logic [1:0]             lost_now_q;      // late enough for the header of a packet decided on the clock before
 
-  assign take        = start_q[2] && state_q == StIdle && room2_q && !spoiled_i;
-  assign take_empty  = break_first_q[2] && state_q == StIdle && room2_q;
-  assign put_payload = state_q == StPayload && payload_valid_i || state_q == StFill;
+  always_comb begin
+    take        = 1'b0;
+    take_empty  = 1'b0;
+    put_payload = 1'b0;
+    if (awake) begin
+      take        = start2 && state_q == StIdle && room2_q && !spoiled_i;
+      take_empty  = break_first2 && state_q == StIdle && room2_q;
+      put_payload = state_q == StPayload && payload_valid_i || state_q == StFill;
+    end
+  end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -138,9 +148,9 @@ module sp_packetizer #(
       accept_o   <= 1'b0;
       lost_now_q <= '0;
       lost_o     <= '0;
-    end else begin
-      if (start_q[2]) accept_o <= take;
-      lost_now_q <= {lost_now_q[0], start_q[2] && !take || break_first_q[2] && !take_empty};
+    end else if (awake) begin
+      if (start2) accept_o <= take;
+      lost_now_q <= {lost_now_q[0], start2 && !take || break_first2 && !take_empty};
       if (lost_now_q[1]) lost_o <= lost_o + 32'd1;
 
       if (state_q == StIdle) begin
@@ -181,7 +191,7 @@ module sp_packetizer #(
         left_q     <= left_q - PayloadBits'(1);
         one_left_q <= left_q == PayloadBits'(2);
       end
-      if (break_later_q[3] && accept_o) status_q <= status3_q;
+      if (break_later3 && accept_o) status_q <= status3_q;
       if (state_q == StHeader && step_q == 2'd0) sequence_q <= sequence_i;
     end
   end
@@ -189,10 +199,10 @@ module sp_packetizer #(
   // --- The beat for the FIFO. Its four words have few sources each: what the header and the trailer have in common stands
   // at the same place. ---
   always_ff @(posedge clk_i) begin
-    if (rst_i || state_q == StIdle) begin
+    if (rst_i) begin
       fifo_valid_o <= 1'b0;
       fifo_last_o  <= 1'b0;
-    end else begin
+    end else if (state_q != StIdle) begin
       fifo_valid_o <= state_q == StHeader || put_payload || state_q == StTrailer && step_q == 2'd2;
       fifo_last_o  <= state_q == StTrailer;
     end
@@ -289,20 +299,23 @@ module sp_packetizer #(
   end
   assign f_after = f_left_q - FLeftBits'(fifo_valid_o);
   always_comb if (f_ran_q && !rst_i) begin
-    assert (f_asked_q == f_taken_q + lost_o[3:0] + 4'(start_q[1]) + 4'(start_q[2]) + 4'(break_first_q[1]) +
-            4'(break_first_q[2]) + 4'(lost_now_q[0]) + 4'(lost_now_q[1]));
-    assert (!(start_q[1] && break_first_q[1]) && !(start_q[2] && break_first_q[2]));
-    if (break_first_q[1]) assert (payload1_q == '0);
-    if (break_first_q[2]) assert (payload2_q == '0);
-    if (start_q[1]) assert (payload1_q != '0);
-    if (start_q[2]) assert (payload2_q != '0);
+    assert (f_asked_q == f_taken_q + lost_o[3:0] + 4'(asked_q[2]) + 4'(start2) + 4'(asked_q[1]) +
+            4'(break_first2) + 4'(lost_now_q[0]) + 4'(lost_now_q[1]));
+    assert (!(asked_q[2] && asked_q[1]) && !(start2 && break_first2));
+    if (asked_q[1]) assert (payload1_q == '0);
+    if (break_first2) assert (payload2_q == '0);
+    if (asked_q[2]) assert (payload1_q != '0);
+    if (start2) assert (payload2_q != '0);
     if (fifo_valid_o) assert (f_left_q != '0 && f_free_q != '0);
     if (fifo_valid_o) assert (fifo_last_o == (f_left_q == FLeftBits'(1)));
     assert (CountBits'(f_free_q) >= CountBits'(f_left_q));
-    if (start_q[1] || break_first_q[1]) assert (need1_q == CountBits'(payload1_q) + CountBits'(Overhead));
-    if ((start_q[2] || break_first_q[2]) && room2_q && state_q == StIdle) begin
+    if (asked_q[2] || asked_q[1]) assert (need1_q == CountBits'(payload1_q) + CountBits'(Overhead));
+    if ((start2 || break_first2) && room2_q && state_q == StIdle) begin
       assert (CountBits'(f_free_q) >= CountBits'(payload2_q) + CountBits'(Overhead));
     end
+    // A loss on its way to the counter keeps the block awake.
+    if (lost_now_q[0]) assert (asked_q[8] || asked_q[7]);
+    if (lost_now_q[1]) assert (asked_q[11] || asked_q[10]);
     case (state_q)
       StIdle:    assert (f_left_q == '0 && !fifo_valid_o);
       StHeader: begin

@@ -79,9 +79,13 @@ module sp_registers #(
   assign decode_good  = Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
   assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
 
+  // Without an access, and without a take-over, nothing moves.
+  logic awake;
+  assign awake = request_i || request_q || answer_o || take_i;
+
   always_ff @(posedge clk_i) begin
     if (rst_i) request_q <= 1'b0;
-    else request_q <= request_i;
+    else if (awake) request_q <= request_i;
     if (request_i) begin
       write_q   <= write_i;
       address_q <= address_i;
@@ -129,37 +133,41 @@ module sp_registers #(
       size_written_q         <= 1'b1;
       pending_q              <= 1'b1;
     end else begin
-      size_written_q <= write && address_q == sp_spec_pkg::RegSize;
-      if (write && (address_q == sp_spec_pkg::RegControl || address_q == sp_spec_pkg::RegSize ||
-                    address_q == sp_spec_pkg::RegMeasure || address_q == sp_spec_pkg::RegDecode)) pending_q <= 1'b1;
-      else if (take_i) pending_q <= 1'b0;
-      if (write) begin
-        case (address_q)
-          sp_spec_pkg::RegControl: begin
-            run_o   <= data_i[sp_spec_pkg::RegControlRunLsb];
-            hold_q  <= data_i[sp_spec_pkg::RegControlHoldLsb];
-            image_o <= image_wanted;
-          end
-          sp_spec_pkg::RegSize: begin
-            columns_o <= data_i[sp_spec_pkg::RegSizeColumnsLsb+:ColumnBits];
-            rows_o    <= data_i[sp_spec_pkg::RegSizeRowsLsb+:RowBits];
-          end
-          sp_spec_pkg::RegMeasure: begin
-            threshold_o <= data_i[sp_spec_pkg::RegMeasureThresholdLsb+:8];
-            mode_o      <= data_i[sp_spec_pkg::RegMeasureModeLsb+:2];
-            stream_o    <= data_i[sp_spec_pkg::RegMeasureStreamLsb+:8];
-          end
-          sp_spec_pkg::RegTimeout: timeout_o <= data_i[23:0];
-          sp_spec_pkg::RegTriggerControl: begin
-            trigger_run_o          <= data_i[sp_spec_pkg::RegTriggerControlRunLsb];
-            trigger_on_frame_o     <= data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
-            trigger_last_pattern_o <= data_i[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
-          end
-          sp_spec_pkg::RegTriggerPeriod: trigger_period_o <= data_i[23:0];
-          sp_spec_pkg::RegTriggerCamera: trigger_camera_o <= data_i[23:0];
-          sp_spec_pkg::RegTriggerWidth: trigger_width_o <= data_i[15:0];
-          default: ;
-        endcase
+      if (awake) begin
+        size_written_q <= write && address_q == sp_spec_pkg::RegSize;
+        if (write && (address_q == sp_spec_pkg::RegControl || address_q == sp_spec_pkg::RegSize ||
+                      address_q == sp_spec_pkg::RegMeasure || address_q == sp_spec_pkg::RegDecode)) pending_q <= 1'b1;
+        else if (take_i) pending_q <= 1'b0;
+      end
+      if (request_q) begin
+        if (write) begin
+          case (address_q)
+            sp_spec_pkg::RegControl: begin
+              run_o   <= data_i[sp_spec_pkg::RegControlRunLsb];
+              hold_q  <= data_i[sp_spec_pkg::RegControlHoldLsb];
+              image_o <= image_wanted;
+            end
+            sp_spec_pkg::RegSize: begin
+              columns_o <= data_i[sp_spec_pkg::RegSizeColumnsLsb+:ColumnBits];
+              rows_o    <= data_i[sp_spec_pkg::RegSizeRowsLsb+:RowBits];
+            end
+            sp_spec_pkg::RegMeasure: begin
+              threshold_o <= data_i[sp_spec_pkg::RegMeasureThresholdLsb+:8];
+              mode_o      <= data_i[sp_spec_pkg::RegMeasureModeLsb+:2];
+              stream_o    <= data_i[sp_spec_pkg::RegMeasureStreamLsb+:8];
+            end
+            sp_spec_pkg::RegTimeout: timeout_o <= data_i[23:0];
+            sp_spec_pkg::RegTriggerControl: begin
+              trigger_run_o          <= data_i[sp_spec_pkg::RegTriggerControlRunLsb];
+              trigger_on_frame_o     <= data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
+              trigger_last_pattern_o <= data_i[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
+            end
+            sp_spec_pkg::RegTriggerPeriod: trigger_period_o <= data_i[23:0];
+            sp_spec_pkg::RegTriggerCamera: trigger_camera_o <= data_i[23:0];
+            sp_spec_pkg::RegTriggerWidth: trigger_width_o <= data_i[15:0];
+            default: ;
+          endcase
+        end
       end
     end
   end
@@ -172,8 +180,10 @@ module sp_registers #(
       answer_o    <= 1'b0;
       time_high_q <= '0;
     end else begin
-      answer_o <= request_q;
-      if (request_q && !write_q && address_q == sp_spec_pkg::RegTimeLow) time_high_q <= time_i[63:32];
+      if (awake) answer_o <= request_q;
+      if (request_q) begin
+        if (!write_q && address_q == sp_spec_pkg::RegTimeLow) time_high_q <= time_i[63:32];
+      end
     end
   end
 

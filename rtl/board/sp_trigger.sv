@@ -27,57 +27,71 @@ module sp_trigger (
   output logic      [15:0] pattern_o
 );
 
+  logic        wanted;         // there is something to do
+  logic [1:0]  wanted_q;       // there was, a clock and two clocks ago
+  logic        awake;
   logic        running_q;
-  logic [23:0] left_q;         // clocks left of the period
+  logic [23:0] count_q;        // clocks since the period began
   logic        begins;         // a period begins
   logic        begun_q;
-  logic [23:0] camera_left_q;  // clocks left to the camera pulse
-  logic        camera_wait_q;
-  logic        camera_now;
+  logic        camera_now_q;   // the camera pulse begins
   logic [7:0]  shown_q;        // pattern on the projector
   logic [7:0]  pattern_q;
   logic [15:0] projector_on_q;
   logic [15:0] camera_on_q;
 
-  assign begins     = run_i && (!running_q || left_q == 24'd1);
-  assign camera_now = camera_wait_q && camera_left_q == 24'd0;
-  assign pattern_o  = {8'd0, pattern_q};
+  // Two clocks after run_i and on_frame_i have gone low everything stands at 0: nothing moves then.
+  assign wanted    = run_i || on_frame_i;
+  assign awake     = wanted || wanted_q != '0;
+  assign pattern_o = {8'd0, pattern_q};
+
+  always_comb begin
+    begins = 1'b0;
+    if (run_i) begins = !running_q || count_q == period_i;
+  end
 
   always_ff @(posedge clk_i) begin
-    if (rst_i || !run_i) begin
-      running_q      <= 1'b0;
-      begun_q        <= 1'b0;
-      camera_wait_q  <= 1'b0;
-      projector_on_q <= '0;
-      camera_on_q    <= '0;
-    end else begin
-      running_q <= 1'b1;
-      begun_q   <= begins;
-      if (begins) camera_wait_q <= 1'b1;
-      else if (camera_now) camera_wait_q <= 1'b0;
+    if (rst_i) wanted_q <= '1;
+    else if (awake) wanted_q <= {wanted_q[0], wanted};
+  end
 
-      if (begun_q) projector_on_q <= width_i;
-      else if (projector_on_q != '0) projector_on_q <= projector_on_q - 16'd1;
-      if (camera_now) camera_on_q <= width_i;
-      else if (camera_on_q != '0) camera_on_q <= camera_on_q - 16'd1;
+  always_ff @(posedge clk_i) begin
+    if (awake) begin
+      if (rst_i || !run_i) begin
+        running_q      <= 1'b0;
+        begun_q        <= 1'b0;
+        camera_now_q   <= 1'b0;
+        projector_on_q <= '0;
+        camera_on_q    <= '0;
+      end else begin
+        running_q    <= 1'b1;
+        begun_q      <= begins;
+        camera_now_q <= begins ? camera_i == 24'd0 : count_q == camera_i;
+
+        if (begun_q) projector_on_q <= width_i;
+        else if (projector_on_q != '0) projector_on_q <= projector_on_q - 16'd1;
+        if (camera_now_q) camera_on_q <= width_i;
+        else if (camera_on_q != '0) camera_on_q <= camera_on_q - 16'd1;
+      end
     end
   end
 
   always_ff @(posedge clk_i) begin
     if (run_i) begin
-      left_q        <= begins ? period_i : left_q - 24'd1;
-      camera_left_q <= begins ? camera_i : camera_left_q - 24'd1;
+      count_q <= begins ? 24'd1 : count_q + 24'd1;
+      if (begins) shown_q <= !running_q || shown_q == last_pattern_i ? 8'd0 : shown_q + 8'd1;
     end
-    if (begins) shown_q <= !running_q || shown_q == last_pattern_i ? 8'd0 : shown_q + 8'd1;
-
-    if (rst_i || !run_i && !on_frame_i) pattern_q <= '0;
-    else if (run_i && camera_now) pattern_q <= shown_q;
-    else if (!run_i && captured_i) pattern_q <= pattern_q == last_pattern_i ? 8'd0 : pattern_q + 8'd1;
   end
 
   always_ff @(posedge clk_i) begin
-    projector_o <= projector_on_q != '0;
-    camera_o    <= camera_on_q != '0;
+    if (awake) begin
+      projector_o <= projector_on_q != '0;
+      camera_o    <= camera_on_q != '0;
+
+      if (rst_i || !wanted) pattern_q <= '0;
+      else if (run_i && camera_now_q) pattern_q <= shown_q;
+      else if (!run_i && captured_i) pattern_q <= pattern_q == last_pattern_i ? 8'd0 : pattern_q + 8'd1;
+    end
   end
 
 endmodule

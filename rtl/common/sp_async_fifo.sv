@@ -23,9 +23,12 @@ module sp_async_fifo #(
   output logic      [Width-1:0] rd_data_o
 );
 
+  function automatic logic [LogDepth:0] gray_of(input logic [LogDepth:0] binary);
+    gray_of = binary ^ (binary >> 1);
+  endfunction
+
   // write side
   logic [LogDepth:0] wr_ptr_q;
-  logic [LogDepth:0] wr_next;
   logic [LogDepth:0] wr_gray_q;
   logic [LogDepth:0] rd_gray_seen;
   logic [LogDepth:0] rd_bin_seen;
@@ -33,21 +36,23 @@ module sp_async_fifo #(
 
   // read side
   logic [LogDepth:0] rd_ptr_q;
-  logic [LogDepth:0] rd_next;
   logic [LogDepth:0] rd_gray_q;
   logic [LogDepth:0] wr_gray_seen;
   logic              fetch;
 
-  assign write   = wr_valid_i && wr_free_o != '0;
-  assign wr_next = wr_ptr_q + 1'b1;
+  // Full: the Gray codes of two pointers that are the depth apart differ in their two highest bits, and only there.
+  always_comb begin
+    write = 1'b0;
+    if (wr_valid_i) write = wr_gray_q != {~rd_gray_seen[LogDepth-:2], rd_gray_seen[LogDepth-2:0]};
+  end
 
   always_ff @(posedge wr_clk_i) begin
     if (wr_rst_i) begin
       wr_ptr_q  <= '0;
       wr_gray_q <= '0;
     end else if (write) begin
-      wr_ptr_q  <= wr_next;
-      wr_gray_q <= wr_next ^ (wr_next >> 1);
+      wr_ptr_q  <= wr_ptr_q + 1'b1;
+      wr_gray_q <= gray_of(wr_ptr_q + 1'b1);
     end
   end
 
@@ -66,17 +71,15 @@ module sp_async_fifo #(
   );
 
   // Gray to binary: bit i is the exclusive or of all bits from i on, for up to 16 bits
-  logic [LogDepth:0] fold1, fold2, fold4;
-  assign fold1       = rd_gray_seen ^ (rd_gray_seen >> 1);
-  assign fold2       = fold1 ^ (fold1 >> 2);
-  assign fold4       = fold2 ^ (fold2 >> 4);
-  assign rd_bin_seen = fold4 ^ (fold4 >> 8);
+  assign rd_bin_seen = rd_gray_seen ^ (rd_gray_seen >> 1) ^ (rd_gray_seen >> 2) ^ (rd_gray_seen >> 3) ^
+                       (rd_gray_seen >> 4) ^ (rd_gray_seen >> 5) ^ (rd_gray_seen >> 6) ^ (rd_gray_seen >> 7) ^
+                       (rd_gray_seen >> 8) ^ (rd_gray_seen >> 9) ^ (rd_gray_seen >> 10) ^ (rd_gray_seen >> 11) ^
+                       (rd_gray_seen >> 12) ^ (rd_gray_seen >> 13) ^ (rd_gray_seen >> 14) ^ (rd_gray_seen >> 15);
 
   // depth + read - written
-  assign wr_free_o = {!rd_bin_seen[LogDepth], rd_bin_seen[LogDepth-1:0]} - wr_ptr_q;
+  assign wr_free_o = (rd_bin_seen ^ {1'b1, {LogDepth{1'b0}}}) - wr_ptr_q;
 
-  assign fetch   = rd_gray_q != wr_gray_seen && (!rd_valid_o || rd_ready_i);
-  assign rd_next = rd_ptr_q + 1'b1;
+  assign fetch = rd_gray_q != wr_gray_seen && (!rd_valid_o || rd_ready_i);
 
   always_ff @(posedge rd_clk_i) begin
     if (rd_rst_i) begin
@@ -85,8 +88,8 @@ module sp_async_fifo #(
       rd_valid_o <= 1'b0;
     end else begin
       if (fetch) begin
-        rd_ptr_q  <= rd_next;
-        rd_gray_q <= rd_next ^ (rd_next >> 1);
+        rd_ptr_q  <= rd_ptr_q + 1'b1;
+        rd_gray_q <= gray_of(rd_ptr_q + 1'b1);
       end
       if (fetch) rd_valid_o <= 1'b1;
       else if (rd_ready_i) rd_valid_o <= 1'b0;

@@ -26,7 +26,6 @@ module sp_packet_fifo #(
 
   // Packets written, Gray coded: it moves one step a packet, so it may cross as it is.
   logic [LogDepth:0] written_q;
-  logic [LogDepth:0] written_next;
   logic [LogDepth:0] written_gray_q;
   logic [LogDepth:0] written_gray_seen;
   logic [LogDepth:0] read_q;
@@ -34,15 +33,17 @@ module sp_packet_fifo #(
   logic              word_valid;
   logic              whole;  // all of the packet at the output is in the FIFO
 
-  assign written_next = written_q + 1'b1;
+  function automatic logic [LogDepth:0] gray_of(input logic [LogDepth:0] binary);
+    gray_of = binary ^ (binary >> 1);
+  endfunction
 
   always_ff @(posedge wr_clk_i) begin
     if (wr_rst_i) begin
       written_q      <= '0;
       written_gray_q <= '0;
     end else if (wr_valid_i && wr_last_i) begin
-      written_q      <= written_next;
-      written_gray_q <= written_next ^ (written_next >> 1);
+      written_q      <= written_q + 1'b1;
+      written_gray_q <= gray_of(written_q + 1'b1);
     end
   end
 
