@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # resources.sh [--update] [--depth N] [MODULE]: what the circuit takes of a Spartan-3, mapped by Yosys.
 #
-# For MODULE (default sp_board) in three configurations: a Markdown table, block by block: the blocks MODULE instantiates
+# For MODULE (default sp_board) in four configurations: a Markdown table, block by block: the blocks MODULE instantiates
 # are kept apart, each flattened within (--depth 2 shows where one keeps blocks of its own); and the total with everything
 # flattened, as a user would build it. A configuration sets the
-# parameters MaxColumns, MaxRows, Grey and Image as far as MODULE has them. Warnings of Yosys go to stderr.
+# parameters MaxColumns, MaxRows, Grey, Image, Codes and CodeBits as far as MODULE has them. Warnings of Yosys go to stderr.
 # --update writes the tables into rtl/README.md, between its markers.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -35,6 +35,7 @@ done
 configurations=(
   "the original's image: 512 columns, 127 rows, binary|MaxColumns=512 MaxRows=127 Grey=0 Image=0"
   "with grey: 512 columns, 127 rows|MaxColumns=512 MaxRows=127 Grey=1 Image=0"
+  "with the Gray-code decoder on chip: 512 columns, 127 rows, binary, codes of 8 bits with median|MaxColumns=512 MaxRows=127 Grey=0 Image=0 Codes=1 CodeBits=8"
   "the default maxima: 2048 columns, 1023 rows, grey, raw image|MaxColumns=2048 MaxRows=1023 Grey=1 Image=1"
 )
 

@@ -47,6 +47,9 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+// Nothing lies below the plane: what is found deeper than this, mm, for quantization, is a wrong code.
+constexpr double kBelowPlane = 15;
+
 std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{:.4f}", value) : ""; }
 
 // What is measured in a depth image and in the truth beside it.
@@ -66,7 +69,7 @@ class Measurement {
       : options_(options),
         rig_(rig),
         renderer_(rig, scene, options.render),
-        triangulation_(rig, options.bits),
+        triangulation_(rig, options.bits, {0, rig.plane_z_mm + kBelowPlane}),
         scanner_(triangulation_,
                  {rig.measure.code_threshold, options.median, false, static_cast<float>(options.min_difference_mm)}),
         assembler_(spec::kKindCodes, 0, rig.camera.rows, rig.camera.columns),

@@ -539,10 +539,11 @@ bool PatternRenderer::is_smooth(const std::array<Nodes, 3>& looks) {
   constexpr Spot kBend{0.5F, 0.25F, 0.25F, 3, 3};
   constexpr Spot kInTime{kDepthTolerance, 0.05F, 0.05F, kGreyTolerance, kGreyTolerance};
   for (std::size_t n = 0; n < looks[0].size(); ++n) {
+    const std::size_t row = n / 3;
+    const std::size_t column = n % 3;
     for (const Nodes& nodes : looks) {
       const Corners corners{nodes[0].spot, nodes[2].spot, nodes[6].spot, nodes[8].spot};
-      if (!alike(nodes[n].spot, between(corners, static_cast<float>(n / 3) / 2, static_cast<float>(n % 3) / 2),
-                 kBend)) {
+      if (!alike(nodes[n].spot, between(corners, static_cast<float>(row) / 2, static_cast<float>(column) / 2), kBend)) {
         return false;
       }
     }

@@ -146,7 +146,7 @@ class Fist final : public Desk {
       bodies.push_back(std::make_unique<Capsule>(c + Point3{x, -20, -14}, c + Point3{x, 14, -18}, 9, kSkin));
     }
     bodies.push_back(
-        std::make_unique<Capsule>(c + Point3{10, 40, 8}, Point3{90, 420, plane_z_ - 120}, 28, kBlackSleeve));
+        std::make_unique<Capsule>(c + Point3{10, 40, 8}, Point3{60, 420, plane_z_ - 40}, 28, kBlackSleeve));
     return bodies;
   }
   [[nodiscard]] double body_speed() const override {
