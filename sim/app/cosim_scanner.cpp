@@ -147,7 +147,8 @@ class Measurement {
     constexpr double kTo = 0.17;
     constexpr double kStep = 3;  // mm
     constexpr std::size_t kRings = 40;
-    constexpr double kLeast = 0.4;  // mm
+    constexpr double kLeast = 0.5;  // mm
+    constexpr double kMost = 10;
     constexpr double kX = PoolWave::kWidth / 2;
     constexpr double kY = PoolWave::kLength / 2;
     if (t - PoolWave::kImpact < kFrom || t - PoolWave::kImpact > kTo) {
@@ -157,7 +158,7 @@ class Measurement {
         triangulation_,
         {PoolWave::kImpactX, PoolWave::kImpactY, PoolWave::kCentreX - kX, PoolWave::kCentreX + kX, -kY, kY}, kStep,
         kRings);
-    return foremost_crest(rings, rings.means(depth, background), kLeast);
+    return foremost_crest(rings, rings.means(depth, background, kMost), kLeast);
   }
 
   // All pixels that have a depth, and light in truth.

@@ -98,13 +98,13 @@ LineFit fit_line(const std::vector<double>& t, const std::vector<double>& y) {
 RingMeans::RingMeans(const Triangulation& triangulation, const Place& place, double step, std::size_t count)
     : triangulation_(triangulation), place_(place), step_(step), count_(count) {}
 
-std::vector<double> RingMeans::means(const FloatImage& depth, const FloatImage& background) const {
+std::vector<double> RingMeans::means(const FloatImage& depth, const FloatImage& background, double most) const {
   constexpr std::size_t kFewest = 20;
   std::vector<double> sums(count_, 0.0);
   std::vector<std::size_t> pixels(count_, 0);
   for (std::size_t i = 0; i < depth.values.size(); ++i) {
     const float rise = background.values[i] - depth.values[i];
-    if (std::isnan(rise)) {
+    if (!(std::abs(static_cast<double>(rise)) <= most)) {
       continue;
     }
     const Point3f p = triangulation_.point(i, background.values[i]);
@@ -122,10 +122,17 @@ std::vector<double> RingMeans::means(const FloatImage& depth, const FloatImage& 
   for (std::size_t ring = 0; ring < count_; ++ring) {
     sums[ring] = pixels[ring] < kFewest ? kNan : sums[ring] / static_cast<double>(pixels[ring]);
   }
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<double> before = sums;
+    for (std::size_t ring = 1; ring + 1 < count_; ++ring) {
+      sums[ring] = (before[ring - 1] + 2 * before[ring] + before[ring + 1]) / 4;
+    }
+  }
   return sums;
 }
 
 double foremost_crest(const RingMeans& rings, const std::vector<double>& means, double least) {
+  constexpr double kShare = 0.8;
   double greatest = least;
   for (const double mean : means) {
     greatest = mean > greatest ? mean : greatest;
@@ -134,7 +141,7 @@ double foremost_crest(const RingMeans& rings, const std::vector<double>& means, 
     const double a = means[i - 1];
     const double b = means[i];
     const double c = means[i + 1];
-    if (b >= least && b >= greatest / 2 && b >= a && b > c) {
+    if (b >= least && b >= kShare * greatest && b >= a && b > c) {
       const double bend = a - 2 * b + c;
       const double off = bend < 0 ? 0.5 * (a - c) / bend : 0;
       return rings.radius(i) + off * (rings.radius(1) - rings.radius(0));

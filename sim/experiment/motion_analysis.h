@@ -39,9 +39,10 @@ class RingMeans {
   };
   RingMeans(const Triangulation& triangulation, const Place& place, double step, std::size_t count);
 
-  // Means of background - depth over the pixels that have both, by the background's points; NaN for rings of fewer than
-  // 20 pixels.
-  [[nodiscard]] std::vector<double> means(const FloatImage& depth, const FloatImage& background) const;
+  // Means of background - depth over the pixels that have both and differ by no more than `most` mm (more is a wrong
+  // code), by the background's points; each ring's with a quarter of both neighbours', twice over. NaN for rings of
+  // fewer than 20 pixels and beside them.
+  [[nodiscard]] std::vector<double> means(const FloatImage& depth, const FloatImage& background, double most) const;
 
   [[nodiscard]] double radius(std::size_t ring) const { return (static_cast<double>(ring) + 0.5) * step_; }
 
@@ -52,8 +53,8 @@ class RingMeans {
   std::size_t count_;
 };
 
-// The radius of the foremost crest: from outside, the first greatest mean that is at least `least` and half of the
-// greatest of all; its place by a parabola through it and its neighbours. NaN where there is none.
+// The radius of the foremost crest: from outside, the first local maximum that is at least `least` and four fifths of
+// the greatest of all; its place by a parabola through it and its neighbours. NaN where there is none.
 double foremost_crest(const RingMeans& rings, const std::vector<double>& means, double least);
 
 }  // namespace selfproj
