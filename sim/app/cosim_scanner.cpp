@@ -279,9 +279,11 @@ Findings wave_findings(const std::vector<Sample>& samples) {
   const auto true_front = column(samples, [](const Sample& s) { return s.true_front; });
   const LineFit fit = fit_line(t, front);
   const LineFit true_fit = fit_line(t, true_front);
+  constexpr double kCmPerMm = 0.1;
   if (std::isfinite(fit.slope)) {
-    constexpr double kCmPerMm = 0.1;
     found.facts.push_back({"front_cm_per_s", "wave front", fit.slope * kCmPerMm, "cm/s"});
+  }
+  if (std::isfinite(true_fit.slope)) {
     found.facts.push_back({"true_front_cm_per_s", "... in the true depths", true_fit.slope * kCmPerMm, "cm/s"});
     found.facts.push_back({"theory_cm_per_s", "√(g h) at 3 cm", PoolWave::kSpeed * kCmPerMm, "cm/s"});
   }
