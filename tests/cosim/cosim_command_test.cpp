@@ -340,15 +340,14 @@ TEST_F(Cosim, RealCaptures) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(last_line(outcome.out), "matched 3200 columns in 10 frames, 0 mismatches");
   EXPECT_TRUE(fs::exists(folder_ / "out/frame_10.png"));
-  // The line is where the captures' owner found it, where both did (a white pixel a column in a picture of his), within
-  // 2 rows in 86 % of the columns. In the others there is more that differs between the two images, which he ignores
-  // and the moments of a whole column do not.
+  // The line is where the captures' owner found it, where both did: a white pixel a column in a picture of his. Without
+  // the first sample, whose two images were not exposed alike, so that their difference is light all over.
   const FloatImage centroid = read_float_tiff(folder_ / "out/centroid.tiff");
   ASSERT_EQ(centroid.rows, 10);
   int both = 0;
   int near = 0;
   const std::vector<std::string> order{"1", "10", "2", "3", "4", "5", "6", "7", "8", "9"};  // of the names
-  for (int i = 0; i < 10; ++i) {
+  for (int i = 1; i < 10; ++i) {
     const std::string name = "sample" + order[static_cast<std::size_t>(i)];
     const cv::Mat owner = cv::imread(captures / name / ("_" + name + "-line-3.jpg"), cv::IMREAD_GRAYSCALE);
     ASSERT_EQ(owner.cols, 320) << name;
@@ -366,7 +365,7 @@ TEST_F(Cosim, RealCaptures) {
   RecordProperty("columns", both);
   RecordProperty("near", near);
   EXPECT_GT(both, 1000);
-  EXPECT_GE(near, both * 85 / 100);
+  EXPECT_GE(near, both * 96 / 100);  // 1848 of 1908 as measured
 }
 
 #endif
