@@ -10,7 +10,7 @@ case "${1:-}" in
   --no-build) ;;
   "")
     cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG" -DSELFPROJ_COVERAGE=ON >/dev/null
-    cmake --build "$build" --target rtl_blocks board_test
+    cmake --build "$build" --target rtl_blocks board_test board_codes_test
     ;;
   *)
     echo "usage: coverage.sh [--no-build]" >&2
@@ -21,5 +21,5 @@ esac
 rm -rf "$build/counts"
 mkdir -p "$build/counts"
 SELFPROJ_COVERAGE_FILE="$PWD/$build/counts/coverage.dat" \
-  ctest --test-dir "$build" --tests-regex '^(blocks|Board|OriginalBoard)[.]' --parallel "$(nproc)" --output-on-failure --progress
+  ctest --test-dir "$build" --tests-regex '^(blocks|Board|OriginalBoard|CodesBoard|RawCodesBoard)[.]' --parallel "$(nproc)" --output-on-failure --progress
 python3 scripts/coverage_report.py --exceptions tests/rtl/coverage_exceptions.txt "$build/counts"
