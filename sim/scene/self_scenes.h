@@ -33,12 +33,12 @@ struct Cuboids {
 
 // B7: a slider 100 mm high along y; on it a plate 3 mm thick with a mouse moves along y.
 struct MouseRun {
-  static constexpr Box kSlider{-25, 45, -230, 230};
+  static constexpr Box kSlider{-5, 65, -230, 230};
   static constexpr double kSliderHeight = 100;
   static constexpr double kPlateHeight = 103;  // of its top over the plane: z = 447
   static constexpr double kSpeed = 300;        // mm/s
   static constexpr double kStart = -90;        // mm, y of its middle at t = 0
-  static constexpr double kX = 10;             // x of its middle
+  static constexpr double kX = 30;             // x of its middle: there its top is within 16 codes of the slider
   static constexpr double kHeight = 26.5;      // of the mouse
   static constexpr double kWidth = 38.5;       // along x
   static constexpr double kLength = 68.2;      // along y

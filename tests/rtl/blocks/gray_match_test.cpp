@@ -1,0 +1,49 @@
+// The matching block against its model.
+#include "model/gray_match.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "Vsp_gray_match_ports.h"
+#include "Vsp_gray_match_small_ports.h"
+#include "tests/rtl/blocks/gray_match_bench.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+template <typename Dut>
+void random_frames(const GrayMatchBuild& build, int cases) {
+  for (const std::uint64_t seed : seeds(cases)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    GrayMatchBench<Dut> bench(random, build);
+    bench.late_permille = random.chance(50) ? 0 : random.between(1, 20);
+    play_match_frames(bench, build, 20, random);
+  }
+}
+
+TEST(GrayMatch, RandomFramesEqualTheModel) { random_frames<Vsp_gray_match>({1024, 4, 2}, 40); }
+TEST(GrayMatchSmall, RandomFramesEqualTheModel) { random_frames<Vsp_gray_match_small>({6, 2, 5}, 40); }
+
+// The model itself, by its definition.
+TEST(GrayMatchModel, TakesTheWordOfPixelAndCode) {
+  const std::vector<std::uint16_t> table{10, 11, 12, 13, 20, 21, 22, 23, 30, 31, 32, 33};
+  const std::vector<std::uint16_t> codes{0x8000, 0x8003, 0x0001};
+  std::vector<std::uint16_t> lines(3);
+  GrayMatch::look_up(codes.data(), 3, 2, table.data(), lines.data());
+  EXPECT_EQ(lines, (std::vector<std::uint16_t>{10, 23, GrayMatch::kNone}));
+  const std::uint16_t too_large = 0x8004;
+  GrayMatch::look_up(&too_large, 1, 2, table.data(), lines.data());
+  EXPECT_EQ(lines[0], GrayMatch::kNone);
+  EXPECT_THROW(GrayMatch::look_up(codes.data(), 3, 9, table.data(), lines.data()), std::invalid_argument);
+  EXPECT_EQ(GrayMatch::word_of(2.5), 160);
+  EXPECT_EQ(GrayMatch::word_of(-1), GrayMatch::kNone);
+  EXPECT_EQ(GrayMatch::word_of(1023.99), 65535);  // is none
+  EXPECT_EQ(GrayMatch::line_of(160), 2.5);
+}
+
+}  // namespace
+}  // namespace selfproj::test
