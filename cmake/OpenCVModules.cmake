@@ -1,11 +1,11 @@
-# Targets opencv::core, opencv::imgproc and opencv::imgcodecs.
+# Targets opencv::core, opencv::imgproc, opencv::imgcodecs and opencv::calib3d.
 #
 # Debian packs OpenCVConfig.cmake only with the package of all modules (libopencv-dev, several hundred MB with what it
 # needs); headers and libraries come module by module, so they are looked up here one by one.
 find_path(SELFPROJ_OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 mark_as_advanced(SELFPROJ_OPENCV_INCLUDE_DIR)
 
-foreach(module core imgproc imgcodecs)
+foreach(module core imgproc imgcodecs calib3d)
   if(TARGET opencv::${module})
     continue()
   endif()
@@ -18,6 +18,7 @@ foreach(module core imgproc imgcodecs)
 endforeach()
 set_property(TARGET opencv::imgproc APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::core)
 set_property(TARGET opencv::imgcodecs APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::imgproc)
+set_property(TARGET opencv::calib3d APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::imgproc)
 
 # selfproj_find_opencv_structured_light(FOUND): the peer that decoding is compared with, in package libopencv-contrib-dev,
 # which brings several hundred MB along. Optional: FOUND is true where it is there, as target opencv::structured_light.

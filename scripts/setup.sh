@@ -9,6 +9,7 @@ packages=(
   z3                                         # proofs
   libsystemc-dev                             # co-simulation
   libopencv-core-dev libopencv-imgcodecs-dev libopencv-imgproc-dev  # image files, colour conversion
+  libopencv-calib3d-dev                      # calibration
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   nlohmann-json3-dev                         # summaries
   libgtest-dev libbenchmark-dev              # tests, benchmarks

@@ -26,6 +26,7 @@
 #include "host/gray/fast_decoder.h"
 #include "host/gray/lens_triangulation.h"
 #include "host/gray/point_cloud.h"
+#include "host/gray/rig_calibration.h"
 #include "host/gray/scanner.h"
 #include "host/gray/triangulation.h"
 #include "host/io/float_image.h"
@@ -161,11 +162,32 @@ void check_size(const std::string& geometry, int rows, int columns, const Source
   }
 }
 
-std::unique_ptr<PlaneTriangulation> rig_triangulation(const Options& options, const Source& source) {
+std::unique_ptr<LensTriangulation> with_lens(const std::string& name, const Calibration& calibration,
+                                             const LensSettings& settings) {
+  try {
+    return std::make_unique<LensTriangulation>(calibration, settings);
+  } catch (const std::invalid_argument& error) {
+    throw UserError(name, error.what());
+  }
+}
+
+// The full model of a calibrated rig, the pinholes of any other.
+std::unique_ptr<Triangulation> rig_triangulation(const Options& options, const Source& source) {
   Rig rig = load_rig(options.rig);
   check_size("--rig " + options.rig, rig.camera.rows, rig.camera.columns, source);
   if (std::isfinite(options.limits.max_z_per_line_mm)) {
     rig.measure.max_z_per_line_mm = options.limits.max_z_per_line_mm;
+  }
+  if (rig.calibration) {
+    LensSettings settings;
+    settings.rows = source.rows;
+    settings.columns = source.columns;
+    settings.bits = options.bits;
+    settings.lines = rig.projector.lines;
+    settings.limits = options.limits;
+    settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
+    settings.rows_are_x = true;
+    return with_lens(options.rig, calibration_of(rig), settings);
   }
   return std::make_unique<PlaneTriangulation>(rig, options.bits, options.limits);
 }
@@ -178,11 +200,7 @@ std::unique_ptr<LensTriangulation> lens_triangulation(const Options& options, co
   const LensSettings settings{
       source.rows,       source.columns,          options.bits,  options.row_bits, options.lines,
       options.row_lines, options.max_residual_px, options.limits};
-  try {
-    return std::make_unique<LensTriangulation>(calibration, settings);
-  } catch (const std::invalid_argument& error) {
-    throw UserError(options.calibration, error.what());
-  }
+  return with_lens(options.calibration, calibration, settings);
 }
 
 std::unique_ptr<Triangulation> triangulation_for(const Options& options, const Source& source) {

@@ -1,6 +1,7 @@
 // selfproj: what runs on the production PC.
 
 #include "host/app/accuracy_command.h"
+#include "host/app/calibrate_command.h"
 #include "host/app/depth_command.h"
 #include "host/app/devices_command.h"
 #include "host/app/inspect_command.h"
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
       [](CLI::App& app) {
         selfproj::add_rig_command(app);
         selfproj::add_pattern_command(app);
+        selfproj::add_calibrate_command(app);
         selfproj::add_depth_command(app);
         selfproj::add_match_command(app);
         selfproj::add_accuracy_command(app);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host/gray/rig_calibration.h"
 #include "host/io/stderr_capture.h"
 #include "host/io/user_error.h"
 
@@ -65,9 +66,10 @@ class Reader {
     return values;
   }
 
-  Lens lens(const std::string& name) const {
+  Lens lens(const std::string& name, bool may_be_mirrored) const {
     const std::vector<double> m = numbers(name + "_K", 9);
-    if (!(m[0] > 0 && m[4] > 0) || m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
+    if (!(m[0] > 0 && (m[4] > 0 || (may_be_mirrored && m[4] < 0))) || m[1] != 0 || m[3] != 0 || m[6] != 0 ||
+        m[7] != 0 || m[8] != 1) {
       throw UserError(file_, name + "_K is no camera matrix (fx, 0, cx; 0, fy, cy; 0, 0, 1)");
     }
     const std::vector<double> k = numbers(name + "_kc", 0);
@@ -102,8 +104,8 @@ class Reader {
 Calibration read_calibration(const std::string& file) {
   const Reader reader(file);
   Calibration result;
-  result.camera = reader.lens("cam");
-  result.projector = reader.lens("pro");
+  result.camera = reader.lens("cam", false);
+  result.projector = reader.lens("pro", true);
   const std::vector<double> r = reader.numbers("R", 9);
   std::copy(r.begin(), r.end(), result.rotation.val);
   constexpr double kNear = 1e-3;
@@ -119,6 +121,26 @@ Calibration read_calibration(const std::string& file) {
   reader.size("cam_size", result.camera_columns, result.camera_rows);
   reader.size("pro_size", result.projector_columns, result.projector_rows);
   return result;
+}
+
+std::string calibration_yaml(const Calibration& calibration, const CalibrationRms& rms) {
+  cv::FileStorage storage("calibration.yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  const auto lens = [&](const std::string& name, int columns, int rows, const Lens& l) {
+    storage << name + "_size" << cv::Mat(cv::Vec2i(columns, rows));
+    storage << name + "_K" << cv::Mat(cv::Matx33d(l.fx, 0, l.cx, 0, l.fy, l.cy, 0, 0, 1));
+    const bool rational = l.k[5] != 0 || l.k[6] != 0 || l.k[7] != 0;
+    const std::size_t count = rational ? l.k.size() : 5;
+    storage << name + "_kc"
+            << cv::Mat(std::vector<double>(l.k.begin(), l.k.begin() + static_cast<std::ptrdiff_t>(count)));
+  };
+  lens("cam", calibration.camera_columns, calibration.camera_rows, calibration.camera);
+  lens("pro", calibration.projector_columns, calibration.projector_rows, calibration.projector);
+  storage << "R" << cv::Mat(calibration.rotation) << "T" << cv::Mat(calibration.translation);
+  const DepthMatrices columns = depth_matrices(calibration, false);
+  storage << "T_C" << cv::Mat(columns.camera) << "T_P" << cv::Mat(columns.projector);
+  storage << "T_P_rows" << cv::Mat(depth_matrices(calibration, true).projector);
+  storage << "cam_rms" << rms.camera << "pro_rms" << rms.projector << "stereo_rms" << rms.stereo;
+  return storage.releaseAndGetString();
 }
 
 }  // namespace selfproj

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "host/gray/calibration_file.h"
+#include "host/gray/rig_calibration.h"
 #include "host/gray/triangulation.h"
 #include "model/gray_decoder.h"
 
@@ -28,7 +29,9 @@ void check(bool holds, const std::string& reason) {
 }  // namespace
 
 LensTriangulation::LensTriangulation(const Calibration& calibration, const LensSettings& settings)
-    : Triangulation(settings.rows, settings.columns, settings.bits), calibration_(calibration), settings_(settings) {
+    : Triangulation(settings.rows, settings.columns, settings.bits),
+      calibration_(settings.rows_are_x ? with_axes_exchanged(calibration) : calibration),
+      settings_(settings) {
   check(settings.row_bits >= 0 && settings.row_bits <= GrayDecoder::kMaxBits, "triangulation: row bits out of range");
   if (settings_.lines <= 0) {
     settings_.lines = std::ldexp(1.0, settings.bits);
@@ -40,7 +43,8 @@ LensTriangulation::LensTriangulation(const Calibration& calibration, const LensS
   std::size_t i = 0;
   for (int r = 0; r < settings.rows; ++r) {
     for (int c = 0; c < settings.columns; ++c, ++i) {
-      const std::optional<cv::Vec2d> ray = calibration.camera.ray({static_cast<double>(c), static_cast<double>(r)});
+      const std::optional<cv::Vec2d> ray =
+          calibration_.camera.ray(settings.rows_are_x ? cv::Vec2d(r, c) : cv::Vec2d(c, r));
       check(ray.has_value(), "triangulation: the camera's distortion cannot be undone at column " + std::to_string(c) +
                                  ", row " + std::to_string(r));
       set_ray(i, {(*ray)[0], (*ray)[1], 1});
@@ -52,9 +56,9 @@ LensTriangulation::LensTriangulation(const Calibration& calibration, const LensS
       (static_cast<std::size_t>(settings.rows) / 2) * static_cast<std::size_t>(settings.columns) +
       static_cast<std::size_t>(settings.columns) / 2;
   const Point3f one = point(middle, 1);
-  const cv::Vec3d a = calibration.rotation * cv::Vec3d(static_cast<double>(one.x), static_cast<double>(one.y), 1);
-  const cv::Vec3d& t = calibration.translation;
-  sign_ = a[0] * t[2] - t[0] * a[2] < 0 ? -1 : 1;
+  const cv::Vec3d a = calibration_.rotation * cv::Vec3d(static_cast<double>(one.x), static_cast<double>(one.y), 1);
+  const cv::Vec3d& t = calibration_.translation;
+  sign_ = (a[0] * t[2] - t[0] * a[2]) * calibration_.projector.fx < 0 ? -1 : 1;
 }
 
 cv::Vec2d LensTriangulation::image(const cv::Vec3d& ray, double z, cv::Vec2d& derivative) const {

@@ -21,9 +21,11 @@ struct LensSettings {
   double row_lines = 0;        // likewise rows
   double max_residual_px = 3;  // both axes: way from the pixel of the two codes to the ray's image
   DepthLimits limits;
+  bool rows_are_x = false;  // x and y of points, and columns and rows of the projector, are exchanged
 };
 
-// The world is the camera's frame. Code c is the projector column (c + 1/2) lines/2^bits - 1/2.
+// The world is the camera's frame, x along its columns; with rows_are_x it is a rig's, x along its rows, and the codes
+// are those of the projector's rows (the rig's lines). Code c is the projector column (c + 1/2) lines/2^bits - 1/2.
 //
 // With a distorting projector the points of a column are no plane, so the depth at which the camera's ray meets them is
 // found by Gauss and Newton: the ray's image in the projector, a curve in z, is brought to the code's column, or, with

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -30,14 +32,46 @@ struct Range {
   double low;
   double high;
   bool low_open = false;  // greater than `low`, not equal
+  bool zero = true;       // may be 0
 };
 constexpr Range kPositive{0, kFar, true};
 constexpr Range kNotNegative{0, kFar};
 constexpr Range kAny{-kFar, kFar};
+constexpr Range kNotZero{-kFar, kFar, false, false};
 
 const std::vector<std::pair<const char*, Mode>> kModeChoices(kModes.begin(), kModes.end());
 const std::vector<std::pair<const char*, RigKind>> kKinds = {{"light-section", RigKind::light_section},
                                                              {"scanner", RigKind::scanner}};
+
+template <class LensT, class Visitor>
+void visit_lens(const char* section, LensT& lens, Range focal, Visitor& v) {
+  v.begin(section);
+  v.number("fx_px", lens.fx_px, 1, focal);
+  v.number("fy_px", lens.fy_px, 1, focal);
+  v.number("cx_px", lens.cx_px, 1, kAny);
+  v.number("cy_px", lens.cy_px, 1, kAny);
+  v.number("k1", lens.k1, 1, kAny);
+  v.number("k2", lens.k2, 1, kAny);
+  v.number("p1", lens.p1, 1, kAny);
+  v.number("p2", lens.p2, 1, kAny);
+  v.number("k3", lens.k3, 1, kAny);
+  v.end();
+}
+
+// The sections of a calibrated rig: all there, or none.
+template <class CalibrationT, class Visitor>
+void visit_calibration(CalibrationT& calibration, Visitor& v) {
+  visit_lens("camera_lens", calibration.camera, kPositive, v);
+  visit_lens("projector_lens", calibration.projector, kNotZero, v);
+  v.begin("projector_pose");
+  v.number("rotation_x_deg", calibration.rotation_rad[0], kRadPerDeg, {-360, 360});
+  v.number("rotation_y_deg", calibration.rotation_rad[1], kRadPerDeg, {-360, 360});
+  v.number("rotation_z_deg", calibration.rotation_rad[2], kRadPerDeg, {-360, 360});
+  v.number("translation_x_mm", calibration.translation_mm[0], 1, kAny);
+  v.number("translation_y_mm", calibration.translation_mm[1], 1, kAny);
+  v.number("translation_z_mm", calibration.translation_mm[2], 1, kAny);
+  v.end();
+}
 
 // The keys of a rig, in their order, each once, for reader and writer. Struct<RigT> is Rig or const Rig.
 template <class RigT, class Visitor>
@@ -60,8 +94,8 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.number("focal_length_mm", rig.projector.focal_length_mm, 1, kPositive);
   v.integer("lines", rig.projector.lines, 1, 1 << 14);
   v.integer("columns", rig.projector.columns, 1, 1 << 14);
-  v.number("line_pitch_um", rig.projector.line_pitch_mm, kMmPerUm, kPositive);
-  v.number("column_pitch_um", rig.projector.column_pitch_mm, kMmPerUm, kPositive);
+  v.number("line_pitch_um", rig.projector.line_pitch_mm, kMmPerUm, kNotZero);
+  v.number("column_pitch_um", rig.projector.column_pitch_mm, kMmPerUm, kNotZero);
   v.number("center_xp_mm", rig.projector.center_xp_mm, 1, kAny);
   v.number("center_yp_mm", rig.projector.center_yp_mm, 1, kAny);
   v.end();
@@ -88,6 +122,9 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.number("read_noise", rig.imaging.read_noise, 1, {0, 255});
   v.integer64("seed", rig.imaging.seed);
   v.end();
+  if (v.has_any({"camera_lens", "projector_lens", "projector_pose"}, rig.calibration)) {
+    visit_calibration(*rig.calibration, v);
+  }
 }
 
 // Fills a rig from a YAML document.
@@ -119,6 +156,9 @@ class Reader {
   void number(const char* key, double& value, double unit, Range range) {
     const double given = as<double>(key, "a number");
     const bool low = range.low_open ? given <= range.low : given < range.low;
+    if (given == 0 && !range.zero) {
+      fail(key, "is 0");
+    }
     if (!std::isfinite(given) || low || given > range.high) {
       fail(key, range.low == -kFar ? fmt::format("is {}; its size may be at most {}", given, range.high)
                                    : fmt::format("is {}; it must be {} {} and at most {}", given,
@@ -136,6 +176,16 @@ class Reader {
   }
 
   void integer64(const char* key, std::int64_t& value) { value = as<std::int64_t>(key, "a whole number"); }
+
+  // Whether one of these keys is there; then the value is made.
+  template <class T>
+  bool has_any(std::initializer_list<const char*> keys, std::optional<T>& value) {
+    const YAML::Node& node = levels_.back().node;
+    if (std::any_of(keys.begin(), keys.end(), [&](const char* key) { return std::as_const(node)[key].IsDefined(); })) {
+      value.emplace();
+    }
+    return value.has_value();
+  }
 
   void begin(const char* key) {
     const YAML::Node node = find(key);
@@ -258,6 +308,10 @@ class Writer {
   }
   void integer(const char* key, int value, int /*low*/, int /*high*/) { line(key, std::to_string(value)); }
   void integer64(const char* key, std::int64_t value) { line(key, std::to_string(value)); }
+  template <class T>
+  bool has_any(std::initializer_list<const char*> /*keys*/, const std::optional<T>& value) {
+    return value.has_value();
+  }
   void begin(const char* key) {
     line(key, "");
     indent_ = "  ";

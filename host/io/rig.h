@@ -8,7 +8,9 @@
 #ifndef SELFPROJ_HOST_IO_RIG_H
 #define SELFPROJ_HOST_IO_RIG_H
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,7 @@ struct RigCamera {
 // A pinhole at (x, 0, z), its axis tilted by `tilt` from z towards -x. Line l, column c have their centre at
 //     Xp = center_xp + line_pitch (l - (lines - 1)/2),  Yp = center_yp + column_pitch (c - (columns - 1)/2)
 // where Xp grows with theta = tilt + atan(Xp / focal_length)                                  (3.6, 3.7)
+// A pitch is negative where lines or columns are counted against Xp or Yp.
 struct RigProjector {
   double x_mm = 0;
   double z_mm = 0;
@@ -72,6 +75,22 @@ struct RigImaging {
   std::int64_t seed = 0;
 };
 
+// A lens as OpenCV has it (host/gray/lens.h): pixels; x along columns, y along rows or lines.
+struct RigLens {
+  double fx_px = 0, fy_px = 0;  // the projector's are negative where it counts against its axes
+  double cx_px = 0, cy_px = 0;
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+};
+
+// The full model of a calibrated rig, in the calibration's axes: x along the camera's columns, y along its rows, z
+// along its optical axis; x_projector = R x_camera + T. R is a rotation about the vector `rotation`, by its length.
+struct RigCalibration {
+  RigLens camera;
+  RigLens projector;
+  std::array<double, 3> rotation_rad{};
+  std::array<double, 3> translation_mm{};
+};
+
 struct Rig {
   std::string name;
   RigKind kind = RigKind::light_section;
@@ -81,6 +100,7 @@ struct Rig {
   RigConveyor conveyor;
   RigMeasure measure;
   RigImaging imaging;
+  std::optional<RigCalibration> calibration;  // camera and projector above are then the pinholes nearest to it
 };
 
 // Names of the built-in rigs: light-section (rig A), scanner (rig B).

@@ -81,7 +81,7 @@ bool in_image(const Rig& rig, double line) {
 // What the next line of the projector is worth in z at Xc = 0, mm: the derivative of (3.4).
 double z_per_line(const Rig& rig, double tan_theta) {
   const double cosine = std::cos(std::atan(tan_theta) - rig.projector.tilt_rad);
-  const double step = rig.projector.line_pitch_mm * (1 + tan_theta * tan_theta) * cosine * cosine /
+  const double step = std::abs(rig.projector.line_pitch_mm) * (1 + tan_theta * tan_theta) * cosine * cosine /
                       rig.projector.focal_length_mm;  // of tan θ
   return step * rig.projector.x_mm / (tan_theta * tan_theta);
 }

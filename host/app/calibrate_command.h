@@ -1,0 +1,15 @@
+#ifndef SELFPROJ_HOST_APP_CALIBRATE_COMMAND_H
+#define SELFPROJ_HOST_APP_CALIBRATE_COMMAND_H
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+class App;
+}
+
+namespace selfproj {
+
+// selfproj calibrate: captures of a chessboard to a calibrated rig.
+void add_calibrate_command(CLI::App& app);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_APP_CALIBRATE_COMMAND_H

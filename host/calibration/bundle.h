@@ -1,0 +1,65 @@
+// Least squares over everything at once: both lenses, the pose between them, and the board's pose in every capture.
+#ifndef SELFPROJ_HOST_CALIBRATION_BUNDLE_H
+#define SELFPROJ_HOST_CALIBRATION_BUNDLE_H
+
+#include <array>
+#include <cstddef>
+#include <opencv2/core/matx.hpp>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+namespace selfproj {
+
+// One corner of the board as both see it.
+struct Sight {
+  int corner = 0;         // its number on the board
+  cv::Point3d board;      // mm, z = 0
+  cv::Point2d camera;     // column, row
+  cv::Point2d projector;  // column, row
+};
+
+struct View {
+  std::vector<Sight> sights;
+};
+
+// fx, fy, cx, cy, k1, k2, p1, p2, k3 of OpenCV's model (host/gray/lens.h).
+inline constexpr std::size_t kLensParameters = 9;
+using LensParameters = std::array<double, kLensParameters>;
+
+// How many of k1, k2, p1, p2, k3, in this order, are estimated; the others stay as they are.
+struct FreeDistortion {
+  int camera = 2;
+  int projector = 2;
+};
+
+struct Pose {
+  cv::Vec3d rotation;     // Rodrigues vector, rad
+  cv::Vec3d translation;  // mm
+};
+
+struct Bundle {
+  LensParameters camera{}, projector{};
+  Pose stereo;              // projector from camera
+  std::vector<Pose> board;  // camera from board, one a view
+};
+
+struct BundleResult {
+  Bundle bundle;
+  // Standard deviations, of the same layout; infinite where the data do not say anything about a parameter.
+  Bundle deviation;
+  double baseline_deviation = 0;  // mm, of the length of the translation
+  // Root mean square of the residuals' lengths, in pixels: of all views, and of each.
+  double camera_rms = 0, projector_rms = 0, rms = 0;
+  std::vector<double> view_camera_rms, view_projector_rms;
+  // Residuals (seen less computed) of each view's sights, in their order.
+  std::vector<std::vector<cv::Vec2d>> camera_residuals, projector_residuals;
+};
+
+// Levenberg and Marquardt from a start, in which both instruments' residuals weigh by their own variance, estimated
+// with them. Throws std::invalid_argument where there are fewer equations than unknowns, std::runtime_error where the
+// sum of squares is not finite.
+BundleResult solve_bundle(const std::vector<View>& views, const Bundle& start, const FreeDistortion& free);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_CALIBRATION_BUNDLE_H

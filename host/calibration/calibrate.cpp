@@ -1,0 +1,490 @@
+#include "host/calibration/calibrate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/frame_options.h"
+#include "host/io/stderr_capture.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+// Limits of what is said to be well constrained.
+constexpr int kFewPoses = 3;
+constexpr double kParallel = 15;         // degrees between the most different poses
+constexpr double kPoorFocal = 0.01;      // relative standard deviation
+constexpr double kPoorCentre = 0.01;     // standard deviation, of the image's longer side
+constexpr double kPoorDistortion = 0.5;  // pixels at the outermost corner
+constexpr double kPoorBaseline = 0.005;  // relative
+constexpr double kPoorCoverage = 0.3;
+
+cv::Point3d on_board(const Board& board, int corner) {
+  return {board.square_mm * (corner % board.columns), board.square_mm * (corner / board.columns), 0};  // NOLINT
+}
+
+// Whether going round the corners turns the other way in the projector than in the camera.
+bool is_mirrored(const std::vector<View>& views) {
+  double sum = 0;
+  for (const View& view : views) {
+    for (std::size_t i = 0; i + 2 < view.sights.size(); ++i) {
+      const Sight& a = view.sights[i];
+      const Sight& b = view.sights[i + 1];
+      const Sight& c = view.sights[view.sights.size() - 1];
+      const double camera = (b.camera - a.camera).cross(c.camera - a.camera);
+      const double projector = (b.projector - a.projector).cross(c.projector - a.projector);
+      sum += camera * projector < 0 ? -1 : 1;
+    }
+  }
+  return sum < 0;
+}
+
+// Zhang's method for one instrument.
+struct Alone {
+  LensParameters lens{};
+  std::vector<Pose> board;
+  double rms = 0;
+};
+
+int flags_of(int free) {
+  int flags = 0;
+  flags |= free < 1 ? cv::CALIB_FIX_K1 : 0;
+  flags |= free < 2 ? cv::CALIB_FIX_K2 : 0;
+  flags |= free < 4 ? cv::CALIB_ZERO_TANGENT_DIST : 0;
+  flags |= free < 5 ? cv::CALIB_FIX_K3 : 0;
+  return flags;
+}
+
+Alone calibrate_alone(const std::vector<View>& views, cv::Size size, int free, cv::Point2d Sight::*place) {
+  std::vector<std::vector<cv::Point3f>> board;
+  std::vector<std::vector<cv::Point2f>> seen;
+  for (const View& view : views) {
+    board.emplace_back();
+    seen.emplace_back();
+    for (const Sight& sight : view.sights) {
+      board.back().emplace_back(sight.board);
+      seen.back().emplace_back(sight.*place);
+    }
+  }
+  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 200, 1e-10);
+  // Poses that are all parallel say nothing about the focal length, and the closed form may give anything; then the
+  // least squares start from a usual lens.
+  for (const bool guess : {false, true}) {
+    const double usual = 1.2 * std::max(size.width, size.height);
+    cv::Mat matrix = (cv::Mat_<double>(3, 3) << usual, 0, 0.5 * (size.width - 1), 0, usual, 0.5 * (size.height - 1), 0,
+                      0, 1);  // NOLINT: OpenCV's way
+    cv::Mat distortion = cv::Mat::zeros(5, 1, CV_64F);
+    std::vector<cv::Vec3d> rotations;
+    std::vector<cv::Vec3d> translations;
+    Alone result;
+    try {
+      const StderrCapture capture;
+      result.rms = cv::calibrateCamera(board, seen, size, matrix, distortion, rotations, translations,
+                                       flags_of(free) | (guess ? cv::CALIB_USE_INTRINSIC_GUESS : 0), until);
+    } catch (const cv::Exception&) {
+      continue;
+    }
+    result.lens = {matrix.at<double>(0, 0),  matrix.at<double>(1, 1),  matrix.at<double>(0, 2),
+                   matrix.at<double>(1, 2),  distortion.at<double>(0), distortion.at<double>(1),
+                   distortion.at<double>(2), distortion.at<double>(3), distortion.at<double>(4)};
+    for (std::size_t i = 0; i < rotations.size(); ++i) {
+      result.board.push_back({rotations[i], translations[i]});
+    }
+    const bool finite = std::all_of(result.lens.begin(), result.lens.end(), [](double v) { return std::isfinite(v); });
+    constexpr double kSane = 1000;
+    if (finite && result.lens[0] > 0 && result.lens[1] > 0 && result.lens[0] < kSane * usual) {
+      return result;
+    }
+  }
+  throw UserError("calibrate", "the poses do not determine a lens; turn the board more between them");
+}
+
+// Projector from camera: the pose that the boards' poses of both tell, by consensus of the one nearest to all others.
+Pose stereo_start(const Alone& camera, const Alone& projector) {
+  std::vector<Pose> all;
+  for (std::size_t i = 0; i < camera.board.size(); ++i) {
+    cv::Matx33d rc;
+    cv::Matx33d rp;
+    cv::Rodrigues(camera.board[i].rotation, rc);
+    cv::Rodrigues(projector.board[i].rotation, rp);
+    const cv::Matx33d r = rp * rc.t();
+    Pose pose;
+    cv::Rodrigues(r, pose.rotation);
+    pose.translation = projector.board[i].translation - r * camera.board[i].translation;
+    all.push_back(pose);
+  }
+  const auto off = [&](const Pose& pose) {
+    double sum = 0;
+    for (const Pose& other : all) {
+      sum += cv::norm(pose.rotation - other.rotation) +
+             cv::norm(pose.translation - other.translation) / (1 + cv::norm(other.translation));
+    }
+    return sum;
+  };
+  return *std::min_element(all.begin(), all.end(), [&](const Pose& a, const Pose& b) { return off(a) < off(b); });
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Length beyond which a residual is no noise: `factor` standard deviations of one direction, estimated from the median
+// length. Not less than a hundredth of a pixel, so that exact data lose nothing.
+double limit_of(const std::vector<std::vector<cv::Vec2d>>& residuals, double factor) {
+  constexpr double kPerMedian = 0.8493;  // of Rayleigh's distribution: 1/sqrt(2 ln 2)
+  constexpr double kLeast = 0.01;
+  std::vector<double> lengths;
+  for (const auto& view : residuals) {
+    for (const cv::Vec2d& residual : view) {
+      lengths.push_back(cv::norm(residual));
+    }
+  }
+  return std::max(kLeast, factor * kPerMedian * median_of(lengths));
+}
+
+double hull_share(const std::vector<cv::Point2f>& points, cv::Size size) {
+  std::vector<cv::Point2f> hull;
+  cv::convexHull(points, hull);
+  return cv::contourArea(hull) / (static_cast<double>(size.width) * size.height);
+}
+
+Lens lens_of(const LensParameters& p) { return {p[0], p[1], p[2], p[3], {p[4], p[5], p[6], p[7], p[8], 0, 0, 0}}; }
+
+// What is needed to go through poses and corners together with the views made of them.
+struct Index {
+  std::vector<View> views;
+  std::vector<std::size_t> pose;  // of each view
+};
+
+class Calibrator {
+ public:
+  Calibrator(std::vector<PoseReport> poses, const CalibrateSettings& settings) {
+    report_.poses = std::move(poses);
+    report_.settings = settings;
+  }
+
+  CalibrationReport run() {
+    check_sizes();
+    leave_out_poor_poses();
+    Index index = used();
+    report_.mirrored = is_mirrored(index.views);
+    index = used();
+    solve(index);
+    while (report_.settings.reject > 0 && reject(index)) {
+      leave_out_poor_poses();
+      index = used();
+      solve(index);
+    }
+    finish(index);
+    warn();
+    return std::move(report_);
+  }
+
+ private:
+  void check_sizes() {
+    const PoseReport& first = report_.poses.front();
+    for (const PoseReport& pose : report_.poses) {
+      if (pose.rows != first.rows || pose.columns != first.columns) {
+        throw UserError(pose.name, fmt::format("has images of {}, but {} of {}", size_text(pose.rows, pose.columns),
+                                               first.name, size_text(first.rows, first.columns)));
+      }
+    }
+    camera_size_ = {first.columns, first.rows};
+    projector_size_ = {report_.settings.projector_columns, report_.settings.projector_rows};
+  }
+
+  void leave_out_poor_poses() {
+    std::size_t left = 0;
+    for (PoseReport& pose : report_.poses) {
+      if (pose.reason.empty() && pose.used() < report_.settings.min_corners) {
+        pose.reason = fmt::format("only {} of {} corners can be used; {} are needed", pose.used(),
+                                  report_.settings.board.corners(), report_.settings.min_corners);
+      }
+      left += pose.reason.empty() ? 1 : 0;
+    }
+    if (left >= 2) {
+      return;
+    }
+    std::string reasons;
+    for (const PoseReport& pose : report_.poses) {
+      if (!pose.reason.empty()) {
+        reasons += fmt::format("; {}: {}", pose.name, pose.reason);
+      }
+    }
+    throw UserError("calibrate", fmt::format("{} of {} poses can be used; at least 2 are needed, and 3 or more in "
+                                             "different directions advised{}",
+                                             left, report_.poses.size(), reasons));
+  }
+
+  [[nodiscard]] Index used() const {
+    Index index;
+    for (std::size_t p = 0; p < report_.poses.size(); ++p) {
+      const PoseReport& pose = report_.poses[p];
+      if (!pose.reason.empty()) {
+        continue;
+      }
+      index.pose.push_back(p);
+      index.views.emplace_back();
+      for (std::size_t i = 0; i < pose.corners.size(); ++i) {
+        const Corner& corner = pose.corners[i];
+        if (corner.used) {
+          const cv::Point2d seen = corner.projector;
+          const double row = report_.mirrored ? projector_size_.height - 1 - seen.y : seen.y;
+          index.views.back().sights.push_back({static_cast<int>(i),
+                                               on_board(report_.settings.board, static_cast<int>(i)),
+                                               corner.camera,
+                                               {seen.x, row}});
+        }
+      }
+    }
+    return index;
+  }
+
+  void solve(const Index& index) {
+    const FreeDistortion& free = report_.settings.free;
+    const Alone camera = calibrate_alone(index.views, camera_size_, free.camera, &Sight::camera);
+    const Alone projector = calibrate_alone(index.views, projector_size_, free.projector, &Sight::projector);
+    report_.camera_alone_rms = camera.rms;
+    report_.projector_alone_rms = projector.rms;
+    const Bundle start{camera.lens, projector.lens, stereo_start(camera, projector), camera.board};
+    try {
+      report_.bundle = solve_bundle(index.views, start, free);
+    } catch (const std::runtime_error& error) {
+      throw UserError("calibrate", error.what());
+    } catch (const std::invalid_argument& error) {
+      throw UserError("calibrate", error.what());
+    }
+  }
+
+  // Takes out what is too far off in the camera or in the projector; whether there was anything.
+  bool reject(const Index& index) {
+    const BundleResult& found = report_.bundle;
+    const double camera_limit = limit_of(found.camera_residuals, report_.settings.reject);
+    const double projector_limit = limit_of(found.projector_residuals, report_.settings.reject);
+    bool any = false;
+    for (std::size_t v = 0; v < index.views.size(); ++v) {
+      for (std::size_t i = 0; i < index.views[v].sights.size(); ++i) {
+        const double camera = cv::norm(found.camera_residuals[v][i]);
+        const double projector = cv::norm(found.projector_residuals[v][i]);
+        if (camera <= camera_limit && projector <= projector_limit) {
+          continue;
+        }
+        Corner& corner =
+            report_.poses[index.pose[v]].corners[static_cast<std::size_t>(index.views[v].sights[i].corner)];
+        corner.used = false;
+        corner.reason =
+            camera > camera_limit
+                ? fmt::format("residual of {:.3f} px in the camera; the limit is {:.3f}", camera, camera_limit)
+                : fmt::format("residual of {:.3f} px in the projector; the limit is {:.3f}", projector,
+                              projector_limit);
+        any = true;
+      }
+    }
+    return any;
+  }
+
+  void finish(const Index& index) {
+    const BundleResult& found = report_.bundle;
+    Calibration& calibration = report_.calibration;
+    calibration.camera = lens_of(found.bundle.camera);
+    calibration.projector = lens_of(found.bundle.projector);
+    if (report_.mirrored) {
+      calibration.projector.fy *= -1;
+      calibration.projector.cy = projector_size_.height - 1 - calibration.projector.cy;
+    }
+    cv::Rodrigues(found.bundle.stereo.rotation, calibration.rotation);
+    calibration.translation = found.bundle.stereo.translation;
+    calibration.camera_columns = camera_size_.width;
+    calibration.camera_rows = camera_size_.height;
+    calibration.projector_columns = projector_size_.width;
+    calibration.projector_rows = projector_size_.height;
+
+    std::vector<cv::Vec3d> normals;
+    std::vector<cv::Point2f> in_camera;
+    std::vector<cv::Point2f> in_projector;
+    double distance = 0;
+    for (std::size_t v = 0; v < index.views.size(); ++v) {
+      PoseReport& pose = report_.poses[index.pose[v]];
+      cv::Matx33d rotation;
+      cv::Rodrigues(found.bundle.board[v].rotation, rotation);
+      normals.emplace_back(rotation(0, 2), rotation(1, 2), rotation(2, 2));
+      pose.angle_deg = kDegrees * std::acos(std::min(1.0, std::abs(normals.back()[2])));
+      pose.camera_rms = found.view_camera_rms[v];
+      pose.projector_rms = found.view_projector_rms[v];
+      for (std::size_t i = 0; i < index.views[v].sights.size(); ++i) {
+        const Sight& sight = index.views[v].sights[i];
+        Corner& corner = pose.corners[static_cast<std::size_t>(sight.corner)];
+        corner.camera_residual = found.camera_residuals[v][i];
+        corner.projector_residual = found.projector_residuals[v][i];
+        if (report_.mirrored) {
+          corner.projector_residual[1] *= -1;
+        }
+        in_camera.emplace_back(corner.camera);
+        in_projector.emplace_back(corner.projector);
+        distance += (rotation * cv::Vec3d(sight.board.x, sight.board.y, sight.board.z))[2] +
+                    found.bundle.board[v].translation[2];
+      }
+    }
+    for (const cv::Vec3d& a : normals) {
+      for (const cv::Vec3d& b : normals) {
+        report_.greatest_angle_deg =
+            std::max(report_.greatest_angle_deg, kDegrees * std::acos(std::min(1.0, std::abs(a.dot(b)))));
+      }
+    }
+    report_.mean_distance_mm = distance / static_cast<double>(in_camera.size());
+    report_.camera_coverage = hull_share(in_camera, camera_size_);
+    report_.projector_coverage = hull_share(in_projector, projector_size_);
+  }
+
+  // Distortion's standard deviation as pixels at the outermost corner.
+  static double distortion_px(const LensParameters& lens, const LensParameters& deviation,
+                              const std::vector<cv::Point2d>& seen) {
+    double greatest = 0;
+    for (const cv::Point2d& p : seen) {
+      greatest = std::max(greatest, std::hypot((p.x - lens[2]) / lens[0], (p.y - lens[3]) / lens[1]));
+    }
+    const double r2 = greatest * greatest;
+    const std::array<double, 5> powers{greatest * r2, greatest * r2 * r2, 3 * r2, 3 * r2, greatest * r2 * r2 * r2};
+    double px = 0;
+    for (std::size_t i = 0; i < powers.size(); ++i) {
+      px = std::max(px, lens[0] * powers[i] * deviation[4 + i]);
+    }
+    return px;
+  }
+
+  void warn_of_lens(const char* name, const LensParameters& lens, const LensParameters& deviation, cv::Size size,
+                    const std::vector<cv::Point2d>& seen) {
+    std::vector<std::string>& warnings = report_.warnings;
+    const std::array<const char*, 4> names{"fx", "fy", "cx", "cy"};
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (!(deviation[i] <= kPoorFocal * lens[i])) {
+        warnings.push_back(
+            fmt::format("{} {} is {:.1f} px with a standard deviation of {:.2g} px: not constrained to "
+                        "{:g} %",
+                        name, names[i], lens[i], deviation[i], 100 * kPoorFocal));
+      }
+    }
+    const double side = std::max(size.width, size.height);
+    for (std::size_t i = 2; i < names.size(); ++i) {
+      if (!(deviation[i] <= kPoorCentre * side)) {
+        warnings.push_back(
+            fmt::format("{} {} is {:.1f} px with a standard deviation of {:.2g} px: not constrained to "
+                        "{:g} % of the image",
+                        name, names[i], lens[i], deviation[i], 100 * kPoorCentre));
+      }
+    }
+    const double px = distortion_px(lens, deviation, seen);
+    if (!(px <= kPoorDistortion)) {
+      warnings.push_back(
+          fmt::format("{} distortion: a coefficient's standard deviation is worth {:.2g} px at the "
+                      "outermost corner; estimate fewer coefficients or spread the corners wider",
+                      name, px));
+    }
+  }
+
+  void warn() {
+    const BundleResult& found = report_.bundle;
+    std::vector<std::string>& warnings = report_.warnings;
+    if (found.bundle.board.size() < kFewPoses) {
+      warnings.push_back(fmt::format("only {} poses: their noise, rather than the fit's residuals, decides",
+                                     found.bundle.board.size()));
+    }
+    if (report_.greatest_angle_deg < kParallel) {
+      warnings.push_back(
+          fmt::format("all poses are parallel within {:.1f} degrees: focal lengths and distances cannot "
+                      "be told apart well; turn the board by 20 to 45 degrees",
+                      report_.greatest_angle_deg));
+    }
+    std::vector<cv::Point2d> in_camera;
+    std::vector<cv::Point2d> in_projector;
+    for (const PoseReport& pose : report_.poses) {
+      for (const Corner& corner : pose.corners) {
+        if (pose.reason.empty() && corner.used) {
+          in_camera.push_back(corner.camera);
+          in_projector.emplace_back(corner.projector.x, report_.mirrored
+                                                            ? projector_size_.height - 1 - corner.projector.y
+                                                            : corner.projector.y);
+        }
+      }
+    }
+    warn_of_lens("camera", found.bundle.camera, found.deviation.camera, camera_size_, in_camera);
+    warn_of_lens("projector", found.bundle.projector, found.deviation.projector, projector_size_, in_projector);
+    const double baseline = cv::norm(found.bundle.stereo.translation);
+    if (!(found.baseline_deviation <= kPoorBaseline * baseline)) {
+      warnings.push_back(
+          fmt::format("baseline {:.2f} mm with a standard deviation of {:.2g} mm: not constrained to "
+                      "{:g} %",
+                      baseline, found.baseline_deviation, 100 * kPoorBaseline));
+    }
+    const auto coverage = [&](const char* name, double share) {
+      if (share < kPoorCoverage) {
+        warnings.push_back(
+            fmt::format("{}: corners cover only {:.0f} % of the image; beyond them the distortion is "
+                        "a guess",
+                        name, 100 * share));
+      }
+    };
+    coverage("camera", report_.camera_coverage);
+    coverage("projector", report_.projector_coverage);
+  }
+
+  CalibrationReport report_;
+  cv::Size camera_size_;
+  cv::Size projector_size_;
+};
+
+}  // namespace
+
+int PoseReport::used() const {
+  return static_cast<int>(std::count_if(corners.begin(), corners.end(), [](const Corner& c) { return c.used; }));
+}
+
+PoseReport observe_pose(const std::string& name, const Capture& capture, const CalibrateSettings& settings) {
+  PoseReport pose;
+  pose.name = name;
+  pose.rows = capture.rows;
+  pose.columns = capture.columns;
+  pose.decoded_share = static_cast<double>(capture.decoded()) / static_cast<double>(capture.projector_column.size());
+  const FoundBoard found = find_board(capture.board, settings.board);
+  pose.reason = found.reason;
+  for (const cv::Point2d& at : found.corners) {
+    const CornerCode code = corner_code(capture, at, found.spacing_px, settings.corners);
+    Corner corner;
+    corner.camera = at;
+    corner.projector = code.valid ? code.projector : cv::Point2d(kNan, kNan);
+    corner.sd_px = code.sd_px;
+    corner.used = code.valid;
+    if (!code.valid) {
+      corner.reason = std::isfinite(code.sd_px)
+                          ? fmt::format("its place in the projector is uncertain by {:.2f} px; {} pixels decoded",
+                                        code.sd_px, code.pixels)
+                          : fmt::format("too few pixels around it are decoded ({})", code.pixels);
+    }
+    pose.corners.push_back(corner);
+  }
+  return pose;
+}
+
+CalibrationReport calibrate(std::vector<PoseReport> poses, const CalibrateSettings& settings) {
+  return Calibrator(std::move(poses), settings).run();
+}
+
+}  // namespace selfproj

@@ -1,0 +1,230 @@
+// selfproj calibrate as its user meets it: captures of a small board in, a rig that other commands take out.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host/gray/calibration_file.h"
+#include "host/gray/gray_sequence.h"
+#include "host/gray/rig_calibration.h"
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/io/rig.h"
+#include "tests/cli/program.h"
+#include "tests/support/board_world.h"
+
+namespace selfproj::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Five poses, rendered once.
+class CalibrateCommand : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new ScratchFolder;  // NOLINT: GoogleTest's way
+    const World world;
+    const GraySequence sequence(world.projector_columns, world.projector_rows);
+    std::mt19937_64 random(7);
+    for (int p = 0; p < kPoses; ++p) {
+      const BoardImages images(world, world.poses()[static_cast<std::size_t>(p)]);
+      const fs::path pose = *folder_ / fmt::format("pose_{}", p);
+      fs::create_directory(pose);
+      for (int i = 0; i < sequence.count(); ++i) {
+        const std::string name = fmt::format("image_{:02}.png", i);
+        write_text(pose / name,
+                   encode_png({world.camera_rows, world.camera_columns, images.image(sequence.image(i), 1.5, random)}));
+      }
+    }
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+
+  static Outcome calibrate(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "calibrate");
+    return run_program(SELFPROJ_PROGRAM, arguments, folder_->path());
+  }
+
+  static std::vector<std::string> usual(const std::string& out, const std::vector<std::string>& poses,
+                                        const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"--board", "7x5", "--square", "40", "--projector", "96x80", "--out", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.insert(arguments.end(), poses.begin(), poses.end());
+    return arguments;
+  }
+  static std::vector<std::string> all_poses() { return {"pose_0", "pose_1", "pose_2", "pose_3", "pose_4"}; }
+
+  static void expect_refused(const Outcome& outcome, const std::string& begin) {
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_EQ(outcome.err.rfind("selfproj: " + begin, 0), 0U) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+    EXPECT_FALSE(fs::exists(*folder_ / "out"));
+  }
+
+  static constexpr int kPoses = 5;
+  static ScratchFolder* folder_;
+};
+ScratchFolder* CalibrateCommand::folder_ = nullptr;
+
+TEST_F(CalibrateCommand, BothWaysGiveTheTruth) {
+  const World world;
+  for (const std::string way : {"homography", "direct"}) {
+    SCOPED_TRACE(way);
+    const Outcome outcome = calibrate(usual(way, all_poses(), {"--corners", way}));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    for (const char* file :
+         {"rig.yaml", "calibration.yaml", "report.json", "corners.csv", "coverage.png", "residuals.png"}) {
+      EXPECT_TRUE(fs::exists(*folder_ / way / file)) << file;
+    }
+    const Calibration c = read_calibration((*folder_ / way / "calibration.yaml").string());
+    EXPECT_NEAR(c.camera.fx, world.camera.fx, 0.01 * world.camera.fx);
+    EXPECT_NEAR(c.camera.cx, world.camera.cx, 2.5);
+    EXPECT_NEAR(c.camera.cy, world.camera.cy, 2.5);
+    EXPECT_NEAR(c.projector.fx, world.projector.fx, 0.015 * world.projector.fx);
+    EXPECT_NEAR(c.projector.cy, world.projector.cy, 2.5);
+    EXPECT_NEAR(cv::norm(c.translation), cv::norm(world.translation), 2);
+    const auto json = nlohmann::json::parse(read_text(*folder_ / way / "report.json"));
+    EXPECT_LT(json["rms_px"]["stereo"], 0.2);
+    // Errors are as large as said.
+    const double sd = json["camera"]["fx"]["sd"];
+    EXPECT_LT(std::abs(c.camera.fx - world.camera.fx), 4 * sd);
+    EXPECT_EQ(json["camera"]["p1"]["sd"], "fixed");
+    EXPECT_EQ(json["poses"].size(), 5U);
+    const std::string table = read_text(*folder_ / way / "corners.csv");
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + kPoses * 35);
+    EXPECT_GT(read_image((*folder_ / way / "residuals.png").string(), Channel::grey).columns, 500);
+
+    // The rig: other commands take it, and it is the calibration.
+    const Rig rig = load_rig((*folder_ / way / "rig.yaml").string());
+    EXPECT_NEAR(calibration_of(rig).camera.fx, c.camera.fx, 1e-9);
+    const Outcome checked = run_program(SELFPROJ_PROGRAM, {"rig", way + "/rig.yaml"}, folder_->path());
+    EXPECT_EQ(checked.status, 0) << checked.err;
+    const Outcome pattern = run_program(
+        SELFPROJ_PROGRAM, {"pattern", "gray", "--rig", way + "/rig.yaml", "--out", way + "_gray"}, folder_->path());
+    EXPECT_EQ(pattern.status, 0) << pattern.err;
+  }
+}
+
+// Depth of a pose by the calibration: the board's plane.
+TEST_F(CalibrateCommand, DepthClosesTheChain) {
+  const World world;
+  ASSERT_EQ(calibrate(usual("chain", all_poses())).status, 0);
+  std::vector<std::string> arguments{
+      "depth", "--calibration", "chain/calibration.yaml", "--bits", "7", "--row-bits", "7", "--strict",
+      "--out", "depth"};
+  for (int i = 0; i < 28; ++i) {
+    arguments.push_back(fmt::format("pose_1/image_{:02}.png", i));
+  }
+  const Outcome outcome = run_program(SELFPROJ_PROGRAM, arguments, folder_->path());
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const FloatImage depth = read_float_tiff((*folder_ / "depth" / "depth.tiff").string());
+  const BoardPose pose = world.poses()[1];
+  const cv::Vec3d normal(pose.turn(0, 2), pose.turn(1, 2), pose.turn(2, 2));
+  double sum = 0;
+  double squares = 0;
+  int count = 0;
+  for (int r = 0; r < depth.rows; ++r) {
+    for (int c = 0; c < depth.columns; ++c) {
+      if (std::isnan(depth.row(r)[c])) {
+        continue;
+      }
+      const cv::Vec3d ray((c - world.camera.cx) / world.camera.fx, (r - world.camera.cy) / world.camera.fy, 1);
+      const double off = static_cast<double>(depth.row(r)[c]) - normal.dot(pose.at) / normal.dot(ray);
+      sum += off;
+      squares += off * off;
+      ++count;
+    }
+  }
+  // A projector row is about 11 mm of z here; codes are rounded to one.
+  ASSERT_GT(count, 3000);
+  EXPECT_LT(std::abs(sum / count), 1.5);
+  EXPECT_LT(std::sqrt(squares / count), 5);
+}
+
+TEST_F(CalibrateCommand, WhatIsLeftOutIsSaid) {
+  // One pose without a board, one of which only a part is in the projector's light.
+  const World world;
+  const GraySequence sequence(world.projector_columns, world.projector_rows);
+  const BoardImages seen(world, world.poses()[2]);
+  std::mt19937_64 random(3);
+  fs::create_directory(*folder_ / "empty");
+  fs::create_directory(*folder_ / "partly");
+  for (int i = 0; i < sequence.count(); ++i) {
+    const std::string name = fmt::format("{:02}.png", i);
+    Image image{world.camera_rows, world.camera_columns, {}};
+    image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 20);
+    write_text(*folder_ / "empty" / name, encode_png(image));
+    // Behind a screen that keeps the light from three quarters of the board, all but some that is always there.
+    std::vector<std::uint8_t> pattern = sequence.image(i);
+    for (int p = 0; p < static_cast<int>(pattern.size()); ++p) {
+      if (p % world.projector_columns > 35) {
+        pattern[static_cast<std::size_t>(p)] = 100;
+      }
+    }
+    image.pixels = seen.image(pattern, 1.5, random);
+    write_text(*folder_ / "partly" / name, encode_png(image));
+  }
+  const Outcome outcome =
+      calibrate(usual("left", {"pose_0", "empty", "pose_1", "partly", "pose_3"}, {"--min-corners", "6"}));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("empty: left out: no board of 7 x 5 inner corners is seen as a whole\n"),
+            std::string::npos)
+      << outcome.out;
+  EXPECT_NE(outcome.out.find("partly: "), std::string::npos);
+  EXPECT_NE(outcome.out.find("too few pixels around it are decoded"), std::string::npos) << outcome.out;
+  // The same with many corners demanded.
+  const Outcome strict = calibrate(usual("strict", {"pose_0", "partly", "pose_1", "pose_3"}, {"--min-corners", "30"}));
+  ASSERT_EQ(strict.status, 0) << strict.err;
+  EXPECT_NE(strict.out.find("of 35 corners can be used; 30 are needed\n"), std::string::npos) << strict.out;
+  const auto json = nlohmann::json::parse(read_text(*folder_ / "strict" / "report.json"));
+  EXPECT_EQ(json["poses"][1]["used"], 0);
+}
+
+TEST_F(CalibrateCommand, WrongInputIsOneLine) {
+  const std::vector<std::string> poses = all_poses();
+  expect_refused(calibrate(usual("out", {"pose_0"})), "calibrate: 1 of 1 poses can be used; at least 2 are needed");
+  const Outcome smaller =
+      calibrate({"--board", "6x5", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0", "pose_2"});
+  expect_refused(smaller, "calibrate: 0 of 2 poses can be used; at least 2 are needed");
+  EXPECT_NE(smaller.err.find("inner corners is seen, not one of 6 x 5"), std::string::npos) << smaller.err;
+  expect_refused(
+      calibrate({"--board", "9x8", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0", "pose_1"}),
+      "calibrate: 0 of 2 poses can be used");
+  expect_refused(calibrate({"--board", "2x5", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0"}),
+                 "--board: is 2x5");
+  expect_refused(calibrate({"--board", "7x5", "--square", "40", "--projector", "128x128", "--out", "out", "pose_0"}),
+                 "");  // codes mean other pixels, the number of images is the same: too few decode to the board's place
+  expect_refused(calibrate({"--board", "7x5", "--square", "40", "--projector", "256x80", "--out", "out", "pose_0"}),
+                 "pose_0: has 30 images; 32 are due for a projector of 256 x 80: 8 pairs for columns, 7 for rows");
+  expect_refused(calibrate(usual("out", {"pose_0", "nowhere"})), "nowhere: there is no such folder");
+  expect_refused(calibrate(usual("out", {"pose_0", "pose_0"})), "POSE: a folder is there twice");
+  fs::create_directory(*folder_ / "short");
+  for (const fs::directory_entry& entry : fs::directory_iterator(*folder_ / "pose_0")) {
+    if (entry.path().filename() != "image_07.png") {
+      fs::copy(entry.path(), *folder_ / "short" / entry.path().filename());
+    }
+  }
+  expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short: has 29 images; 30 are due");
+  write_text(*folder_ / "short" / "image_07.png", "no image");
+  expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short/image_07.png: not an image");
+  fs::copy_file(*folder_ / "pose_1" / "image_07.png", *folder_ / "short" / "image_07.png",
+                fs::copy_options::overwrite_existing);
+  write_text(*folder_ / "short" / "image_03.png", encode_png({3, 4, std::vector<std::uint8_t>(12)}));
+  expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short/image_03.png: is 4 x 3, but short/image_00.png");
+  expect_refused(calibrate(usual("out", poses, {"--rig", "none.yaml"})), "none.yaml: ");
+  expect_refused(calibrate(usual("out", poses, {"--camera-distortion", "3"})), "--camera-distortion: ");
+  expect_refused(calibrate(usual("no/such/out", poses)), "no/such/out: there is no folder no/such");
+}
+
+}  // namespace
+}  // namespace selfproj::test
