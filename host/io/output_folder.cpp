@@ -107,6 +107,13 @@ void OutputFolder::append(const std::string& file, std::string_view text) {
   if (staging_.empty()) {
     create_staging();
   }
+  if (const fs::path inner = fs::path(file).parent_path(); !inner.empty()) {
+    if (exists_) {
+      throw UserError(name_, "is there already; a new folder is needed, as there will be folders within");
+    }
+    std::error_code error;
+    fs::create_directories(staging_ / inner, error);  // where that fails, so does opening the file
+  }
   FileDescriptor output(open((staging_ / file).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   if (output.number() < 0 || !write_all(output.number(), text) || !output.close()) {
     throw UserError(target_ / file, error_text(errno));

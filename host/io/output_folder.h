@@ -20,7 +20,8 @@ class OutputFolder {
   OutputFolder& operator=(const OutputFolder&) = delete;
   ~OutputFolder();
 
-  // Adds text at the end of the file `file` (a name without a path), which the first call creates. Throws UserError.
+  // Adds text at the end of the file `file`, which the first call creates: a name without a path, or, where the folder
+  // is not there yet, one in a folder within, `inner/name`. Throws UserError.
   void append(const std::string& file, std::string_view text);
 
   // Moves the files to where they belong; nothing can be added after that. Throws UserError.

@@ -2,6 +2,7 @@
 
 #include "host/io/program_main.h"
 #include "sim/app/board_command.h"
+#include "sim/app/capture_command.h"
 #include "sim/app/cosim_command.h"
 #include "sim/app/decode_command.h"
 #include "sim/app/experiment_command.h"
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
         selfproj::add_experiment_command(app);
         selfproj::add_board_command(app);
         selfproj::add_scene_command(app);
+        selfproj::add_capture_command(app);
       },
       argc, argv);
 }

@@ -35,6 +35,7 @@ class Pinhole {
   static Pinhole of_projector(const RigProjector& projector);
 
   [[nodiscard]] Point3 centre() const { return centre_; }
+  [[nodiscard]] Point3 axis() const { return axes_[2]; }  // of length 1
 
   // The distance of the point along the axis.
   [[nodiscard]] double depth(Point3 p) const { return row_of(2, p); }

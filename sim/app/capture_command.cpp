@@ -1,0 +1,178 @@
+#include "sim/app/capture_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/io/frame_options.h"
+#include "host/io/image_files.h"
+#include "host/io/output_folder.h"
+#include "host/io/progress.h"
+#include "host/io/rig.h"
+#include "host/io/user_error.h"
+#include "sim/scene/chessboard.h"
+#include "sim/scene/parallel.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/pinhole.h"
+#include "sim/scene/projected_light.h"
+#include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
+
+namespace selfproj {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string scene;
+  std::string rig;
+  std::string patterns;
+  std::string board;
+  double square_mm = 0;
+  int poses = 8;
+  double tilt_deg = 30;
+  std::optional<std::int64_t> seed;
+  bool without_noise = false;
+  int threads = 0;
+  std::string out;
+};
+
+Json json_of(Point3 p) { return {p.x, p.y, p.z}; }
+
+// What is known of the rig, by the matrices of the renderer: where the pixels of the optical axes are and what a
+// tangent of one is worth. Pixels are (row, column); rows and lines along x and Xp.
+Json truth_of(const Rig& rig) {
+  const auto pinhole = [](const Pinhole& p, Point3 axis, Point3 row_axis, Point3 column_axis) {
+    const PixelPoint middle = p.project(p.centre() + axis);
+    return Json{{"row_focal_px", p.project(p.centre() + axis + row_axis).row - middle.row},
+                {"column_focal_px", p.project(p.centre() + axis + column_axis).column - middle.column},
+                {"row_centre_px", middle.row},
+                {"column_centre_px", middle.column},
+                {"centre_mm", json_of(p.centre())}};
+  };
+  const Pinhole camera = Pinhole::of_camera(rig.camera);
+  const Pinhole projector = Pinhole::of_projector(rig.projector);
+  const Point3 y{0, 1, 0};
+  const Point3 axis = projector.axis();
+  return {{"camera", pinhole(camera, camera.axis(), {1, 0, 0}, y)},
+          {"projector", pinhole(projector, axis, {axis.z, 0, -axis.x}, y)}};
+}
+
+// Renders a scene under all patterns, `first` being the number of its first frame for the noise.
+void capture(const Rig& rig, const Scene& scene, const Options& options, const std::vector<ProjectedLight>& patterns,
+             int first, const std::string& prefix, OutputFolder& out, Progress& progress, std::size_t& done) {
+  RenderOptions render;
+  render.shot_noise = render.read_noise = !options.without_noise;
+  const PatternRenderer renderer(rig, scene, render, options.threads);
+  std::mutex mutex;
+  const auto count = static_cast<int>(patterns.size());
+  const int digits = count > 100 ? 3 : 2;
+  parallel_for(count, options.threads, [&](int i) {
+    Image image{rig.camera.rows, rig.camera.columns, {}};
+    image.pixels.resize(static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns));
+    renderer.render(first + i, patterns[static_cast<std::size_t>(i)], image.pixels);
+    const std::string bytes = encode_png(image);
+    const std::lock_guard lock(mutex);
+    out.append(fmt::format("{}image_{:0{}}.png", prefix, i, digits), bytes);
+    progress.update(++done);
+  });
+}
+
+void run(const Options& options) {
+  constexpr int kMostCorners = 200;
+  if (options.scene.empty() == options.board.empty()) {
+    throw UserError("--scene, --board", "one of them is needed, and not both");
+  }
+  if (!options.board.empty() && !(options.square_mm > 0)) {
+    throw UserError("--square", "is needed with --board");
+  }
+  OutputFolder out(options.out);
+  if (!options.board.empty() && std::filesystem::exists(options.out)) {
+    throw UserError(options.out, "is there already; poses need a new folder");
+  }
+  Rig rig = load_rig(options.rig);
+  rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
+  const std::vector<std::string> files = files_of_folder(options.patterns);
+  std::vector<ProjectedLight> patterns;
+  patterns.reserve(files.size());
+  for (const std::string& file : files) {
+    patterns.push_back(project_image(rig, read_image(file, Channel::grey), true, file));
+  }
+  std::size_t done = 0;
+  if (options.board.empty()) {
+    const std::unique_ptr<Scene> scene = make_scene(options.scene, rig);
+    if (scene->speed() != 0) {
+      throw UserError(options.scene, "moves on this rig's conveyor; patterns are captured of what stands still");
+    }
+    Progress progress("image", files.size());
+    capture(rig, *scene, options, patterns, 0, "", out, progress, done);
+  } else {
+    const FrameSize corners = size_of_text("--board", options.board, kMostCorners);
+    const BoardShape shape{corners.columns, corners.rows, options.square_mm};
+    const std::vector<BoardPlace> places = board_places(rig, shape, options.poses, options.tilt_deg);
+    Json truth = truth_of(rig);
+    Progress progress("image", files.size() * places.size());
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const BoardPlace& place = places[k];
+      truth["poses"].push_back(
+          {{"middle_mm", json_of(place.middle)}, {"right", json_of(place.right)}, {"below", json_of(place.below)}});
+      capture(rig, Chessboard(rig, shape, place), options, patterns, static_cast<int>(k * files.size()),
+              fmt::format("pose_{:02}/", k + 1), out, progress, done);
+    }
+    out.append("truth.json", truth.dump(2) + "\n");
+  }
+  out.commit();
+  fmt::print("{} images of {}, {}, rig {}, seed {} → {}\n", done, size_text(rig.camera.rows, rig.camera.columns),
+             options.board.empty() ? "scene " + options.scene
+                                   : fmt::format("board of {} corners in {} poses", options.board, options.poses),
+             rig.name, rig.imaging.seed, out.name());
+}
+
+}  // namespace
+
+void add_capture_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "capture", "The camera's images under each pattern of a folder: of a scene, or of a chessboard in several poses");
+  const auto options = std::make_shared<Options>();
+  command->add_option("--rig", options->rig, "A built-in rig or a YAML file")->required();
+  command->add_option("--patterns", options->patterns, "Folder of images of the projector's size, as of `pattern gray`")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("--scene", options->scene, "A scene that stands still: image_00.png ...")->type_name("SCENE");
+  command
+      ->add_option(
+          "--board", options->board,
+          "Instead, a chessboard of so many inner corners along columns and rows: pose_01/image_00.png ... and "
+          "truth.json")
+      ->type_name("NxM");
+  command->add_option("--square", options->square_mm, "Side of its squares")
+      ->check(CLI::PositiveNumber)
+      ->type_name("MM");
+  command->add_option("--poses", options->poses, "Number of its poses")
+      ->check(CLI::Range(1, 99))
+      ->capture_default_str();
+  command->add_option("--tilt", options->tilt_deg, "How far it leans in all poses but the first")
+      ->check(CLI::Range(0.0, 60.0))
+      ->type_name("DEG")
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "Of the noise, instead of the rig's");
+  command->add_flag("--without-noise", options->without_noise, "No shot noise and no read noise");
+  command->add_option("--threads", options->threads, "Threads; default: one a core")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  command->add_option("--out", options->out, "Folder for the images; of a board, a new one")
+      ->type_name("DIR")
+      ->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace selfproj

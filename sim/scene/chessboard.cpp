@@ -1,0 +1,178 @@
+#include "sim/scene/chessboard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "sim/scene/lens_kernel.h"
+
+namespace selfproj {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180;
+
+Point3 cross(Point3 a, Point3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+
+// The vector turned about an axis of length 1 (Rodrigues).
+Point3 turned(Point3 v, Point3 axis, double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis;
+}
+
+// Whether camera and projector see the board whole.
+class Visible {
+ public:
+  Visible(const Rig& rig, const BoardShape& shape)
+      : rig_(rig),
+        shape_(shape),
+        camera_(Pinhole::of_camera(rig.camera)),
+        projector_(Pinhole::of_projector(rig.projector)) {}
+
+  [[nodiscard]] bool operator()(const BoardPlace& place) const {
+    constexpr double kMargin = 2;  // squares beyond the outermost corners
+    for (const double side : {-1.0, 1.0}) {
+      for (const double end : {-1.0, 1.0}) {
+        const Point3 p = place.middle + side * shape_.square_mm * ((shape_.across - 1) / 2.0 + kMargin) * place.right +
+                         end * shape_.square_mm * ((shape_.down - 1) / 2.0 + kMargin) * place.below;
+        if (!inside(camera_, p, rig_.camera.rows, rig_.camera.columns) ||
+            !inside(projector_, p, rig_.projector.lines, rig_.projector.columns)) {
+          return false;
+        }
+      }
+    }
+    return true;
+  }
+
+ private:
+  static bool inside(const Pinhole& pinhole, Point3 p, int rows, int columns) {
+    if (!(pinhole.depth(p) > 0)) {
+      return false;
+    }
+    const PixelPoint at = pinhole.project(p);
+    return at.row >= 0 && at.row <= rows - 1 && at.column >= 0 && at.column <= columns - 1;
+  }
+
+  const Rig& rig_;
+  const BoardShape& shape_;
+  Pinhole camera_, projector_;
+};
+
+// The middle of what both see of the plane z = `z`: of the rectangles, as both are nearly.
+Point3 middle_of_view(const Rig& rig, double z) {
+  const Pinhole camera = Pinhole::of_camera(rig.camera);
+  const Pinhole projector = Pinhole::of_projector(rig.projector);
+  std::array<double, 4> bounds{-1e9, 1e9, -1e9, 1e9};  // x, y
+  const auto narrow = [&](const Pinhole& pinhole, int rows, int columns) {
+    const auto on_plane = [&](double row, double column) {
+      const Point3 ray = pinhole.ray({row, column});
+      return pinhole.centre() + ((z - pinhole.centre().z) / ray.z) * ray;
+    };
+    const double x0 = on_plane(0, (columns - 1) / 2.0).x;
+    const double x1 = on_plane(rows - 1, (columns - 1) / 2.0).x;
+    const double y0 = on_plane((rows - 1) / 2.0, 0).y;
+    const double y1 = on_plane((rows - 1) / 2.0, columns - 1).y;
+    bounds = {std::max(bounds[0], std::min(x0, x1)), std::min(bounds[1], std::max(x0, x1)),
+              std::max(bounds[2], std::min(y0, y1)), std::min(bounds[3], std::max(y0, y1))};
+  };
+  narrow(camera, rig.camera.rows, rig.camera.columns);
+  narrow(projector, rig.projector.lines, rig.projector.columns);
+  return {(bounds[0] + bounds[1]) / 2, (bounds[2] + bounds[3]) / 2, z};
+}
+
+}  // namespace
+
+Chessboard::Chessboard(const Rig& rig, const BoardShape& shape, const BoardPlace& place)
+    : shape_(shape),
+      place_(place),
+      plane_z_(rig.plane_z_mm),
+      edge_(place.middle.z * rig.camera.pixel_pitch_mm / (rig.camera.focal_length_mm * kSubPixels * shape.square_mm)) {
+  const Point3 normal = cross(place.right, place.below);
+  constexpr double kLeast = 0.17;  // cosine of 80 degrees
+  if (!(std::abs(normal.z) > kLeast)) {
+    throw std::invalid_argument("chessboard: too steep");
+  }
+  dx_ = -normal.x / normal.z;
+  dy_ = -normal.y / normal.z;
+}
+
+double Chessboard::height(double x, double y, double /*t*/) const {
+  return plane_z_ - (place_.middle.z + dx_ * (x - place_.middle.x) + dy_ * (y - place_.middle.y));
+}
+
+HeightRange Chessboard::range(const Box& box, double t0, double /*t1*/) const {
+  const double middle = height((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2, t0);
+  const double half = 0.5 * (std::abs(dx_) * (box.x1 - box.x0) + std::abs(dy_) * (box.y1 - box.y0));
+  return {middle - half, middle + half};
+}
+
+double Chessboard::albedo(double x, double y, double t) const {
+  const Point3 from = Point3{x, y, plane_z_ - height(x, y, t)} - place_.middle;
+  const double across =
+      dot(from, place_.right) / shape_.square_mm + (shape_.across - 1) / 2.0;  // 0 at the first corner
+  const double down = dot(from, place_.below) / shape_.square_mm + (shape_.down - 1) / 2.0;
+  // 1 and -1 in turn from edge to edge.
+  const auto sign = [&](double at) {
+    const double edge = std::round(at);
+    const double value = std::clamp(2 * (at - edge) / edge_, -1.0, 1.0);
+    return std::fmod(std::abs(edge), 2) == 0 ? value : -value;
+  };
+  // Share within the board, whose first and last edge are at -1 and `corners`.
+  const auto within = [&](double at, int corners) {
+    return std::clamp(std::min(at + 1, corners - at) / edge_ + 0.5, 0.0, 1.0);
+  };
+  const double black =
+      0.5 * (1 + sign(across) * sign(down)) * within(across, shape_.across) * within(down, shape_.down);
+  return 1 - (1 - kBlack) * black;
+}
+
+std::vector<BoardPlace> board_places(const Rig& rig, const BoardShape& shape, int count, double tilt_deg) {
+  constexpr double kTurn = 12;     // degrees about the normal, this way and that
+  constexpr double kDepth = 0.06;  // of the distance, nearer and further
+  const Visible visible(rig, shape);
+  std::vector<BoardPlace> places;
+  for (int k = 0; k < count; ++k) {
+    BoardPlace place;
+    const double z = rig.plane_z_mm * (1 + (k == 0 ? 0 : kDepth * (k % 3 - 1)));
+    place.middle = middle_of_view(rig, z);
+    // Leaning directions go round; places shift across to them, so that all of the image gets all of them.
+    const double lean = 2 * std::numbers::pi * k / std::max(1, count - 1);
+    if (k > 0) {
+      const Point3 normal{0, 0, 1};
+      const double turn = kTurn * kRadians * (k % 2 == 0 ? 1 : -1);
+      const Point3 axis = turned({1, 0, 0}, normal, lean);
+      for (Point3* side : {&place.right, &place.below}) {
+        *side = turned(turned(*side, normal, turn), axis, tilt_deg * kRadians);
+      }
+    }
+    if (!visible(place)) {
+      throw UserError("--board", fmt::format("camera and projector do not both see all of it in pose {}; give smaller "
+                                             "squares or fewer of them",
+                                             k + 1));
+    }
+    if (k > 0) {
+      const double towards = 3 * lean + 0.5;
+      const Point3 way{std::cos(towards), std::sin(towards), 0};
+      double near = 0;
+      double far = rig.plane_z_mm;
+      constexpr int kHalvings = 30;
+      for (int i = 0; i < kHalvings; ++i) {
+        const double shift = (near + far) / 2;
+        BoardPlace moved = place;
+        moved.middle = moved.middle + shift * way;
+        (visible(moved) ? near : far) = shift;
+      }
+      place.middle = place.middle + near * way;
+    }
+    places.push_back(place);
+  }
+  return places;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,145 @@
+// The whole chain on itself: patterns, captures of a virtual chessboard with noise and blur, decoding, calibration, the
+// rig that comes out, and depth of a known plane by it. Rig B's geometry with half as many pixels along each side; the
+// full size is measured by scripts/calibration_chain.sh.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/gray/calibration_file.h"
+#include "host/gray/rig_calibration.h"
+#include "host/io/float_image.h"
+#include "host/io/rig.h"
+#include "tests/cli/program.h"
+
+namespace selfproj::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class CalibrationChain : public ::testing::Test {
+ protected:
+  CalibrationChain() {
+    rig_ = load_rig("scanner");
+    rig_.camera.rows /= 2;
+    rig_.camera.columns /= 2;
+    rig_.camera.pixel_pitch_mm *= 2;
+    rig_.projector.lines /= 2;
+    rig_.projector.columns /= 2;
+    rig_.projector.line_pitch_mm *= 2;
+    rig_.projector.column_pitch_mm *= 2;
+    write_text(folder_ / "half.yaml", to_yaml(rig_));
+  }
+
+  Outcome host(const std::vector<std::string>& arguments) {
+    return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
+  }
+  Outcome sim(const std::vector<std::string>& arguments) {
+    return run_program(SELFPROJ_SIM_PROGRAM, arguments, folder_.path());
+  }
+
+  ScratchFolder folder_;
+  Rig rig_;
+};
+
+TEST_F(CalibrationChain, ClosesOnItself) {
+  ASSERT_EQ(host({"pattern", "gray", "--rig", "half.yaml", "--out", "patterns"}).status, 0);
+  const Outcome captured = sim({"capture", "--rig", "half.yaml", "--patterns", "patterns", "--board", "9x7", "--square",
+                                "21", "--poses", "6", "--out", "captures"});
+  ASSERT_EQ(captured.status, 0) << captured.err;
+  std::vector<std::string> calibrate{"calibrate", "--board", "9x7",       "--square", "21",    "--projector",
+                                     "512x384",   "--rig",   "half.yaml", "--out",    "result"};
+  for (int pose = 1; pose <= 6; ++pose) {
+    calibrate.push_back("captures/pose_0" + std::to_string(pose));
+  }
+  const Outcome calibrated = host(calibrate);
+  ASSERT_EQ(calibrated.status, 0) << calibrated.err;
+
+  const Json truth = Json::parse(read_text(folder_ / "captures" / "truth.json"));
+  const Calibration c = read_calibration((folder_ / "result" / "calibration.yaml").string());
+  const auto near = [](double value, const Json& expected, double tolerance, const char* what) {
+    EXPECT_NEAR(value, expected.get<double>(), tolerance) << what;
+  };
+  constexpr double kFocal = 0.004;  // relative
+  constexpr double kCentre = 2;     // pixels, as at full size
+  const Json& camera = truth["camera"];
+  const Json& projector = truth["projector"];
+  near(c.camera.fx, camera["column_focal_px"], kFocal * 300, "camera fx");
+  near(c.camera.fy, camera["row_focal_px"], kFocal * 300, "camera fy");
+  near(c.camera.cx, camera["column_centre_px"], kCentre, "camera cx");
+  near(c.camera.cy, camera["row_centre_px"], kCentre, "camera cy");
+  near(c.projector.fx, projector["column_focal_px"], kFocal * 236, "projector fx");
+  near(c.projector.fy, projector["row_focal_px"], kFocal * 236, "projector fy");
+  near(c.projector.cx, projector["column_centre_px"], kCentre, "projector cx");
+  near(c.projector.cy, projector["row_centre_px"], kCentre, "projector cy");
+  const std::vector<double> centre = projector["centre_mm"];
+  const double baseline = std::hypot(centre[0], centre[1], centre[2]);
+  EXPECT_NEAR(cv::norm(c.translation), baseline, 0.8);
+  const Rig rig = load_rig((folder_ / "result" / "rig.yaml").string());
+  EXPECT_TRUE(rig.calibration.has_value());
+  EXPECT_NEAR(rig.projector.tilt_rad, rig_.projector.tilt_rad, 0.005);
+  EXPECT_NEAR(rig.projector.line_pitch_mm, rig_.projector.line_pitch_mm, 0.004 * rig_.projector.line_pitch_mm);
+
+  // The plane, from codes of both axes by the full model.
+  ASSERT_EQ(
+      sim({"capture", "--rig", "half.yaml", "--patterns", "patterns", "--scene", "plane", "--out", "plane"}).status, 0);
+  std::vector<std::string> depth{
+      "depth", "--calibration", "result/calibration.yaml", "--bits", "9", "--row-bits", "9", "--strict",
+      "--out", "depth"};
+  for (int i = 0; i < 36; ++i) {
+    depth.push_back(i < 10 ? "plane/image_0" + std::to_string(i) + ".png"
+                           : "plane/image_" + std::to_string(i) + ".png");
+  }
+  const Outcome measured = host(depth);
+  ASSERT_EQ(measured.status, 0) << measured.err;
+  const FloatImage z = read_float_tiff((folder_ / "depth" / "depth.tiff").string());
+  double sum = 0;
+  int count = 0;
+  for (int r = 64; r < 192; ++r) {
+    for (int column = 64; column < 192; ++column) {
+      if (!std::isnan(z.row(r)[column])) {
+        sum += static_cast<double>(z.row(r)[column]);
+        ++count;
+      }
+    }
+  }
+  ASSERT_GT(count, 128 * 128 / 4);
+  EXPECT_NEAR(sum / count, rig_.plane_z_mm, 0.8);
+}
+
+TEST_F(CalibrationChain, WrongInputIsOneLine) {
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& begin) {
+    const Outcome outcome = sim(arguments);
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_EQ(outcome.err.rfind("selfproj-sim: " + begin, 0), 0U) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  };
+  ASSERT_EQ(host({"pattern", "gray", "--projector", "8x8", "--out", "small"}).status, 0);
+  ASSERT_EQ(host({"pattern", "gray", "--rig", "half.yaml", "--out", "patterns"}).status, 0);
+  const std::vector<std::string> usual{"capture", "--rig", "half.yaml", "--out", "out", "--patterns"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = usual;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  refused(with({"patterns"}), "--scene, --board: one of them is needed");
+  refused(with({"patterns", "--board", "9x7"}), "--square: is needed with --board");
+  refused(with({"patterns", "--board", "9x7", "--square", "80"}),
+          "--board: camera and projector do not both see all of it in pose 1");
+  refused(with({"patterns", "--scene", "nothing"}), "nothing: is no scene");
+  refused(with({"none", "--scene", "plane"}), "none: there is no such folder");
+  refused(with({"small", "--scene", "plane"}), "small/pattern_00.png: ");
+  std::filesystem::create_directory(folder_ / "there");
+  const Outcome outcome = sim({"capture", "--rig", "half.yaml", "--out", "there", "--patterns", "patterns", "--board",
+                               "5x5", "--square", "10", "--poses", "1"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err.rfind("selfproj-sim: there: is there already", 0), 0U) << outcome.err;
+}
+
+}  // namespace
+}  // namespace selfproj::test
