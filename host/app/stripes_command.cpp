@@ -35,7 +35,7 @@ namespace selfproj {
 namespace {
 
 Rig scanner_rig(const std::string& name) {
-  const Rig rig = load_rig(name);
+  Rig rig = load_rig(name);
   if (rig.kind != RigKind::scanner) {
     throw UserError("--rig", fmt::format("{} is no rig of kind scanner", name));
   }

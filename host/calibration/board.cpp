@@ -46,7 +46,9 @@ double median_of(std::vector<double> values) {
 // t2.
 struct CornerModel {
   static constexpr int kParameters = 9;
-  enum : int { kX, kY, kAngle1, kAngle2, kBlur, kLight, kLightX, kLightY, kContrast };  // x0, y0, t1, t2, s, a, b, c, d
+  // x0, y0, t1, t2, s, a, b, c, d
+  static constexpr int kX = 0, kY = 1, kAngle1 = 2, kAngle2 = 3, kBlur = 4, kLight = 5, kLightX = 6, kLightY = 7,
+                       kContrast = 8;
   using Parameters = cv::Vec<double, kParameters>;
 
   // Grey value at (x, y) from the window's middle, and its derivatives.

@@ -205,8 +205,8 @@ DifferentialProfiler::DifferentialProfiler(const Rig& rig, const ReferenceProfil
     z_r_.push_back(static_cast<float>(z_r));
     numerator_.push_back(static_cast<float>(z_r * (alpha_r + theta)));
     // θ = θ0 + atan(Xp / fp) (3.7), so d tan θ / dXp = (1 + tan² θ) cos²(θ - θ0) / fp.
-    theta_per_line_.push_back(static_cast<float>(std::abs(rig.projector.line_pitch_mm) * (1 + theta * theta) * cosine * cosine /
-                                                 rig.projector.focal_length_mm));
+    theta_per_line_.push_back(static_cast<float>(std::abs(rig.projector.line_pitch_mm) * (1 + theta * theta) * cosine *
+                                                 cosine / rig.projector.focal_length_mm));
     valid_.push_back(valid ? 1 : 0);
   }
 }

@@ -80,7 +80,8 @@ struct Place {
 Place place_of(const Rig& rig, std::size_t pixel, double z) {
   const auto columns = static_cast<std::size_t>(rig.camera.columns);
   const double scale = z * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
-  return {(static_cast<double>(pixel / columns) - 0.5 * (rig.camera.rows - 1)) * scale,
+  const std::size_t row = pixel / columns;
+  return {(static_cast<double>(row) - 0.5 * (rig.camera.rows - 1)) * scale,
           (static_cast<double>(pixel % columns) - 0.5 * (rig.camera.columns - 1)) * scale, z};
 }
 
@@ -582,7 +583,7 @@ StructuredLightResult run_cuboids(const StructuredLightOptions& options, const P
                              fmt::format("{:.2f} %", 100 * s.none), std::to_string(s.far),
                              fmt::format("{:.3f} %", 100 * s.far_wrong)});
       if (code == StripeCode::cyclic && !printed && s.far_wrong > 0) {
-        result.not_reached.push_back("matches 16 cells or more from steps are wrong");
+        result.not_reached.emplace_back("matches 16 cells or more from steps are wrong");
       }
     }
   }
@@ -783,12 +784,12 @@ class Summary {
 };
 
 // One of the two methods, streaming.
-class Stream {
+class MotionStream {
  public:
-  virtual ~Stream() = default;
-  Stream() = default;
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
+  virtual ~MotionStream() = default;
+  MotionStream() = default;
+  MotionStream(const MotionStream&) = delete;
+  MotionStream& operator=(const MotionStream&) = delete;
   [[nodiscard]] virtual bool take(const ImageView& image, int pattern) = 0;
   [[nodiscard]] virtual const FloatImage& depth() const = 0;
   [[nodiscard]] virtual FloatImage difference() const = 0;
@@ -796,7 +797,7 @@ class Stream {
   [[nodiscard]] virtual FloatImage pattern(int index) const = 0;
 };
 
-class SelfStream final : public Stream {
+class SelfStream final : public MotionStream {
  public:
   SelfStream(const Rig& rig, const SelfReference& reference, const MatchTable& table)
       : reference_(reference), scanner_(rig, reference, table, rig.measure.code_threshold) {}
@@ -811,7 +812,7 @@ class SelfStream final : public Stream {
   SelfScanner scanner_;
 };
 
-class ConventionalStream final : public Stream {
+class ConventionalStream final : public MotionStream {
  public:
   ConventionalStream(const Rig& rig, int bits)
       : rig_(rig),
@@ -835,7 +836,7 @@ class ConventionalStream final : public Stream {
 
 // Frames first .. first + count - 1 under the stream's patterns, the first under pattern 0. `see` is told the frame
 // after each depth image.
-void play(const PatternRenderer& renderer, const RenderOptions& options, Stream& stream, int first, int count,
+void play(const PatternRenderer& renderer, const RenderOptions& options, MotionStream& stream, int first, int count,
           const std::function<void(int frame)>& see, const std::function<void()>& done) {
   std::vector<Image> patterns;
   for (int i = 0; i < 2 * stream.bits(); ++i) {
@@ -912,7 +913,7 @@ StructuredLightResult run_stream(const std::string& name, const StreamOptions& o
                      "Over the same instants. Added: root of the difference of the squares."};
 
   const double pixel = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
-  const auto measure = [&](Stream& stream, const std::string& method) {
+  const auto measure = [&](MotionStream& stream, const std::string& method) {
     std::vector<Summary> moving(things.size());
     std::vector<Summary> moving_then(things.size());
     std::vector<Summary> at_rest(things.size());
