@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# fpga.sh [table [FAMILY...] | place [--seeds N] | update [--seeds N] | stale]: what the board takes of five FPGA families,
+# and the clock it reaches on an iCE40 HX8K (default: table). update writes both into constraints/README.md.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+command -v yosys >/dev/null || scripts/setup.sh >&2
+if [[ ${1:-} == place || ${1:-} == update ]] && ! command -v nextpnr-ice40 >/dev/null; then
+  echo "fpga.sh: nextpnr-ice40: not installed; apt-get install nextpnr-ice40" >&2
+  exit 2
+fi
+exec python3 scripts/fpga.py "${@:-table}"
