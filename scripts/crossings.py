@@ -21,7 +21,9 @@ import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+import rtl_tree
+
+ROOT = rtl_tree.ROOT
 LIST = ROOT / "rtl" / "crossings.txt"
 
 
@@ -31,12 +33,9 @@ class CrossingError(Exception):
 
 def netlist(rtl, parameters):
     """The flattened board after `proc` and `memory`, as Yosys's JSON."""
-    sources = sorted(path for path in rtl.rglob("sp_*.sv") if not path.name.endswith("_pkg.sv"))
-    assignments = "".join(f" -set {text.replace('=', ' ', 1)}" for text in parameters)
     with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
         path = pathlib.Path(folder) / "board.json"
-        script = (f"read_verilog -sv {rtl}/common/sp_spec_pkg.sv {' '.join(map(str, sources))}; "
-                  + (f"chparam{assignments} sp_board; " if assignments else "")
+        script = (rtl_tree.read_command("sp_board", parameters, rtl)
                   + "hierarchy -check -top sp_board; proc; flatten; opt -full; memory_dff; memory_collect; opt_clean; "
                   + f"write_json {path}")
         result = subprocess.run(["yosys", "-q", "-p", script], capture_output=True, text=True, check=False)

@@ -22,7 +22,10 @@ import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+import resource_table
+import rtl_tree
+
+ROOT = rtl_tree.ROOT
 README = ROOT / "constraints" / "README.md"
 PINS = ROOT / "constraints" / "sp_board_pins.sv"
 
@@ -64,14 +67,10 @@ class FpgaError(Exception):
     """A tool failed, or an answer of it is not understood."""
 
 
-def sources():
-    return sorted(path for path in (ROOT / "rtl").rglob("sp_*.sv") if not path.name.endswith("_pkg.sv"))
-
-
 def state():
     """A hash of the circuits: rtl/ without comments, blanks and proofs, and what is mapped how."""
     digest = hashlib.sha256(repr((CONFIGURATIONS, FAMILIES)).encode())
-    for path in [ROOT / "rtl/common/sp_spec_pkg.sv", *sources(), PINS]:
+    for path in [*rtl_tree.sources(), PINS]:
         text = re.sub(r"`ifdef FORMAL.*?(`else(.*?))?`endif", lambda match: match.group(2) or "", path.read_text(), flags=re.S)
         text = re.sub(r"//[^\n]*", "", text)
         digest.update("".join(text.split()).encode())
@@ -87,10 +86,9 @@ def run(command, folder):
 
 
 def synthesize(family, parameters, top, path, folder):
-    assignments = "".join(f" -set {name} {value}" for name, value in parameters.items())
+    read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], more=[PINS])
     command = FAMILIES[family][1].format(top=top)
-    run(["yosys", "-q", "-p", f"read_verilog -sv {ROOT}/rtl/common/sp_spec_pkg.sv {' '.join(map(str, sources()))} {PINS}; "
-         f"chparam{assignments} {top}; hierarchy -check -top {top}; {command}; write_json {path}"], folder)
+    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; {command}; write_json {path}"], folder)
 
 
 def count(path):
@@ -167,15 +165,6 @@ def place(seeds):
     return lines
 
 
-def insert(name, lines):
-    begin, end = f"<!-- BEGIN GENERATED {name} -->", f"<!-- END GENERATED {name} -->"
-    old = README.read_text()
-    if old.count(begin) != 1 or old.count(end) != 1:
-        raise FpgaError(f"{README.relative_to(ROOT)} does not hold the two markers of {name} once each")
-    head, rest = old.split(begin)
-    README.write_text(head + begin + "\n" + "\n".join(lines).strip("\n") + "\n" + end + rest.split(end)[1])
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(dest="command", required=True)
@@ -192,11 +181,11 @@ def main():
         elif arguments.command == "update":
             mark = f"<!-- circuits {state()} -->"
             resources, clocks = table(list(FAMILIES)), place(arguments.seeds)
-            insert("resources", [mark, *resources])
-            insert("clocks", clocks)
+            resource_table.insert("resources", "\n".join([mark, *resources]), README)
+            resource_table.insert("clocks", "\n".join(clocks), README)
         elif f"<!-- circuits {state()} -->" not in README.read_text():
             raise FpgaError("constraints/README.md was measured of other circuits than rtl/ has now; scripts/fpga.sh update")
-    except (OSError, KeyError, ValueError, FpgaError) as error:
+    except (OSError, KeyError, ValueError, FpgaError, resource_table.TableError) as error:
         print(f"fpga.py: {error}", file=sys.stderr)
         return 1
     return 0

@@ -16,13 +16,14 @@ import argparse
 import dataclasses
 import pathlib
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import rtl_tree  # noqa: E402
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,14 +124,11 @@ def run(command, limit_s, folder):
 
 def write_smt2(proof, rtl, folder):
     """The module with its rules, as SMT-LIB: the file's path."""
-    sources = sorted(path for path in rtl.rglob("sp_*.sv") if not path.name.endswith("_pkg.sv"))
     path = folder / f"{proof.name}.smt2"
-    parameters = "".join(f" -set {text.replace('=', ' ')}" for text in proof.parameters)
     two_clocks = "clk2fflogic;" if proof.clocks == 2 else ""
-    script = (f"read_verilog -formal -sv {rtl}/common/sp_spec_pkg.sv {' '.join(map(str, sources))} "
-              f"{ROOT}/tests/formal/sp_formal_clocks.sv; "
-              + (f"chparam{parameters} {proof.module}; " if parameters else "")
-              + f"prep -nordff -flatten -top {proof.module}; memory_map; {two_clocks} opt -full; dffunmap; write_smt2 -wires {path}")
+    read = rtl_tree.read_command(proof.module, proof.parameters, rtl, [ROOT / "tests/formal/sp_formal_clocks.sv"], formal=True)
+    script = (read + f"prep -nordff -flatten -top {proof.module}; memory_map; {two_clocks} opt -full; dffunmap; "
+              + f"write_smt2 -wires {path}")
     result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
     if result.returncode != 0 or not path.exists():
         said = [line for line in (result.stdout + result.stderr).splitlines() if not line.startswith(">")]
@@ -178,22 +176,10 @@ def prove(proof, folder):
             f"{proved_s:.0f} s |")
 
 
-def plant(fault, folder):
-    """A copy of rtl/ with the fault in it."""
-    copy = folder / "rtl"
-    shutil.copytree(ROOT / "rtl", copy)
-    path = copy / fault.file
-    text = path.read_text()
-    if text.count(fault.old) != 1:
-        raise ProofError(f"{fault.name}: rtl/{fault.file} holds its place {text.count(fault.old)} times, not once")
-    path.write_text(text.replace(fault.old, fault.new))
-    return copy
-
-
 def expect_failure(fault, folder):
     """One line about the fault; raises ProofError where its proof does not find it."""
     proof = next(proof for proof in PROOFS if proof.name == fault.proof)
-    smt2 = write_smt2(proof, plant(fault, folder), folder)
+    smt2 = write_smt2(proof, rtl_tree.plant(folder, fault.file, fault.old, fault.new), folder)
     if fault.bounded:
         options = ["-t", str(fault.bounded)]
     else:
@@ -226,7 +212,7 @@ def main():
             try:
                 action = expect_failure if arguments.faults else prove
                 print(action(entry, pathlib.Path(folder)), flush=True)
-            except ProofError as error:
+            except (ProofError, rtl_tree.PlantError) as error:
                 print(f"prove.py: {error}", file=sys.stderr)
                 failed = True
     return 1 if failed else 0

@@ -5,12 +5,13 @@ Standard library only.
 """
 
 import pathlib
-import shutil
 import subprocess
 import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import rtl_tree  # noqa: E402
 
 # File below rtl/, text, what takes its place, and what has to be said.
 FAULTS = [
@@ -25,13 +26,7 @@ FAULTS = [
 def main():
     for file, old, new, said in FAULTS:
         with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
-            copy = pathlib.Path(folder) / "rtl"
-            shutil.copytree(ROOT / "rtl", copy)
-            text = (copy / file).read_text()
-            if text.count(old) != 1:
-                print(f"crossings_test.py: rtl/{file} holds '{old}' {text.count(old)} times, not once", file=sys.stderr)
-                return 1
-            (copy / file).write_text(text.replace(old, new))
+            copy = rtl_tree.plant(folder, file, old, new)
             result = subprocess.run([sys.executable, ROOT / "scripts" / "crossings.py", "--rtl", copy, "--parameters",
                                      "MaxColumns=64", "MaxRows=40", "Image=1'b0"], capture_output=True, text=True, check=False)
             if result.returncode != 1 or said not in result.stderr:
