@@ -59,4 +59,4 @@ folder=$out/scanner
 "$sim" capture --rig scanner --patterns "$folder/patterns" --scene plane --out "$folder/plane"
 images=("$folder"/plane/image_*.png)
 "$host" depth --calibration "$folder/homography/calibration.yaml" --bits 10 --row-bits 10 --strict \
-  --out "$folder/depth" "${images[@]:0:40}"
+  --max-z-per-line 5 --plane --out "$folder/depth" "${images[@]:0:40}"

@@ -13,6 +13,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -25,6 +26,7 @@
 #include "host/gray/depth_output.h"
 #include "host/gray/fast_decoder.h"
 #include "host/gray/lens_triangulation.h"
+#include "host/gray/plane_fit.h"
 #include "host/gray/point_cloud.h"
 #include "host/gray/rig_calibration.h"
 #include "host/gray/scanner.h"
@@ -60,6 +62,7 @@ struct Options {
   double min_difference_mm = static_cast<double>(ScannerSettings{}.min_difference_mm);
   std::string compare;
   bool compare_opengl = false;
+  bool plane = false;
   std::string out;
   std::string device;
   std::size_t count = 0;
@@ -441,7 +444,11 @@ Json depth_json(const FloatImage& depth) {
   return {{"least", values.front()}, {"median", values[values.size() / 2]}, {"greatest", values.back()}};
 }
 
-std::string summary(const Options& options, const Result& result, const std::optional<CloudComparison>& comparison) {
+// Angle between the plane's normal and z.
+double tilt_deg(const PlaneFit& fit) { return std::atan(std::hypot(fit.a, fit.b)) * 180 / std::numbers::pi; }
+
+std::string summary(const Options& options, const Result& result, const std::optional<CloudComparison>& comparison,
+                    const std::optional<PlaneFit>& plane) {
   Json json;
   json["geometry"] = options.rig.empty() ? options.calibration : options.rig;
   if (result.counters) {
@@ -492,6 +499,16 @@ std::string summary(const Options& options, const Result& result, const std::opt
                        {"points_within_1_mm", number(comparison->ours_within)},
                        {"points_of_file_within_1_mm", number(comparison->theirs_within)}};
   }
+  if (plane) {
+    json["plane"] = {{"points", plane->points},
+                     {"z_on_axis_mm", number(plane->z0)},
+                     {"z_per_x", number(plane->a)},
+                     {"z_per_y", number(plane->b)},
+                     {"tilt_deg", number(tilt_deg(*plane))},
+                     {"residual_rms_mm", number(plane->rms)},
+                     {"residual_greatest_mm", number(plane->greatest)},
+                     {"rounding_rms_mm", number(plane->rounding_rms)}};
+  }
   return json.dump(2) + "\n";
 }
 
@@ -531,6 +548,11 @@ void run(const Options& options) {
   }
   const std::optional<CloudComparison> comparison = compare(options, points_of(*triangulation, result.depth));
 
+  std::optional<PlaneFit> plane;
+  if (options.plane) {
+    plane = fit_plane(*triangulation, result.depth);
+  }
+
   const std::string title =
       fmt::format("depth z, {} of {} pixels", result.shares.of(PointState::valid), result.shares.total());
   folder.append("depth.tiff", encode_float_tiff("depth.tiff", result.depth));
@@ -541,7 +563,7 @@ void run(const Options& options) {
   if (result.moved) {
     folder.append("moved.csv", tables.moved);
   }
-  folder.append("summary.json", summary(options, result, comparison));
+  folder.append("summary.json", summary(options, result, comparison, plane));
   folder.commit();
 
   std::string shares;
@@ -560,6 +582,14 @@ void run(const Options& options) {
         "{}: median distance of our {} points to its {}: {:.3f} mm; within 1 mm: {:.1f} % of ours, {:.1f} % of its\n",
         options.compare, comparison->ours, comparison->theirs, comparison->median_mm, 100 * comparison->ours_within,
         100 * comparison->theirs_within);
+  }
+  if (plane && std::isnan(plane->rms)) {
+    fmt::print("plane: {} points are too few, or on a line\n", plane->points);
+  } else if (plane) {
+    fmt::print(
+        "plane through {} points: z {:.3f} mm on the axis, leaning by {:.3f}°; residuals {:.3f} mm RMS, {:.3f} mm at "
+        "most; rounding to whole codes predicts {:.3f} mm RMS\n",
+        plane->points, plane->z0, tilt_deg(*plane), plane->rms, plane->greatest, plane->rounding_rms);
   }
 }
 
@@ -622,6 +652,7 @@ void add_depth_command(CLI::App& app) {
   command->add_option("--compare", options->compare, "Say how far the points lie from those of this cloud")
       ->type_name("FILE.ply");
   command->add_flag("--compare-opengl", options->compare_opengl, "The cloud's y and z have the other sign");
+  command->add_flag("--plane", options->plane, "Fit a plane to the newest depth image and say how flat it is");
   command
       ->add_option("--device", options->device,
                    "In place of images, a board that decodes: ring:NAME, file:PATH; until it ends, --count or Ctrl-C")

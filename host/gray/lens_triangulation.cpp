@@ -147,6 +147,19 @@ void LensTriangulation::explain(const std::uint16_t* codes, const float* /*z*/, 
   }
 }
 
+double LensTriangulation::rounding_error(std::size_t pixel, float z) const {
+  const Point3f one = point(pixel, 1);
+  const cv::Vec3d ray = calibration_.rotation * cv::Vec3d(static_cast<double>(one.x), static_cast<double>(one.y), 1);
+  cv::Vec2d slope;
+  (void)image(ray, static_cast<double>(z), slope);
+  const double columns = std::ldexp(settings_.lines, -settings_.bits) / std::sqrt(12.0);
+  if (settings_.row_bits == 0) {
+    return std::abs(columns / slope[0]);
+  }
+  const double rows = std::ldexp(settings_.row_lines, -settings_.row_bits) / std::sqrt(12.0);
+  return std::hypot(slope[0] * columns, slope[1] * rows) / slope.dot(slope);
+}
+
 void LensTriangulation::depth_of_both(const std::uint16_t* codes, const std::uint16_t* row_codes, float* z,
                                       PointState* states, float* residual_px) const {
   for (std::size_t i = 0; i < pixels(); ++i) {

@@ -41,6 +41,9 @@ class LensTriangulation : public Triangulation {
   void depth(const std::uint16_t* codes, float* z) const override;
   void explain(const std::uint16_t* codes, const float* z, PointState* states) const override;
 
+  // With row_bits, that of depth_of_both: the roundings of both axes are independent.
+  [[nodiscard]] double rounding_error(std::size_t pixel, float z) const override;
+
   // Both axes: words of the columns' and of the rows' code. `states` and `residual_px` may be null; the residual is NaN
   // where there is no depth.
   void depth_of_both(const std::uint16_t* codes, const std::uint16_t* row_codes, float* z, PointState* states,

@@ -226,6 +226,17 @@ PointState PlaneTriangulation::explain_code(std::size_t pixel, double code, floa
   return denominator <= static_cast<double>(least_[k]) || !out ? PointState::too_coarse : PointState::out_of_range;
 }
 
+double PlaneTriangulation::rounding_error(std::size_t pixel, float z) const {
+  const std::size_t k = by_rows_ ? pixel / static_cast<std::size_t>(columns()) : pixel;
+  const auto at = static_cast<double>(at_[k]);
+  const auto slope = static_cast<double>(slope_[k]);
+  const double way = static_cast<double>(z) - center_[2];
+  // The code whose plane meets the ray there, with a fraction, and |dz/dC| as above.
+  const double code = (way * at + sign_ * e0_) / (way * slope + sign_ * e1_);
+  const double denominator = at - code * slope;
+  return std::abs(e1_ * at - slope * e0_) / (denominator * denominator) / std::sqrt(12.0);
+}
+
 PointState PlaneTriangulation::explain_line(std::size_t pixel, float line, float z) const {
   return std::isnan(line) ? PointState::no_line
                           : explain_code(pixel, (static_cast<double>(line) + 0.5) * codes_per_line_, z);

@@ -73,6 +73,10 @@ class Triangulation {
   // Why the pixels of these codes have the depth that `depth` gave them.
   virtual void explain(const std::uint16_t* codes, const float* z, PointState* states) const = 0;
 
+  // Standard deviation in mm of the error in z of a pixel with depth z that rounding to whole codes causes: that of a
+  // place uniform over the code, 1/√12 of the depth that a code is worth there.
+  [[nodiscard]] virtual double rounding_error(std::size_t pixel, float z) const = 0;
+
   // The point of pixel i at depth z, on the pixel's ray.
   [[nodiscard]] Point3f point(std::size_t i, float z) const {
     const float along = z - origin_.z;
@@ -119,6 +123,7 @@ class PlaneTriangulation : public Triangulation {
 
   void depth(const std::uint16_t* codes, float* z) const override;
   void explain(const std::uint16_t* codes, const float* z, PointState* states) const override;
+  [[nodiscard]] double rounding_error(std::size_t pixel, float z) const override;
 
   // Depths of the pixels of one row whose places on the projector are known, as lines of a rig's projector (from 0,
   // with a fraction; NaN: none), all of whose lines are coded. Allocates nothing.
