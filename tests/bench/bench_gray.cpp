@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
@@ -294,23 +293,10 @@ int run(int argc, char** argv) {
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
   add("opencv/cache", [data](benchmark::State& state) { opencv(state, data); });
 #endif
-  bench::Collector collector("bytes_per_second");
-  benchmark::RunSpecifiedBenchmarks(&collector);
-  if (!collector.failed()) {
-    print_ratios(collector);
-  }
-  benchmark::Shutdown();
-  return collector.failed() ? 1 : 0;
+  return bench::run_registered("bytes_per_second", print_ratios);
 }
 
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) {
-  try {
-    return selfproj::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_gray: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return selfproj::bench::main_of("bench_gray", argc, argv, selfproj::run); }

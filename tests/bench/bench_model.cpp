@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <span>
 #include <string>
 #include <vector>
@@ -184,23 +183,10 @@ int run(int argc, char** argv) {
   benchmark::RegisterBenchmark("packet/parse_and_unpack/grey",
                                [&](benchmark::State& state) { parse_and_unpack(state, grey); });
 
-  Collector collector("bytes_per_second");
-  benchmark::RunSpecifiedBenchmarks(&collector);
-  if (!collector.failed()) {
-    print_ratios(collector);
-  }
-  benchmark::Shutdown();
-  return collector.failed() ? 1 : 0;
+  return bench::run_registered("bytes_per_second", print_ratios);
 }
 
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) {
-  try {
-    return selfproj::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_model: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return selfproj::bench::main_of("bench_model", argc, argv, selfproj::run); }

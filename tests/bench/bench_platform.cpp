@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <optional>
 #include <random>
 #include <span>
@@ -176,10 +175,11 @@ int run(int argc, char** argv) {
   platform("compared/rtl", PlatformEngine::rtl, true);
   platform("platform/model", PlatformEngine::model, false);
 
-  Collector collector("items_per_second");
-  benchmark::RunSpecifiedBenchmarks(&collector);
-  const double plain = collector.median("plain/rtl");
-  if (!collector.failed() && plain > 0) {
+  return selfproj::bench::run_registered("items_per_second", [](const Collector& collector) {
+    const double plain = collector.median("plain/rtl");
+    if (plain <= 0) {
+      return;
+    }
     const auto print = [&](const char* name, const char* what) {
       if (const double rate = collector.median(name); rate > 0) {
         std::printf("%-36s %6.2f M clocks/s: %4.0f %% of the plain loop's, 1/%.0f of real time\n", what, rate * 1e-6,
@@ -191,18 +191,9 @@ int run(int argc, char** argv) {
     print("platform/rtl", "platform, engine rtl");
     print("compared/rtl", "... and compared with the model");
     print("platform/model", "platform, engine model");
-  }
-  benchmark::Shutdown();
-  return collector.failed() ? 1 : 0;
+  });
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_platform: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return selfproj::bench::main_of("bench_platform", argc, argv, run); }

@@ -15,7 +15,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <random>
 #include <span>
 #include <string>
@@ -197,9 +196,7 @@ int run(int argc, char** argv) {
     benchmark::RegisterBenchmark(("ceiling/" + name).c_str(),
                                  [&set = packets](benchmark::State& state) { ceiling(state, set); });
   }
-  Collector collector("items_per_second");
-  benchmark::RunSpecifiedBenchmarks(&collector);
-  if (!collector.failed()) {
+  return bench::run_registered("items_per_second", [&](const Collector& collector) {
     std::printf("\nprofiles/s, one core, packet to differential profile (medians)\n");
     for (const auto& [name, packets] : cases) {
       const double both = collector.median("both/" + name);
@@ -209,19 +206,10 @@ int run(int argc, char** argv) {
                     name.c_str(), both, 100 * both / most);
       }
     }
-  }
-  benchmark::Shutdown();
-  return collector.failed() ? 1 : 0;
+  });
 }
 
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) {
-  try {
-    return selfproj::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_profile: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return selfproj::bench::main_of("bench_profile", argc, argv, selfproj::run); }

@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <memory>
 #include <random>
 #include <span>
@@ -210,26 +209,15 @@ int run(int argc, char** argv) {
   benchmark::RegisterBenchmark("core/default", [&](benchmark::State& s) { run_frames<Core<Vcore>>(s, beats); });
   benchmark::RegisterBenchmark("board/default", [&](benchmark::State& s) { run_frames<Board<Vboard>>(s, beats); });
 
-  Collector collector("items_per_second");
-  benchmark::RunSpecifiedBenchmarks(&collector);
-  if (!collector.failed()) {
+  return selfproj::bench::run_registered("items_per_second", [&](const Collector& collector) {
     std::printf(
         "\noriginal: 512 columns, 127 rows, binary build; default: 2048 columns, 1023 rows, grey and raw images; "
         "both run mode binary\n");
     print_ratio(collector, "original");
     print_ratio(collector, "default");
-  }
-  benchmark::Shutdown();
-  return collector.failed() ? 1 : 0;
+  });
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_rtl: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return selfproj::bench::main_of("bench_rtl", argc, argv, run); }

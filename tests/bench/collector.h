@@ -5,6 +5,8 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <exception>
 #include <map>
 #include <string>
 #include <utility>
@@ -66,6 +68,30 @@ class Collector : public benchmark::ConsoleReporter {
   std::map<std::string, std::vector<double>> rates_;
   bool failed_ = false;
 };
+
+// Runs what has been registered and keeps `rate` of it; then `print` gets the collector, unless one has failed. The
+// exit status of the program.
+template <typename Print>
+int run_registered(const char* rate, const Print& print) {
+  Collector collector(rate);
+  benchmark::RunSpecifiedBenchmarks(&collector);
+  if (!collector.failed()) {
+    print(collector);
+  }
+  benchmark::Shutdown();
+  return collector.failed() ? 1 : 0;
+}
+
+// What main returns: run(argc, argv), or 1 and the reason in one line where it throws.
+template <typename Run>
+int main_of(const char* name, int argc, char** argv, const Run& run) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", name, error.what());
+    return 1;
+  }
+}
 
 }  // namespace selfproj::bench
 
