@@ -171,11 +171,13 @@ MatchTable::MatchTable(const Rig& rig, const SelfReference& reference, const Mat
     : rows_(rig.camera.rows),
       columns_(rig.camera.columns),
       bits_(reference.stripes.bits),
-      pitch_(static_cast<std::size_t>(rig.camera.columns + 1) / 2) {
+      plane_(static_cast<std::ptrdiff_t>(rig.camera.rows) * rig.camera.columns) {
   const MatchSearch search(rig, reference, settings);
   const int codes = 1 << bits_;
-  constexpr std::uint32_t kNonePair = GrayMatch::kNone << kWordBits | GrayMatch::kNone;
-  pairs_.assign(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(codes) * pitch_, kNonePair);
+  words_.assign(static_cast<std::size_t>(codes) * static_cast<std::size_t>(plane_), GrayMatch::kNone);
+  for (int r = 0; r < rows_; ++r) {
+    own_.push_back(cell_of_row(r, rows_, reference.stripes.width));
+  }
   std::vector<Match> matches;
   std::size_t shown = 0;
   std::size_t missing = 0;
@@ -192,7 +194,8 @@ MatchTable::MatchTable(const Rig& rig, const SelfReference& reference, const Mat
         missing += match.candidates == 0 ? 1 : 0;
         doubled += match.candidates > 1 ? 1 : 0;
         if (match.candidates > 0) {
-          set(r, c, code, GrayMatch::word_of(match.line));
+          words_[static_cast<std::size_t>(row(r).of(static_cast<unsigned>(code)) - words_.data() + c)] =
+              GrayMatch::word_of(match.line);
         }
       }
     }
@@ -201,12 +204,6 @@ MatchTable::MatchTable(const Rig& rig, const SelfReference& reference, const Mat
     missing_ = static_cast<double>(missing) / static_cast<double>(shown);
     doubled_ = static_cast<double>(doubled) / static_cast<double>(shown);
   }
-}
-
-void MatchTable::set(int row, int column, int code, std::uint16_t word) {
-  std::uint32_t& pair = pairs_[offset(row, code) + static_cast<std::size_t>(column) / 2];
-  const unsigned shift = column % 2 == 0 ? 0 : kWordBits;
-  pair = (pair & ~(std::uint32_t{0xFFFF} << shift)) | static_cast<std::uint32_t>(word) << shift;
 }
 
 std::vector<std::uint16_t> MatchTable::by_pixels() const {

@@ -70,6 +70,22 @@ class MatchSearch {
   std::vector<double> tan_theta_;
 };
 
+// The words of a row of the camera image, those of a code side by side by columns. Codes lie in planes by n, by how
+// many cells they are nearer to the camera than the reference (modulo 2^m; so it is with the cyclic code, with the
+// reflected one the order means nothing): what is looked up of a surface near the reference is then one run over rows,
+// which the processor reads ahead, and not a piece of every code in turn.
+struct MatchRow {
+  const std::uint16_t* first;  // of plane 0
+  std::ptrdiff_t plane;        // words from a plane to the next one
+  unsigned own;                // plane of code 0
+  unsigned mask;               // 2^m - 1
+
+  // `code` is in 0..2^m - 1.
+  [[nodiscard]] const std::uint16_t* of(unsigned code) const {
+    return first + static_cast<std::ptrdiff_t>((own - code) & mask) * plane;
+  }
+};
+
 class MatchTable {
  public:
   // Searches all pixels. Throws as MatchSearch.
@@ -81,15 +97,13 @@ class MatchTable {
 
   // The word of model/gray_match for a pixel and a code 0..2^m - 1.
   [[nodiscard]] std::uint16_t word(int row, int column, int code) const {
-    const std::uint32_t pair = pairs_[offset(row, code) + static_cast<std::size_t>(column) / 2];
-    return static_cast<std::uint16_t>(column % 2 == 0 ? pair : pair >> kWordBits);
+    return this->row(row).of(static_cast<unsigned>(code))[column];
   }
 
-  // The words of a row by pairs, that of the even column in the lower half: first those of code 0, pitch() pairs, then
-  // those of code 1, ... Codes of neighbours are mostly equal, so that what is looked up of an image lies close
-  // together, and pairs have the width that vector instructions gather.
-  [[nodiscard]] const std::uint32_t* row(int row) const { return pairs_.data() + offset(row, 0); }
-  [[nodiscard]] std::size_t pitch() const { return pitch_; }
+  [[nodiscard]] MatchRow row(int row) const {
+    return {words_.data() + static_cast<std::ptrdiff_t>(row) * columns_, plane_,
+            static_cast<unsigned>(own_[static_cast<std::size_t>(row)]), (1U << static_cast<unsigned>(bits_)) - 1};
+  }
 
   // The table as the circuit has it: pixel by pixel, 2^m words each.
   [[nodiscard]] std::vector<std::uint16_t> by_pixels() const;
@@ -100,16 +114,10 @@ class MatchTable {
   [[nodiscard]] double doubled() const { return doubled_; }
 
  private:
-  [[nodiscard]] std::size_t offset(int row, int code) const {
-    return ((static_cast<std::size_t>(row) << static_cast<unsigned>(bits_)) + static_cast<std::size_t>(code)) * pitch_;
-  }
-
   int rows_, columns_, bits_;
-  static constexpr unsigned kWordBits = 16;
-  void set(int row, int column, int code, std::uint16_t word);
-
-  std::size_t pitch_;
-  std::vector<std::uint32_t> pairs_;
+  std::ptrdiff_t plane_;
+  std::vector<int> own_;  // cell of each row of the camera
+  std::vector<std::uint16_t> words_;
   double missing_ = 0, doubled_ = 0;
 };
 

@@ -44,6 +44,9 @@ class SelfScanner {
   [[nodiscard]] const FloatImage& depth() const { return depth_; }
   [[nodiscard]] const FloatImage& difference() const { return difference_; }
 
+  // What was matched in a row of the newest image, as of look_up_row; at least one must have come.
+  void newest_lines(int row, float* lines) const;
+
   // Depth of the reference, from X_R.
   [[nodiscard]] const FloatImage& reference_depth() const { return reference_depth_; }
 
