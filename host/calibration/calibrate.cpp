@@ -370,8 +370,9 @@ class Calibrator {
     return px;
   }
 
-  void warn_of_lens(const char* name, const LensParameters& lens, const LensParameters& deviation, cv::Size size,
-                    const std::vector<cv::Point2d>& seen) {
+  // `shown`: the lens in the coordinates of the result, where a mirrored projector's rows count from its first again.
+  void warn_of_lens(const char* name, const LensParameters& lens, const LensParameters& shown,
+                    const LensParameters& deviation, cv::Size size, const std::vector<cv::Point2d>& seen) {
     std::vector<std::string>& warnings = report_.warnings;
     const std::array<const char*, 4> names{"fx", "fy", "cx", "cy"};
     for (std::size_t i = 0; i < 2; ++i) {
@@ -379,7 +380,7 @@ class Calibrator {
         warnings.push_back(
             fmt::format("{} {} is {:.1f} px with a standard deviation of {:.2g} px: not constrained to "
                         "{:g} %",
-                        name, names[i], lens[i], deviation[i], 100 * kPoorFocal));
+                        name, names[i], shown[i], deviation[i], 100 * kPoorFocal));
       }
     }
     const double side = std::max(size.width, size.height);
@@ -388,7 +389,7 @@ class Calibrator {
         warnings.push_back(
             fmt::format("{} {} is {:.1f} px with a standard deviation of {:.2g} px: not constrained to "
                         "{:g} % of the image",
-                        name, names[i], lens[i], deviation[i], 100 * kPoorCentre));
+                        name, names[i], shown[i], deviation[i], 100 * kPoorCentre));
       }
     }
     const double px = distortion_px(lens, deviation, seen);
@@ -425,8 +426,14 @@ class Calibrator {
         }
       }
     }
-    warn_of_lens("camera", found.bundle.camera, found.deviation.camera, camera_size_, in_camera);
-    warn_of_lens("projector", found.bundle.projector, found.deviation.projector, projector_size_, in_projector);
+    LensParameters projector = found.bundle.projector;
+    if (report_.mirrored) {
+      projector[1] *= -1;
+      projector[3] = projector_size_.height - 1 - projector[3];
+    }
+    warn_of_lens("camera", found.bundle.camera, found.bundle.camera, found.deviation.camera, camera_size_, in_camera);
+    warn_of_lens("projector", found.bundle.projector, projector, found.deviation.projector, projector_size_,
+                 in_projector);
     const double baseline = cv::norm(found.bundle.stereo.translation);
     if (!(found.baseline_deviation <= kPoorBaseline * baseline)) {
       warnings.push_back(

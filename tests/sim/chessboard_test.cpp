@@ -1,0 +1,134 @@
+// The virtual chessboard: its plane, its squares and corners, and the places it is put at.
+#include "sim/scene/chessboard.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "host/io/rig.h"
+#include "host/io/user_error.h"
+#include "sim/scene/pinhole.h"
+#include "sim/scene/scene.h"
+#include "tests/host/pinhole.h"
+
+namespace selfproj {
+namespace {
+
+constexpr BoardShape kShape{9, 7, 21};
+
+// Leaning by 30 degrees about an axis in the plane, and turned by 12 degrees in itself.
+BoardPlace leaning() {
+  const double lean = std::numbers::pi / 6;
+  const double turn = std::numbers::pi / 15;
+  // Turned in the plane, then about the y axis: y stays, x goes into the depth.
+  const auto tilted = [&](double x, double y) { return Point3{x * std::cos(lean), y, x * std::sin(lean)}; };
+  return {{10, -20, 540}, tilted(-std::sin(turn), std::cos(turn)), tilted(std::cos(turn), std::sin(turn))};
+}
+
+// The point at (across, down) squares from the first inner corner.
+Point3 on_board(const BoardPlace& place, double across, double down) {
+  const double i = kShape.square_mm * (across - (kShape.across - 1) / 2.0);
+  const double j = kShape.square_mm * (down - (kShape.down - 1) / 2.0);
+  return {place.middle.x + i * place.right.x + j * place.below.x,
+          place.middle.y + i * place.right.y + j * place.below.y,
+          place.middle.z + i * place.right.z + j * place.below.z};
+}
+
+TEST(Chessboard, EveryPointOfItIsOnItsPlane) {
+  const Rig rig = load_rig("scanner");
+  const BoardPlace place = leaning();
+  const Chessboard board(rig, kShape, place);
+  for (double across = -3; across <= 12; across += 0.7) {
+    for (double down = -3; down <= 10; down += 0.7) {
+      const Point3 p = on_board(place, across, down);
+      EXPECT_NEAR(board.height(p.x, p.y, 0), rig.plane_z_mm - p.z, 1e-9);
+      const Box box{p.x - 2, p.x + 3, p.y - 1, p.y + 4};
+      const HeightRange range = board.range(box, 0, 0);
+      for (const auto& [x, y] : {std::pair{box.x0, box.y0}, {box.x0, box.y1}, {box.x1, box.y0}, {box.x1, box.y1}}) {
+        EXPECT_GE(board.height(x, y, 0), range.low - 1e-9);
+        EXPECT_LE(board.height(x, y, 0), range.high + 1e-9);
+      }
+    }
+  }
+}
+
+TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
+  const Rig rig = load_rig("scanner");
+  const BoardPlace place = leaning();
+  const Chessboard board(rig, kShape, place);
+  // Squares by the corner at their end: 0..across of them, and one more to each side.
+  for (int across = -1; across <= kShape.across + 1; ++across) {
+    for (int down = -1; down <= kShape.down + 1; ++down) {
+      const bool outside = across < 0 || down < 0 || across > kShape.across || down > kShape.down;
+      const bool black = !outside && (across + down) % 2 == 0;
+      for (const double at : {0.05, 0.5, 0.95}) {
+        const Point3 p = on_board(place, across - 1 + at, down - 1 + 0.5);
+        EXPECT_NEAR(board.albedo(p.x, p.y, 0), black ? Chessboard::kBlack : 1, 1e-12) << across << ' ' << down;
+      }
+    }
+  }
+  // Half way between black and white on an edge, and in the corners themselves.
+  for (int across = 0; across < kShape.across; ++across) {
+    for (int down = 0; down < kShape.down; ++down) {
+      for (const auto& [i, j] : {std::pair{0.0, 0.0}, {0.0, 0.5}, {0.5, 0.0}}) {
+        if (across + i <= kShape.across - 1 && down + j <= kShape.down - 1) {
+          const Point3 p = on_board(place, across + i, down + j);
+          EXPECT_NEAR(board.albedo(p.x, p.y, 0), (1 + Chessboard::kBlack) / 2, 1e-9);
+        }
+      }
+    }
+  }
+}
+
+TEST(Chessboard, TooSteepIsRefused) {
+  const double lean = 81 * std::numbers::pi / 180;
+  const BoardPlace steep{{0, 0, 550}, {0, 1, 0}, {std::cos(lean), 0, std::sin(lean)}};
+  EXPECT_THROW(Chessboard(load_rig("scanner"), kShape, steep), std::invalid_argument);
+}
+
+TEST(BoardPlaces, CameraAndProjectorSeeAllOfItFromManySides) {
+  const Rig rig = load_rig("scanner");
+  constexpr int kPoses = 8;
+  constexpr double kTilt = 30;
+  const std::vector<BoardPlace> places = board_places(rig, kShape, kPoses, kTilt);
+  ASSERT_EQ(places.size(), static_cast<std::size_t>(kPoses));
+  std::array<double, 2> rows{1e9, -1e9};
+  std::array<double, 2> columns{1e9, -1e9};
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const BoardPlace& place = places[k];
+    EXPECT_NEAR(dot(place.right, place.right), 1, 1e-12);
+    EXPECT_NEAR(dot(place.below, place.below), 1, 1e-12);
+    EXPECT_NEAR(dot(place.right, place.below), 0, 1e-12);
+    const double facing = place.right.x * place.below.y - place.right.y * place.below.x;
+    EXPECT_NEAR(std::abs(facing), k == 0 ? 1 : std::cos(kTilt * std::numbers::pi / 180), 1e-9) << k;
+    for (const double across : {-1.0, static_cast<double>(kShape.across)}) {
+      for (const double down : {-1.0, static_cast<double>(kShape.down)}) {
+        const Point3 p = on_board(place, across, down);
+        const test::Pixel seen = test::camera_sees(rig.camera, {p.x, p.y, p.z});
+        const test::Pixel lit = test::projector_lights(rig.projector, {p.x, p.y, p.z});
+        EXPECT_TRUE(seen.row >= 0 && seen.row <= rig.camera.rows - 1 && seen.column >= 0 &&
+                    seen.column <= rig.camera.columns - 1)
+            << k;
+        EXPECT_TRUE(lit.row >= 0 && lit.row <= rig.projector.lines - 1 && lit.column >= 0 &&
+                    lit.column <= rig.projector.columns - 1)
+            << k;
+        rows = {std::min(rows[0], seen.row), std::max(rows[1], seen.row)};
+        columns = {std::min(columns[0], seen.column), std::max(columns[1], seen.column)};
+      }
+    }
+  }
+  // Together they reach most of what the projector lights of the image.
+  EXPECT_GT(columns[1] - columns[0], 0.8 * rig.camera.columns);
+  EXPECT_GT(rows[1] - rows[0], 0.6 * rig.camera.rows);
+}
+
+TEST(BoardPlaces, NoRoomIsRefused) { EXPECT_THROW(board_places(load_rig("scanner"), {9, 7, 60}, 8, 30), UserError); }
+
+}  // namespace
+}  // namespace selfproj
