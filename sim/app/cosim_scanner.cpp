@@ -407,8 +407,8 @@ PlatformOptions platform_options(const ScannerCosimOptions& options, const Rig& 
   if (options.engine == "model") {
     platform.engine = PlatformEngine::model;
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
-  } else if (options.engine == "rtl") {
-    platform.engine = PlatformEngine::rtl;
+  } else if (options.engine == "rtl" || options.engine == "hls") {
+    platform.engine = options.engine == "rtl" ? PlatformEngine::rtl : PlatformEngine::hls;
     constexpr int kMost = 512;  // of the Verilated board with codes
     if (rig.camera.rows > kMost || rig.camera.columns > kMost) {
       throw UserError("--rig " + rig.name, "the simulated board with codes takes images up to 512 x 512");

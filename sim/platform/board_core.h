@@ -85,8 +85,8 @@ std::unique_ptr<BoardCore> make_model_core(const BoardCoreOptions& options);
 // waveforms, which is slower from the first clock on.
 std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options);
 
-// The same board with the SystemC shell of the column moments (hls/shells) in the place of their RTL. Its kernel has to
-// run when beats come. Where SELFPROJ_HAS_RTL_PLATFORM is defined.
+// The same board with SystemC shells (hls/shells) in the places of blocks: with codes, of decoder and median, else of
+// the column moments. Their kernel has to run when beats come. Where SELFPROJ_HAS_RTL_PLATFORM is defined.
 std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options);
 
 }  // namespace selfproj

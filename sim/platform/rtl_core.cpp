@@ -12,6 +12,7 @@
 #include "Vboard.h"
 #include "Vboard_hls.h"
 #include "Vboard_scanner.h"
+#include "Vboard_scanner_hls.h"
 #include "Vboard_traced.h"
 #include "sim/device/board_device.h"
 #include "sim/platform/board_core.h"
@@ -127,12 +128,20 @@ class RtlCore : public BoardCore {
   std::uint64_t queue_end_ = 0;  // clock at which all that was queued is in
 };
 
-// The board with the SystemC shell in the place of sp_column_moments. The shell is there before the board's first
-// clock.
-struct ShellFirst {
-  ShellSlot shell;
+// Boards with SystemC shells in the places of blocks. The shells are there before the board's first clock.
+struct MomentsShell {
+  ColumnMomentsSlot moments{"column_moments"};
 };
-class HlsCore final : private ShellFirst, public RtlCore<Vboard_hls> {
+class HlsCore final : private MomentsShell, public RtlCore<Vboard_hls> {
+ public:
+  using RtlCore::RtlCore;
+};
+
+struct DecoderShells {
+  GrayDecoderSlot decoder{"gray_decoder"};
+  Median3x3Slot median{"median3x3"};
+};
+class HlsScannerCore final : private DecoderShells, public RtlCore<Vboard_scanner_hls> {
  public:
   using RtlCore::RtlCore;
 };
@@ -149,6 +158,11 @@ std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
   return std::make_unique<RtlCore<Vboard_traced>>(options);
 }
 
-std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options) { return std::make_unique<HlsCore>(options); }
+std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options) {
+  if (options.codes) {
+    return std::make_unique<HlsScannerCore>(options);
+  }
+  return std::make_unique<HlsCore>(options);
+}
 
 }  // namespace selfproj

@@ -2,6 +2,7 @@
 
 #include <svdpi.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -10,70 +11,250 @@
 namespace selfproj {
 namespace {
 
-ShellSlot* g_present = nullptr;
+// Whether a clock is one of a frame, and whether it takes settings over; between frames the board does so all the time.
+bool has_beat(const ColumnMomentsPins& pins) { return pins.beat_valid_i != 0 || pins.break_i != 0; }
+bool has_beat(const GrayDecoderPins& pins) {
+  return pins.beat_valid_i != 0 || pins.break_i != 0 || pins.frame_start_i != 0;
+}
+bool has_beat(const Median3x3Pins& pins) { return pins.s_valid_i != 0 || pins.s_break_i != 0; }
+
+// Moments get theirs with the beats, and the median with a frame's start.
+bool has_settings(const ColumnMomentsPins& /*pins*/) { return false; }
+bool has_settings(const GrayDecoderPins& pins) { return pins.take_i != 0; }
+bool has_settings(const Median3x3Pins& /*pins*/) { return false; }
+
+// Clocks after which all has left that came in: some registers; behind them a line of codes, or moments at half speed.
+constexpr int kRegisters = 32;
+int longest_way(const ColumnMomentsPins& /*pins*/) { return spec::kMaxColumns / 2 + kRegisters; }
+int longest_way(const GrayDecoderPins& /*pins*/) { return kRegisters; }
+int longest_way(const Median3x3Pins& /*pins*/) { return spec::kMaxColumns / 4 + kRegisters; }
+
+template <class Pins>
+bool are_equal_settings(const Pins& /*a*/, const Pins& /*b*/) {
+  return true;
+}
+bool are_equal_settings(const GrayDecoderPins& a, const GrayDecoderPins& b) {
+  return a.decode_i == b.decode_i && a.bits_i == b.bits_i && a.threshold_i == b.threshold_i &&
+         a.columns_i == b.columns_i && a.rows_i == b.rows_i;
+}
 
 }  // namespace
 
-ShellSlot::ShellSlot() {
-  if (g_present != nullptr) {
-    throw std::logic_error("two shells at once");
+template <class Block, class Pins>
+ShellSlot<Block, Pins>* ShellSlot<Block, Pins>::present_ = nullptr;
+
+template <class Block, class Pins>
+ShellSlot<Block, Pins>::ShellSlot(const char* name) : block_(name) {
+  if (present_ != nullptr) {
+    throw std::logic_error("two shells of a kind at once");
   }
-  g_present = this;
+  present_ = this;
 }
 
-ShellSlot::~ShellSlot() { g_present = nullptr; }
+template <class Block, class Pins>
+ShellSlot<Block, Pins>::~ShellSlot() {
+  present_ = nullptr;
+}
 
-ShellSlot& ShellSlot::present() {
-  if (g_present == nullptr) {
+template <class Block, class Pins>
+ShellSlot<Block, Pins>& ShellSlot<Block, Pins>::present() {
+  if (present_ == nullptr) {
     throw std::logic_error("a board without its shell");
   }
-  return *g_present;
+  return *present_;
 }
 
-const ColumnMomentsPins& ShellSlot::clock(const ColumnMomentsPins& pins) {
+template <class Block, class Pins>
+void ShellSlot<Block, Pins>::start() {
+  constexpr int kResetClocks = 4;
+  constexpr int kSettlingClocks = 8;  // settings are in force at the latest so many clocks after they came
+  pins_.rst_i = 1;
+  for (int i = 0; i < kResetClocks; ++i) {
+    block_.clock(pins_);
+  }
+  if (settings_) {
+    block_.clock(*settings_);
+    pins_.rst_i = 0;
+    for (int i = 0; i < kSettlingClocks; ++i) {
+      block_.clock(pins_);
+    }
+  }
+  was_reset_ = true;
+}
+
+template <class Block, class Pins>
+const Pins& ShellSlot<Block, Pins>::clock(const Pins& pins) {
   if (!sc_core::sc_get_current_process_handle().valid()) {
-    if (pins.beat_valid_i != 0 || pins.break_i != 0) {
+    if (has_beat(pins)) {
       throw std::logic_error("a beat came while the kernel of the shell did not run");
+    }
+    if (has_settings(pins)) {
+      settings_ = pins;
     }
     return pins_;
   }
   if (!was_reset_) {
-    constexpr int kResetClocks = 4;
-    pins_.rst_i = 1;
-    for (int i = 0; i < kResetClocks; ++i) {
-      block_.clock(pins_);
-    }
-    was_reset_ = true;
+    start();
+  }
+  bool something = has_beat(pins) || pins.rst_i != 0;
+  if (has_settings(pins) && !(settings_ && are_equal_settings(*settings_, pins))) {
+    settings_ = pins;
+    something = true;
+  }
+  quiet_ = something ? 0 : std::min(quiet_, longest_way(pins)) + 1;
+  if (quiet_ > longest_way(pins)) {
+    return pins_;
   }
   pins_ = pins;
   block_.clock(pins_);
   return pins_;
 }
 
+template class ShellSlot<ColumnMomentsBlock, ColumnMomentsPins>;
+template class ShellSlot<GrayDecoderBlock, GrayDecoderPins>;
+template class ShellSlot<Median3x3Block, Median3x3Pins>;
+
+namespace {
+
+// One after the other out of a word, from bit 0: as the SystemVerilog packs them.
+class Bits {
+ public:
+  explicit Bits(unsigned word) : word_(word) {}
+  std::uint8_t next(unsigned width = 1) {
+    const auto value = static_cast<std::uint8_t>(word_ & ((1U << width) - 1));
+    word_ >>= width;
+    return value;
+  }
+
+ private:
+  unsigned word_;
+};
+
+// The same the other way round.
+class Flags {
+ public:
+  Flags& add(unsigned value, unsigned width = 1) {
+    word_ |= value << at_;
+    at_ += width;
+    return *this;
+  }
+  [[nodiscard]] unsigned word() const { return word_; }
+
+ private:
+  unsigned word_ = 0;
+  unsigned at_ = 0;
+};
+
+Wide128 wide_of(const svBitVecVal* words) { return {words[0], words[1], words[2], words[3]}; }
+
+void copy(const Wide128& wide, svBitVecVal* words) {
+  for (std::size_t i = 0; i < wide.size(); ++i) {
+    words[i] = wide[i];
+  }
+}
+
+void copy(std::uint64_t wide, svBitVecVal* words) {
+  words[0] = static_cast<svBitVecVal>(wide);
+  words[1] = static_cast<svBitVecVal>(wide >> 32);
+}
+
+std::uint64_t long_of(const svBitVecVal* words) { return std::uint64_t{words[1]} << 32 | words[0]; }
+
+}  // namespace
 }  // namespace selfproj
 
-// Called by sim/shells/sp_column_moments.sv, which says what the bits are.
+// Called by the modules of sim/shells of the same names, which say what the bits are.
+
 extern "C" void selfproj_shell_column_moments(unsigned flags, unsigned pixels, unsigned group, unsigned row,
                                               unsigned mode, unsigned threshold, unsigned* answer, svBitVecVal* data) {
-  const auto flag = [flags](unsigned bit) { return static_cast<std::uint8_t>(flags >> bit & 1U); };
+  selfproj::Bits bits(flags);
   selfproj::ColumnMomentsPins in;
-  in.rst_i = flag(0);
-  in.beat_valid_i = flag(1);
-  in.beat_first_row_i = flag(2);
-  in.beat_last_row_i = flag(3);
-  in.beat_line_end_i = flag(4);
-  in.one_group_i = flag(5);
-  in.two_groups_i = flag(6);
-  in.break_i = flag(7);
-  in.accept_i = flag(8);
+  in.rst_i = bits.next();
+  in.beat_valid_i = bits.next();
+  in.beat_first_row_i = bits.next();
+  in.beat_last_row_i = bits.next();
+  in.beat_line_end_i = bits.next();
+  in.one_group_i = bits.next();
+  in.two_groups_i = bits.next();
+  in.break_i = bits.next();
+  in.accept_i = bits.next();
   in.beat_pixels_i = pixels;
   in.beat_group_i = static_cast<std::uint16_t>(group);
   in.beat_row_i = static_cast<std::uint16_t>(row);
   in.mode_i = static_cast<std::uint8_t>(mode);
   in.threshold_i = static_cast<std::uint8_t>(threshold);
-  const selfproj::ColumnMomentsPins& out = selfproj::ShellSlot::present().clock(in);
-  *answer = out.moments_valid_o | (out.moments_break_o != 0 ? 2U : 0U) | (out.spoiled_o != 0 ? 4U : 0U);
-  for (std::size_t i = 0; i < out.moments_data_o.size(); ++i) {
-    data[i] = out.moments_data_o[i];
-  }
+  const selfproj::ColumnMomentsPins& out = selfproj::ColumnMomentsSlot::present().clock(in);
+  *answer = selfproj::Flags().add(out.moments_valid_o).add(out.moments_break_o).add(out.spoiled_o).word();
+  selfproj::copy(out.moments_data_o, data);
+}
+
+extern "C" void selfproj_shell_gray_decoder(unsigned flags, unsigned settings, unsigned size, unsigned pixels,
+                                            unsigned pattern, const svBitVecVal* mem, unsigned* answer,
+                                            svBitVecVal* mem_out, svBitVecVal* codes, unsigned* abandoned) {
+  selfproj::Bits bits(flags);
+  selfproj::GrayDecoderPins in;
+  in.rst_i = bits.next();
+  in.take_i = bits.next();
+  in.decode_i = bits.next();
+  in.beat_valid_i = bits.next();
+  in.beat_line_start_i = bits.next();
+  in.beat_line_end_i = bits.next();
+  in.beat_last_row_i = bits.next();
+  in.frame_start_i = bits.next();
+  in.break_i = bits.next();
+  in.mem_late_i = bits.next();
+  in.busy_i = bits.next();
+  in.break_status_i = bits.next(selfproj::hls::kStatusBits);
+  in.bits_i = static_cast<std::uint8_t>(settings & 0xFU);
+  in.threshold_i = static_cast<std::uint8_t>(settings >> 4);
+  in.columns_i = static_cast<std::uint16_t>(size & 0xFFFFU);
+  in.rows_i = static_cast<std::uint16_t>(size >> 16);
+  in.beat_pixels_i = pixels;
+  in.pattern_i = static_cast<std::uint16_t>(pattern);
+  in.mem_data_i = selfproj::wide_of(mem);
+  const selfproj::GrayDecoderPins& out = selfproj::GrayDecoderSlot::present().clock(in);
+  *answer = selfproj::Flags()
+                .add(out.mem_read_o)
+                .add(out.mem_read_first_o)
+                .add(out.mem_write_o)
+                .add(out.mem_write_first_o)
+                .add(out.mem_end_o)
+                .add(out.codes_valid_o)
+                .add(out.codes_start_o)
+                .add(out.codes_line_start_o)
+                .add(out.codes_line_end_o)
+                .add(out.codes_last_row_o)
+                .add(out.codes_break_o)
+                .add(out.codes_status_o, selfproj::hls::kStatusBits)
+                .word();
+  selfproj::copy(out.mem_data_o, mem_out);
+  selfproj::copy(out.codes_o, codes);
+  *abandoned = out.abandoned_o;
+}
+
+extern "C" void selfproj_shell_median3x3(unsigned flags, const svBitVecVal* codes, unsigned* answer,
+                                         svBitVecVal* codes_out) {
+  selfproj::Bits bits(flags);
+  selfproj::Median3x3Pins in;
+  in.rst_i = bits.next();
+  in.s_valid_i = bits.next();
+  in.s_start_i = bits.next();
+  in.s_line_start_i = bits.next();
+  in.s_line_end_i = bits.next();
+  in.s_last_row_i = bits.next();
+  in.s_break_i = bits.next();
+  in.s_median_i = bits.next();
+  in.s_status_i = bits.next(selfproj::hls::kStatusBits);
+  in.s_codes_i = selfproj::long_of(codes);
+  const selfproj::Median3x3Pins& out = selfproj::Median3x3Slot::present().clock(in);
+  *answer = selfproj::Flags()
+                .add(out.busy_o)
+                .add(out.m_valid_o)
+                .add(out.m_start_o)
+                .add(out.m_line_start_o)
+                .add(out.m_line_end_o)
+                .add(out.m_break_o)
+                .add(out.m_status_o, selfproj::hls::kStatusBits)
+                .word();
+  selfproj::copy(out.m_codes_o, codes_out);
 }

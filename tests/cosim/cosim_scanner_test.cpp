@@ -181,8 +181,9 @@ TEST_F(CosimScanner, WhatIsWrongIsSaidInOneLine) {
 }
 
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
-// The same packets from the RTL, with a bus that stalls, and the same files.
-TEST_F(CosimScanner, RtlAndModelAreEqual) {
+// The same packets from the RTL, also with the SystemC shells of decoder and median in it, with a bus that stalls, and
+// the same files.
+TEST_F(CosimScanner, EnginesAreEqual) {
   const std::vector<std::string> what{"--scene", "fist", "--first", "200", "--count", "18"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), what.begin(), what.end());
@@ -198,9 +199,14 @@ TEST_F(CosimScanner, RtlAndModelAreEqual) {
   for (const char* file : {"depth.tiff", "moved.csv", "difference.tiff", "cloud.ply"}) {
     EXPECT_TRUE(read_text(folder_ / "model" / file) == read_text(folder_ / "rtl" / file)) << file;
   }
-  const Outcome raw = with({"--engine", "rtl", "--no-median"});
-  EXPECT_EQ(raw.status, 0) << raw.err;
-  EXPECT_NE(raw.out.find("0 mismatches"), std::string::npos);
+  const Outcome hls = with({"--engine", "hls", "--out", "hls", "--bus-stall", "30", "--packets", "hls.slfp"});
+  ASSERT_EQ(hls.status, 0) << hls.err;
+  EXPECT_TRUE(read_text(folder_ / "rtl.slfp") == read_text(folder_ / "hls.slfp"));
+  for (const char* engine : {"rtl", "hls"}) {
+    const Outcome raw = with({"--engine", engine, "--no-median"});
+    EXPECT_EQ(raw.status, 0) << raw.err;
+    EXPECT_NE(raw.out.find("0 mismatches"), std::string::npos);
+  }
   // The stream of the board, as the host takes it from a device.
   const Outcome device = run_program(
       SELFPROJ_PROGRAM,
