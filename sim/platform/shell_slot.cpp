@@ -41,27 +41,27 @@ bool are_equal_settings(const GrayDecoderPins& a, const GrayDecoderPins& b) {
 }  // namespace
 
 template <class Block, class Pins>
-ShellSlot<Block, Pins>* ShellSlot<Block, Pins>::present_ = nullptr;
+ShellSlot<Block, Pins>* ShellSlot<Block, Pins>::the_one = nullptr;
 
 template <class Block, class Pins>
 ShellSlot<Block, Pins>::ShellSlot(const char* name) : block_(name) {
-  if (present_ != nullptr) {
+  if (the_one != nullptr) {
     throw std::logic_error("two shells of a kind at once");
   }
-  present_ = this;
+  the_one = this;
 }
 
 template <class Block, class Pins>
 ShellSlot<Block, Pins>::~ShellSlot() {
-  present_ = nullptr;
+  the_one = nullptr;
 }
 
 template <class Block, class Pins>
 ShellSlot<Block, Pins>& ShellSlot<Block, Pins>::present() {
-  if (present_ == nullptr) {
+  if (the_one == nullptr) {
     throw std::logic_error("a board without its shell");
   }
-  return *present_;
+  return *the_one;
 }
 
 template <class Block, class Pins>

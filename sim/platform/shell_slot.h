@@ -35,7 +35,7 @@ class ShellSlot {
  private:
   void start();
 
-  static ShellSlot* present_;
+  static ShellSlot* the_one;
 
   Block block_;
   Pins pins_;

@@ -42,8 +42,10 @@ Rig small_rig() {
 test::Point3 on_plane(const Rig& rig, std::size_t i) {
   const auto columns = static_cast<std::size_t>(rig.camera.columns);
   const double scale = rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
-  const double dx = scale * (static_cast<double>(i / columns) - 0.5 * (rig.camera.rows - 1));
-  const double dy = scale * (static_cast<double>(i % columns) - 0.5 * (rig.camera.columns - 1));
+  const std::size_t row = i / columns;
+  const std::size_t column = i % columns;
+  const double dx = scale * (static_cast<double>(row) - 0.5 * (rig.camera.rows - 1));
+  const double dy = scale * (static_cast<double>(column) - 0.5 * (rig.camera.columns - 1));
   const double z = kZ0 / (1 - kA * dx - kB * dy);
   return {dx * z, dy * z, z};
 }
