@@ -15,7 +15,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <memory>
 #include <random>
 #include <string>
@@ -217,23 +216,10 @@ int run(int argc, char** argv) {
   add("search/cache", [&](benchmark::State& state) { step(state, s, few.data(), Step::search); });
   add("triangulation/cache", [&](benchmark::State& state) { step(state, s, few.data(), Step::triangulation); });
   add("difference/cache", [&](benchmark::State& state) { step(state, s, few.data(), Step::difference); });
-  bench::Collector collector("bytes_per_second");
-  benchmark::RunSpecifiedBenchmarks(&collector);
-  if (!collector.failed()) {
-    print_ratios(collector);
-  }
-  benchmark::Shutdown();
-  return collector.failed() ? 1 : 0;
+  return bench::run_registered("bytes_per_second", print_ratios);
 }
 
 }  // namespace
 }  // namespace selfproj
 
-int main(int argc, char** argv) {
-  try {
-    return selfproj::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_match: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return selfproj::bench::main_of("bench_match", argc, argv, selfproj::run); }
