@@ -60,6 +60,7 @@ struct Options {
   double max_residual_px = LensSettings{}.max_residual_px;
   std::string background;
   double min_difference_mm = static_cast<double>(ScannerSettings{}.min_difference_mm);
+  SteadySettings steady;
   std::string compare;
   bool compare_opengl = false;
   bool plane = false;
@@ -280,7 +281,7 @@ void write_moved(const Scanner& scanner, OutputFolder& folder) {
 Result scan(const Options& options, Images& images, const Triangulation& triangulation, OutputFolder& folder,
             Tables& tables) {
   const ScannerSettings settings{options.threshold, options.median, options.strict,
-                                 static_cast<float>(options.min_difference_mm)};
+                                 static_cast<float>(options.min_difference_mm), options.steady};
   Scanner scanner(triangulation, settings);
   set_background(options, triangulation, scanner);
   const int patterns = 2 * options.bits;
@@ -352,8 +353,9 @@ Result scan_device(const Options& options, OutputFolder& folder, Tables& tables,
         const Source source{"a code image of " + options.device, header.rows, header.columns};
         if (!scanner) {
           triangulation = triangulation_for(options, source);
-          scanner.emplace(*triangulation, ScannerSettings{options.threshold, false, false,
-                                                          static_cast<float>(options.min_difference_mm)});
+          scanner.emplace(*triangulation,
+                          ScannerSettings{options.threshold, false, false,
+                                          static_cast<float>(options.min_difference_mm), options.steady});
           set_background(options, *triangulation, *scanner);
         }
         check_size("an earlier code image", triangulation->rows(), triangulation->columns(), source);
@@ -648,6 +650,17 @@ void add_depth_command(CLI::App& app) {
   command->add_option("--min-difference", options->min_difference_mm, "From the background, for what counts as moved")
       ->check(CLI::NonNegativeNumber)
       ->type_name("MM")
+      ->capture_default_str();
+  command
+      ->add_option("--max-change", options->steady.most_change_mm,
+                   "Of depth from one depth image to the next, for what counts as moved [any]")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MM");
+  command
+      ->add_option("--min-neighbours", options->steady.least_neighbours,
+                   "Of the 8 pixels around, moved and no further off in z than --max-change, for what counts as moved")
+      ->check(CLI::Range(0, 8))
+      ->type_name("N")
       ->capture_default_str();
   command->add_option("--compare", options->compare, "Say how far the points lie from those of this cloud")
       ->type_name("FILE.ply");

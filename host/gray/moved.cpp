@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
 
 #include "host/gray/triangulation.h"
 #include "model/cpu_clones.h"
@@ -47,7 +48,80 @@ SELFPROJ_CLONES void add(const float* __restrict z, const float* __restrict back
   sums = s;
 }
 
+// `z` where it holds, else NaN; a choice would keep the compiler from vectorizing.
+[[gnu::always_inline]] inline float where(bool holds, float z) {
+  constexpr std::uint32_t kNanBits = 0x7FC00000;
+  const auto none = static_cast<std::uint32_t>(static_cast<std::int32_t>(holds) - 1);
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(z) | (none & kNanBits));
+}
+
+SELFPROJ_CLONES void keep_different(const float* __restrict z, const float* __restrict background, std::ptrdiff_t count,
+                                    float least, float* __restrict kept) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    kept[i] = where(std::abs(z[i] - background[i]) > least, z[i]);
+  }
+}
+
+SELFPROJ_CLONES void keep_steady(const float* __restrict z, const float* __restrict before, std::ptrdiff_t count,
+                                 float most, float* __restrict kept) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    kept[i] = where(std::abs(z[i] - before[i]) <= most, kept[i]);
+  }
+}
+
+// `pitch` from a row to the next; one pixel all round is there.
+SELFPROJ_CLONES void keep_supported(const float* __restrict kept, std::ptrdiff_t pitch, std::ptrdiff_t count,
+                                    float most, std::int32_t least, float* __restrict out) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const float z = kept[i];
+    const auto near = [&](std::ptrdiff_t at) { return static_cast<std::int32_t>(std::abs(kept[i + at] - z) <= most); };
+    const std::int32_t around = near(-pitch - 1) + near(-pitch) + near(-pitch + 1) + near(-1) + near(1) +
+                                near(pitch - 1) + near(pitch) + near(pitch + 1);
+    out[i] = where(around >= least, z);
+  }
+}
+
 }  // namespace
+
+SteadyFilter::SteadyFilter(int rows, int columns, const SteadySettings& settings)
+    : rows_(rows),
+      columns_(columns),
+      settings_(settings),
+      on_(std::isfinite(settings.most_change_mm) || settings.least_neighbours > 0) {
+  constexpr int kNeighbours = 8;
+  if (!(settings.most_change_mm >= 0) || settings.least_neighbours < 0 || settings.least_neighbours > kNeighbours) {
+    throw std::invalid_argument("moved: a setting is out of range");
+  }
+  if (on_) {
+    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+    const auto r = static_cast<std::size_t>(rows);
+    const auto c = static_cast<std::size_t>(columns);
+    before_.resize(r * c);
+    kept_.assign(r * c, kNone);
+    steady_.assign((r + 2) * (c + 2), kNone);
+  }
+}
+
+void SteadyFilter::take(const float* z, const float* background, float least_mm) {
+  const std::ptrdiff_t columns = columns_;
+  const std::ptrdiff_t pitch = columns + 2;
+  for (std::ptrdiff_t r = 0; r < rows_; ++r) {
+    float* const steady = steady_.data() + (r + 1) * pitch + 1;
+    keep_different(z + r * columns, background + r * columns, columns, least_mm, steady);
+    if (has_before_) {
+      keep_steady(z + r * columns, before_.data() + r * columns, columns, settings_.most_change_mm, steady);
+    }
+  }
+  for (std::ptrdiff_t r = 0; r < rows_; ++r) {
+    keep_supported(steady_.data() + (r + 1) * pitch + 1, pitch, columns, settings_.most_change_mm,
+                   settings_.least_neighbours, kept_.data() + r * columns);
+  }
+}
+
+void SteadyFilter::remember(const float* z) {
+  std::copy_n(z, before_.size(), before_.begin());
+  has_before_ = true;
+}
 
 Moved moved(const Triangulation& triangulation, const float* z, const float* background, float least_mm) {
   const auto total = static_cast<std::ptrdiff_t>(triangulation.pixels());

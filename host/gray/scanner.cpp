@@ -24,7 +24,8 @@ Scanner::Scanner(const Triangulation& triangulation, const ScannerSettings& sett
       median_(triangulation.columns()),
       codes_(triangulation.pixels()),
       depth_(triangulation.rows(), triangulation.columns(), kNone),
-      background_(triangulation.rows(), triangulation.columns(), kNone) {
+      background_(triangulation.rows(), triangulation.columns(), kNone),
+      steady_(triangulation.rows(), triangulation.columns(), settings.steady) {
   if (!(settings.min_difference_mm >= 0)) {
     throw std::invalid_argument("scanner: the least difference is negative");
   }
@@ -56,8 +57,14 @@ void Scanner::take_codes(const std::uint16_t* codes) {
 void Scanner::triangulate() {
   triangulation_->depth(codes_.data(), depth_.values.data());
   if (has_background_) {
-    moved_ =
-        selfproj::moved(*triangulation_, depth_.values.data(), background_.values.data(), settings_.min_difference_mm);
+    const float* const background = background_.values.data();
+    if (steady_.is_on()) {
+      steady_.take(depth_.values.data(), background, settings_.min_difference_mm);
+    }
+    moved_ = selfproj::moved(*triangulation_, candidates(), background, settings_.min_difference_mm);
+  }
+  if (steady_.is_on()) {
+    steady_.remember(depth_.values.data());
   }
 }
 
@@ -70,9 +77,10 @@ void Scanner::set_background(const FloatImage& background) {
 }
 
 void Scanner::difference(FloatImage& out) const {
+  const float* const z = candidates();
   for (std::size_t i = 0; i < depth_.values.size(); ++i) {
-    const bool differs = std::abs(depth_.values[i] - background_.values[i]) > settings_.min_difference_mm;
-    out.values[i] = differs ? depth_.values[i] : kNone;
+    const bool differs = std::abs(z[i] - background_.values[i]) > settings_.min_difference_mm;
+    out.values[i] = differs ? z[i] : kNone;
   }
 }
 

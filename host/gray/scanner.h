@@ -18,6 +18,7 @@ struct ScannerSettings {
   bool median = true;           // 3 x 3, on the code image
   bool strict = false;          // a pixel with one ambiguous pair has no depth either; not together with the median
   float min_difference_mm = 5;  // from the background, for what counts as moved
+  SteadySettings steady = {};   // likewise
 };
 
 class Scanner {
@@ -41,14 +42,16 @@ class Scanner {
   void set_background(const FloatImage& background);
   [[nodiscard]] bool has_background() const { return has_background_; }
 
-  // What of the newest depth image differs from the background; 0 pixels where there is no background.
+  // What of the newest depth image moved; 0 pixels where there is no background.
   [[nodiscard]] const Moved& moved() const { return moved_; }
 
-  // Depth of the pixels that differ, NaN elsewhere, to `out` of the same size.
+  // Depth of the pixels that moved, NaN elsewhere, to `out` of the same size.
   void difference(FloatImage& out) const;
 
  private:
   void triangulate();
+  // Depths, those that can have moved.
+  [[nodiscard]] const float* candidates() const { return steady_.is_on() ? steady_.kept() : depth_.values.data(); }
 
   const Triangulation* triangulation_;
   ScannerSettings settings_;
@@ -58,6 +61,7 @@ class Scanner {
   FloatImage depth_;
   FloatImage background_;
   bool has_background_ = false;
+  SteadyFilter steady_;
   Moved moved_;
 };
 

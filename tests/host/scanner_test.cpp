@@ -54,7 +54,9 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
     const int threshold = random.between(0, 30);
     const PlaneTriangulation triangulation(rig, bits);
     const bool filter = random.chance(50);
-    Scanner scanner(triangulation, {threshold, filter, false, 2});
+    const SteadySettings steady = random.chance(50) ? SteadySettings{} : SteadySettings{40, 1};
+    Scanner scanner(triangulation, {threshold, filter, false, 2, steady});
+    SteadyFilter steady_filter(rig.camera.rows, rig.camera.columns, steady);
     GrayDecoder decoder({rig.camera.rows, rig.camera.columns, bits, threshold});
     const std::size_t count = triangulation.pixels();
     std::vector<std::uint16_t> codes(count), filtered(count);
@@ -86,7 +88,12 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
       ASSERT_EQ(scanner.codes(), filtered);
       ASSERT_TRUE(same_bits(scanner.depth(), z));
       if (has_background) {
-        const Moved expected = moved(triangulation, z.data(), background.data(), 2);
+        const float* candidates = z.data();
+        if (steady_filter.is_on()) {
+          steady_filter.take(z.data(), background.data(), 2);
+          candidates = steady_filter.kept();
+        }
+        const Moved expected = moved(triangulation, candidates, background.data(), 2);
         ASSERT_EQ(scanner.moved().pixels, expected.pixels);
         FloatImage difference(rig.camera.rows, rig.camera.columns);
         scanner.difference(difference);
@@ -100,6 +107,9 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
         scanner.set_background(scanner.depth());
         background = z;
         has_background = true;
+      }
+      if (steady_filter.is_on()) {
+        steady_filter.remember(z.data());
       }
     }
     EXPECT_TRUE(images > 0 || !has_background);

@@ -549,5 +549,69 @@ TEST(Moved, IsTheCentroidOfTheDifferingPoints) {
   }
 }
 
+// Against its definition, written out pixel by pixel.
+TEST(Moved, SteadyFilterKeepsWhatStaysAndHasNeighbours) {
+  for (const std::uint64_t seed : test::seeds(40)) {
+    SCOPED_TRACE(test::how_to_repeat(seed));
+    Random random(seed);
+    const int rows = random.between(1, 20);
+    const int columns = random.between(1, 90);
+    SteadySettings settings;
+    settings.least_neighbours = random.between(0, 8);
+    if (random.chance(70)) {
+      settings.most_change_mm = static_cast<float>(uniform(random, 0, 12));
+    }
+    SteadyFilter filter(rows, columns, settings);
+    EXPECT_EQ(filter.is_on(), settings.least_neighbours > 0 || std::isfinite(settings.most_change_mm));
+    if (!filter.is_on()) {
+      continue;
+    }
+    const auto some = [&] {
+      std::vector<float> z(static_cast<std::size_t>(rows * columns));
+      for (float& value : z) {
+        value = random.chance(5) ? std::nanf("") : 500 + static_cast<float>(uniform(random, -6, 6));
+      }
+      return z;
+    };
+    const std::vector<float> background = some();
+    constexpr float kLeast = 2;
+    std::vector<float> before;
+    for (int image = 0; image < 3; ++image) {
+      const std::vector<float> z = some();
+      const auto steady = [&](int r, int c) {
+        if (r < 0 || c < 0 || r >= rows || c >= columns) {
+          return false;
+        }
+        const auto i = static_cast<std::size_t>(r * columns + c);
+        const bool stays = before.empty() || std::abs(z[i] - before[i]) <= settings.most_change_mm;
+        return std::abs(z[i] - background[i]) > kLeast && stays;
+      };
+      filter.take(z.data(), background.data(), kLeast);
+      for (int r = 0; r < rows; ++r) {
+        for (int c = 0; c < columns; ++c) {
+          const auto i = static_cast<std::size_t>(r * columns + c);
+          int around = 0;
+          for (int dr = -1; dr <= 1; ++dr) {
+            for (int dc = -1; dc <= 1; ++dc) {
+              const bool other = (dr != 0 || dc != 0) && steady(r + dr, c + dc);
+              around += other && std::abs(z[static_cast<std::size_t>((r + dr) * columns + c + dc)] - z[i]) <=
+                                     settings.most_change_mm
+                            ? 1
+                            : 0;
+            }
+          }
+          const bool kept = steady(r, c) && around >= settings.least_neighbours;
+          ASSERT_EQ(std::isnan(filter.kept()[i]), !kept) << r << ", " << c;
+          ASSERT_TRUE(!kept || filter.kept()[i] == z[i]);
+        }
+      }
+      filter.remember(z.data());
+      before = z;
+    }
+  }
+  EXPECT_THROW(SteadyFilter(4, 4, {-1, 0}), std::invalid_argument);
+  EXPECT_THROW(SteadyFilter(4, 4, {1, 9}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace selfproj
