@@ -22,6 +22,7 @@
 #include <variant>
 #include <vector>
 
+#include "host/gray/stripe_code.h"
 #include "host/inspect/frame_picture.h"
 #include "host/inspect/inspection.h"
 #include "host/io/float_image.h"
@@ -37,6 +38,7 @@
 #include "model/gray_decoder.h"
 #include "sim/app/cosim_run.h"
 #include "sim/app/cosim_scanner.h"
+#include "sim/app/cosim_self.h"
 #include "sim/app/frame_source.h"
 #include "sim/app/moments_csv.h"
 #include "sim/experiment/light_section.h"
@@ -73,6 +75,9 @@ struct Options {
   std::optional<int> bits;  // the rest is for scanners
   bool no_median = false;
   std::optional<double> min_difference;
+  std::optional<float> max_change;
+  std::optional<int> min_neighbours;
+  std::optional<int> e;
 };
 
 // How many frames from --first on; `total` of them exist.
@@ -461,6 +466,7 @@ std::vector<Fact> counters_of(const CosimResult& result) {
 
 // Scenes of rig B have a run of their own.
 void run_scanner(const Options& options) {
+  const bool self = is_self_scene(options.scene);
   const auto refuse = [&](bool given, const char* option) {
     if (given) {
       throw UserError(option, fmt::format("is not for scene {}, which a scanner sees", options.scene));
@@ -471,6 +477,14 @@ void run_scanner(const Options& options) {
   refuse(!options.trace.empty(), "--trace");
   refuse(options.residual, "--residual");
   refuse(!options.real_rig.empty(), "--real-rig");
+  const bool of_moved = options.min_difference || options.max_change || options.min_neighbours;
+  if (self && (options.no_median || of_moved)) {
+    throw UserError("--no-median, --min-difference, --max-change, --min-neighbours",
+                    "are not for scenes of self-projected structured light");
+  }
+  if (!self && options.e) {
+    throw UserError("--e", "is for scenes of self-projected structured light");
+  }
   ScannerCosimOptions scanner{
       .scene = options.scene,
       .engine = options.engine,
@@ -478,9 +492,12 @@ void run_scanner(const Options& options) {
       .seed = options.seed,
       .first = options.first,
       .count = options.count,
-      .bits = options.bits.value_or(ScannerCosimOptions{}.bits),
-      .median = !options.no_median,
+      .bits = options.bits.value_or(self ? Stripes{}.bits : ScannerCosimOptions{}.bits),
+      .median = !self && !options.no_median,
+      .e = options.e.value_or(self_scene_e(options.scene)),
       .min_difference_mm = options.min_difference.value_or(ScannerCosimOptions{}.min_difference_mm),
+      .steady = {options.max_change.value_or(ScannerCosimOptions{}.steady.most_change_mm),
+                 options.min_neighbours.value_or(ScannerCosimOptions{}.steady.least_neighbours)},
       .bus_stall = options.bus_stall,
       .out = options.out,
       .pictures = options.pictures,
@@ -490,16 +507,22 @@ void run_scanner(const Options& options) {
   }
   scanner.render = options_without(options.without);
   scanner.without = fmt::format("{}", fmt::join(options.without, ", "));
-  run_scanner_cosim(scanner);
+  if (self) {
+    run_self_cosim(scanner);
+  } else {
+    run_scanner_cosim(scanner);
+  }
 }
 
 void run(const Options& options) {
-  if (options.frames.empty() && is_scanner_scene(options.scene)) {
+  if (options.frames.empty() && (is_scanner_scene(options.scene) || is_self_scene(options.scene))) {
     run_scanner(options);
     return;
   }
-  if (options.bits || options.no_median || options.min_difference) {
-    throw UserError("--bits, --no-median, --min-difference", "are for the scenes of a scanner");
+  if (options.bits || options.no_median || options.min_difference || options.max_change || options.min_neighbours ||
+      options.e) {
+    throw UserError("--bits, --no-median, --min-difference, --max-change, --min-neighbours, --e",
+                    "are for the scenes of a scanner");
   }
   const std::optional<OutputFile> packets_file =
       options.packets.empty() ? std::nullopt : std::optional<OutputFile>(options.packets);
@@ -655,7 +678,9 @@ void add_cosim_command(CLI::App& app) {
       ->type_name("K");
   command->add_option("--packets", options->packets, "Keeps the stream of packets, for selfproj-sim board --replay")
       ->type_name("FILE");
-  command->add_option("--bits", options->bits, "With a scanner's scene: bits of the Gray code [8]")
+  command
+      ->add_option("--bits", options->bits,
+                   "With a scanner's scene: bits of the Gray code [8; 4 where it is self-projected]")
       ->check(CLI::Range(1, GrayDecoder::kMaxBits))
       ->type_name("M");
   command->add_flag("--no-median", options->no_median, "With a scanner's scene: codes without the 3 x 3 median");
@@ -664,6 +689,23 @@ void add_cosim_command(CLI::App& app) {
                    "With a scanner's scene: from the background, mm, of what counts as moved [10]")
       ->check(CLI::Range(0.0, 1000.0))
       ->type_name("MM");
+  command
+      ->add_option("--max-change", options->max_change,
+                   "With a scanner's scene: from one depth image to the next, mm, of what counts as moved [10]")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->type_name("MM");
+  command
+      ->add_option(
+          "--min-neighbours", options->min_neighbours,
+          "With a scanner's scene: of the 8 pixels around, moved and as near in z, for what counts as moved [6]")
+      ->check(CLI::Range(0, 8))
+      ->type_name("N");
+  command
+      ->add_option("--e", options->e,
+                   "With a scene of self-projected structured light: cells below the reference that are searched [8 of "
+                   "the cuboids, else 0]")
+      ->check(CLI::Range(0, (1 << Stripes::kMaxBits) - 1))
+      ->type_name("CELLS");
   CLI::Option* trace =
       command->add_option("--trace", options->trace, "Waveforms of the board (engine rtl)")->type_name("FILE.fst");
   command->add_option("--trace-from", options->trace_from, "... from this frame of this run on, from 1")

@@ -70,8 +70,8 @@ class Measurement {
         rig_(rig),
         renderer_(rig, scene, options.render),
         triangulation_(rig, options.bits, {0, rig.plane_z_mm + kBelowPlane}),
-        scanner_(triangulation_,
-                 {rig.measure.code_threshold, options.median, false, static_cast<float>(options.min_difference_mm)}),
+        scanner_(triangulation_, {rig.measure.code_threshold, options.median, false,
+                                  static_cast<float>(options.min_difference_mm), options.steady}),
         assembler_(spec::kKindCodes, 0, rig.camera.rows, rig.camera.columns),
         background_(rig.camera.rows, rig.camera.columns),
         true_background_(rig.camera.rows, rig.camera.columns),
@@ -359,8 +359,15 @@ FloatImage difference_of(const FloatImage& depth, const FloatImage& background) 
   return result;
 }
 
+}  // namespace
+
+bool is_scanner_scene(const std::string& scene) {
+  const std::vector<SceneInfo>& all = scanner_scenes();
+  return std::any_of(all.begin(), all.end(), [&](const SceneInfo& info) { return info.name == scene; });
+}
+
 // Of the frames of a run those that complete code images: the 2m-th, and every second one after it.
-std::vector<std::size_t> pictured(const ScannerCosimOptions& options, std::size_t total) {
+std::vector<std::size_t> pictured_frames(const ScannerCosimOptions& options, std::size_t total) {
   const auto cycle = static_cast<std::size_t>(2 * options.bits);
   if (!options.pictures.empty()) {
     for (const std::size_t frame : options.pictures) {
@@ -402,7 +409,7 @@ std::size_t frames_of_run(const ScannerCosimOptions& options, std::size_t total)
   return frames;
 }
 
-PlatformOptions platform_options(const ScannerCosimOptions& options, const Rig& rig) {
+PlatformOptions scanner_platform(const ScannerCosimOptions& options, const Rig& rig) {
   PlatformOptions platform;
   if (options.engine == "model") {
     platform.engine = PlatformEngine::model;
@@ -447,13 +454,6 @@ std::string summary_json(const ReportPage& page) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace
-
-bool is_scanner_scene(const std::string& scene) {
-  const std::vector<SceneInfo>& all = scanner_scenes();
-  return std::any_of(all.begin(), all.end(), [&](const SceneInfo& info) { return info.name == scene; });
-}
-
 void run_scanner_cosim(const ScannerCosimOptions& options) {
   const std::optional<OutputFile> packets_file =
       options.packets.empty() ? std::nullopt : std::optional<OutputFile>(options.packets);
@@ -467,14 +467,14 @@ void run_scanner_cosim(const ScannerCosimOptions& options) {
   }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   rig.measure.code_threshold = options.threshold.value_or(rig.measure.code_threshold);
-  const PlatformOptions platform = platform_options(options, rig);
+  const PlatformOptions platform = scanner_platform(options, rig);
   const auto info = std::find_if(scanner_scenes().begin(), scanner_scenes().end(),
                                  [&](const SceneInfo& entry) { return entry.name == options.scene; });
   const std::unique_ptr<Scene> scene = make_scene(options.scene, rig);
   const std::string reference_name = info->reference.empty() ? info->name : info->reference;
   const std::unique_ptr<Scene> reference = make_scene(reference_name, rig);
   const std::size_t total = frames_of_run(options, static_cast<std::size_t>(scene->frames()));
-  const std::vector<std::size_t> pictures = folder ? pictured(options, total) : std::vector<std::size_t>();
+  const std::vector<std::size_t> pictures = folder ? pictured_frames(options, total) : std::vector<std::size_t>();
 
   const PatternSet patterns(rig, gray_patterns(rig.projector, options.bits), options.render.projector_blur);
   Measurement measurement(options, rig, *scene, *reference, patterns);
@@ -506,9 +506,10 @@ void run_scanner_cosim(const ScannerCosimOptions& options) {
       page.pictures.push_back({"Camera, " + when, camera_png, "the newest image of its cycle"});
     }
     page.pictures.push_back({"Depth, " + when, depth_png, "z, mm"});
-    page.pictures.push_back({"What moved, " + when, moved_png,
-                             fmt::format("pixels whose depth differs from the background's by more than {} mm",
-                                         options.min_difference_mm)});
+    page.pictures.push_back(
+        {"What moved, " + when, moved_png,
+         fmt::format("pixels whose depth differs from the background's by more than {} mm and stays",
+                     options.min_difference_mm)});
   };
 
   CosimResult result;
@@ -562,16 +563,20 @@ void run_scanner_cosim(const ScannerCosimOptions& options) {
                      count("delivered", "packets delivered", result.driver.delivered),
                      count("lost_board", "lost on the board", result.lost),
                      count("bad", "bad packets", result.driver.bad)};
-    page.settings = {{"scene", "scene", options.scene},
-                     {"reference", "background", reference_name},
-                     {"engine", "engine", options.engine},
-                     {"seed", "seed of the noise", rig.imaging.seed},
-                     {"without", "simulated without", options.without.empty() ? "–" : options.without},
-                     {"bits", "bits", std::int64_t{options.bits}},
-                     {"threshold", "threshold", std::int64_t{rig.measure.code_threshold}},
-                     {"min_difference_mm", "moved: differs by more than", options.min_difference_mm, "mm"},
-                     {"clocks", "pixel clocks simulated", static_cast<std::int64_t>(result.platform.clocks)},
-                     {"bus_stall", "bus not ready", std::int64_t{options.bus_stall}, "%"}};
+    page.settings = {
+        {"scene", "scene", options.scene},
+        {"reference", "background", reference_name},
+        {"engine", "engine", options.engine},
+        {"seed", "seed of the noise", rig.imaging.seed},
+        {"without", "simulated without", options.without.empty() ? "–" : options.without},
+        {"bits", "bits", std::int64_t{options.bits}},
+        {"threshold", "threshold", std::int64_t{rig.measure.code_threshold}},
+        {"min_difference_mm", "moved: differs by more than", options.min_difference_mm, "mm"},
+        {"max_change_mm", "... changes from one depth image to the next by no more than",
+         static_cast<double>(options.steady.most_change_mm), "mm"},
+        {"min_neighbours", "... neighbours that moved, too", std::int64_t{options.steady.least_neighbours}},
+        {"clocks", "pixel clocks simulated", static_cast<std::int64_t>(result.platform.clocks)},
+        {"bus_stall", "bus not ready", std::int64_t{options.bus_stall}, "%"}};
     const FloatImage difference = difference_of(measurement.scanner().depth(), measurement.background());
     folder->append("depth.tiff", encode_float_tiff("depth.tiff", measurement.scanner().depth()));
     folder->append("background.tiff", encode_float_tiff("background.tiff", measurement.background()));

@@ -8,6 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "host/gray/moved.h"
+#include "host/inspect/report.h"
+#include "host/io/rig.h"
+#include "sim/platform/platform.h"
 #include "sim/scene/renderer.h"
 
 namespace selfproj {
@@ -24,7 +28,9 @@ struct ScannerCosimOptions {
   std::optional<std::size_t> count;
   int bits = 8;
   bool median = true;
-  double min_difference_mm = 10;  // from the background, of what counts as moved
+  int e = 0;                        // (4.20), of self-projected structured light alone
+  double min_difference_mm = 10;    // from the background, of what counts as moved
+  SteadySettings steady = {10, 6};  // likewise
   int bus_stall = 0;
   std::string out = {};
   std::vector<std::size_t> pictures = {};  // frames of the run, from 1; empty: four of them
@@ -36,6 +42,16 @@ bool is_scanner_scene(const std::string& scene);
 
 // Throws UserError, and CheckFailed where something differs from the model.
 void run_scanner_cosim(const ScannerCosimOptions& options);
+
+// What runs with a scanner have in common. All throw UserError about the option.
+// The platform for codes of such a rig.
+PlatformOptions scanner_platform(const ScannerCosimOptions& options, const Rig& rig);
+// Frames of the run, where the scene has `total`.
+std::size_t frames_of_run(const ScannerCosimOptions& options, std::size_t total);
+// Of the frames of a run those that complete code images and are to be shown.
+std::vector<std::size_t> pictured_frames(const ScannerCosimOptions& options, std::size_t total);
+// summary.json of a page.
+std::string summary_json(const ReportPage& page);
 
 }  // namespace selfproj
 

@@ -18,6 +18,7 @@
 #include "host/io/rig.h"
 #include "host/io/user_error.h"
 #include "sim/experiment/experiment.h"
+#include "sim/experiment/moving_things.h"
 #include "sim/experiment/structured_light.h"
 #include "sim/scene/renderer.h"
 
@@ -33,6 +34,7 @@ struct Options {
   bool sources = false;
   int every = 1;
   bool gray_scan = false;
+  std::optional<int> e;  // that of the experiment
 };
 
 // Characters that a text takes on a terminal: its code points.
@@ -96,16 +98,15 @@ void run_structured_light(const Options& options) {
       experiment.rig = rig;
       experiment.render = options_without(options.off);
       experiment.gray_scan = options.gray_scan;
+      experiment.e = options.e.value_or(experiment.e);
       result = run_cuboids(experiment, show);
     } else {
-      StreamOptions experiment;
+      MovingOptions experiment;
       experiment.rig = rig;
       experiment.render = options_without(options.off);
       experiment.gray_scan = options.gray_scan;
-      // Where the mouse is in the middle of the image; the hands go through half a period.
-      experiment.first = options.name == "B7" ? 230 : 0;
-      experiment.pairs = options.name == "B7" ? 60 : 80;
-      result = run_stream(options.name, experiment, show);
+      experiment.e = options.e.value_or(experiment.e);
+      result = run_moving(options.name, experiment, show);
     }
   }
   for (const ReportTable& table : result.tables) {
@@ -115,6 +116,9 @@ void run_structured_light(const Options& options) {
     folder->append("depth.tiff", encode_float_tiff("depth.tiff", result.depth));
     folder->append("difference.tiff", encode_float_tiff("difference.tiff", result.difference));
     folder->append("truth.tiff", encode_float_tiff("truth.tiff", result.truth));
+    if (!result.series.empty()) {
+      folder->append("series.csv", result.series);
+    }
     folder->append("report.html", page_html(result.page));
     folder->commit();
   }
@@ -126,8 +130,8 @@ void run(const Options& options) {
     run_structured_light(options);
     return;
   }
-  if (options.gray_scan) {
-    throw UserError("--gray-scan", "goes with B4, B7, B8");
+  if (options.gray_scan || options.e) {
+    throw UserError(options.gray_scan ? "--gray-scan" : "--e", "goes with B4, B7, B8");
   }
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) {
@@ -182,6 +186,11 @@ void add_experiment_command(CLI::App& app) {
   command->add_flag("--no-residual", options->no_residual, "Do not measure and remove the reference's residual");
   command->add_flag("--gray-scan", options->gray_scan,
                     "B4, B7, B8: scan the reference by Gray codes, not line by line");
+  command
+      ->add_option("--e", options->e,
+                   "B4, B7, B8: cells below the reference that are searched [that of the experiment: 8, 0, 0]")
+      ->check(CLI::Range(0, (1 << Stripes{}.bits) - 1))
+      ->type_name("CELLS");
   std::vector<std::string> sources;
   for (const Disturbance& source : kDisturbances) {
     sources.emplace_back(source.name);

@@ -12,7 +12,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -29,16 +28,6 @@
 
 namespace selfproj {
 namespace {
-
-constexpr int kCodedLines = 512;  // of the conventional method: the central ones
-
-Image to_image(const FloatImage& pattern) {
-  constexpr float kFull = 255;
-  Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
-  std::transform(pattern.values.begin(), pattern.values.end(), image.pixels.begin(),
-                 [](float value) { return static_cast<std::uint8_t>(std::lround(kFull * value)); });
-  return image;
-}
 
 std::size_t pixels_of(const Rig& rig) {
   return static_cast<std::size_t>(rig.camera.rows) * static_cast<std::size_t>(rig.camera.columns);
@@ -206,10 +195,6 @@ class LinePlanes {
   Pinhole projector_;
 };
 
-std::string text(double value, int digits = 2) {
-  return std::isnan(value) ? "–" : fmt::format("{:.{}f}", value, digits);
-}
-
 // A depth image of the conventional method: m bits over the central lines, median.
 Method conventional(const StructuredLightOptions& options, const PatternRenderer& reference,
                     const PatternRenderer& part, int bits, const std::function<void()>& done) {
@@ -220,7 +205,7 @@ Method conventional(const StructuredLightOptions& options, const PatternRenderer
     std::vector<std::uint8_t> positive;
     take_images(
         renderer, options.render, first, 2 * bits,
-        [&](int i) { return to_image(gray_pattern(rig, bits, kCodedLines, i)); },
+        [&](int i) { return pattern_image(gray_pattern(rig, bits, kCodedLines, i)); },
         [&](int i, const ImageView& image) {
           if (i % 2 == 0) {
             positive.assign(image.pixels, image.pixels + pixels_of(rig));
@@ -329,16 +314,18 @@ ReportTable scan_table(const SelfReference& reference, const LinePlanes& planes,
       fmt::format("Scan of the reference: {}", gray_scan ? "Gray codes, 42 images" : "lines, 1792 images"),
       {"", "lit pixels measured", "line, RMS", "line, largest"},
       {{"X_R against the truth", fmt::format("{:.1f} %", 100 * static_cast<double>(count) / static_cast<double>(lit)),
-        text(std::sqrt(square / static_cast<double>(count)), 3), text(most)}}};
+        figure_text(std::sqrt(square / static_cast<double>(count)), 3), figure_text(most)}}};
 }
 
 void add_method_rows(const Method& method, ReportTable& heights, ReportTable& errors) {
   const Figures& f = method.figures;
-  heights.rows.push_back({method.name, text(f[low].height), text(f[high].height), text(-f[letter].difference),
-                          text(f[block_3].difference), text(f[block_6].difference), text(f[block_9].difference)});
+  heights.rows.push_back({method.name, figure_text(f[low].height), figure_text(f[high].height),
+                          figure_text(-f[letter].difference), figure_text(f[block_3].difference),
+                          figure_text(f[block_6].difference), figure_text(f[block_9].difference)});
   std::vector<std::string> row{method.name};
   for (const Face face : {plane, low, high, letter, block_3, block_6, block_9}) {
-    row.push_back(fmt::format("{} / {} / {}", text(f.at(face).rms), text(f.at(face).most), text(f.at(face).width)));
+    row.push_back(fmt::format("{} / {} / {}", figure_text(f.at(face).rms), figure_text(f.at(face).most),
+                              figure_text(f.at(face).width)));
   }
   errors.rows.push_back(row);
 }
@@ -360,12 +347,23 @@ void check_figures(const Figures& f, std::vector<std::string>& not_reached) {
 
 }  // namespace
 
+std::string figure_text(double value, int digits) {
+  return std::isnan(value) ? "–" : fmt::format("{:.{}f}", value, digits);
+}
+
+Image pattern_image(const FloatImage& pattern) {
+  constexpr float kFull = 255;
+  Image image{pattern.rows, pattern.columns, std::vector<std::uint8_t>(pattern.values.size())};
+  std::transform(pattern.values.begin(), pattern.values.end(), image.pixels.begin(),
+                 [](float value) { return static_cast<std::uint8_t>(std::lround(kFull * value)); });
+  return image;
+}
+
 ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOptions& options, bool gray_codes,
-                            const ProgressOfImages& progress) {
+                            const std::function<void()>& done) {
   Rig scanned = rig;
   scanned.imaging.seed += 1;  // noise of its own
   const PatternRenderer renderer(scanned, scene, options);
-  std::size_t done = 0;
   if (gray_codes) {
     GrayPointScan scan(rig);
     const GraySequence sequence(rig.projector.columns, rig.projector.lines);
@@ -374,15 +372,13 @@ ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOpti
         [&](int i) {
           return Image{sequence.rows(), sequence.columns(), sequence.image(i)};
         },
-        [&](int, const ImageView& image) { scan.add(image); },
-        [&] { progress(++done, static_cast<std::size_t>(scan.count())); });
+        [&](int, const ImageView& image) { scan.add(image); }, done);
     return scan.points();
   }
   LinePointScan scan(rig);
   take_images(
-      renderer, options, 0, scan.count(), [&](int i) { return to_image(scan_pattern(rig, i)); },
-      [&](int, const ImageView& image) { scan.add(image); },
-      [&] { progress(++done, static_cast<std::size_t>(scan.count())); });
+      renderer, options, 0, scan.count(), [&](int i) { return pattern_image(scan_pattern(rig, i)); },
+      [&](int, const ImageView& image) { scan.add(image); }, done);
   return scan.points();
 }
 
@@ -392,7 +388,7 @@ std::vector<Image> images_of(const Rig& rig, const Scene& scene, const RenderOpt
   std::vector<Image> images;
   take_images(
       renderer, options, first, static_cast<int>(patterns.size()),
-      [&](int i) { return to_image(patterns[static_cast<std::size_t>(i)]); },
+      [&](int i) { return pattern_image(patterns[static_cast<std::size_t>(i)]); },
       [&](int, const ImageView& image) {
         images.push_back({image.rows, image.columns, {image.pixels, image.pixels + pixels_of(rig)}});
       },
@@ -459,8 +455,7 @@ StructuredLightResult run_cuboids(const StructuredLightOptions& options, const P
   std::size_t done = 0;
   const auto count = [&] { progress(++done, all); };
 
-  const ProjectorPoints points =
-      scan_points(rig, *reference_scene, options.render, options.gray_scan, [&](std::size_t, std::size_t) { count(); });
+  const ProjectorPoints points = scan_points(rig, *reference_scene, options.render, options.gray_scan, count);
   const SelfReference reference = make_self_reference(rig, points, options.stripes);
   const MatchSettings settings{options.e};
   const MatchTable table(rig, reference, settings);
@@ -483,7 +478,7 @@ StructuredLightResult run_cuboids(const StructuredLightOptions& options, const P
     std::vector<std::uint8_t> positive;
     take_images(
         part_renderer, options.render, 0, 2 * options.stripes.bits,
-        [&](int i) { return to_image(self_projected_pattern(reference, i)); },
+        [&](int i) { return pattern_image(self_projected_pattern(reference, i)); },
         [&](int i, const ImageView& image) {
           if (i % 2 == 0) {
             positive.assign(image.pixels, image.pixels + pixels_of(rig));
@@ -501,7 +496,7 @@ StructuredLightResult run_cuboids(const StructuredLightOptions& options, const P
     result.page.pictures.insert(
         result.page.pictures.begin(),
         ReportPicture{"Finest self-projected pattern",
-                      encode_png(to_image(self_projected_pattern(reference, 2 * options.stripes.bits - 2))), ""});
+                      encode_png(pattern_image(self_projected_pattern(reference, 2 * options.stripes.bits - 2))), ""});
     Method method{
         fmt::format("self-projected, {} bits", options.stripes.bits), scanner.depth(), scanner.difference(), {}};
     const MatchSearch search(rig, reference, settings);
@@ -564,7 +559,8 @@ StructuredLightResult run_cuboids(const StructuredLightOptions& options, const P
   for (const Method& method : methods) {
     valid.rows.push_back({method.name});
     for (const FaceFigures& face : method.figures) {
-      valid.rows.back().push_back(text(100 * static_cast<double>(face.valid) / static_cast<double>(face.pixels), 1));
+      valid.rows.back().push_back(
+          figure_text(100 * static_cast<double>(face.valid) / static_cast<double>(face.pixels), 1));
     }
   }
   ReportTable shares{"B4: wrong matches of true codes",
@@ -596,7 +592,6 @@ StructuredLightResult run_cuboids(const StructuredLightOptions& options, const P
   page.title = "Experiment B4";
   page.subtitle = "Cuboids of different heights: self-projected structured light beside the conventional method";
   page.tables = result.tables;
-  const PlaneTriangulation geometry(rig, options.stripes.bits);
   const double down = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   const MapPitch pitch{down, down};
   const MapScale height_colours{ColourMap::sequential, 0, 125};
@@ -614,398 +609,6 @@ StructuredLightResult run_cuboids(const StructuredLightOptions& options, const P
       {"a", "a, camera rows a code", static_cast<std::int64_t>(options.stripes.width)},
       {"threshold", "threshold of the binarization", static_cast<std::int64_t>(rig.measure.code_threshold)},
       {"seed", "seed", rig.imaging.seed}};
-  return result;
-}
-
-// --- B7, B8 ---
-
-namespace {
-
-// A scene that stands as it was at one time.
-class Frozen final : public Scene {
- public:
-  Frozen(const Scene& scene, double time) : scene_(scene), time_(time) {}
-  [[nodiscard]] int frames() const override { return scene_.frames(); }
-  [[nodiscard]] double height(double x, double y, double /*t*/) const override { return scene_.height(x, y, time_); }
-  [[nodiscard]] HeightRange range(const Box& box, double /*t0*/, double /*t1*/) const override {
-    return scene_.range(box, time_, time_);
-  }
-  [[nodiscard]] double speed() const override { return 0; }
-  [[nodiscard]] Bodies bodies(double /*t*/) const override { return scene_.bodies(time_); }
-
- private:
-  const Scene& scene_;
-  double time_;
-};
-
-// What is to be measured: a moving thing in the part of the image with these columns.
-struct Thing {
-  std::string name;
-  int column_0, column_1;
-  double least;  // mm over the reference from which on a pixel belongs to it, for its size
-};
-
-// Of one depth image.
-struct ThingFigures {
-  std::size_t pixels = 0;  // that truly show it, in the projector's light
-  std::size_t valid = 0;
-  double square = 0;                   // of z against the truth
-  double height = 0, true_height = 0;  // 95th of 100 parts of the differences from the reference
-  double rows = 0, true_rows = 0;      // extent in pixels
-  double columns = 0, true_columns = 0;
-};
-
-double quantile(std::vector<float>& values, double share) {
-  if (values.empty()) {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return static_cast<double>(*at);
-}
-
-// Rows and columns over which a thing reaches, of pixels that have six and more of 3 x 3 like them (with e = 0 single
-// rows of the background, in which noise moves a code one down, are matched at the other end of the window): from the
-// first to the last that have at least a quarter as many of its pixels as the fullest one, so that single pixels do not
-// count.
-std::pair<double, double> extent(const FloatImage& difference, const Thing& thing, const FloatImage& true_difference) {
-  constexpr int kAround = 30;  // pixels about the true one in which it is looked for
-  int row_0 = difference.rows;
-  int row_1 = 0;
-  int column_0 = difference.columns;
-  int column_1 = 0;
-  for (int r = 0; r < difference.rows; ++r) {
-    for (int c = thing.column_0; c < thing.column_1; ++c) {
-      if (static_cast<double>(true_difference.row(r)[c]) > thing.least) {
-        row_0 = std::min(row_0, r - kAround);
-        row_1 = std::max(row_1, r + kAround);
-        column_0 = std::min(column_0, c - kAround);
-        column_1 = std::max(column_1, c + kAround);
-      }
-    }
-  }
-  std::vector<int> of_row(static_cast<std::size_t>(difference.rows), 0);
-  std::vector<int> of_column(static_cast<std::size_t>(difference.columns), 0);
-  const auto is_over = [&](int r, int c) { return static_cast<double>(difference.row(r)[c]) > thing.least ? 1 : 0; };
-  for (int r = std::max(1, row_0); r < std::min(row_1, difference.rows - 1); ++r) {
-    for (int c = std::max({1, thing.column_0, column_0});
-         c < std::min({thing.column_1, difference.columns - 1, column_1}); ++c) {
-      int count = 0;
-      for (int dr = -1; dr <= 1; ++dr) {
-        for (int dc = -1; dc <= 1; ++dc) {
-          count += is_over(r + dr, c + dc);
-        }
-      }
-      if (is_over(r, c) != 0 && count >= 6) {
-        ++of_row[static_cast<std::size_t>(r)];
-        ++of_column[static_cast<std::size_t>(c)];
-      }
-    }
-  }
-  const auto length = [](const std::vector<int>& counts) {
-    const int least = std::max(1, *std::max_element(counts.begin(), counts.end()) / 4);
-    const auto in = [least](int count) { return count >= least; };
-    const auto first = std::find_if(counts.begin(), counts.end(), in);
-    const auto last = std::find_if(counts.rbegin(), counts.rend(), in);
-    return first == counts.end() ? 0.0 : static_cast<double>(last.base() - first);
-  };
-  return {length(of_row), length(of_column)};
-}
-
-FloatImage minus(const FloatImage& a, const FloatImage& b) {
-  FloatImage result = a;
-  for (std::size_t i = 0; i < result.values.size(); ++i) {
-    result.values[i] -= b.values[i];
-  }
-  return result;
-}
-
-ThingFigures figures_of(const Thing& thing, const FloatImage& depth, const FloatImage& difference,
-                        const FloatImage& truth, const FloatImage& true_difference) {
-  ThingFigures f;
-  std::vector<float> heights;
-  std::vector<float> true_heights;
-  for (int r = 0; r < depth.rows; ++r) {
-    for (int c = thing.column_0; c < thing.column_1; ++c) {
-      if (!(true_difference.row(r)[c] > 1)) {
-        continue;
-      }
-      ++f.pixels;
-      true_heights.push_back(true_difference.row(r)[c]);
-      const double error = static_cast<double>(depth.row(r)[c]) - static_cast<double>(truth.row(r)[c]);
-      if (!std::isnan(error) && !std::isnan(difference.row(r)[c])) {
-        ++f.valid;
-        f.square += error * error;
-        heights.push_back(difference.row(r)[c]);
-      }
-    }
-  }
-  constexpr double kShare = 0.95;
-  f.height = quantile(heights, kShare);
-  f.true_height = quantile(true_heights, kShare);
-  std::tie(f.rows, f.columns) = extent(difference, thing, true_difference);
-  std::tie(f.true_rows, f.true_columns) = extent(true_difference, thing, true_difference);
-  return f;
-}
-
-// All depth images of a thing by a method.
-class Summary {
- public:
-  void add(const ThingFigures& f) {
-    ++images_;
-    pixels_ += static_cast<double>(f.pixels);
-    valid_ += static_cast<double>(f.valid);
-    square_ += f.square;
-    const double rms = std::sqrt(f.square / static_cast<double>(f.valid));
-    worst_ = std::max(worst_, rms);
-    height_ += f.height - f.true_height;
-    height_most_ = std::max(height_most_, std::abs(f.height - f.true_height));
-    size_most_ = std::max({size_most_, std::abs(f.rows - f.true_rows), std::abs(f.columns - f.true_columns)});
-    rows_ += f.rows - f.true_rows;
-    columns_ += f.columns - f.true_columns;
-  }
-  [[nodiscard]] double rms() const { return std::sqrt(square_ / valid_); }
-  [[nodiscard]] std::vector<std::string> cells() const {
-    return {std::to_string(images_),
-            text(100 * valid_ / pixels_, 1),
-            text(rms()),
-            text(worst_),
-            text(height_ / images_),
-            text(height_most_),
-            text(rows_ / images_, 1),
-            text(columns_ / images_, 1),
-            text(size_most_, 0)};
-  }
-
- private:
-  int images_ = 0;
-  double pixels_ = 0, valid_ = 0, square_ = 0, worst_ = 0;
-  double height_ = 0, height_most_ = 0, rows_ = 0, columns_ = 0, size_most_ = 0;
-};
-
-// One of the two methods, streaming.
-class MotionStream {
- public:
-  virtual ~MotionStream() = default;
-  MotionStream() = default;
-  MotionStream(const MotionStream&) = delete;
-  MotionStream& operator=(const MotionStream&) = delete;
-  [[nodiscard]] virtual bool take(const ImageView& image, int pattern) = 0;
-  [[nodiscard]] virtual const FloatImage& depth() const = 0;
-  [[nodiscard]] virtual FloatImage difference() const = 0;
-  [[nodiscard]] virtual int bits() const = 0;
-  [[nodiscard]] virtual FloatImage pattern(int index) const = 0;
-};
-
-class SelfStream final : public MotionStream {
- public:
-  SelfStream(const Rig& rig, const SelfReference& reference, const MatchTable& table)
-      : reference_(reference), scanner_(rig, reference, table, rig.measure.code_threshold) {}
-  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
-  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
-  [[nodiscard]] FloatImage difference() const override { return scanner_.difference(); }
-  [[nodiscard]] int bits() const override { return reference_.stripes.bits; }
-  [[nodiscard]] FloatImage pattern(int index) const override { return self_projected_pattern(reference_, index); }
-
- private:
-  const SelfReference& reference_;
-  SelfScanner scanner_;
-};
-
-class ConventionalStream final : public MotionStream {
- public:
-  ConventionalStream(const Rig& rig, int bits)
-      : rig_(rig),
-        triangulation_(rig, bits, {}, kCodedLines),
-        scanner_(triangulation_, {rig.measure.code_threshold, true, false, 5}) {}
-  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
-  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
-  [[nodiscard]] FloatImage difference() const override { return minus(reference_, scanner_.depth()); }
-  [[nodiscard]] int bits() const override { return triangulation_.bits(); }
-  [[nodiscard]] FloatImage pattern(int index) const override {
-    return gray_pattern(rig_, triangulation_.bits(), kCodedLines, index);
-  }
-  void set_reference(const FloatImage& depth) { reference_ = depth; }
-
- private:
-  const Rig& rig_;
-  PlaneTriangulation triangulation_;
-  Scanner scanner_;
-  FloatImage reference_;
-};
-
-// Frames first .. first + count - 1 under the stream's patterns, the first under pattern 0. `see` is told the frame
-// after each depth image.
-void play(const PatternRenderer& renderer, const RenderOptions& options, MotionStream& stream, int first, int count,
-          const std::function<void(int frame)>& see, const std::function<void()>& done) {
-  std::vector<Image> patterns;
-  for (int i = 0; i < 2 * stream.bits(); ++i) {
-    patterns.push_back(to_image(stream.pattern(i)));
-  }
-  const PatternSet lights(renderer.rig(), patterns, options.projector_blur);
-  std::array<std::vector<std::uint8_t>, 2> pair;
-  const Rig& rig = renderer.rig();
-  for (int i = 0; i < count; i += 2) {
-    parallel_for(2, 0, [&](int half) {
-      auto& image = pair.at(static_cast<std::size_t>(half));
-      image.resize(pixels_of(rig));
-      renderer.render(first + i + half, lights.of_frame(i + half), std::span(image));
-    });
-    for (int half = 0; half < 2; ++half) {
-      const ImageView view{pair.at(static_cast<std::size_t>(half)).data(), rig.camera.rows, rig.camera.columns,
-                           rig.camera.columns};
-      if (stream.take(view, (i + half) % lights.size())) {
-        see(first + i + half);
-      }
-      done();
-    }
-  }
-}
-
-}  // namespace
-
-StructuredLightResult run_stream(const std::string& name, const StreamOptions& options,
-                                 const ProgressOfImages& progress) {
-  const Rig& rig = options.rig;
-  const bool mouse = name == "B7";
-  const auto background = make_self_scene(mouse ? "slider" : "block", rig);
-  const auto scene = make_self_scene(mouse ? "mouse" : "hands", rig);
-  const int columns = rig.camera.columns;
-  // The mouse from 6 mm over the slider on: its plate is 3 mm thick.
-  const std::vector<Thing> things = mouse
-                                        ? std::vector<Thing>{{"mouse", 0, columns, 6}}
-                                        : std::vector<Thing>{{"left hand, over z = 441 mm", 0, columns / 2, 5},
-                                                             {"right hand, over z = 550 mm", columns / 2, columns, 5}};
-  constexpr int kConventionalBits = 8;
-  const int start = 2 * kConventionalBits - 2;  // frames before the first common pair
-  const int frames = start + 2 * options.pairs;
-  const int stills = (options.pairs + options.still_every - 1) / options.still_every;
-  const std::size_t scan =
-      static_cast<std::size_t>(options.gray_scan ? GrayPointScan(rig).count() : LinePointScan(rig).count());
-  const std::size_t all = scan + 2 * static_cast<std::size_t>(kConventionalBits) +
-                          2 * static_cast<std::size_t>(frames) +
-                          static_cast<std::size_t>(stills) * 2 * (4 + kConventionalBits);
-  std::size_t done = 0;
-  const auto count = [&] { progress(++done, all); };
-
-  const ProjectorPoints points =
-      scan_points(rig, *background, options.render, options.gray_scan, [&](std::size_t, std::size_t) { count(); });
-  const SelfReference reference = make_self_reference(rig, points, {});
-  const MatchTable table(rig, reference, {0});
-  const PatternRenderer background_renderer(rig, *background, options.render);
-  const PatternRenderer renderer(rig, *scene, options.render);
-  FloatImage background_z(rig.camera.rows, rig.camera.columns);
-  background_renderer.depth(0, background_z.values);
-
-  StructuredLightResult result;
-  ReportTable table_of_errors{
-      fmt::format("{}: every depth image against the truth in the middle of its window", name),
-      {"", "depth images", "valid, %", "z RMS, mm", "worst image", "height, mean error", "largest", "rows, mean error",
-       "columns", "largest, px"},
-      {},
-      "Pixels that truly show the object in the projector's light. Height: the 95th of 100 parts of the differences "
-      "from "
-      "the reference. Size: rows and columns that hold at least a quarter as many of its pixels as the fullest one, "
-      "within 30 pixels of the true one."};
-  ReportTable motion{fmt::format("{}: what motion adds", name),
-                     {"", "window, ms", "z RMS moving, mm", "z RMS at rest, mm", "added, mm"},
-                     {},
-                     "Over the same instants. Added: root of the difference of the squares."};
-
-  const double pixel = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
-  const auto measure = [&](MotionStream& stream, const std::string& method) {
-    std::vector<Summary> moving(things.size());
-    std::vector<Summary> moving_then(things.size());
-    std::vector<Summary> at_rest(things.size());
-    const int window = 2 * stream.bits();
-    std::vector<int> instants;
-    int seen = 0;
-    const auto look = [&](const PatternRenderer& of, int truth_frame, std::vector<Summary>& to,
-                          std::vector<Summary>* also, bool keep) {
-      FloatImage truth(rig.camera.rows, rig.camera.columns);
-      of.depth(truth_frame, truth.values, true);
-      const FloatImage true_difference = minus(background_z, truth);
-      const FloatImage difference = stream.difference();
-      for (std::size_t k = 0; k < things.size(); ++k) {
-        const ThingFigures f = figures_of(things[k], stream.depth(), difference, truth, true_difference);
-        to[k].add(f);
-        if (also != nullptr) {
-          (*also)[k].add(f);
-        }
-      }
-      if (keep) {
-        result.page.pictures.push_back(
-            {fmt::format("{}, t = {:.3f} s", method, truth_frame / rig.camera.frame_rate_hz),
-             labelled_map_png(difference, {ColourMap::diverging, mouse ? -35.0 : -60.0, mouse ? 35.0 : 60.0},
-                              {pixel, pixel}, "difference from the reference, mm"),
-             ""});
-        result.depth = stream.depth();
-        result.difference = difference;
-        result.truth = truth;
-      }
-    };
-    play(
-        renderer, options.render, stream, options.first, frames,
-        [&](int frame) {
-          if (frame < options.first + start) {
-            return;
-          }
-          const int middle = frame - stream.bits() + 1;
-          const bool rest = seen % options.still_every == 0;
-          look(renderer, middle, moving, rest ? &moving_then : nullptr, rest);
-          if (rest) {
-            instants.push_back(middle);
-          }
-          ++seen;
-        },
-        count);
-    for (const int middle : instants) {
-      const Frozen frozen(*scene, middle / rig.camera.frame_rate_hz);
-      const PatternRenderer still(rig, frozen, options.render);
-      play(
-          still, options.render, stream, 0, window,
-          [&](int frame) {
-            if (frame == window - 1) {
-              look(still, 0, at_rest, nullptr, false);
-            }
-          },
-          count);
-    }
-    for (std::size_t k = 0; k < things.size(); ++k) {
-      table_of_errors.rows.push_back({things[k].name + ", " + method});
-      for (const std::string& cell : moving[k].cells()) {
-        table_of_errors.rows.back().push_back(cell);
-      }
-      const double square = moving_then[k].rms() * moving_then[k].rms() - at_rest[k].rms() * at_rest[k].rms();
-      motion.rows.push_back({things[k].name + ", " + method, text(1000 * window / rig.camera.frame_rate_hz, 0),
-                             text(moving_then[k].rms()), text(at_rest[k].rms()),
-                             text(std::sqrt(std::max(square, 0.0)))});
-    }
-  };
-
-  {
-    SelfStream stream(rig, reference, table);
-    measure(stream, "self-projected, 4 bits");
-  }
-  const FloatImage depth = result.depth;
-  const FloatImage difference = result.difference;
-  const FloatImage truth = result.truth;
-  {
-    ConventionalStream stream(rig, kConventionalBits);
-    play(
-        background_renderer, options.render, stream, 0, 2 * kConventionalBits, [](int) {}, count);
-    stream.set_reference(stream.depth());
-    measure(stream, "conventional, 8 bits");
-  }
-  result.depth = depth;
-  result.difference = difference;
-  result.truth = truth;
-  result.tables = {std::move(table_of_errors), std::move(motion)};
-  result.page.title = "Experiment " + name;
-  result.page.subtitle = mouse ? "Mouse on a slider, 300 mm/s: a film strip, 500 depth images a second"
-                               : "Two hands at different heights: a film strip, 500 depth images a second";
-  result.page.tables = result.tables;
-  result.page.settings = {{"e", "e", std::int64_t{0}}, {"seed", "seed", rig.imaging.seed}};
   return result;
 }
 

@@ -1,5 +1,5 @@
 // Structured light measured in simulation: a reference scanned, patterns projected, depth images compared with the
-// truth. What the experiment B4 of the thesis needs.
+// truth. The experiment B4 of the thesis, and what those of moving_things.h need, too.
 #ifndef SELFPROJ_SIM_EXPERIMENT_STRUCTURED_LIGHT_H
 #define SELFPROJ_SIM_EXPERIMENT_STRUCTURED_LIGHT_H
 
@@ -24,9 +24,15 @@ namespace selfproj {
 using ProgressOfImages = std::function<void(std::size_t done, std::size_t all)>;
 
 // Scans the scene with the simulated camera: 768 + 1024 lines, or Gray codes along both axes (those of `selfproj
-// pattern gray`).
+// pattern gray`). `done` is called after each image.
 ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOptions& options, bool gray_codes,
-                            const ProgressOfImages& progress);
+                            const std::function<void()>& done);
+
+// A number in a table; a dash where there is none.
+std::string figure_text(double value, int digits = 2);
+
+// A pattern of light 0..1 as the 8-bit image that a projector is given.
+Image pattern_image(const FloatImage& pattern);
 
 // The camera's images of a still scene under the patterns, one after another from frame `first` on.
 std::vector<Image> images_of(const Rig& rig, const Scene& scene, const RenderOptions& options,
@@ -53,28 +59,20 @@ struct StructuredLightOptions {
   std::vector<int> conventional_bits{8, 7, 6, 5, 4};
 };
 
-// B4 with its tables, pictures and what does not hold of what is wanted.
+// Lines, the central ones of the projector, over which the conventional method has its codes.
+constexpr int kCodedLines = 512;
+
+// An experiment's tables, pictures and what does not hold of what is wanted.
 struct StructuredLightResult {
   std::vector<ReportTable> tables;
   std::vector<std::string> not_reached;
   ReportPage page;
   FloatImage depth, difference, truth;  // mm
+  std::string series;                   // CSV of what was measured in every depth image; empty: nothing moves
 };
-StructuredLightResult run_cuboids(const StructuredLightOptions& options, const ProgressOfImages& progress);
 
-// B7 (mouse) and B8 (hands) as streams at the camera's frame rate: e = 0, a depth image after every pair. Beside it the
-// conventional method with 8 bits over the same frames; and both with the object standing still where it was in the
-// middle of a window of 2m frames, which shows what motion adds.
-struct StreamOptions {
-  Rig rig;
-  RenderOptions render;
-  bool gray_scan = true;
-  int first = 0;         // frame
-  int pairs = 40;        // of images, from where the first depth image of both methods is due
-  int still_every = 10;  // depth images of which one is repeated with the object at rest
-};
-StructuredLightResult run_stream(const std::string& name, const StreamOptions& options,
-                                 const ProgressOfImages& progress);
+// B4.
+StructuredLightResult run_cuboids(const StructuredLightOptions& options, const ProgressOfImages& progress);
 
 }  // namespace selfproj
 

@@ -146,9 +146,9 @@ class HandsScene final : public BlockScene {
   [[nodiscard]] Bodies bodies(double t) const override {
     Bodies bodies;
     const double phase = 2 * std::numbers::pi * TwoHands::kFrequency * t;
-    add_hand(bodies, 20 * std::sin(phase), -85 + 8 * std::cos(phase),
+    add_hand(bodies, 52 + 8 * std::cos(phase), -85 + 20 * std::sin(phase),
              z(TwoHands::kBlockHeight + 13 + 2 * std::sin(phase)));
-    add_hand(bodies, -20 * std::sin(phase), 80 + 8 * std::cos(phase), z(30 + 8 * std::sin(phase)));
+    add_hand(bodies, 8 * std::cos(phase), 80 - 20 * std::sin(phase), z(30 + 8 * std::sin(phase)));
     return bodies;
   }
 

@@ -44,9 +44,10 @@ struct MouseRun {
   static constexpr double kLength = 68.2;      // along y
 };
 
-// B8: a block 109 mm high under the left hand (y < 0), the plane under the right one; both wave three times a second.
+// B8: a block 109 mm high under the left hand (y < 0), the plane under the right one; both wave three times a second,
+// sideways, so that the left one stays over the block and in the light of the central 512 lines.
 struct TwoHands {
-  static constexpr Box kBlock{-60, 60, -150, -25};
+  static constexpr Box kBlock{-30, 115, -150, -25};
   static constexpr double kBlockHeight = 109;
   static constexpr double kFrequency = 3;
 };
