@@ -58,7 +58,7 @@ struct Sample {
   double t = 0;           // s, of the frame in the middle of the cycle that the codes are from
   Moved moved, true_moved;
   double front = kNan, true_front = kNan;
-  std::vector<double> z, true_z;  // at the pixels of the keys
+  std::vector<double> z, true_z;  // at the pixels of the keys, of what moved
 };
 
 // The scene, its background as the scanner measures it, and what each depth image says.
@@ -75,7 +75,8 @@ class Measurement {
         assembler_(spec::kKindCodes, 0, rig.camera.rows, rig.camera.columns),
         background_(rig.camera.rows, rig.camera.columns),
         true_background_(rig.camera.rows, rig.camera.columns),
-        truth_(rig.camera.rows, rig.camera.columns) {
+        truth_(rig.camera.rows, rig.camera.columns),
+        moved_(rig.camera.rows, rig.camera.columns) {
     measure_background(reference, patterns);
   }
 
@@ -109,9 +110,10 @@ class Measurement {
       sample.true_front = front(sample.t, truth_, true_background_);
     }
     if (options_.scene == "keys") {
+      scanner_.difference(moved_);
       for (const KeyTaps::Pixel pixel : {KeyTaps::kFirst, KeyTaps::kSecond}) {
         const bool inside = pixel.row < rig_.camera.rows && pixel.column < rig_.camera.columns;
-        sample.z.push_back(inside ? static_cast<double>(scanner_.depth().row(pixel.row)[pixel.column]) : kNan);
+        sample.z.push_back(inside ? static_cast<double>(moved_.row(pixel.row)[pixel.column]) : kNan);
         sample.true_z.push_back(inside ? static_cast<double>(truth_.row(pixel.row)[pixel.column]) : kNan);
       }
     }
@@ -188,6 +190,7 @@ class Measurement {
   FloatImage background_;
   FloatImage true_background_;
   FloatImage truth_;
+  FloatImage moved_;
   std::vector<Sample> samples_;
   double pixels_ = 0, squares_ = 0, far_off_ = 0, seen_ = 0;
 };
