@@ -1,4 +1,4 @@
-# selfproj_verilate(TARGET TOP module PREFIX name [TRACE] [CLOCKS port...] [PARAMETERS Name=Value...])
+# selfproj_verilate(TARGET TOP module PREFIX name [TRACE] [UNCOUNTED] [CLOCKS port...] [PARAMETERS Name=Value...])
 #
 # Adds the Verilated model of an RTL module to the library TARGET, as class `name` (header name.h). All of rtl/ is given to
 # Verilator, the package first; what the top does not instantiate is left out. Every model of a program belongs into one
@@ -6,6 +6,8 @@
 #
 # With CLOCKS, the ports that are clocks, the model is one that clocks.h (sim/device) steps: it gets rise(), and its code
 # that runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer instructions).
+#
+# With UNCOUNTED the model counts no coverage, also where SELFPROJ_COVERAGE is set: others count what it holds.
 find_package(verilator REQUIRED HINTS $ENV{VERILATOR_ROOT})
 find_package(Threads REQUIRED)
 
@@ -16,28 +18,36 @@ list(REMOVE_ITEM SELFPROJ_RTL "${PROJECT_SOURCE_DIR}/rtl/common/sp_spec_pkg.sv")
 list(PREPEND SELFPROJ_RTL "${PROJECT_SOURCE_DIR}/rtl/common/sp_spec_pkg.sv")
 
 function(selfproj_verilate target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "TRACE" "TOP;PREFIX" "CLOCKS;PARAMETERS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "TRACE;UNCOUNTED" "TOP;PREFIX" "CLOCKS;PARAMETERS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_TOP OR NOT arg_PREFIX)
     message(FATAL_ERROR "selfproj_verilate(${target}): TOP or PREFIX missing, or unknown: ${arg_UNPARSED_ARGUMENTS}")
   endif()
+  set_property(GLOBAL PROPERTY selfproj_model_${arg_PREFIX} ${arg_TOP} ${arg_PARAMETERS})  # for netlists of the same
   set(options -Wall -O3 --x-assign fast --x-initial fast --assert)
   foreach(parameter IN LISTS arg_PARAMETERS)
     list(APPEND options "-G${parameter}")
   endforeach()
   # The model is always built for speed: an unoptimized one is ten times slower, and there is nothing to step through. Its
-  # scattered bits are no vectors: gathering them costs more than it saves. One that counts is built once for one run.
+  # scattered bits are no vectors: gathering them costs more than it saves. One that counts is built once for one run, and
+  # the function that names its thousands of points takes minutes with any optimization.
   set(optimization "-O3 -fno-tree-vectorize -fno-tree-slp-vectorize")
+  set(seldom_optimization -O1)
   set(features "")
   if(arg_TRACE)
     list(APPEND features TRACE_FST)
   endif()
+  set(counted FALSE)
   if(SELFPROJ_COVERAGE)
-    list(APPEND options --coverage-line --coverage-toggle)
-    list(APPEND features COVERAGE)
     set(optimization -O1)
+    if(NOT arg_UNCOUNTED)
+      set(counted TRUE)
+      set(seldom_optimization -O0)
+      list(APPEND options --coverage-line --coverage-toggle)
+      list(APPEND features COVERAGE)
+    endif()
   endif()
   verilate(${target} ${features} SOURCES ${SELFPROJ_RTL} TOP_MODULE ${arg_TOP} PREFIX ${arg_PREFIX}
-    VERILATOR_ARGS ${options} OPT_FAST ${optimization} OPT_SLOW -O1 OPT_GLOBAL -O2)
+    VERILATOR_ARGS ${options} OPT_FAST ${optimization} OPT_SLOW ${seldom_optimization} OPT_GLOBAL -O2)
   # Verilator writes a dozen files a model, each of which reads the same headers: what runs seldom becomes one, and so does
   # what runs often. (Not with coverage, whose functions are too many for one.)
   get_target_property(seldom ${target} SOURCES)
@@ -45,12 +55,12 @@ function(selfproj_verilate target)
   set(often ${seldom})
   list(FILTER seldom INCLUDE REGEX "__Syms[.]cpp$|Slow[.]cpp$|__ConstPool_[0-9]+[.]cpp$")
   list(REMOVE_ITEM often ${seldom})
-  if(NOT SELFPROJ_COVERAGE)
-    selfproj_join_sources(${target} ${arg_PREFIX}__seldom -O1 ${seldom})
+  if(NOT counted)
+    selfproj_join_sources(${target} ${arg_PREFIX}__seldom ${seldom_optimization} ${seldom})
   endif()
   if(arg_CLOCKS)
-    selfproj_verilated_clocks(${target} ${arg_PREFIX} ${arg_TRACE} "${optimization}" ${arg_CLOCKS})
-  elseif(NOT SELFPROJ_COVERAGE)
+    selfproj_verilated_clocks(${target} ${arg_PREFIX} ${arg_TRACE} ${counted} "${optimization}" ${arg_CLOCKS})
+  elseif(NOT counted)
     selfproj_join_sources(${target} ${arg_PREFIX}__often "${optimization}" ${often})
   endif()
   # Headers of others: their warnings are not ours.
@@ -75,14 +85,14 @@ endfunction()
 
 # The file PREFIX__clocked.cpp of a model with CLOCKS: rise(), of the parts of Verilator 5.006's own eval(). Other versions may
 # name them in another way; then this does not compile, and `model.eval()` in their place is right, only slower.
-function(selfproj_verilated_clocks target prefix waveforms optimization)
+function(selfproj_verilated_clocks target prefix waveforms counted optimization)
   get_target_property(fast ${target} SOURCES)
   list(FILTER fast INCLUDE REGEX "/${prefix}[.]dir/[^/]*[.]cpp$")
   list(FILTER fast EXCLUDE REGEX "__Syms[.]cpp$|Slow[.]cpp$|__ConstPool_[0-9]+[.]cpp$")
   set(includes "")
   set(before "")
   set(evaluate "  model.eval();\n")
-  if(NOT SELFPROJ_COVERAGE)
+  if(NOT counted)
     set_source_files_properties(${fast} PROPERTIES HEADER_FILE_ONLY ON)
     foreach(source IN LISTS fast)
       string(APPEND includes "#include \"${source}\"\n")
@@ -94,7 +104,7 @@ function(selfproj_verilated_clocks target prefix waveforms optimization)
     endforeach()
   endif()
   # A model with waveforms or coverage keeps a book of what eval() does.
-  if(NOT SELFPROJ_COVERAGE AND NOT waveforms)
+  if(NOT counted AND NOT waveforms)
     set(evaluate "${before}  ${prefix}___024root___eval_triggers__act(root);\n")
     string(APPEND evaluate "  root->__VnbaTriggered = root->__VactTriggered;\n  ${prefix}___024root___eval_nba(root);\n")
   endif()

@@ -3,7 +3,8 @@
 
 Points are merged over all programs, models, parameters and instances: a point is a place in a source file (toggle: a bit of
 a signal), covered where any instance reached it (toggle: in both directions). An exception is a line `file | pattern | reason`;
-the pattern is a regular expression for a whole signal name with its bit (toggle) or a whole source line (line).
+both file and pattern are regular expressions, the pattern for a whole signal name with its bit (toggle) or a whole source
+line (line).
 """
 import argparse
 import collections
@@ -47,7 +48,7 @@ def read_exceptions(path):
         parts = [part.strip() for part in line.split(" | ", 2)]
         if len(parts) != 3 or not all(parts):
             sys.exit(f"coverage_report.py: {path}:{number}: not `file | pattern | reason`")
-        exceptions.append((parts[0], re.compile(parts[1]), line))
+        exceptions.append((re.compile(parts[0]), re.compile(parts[1]), line))
     return exceptions
 
 
@@ -77,7 +78,7 @@ def main():
             continue
         text = (root / source).read_text(encoding="utf-8").splitlines()[line - 1].strip()
         target = name if kind == "toggle" else text
-        reasons = [e for e in exceptions if e[0] == source and e[1].fullmatch(target)]
+        reasons = [e for e in exceptions if e[0].fullmatch(source) and e[1].fullmatch(target)]
         if reasons:
             used.update(e[2] for e in reasons)
             excused += 1

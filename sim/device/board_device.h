@@ -32,6 +32,7 @@
 #include "model/packet.h"
 #include "sim/device/clocks.h"
 #include "sim/device/coverage.h"
+#include "sim/device/mutant.h"
 
 namespace selfproj {
 
@@ -66,6 +67,7 @@ class BoardDevice {
         model_(&simulation_->model),
         random_(options_.seed),
         clocks_(options_.video_period_ps, options_.bus_period_ps, options_.bus_phase_ps) {
+    choose_mutant(*model_);
     model_->clk_i = 0;
     model_->bus_clk_i = 0;
     set_encoder(false, false);
@@ -377,10 +379,10 @@ class BoardDevice {
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
     VerilatedContext context;
-#ifdef SELFPROJ_COVERAGE
-    CoverageFile coverage{context};
-#endif
     Model model{&context};
+#ifdef SELFPROJ_COVERAGE
+    CoverageFile coverage{context};  // after the model, so that it writes before that is gone
+#endif
   };
   Reusable<Simulation> simulation_;
   Model* model_;

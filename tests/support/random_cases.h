@@ -6,8 +6,8 @@
 //       ...
 //     }
 //
-// runs 200 cases, or, where the environment variable SELFPROJ_SEED is set, the one that it names. A failure says how to
-// repeat its case.
+// runs 200 cases, or, where the environment variable SELFPROJ_SEED is set, the one that it names, or the first
+// SELFPROJ_CASES of them. A failure says how to repeat its case.
 #ifndef SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H
 #define SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H
 
@@ -22,10 +22,18 @@
 
 namespace selfproj::test {
 
-// The seeds 1..count, or only that of SELFPROJ_SEED where it is set.
+// All cases run: what they found together can be judged.
+inline bool runs_all_cases() {
+  return std::getenv("SELFPROJ_SEED") == nullptr && std::getenv("SELFPROJ_CASES") == nullptr;
+}
+
+// The seeds 1..count, or only that of SELFPROJ_SEED, or the first SELFPROJ_CASES, where they are set.
 inline std::vector<std::uint64_t> seeds(int count) {
   if (const char* wanted = std::getenv("SELFPROJ_SEED"); wanted != nullptr) {
     return {std::strtoull(wanted, nullptr, 0)};
+  }
+  if (const char* wanted = std::getenv("SELFPROJ_CASES"); wanted != nullptr) {
+    count = std::clamp(std::atoi(wanted), 1, count);
   }
   std::vector<std::uint64_t> all;
   for (int i = 1; i <= count; ++i) {

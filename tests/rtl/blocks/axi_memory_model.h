@@ -17,8 +17,9 @@ class AxiMemory {
  public:
   AxiMemory(Random& random, std::size_t words) : random_(random), words_(words) {}
 
-  int stall_percent = 0;  // clocks in which a channel is not ready, or gives nothing
-  int latency = 1;        // clocks from a read's address to its first word, and from a burst's last word to its answer
+  std::uint64_t base = 0;  // the address of its first word
+  int stall_percent = 0;   // clocks in which a channel is not ready, or gives nothing
+  int latency = 1;         // clocks from a read's address to its first word, and from a burst's last word to its answer
 
   // Before the clock's edge: what the memory drives in this clock. `dut` has the ports of sp_gray_axi_memory.
   template <typename Dut>
@@ -65,14 +66,14 @@ class AxiMemory {
     }
     if (dut.m_axi_arvalid_o != 0 && dut.m_axi_arready_i != 0) {
       for (std::uint32_t i = 0; i <= dut.m_axi_arlen_o; ++i) {
-        reads_.push_back({dut.m_axi_araddr_o / 16U + i, now + latency});
+        reads_.push_back({(dut.m_axi_araddr_o - base) / 16U + i, now + latency});
       }
     }
     if (dut.m_axi_awvalid_o != 0 && dut.m_axi_awready_i != 0) {
       ASSERT_EQ(dut.m_axi_awaddr_o % 16, 0U);
       ASSERT_EQ(dut.m_axi_awaddr_o / 4096, (dut.m_axi_awaddr_o + 16U * dut.m_axi_awlen_o) / 4096) << "crosses 4 KiB";
       for (std::uint32_t i = 0; i <= dut.m_axi_awlen_o; ++i) {
-        writes_.push_back({dut.m_axi_awaddr_o / 16U + i, i == dut.m_axi_awlen_o});
+        writes_.push_back({(dut.m_axi_awaddr_o - base) / 16U + i, i == dut.m_axi_awlen_o});
       }
     }
     if (dut.m_axi_wvalid_o != 0 && dut.m_axi_wready_i != 0) {

@@ -3,7 +3,9 @@
 // by tests/rtl/board.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <deque>
 #include <vector>
 
@@ -64,7 +66,7 @@ class Bench {
     board_->s_axil_wdata = data;
     board_->s_axil_wstrb = 15;
     answered_ = false;
-    for (int i = 0; i < 1000 && !answered_; ++i) {
+    for (int i = 0; i < 5000 && !answered_; ++i) {
       step();
     }
     ASSERT_TRUE(answered_);
@@ -74,7 +76,7 @@ class Bench {
     board_->s_axil_arvalid = 1;
     board_->s_axil_araddr = static_cast<CData>(address);
     answered_ = false;
-    for (int i = 0; i < 1000 && !answered_; ++i) {
+    for (int i = 0; i < 5000 && !answered_; ++i) {
       step();
     }
     EXPECT_TRUE(answered_);
@@ -95,10 +97,16 @@ class Bench {
   }
 
   std::vector<std::uint8_t> received;
+  bool video_stands = false;  // no edges of the video clock
+  int encoder_step = 1;       // of the belt: 1, or -1 where it runs back
+
+  // The answer of the last access was an error.
+  bool refused() const { return refused_; }
 
  private:
   void step() {
-    const auto rises = clocks_.next();
+    auto rises = clocks_.next();
+    rises.a = rises.a && !video_stands;
     if (rises.a) {
       board_->clk_i = 0;
       board_->s_axis_tvalid = !video_.empty() && !video_.front().gap;
@@ -110,7 +118,7 @@ class Bench {
         video_.pop_front();
       }
       if (random_.chance(10)) {  // the belt runs on
-        encoder_ = (encoder_ + 1) & 3;
+        encoder_ = (encoder_ + encoder_step) & 3;
         board_->encoder_a_i = encoder_ == 1 || encoder_ == 2;
         board_->encoder_b_i = encoder_ >= 2;
       }
@@ -134,6 +142,7 @@ class Bench {
       if (board_->s_axil_bvalid || board_->s_axil_rvalid) {
         answered_ = true;
         read_data_ = board_->s_axil_rdata;
+        refused_ = board_->s_axil_bvalid ? board_->s_axil_bresp != 0 : board_->s_axil_rresp != 0;
       }
     }
     if (rises.a) {
@@ -155,6 +164,7 @@ class Bench {
   std::deque<Beat> video_;
   int encoder_ = 0;
   bool answered_ = false;
+  bool refused_ = false;
   std::uint32_t read_data_ = 0;
 };
 
@@ -221,6 +231,72 @@ void small_frames(bool grey, bool image) {
   EXPECT_EQ(bench.read(spec::kRegFrames), static_cast<std::uint32_t>(frames));
   EXPECT_EQ(moments + bench.read(spec::kRegLostMoments), static_cast<std::uint32_t>(frames));
   EXPECT_EQ(images > 0, image);
+}
+
+// Every bit of every register crosses both ways; what is refused says so, and so does all while the video clock stands.
+TEST(BoardSmall, RegistersBitByBit) {
+  Random random(3);
+  Bench<Vsp_board_small> bench(random, {1000, 1234, 500});
+  struct Register {
+    std::uint32_t address, mask;
+  };
+  constexpr std::array<Register, 6> kRegisters = {{{spec::kRegMeasure, 0x00FF'00FF},
+                                                   {spec::kRegTimeout, 0x00FF'FFFF},
+                                                   {spec::kRegTriggerControl, 0x00FF'0002},
+                                                   {spec::kRegTriggerPeriod, 0x00FF'FFFF},
+                                                   {spec::kRegTriggerCamera, 0x00FF'FFFF},
+                                                   {spec::kRegTriggerWidth, 0x0000'FFFF}}};
+  for (const Register& reg : kRegisters) {
+    for (int bit = 0; bit < 32; ++bit) {
+      if ((reg.mask >> bit & 1) != 0) {
+        for (const std::uint32_t data : {1U << bit, reg.mask ^ 1U << bit}) {
+          bench.write(reg.address, data);
+          EXPECT_FALSE(bench.refused());
+          EXPECT_EQ(bench.read(reg.address), data) << std::hex << reg.address;
+          EXPECT_FALSE(bench.refused());
+        }
+      }
+    }
+    bench.write(reg.address, 1);
+  }
+  bench.write(spec::kRegId, 0xFFFF'FFFF);
+  EXPECT_TRUE(bench.refused());
+  bench.read(0xFC);
+  EXPECT_TRUE(bench.refused());
+  EXPECT_EQ(bench.read(spec::kRegId), spec::kMagic);
+  EXPECT_FALSE(bench.refused());
+  bench.video_stands = true;
+  bench.read(spec::kRegId);
+  EXPECT_TRUE(bench.refused());
+  bench.write(spec::kRegTimeout, 0);
+  EXPECT_TRUE(bench.refused());
+  bench.video_stands = false;
+  bench.run(200);
+  bench.write(spec::kRegTimeout, 9);
+  EXPECT_FALSE(bench.refused());
+  EXPECT_EQ(bench.read(spec::kRegTimeout), 9U);
+}
+
+// A belt that runs back and forth over the count zero, and lines that jump.
+TEST(BoardSmall, EncoderRunsBack) {
+  Random random(4);
+  Bench<Vsp_board_small> bench(random, {1000, 1234, 500});
+  bench.write(spec::kRegControl, 1U << spec::kRegControlRunLsb);
+  bench.write(spec::kRegSize, 4U | 1U << spec::kRegSizeRowsLsb);
+  for (const int step : {-1, 1, -1, 1}) {
+    bench.encoder_step = step;
+    for (int i = 0; i < 60; ++i) {
+      bench.run(40);
+      bench.send({0x1234'5678, true, true, false});
+    }
+    const auto count = static_cast<std::int32_t>(bench.read(spec::kRegEncoder));
+    EXPECT_GT(std::abs(count), 10);
+    EXPECT_EQ(count < 0, step < 0);
+    bench.encoder_step = step > 0 ? -1 : 1;
+    while (std::abs(static_cast<std::int32_t>(bench.read(spec::kRegEncoder))) > 3) {
+      ASSERT_FALSE(::testing::Test::HasFailure());
+    }
+  }
 }
 
 TEST(BoardSmall, FramesRegistersAndStalls) { small_frames<Vsp_board_small>(true, true); }

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "sim/device/coverage.h"
+#include "sim/device/mutant.h"
 #include "tests/rtl/blocks/recorder.h"
 
 namespace selfproj::test {
@@ -39,6 +40,7 @@ template <typename Dut>
 class Model {
  public:
   Model() : held_([] { return std::make_unique<Held>(); }), recorder_(Recorder::claim()) {
+    choose_mutant(dut());
     if (recorder_) {
       list_ports(dut(), *recorder_);
     }
@@ -73,7 +75,7 @@ class Model {
   static constexpr int kBegin = 2;  // random values
 #endif
   struct Held {
-    Held() : dut((context.randReset(kBegin), context.randSeed(1), &context)) {}
+    Held() : dut((context.randReset(kBegin), context.randSeed(++models_), &context)) {}
     ~Held() { dut.final(); }
     VerilatedContext context;
     Dut dut;
@@ -82,6 +84,7 @@ class Model {
 #endif
   };
 
+  inline static int models_ = 0;  // each begins with other values
   Reusable<Held> held_;
   std::unique_ptr<Recorder> recorder_;
 };

@@ -20,7 +20,6 @@
 
 namespace selfproj::test {
 
-inline constexpr std::uint32_t kBase = 0x1000;
 inline constexpr std::size_t kMemoryWords = 4096;
 
 // Both circuits and the memory. What goes in is kept, and judged at the end, when it is known which words came too
@@ -41,7 +40,9 @@ class GrayAxiBench {
     for (const char* port : {"m_axi_wdata_o", "m_axi_wlast_o"}) {
       port_.valid_when(port, [this] { return port_->m_axi_wvalid_o != 0; });
     }
-    port_->base_i = kBase;
+    // anywhere, but for the end of the addresses: it reads ahead
+    memory_.base = 0x1000U * static_cast<std::uint64_t>(random.between(1, 0xF'FFE0));
+    port_->base_i = static_cast<IData>(memory_.base);
     port_->rd_en_i = 0;
     port_->wr_en_i = 0;
     port_->end_i = 0;

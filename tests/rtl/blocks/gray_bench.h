@@ -420,7 +420,9 @@ void play_gray_frames(GrayBench<Dut>& bench, const GrayCases& cases, Random& ran
       pattern = random.between(0, 2 * settings.bits - 1);
     }
     pattern %= 2 * settings.bits;
-    const int shown = random.between(1, 1000) <= trouble ? random.between(0, 40) : pattern;
+    const int shown = random.between(1, 1000) > trouble ? pattern
+                      : random.chance(50)               ? random.between(0, 40)
+                                                        : random.between(0, 0xFFFF);
     pattern = (pattern + 1) % (2 * settings.bits);
     std::vector<std::uint8_t> pixels = random.bytes(size);
     if (shown % 2 == 1 && positive.size() == size) {

@@ -90,7 +90,7 @@ class GrayMatchBench {
       clock();
     }
     if (cut < groups && !random_.chance(20)) {
-      const auto status = static_cast<std::uint32_t>(1U << static_cast<unsigned>(random_.between(0, 2)));
+      const auto status = static_cast<std::uint32_t>(1U << static_cast<unsigned>(random_.between(0, 4)));
       match_->s_break_i = 1;
       match_->s_status_i = static_cast<CData>(status);
       if (!lost) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "Vsp_registers_codes_ports.h"
 #include "Vsp_registers_ports.h"
 #include "Vsp_registers_small_ports.h"
 #include "model/spec/generated/selfproj_spec.h"
@@ -20,6 +21,7 @@ struct Build {
   int max_rows;
   bool grey;
   bool image;
+  int code_bits = 0;  // of the Gray-code decoder, which has the median then; 0: there is none
 };
 
 template <typename Dut>
@@ -32,6 +34,10 @@ template <>
 struct BuildOf<Vsp_registers_small> {
   static constexpr Build kBuild = {512, 127, false, false};
 };
+template <>
+struct BuildOf<Vsp_registers_codes> {
+  static constexpr Build kBuild = {640, 480, false, true, 9};
+};
 
 // State inputs, all different and with upper bits set.
 struct State {
@@ -41,6 +47,8 @@ struct State {
   std::uint32_t stray = 0x8300'0003;
   std::uint32_t lost_moments = 0x8400'0004;
   std::uint32_t lost_image = 0x8500'0005;
+  std::uint32_t lost_codes = 0x8A00'000A;
+  std::uint32_t abandoned = 0x8B00'000B;
   std::uint64_t time = 0x8600'0006'8700'0007;
   std::uint32_t encoder = 0x8800'0008;
   std::uint16_t encoder_errors = 0x8909;
@@ -71,6 +79,18 @@ const std::vector<Writable> kWritable = {
     {spec::kRegTriggerWidth, spec::kRegTriggerWidthReset, field(0, spec::kRegTriggerWidthClocksBits)},
 };
 
+// And of a build with the decoder.
+std::vector<Writable> writable_of(const Build& build) {
+  std::vector<Writable> all = kWritable;
+  if (build.code_bits != 0) {
+    all.push_back({spec::kRegDecode, spec::kRegDecodeReset,
+                   field(spec::kRegDecodeThresholdLsb, spec::kRegDecodeThresholdBits) |
+                       field(spec::kRegDecodeBitsLsb, spec::kRegDecodeBitsBits) | field(spec::kRegDecodeCodesLsb, 1) |
+                       field(spec::kRegDecodeMedianLsb, 1)});
+  }
+  return all;
+}
+
 struct Answer {
   bool error;
   std::uint32_t data;
@@ -81,6 +101,8 @@ class Bench {
  public:
   static constexpr Build kBuild = BuildOf<Dut>::kBuild;
 
+  const std::vector<Writable> writables = writable_of(kBuild);
+
   Bench() {
     registers_.valid_when("error_o", [this] { return registers_->answer_o != 0; });
     registers_.valid_when("data_o", [this] { return registers_->answer_o != 0 && read_is_good_; });
@@ -89,7 +111,7 @@ class Bench {
     registers_->take_i = 0;
     set(State{});
     registers_.reset();
-    for (const Writable& writable : kWritable) {
+    for (const Writable& writable : writables) {
       values_[writable.address] = writable.reset;
     }
     const auto columns = std::min(spec::kRegSizeReset & 0xFFFU, static_cast<std::uint32_t>(kBuild.max_columns));
@@ -108,6 +130,8 @@ class Bench {
     registers_->stray_i = state.stray;
     registers_->lost_moments_i = state.lost_moments;
     registers_->lost_image_i = state.lost_image;
+    registers_->lost_codes_i = state.lost_codes;
+    registers_->abandoned_i = state.abandoned;
     registers_->time_i = state.time;
     registers_->encoder_i = state.encoder;
     registers_->encoder_errors_i = state.encoder_errors;
@@ -138,13 +162,14 @@ class Bench {
     registers_.rise();
     size_written_ = false;
     if (write && good(address, data)) {
-      for (const Writable& writable : kWritable) {
+      for (const Writable& writable : writables) {
         if (writable.address == address) {
           values_[address] = data & writable.mask;
         }
       }
       size_written_ = address == spec::kRegSize;
-      pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize || address == spec::kRegMeasure;
+      pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize ||
+                 address == spec::kRegMeasure || address == spec::kRegDecode;
     }
     if (!write && address == spec::kRegTimeLow) {
       time_high_ = static_cast<std::uint32_t>(state_.time >> 32);
@@ -175,6 +200,10 @@ class Bench {
         const std::uint32_t mode = data >> spec::kRegMeasureModeLsb & 3;
         return mode == spec::kModeBinary || (kBuild.grey && mode <= spec::kModeGreyOver);
       }
+      case spec::kRegDecode: {
+        const int bits = static_cast<int>(data >> spec::kRegDecodeBitsLsb & field(0, spec::kRegDecodeBitsBits));
+        return kBuild.code_bits != 0 && bits >= 1 && bits <= kBuild.code_bits;
+      }
       case spec::kRegTriggerPeriod:
         return (data & field(0, spec::kRegTriggerPeriodClocksBits)) != 0;
       case spec::kRegTimeout:
@@ -187,7 +216,9 @@ class Bench {
     }
   }
 
-  static bool readable(std::uint32_t address) { return address <= spec::kRegEncoderErrors && address % 4 == 0; }
+  static bool readable(std::uint32_t address) {
+    return address <= (kBuild.code_bits != 0 ? spec::kRegAbandoned : spec::kRegEncoderErrors) && address % 4 == 0;
+  }
 
   std::uint32_t expected_read(std::uint32_t address) const {
     switch (address) {
@@ -201,7 +232,9 @@ class Bench {
         return static_cast<std::uint32_t>(kBuild.max_columns) << spec::kRegCapabilityMaxColumnsLsb |
                static_cast<std::uint32_t>(kBuild.max_rows) << spec::kRegCapabilityMaxRowsLsb |
                (kBuild.grey ? 1U << spec::kRegCapabilityGreyLsb : 0) |
-               (kBuild.image ? 1U << spec::kRegCapabilityImageLsb : 0);
+               (kBuild.image ? 1U << spec::kRegCapabilityImageLsb : 0) |
+               (kBuild.code_bits != 0 ? 1U << spec::kRegCapabilityCodesLsb | 1U << spec::kRegCapabilityMedianLsb : 0) |
+               static_cast<std::uint32_t>(kBuild.code_bits) << spec::kRegCapabilityCodeBitsLsb;
       case spec::kRegStatus:
         return (state_.frame_open ? 1U << spec::kRegStatusFrameOpenLsb : 0) |
                (pending_ ? 1U << spec::kRegStatusPendingLsb : 0);
@@ -215,6 +248,10 @@ class Bench {
         return state_.lost_moments;
       case spec::kRegLostImage:
         return state_.lost_image;
+      case spec::kRegLostCodes:
+        return state_.lost_codes;
+      case spec::kRegAbandoned:
+        return state_.abandoned;
       case spec::kRegTimeLow:
         return static_cast<std::uint32_t>(state_.time);
       case spec::kRegTimeHigh:
@@ -270,11 +307,17 @@ class Bench {
     EXPECT_EQ(registers_->trigger_period_o, value(kRegTriggerPeriod, 0, kRegTriggerPeriodClocksBits));
     EXPECT_EQ(registers_->trigger_camera_o, value(kRegTriggerCamera, 0, kRegTriggerCameraClocksBits));
     EXPECT_EQ(registers_->trigger_width_o, value(kRegTriggerWidth, 0, kRegTriggerWidthClocksBits));
+    const bool codes = kBuild.code_bits != 0;
+    EXPECT_EQ(registers_->decode_o, codes ? value(kRegDecode, kRegDecodeCodesLsb, 1) : 0);
+    EXPECT_EQ(registers_->median_o, codes ? value(kRegDecode, kRegDecodeMedianLsb, 1) : 0);
+    EXPECT_EQ(registers_->bits_o, codes ? value(kRegDecode, kRegDecodeBitsLsb, kRegDecodeBitsBits) : 0);
+    EXPECT_EQ(registers_->code_threshold_o,
+              codes ? value(kRegDecode, kRegDecodeThresholdLsb, kRegDecodeThresholdBits) : 0);
   }
 
   Clocked<Dut> registers_;
   State state_;
-  std::map<std::uint32_t, std::uint32_t> values_;  // of kWritable
+  std::map<std::uint32_t, std::uint32_t> values_;  // of writables
   bool pending_ = true;                            // the reset values have not been taken over
   bool size_written_ = true;                       // likewise
   bool read_is_good_ = false;
@@ -283,11 +326,13 @@ class Bench {
 
 template <typename Dut>
 class Registers : public ::testing::Test {};
-using Builds = ::testing::Types<Vsp_registers, Vsp_registers_small>;
+using Builds = ::testing::Types<Vsp_registers, Vsp_registers_small, Vsp_registers_codes>;
 struct BuildNames {
   template <typename Dut>
   static std::string GetName(int) {  // NOLINT(readability-identifier-naming): GoogleTest's name
-    return std::is_same_v<Dut, Vsp_registers> ? "Default" : "Small";
+    return std::is_same_v<Dut, Vsp_registers>         ? "Default"
+           : std::is_same_v<Dut, Vsp_registers_small> ? "Small"
+                                                      : "Codes";
   }
 };
 TYPED_TEST_SUITE(Registers, Builds, BuildNames);
@@ -300,8 +345,8 @@ TYPED_TEST(Registers, EveryAddressAfterReset) {
 TYPED_TEST(Registers, ReadOnlyAndUnknownAddressesRefuseWrites) {
   Bench<TypeParam> bench;
   for (std::uint32_t address = 0; address < 256; ++address) {
-    const bool writable =
-        std::any_of(kWritable.begin(), kWritable.end(), [&](const Writable& w) { return w.address == address; });
+    const bool writable = std::any_of(bench.writables.begin(), bench.writables.end(),
+                                      [&](const Writable& w) { return w.address == address; });
     if (!writable) {
       bench.expect_write(address, 0);
       bench.expect_write(address, 0x0004'0004);
@@ -313,7 +358,7 @@ TYPED_TEST(Registers, ReadOnlyAndUnknownAddressesRefuseWrites) {
 // Each bit of each register by itself, all of them, none.
 TYPED_TEST(Registers, EveryBitIsKeptOrRefused) {
   Bench<TypeParam> bench;
-  for (const Writable& writable : kWritable) {
+  for (const Writable& writable : bench.writables) {
     for (int bit = -2; bit < 32; ++bit) {
       const std::uint32_t data = bit == -2 ? 0 : bit == -1 ? 0xFFFF'FFFFU : 1U << bit;
       bench.expect_write(writable.address, data);
@@ -354,7 +399,7 @@ TYPED_TEST(Registers, SettingsArePendingUntilTheyAreTaken) {
   bench.expect_read(spec::kRegStatus);
   bench.tick(true);
   bench.expect_read(spec::kRegStatus);
-  for (const Writable& writable : kWritable) {
+  for (const Writable& writable : bench.writables) {
     bench.expect_write(writable.address, bench.expected_read(writable.address));
     bench.expect_read(spec::kRegStatus);
     bench.tick(true);
@@ -379,12 +424,14 @@ TYPED_TEST(Registers, RandomAccesses) {
       state.stray = static_cast<std::uint32_t>(random.bits());
       state.lost_moments = static_cast<std::uint32_t>(random.bits());
       state.lost_image = static_cast<std::uint32_t>(random.bits());
+      state.lost_codes = static_cast<std::uint32_t>(random.bits());
+      state.abandoned = static_cast<std::uint32_t>(random.bits());
       state.time = random.bits();
       state.encoder = static_cast<std::uint32_t>(random.bits());
       state.encoder_errors = static_cast<std::uint16_t>(random.bits());
       bench.set(state);
       const auto address =
-          static_cast<std::uint32_t>(random.chance(95) ? 4 * random.between(0, 22) : random.between(0, 255));
+          static_cast<std::uint32_t>(random.chance(95) ? 4 * random.between(0, 25) : random.between(0, 255));
       if (random.chance(50)) {
         // sizes that fit now and then
         const auto data = static_cast<std::uint32_t>(

@@ -374,7 +374,7 @@ struct PacketSource {
       left = left == 0 ? random.between(1, 6) : left;
     }
   }
-  std::uint32_t data() const { return tag << 28 | next; }
+  std::uint32_t data() const { return (tag << 28 | next) * 2654435761U; }  // all different, in all bits
   bool last() const { return left == 1; }
   void taken() {
     ++next;
