@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# netlists.sh [NAME...]: the tests of tests/rtl on synthesized netlists in the place of the RTL, every block and the board,
+# mapped to the iCE40 by Yosys. Builds them in build/release and runs them: a line each with the tests passed and the time.
+# NAMEs (streams, packetizer, board, ...) are the tests' sources; without one, all. SELFPROJ_SEED=N runs one random case of each
+# test instead of all. Exit status 1 where a test fails.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+build=build/release
+[[ -e $build/build.ninja ]] || cmake --preset release --log-level=NOTICE
+targets=("${@/#/mapped_}")
+((${#targets[@]})) || targets=(mapped_all)
+cmake --build "$build" --target "${targets[@]}"
+if [[ ${targets[0]} == mapped_all ]]; then
+  mapfile -t targets < <(cd "$build/tests/netlist" && find . -maxdepth 1 -type f -executable -name 'mapped_*' -printf '%f\n' | sort)
+fi
+
+failed=0
+for target in "${targets[@]}"; do
+  started=$EPOCHREALTIME
+  if said=$("$build/tests/netlist/$target" --gtest_brief=1 2>&1); then
+    result=$(grep -o '[0-9]* tests\? from .* ran' <<<"$said" | head -1)
+  else
+    result="FAILED: $(grep -c '^\[  FAILED  \].*ms)' <<<"$said")"
+    printf '%s\n' "$said" >"$build/tests/netlist/$target.log"
+    failed=1
+  fi
+  printf '%-28s %s, %.1f s\n' "$target" "$result" "$(awk "BEGIN { print $EPOCHREALTIME - $started }")"
+done
+exit "$failed"

@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+"""mutation.py [--sample N] [--jobs N] [--table FILE] FOLDER [NAME...]: runs the tests of rtl/ on mutants of its blocks.
+
+FOLDER holds what tests/netlist/CMakeLists.txt built: programs mutants_*, and mutants/MODEL/MODEL.mutants. NAMEs are models
+(Vsp_fifo); without one, all that are there. A mutant is killed where a test that uses the model fails, or does not end within
+ten times what it takes without. First all tests run with one seed, then, if that finds nothing, with all. A survivor is handed
+to Yosys: where every register and output of it is proved equal to the original's it is no mutant at all.
+With --sample only the first N mutants of each model run, without proofs: a quick check that the machinery still bites.
+Exit status 1 where fewer than 95 % of those that are not proved equal are killed. Standard library only.
+"""
+
+import argparse
+import collections
+import concurrent.futures
+import dataclasses
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TARGET = 0.95
+PROOF_LIMIT_S = 120
+
+
+class MutationError(Exception):
+    """The tests fail without a mutation, or a tool does."""
+
+
+@dataclasses.dataclass
+class Program:
+    path: pathlib.Path
+    uses: dict     # model -> tests, the quickest first
+    seconds: dict  # test -> with all seeds
+    one_seed: set  # tests that pass with one seed
+
+
+@dataclasses.dataclass
+class Mutant:
+    model: str
+    number: int
+    line: str        # as Yosys wrote it
+    program: Program = None
+    fate: str = ""   # killed, hangs, equal, survives
+
+    def text(self):
+        """What was changed, and the lines of rtl/ it comes from."""
+        options = collections.defaultdict(list)
+        for key, value in re.findall(r"-(\w+) (\S+)", self.line):
+            options[key].append(value)
+        places = [place.split("rtl/", 1)[1] for place in options["src"] if "/rtl/" in place]
+        wire = "".join(f" of {w}[{b}]" for w, b in zip(options["wire"], options["wirebit"]))
+        cell = re.sub(r"\$(/\S+/)?", "", options["cell"][0]) if options["cell"] else ""
+        return (f"{options['mode'][0]} {cell}.{options['port'][0]}[{options['portbit'][0]}]{wire}: " + ", ".join(places[:3]))
+
+
+def environment(**more):
+    kept = {key: value for key, value in os.environ.items() if not key.startswith(("SELFPROJ_", "GTEST_"))}
+    return {**kept, **more}
+
+
+def look_at(path):
+    """The program without a mutation: which test uses which model, and how long it takes."""
+    uses = collections.defaultdict(set)
+    seconds = {}
+    one_seed = set()
+    for seed in ({}, {"SELFPROJ_SEED": "1"}):
+        result = subprocess.run([path], env=environment(SELFPROJ_MUTANT_USES="1", **seed), capture_output=True, text=True, check=False)
+        if result.returncode != 0 and not seed:
+            raise MutationError(f"{path.name} fails without a mutation")
+        test = ""
+        for line in result.stdout.splitlines():
+            if match := re.match(r"\[ RUN      \] (\S+)", line):
+                test = match[1]
+            elif match := re.match(r"uses: (\S+)", line):
+                uses[match[1]].add(test)
+            elif match := re.match(r"\[       OK \] (\S+) \((\d+) ms\)", line):
+                if seed:
+                    one_seed.add(match[1])
+                else:
+                    seconds[match[1]] = int(match[2]) / 1000
+    ordered = {model: sorted(tests, key=lambda test: seconds[test]) for model, tests in uses.items()}
+    return Program(path, ordered, seconds, one_seed)
+
+
+def fails(mutant, tests, seed):
+    """killed, hangs or nothing: these tests, until one fails."""
+    if not tests:
+        return ""
+    program = mutant.program
+    limit = 10 + 10 * sum(program.seconds[test] for test in tests)
+    command = [program.path, "--gtest_filter=" + ":".join(tests), "--gtest_break_on_failure", "--gtest_brief=1"]
+    try:
+        result = subprocess.run(command, env=environment(SELFPROJ_MUTANT=f"{mutant.model} {mutant.number}", **seed),
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=limit, check=False)
+    except subprocess.TimeoutExpired:
+        return "hangs"
+    return "killed" if result.returncode != 0 else ""
+
+
+def proved_equal(mutant, folder):
+    """Whether Yosys proves every register and output of the mutant equal to the original's, by induction over registers."""
+    flat = folder / "mutants" / mutant.model / f"{mutant.model}.il"
+    module = re.search(r"-module (\S+)", mutant.line)[1]
+    script = (f"read_rtlil {flat}; rename {module} gold; memory_map; opt_clean; design -stash gold; read_rtlil {flat}; {mutant.line}; "
+              f"rename {module} gate; memory_map; opt_clean; design -stash gate; design -copy-from gold -as gold gold; "
+              "design -copy-from gate -as gate gate; equiv_make gold gate both; hierarchy -top both; "
+              "equiv_simple -undef; equiv_induct -undef; equiv_status -assert")
+    try:
+        result = subprocess.run(["yosys", "-q", "-p", script], capture_output=True, text=True, timeout=PROOF_LIMIT_S, check=False)
+    except subprocess.TimeoutExpired:
+        return False
+    return result.returncode == 0
+
+
+def judge(mutant, folder, prove):
+    tests = mutant.program.uses.get(mutant.model, [])
+    if not tests:
+        raise MutationError(f"{mutant.model}: no test of {mutant.program.path.name} uses it")
+    one = [test for test in tests if test in mutant.program.one_seed]
+    mutant.fate = fails(mutant, one, {"SELFPROJ_SEED": "1"}) or fails(mutant, tests, {})
+    if not mutant.fate:
+        mutant.fate = "equal" if prove and proved_equal(mutant, folder) else "survives"
+    return mutant
+
+
+def collect(folder, names, sample):
+    mutants = []
+    for path in sorted(folder.glob("mutants_*")):
+        if path.is_dir() or path.suffix or not os.access(path, os.X_OK):
+            continue
+        program = look_at(path)
+        for model in sorted(program.uses):
+            if names and model not in names:
+                continue
+            listing = folder / "mutants" / model / f"{model}.mutants"
+            lines = listing.read_text().splitlines() if listing.exists() else []
+            mutants += [Mutant(model, number, line, program) for number, line in enumerate(lines[:sample or None], 1)]
+    return mutants
+
+
+def report(mutants):
+    by_model = collections.defaultdict(collections.Counter)
+    for mutant in mutants:
+        by_model[mutant.model][mutant.fate] += 1
+    by_model["**all**"] = sum(by_model.values(), collections.Counter())
+    lines = ["| model | mutants | killed | of them by time | proved equal | survive | score |", "|---|---:|---:|---:|---:|---:|---:|"]
+    for model, fates in by_model.items():
+        total = sum(fates.values())
+        dead = fates["killed"] + fates["hangs"]
+        real = total - fates["equal"]
+        score = f"{100 * dead / real:.1f} %" if real else "–"
+        lines.append(f"| {model} | {total} | {dead} | {fates['hangs']} | {fates['equal']} | {fates['survives']} | {score} |")
+    survivors = [f"{mutant.model} {mutant.number}: {mutant.text()}" for mutant in mutants if mutant.fate == "survives"]
+    fates = by_model["**all**"]
+    return lines, survivors, (fates["killed"] + fates["hangs"]) / max(1, len(mutants) - fates["equal"])
+
+
+def main():
+    parser = argparse.ArgumentParser(description="The tests of rtl/ on mutants of its blocks.")
+    parser.add_argument("--sample", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--table", type=pathlib.Path, help="the report, into this file too")
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("names", nargs="*")
+    args = parser.parse_args()
+    started = time.monotonic()
+    mutants = collect(args.folder.resolve(), args.names, args.sample)
+    if not mutants:
+        raise MutationError(f"{args.folder}: no mutants there; build the target mutants_all")
+    with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+        for number, mutant in enumerate(pool.map(lambda m: judge(m, args.folder.resolve(), not args.sample), mutants), 1):
+            if mutant.fate == "survives" or number % 100 == 0:
+                print(f"{number}/{len(mutants)} {mutant.model} {mutant.number} {mutant.fate}", file=sys.stderr, flush=True)
+    table, survivors, score = report(mutants)
+    text = "\n".join([*table, "", *survivors, "", f"{len(mutants)} mutants, {100 * score:.1f} % of those not proved equal killed, "
+                      f"{time.monotonic() - started:.0f} s"])
+    print(text)
+    if args.table:
+        args.table.write_text(text + "\n")
+    return 0 if score >= TARGET else 1
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except MutationError as error:
+        sys.exit(f"mutation.py: {error}")

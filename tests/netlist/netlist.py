@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""netlist.py mapped|mutants --top MODULE --prefix NAME --out FOLDER [--mutants N] [--parameters NAME=VALUE...]
+
+A module of rtl/ as a netlist that Yosys wrote, and of that a Verilated model, class NAME, in FOLDER:
+
+    mapped   mapped to the cells of the iCE40 as scripts/fpga.sh maps the board: LUTs, carry chains, flip-flops, block RAM;
+             the cells are those of Yosys's own simulation library
+    mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations and an input `mutant` of 16 bits
+             that turns on the one of its number (0: none); NAME.mutants lists them, a line each, from number 1 on
+
+Written: NAME.v, NAME.cpp (all that Verilator makes), NAME.h, NAME_ports.h (for tests/rtl/blocks/recorder.h).
+Standard library only.
+"""
+
+import argparse
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import fpga  # noqa: E402
+import rtl_tree  # noqa: E402
+
+SELECT_BITS = 16
+
+
+class NetlistError(Exception):
+    """A tool failed."""
+
+
+def run(command, folder=None):
+    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        said = [line for line in (result.stdout + result.stderr).splitlines() if not line.startswith(">")]
+        raise NetlistError(f"{command[0]}: " + "\n".join(said[-5:]))
+    return result.stdout
+
+
+def cells_of(netlist):
+    """The models of the primitives that the netlist has, out of Yosys's library.
+
+    Verilator takes neither ports with default values nor the primitives that need them; none is left open here (it says so)."""
+    path = pathlib.Path(shutil.which("yosys") or "/usr/bin/yosys").resolve().parents[1] / "share/yosys/ice40/cells_sim.v"
+    library = path.read_text()
+    used = set(re.findall(r"^  (SB_\w+) ", netlist, re.M))
+    models = [match.group(0) for match in re.finditer(r"^module (\w+)\b.*?^endmodule", library, re.M | re.S)
+              if match.group(1) in used]
+    if len(models) != len(used):
+        raise NetlistError(f"{path}: not all of {', '.join(sorted(used))} are there")
+    macros = library[:library.index("module ")]
+    return "\n".join(["`define NO_ICE40_DEFAULT_ASSIGNMENTS", macros, *models, ""])
+
+
+def write_mapped(top, read, path):
+    command = fpga.FAMILIES["ice40"][1].format(top=top)
+    # single wires instead of vectors: else a vector that feeds one of its own bits looks like a loop
+    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; {command}; splitnets; write_verilog -noattr {path}"])
+    netlist = path.read_text()
+    path.write_text(cells_of(netlist) + netlist)
+
+
+def write_mutants(top, read, path, mutants):
+    listing = path.with_suffix(".mutants")
+    flat = path.with_suffix(".il")
+    choose = f"mutate -list {mutants} -seed 1 -o {listing}; " if mutants else ""
+    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; proc; flatten; opt -full; memory -nomap; opt_clean; "
+         f"check -assert; {choose}write_rtlil {flat}"])
+    lines = listing.read_text().splitlines() if mutants else []
+    script = [f"read_rtlil {flat}"]
+    for number, line in enumerate(lines, 1):
+        script.append(line.replace("mutate ", f"mutate -ctrl mutant {SELECT_BITS} {number} ", 1))
+    script += ["splitnets", "opt_clean", f"write_verilog -noattr {path}"]
+    commands = path.with_suffix(".ys")
+    commands.write_text("\n".join(script) + "\n")
+    run(["yosys", "-q", "-s", str(commands)])
+
+
+def verilate(top, prefix, path):
+    folder = path.parent / f"{prefix}.dir"
+    run(["verilator", "--cc", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--top", top, "--prefix", prefix, "--Mdir",
+         str(folder), "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Werror-PINMISSING", str(path)])
+    sources = sorted(folder.glob("*.cpp"))
+    path.with_suffix(".cpp").write_text("".join(f'#include "{source}"\n' for source in sources))
+    path.with_suffix(".h").write_text(f'#include "{folder}/{prefix}.h"\n')
+    ports = run([sys.executable, str(ROOT / "tests/rtl/blocks/list_ports.py"), prefix, str(folder / f"{prefix}.h")])
+    (path.parent / f"{prefix}_ports.h").write_text(ports)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="A module of rtl/ as a netlist, Verilated.")
+    parser.add_argument("kind", choices=("mapped", "mutants"))
+    parser.add_argument("--top", required=True)
+    parser.add_argument("--prefix", required=True)
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    parser.add_argument("--mutants", type=int, default=0)
+    parser.add_argument("--parameters", nargs="*", default=[])
+    args = parser.parse_args()
+    args.out.mkdir(parents=True, exist_ok=True)
+    path = args.out.resolve() / f"{args.prefix}.v"
+    read = rtl_tree.read_command(args.top, args.parameters)
+    if args.kind == "mapped":
+        write_mapped(args.top, read, path)
+    else:
+        write_mutants(args.top, read, path, args.mutants)
+    verilate(args.top, args.prefix, path)
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except NetlistError as error:
+        sys.exit(f"netlist.py: {error}")
