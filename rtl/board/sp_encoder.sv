@@ -89,20 +89,61 @@ module sp_encoder (
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      up_q     <= 1'b0;
-      down_q   <= 1'b0;
-      error_q  <= 1'b0;
-      count_o  <= '0;
-      errors_o <= '0;
+      up_q    <= 1'b0;
+      down_q  <= 1'b0;
+      error_q <= 1'b0;
     end else if (awake) begin
       // {b, a} runs 00, 01, 11, 10 where A leads
       up_q    <= one_moved && (level_q[0] ^ previous_q[1]);
       down_q  <= one_moved && !(level_q[0] ^ previous_q[1]);
       error_q <= settled_q && moved == 2'b11;
-      if (up_q || down_q) count_o <= count_o + (up_q ? 32'd1 : 32'hFFFF_FFFF);
-      if (error_q) errors_o <= errors_o + 16'd1;
     end
   end
+
+  // --- Counts: that of the steps in two chains, of which the lower knows a clock ahead what it hands on ---
+  logic [15:0] low_q, high_q;
+  logic        low_full_q, low_zero_q;
+  logic        counted_q;
+  logic        ones_q, zeros_q;         // low_q[15:8] are, or were a step ago: steps turn round no sooner than in three clocks
+  logic        upper_full, upper_zero;  // all bits of low_q but the lowest
+
+  assign upper_full = ones_q && &low_q[7:1];
+  assign upper_zero = zeros_q && !(|low_q[7:1]);
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      counted_q <= 1'b0;
+      ones_q    <= 1'b0;
+      zeros_q   <= 1'b1;
+    end else begin
+      counted_q <= up_q || down_q;
+      if (counted_q) begin
+        ones_q  <= low_q[15:8] == 8'hFF;
+        zeros_q <= low_q[15:8] == 8'h00;
+      end
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      low_q      <= '0;
+      high_q     <= '0;
+      low_full_q <= 1'b0;
+      low_zero_q <= 1'b1;
+    end else if (up_q || down_q) begin
+      low_q      <= low_q + (up_q ? 16'd1 : 16'hFFFF);
+      low_full_q <= !low_q[0] && (up_q ? upper_full : upper_zero);
+      low_zero_q <= low_q[0] && (up_q ? upper_full : upper_zero);
+      if (up_q ? low_full_q : low_zero_q) high_q <= high_q + (up_q ? 16'd1 : 16'hFFFF);
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) errors_o <= '0;
+    else if (error_q) errors_o <= errors_o + 16'd1;
+  end
+
+  assign count_o = {high_q, low_q};
 
 endmodule
 

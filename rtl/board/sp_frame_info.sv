@@ -53,23 +53,29 @@ module sp_frame_info #(
   localparam logic [63:0] CaptureDelay = 64'd6;
 
   logic [17:0] events_q;  // {frame_start_i, take_i, stray_before_i}, one to six clocks ago, the latest lowest
-  logic        start3, start4, start5, start6, take3, take5;  // of it, so many clocks ago
-  logic        awake;  // a frame's fields are being captured; else nothing moves but the time
+  logic        start3, start4, start5, start6, take3, take5, take6;  // of it, so many clocks ago
+  logic        awake_q;  // a frame started in the last six clocks; else nothing moves but the time
 
-  assign awake  = frame_start_i || (events_q & 18'b100_100_100_100_100_100) != '0;
   assign start3 = events_q[8];
   assign start4 = events_q[11];
   assign start5 = events_q[14];
   assign start6 = events_q[17];
   assign take3  = events_q[7];
   assign take5  = events_q[13];
+  assign take6  = events_q[16];
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) events_q <= '0;
-    else if (awake) events_q <= {events_q[14:0], frame_start_i, take_i, stray_before_i};
+    if (rst_i) begin
+      events_q <= '0;
+      awake_q  <= 1'b0;
+    end else if (frame_start_i || awake_q) begin
+      events_q <= {events_q[14:0], frame_start_i, take_i, stray_before_i};
+      awake_q  <= frame_start_i || (events_q[14:0] & 15'b100_100_100_100_100) != '0;
+    end
   end
 
-  sp_counter64 #(
+  sp_counter #(
+    .Width     (64),
     .ResetValue(64'd0 - CaptureDelay)
   ) u_time (
     .clk_i  (clk_i),
@@ -79,7 +85,8 @@ module sp_frame_info #(
   );
 
   // The first frame has sequence 0.
-  sp_counter64 #(
+  sp_counter #(
+    .Width     (64),
     .ResetValue(64'hFFFF_FFFF_FFFF_FFFF)
   ) u_sequence (
     .clk_i  (clk_i),
@@ -88,11 +95,19 @@ module sp_frame_info #(
     .count_o(sequence_o)
   );
 
-  assign frames_o = sequence_o[31:0] + 32'd1;
+  sp_counter #(
+    .Width(32)
+  ) u_frames (
+    .clk_i  (clk_i),
+    .rst_i  (rst_i),
+    .inc_i  (start3),
+    .count_o(frames_o)
+  );
+
   assign captured_o = start3;
 
   always_ff @(posedge clk_i) begin
-    if (awake) begin
+    if (awake_q) begin
       if (take3) begin
         stream_o    <= stream_i;
         mode_o      <= mode_i;
@@ -105,7 +120,7 @@ module sp_frame_info #(
         columns_o <= columns_i;
         rows_o    <= rows_i;
       end
-      lines_o <= rows_o;
+      if (take6) lines_o <= rows_o;
       if (start6) stray_before_o <= events_q[15];
     end
   end

@@ -79,61 +79,76 @@ module sp_frame_tracker #(
   assign s_axis_tready_o = 1'b1;
 
   // --- Stage 1: the beat ---
-  logic        s1_valid_q, s1_start_q, s1_last_q;
+  logic        s1_valid_q, s1_start_q, s1_more_q, s1_last_q;  // a beat; one with tuser; one without
   logic [31:0] s1_pixels_q;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) s1_valid_q <= 1'b0;
-    else s1_valid_q <= s_axis_tvalid_i;
+    if (rst_i) begin
+      s1_valid_q <= 1'b0;
+      s1_start_q <= 1'b0;
+      s1_more_q  <= 1'b0;
+    end else begin
+      s1_valid_q <= s_axis_tvalid_i;
+      s1_start_q <= s_axis_tvalid_i && s_axis_tuser_i;
+      s1_more_q  <= s_axis_tvalid_i && !s_axis_tuser_i;
+    end
     if (s_axis_tvalid_i) begin
       s1_pixels_q <= s_axis_tdata_i;
-      s1_start_q  <= s_axis_tuser_i;
       s1_last_q   <= s_axis_tlast_i;
     end
   end
 
   // --- Settings ---
   // What the comparisons below need of the settings as written, a clock after the write.
-  logic                 next_one_q, next_two_q, next_one_row_q, next_two_rows_q;
+  logic                 next_one_q, next_two_q, next_one_row_q, next_few_q, next_second_q;
   logic [GroupBits-1:0] next_groups_m2_q;
   logic [RowBits-1:0]   next_rows_m1_q;
   // and of those in force
   logic [GroupBits-1:0] groups_m2_q;  // groups of a line, less 2
   logic [RowBits-1:0]   rows_m1_q;
-  logic                 one_row_q, two_rows_q;
+  logic                 one_row_q;
+  logic                 few_q;     // one group or two
+  logic                 second_q;  // a frame's second beat is of its last row
 
   always_ff @(posedge clk_i) if (hold_i) begin
     next_one_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1);
     next_two_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(2);
     next_one_row_q   <= rows_i == RowBits'(1);
-    next_two_rows_q  <= rows_i == RowBits'(2);
+    next_few_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1) || columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(2);
+    next_second_q    <= rows_i == (columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1) ? RowBits'(2) : RowBits'(1));
     next_groups_m2_q <= GroupBits'(columns_i[ColumnBits-1:2] - (ColumnBits - 2)'(2));
     next_rows_m1_q   <= rows_i - RowBits'(1);
   end
 
-  logic [TakeDistance-1:0] took_q;
+  logic [TakeDistance-2:0] took_q;
+  logic                    rested_q;    // no take-over in the last six clocks
+  logic                    fresh;       // a frame that starts takes the settings over
   logic                    in_force_q;  // settings have been taken over: a frame may start without taking them over
   logic                    start;
   logic                    take;
 
+  assign fresh = !hold_i && rested_q;
+
   always_comb begin
     start = 1'b0;
     take  = 1'b0;
-    if (s1_valid_q && s1_start_q) begin
+    if (s1_start_q) begin
       start = run_i && (in_force_q || !hold_i);
-      take  = start && !hold_i && took_q == '0;
+      take  = run_i && fresh;
     end
   end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       took_q     <= '0;
+      rested_q   <= 1'b1;
       take_o     <= 1'b0;
       in_force_q <= 1'b0;
     end else begin
-      if (take || took_q != '0) begin
-        took_q <= {took_q[TakeDistance-2:0], take};
-        take_o <= take;
+      if (take || !rested_q) begin
+        took_q   <= {took_q[TakeDistance-3:0], take};
+        rested_q <= !take && took_q == '0;
+        take_o   <= take;
       end
       if (take) in_force_q <= 1'b1;
     end
@@ -149,7 +164,8 @@ module sp_frame_tracker #(
       groups_m2_q  <= next_groups_m2_q;
       rows_m1_q    <= next_rows_m1_q;
       one_row_q    <= next_one_row_q;
-      two_rows_q   <= next_two_rows_q;
+      few_q        <= next_few_q;
+      second_q     <= next_second_q;
     end
   end
 
@@ -164,83 +180,93 @@ module sp_frame_tracker #(
   logic                 row_is_last_q;
   logic                 timed_out;
 
+  // What a beat with tuser is judged by needs no word of whether it is taken: then nothing of this counts.
   logic belongs;  // the beat is part of a frame
   logic at_end;  // it should be the last of its line
-  logic in_last_row, line_end, short_line, long_line, frame_end;
-  logic one, two, one_row, two_rows;
+  logic in_last_row, line_end, frame_end, odd_line;
+  logic one, few, one_row, second;
 
   always_comb begin
     one         = one_group_o;
-    two         = two_groups_o;
-    one_row     = one_row_q;
-    two_rows    = two_rows_q;
     at_end      = group_is_last_q;
     in_last_row = row_is_last_q;
-    if (take) begin
-      one      = next_one_q;
-      two      = next_two_q;
-      one_row  = next_one_row_q;
-      two_rows = next_two_rows_q;
-    end
-    if (start) begin
+    few         = few_q;
+    one_row     = one_row_q;
+    second      = second_q;
+    if (s1_start_q) begin
+      if (fresh) begin
+        one     = next_one_q;
+        few     = next_few_q;
+        one_row = next_one_row_q;
+        second  = next_second_q;
+      end
       at_end      = one;
       in_last_row = one_row;
     end
   end
 
-  assign belongs      = start || s1_valid_q && !s1_start_q && open_q;
-  assign line_end    = belongs && s1_last_q && at_end;
-  assign short_line  = belongs && s1_last_q && !at_end;
-  assign long_line   = belongs && !s1_last_q && at_end;
-  assign frame_end   = line_end && in_last_row;
+  assign belongs   = start || s1_more_q && open_q;
+  assign line_end  = s1_last_q && at_end;
+  assign odd_line  = s1_last_q != at_end;  // shorter or longer than it should be
+  assign frame_end = belongs && line_end && in_last_row;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       open_q        <= 1'b0;
       in_line_q     <= 1'b0;
       in_last_row_q <= 1'b0;
-    end else if (belongs) begin
-      open_q        <= !(short_line || long_line || frame_end);
-      in_line_q     <= !s1_last_q;
-      in_last_row_q <= in_last_row;
-    end else if (s1_valid_q && s1_start_q || timed_out) begin
-      open_q <= 1'b0;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (belongs) begin
-      if (at_end) begin
-        group_q         <= '0;
-        group_is_last_q <= one;
-        row_q           <= (start ? RowBits'(1) : row_q) + RowBits'(1);
-        row_is_first_q  <= 1'b0;
-        row_is_last_q   <= start ? two_rows : row_q == rows_m1_q;
-      end else begin
-        group_q         <= (start ? '0 : group_q) + GroupBits'(1);
-        group_is_last_q <= start ? two : group_q == groups_m2_q;
-        if (start) begin
-          row_q          <= RowBits'(1);
-          row_is_first_q <= 1'b1;
-          row_is_last_q  <= in_last_row;
-        end
+    end else begin
+      if (s1_valid_q) open_q <= belongs && !odd_line && !frame_end;
+      else if (timed_out_q) open_q <= 1'b0;
+      if (s1_valid_q) begin
+        in_line_q     <= !s1_last_q;
+        in_last_row_q <= in_last_row;
       end
     end
   end
 
-  // --- Time-out: clocks left, reloaded by every beat ---
-  logic [23:0] clocks_left_q;
+  // Between frames nothing of this counts.
+  always_ff @(posedge clk_i) begin
+    if (s1_valid_q) begin
+      if (s1_start_q) begin
+        group_q         <= GroupBits'(!one);
+        group_is_last_q <= few;
+        row_q           <= one ? RowBits'(2) : RowBits'(1);
+        row_is_first_q  <= !one;
+        row_is_last_q   <= second;
+      end else if (group_is_last_q) begin
+        group_q         <= '0;
+        group_is_last_q <= one_group_o;
+        row_q           <= row_q + RowBits'(1);
+        row_is_first_q  <= 1'b0;
+        row_is_last_q   <= row_q == rows_m1_q;
+      end else begin
+        group_q         <= group_q + GroupBits'(1);
+        group_is_last_q <= group_q == groups_m2_q;
+      end
+    end
+  end
+
+  // --- Time-out: clocks left, in two chains, reloaded by every beat ---
+  logic [11:0] left_low_q, left_high_q;
+  logic        low_zero_q;
+  logic        high_zero_q;  // a clock late, but after a reload: soon enough, since left_high_q changes where left_low_q wraps
   logic        watch_q;
   logic        timed_out_q;
 
   always_ff @(posedge clk_i) begin
     if (s1_valid_q) begin
-      clocks_left_q <= timeout_i;
-      watch_q       <= timeout_i != 24'd0;
-      timed_out_q   <= 1'b0;
+      {left_high_q, left_low_q} <= timeout_i;
+      low_zero_q                <= timeout_i[11:0] == 12'd0;
+      high_zero_q               <= timeout_i[23:12] == 12'd0;
+      watch_q                   <= timeout_i != 24'd0;
+      timed_out_q               <= 1'b0;
     end else begin
-      clocks_left_q <= clocks_left_q - 24'd1;
-      timed_out_q   <= watch_q && clocks_left_q == 24'd1;
+      left_low_q <= left_low_q - 12'd1;
+      low_zero_q <= left_low_q == 12'd1;
+      high_zero_q <= left_high_q == 12'd0;
+      if (low_zero_q) left_high_q <= left_high_q - 12'd1;
+      timed_out_q <= watch_q && left_low_q == 12'd1 && high_zero_q;
     end
   end
 
@@ -248,7 +274,7 @@ module sp_frame_tracker #(
 
   // --- Stage 2: outputs ---
   logic stray_q;
-  logic stray;         // the beat is discarded while running
+  logic stray, stray_now_q;  // the beat is discarded while running
   logic start_breaks;  // a start ends an open frame
   logic late_break;    // a line or a pause ends it
   logic late_break_q;
@@ -256,8 +282,8 @@ module sp_frame_tracker #(
   logic [sp_spec_pkg::StatusBits-1:0] late_status_q;
 
   assign stray        = s1_valid_q && !belongs && run_i;
-  assign start_breaks = s1_valid_q && s1_start_q && open_q;
-  assign late_break   = short_line || long_line || timed_out;
+  assign start_breaks = s1_start_q && open_q;
+  assign late_break   = belongs && odd_line || timed_out;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -266,12 +292,14 @@ module sp_frame_tracker #(
       last_row_start_o <= 1'b0;
       late_break_q     <= 1'b0;
       break_o          <= 1'b0;
+      stray_now_q      <= 1'b0;
     end else begin
       beat_valid_o     <= belongs;
       frame_start_o    <= start;
-      last_row_start_o <= belongs && in_last_row && (start || !in_line_q);
+      last_row_start_o <= belongs && in_last_row && (s1_start_q || !in_line_q);
       late_break_q     <= late_break;
       break_o          <= start_breaks || late_break_q;
+      stray_now_q      <= stray;
     end
   end
 
@@ -279,30 +307,29 @@ module sp_frame_tracker #(
     if (rst_i) begin
       stray_q        <= 1'b0;
       stray_before_o <= 1'b0;
-    end else if (start) begin
-      stray_q        <= 1'b0;
-      stray_before_o <= stray_q;
-    end else if (stray) begin
-      stray_q <= 1'b1;
+    end else begin
+      stray_q <= !start && (stray || stray_q);
+      if (start) stray_before_o <= stray_q;
     end
   end
 
+  // Fields of a beat count with beat_valid_o, those of a break with late_break_q.
   always_ff @(posedge clk_i) begin
-    if (belongs) begin
+    if (s1_valid_q) begin
       beat_pixels_o     <= s1_pixels_q;
-      beat_group_o      <= start ? '0 : group_q;
-      beat_row_o        <= start ? RowBits'(1) : row_q;
-      beat_first_row_o  <= start || row_is_first_q;
+      beat_group_o      <= s1_start_q ? '0 : group_q;
+      beat_row_o        <= s1_start_q ? RowBits'(1) : row_q;
+      beat_first_row_o  <= s1_start_q || row_is_first_q;
       beat_last_row_o   <= in_last_row;
-      beat_line_start_o <= start || !in_line_q;
+      beat_line_start_o <= s1_start_q || !in_line_q;
       beat_line_end_o   <= line_end;
     end
-    if (late_break) begin
-      late_in_last_q <= timed_out ? in_last_row_q : in_last_row;
+    if (s1_valid_q || timed_out_q) begin
+      late_in_last_q <= s1_valid_q ? in_last_row : in_last_row_q;
       late_status_q  <= '0;
-      late_status_q[sp_spec_pkg::StatusShortLineBit]  <= short_line;
-      late_status_q[sp_spec_pkg::StatusLongLineBit]   <= long_line;
-      late_status_q[sp_spec_pkg::StatusIncompleteBit] <= timed_out;
+      late_status_q[sp_spec_pkg::StatusShortLineBit]  <= s1_valid_q && !at_end;
+      late_status_q[sp_spec_pkg::StatusLongLineBit]   <= s1_valid_q && at_end;
+      late_status_q[sp_spec_pkg::StatusIncompleteBit] <= !s1_valid_q;
     end
     if (start_breaks || late_break_q) begin
       break_in_last_row_o <= late_break_q ? late_in_last_q : in_last_row_q;
@@ -312,15 +339,19 @@ module sp_frame_tracker #(
   end
 
   // --- Counters ---
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      broken_o <= '0;
-      stray_o  <= '0;
-    end else begin
-      if (break_o) broken_o <= broken_o + 32'd1;
-      if (stray) stray_o <= stray_o + 32'd1;
-    end
-  end
+  sp_counter u_broken (
+    .clk_i  (clk_i),
+    .rst_i  (rst_i),
+    .inc_i  (break_o),
+    .count_o(broken_o)
+  );
+
+  sp_counter u_stray (
+    .clk_i  (clk_i),
+    .rst_i  (rst_i),
+    .inc_i  (stray_now_q),
+    .count_o(stray_o)
+  );
 
   assign frame_open_o = open_q;
 
@@ -351,6 +382,14 @@ module sp_frame_tracker #(
     else if (take) {f_known_q, f_columns_q, f_rows_q} <= {1'b1, columns_i, rows_i};
   end
 
+  // Clocks since a take-over, up to 7.
+  logic [2:0] f_since_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_since_q <= 3'd7;
+    else if (take_o) f_since_q <= 3'd1;
+    else if (f_since_q != 3'd7) f_since_q <= f_since_q + 3'd1;
+  end
+
   // Rule 1: settings change at a frame's start and nowhere else, and not while they are held.
   // Rule 2: six clocks at least lie between two take-overs.
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
@@ -358,7 +397,7 @@ module sp_frame_tracker #(
           $stable(image_o))) begin
       assert (frame_start_o && take_o && !$past(hold_i));
     end
-    if (take_o) assert (!$past(take_o) && $past(took_q[TakeDistance-1:1]) == '0);
+    if (take_o) assert (f_since_q == 3'd7);
     cover (take_o && f_known_q && !$stable(columns_o));
   end
 
@@ -377,6 +416,10 @@ module sp_frame_tracker #(
     assert (f_broken_q == broken_o[3:0]);
     assert (f_known_q == in_force_q);
     if (open_q || took_q != '0) assert (in_force_q);
+    assert (take_o == took_q[0]);
+    for (int k = 1; k < TakeDistance - 1; k++) assert (took_q[k] == (f_since_q == 3'(k)));
+    assert (rested_q == (took_q == '0 && f_since_q != 3'(TakeDistance - 1)));
+    assert (s1_valid_q == (s1_start_q || s1_more_q) && !(s1_start_q && s1_more_q));
     // A break is of one frame: the late ones and that of a start never meet.
     assert (!(late_break_q && start_breaks));
     if (late_break_q) assert (!open_q);
@@ -396,7 +439,8 @@ module sp_frame_tracker #(
       assert (next_one_q == (columns_i == ColumnBits'(4)));
       assert (next_two_q == (columns_i == ColumnBits'(8)));
       assert (next_one_row_q == (rows_i == RowBits'(1)));
-      assert (next_two_rows_q == (rows_i == RowBits'(2)));
+      assert (next_few_q == (columns_i <= ColumnBits'(8)));
+      assert (next_second_q == (rows_i == (columns_i == ColumnBits'(4) ? RowBits'(2) : RowBits'(1))));
       assert (next_groups_m2_q == GroupBits'((columns_i >> 2) - ColumnBits'(2)));
       assert (next_rows_m1_q == rows_i - RowBits'(1));
     end
@@ -406,7 +450,8 @@ module sp_frame_tracker #(
       assert (one_group_o == (columns_o == ColumnBits'(4)));
       assert (two_groups_o == (columns_o == ColumnBits'(8)));
       assert (one_row_q == (rows_o == RowBits'(1)));
-      assert (two_rows_q == (rows_o == RowBits'(2)));
+      assert (few_q == (columns_o <= ColumnBits'(8)));
+      assert (second_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(2) : RowBits'(1))));
       assert (rows_m1_q == rows_o - RowBits'(1));
       assert (groups_m2_q == GroupBits'((columns_o >> 2) - ColumnBits'(2)));
     end

@@ -66,59 +66,58 @@ module sp_packetizer #(
   localparam int CountBits = LogDepth + 1 > PayloadBits + 1 ? LogDepth + 1 : PayloadBits + 1;
   localparam bit PerLine = Kind != sp_spec_pkg::KindMoments;
 
-  localparam logic [2:0] StIdle = 3'd0;
-  localparam logic [2:0] StHeader = 3'd1;
-  localparam logic [2:0] StPayload = 3'd2;
-  localparam logic [2:0] StFill = 3'd3;     // zeros to the payload's end
-  localparam logic [2:0] StTrailer = 3'd4;  // the check word is complete in its third clock
-  localparam logic [2:0] StSettle = 3'd5;   // until fifo_free_i counts this packet
-
-  logic [2:0] state_q;
-
   // --- Requests on their way to the decision ---
-  logic                   asked, awake;
+  logic                   asked, asked_any, awake, awake_q;
   logic [11:0]            asked_q;  // {start_i, break_first_i, break_later_i}, one to four clocks ago, the latest lowest
   logic                   start2, break_first2, break_later2, break_later3;
-  logic [PayloadBits-1:0] payload, payload1_q, payload2_q;
+  logic [PayloadBits-1:0] payload1_q, payload2_q;
   logic [RowBits-1:0]     line1_q, line2_q;
   logic [CountBits-1:0]   need1_q;
   logic                   room2_q;
   logic [StatusBits-1:0]  status1_q, status2_q, status3_q;
+  logic                   idle_q;
 
-  assign payload      = start_i ? payload_beats_i : PayloadBits'(0);
   assign asked        = start_i || break_first_i || break_later_i;
+  assign asked_any    = asked_q != '0;
   assign start2       = asked_q[5];
   assign break_first2 = asked_q[4];
   assign break_later2 = asked_q[3];
   assign break_later3 = asked_q[6];
-  // Without a request in the last four clocks, and with no packet under way, nothing below moves.
-  assign awake        = asked || asked_q != '0 || state_q != StIdle;
+  // Without a request in the last five clocks, and with no packet under way, nothing below moves.
+  assign awake        = asked || awake_q;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) asked_q <= '0;
-    else if (awake) asked_q <= {asked_q[8:0], start_i, break_first_i, break_later_i};
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (awake) begin
-      if (asked) begin
-        payload1_q <= payload;
-        need1_q    <= CountBits'(payload) + CountBits'(Overhead);
-        line1_q    <= line_i;
-        status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
-      end
-      if (asked_q[2:0] != '0) begin
-        payload2_q <= payload1_q;
-        room2_q    <= CountBits'(fifo_free_i) >= need1_q;
-        line2_q    <= line1_q;
-        status2_q  <= status1_q;
-      end
-      if (break_later2) status3_q <= status2_q;
+    if (rst_i) begin
+      asked_q <= '0;
+      awake_q <= 1'b0;
+    end else if (awake) begin
+      asked_q <= {asked_q[8:0], start_i, break_first_i, break_later_i};
+      awake_q <= asked || asked_any || !idle_q;
     end
   end
 
-  // --- State ---
-  logic [1:0]             step_q;          // within header, trailer, settling
+  always_ff @(posedge clk_i) begin
+    if (asked) begin
+      payload1_q <= start_i ? payload_beats_i : PayloadBits'(0);
+      need1_q    <= (start_i ? CountBits'(payload_beats_i) : CountBits'(0)) + CountBits'(Overhead);
+      line1_q    <= line_i;
+      status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
+    end
+    if (asked_q[2:0] != '0) begin
+      payload2_q <= payload1_q;
+      room2_q    <= CountBits'(fifo_free_i) >= need1_q;
+      line2_q    <= line1_q;
+      status2_q  <= status1_q;
+    end
+    if (break_later2) status3_q <= status2_q;
+  end
+
+  // --- State: one of idle_q and these is set ---
+  logic [3:0]             header_q;        // beat 0 .. 3 of the header
+  logic                   in_payload_q;
+  logic                   in_fill_q;       // zeros to the payload's end
+  logic [2:0]             trailer_q;       // the check word is complete in the third clock
+  logic [2:0]             settle_q;        // until fifo_free_i counts this packet
   logic [PayloadBits-1:0] left_q;          // payload beats to come
   logic                   one_left_q;
   logic                   empty_q;         // no payload
@@ -127,74 +126,65 @@ module sp_packetizer #(
   logic [63:0]            sequence_q;
   logic [StatusBits-1:0]  status_q;
   logic [31:0]            check_q;
-  logic                   take, take_empty, put_payload;
+  logic                   take, take_empty, put_payload, all_put;
   logic [1:0]             lost_now_q;      // late enough for the header of a packet decided on the clock before
 
-  always_comb begin
-    take        = 1'b0;
-    take_empty  = 1'b0;
-    put_payload = 1'b0;
-    if (awake) begin
-      take        = start2 && state_q == StIdle && room2_q && !spoiled_i;
-      take_empty  = break_first2 && state_q == StIdle && room2_q;
-      put_payload = state_q == StPayload && payload_valid_i || state_q == StFill;
-    end
-  end
+  assign take        = start2 && idle_q && room2_q && !spoiled_i;
+  assign take_empty  = break_first2 && idle_q && room2_q;
+  assign put_payload = in_payload_q && payload_valid_i || in_fill_q;
+  assign all_put     = put_payload && one_left_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      state_q    <= StIdle;
-      step_q     <= '0;
-      accept_o   <= 1'b0;
-      lost_now_q <= '0;
-      lost_o     <= '0;
+      idle_q       <= 1'b1;
+      header_q     <= '0;
+      in_payload_q <= 1'b0;
+      in_fill_q    <= 1'b0;
+      trailer_q    <= '0;
+      settle_q     <= '0;
+      accept_o     <= 1'b0;
+      lost_now_q   <= '0;
     end else if (awake) begin
       if (start2) accept_o <= take;
       lost_now_q <= {lost_now_q[0], start2 && !take || break_first2 && !take_empty};
-      if (lost_now_q[1]) lost_o <= lost_o + 32'd1;
 
-      if (state_q == StIdle) begin
-        if (take || take_empty) state_q <= StHeader;
-        step_q <= '0;
-      end else begin
-        step_q <= step_q + 2'd1;
-        case (state_q)
-          StHeader: if (step_q == 2'd3) state_q <= empty_q ? StTrailer : StPayload;
-          StPayload: begin
-            if (payload_valid_i && one_left_q) state_q <= StTrailer;
-            else if (payload_break_i) state_q <= StFill;
-            step_q <= '0;
-          end
-          StFill: begin
-            if (one_left_q) state_q <= StTrailer;
-            step_q <= '0;
-          end
-          StTrailer: if (step_q == 2'd2) state_q <= StSettle;
-          default: if (step_q == 2'd1) state_q <= StIdle;
-        endcase
-      end
+      idle_q    <= idle_q && !take && !take_empty || settle_q[2];
+      header_q  <= {header_q[2:0], take || take_empty};
+      trailer_q <= {trailer_q[1:0], header_q[3] && empty_q || all_put};
+      settle_q  <= {settle_q[1:0], trailer_q[2]};
+
+      in_payload_q <= header_q[3] && !empty_q || in_payload_q && !payload_break_i && !all_put;
+      in_fill_q    <= (in_fill_q || in_payload_q && payload_break_i) && !all_put;
     end
   end
 
+  // What stands here in the last clock of idle_q is that of the packet.
   always_ff @(posedge clk_i) begin
-    if (state_q == StIdle) begin
-      if (take || take_empty) begin
-        empty_q    <= take_empty;
-        payload_q  <= payload2_q;
-        left_q     <= payload2_q;
-        one_left_q <= payload2_q == PayloadBits'(1);
-        line_q     <= line2_q;
-        status_q   <= status2_q;
-      end
-    end else begin
-      if (put_payload) begin
-        left_q     <= left_q - PayloadBits'(1);
-        one_left_q <= left_q == PayloadBits'(2);
-      end
-      if (break_later3 && accept_o) status_q <= status3_q;
-      if (state_q == StHeader && step_q == 2'd0) sequence_q <= sequence_i;
+    if (awake_q && idle_q) begin
+      empty_q   <= break_first2;
+      payload_q <= payload2_q;
+      line_q    <= line2_q;
+    end
+    if (awake_q) begin
+      if (idle_q) status_q <= status2_q;
+      else if (break_later3 && accept_o) status_q <= status3_q;
+    end
+    if (header_q[0]) begin
+      sequence_q <= sequence_i;
+      left_q     <= payload_q;
+      one_left_q <= payload_q == PayloadBits'(1);
+    end else if (put_payload) begin
+      left_q     <= left_q - PayloadBits'(1);
+      one_left_q <= left_q == PayloadBits'(2);
     end
   end
+
+  sp_counter u_lost (
+    .clk_i  (clk_i),
+    .rst_i  (rst_i),
+    .inc_i  (lost_now_q[1]),
+    .count_o(lost_o)
+  );
 
   // --- The beat for the FIFO. Its four words have few sources each: what the header and the trailer have in common stands
   // at the same place. ---
@@ -202,36 +192,31 @@ module sp_packetizer #(
     if (rst_i) begin
       fifo_valid_o <= 1'b0;
       fifo_last_o  <= 1'b0;
-    end else if (state_q != StIdle) begin
-      fifo_valid_o <= state_q == StHeader || put_payload || state_q == StTrailer && step_q == 2'd2;
-      fifo_last_o  <= state_q == StTrailer;
+    end else if (!idle_q) begin
+      fifo_valid_o <= header_q != '0 || put_payload || trailer_q[2];
+      fifo_last_o  <= trailer_q[2];
     end
   end
 
+  function automatic logic [127:0] beat_if(input logic now, input logic [127:0] beat);
+    beat_if = now ? beat : 128'd0;
+  endfunction
+
   always_ff @(posedge clk_i) begin
-    case (state_q)
-      StHeader: begin
-        case (step_q)
-          2'd0: begin
-            fifo_data_o <= {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
-                            sp_spec_pkg::SpecHash, sp_spec_pkg::Magic};
-          end
-          2'd1: fifo_data_o <= {time_stamp_i, sequence_q};
-          2'd2: begin
-            fifo_data_o <= {32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes), 16'(rows_i), 16'(columns_i),
-                            lost_o, encoder_i};
-          end
-          default: begin
-            fifo_data_o <= {64'd0, 31'd0, stray_before_i, PerLine ? 16'd1 : 16'(lines_i),
-                            PerLine ? 16'(line_q) : 16'd1};
-          end
-        endcase
-      end
-      StPayload: fifo_data_o <= payload_data_i;
-      StFill:    fifo_data_o <= '0;
-      StTrailer: fifo_data_o <= {step_q == 2'd2 ? check_q : 32'd0, 32'(status_q), sequence_q};
-      default:   ;
-    endcase
+    if (in_payload_q) begin
+      fifo_data_o <= payload_data_i;
+    end else if (!idle_q) begin
+      fifo_data_o <= beat_if(header_q[0], {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
+                                           sp_spec_pkg::SpecHash, sp_spec_pkg::Magic}) |
+                     beat_if(header_q[1], {time_stamp_i, 64'd0}) |
+                     beat_if(header_q[2], {32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes), 16'(rows_i),
+                                           16'(columns_i), lost_o, encoder_i}) |
+                     beat_if(header_q[3], {64'd0, 31'd0, stray_before_i, PerLine ? 16'd1 : 16'(lines_i),
+                                           PerLine ? 16'(line_q) : 16'd1}) |
+                     beat_if(header_q[1] || trailer_q != '0, {64'd0, sequence_q}) |
+                     beat_if(trailer_q != '0, {32'd0, 32'(status_q), 64'd0}) |
+                     beat_if(trailer_q[2], {check_q, 96'd0});
+    end
   end
 
   // --- Check word, one clock behind the beats. The trailer counts with its check field 0, before it is written. ---
@@ -242,9 +227,9 @@ module sp_packetizer #(
   assign folded = w0 ^ {w1[23:0], w1[31:24]} ^ {w2[15:0], w2[31:16]} ^ {w3[7:0], w3[31:8]};
 
   always_ff @(posedge clk_i) begin
-    if (state_q == StIdle) begin
-      if (take || take_empty) check_q <= sp_spec_pkg::CheckInit;
-    end else if (fifo_valid_o || state_q == StTrailer && step_q == 2'd1) begin
+    if (header_q[0]) begin
+      check_q <= sp_spec_pkg::CheckInit;
+    end else if (fifo_valid_o || trailer_q[1]) begin
       check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^ folded;
     end
   end
@@ -310,31 +295,33 @@ module sp_packetizer #(
     if (fifo_valid_o) assert (fifo_last_o == (f_left_q == FLeftBits'(1)));
     assert (CountBits'(f_free_q) >= CountBits'(f_left_q));
     if (asked_q[2] || asked_q[1]) assert (need1_q == CountBits'(payload1_q) + CountBits'(Overhead));
-    if ((start2 || break_first2) && room2_q && state_q == StIdle) begin
+    if ((start2 || break_first2) && room2_q && idle_q) begin
       assert (CountBits'(f_free_q) >= CountBits'(payload2_q) + CountBits'(Overhead));
     end
     // A loss on its way to the counter keeps the block awake.
     if (lost_now_q[0]) assert (asked_q[8] || asked_q[7]);
     if (lost_now_q[1]) assert (asked_q[11] || asked_q[10]);
-    case (state_q)
-      StIdle:    assert (f_left_q == '0 && !fifo_valid_o);
-      StHeader: begin
-        assert (f_after == FLeftBits'(left_q) + FLeftBits'(Overhead) - FLeftBits'(step_q));
-        assert (empty_q == (left_q == '0) && one_left_q == (left_q == PayloadBits'(1)));
-      end
-      StPayload, StFill: begin
-        assert (f_after == FLeftBits'(left_q) + FLeftBits'(1));
-        assert (left_q != '0 && one_left_q == (left_q == PayloadBits'(1)));
-      end
-      StTrailer: assert (f_after == FLeftBits'(1) && step_q != 2'd3);
-      StSettle: begin
-        assert (f_after == '0 && step_q != 2'd2);
-        if (step_q != 2'd3) assert (!fifo_valid_o);
-      end
-      default: assert (1'b0);
-    endcase
+    // Asleep nothing is asked or under way.
+    if (!awake_q) assert (asked_q == '0 && idle_q && lost_now_q == '0 && !fifo_valid_o);
+    assert ($countones({idle_q, header_q, in_payload_q, in_fill_q, trailer_q, settle_q}) == 1);
+    if (idle_q) assert (f_left_q == '0 && !fifo_valid_o);
+    if (header_q != '0) begin
+      assert (f_after == FLeftBits'(payload_q) + FLeftBits'(Overhead) - FLeftBits'(header_q[1]) - FLeftBits'({header_q[2], 1'b0}) -
+              FLeftBits'({header_q[3], header_q[3]}));
+      assert (empty_q == (payload_q == '0));
+      if (!header_q[0]) assert (left_q == payload_q && one_left_q == (left_q == PayloadBits'(1)));
+    end
+    if (in_payload_q || in_fill_q) begin
+      assert (f_after == FLeftBits'(left_q) + FLeftBits'(1));
+      assert (left_q != '0 && one_left_q == (left_q == PayloadBits'(1)));
+    end
+    if (trailer_q != '0) assert (f_after == FLeftBits'(1));
+    if (settle_q != '0) begin
+      assert (f_after == '0);
+      if (!settle_q[0]) assert (!fifo_valid_o);
+    end
     cover (fifo_valid_o && fifo_last_o && f_taken_q == 4'd2 && lost_o == 32'd1);
-    cover (state_q == StFill && f_left_q == FLeftBits'(3));
+    cover (in_fill_q && f_left_q == FLeftBits'(3));
   end
 `endif
 

@@ -1,6 +1,6 @@
 // Register file, video clock: addresses, fields and reset values are those of the specification.
 //
-// request_i lasts one clock; answer_o comes two clocks later, with error_o where the address is not a register, a read-only
+// request_i lasts one clock; answer_o comes three clocks later, with error_o where the address is not a register, a read-only
 // register is written, or a value is outside what this build can do (the register then keeps its value).
 `default_nettype none
 
@@ -68,50 +68,67 @@ module sp_registers #(
   localparam logic [ColumnBits-1:0] ResetColumns = ColumnBits'(SpecColumns < MaxColumns ? SpecColumns : MaxColumns);
   localparam logic [RowBits-1:0] ResetRows = RowBits'(SpecRows < MaxRows ? SpecRows : MaxRows);
 
-  // --- Request, one clock later, with the judgement of a write. data_i and address_i stay until the answer. ---
-  logic        request_q, write_q, write_good_q;
-  logic [7:0]  address_q;
-  logic        size_good, measure_good, image_wanted, decode_good;
+  // --- Request, a clock later: its register, one of 32, and what its data is good for. data_i stays until the answer. ---
+  localparam int Words = 32;
+  localparam logic [7:0] LastRegister = Codes ? sp_spec_pkg::RegAbandoned : sp_spec_pkg::RegEncoderErrors;
 
-  assign size_good    = data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
-                        data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
-  assign measure_good = data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
-  assign decode_good  = Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
+  logic             request_q, request2_q;  // the request a clock and two clocks ago
+  logic             write_q;
+  logic             there_q;  // a register that this build has
+  logic [Words-1:0] hit_q;
+  logic             size_good_q, measure_good_q, image_good_q, period_good_q, decode_good_q;
+  logic             image_wanted;
+  logic             awake;
+
   assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
-
-  // Without an access, and without a take-over, nothing moves.
-  logic awake;
-  assign awake = request_i || request_q || answer_o || take_i;
+  // Without an access nothing moves but hold_o and pending_q.
+  assign awake        = request_i || request_q || request2_q || answer_o;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) request_q <= 1'b0;
-    else if (awake) request_q <= request_i;
+    if (rst_i) begin
+      request_q  <= 1'b0;
+      request2_q <= 1'b0;
+      answer_o   <= 1'b0;
+    end else if (awake) begin
+      request_q  <= request_i;
+      request2_q <= request_q;
+      answer_o   <= request2_q;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
     if (request_i) begin
-      write_q   <= write_i;
-      address_q <= address_i;
-      case (address_i)
-        sp_spec_pkg::RegControl:        write_good_q <= Image || !image_wanted;
-        sp_spec_pkg::RegSize:           write_good_q <= size_good;
-        sp_spec_pkg::RegMeasure:        write_good_q <= measure_good;
-        sp_spec_pkg::RegTimeout:        write_good_q <= 1'b1;
-        sp_spec_pkg::RegTriggerControl: write_good_q <= 1'b1;
-        sp_spec_pkg::RegTriggerPeriod:  write_good_q <= data_i[23:0] != 24'd0;
-        sp_spec_pkg::RegTriggerCamera:  write_good_q <= 1'b1;
-        sp_spec_pkg::RegTriggerWidth:   write_good_q <= 1'b1;
-        sp_spec_pkg::RegDecode:         write_good_q <= decode_good;
-        default:                        write_good_q <= 1'b0;
-      endcase
+      write_q        <= write_i;
+      there_q        <= address_i[1:0] == 2'd0 && address_i <= LastRegister;
+      hit_q          <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
+      size_good_q    <= data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
+                        data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
+      measure_good_q <= data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
+      image_good_q   <= Image || !image_wanted;
+      period_good_q  <= data_i[23:0] != 24'd0;
+      decode_good_q  <= Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
     end
   end
 
   // --- Writes ---
   logic hold_q;
-  logic size_written_q;
   logic pending_q;  // settings written and not taken over
   logic write;
+  logic write_control, write_size, write_measure, write_timeout, write_trigger, write_period, write_camera, write_width,
+        write_decode;
+  logic write_setting;
 
-  assign write  = request_q && write_q && write_good_q;
-  assign hold_o = hold_q || size_written_q;
+  assign write         = request_q && write_q;
+  assign write_control = write && hit_q[sp_spec_pkg::RegControl/4] && image_good_q;
+  assign write_size    = write && hit_q[sp_spec_pkg::RegSize/4] && size_good_q;
+  assign write_measure = write && hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
+  assign write_timeout = write && hit_q[sp_spec_pkg::RegTimeout/4];
+  assign write_trigger = write && hit_q[sp_spec_pkg::RegTriggerControl/4];
+  assign write_period  = write && hit_q[sp_spec_pkg::RegTriggerPeriod/4] && period_good_q;
+  assign write_camera  = write && hit_q[sp_spec_pkg::RegTriggerCamera/4];
+  assign write_width   = write && hit_q[sp_spec_pkg::RegTriggerWidth/4];
+  assign write_decode  = write && hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
+  assign write_setting = write_control || write_size || write_measure || write_decode;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -130,125 +147,108 @@ module sp_registers #(
       trigger_period_o       <= sp_spec_pkg::RegTriggerPeriodReset[23:0];
       trigger_camera_o       <= sp_spec_pkg::RegTriggerCameraReset[23:0];
       trigger_width_o        <= sp_spec_pkg::RegTriggerWidthReset[15:0];
-      size_written_q         <= 1'b1;
-      pending_q              <= 1'b1;
-    end else begin
-      if (awake) begin
-        size_written_q <= write && address_q == sp_spec_pkg::RegSize;
-        if (write && (address_q == sp_spec_pkg::RegControl || address_q == sp_spec_pkg::RegSize ||
-                      address_q == sp_spec_pkg::RegMeasure || address_q == sp_spec_pkg::RegDecode)) pending_q <= 1'b1;
-        else if (take_i) pending_q <= 1'b0;
+    end else if (request_q) begin
+      if (write_control) begin
+        run_o   <= data_i[sp_spec_pkg::RegControlRunLsb];
+        hold_q  <= data_i[sp_spec_pkg::RegControlHoldLsb];
+        image_o <= image_wanted;
       end
-      if (request_q) begin
-        if (write) begin
-          case (address_q)
-            sp_spec_pkg::RegControl: begin
-              run_o   <= data_i[sp_spec_pkg::RegControlRunLsb];
-              hold_q  <= data_i[sp_spec_pkg::RegControlHoldLsb];
-              image_o <= image_wanted;
-            end
-            sp_spec_pkg::RegSize: begin
-              columns_o <= data_i[sp_spec_pkg::RegSizeColumnsLsb+:ColumnBits];
-              rows_o    <= data_i[sp_spec_pkg::RegSizeRowsLsb+:RowBits];
-            end
-            sp_spec_pkg::RegMeasure: begin
-              threshold_o <= data_i[sp_spec_pkg::RegMeasureThresholdLsb+:8];
-              mode_o      <= data_i[sp_spec_pkg::RegMeasureModeLsb+:2];
-              stream_o    <= data_i[sp_spec_pkg::RegMeasureStreamLsb+:8];
-            end
-            sp_spec_pkg::RegTimeout: timeout_o <= data_i[23:0];
-            sp_spec_pkg::RegTriggerControl: begin
-              trigger_run_o          <= data_i[sp_spec_pkg::RegTriggerControlRunLsb];
-              trigger_on_frame_o     <= data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
-              trigger_last_pattern_o <= data_i[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
-            end
-            sp_spec_pkg::RegTriggerPeriod: trigger_period_o <= data_i[23:0];
-            sp_spec_pkg::RegTriggerCamera: trigger_camera_o <= data_i[23:0];
-            sp_spec_pkg::RegTriggerWidth: trigger_width_o <= data_i[15:0];
-            default: ;
-          endcase
-        end
+      if (write_size) begin
+        columns_o <= data_i[sp_spec_pkg::RegSizeColumnsLsb+:ColumnBits];
+        rows_o    <= data_i[sp_spec_pkg::RegSizeRowsLsb+:RowBits];
       end
+      if (write_measure) begin
+        threshold_o <= data_i[sp_spec_pkg::RegMeasureThresholdLsb+:8];
+        mode_o      <= data_i[sp_spec_pkg::RegMeasureModeLsb+:2];
+        stream_o    <= data_i[sp_spec_pkg::RegMeasureStreamLsb+:8];
+      end
+      if (write_timeout) timeout_o <= data_i[23:0];
+      if (write_trigger) begin
+        trigger_run_o          <= data_i[sp_spec_pkg::RegTriggerControlRunLsb];
+        trigger_on_frame_o     <= data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
+        trigger_last_pattern_o <= data_i[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
+      end
+      if (write_period) trigger_period_o <= data_i[23:0];
+      if (write_camera) trigger_camera_o <= data_i[23:0];
+      if (write_width) trigger_width_o <= data_i[15:0];
     end
   end
 
-  // --- Reads ---
-  logic [31:0] time_high_q;
-
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      answer_o    <= 1'b0;
-      time_high_q <= '0;
+      hold_o    <= 1'b1;  // the size of the reset is new
+      pending_q <= 1'b1;
     end else begin
-      if (awake) answer_o <= request_q;
-      if (request_q) begin
-        if (!write_q && address_q == sp_spec_pkg::RegTimeLow) time_high_q <= time_i[63:32];
-      end
+      hold_o    <= write_size || (write_control ? data_i[sp_spec_pkg::RegControlHoldLsb] : hold_q);
+      pending_q <= write_setting || pending_q && !take_i;
     end
+  end
+
+  // --- Reads, in two clocks: the word of one of six groups (of the others zero), then that of all ---
+  logic [31:0] fixed_q, settings_q, trigger_q, frames_q, lost_q, moving_q;
+  logic [31:0] time_high_q;
+  logic        written;    // the write is good
+  logic        refused_q;
+
+  assign written = write_setting || write_timeout || write_trigger || write_period || write_camera || write_width;
+
+  logic [31:0] decode_word;
+  assign decode_word = 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |
+                       32'(bits_o) << sp_spec_pkg::RegDecodeBitsLsb | 32'(decode_o) << sp_spec_pkg::RegDecodeCodesLsb |
+                       32'(median_o) << sp_spec_pkg::RegDecodeMedianLsb;
+
+  // word where its register is asked for
+  function automatic logic [31:0] word_if(input logic hit, input logic [31:0] word);
+    word_if = hit ? word : 32'd0;
+  endfunction
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) time_high_q <= '0;
+    else if (request_q && !write_q && hit_q[sp_spec_pkg::RegTimeLow/4]) time_high_q <= time_i[63:32];
   end
 
   always_ff @(posedge clk_i) begin
     if (request_q) begin
-      error_o <= write_q && !write_good_q;
-      case (address_q)
-        sp_spec_pkg::RegId:         data_o <= sp_spec_pkg::Magic;
-        sp_spec_pkg::RegVersion:    data_o <= {16'd0, sp_spec_pkg::SpecVersion};
-        sp_spec_pkg::RegSpecHash:   data_o <= sp_spec_pkg::SpecHash;
-        sp_spec_pkg::RegCapability: begin
-          data_o <= {Codes ? 4'(MaxBits) : 4'd0, 2'd0, Codes && Median, Codes, Image, Grey, 10'(MaxRows), 12'(MaxColumns)};
-        end
-        sp_spec_pkg::RegControl: begin
-          data_o <= 32'(run_o) << sp_spec_pkg::RegControlRunLsb | 32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
-                 32'(image_o) << sp_spec_pkg::RegControlImageLsb;
-        end
-        sp_spec_pkg::RegSize: begin
-          data_o <= 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb | 32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb;
-        end
-        sp_spec_pkg::RegMeasure: begin
-          data_o <= 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
-                 32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb | 32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb;
-        end
-        sp_spec_pkg::RegTimeout: data_o <= 32'(timeout_o);
-        sp_spec_pkg::RegTriggerControl: begin
-          data_o <= 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
-                 32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
-                 32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb;
-        end
-        sp_spec_pkg::RegTriggerPeriod: data_o <= 32'(trigger_period_o);
-        sp_spec_pkg::RegTriggerCamera: data_o <= 32'(trigger_camera_o);
-        sp_spec_pkg::RegTriggerWidth:  data_o <= 32'(trigger_width_o);
-        sp_spec_pkg::RegStatus: begin
-          data_o <= 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
-                 32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb;
-        end
-        sp_spec_pkg::RegFrames:        data_o <= frames_i;
-        sp_spec_pkg::RegBroken:        data_o <= broken_i;
-        sp_spec_pkg::RegStray:         data_o <= stray_i;
-        sp_spec_pkg::RegLostMoments:   data_o <= lost_moments_i;
-        sp_spec_pkg::RegLostImage:     data_o <= lost_image_i;
-        sp_spec_pkg::RegTimeLow:       data_o <= time_i[31:0];
-        sp_spec_pkg::RegTimeHigh:      data_o <= time_high_q;
-        sp_spec_pkg::RegEncoder:       data_o <= encoder_i;
-        sp_spec_pkg::RegEncoderErrors: data_o <= 32'(encoder_errors_i);
-        sp_spec_pkg::RegDecode: begin
-          data_o <= 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |
-                 32'(bits_o) << sp_spec_pkg::RegDecodeBitsLsb | 32'(decode_o) << sp_spec_pkg::RegDecodeCodesLsb |
-                 32'(median_o) << sp_spec_pkg::RegDecodeMedianLsb;
-          if (!Codes) error_o <= 1'b1;
-        end
-        sp_spec_pkg::RegLostCodes: begin
-          data_o <= Codes ? lost_codes_i : 32'd0;
-          if (!Codes) error_o <= 1'b1;
-        end
-        sp_spec_pkg::RegAbandoned: begin
-          data_o <= Codes ? abandoned_i : 32'd0;
-          if (!Codes) error_o <= 1'b1;
-        end
-        default: begin
-          data_o  <= 32'd0;
-          error_o <= 1'b1;
-        end
-      endcase
+      refused_q  <= write_q ? !written : !there_q;
+      fixed_q    <= word_if(hit_q[sp_spec_pkg::RegId/4], sp_spec_pkg::Magic) |
+                    word_if(hit_q[sp_spec_pkg::RegVersion/4], {16'd0, sp_spec_pkg::SpecVersion}) |
+                    word_if(hit_q[sp_spec_pkg::RegSpecHash/4], sp_spec_pkg::SpecHash) |
+                    word_if(hit_q[sp_spec_pkg::RegCapability/4], {Codes ? 4'(MaxBits) : 4'd0, 2'd0, Codes && Median, Codes,
+                                                                  Image, Grey, 10'(MaxRows), 12'(MaxColumns)});
+      settings_q <= word_if(hit_q[sp_spec_pkg::RegControl/4], 32'(run_o) << sp_spec_pkg::RegControlRunLsb |
+                            32'(hold_q) << sp_spec_pkg::RegControlHoldLsb | 32'(image_o) << sp_spec_pkg::RegControlImageLsb) |
+                    word_if(hit_q[sp_spec_pkg::RegSize/4], 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb |
+                            32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb) |
+                    word_if(hit_q[sp_spec_pkg::RegMeasure/4], 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
+                            32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb | 32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb) |
+                    word_if(hit_q[sp_spec_pkg::RegTimeout/4], 32'(timeout_o));
+      trigger_q  <= word_if(hit_q[sp_spec_pkg::RegTriggerControl/4], 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
+                            32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
+                            32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb) |
+                    word_if(hit_q[sp_spec_pkg::RegTriggerPeriod/4], 32'(trigger_period_o)) |
+                    word_if(hit_q[sp_spec_pkg::RegTriggerCamera/4], 32'(trigger_camera_o)) |
+                    word_if(hit_q[sp_spec_pkg::RegTriggerWidth/4], 32'(trigger_width_o));
+      frames_q   <= word_if(hit_q[sp_spec_pkg::RegStatus/4], 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
+                            32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb) |
+                    word_if(hit_q[sp_spec_pkg::RegFrames/4], frames_i) |
+                    word_if(hit_q[sp_spec_pkg::RegBroken/4], broken_i) |
+                    word_if(hit_q[sp_spec_pkg::RegStray/4], stray_i);
+      lost_q     <= word_if(hit_q[sp_spec_pkg::RegLostMoments/4], lost_moments_i) |
+                    word_if(hit_q[sp_spec_pkg::RegLostImage/4], lost_image_i) |
+                    word_if(Codes && hit_q[sp_spec_pkg::RegLostCodes/4], lost_codes_i) |
+                    word_if(Codes && hit_q[sp_spec_pkg::RegAbandoned/4], abandoned_i);
+      moving_q   <= word_if(hit_q[sp_spec_pkg::RegTimeLow/4], time_i[31:0]) |
+                    word_if(hit_q[sp_spec_pkg::RegTimeHigh/4], time_high_q) |
+                    word_if(hit_q[sp_spec_pkg::RegEncoder/4], encoder_i) |
+                    word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], 32'(encoder_errors_i)) |
+                    word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word);
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (request2_q) begin
+      error_o <= refused_q;
+      data_o  <= fixed_q | settings_q | trigger_q | frames_q | lost_q | moving_q;
     end
   end
 
@@ -263,7 +263,7 @@ module sp_registers #(
         median_o         <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeMedianLsb];
         bits_o           <= ResetBits;
         code_threshold_o <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeThresholdLsb+:8];
-      end else if (write && address_q == sp_spec_pkg::RegDecode) begin
+      end else if (write_decode) begin
         decode_o         <= data_i[sp_spec_pkg::RegDecodeCodesLsb];
         median_o         <= data_i[sp_spec_pkg::RegDecodeMedianLsb];
         bits_o           <= data_i[sp_spec_pkg::RegDecodeBitsLsb+:4];

@@ -1,8 +1,9 @@
 // Dual-clock FIFO: Gray-coded pointers through two-flop synchronizers, block RAM, output register.
 //
 // Guarantees: 2^LogDepth words plus the one in the output register; one word in and one out a clock; order kept, for any
-// two clocks. wr_free_o counts the free places; it never promises one that is not there (places freed by the reader
-// show two to three write clocks later). A write with wr_free_o = 0 is not taken: the writer looks first.
+// two clocks. wr_free_o, a register, counts the free places; it never promises one that is not there (places freed by the
+// reader show four to five write clocks later, those taken by the writer at once). The writer looks first: there is no write
+// with wr_free_o = 0.
 // Reset: both sides together, each in its clock.
 `default_nettype none
 
@@ -31,7 +32,7 @@ module sp_async_fifo #(
   logic [LogDepth:0] wr_ptr_q;
   logic [LogDepth:0] wr_gray_q;
   logic [LogDepth:0] rd_gray_seen;
-  logic [LogDepth:0] rd_bin_seen;
+  logic [LogDepth:0] rd_bin_seen, rd_bin_q;
   logic              write;
 
   // read side
@@ -40,11 +41,7 @@ module sp_async_fifo #(
   logic [LogDepth:0] wr_gray_seen;
   logic              fetch;
 
-  // Full: the Gray codes of two pointers that are the depth apart differ in their two highest bits, and only there.
-  always_comb begin
-    write = 1'b0;
-    if (wr_valid_i) write = wr_gray_q != {~rd_gray_seen[LogDepth-:2], rd_gray_seen[LogDepth-2:0]};
-  end
+  assign write = wr_valid_i;
 
   always_ff @(posedge wr_clk_i) begin
     if (wr_rst_i) begin
@@ -76,8 +73,16 @@ module sp_async_fifo #(
                        (rd_gray_seen >> 8) ^ (rd_gray_seen >> 9) ^ (rd_gray_seen >> 10) ^ (rd_gray_seen >> 11) ^
                        (rd_gray_seen >> 12) ^ (rd_gray_seen >> 13) ^ (rd_gray_seen >> 14) ^ (rd_gray_seen >> 15);
 
-  // depth + read - written
-  assign wr_free_o = (rd_bin_seen ^ {1'b1, {LogDepth{1'b0}}}) - wr_ptr_q;
+  // depth + read - written, and less what is being written
+  always_ff @(posedge wr_clk_i) begin
+    if (wr_rst_i) begin
+      rd_bin_q  <= '0;
+      wr_free_o <= {1'b1, {LogDepth{1'b0}}};
+    end else begin
+      rd_bin_q  <= rd_bin_seen;
+      wr_free_o <= (rd_bin_q ^ {1'b1, {LogDepth{1'b0}}}) - wr_ptr_q - (LogDepth + 1)'(write);
+    end
+  end
 
   assign fetch = rd_gray_q != wr_gray_seen && (!rd_valid_o || rd_ready_i);
 
@@ -147,7 +152,8 @@ module sp_async_fifo #(
     .b_two_o (f_rd_two),
     .run_o   (f_run)
   );
-  // Inputs change with their clock only.
+  // Inputs change with their clock only; the writer looks first.
+  always_comb if (wr_valid_i) assume (!wr_rst_i && wr_free_o != '0);
   always_ff @(posedge f_moment) if (f_run) begin
     if (!f_wr_rise) assume ($stable(wr_valid_i) && $stable(wr_data_i));
     if (!f_rd_rise) assume ($stable(rd_ready_i));
@@ -170,7 +176,9 @@ module sp_async_fifo #(
     else if (fetch) f_at_output_q <= rd_ptr_q == f_mark;
   end
 
-  logic [LogDepth:0] f_step1, f_step2, f_step3, f_step4, f_step5, f_step6, f_step7, f_held, f_before_mark;
+  logic [LogDepth:0] f_step1a, f_step1b, f_step1, f_step2, f_step3, f_step4, f_step5, f_step6, f_step7, f_held, f_before_mark;
+  assign f_step1a = rd_bin_q - (wr_ptr_q + wr_free_o - (LogDepth + 1)'(1 << LogDepth));
+  assign f_step1b = rd_bin_seen - rd_bin_q;
   assign f_step1 = f_binary(f_rd_meta) - rd_bin_seen;
   assign f_step2 = f_binary(f_rd_before) - f_binary(f_rd_meta);
   assign f_step3 = rd_ptr_q - f_binary(f_rd_before);
@@ -186,7 +194,7 @@ module sp_async_fifo #(
     // written as the reader sees it, written – and all of it within the depth.
     assert (wr_gray_q == (wr_ptr_q ^ (wr_ptr_q >> 1)));
     assert (rd_gray_q == (rd_ptr_q ^ (rd_ptr_q >> 1)));
-    assert ((LogDepth + 4)'(f_step1) + (LogDepth + 4)'(f_step2) + (LogDepth + 4)'(f_step3) + (LogDepth + 4)'(f_step4) +
+    assert ((LogDepth + 4)'(f_step1a) + (LogDepth + 4)'(f_step1b) + (LogDepth + 4)'(f_step1) + (LogDepth + 4)'(f_step2) + (LogDepth + 4)'(f_step3) + (LogDepth + 4)'(f_step4) +
             (LogDepth + 4)'(f_step5) + (LogDepth + 4)'(f_step6) + (LogDepth + 4)'(f_step7) <= (LogDepth + 4)'(1 << LogDepth));
     assert (f_step3 <= (LogDepth + 1)'(1));
     assert (f_step7 <= (LogDepth + 1)'(1));
@@ -202,7 +210,8 @@ module sp_async_fifo #(
 
   // Reset leaves nothing behind: one rise clears a side's pointers, two what has come to it of the other's.
   always_comb if (!f_run) begin
-    if (f_wr_one) assert (wr_ptr_q == '0 && wr_gray_q == '0 && f_rd_meta == '0);
+    if (f_wr_one) assert (wr_ptr_q == '0 && wr_gray_q == '0 && f_rd_meta == '0 && rd_bin_q == '0);
+    if (f_wr_one) assert (wr_free_o == (LogDepth + 1)'(1 << LogDepth));
     if (f_rd_one) assert (rd_ptr_q == '0 && rd_gray_q == '0 && f_wr_meta == '0 && !rd_valid_o && !f_at_output_q);
     if (f_wr_two) assert (rd_gray_seen == '0 && f_wr_before == '0);
     if (f_rd_two) assert (wr_gray_seen == '0 && f_rd_before == '0);

@@ -54,7 +54,7 @@ module sp_moment_sums #(
   logic [GroupBits-1:0]    s2_group_q;
   logic [RowBits-1:0]      s2_row_q;
   // Stage 3: A is summed and written
-  logic                    s3_add_q, s3_use_sum_q;
+  logic                    s3_add_q;
   logic [GroupBits-1:0]    s3_group_q;
   logic [4*LaneMBits-1:0]  sum_m;
   logic [4*LaneABits-1:0]  sum_a;
@@ -99,21 +99,20 @@ module sp_moment_sums #(
     end
     if (s2_add_q) begin
       s3_group_q   <= s2_group_q;
-      s3_use_sum_q <= s2_use_sum_q;
     end
   end
 
   for (genvar lane = 0; lane < 4; lane++) begin : gen_lane
     logic [WeightBits-1:0] s2_weight_q;
     logic [M0Bits-1:0]     s2_old_m0_q, base_m0, next_m0, sum_m0_q;
-    logic [LaneABits-1:0]  s3_addend_q, s3_old_a_q, base_a, next_a, sum_a_q;
+    logic [LaneABits-1:0]  s3_addend_q, s3_old_a_q, next_a, last_a, sum_a_q;
     logic                  lit;
 
     assign lit     = |s2_weight_q;  // a lit pixel weighs at least 1 in every mode
     assign base_m0 = s2_use_sum_q ? sum_m0_q : s2_old_m0_q;
     assign next_m0 = {{(M0Bits - WeightBits) {1'b0}}, s2_weight_q} + base_m0;
-    assign base_a  = s3_use_sum_q ? sum_a_q : s3_old_a_q;
-    assign next_a  = s3_addend_q + base_a;
+    assign next_a  = s3_addend_q + s3_old_a_q;
+    assign last_a  = s3_add_q ? next_a : sum_a_q;  // the sum of the beat before
 
     always_ff @(posedge clk_i) begin
       if (s1_add_q) begin
@@ -122,7 +121,7 @@ module sp_moment_sums #(
       end
       if (s2_add_q) begin
         sum_m0_q   <= next_m0;
-        s3_old_a_q <= s2_first_q ? '0 : s2_forward_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
+        s3_old_a_q <= s2_first_q ? '0 : s2_use_sum_q ? last_a : s2_forward_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
       end
       if (s3_add_q) sum_a_q <= next_a;
     end

@@ -147,7 +147,7 @@ class Bench {
     size_written_ = false;
   }
 
-  // The request, and its answer exactly two clocks later. Address and data stay, as the bridge holds them.
+  // The request, and its answer exactly three clocks later. Address and data stay, as the bridge holds them.
   Answer access(bool write, std::uint32_t address, std::uint32_t data) {
     registers_->request_i = 1;
     registers_->write_i = write;
@@ -175,7 +175,12 @@ class Bench {
       time_high_ = static_cast<std::uint32_t>(state_.time >> 32);
     }
     registers_.settle();
-    EXPECT_EQ(registers_->answer_o, 1) << "two clocks after the request";
+    EXPECT_EQ(registers_->answer_o, 0);
+    check_outputs();
+    registers_.rise();
+    size_written_ = false;
+    registers_.settle();
+    EXPECT_EQ(registers_->answer_o, 1) << "three clocks after the request";
     check_outputs();
     const Answer answer = {registers_->error_o != 0, registers_->data_o};
     registers_.rise();
