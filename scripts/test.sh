@@ -27,7 +27,7 @@ step "build: all for speed, what works on raw memory with the sanitizers"
 scripts/build.sh release
 scripts/build.sh sanitizers sanitized_tests
 
-# Tests and benchmarks are left to scripts/tidy.sh by hand: a source takes about 13 s, and there are 150.
+# Tests and benchmarks are left to scripts/tidy.sh by hand: a source takes some ten seconds, and there are 150.
 step "clang-tidy of host, model and sim"
 mapfile -t files < <(git ls-files --cached --others --exclude-standard 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' | grep -v '/generated/')
 scripts/tidy.sh "${files[@]}"
