@@ -35,6 +35,7 @@
 #include "host/io/rig.h"
 #include "host/io/user_error.h"
 #include "sim/app/cosim_run.h"
+#include "sim/app/depth_errors.h"
 #include "sim/app/frame_source.h"
 #include "sim/experiment/motion_analysis.h"
 #include "sim/platform/platform.h"
@@ -86,8 +87,8 @@ class Measurement {
   [[nodiscard]] const Scanner& scanner() const { return scanner_; }
   [[nodiscard]] const FloatImage& background() const { return background_; }
   [[nodiscard]] std::uint64_t incomplete() const { return assembler_.incomplete(); }
-  [[nodiscard]] double depth_rms() const { return pixels_ > 0 ? std::sqrt(squares_ / pixels_) : kNan; }
-  [[nodiscard]] double far_off() const { return seen_ > 0 ? far_off_ / seen_ : kNan; }
+  [[nodiscard]] double depth_rms() const { return errors_.rms(); }
+  [[nodiscard]] double far_off() const { return errors_.far_off(); }
 
   // True where the packet completed a code image: there is a new sample.
   bool packet(const PacketView& packet) {
@@ -104,7 +105,7 @@ class Measurement {
     sample.moved = scanner_.moved();
     sample.true_moved = moved(triangulation_, truth_.values.data(), true_background_.values.data(),
                               static_cast<float>(options_.min_difference_mm));
-    compare_depths();
+    errors_.add(scanner_.depth(), truth_);
     if (options_.scene == "waves") {
       sample.front = front(sample.t, scanner_.depth(), background_);
       sample.true_front = front(sample.t, truth_, true_background_);
@@ -163,24 +164,6 @@ class Measurement {
     return foremost_crest(rings, rings.means(depth, background, kMost), kLeast);
   }
 
-  // All pixels that have a depth, and light in truth.
-  void compare_depths() {
-    constexpr double kFar = 15;  // mm: a wrong code, no quantization
-    for (std::size_t i = 0; i < truth_.values.size(); ++i) {
-      const auto error = static_cast<double>(scanner_.depth().values[i] - truth_.values[i]);
-      if (std::isnan(error)) {
-        continue;
-      }
-      ++seen_;
-      if (std::abs(error) > kFar) {
-        ++far_off_;
-      } else {
-        ++pixels_;
-        squares_ += error * error;
-      }
-    }
-  }
-
   const ScannerCosimOptions& options_;
   Rig rig_;
   PatternRenderer renderer_;
@@ -192,7 +175,7 @@ class Measurement {
   FloatImage truth_;
   FloatImage moved_;
   std::vector<Sample> samples_;
-  double pixels_ = 0, squares_ = 0, far_off_ = 0, seen_ = 0;
+  DepthErrors errors_;
 };
 
 // ------------------------------------------------------------------ what the samples say

@@ -33,6 +33,7 @@
 #include "host/io/user_error.h"
 #include "model/gray_match.h"
 #include "sim/app/cosim_run.h"
+#include "sim/app/depth_errors.h"
 #include "sim/app/frame_source.h"
 #include "sim/engine/match_engine.h"
 #include "sim/experiment/structured_light.h"
@@ -100,9 +101,9 @@ class Matching {
   [[nodiscard]] std::uint64_t with_line() const { return with_line_; }    // of those that found a line
   [[nodiscard]] std::uint64_t mismatches() const { return mismatches_; }  // look-ups of block or host that are not
   [[nodiscard]] const std::string& first_mismatch() const { return first_mismatch_; }
-  [[nodiscard]] double depth_rms() const { return std::sqrt(squares_ / near_); }
-  [[nodiscard]] double far_off() const { return far_off_ / (near_ + far_off_); }
-  [[nodiscard]] double valid() const { return valid_ / lit_; }
+  [[nodiscard]] double depth_rms() const { return errors_.rms(); }
+  [[nodiscard]] double far_off() const { return errors_.far_off(); }
+  [[nodiscard]] double valid() const { return errors_.seen() / lit_; }
 
  private:
   void compare_lines() {
@@ -130,23 +131,11 @@ class Matching {
 
   // Against the truth in the middle of the frames that the codes are from.
   void compare_depths() {
-    constexpr double kFar = 15;  // mm: a wrong match, no quantization
     const auto middle = static_cast<int>(options_.first + frame()) - 2 - options_.bits;
     renderer_.lit_depth(middle, truth_.values, static_cast<float>(rig_.measure.code_threshold));
-    for (std::size_t i = 0; i < truth_.values.size(); ++i) {
-      lit_ += std::isnan(truth_.values[i]) ? 0 : 1;
-      const auto error = static_cast<double>(scanner_.depth().values[i] - truth_.values[i]);
-      if (std::isnan(error)) {
-        continue;
-      }
-      ++valid_;
-      if (std::abs(error) > kFar) {
-        ++far_off_;
-      } else {
-        ++near_;
-        squares_ += error * error;
-      }
-    }
+    lit_ += static_cast<double>(
+        std::count_if(truth_.values.begin(), truth_.values.end(), [](float value) { return !std::isnan(value); }));
+    errors_.add(scanner_.depth(), truth_);
   }
 
   const ScannerCosimOptions& options_;
@@ -162,7 +151,8 @@ class Matching {
   std::size_t images_ = 0;
   std::uint64_t matched_ = 0, with_line_ = 0, mismatches_ = 0;
   std::string first_mismatch_;
-  double lit_ = 0, valid_ = 0, near_ = 0, far_off_ = 0, squares_ = 0;
+  DepthErrors errors_;
+  double lit_ = 0;
 };
 
 // Symmetric, over 99 % of the values: wrong matches do not set it.
