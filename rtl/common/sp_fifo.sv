@@ -19,6 +19,11 @@ module sp_fifo #(
   output logic                  m_valid_o,
   input  wire logic             m_ready_i,
   output logic      [Width-1:0] m_data_o
+`ifdef FORMAL
+  ,
+  output logic     [LogDepth:0] f_written_o,  // words since the reset, modulo
+  output logic     [LogDepth:0] f_read_o      // ... that have left
+`endif
 );
 
   logic [LogDepth:0] wr_ptr_q;
@@ -64,10 +69,10 @@ module sp_fifo #(
   );
 
 `ifdef FORMAL
-  // Reset once, at the beginning.
+  // Reset at the beginning, and at any time.
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
-  always_comb assume (rst_i == !f_ran_q);
+  always_comb if (!f_ran_q) assume (rst_i);
 
   // Any one place of the pointer's round; the word written there last; whether it is the one at the output.
   (* anyconst *) logic [LogDepth:0] f_mark;
@@ -76,6 +81,8 @@ module sp_fifo #(
   logic             f_at_output_q;
   logic             f_was_full_q = 1'b0;
   logic [LogDepth:0] f_held, f_before_mark;
+  assign f_written_o   = wr_ptr_q;
+  assign f_read_o      = rd_ptr_q - (LogDepth + 1)'(m_valid_o);
   assign f_held        = wr_ptr_q - rd_ptr_q;
   assign f_before_mark = f_mark - rd_ptr_q;
   always_ff @(posedge clk_i) begin

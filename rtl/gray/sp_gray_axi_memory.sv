@@ -8,7 +8,8 @@
 // (end_i) the writes are finished and acknowledged, and what was read too far is thrown away (up to 2^LogDepth words after the
 // frame's last are read); then the first words of the next frame are read. A frame that starts before the first of them
 // is there, a word that is not there when it is asked for, and one whose place in the write FIFO might be missing come too
-// late (rd_late_o): nothing more of that frame is read or written. Error responses are not looked at.
+// late (rd_late_o): nothing more of that frame is read or written. At most 2^(LogDepth + 1) - 1 bursts are written and not answered.
+// Error responses are not looked at.
 //
 // Timing: rd_data_o and rd_late_o stand two clocks after rd_en_i. A frame's words are written at most WriteDelay clocks after they
 // were asked for.
@@ -64,6 +65,10 @@ module sp_gray_axi_memory #(
   logic                ok, pop, room;
   logic [WriteDelay:1] ok_q;        // of the words on their way through the decoder
 
+`ifdef FORMAL
+  logic [LogDepth:0] f_ahead_written, f_ahead_read, f_behind_written, f_behind_read;  // words into the FIFOs, and out
+`endif
+
   // --- Reading ahead ---
   logic [LogDepth:0]     reserved_q;     // words asked for and not taken
   logic [LogDepth:0]     outstanding_q;  // ... and not come
@@ -108,6 +113,11 @@ module sp_gray_axi_memory #(
     .m_valid_o(head_valid),
     .m_ready_i(pop),
     .m_data_o (head)
+`ifdef FORMAL
+    ,
+    .f_written_o(f_ahead_written),
+    .f_read_o   (f_ahead_read)
+`endif
   );
 
   always_ff @(posedge clk_i) begin
@@ -119,7 +129,7 @@ module sp_gray_axi_memory #(
   logic [LogDepth:0] level_q;        // words in the FIFO
   logic [LogDepth:0] unannounced_q;  // ... for which no burst was begun
   logic [LogDepth:0] announced_q;    // words of bursts that were begun, not yet sent
-  logic [LogDepth:0] bursts_q;       // bursts not yet acknowledged
+  logic [LogDepth:0] bursts_q;       // bursts not yet acknowledged; no more are begun than it counts
   logic [7:0]        left_q;         // of the burst that is sent, after the present word; bursts are full but for the last
   logic              put, aw, w, b, part, write_valid, write_ready_unused;
   logic [Width-1:0]  write_word;
@@ -155,7 +165,7 @@ module sp_gray_axi_memory #(
       bursts_q      <= bursts_q + (LogDepth + 1)'(aw) - (LogDepth + 1)'(b);
       if (w) left_q <= m_axi_wlast_o ? 8'(BurstWords - 1) : left_q - 8'd1;
       if (aw) m_axi_awvalid_o <= 1'b0;
-      else if (!m_axi_awvalid_o) m_axi_awvalid_o <= 32'(unannounced_q) >= BurstWords || part;
+      else if (!m_axi_awvalid_o) m_axi_awvalid_o <= (32'(unannounced_q) >= BurstWords || part) && !(&bursts_q);
     end
     if (rst_i || clear) m_axi_awaddr_o <= base_i;
     else if (aw) m_axi_awaddr_o <= m_axi_awaddr_o + AddressBits'(16 * BurstWords);
@@ -174,6 +184,11 @@ module sp_gray_axi_memory #(
     .m_valid_o(write_valid),
     .m_ready_i(m_axi_wready_i && announced_q != '0),
     .m_data_o (write_word)
+`ifdef FORMAL
+    ,
+    .f_written_o(f_behind_written),
+    .f_read_o   (f_behind_read)
+`endif
   );
 
   // --- From frame to frame ---
@@ -205,6 +220,172 @@ module sp_gray_axi_memory #(
     logic unused;
     assign unused = ^m_axi_rdata_i[127:Width];
   end
+
+`ifdef FORMAL
+  // Reset once, at the beginning. The base stands still; a word asked for is written back, or was not there. Nothing is
+  // assumed of when words are asked for, and when frames begin and end.
+  localparam int FBurstBytes = 16 * BurstWords;
+  localparam int FBits = LogDepth + 2;  // of counts modulo a power of two: more than ever are under way
+  logic f_ran_q = 1'b0;
+  logic [WriteDelay:1] f_asked_q = '0;
+  (* anyconst *) logic [AddressBits-1:0] f_base;
+  always_ff @(posedge clk_i) begin
+    f_ran_q   <= 1'b1;
+    f_asked_q <= {f_asked_q[WriteDelay-1:1], rd_en_i && !rst_i};
+  end
+  always_comb begin
+    assume (rst_i == !f_ran_q);
+    assume (base_i == f_base && f_base % AddressBits'(FBurstBytes) == '0);
+    assume (wr_en_i == f_asked_q[WriteDelay]);
+  end
+
+  (* anyconst *) logic [FBits-1:0] f_burst;  // of rule 4
+
+  // Counts since the frame began (to be read ahead), modulo.
+  logic [AddressBits-1:0] f_ar_q, f_aw_q;          // bursts asked for; bursts begun
+  logic [FBits-1:0]       f_r_q, f_pop_q;          // words come; words taken
+  logic [FBits-1:0]       f_put_q, f_w_q;          // words given; words sent
+  logic [FBits-1:0]       f_last_q, f_b_q;         // bursts sent to their end; answered
+  logic [7:0]             f_beat_q;                // words sent of the burst that is being sent
+  logic [LogDepth:0]      f_short_q;               // words of the short burst, once begun
+  always_ff @(posedge clk_i) begin
+    if (rst_i || clear) {f_ar_q, f_aw_q, f_r_q, f_pop_q, f_put_q, f_w_q, f_last_q, f_b_q, f_beat_q, f_short_q} <= '0;
+    else begin
+      f_ar_q   <= f_ar_q + AddressBits'(ar);
+      f_aw_q   <= f_aw_q + AddressBits'(aw);
+      f_r_q    <= f_r_q + FBits'(r);
+      f_pop_q  <= f_pop_q + FBits'(pop);
+      f_put_q  <= f_put_q + FBits'(put);
+      f_w_q    <= f_w_q + FBits'(w);
+      f_last_q <= f_last_q + FBits'(w && m_axi_wlast_o);
+      f_b_q    <= f_b_q + FBits'(b);
+      if (w) f_beat_q <= m_axi_wlast_o ? 8'd0 : f_beat_q + 8'd1;
+      if (aw && 32'(m_axi_awlen_o) < BurstWords - 1) f_short_q <= burst;
+    end
+  end
+  logic [FBits-1:0] f_coming, f_unsent, f_unanswered, f_ahead, f_on_way, f_whole, f_next, f_left;
+  assign f_coming     = FBits'(f_ar_q) * FBits'(BurstWords) - f_r_q;  // words asked for and not come
+  assign f_ahead      = f_r_q - f_pop_q;                              // words come and not taken
+  assign f_on_way     = f_pop_q - f_put_q;                            // words taken and not given
+  assign f_unsent     = FBits'(f_aw_q) - f_last_q;                    // bursts begun and not sent to their end
+  assign f_unanswered = f_last_q - f_b_q;                             // bursts sent and not answered
+  assign f_whole      = f_last_q * FBits'(BurstWords);                // words of the bursts sent
+  assign f_next       = f_whole + FBits'(f_beat_q);                   // and of the one that is being sent
+  assign f_left       = f_burst - f_last_q;                           // bursts to be sent before that of rule 4
+  // The memory keeps AXI4 too: words only that were asked for, answers only to bursts that are whole.
+  always_comb begin
+    if (f_coming == '0) assume (!m_axi_rvalid_i);
+    if (f_unanswered == '0) assume (!m_axi_bvalid_i);
+  end
+
+  // Rule 1 (AXI4): what is offered stays, unchanged, until it is taken. (What the memory offers is always taken.)
+  always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
+    if ($past(m_axi_arvalid_o && !m_axi_arready_i)) begin
+      assert (m_axi_arvalid_o && $stable(m_axi_araddr_o) && $stable(m_axi_arlen_o));
+    end
+    if ($past(m_axi_awvalid_o && !m_axi_awready_i)) begin
+      assert (m_axi_awvalid_o && $stable(m_axi_awaddr_o) && $stable(m_axi_awlen_o));
+    end
+    if ($past(m_axi_wvalid_o && !m_axi_wready_i)) begin
+      assert (m_axi_wvalid_o && $stable(m_axi_wdata_o) && $stable(m_axi_wlast_o));
+    end
+  end
+
+  // Rule 2 (AXI4): no burst crosses a boundary of 4 KiB, and none is longer than BurstWords.
+  // Rule 3: bursts lie one after another from the base on.
+  logic [AddressBits-1:0] f_ar_end, f_aw_end;  // their last bytes
+  assign f_ar_end = m_axi_araddr_o + (AddressBits'(m_axi_arlen_o) << 4) + AddressBits'(15);
+  assign f_aw_end = m_axi_awaddr_o + (AddressBits'(m_axi_awlen_o) << 4) + AddressBits'(15);
+  always_comb if (f_ran_q && !rst_i) begin
+    if (m_axi_arvalid_o) begin
+      assert (m_axi_araddr_o[AddressBits-1:12] == f_ar_end[AddressBits-1:12] && 32'(m_axi_arlen_o) < BurstWords);
+    end
+    if (m_axi_awvalid_o) begin
+      assert (m_axi_awaddr_o[AddressBits-1:12] == f_aw_end[AddressBits-1:12] && 32'(m_axi_awlen_o) < BurstWords);
+    end
+    assert (m_axi_araddr_o == f_base + f_ar_q * AddressBits'(FBurstBytes));
+    assert (m_axi_awaddr_o == f_base + f_aw_q * AddressBits'(FBurstBytes));
+  end
+
+  // Rule 4 (AXI4): a burst has as many words as its address said, the last of them marked, and none goes before its burst's
+  // address. For any one burst.
+  logic [7:0] f_length_q;
+  always_ff @(posedge clk_i) if (aw && FBits'(f_aw_q) == f_burst) f_length_q <= m_axi_awlen_o;
+  always_comb if (f_ran_q && !rst_i && m_axi_wvalid_o) begin
+    assert (f_unsent != '0);
+    if (f_last_q == f_burst) assert (m_axi_wlast_o == (f_beat_q == f_length_q));
+  end
+
+  // Rule 5: word n of a frame lies at base + 16 n. Reading, because the FIFO hands on in order what comes (sp_fifo) and every
+  // burst read is full; writing, because a burst's first word is the one that its address is for.
+  logic [LogDepth:0] f_behind;
+  assign f_behind = f_behind_written - f_behind_read;
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (f_ahead_written == f_r_q[LogDepth:0] && f_ahead_read == f_pop_q[LogDepth:0]);
+    assert (f_behind == f_put_q[LogDepth:0] - f_w_q[LogDepth:0]);
+    if (r) assert (fifo_ready_unused);
+    if (put) assert (write_ready_unused);
+    if (m_axi_arvalid_o) assert (32'(m_axi_arlen_o) == BurstWords - 1);
+    if (m_axi_wvalid_o && f_beat_q == 8'd0) assert (f_w_q == f_whole);
+  end
+  logic f_ran2_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran2_q <= f_ran_q;
+  always_ff @(posedge clk_i) if (f_ran2_q) begin
+    if ($past(rd_en_i, 2) && !$past(rst_i, 2)) begin
+      assert (rd_late_o == !$past(pop, 2));
+      if (!rd_late_o) assert (rd_data_o == $past(head, 2));
+    end
+  end
+
+  // Rule 6: the next frame is read only when everything of this one is done: no word is to come, what was taken is given, sent and
+  // answered.
+  always_comb if (f_ran_q && !rst_i && clear) begin
+    assert (f_coming == '0 && f_pop_q == f_put_q && f_put_q == f_w_q && f_unsent == '0 && f_unanswered == '0);
+    assert (!m_axi_arvalid_o && !m_axi_awvalid_o && !m_axi_wvalid_o && !put);
+  end
+
+  // What the rules lean on: the registers say what they are said to.
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (32'(outstanding_q) == 32'(f_coming) && 32'(reserved_q) == 32'(f_coming) + 32'(f_ahead));
+    assert (32'(reserved_q) + (m_axi_arvalid_o ? BurstWords : 0) <= Depth);
+    assert (FBits'(level_q) == f_put_q - f_w_q && f_on_way == FBits'($countones(ok_q)));
+    assert ((ok_q & ~f_asked_q) == '0);
+    assert (32'(level_q) + $countones(ok_q) <= Depth - WriteDelay + 1);
+    assert (32'(level_q) == 32'(unannounced_q) + 32'(announced_q));
+    assert (32'(bursts_q) == 32'(f_unsent) + 32'(f_unanswered));
+    if (m_axi_awvalid_o) begin
+      assert (!(&bursts_q) && 32'(burst) <= 32'(unannounced_q) && burst != '0);
+      if (32'(burst) != BurstWords) assert (burst == unannounced_q && draining_q && settle_q == '0);
+    end
+    // Words of the bursts begun: all of them full but for a short one, the last.
+    assert (32'(f_beat_q) < BurstWords && 32'(left_q) == BurstWords - 1 - 32'(f_beat_q));
+    if (f_unsent == '0) assert (announced_q == '0 && f_beat_q == 8'd0);
+    else if (f_short_q == '0) assert (32'(announced_q) == 32'(f_unsent) * BurstWords - 32'(f_beat_q));
+    else assert (32'(announced_q) == (32'(f_unsent) - 1) * BurstWords + 32'(f_short_q) - 32'(f_beat_q));
+    if (announced_q == '0) assert (f_unsent == '0);
+    if (f_short_q != '0) begin
+      assert (unannounced_q == '0 && !m_axi_awvalid_o && draining_q && settle_q == '0 && 32'(f_short_q) < BurstWords);
+    end
+    if (f_short_q == '0 || f_unsent != '0) assert (f_w_q == f_next);
+    if (f_left < f_unsent) begin
+      assert (32'(f_length_q) == (f_short_q != '0 && 32'(f_left) + 1 == 32'(f_unsent) ? 32'(f_short_q) : BurstWords) - 1);
+    end
+    // After a frame nothing is taken any more, and what was taken comes in time.
+    assert (draining_q || settle_q == '0);
+    assert (!(draining_q && fresh_q));
+    if (draining_q) begin
+      assert (32'(settle_q) <= WriteDelay + 2);
+      for (int i = 1; i <= WriteDelay; i++) if (ok_q[i]) assert (32'(settle_q) + i > WriteDelay + 2);
+    end
+  end
+
+  // Reached: a short burst after a full one, sent and answered; words that come too late, for want of words and for want of places.
+  always_comb if (f_ran_q && !rst_i) begin
+    cover (clear && f_short_q != '0 && f_aw_q == AddressBits'(2));
+    cover (rd_en_i && !rd_first_i && frame_ok_q && !head_valid && !draining_q);
+    cover (rd_en_i && !rd_first_i && frame_ok_q && head_valid && !room);
+  end
+`endif
 
 endmodule
 

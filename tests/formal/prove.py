@@ -58,6 +58,8 @@ PROOFS = [
     Proof("gray_lane", "sp_gray_lane", (), "induction", 5, 8),
     Proof("gray_sequence", "sp_gray_sequence", (), "induction", 3, 16),
     Proof("axil_bridge", "sp_axil_bridge", ("AddressBits=2", "TimeoutBits=2"), "induction", 3, 36, clocks=2),
+    Proof("gray_axi_memory", "sp_gray_axi_memory", ("Width=1", "AddressBits=13", "LogDepth=4", "BurstWords=4"),
+          "induction", 3, 24),
     Proof("packetizer", "sp_packetizer", ("ColumnBits=4", "RowBits=2", "PayloadBits=3", "LogDepth=4"), "induction", 2, 40),
     Proof("packet_fifo", "sp_packet_fifo", ("Width=1", "LogDepth=1"), "bounded", 16, 24, clocks=2),
     Proof("column_moments_binary", "sp_column_moments", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 16, 20),
@@ -100,6 +102,14 @@ FAULTS = [
           "assign enough   = pairs_up == bits_i;", "assign enough   = pairs_up + 4'd1 >= bits_i;", 12),
     Fault("gray_sequence/cast_of_yosys", "gray_sequence", "gray/sp_gray_sequence.sv",
           "~({MaxBits{1'b1}} << bits_i)", "~(~MaxBits'(0) << bits_i)", 6),
+    Fault("gray_axi_memory/address_changes", "gray_axi_memory", "gray/sp_gray_axi_memory.sv",
+          "if (ar) m_axi_araddr_o <=", "if (m_axi_arvalid_o) m_axi_araddr_o <=", 8),
+    Fault("gray_axi_memory/short_burst_unmarked", "gray_axi_memory", "gray/sp_gray_axi_memory.sv",
+          "assign m_axi_wlast_o  = left_q == '0 ||", "assign m_axi_wlast_o  = left_q == '0 || 1'b0 &&"),
+    Fault("gray_axi_memory/reads_before_answers", "gray_axi_memory", "gray/sp_gray_axi_memory.sv",
+          "level_q == '0 && bursts_q == '0 &&", "level_q == '0 &&"),
+    Fault("gray_axi_memory/more_bursts_than_counted", "gray_axi_memory", "gray/sp_gray_axi_memory.sv",
+          "|| part) && !(&bursts_q);", "|| part);"),
     Fault("column_moments_binary/row_off_by_one", "column_moments_binary", "moments/sp_moment_sums.sv",
           "s1_row_q     <= row_i;", "s1_row_q     <= row_i - RowBits'(1);", 12),
     Fault("column_moments_binary/no_forward", "column_moments_binary", "moments/sp_moment_sums.sv",
@@ -127,7 +137,8 @@ def write_smt2(proof, rtl, folder):
     path = folder / f"{proof.name}.smt2"
     two_clocks = "clk2fflogic;" if proof.clocks == 2 else ""
     read = rtl_tree.read_command(proof.module, proof.parameters, rtl, [ROOT / "tests/formal/sp_formal_clocks.sv"], formal=True)
-    script = (read + f"prep -nordff -flatten -top {proof.module}; memory_map; {two_clocks} opt -full; dffunmap; "
+    script = (read + f"hierarchy -check -top {proof.module}; proc; chformal -cover -remove A:top %n; "
+              f"prep -nordff -flatten; memory_map; {two_clocks} opt -full; dffunmap; "
               + f"write_smt2 -wires {path}")
     result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
     if result.returncode != 0 or not path.exists():

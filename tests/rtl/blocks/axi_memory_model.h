@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <vector>
@@ -20,12 +21,16 @@ class AxiMemory {
   std::uint64_t base = 0;  // the address of its first word
   int stall_percent = 0;   // clocks in which a channel is not ready, or gives nothing
   int latency = 1;         // clocks from a read's address to its first word, and from a burst's last word to its answer
+  int answer_latency = 0;  // the latter, where it is another
+  int write_pause = 0;     // after every write's address none is taken for so many clocks
+
+  std::size_t most_unanswered = 0;  // bursts written and not answered
 
   // Before the clock's edge: what the memory drives in this clock. `dut` has the ports of sp_gray_axi_memory.
   template <typename Dut>
   void drive(Dut& dut, std::int64_t now) {
     dut.m_axi_arready_i = !stalls();
-    dut.m_axi_awready_i = !stalls();
+    dut.m_axi_awready_i = now >= aw_from_ && !stalls();
     dut.m_axi_wready_i = !stalls();
     dut.m_axi_rvalid_i = !reads_.empty() && reads_.front().from <= now && (offered_r_ || !stalls());
     offered_r_ = dut.m_axi_rvalid_i != 0;  // what was offered stays
@@ -63,8 +68,13 @@ class AxiMemory {
     }
     if (dut.m_axi_bvalid_i != 0 && dut.m_axi_bready_o != 0) {
       answers_.pop_front();
+      unanswered_.pop_front();
     }
     if (dut.m_axi_arvalid_o != 0 && dut.m_axi_arready_i != 0) {
+      // A memory may answer reads before writes: who wants the new word waits for the write's answer.
+      for (const std::uint64_t burst : unanswered_) {
+        ASSERT_NE(dut.m_axi_araddr_o, burst) << "read before its write was answered, clock " << now;
+      }
       for (std::uint32_t i = 0; i <= dut.m_axi_arlen_o; ++i) {
         reads_.push_back({(dut.m_axi_araddr_o - base) / 16U + i, now + latency});
       }
@@ -75,13 +85,16 @@ class AxiMemory {
       for (std::uint32_t i = 0; i <= dut.m_axi_awlen_o; ++i) {
         writes_.push_back({(dut.m_axi_awaddr_o - base) / 16U + i, i == dut.m_axi_awlen_o});
       }
+      unanswered_.push_back(dut.m_axi_awaddr_o);
+      most_unanswered = std::max(most_unanswered, unanswered_.size());
+      aw_from_ = now + 1 + write_pause;
     }
     if (dut.m_axi_wvalid_o != 0 && dut.m_axi_wready_i != 0) {
       ASSERT_FALSE(writes_.empty()) << "a word before its address, clock " << now;
       ASSERT_EQ(dut.m_axi_wlast_o != 0, writes_.front().last) << "clock " << now;
       words_.at(writes_.front().at) = word128(dut.m_axi_wdata_o);
       if (writes_.front().last) {
-        answers_.push_back(now + latency);
+        answers_.push_back(now + (answer_latency != 0 ? answer_latency : latency));
       }
       writes_.pop_front();
     }
@@ -104,6 +117,8 @@ class AxiMemory {
   std::deque<Read> reads_;
   std::deque<Write> writes_;
   std::deque<std::int64_t> answers_;
+  std::deque<std::uint64_t> unanswered_;  // addresses of bursts
+  std::int64_t aw_from_ = 0;
   bool offered_r_ = false;
   bool waiting_ar_ = false;
   bool waiting_aw_ = false;

@@ -40,8 +40,8 @@ class GrayAxiBench {
     for (const char* port : {"m_axi_wdata_o", "m_axi_wlast_o"}) {
       port_.valid_when(port, [this] { return port_->m_axi_wvalid_o != 0; });
     }
-    // anywhere, but for the end of the addresses: it reads ahead
-    memory_.base = 0x1000U * static_cast<std::uint64_t>(random.between(1, 0xF'FFE0));
+    // anywhere a burst may begin, but for the end of the addresses: it reads ahead
+    memory_.base = 0x100U * static_cast<std::uint64_t>(random.between(1, 0xFF'FE00));
     port_->base_i = static_cast<IData>(memory_.base);
     port_->rd_en_i = 0;
     port_->wr_en_i = 0;

@@ -3,9 +3,15 @@
 // out.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <vector>
 
+#include "tests/rtl/blocks/axi_memory_model.h"
+#include "tests/rtl/blocks/clocked.h"
 #include "tests/rtl/blocks/gray_axi_bench.h"
 #include "tests/support/random_cases.h"
 
@@ -58,6 +64,116 @@ TEST(GrayAxiMemory, LatencyAndStalls) {
   if (runs_all_cases()) {
     EXPECT_GT(counts.pixels, 50'000U) << "too little was decoded";
     EXPECT_GT(counts.lates, counts.frames / 20) << "too little came too late";
+  }
+}
+
+// The port by itself, with frames larger than those of the decoder beside it: a word is asked for in every clock, and
+// written back, another one, five clocks later.
+class WordsBench {
+ public:
+  explicit WordsBench(Random& random) : random_(random), memory_(random, kMemoryWords) {
+    memory_.base = 0xABCD'EF00;
+    port_->base_i = static_cast<IData>(memory_.base);
+    port_->rd_en_i = 0;
+    port_->wr_en_i = 0;
+    port_->end_i = 0;
+    port_->m_axi_rvalid_i = 0;
+    port_->m_axi_bvalid_i = 0;
+    port_.reset();
+  }
+
+  AxiMemory& memory() { return memory_; }
+
+  // Words of the frame that came in time, from its first on.
+  std::size_t frame(std::size_t words) {
+    stored_.resize(std::max(stored_.size(), words));
+    std::size_t in_time = 0;
+    bool lost = false;
+    std::vector<Word128> given;
+    for (std::size_t i = 0; i < words + kWriteDelay; ++i) {
+      port_->rd_en_i = i < words;
+      port_->rd_first_i = i == 0;
+      port_->wr_en_i = i >= kWriteDelay;
+      given.push_back({static_cast<std::uint32_t>(random_.bits()), static_cast<std::uint32_t>(random_.bits()),
+                       static_cast<std::uint32_t>(random_.bits()), static_cast<std::uint32_t>(random_.bits())});
+      set128(port_->wr_data_i, i >= kWriteDelay ? given[i - kWriteDelay] : given[i]);
+      port_->end_i = i + 1 == words + kWriteDelay;
+      memory_.drive(port_.dut(), port_.clock());
+      port_.settle();
+      if (i >= 2 && i < words + 2) {
+        const std::size_t word = i - 2;
+        if (port_->rd_late_o != 0) {
+          lost = true;
+        } else {
+          EXPECT_FALSE(lost) << "a word of a frame whose words came too late";
+          if (known_ > word) {
+            EXPECT_EQ(word128(port_->rd_data_o), stored_[word]) << "word " << word;
+          }
+          ++in_time;
+        }
+      }
+      edge();
+    }
+    port_->wr_en_i = 0;
+    port_->end_i = 0;
+    for (std::size_t i = 0; i < in_time; ++i) {
+      stored_[i] = given[i];
+    }
+    known_ = std::max(known_, in_time);
+    return in_time;
+  }
+
+  void idle(int clocks) {
+    for (int i = 0; i < clocks && !::testing::Test::HasFatalFailure(); ++i) {
+      memory_.drive(port_.dut(), port_.clock());
+      port_.settle();
+      edge();
+    }
+  }
+
+ private:
+  static constexpr std::size_t kWriteDelay = 5;
+
+  void edge() {
+    memory_.edge(port_.dut(), port_.clock());
+    port_.rise();
+  }
+
+  Random& random_;
+  Clocked<Vsp_gray_axi_memory> port_;
+  AxiMemory memory_;
+  std::vector<Word128> stored_;  // what the frames wrote
+  std::size_t known_ = 0;        // of it, from the first word on
+};
+
+// However many bursts are on their way, the next frame's words are read only when all are answered; a frame with more
+// of them than are counted (127) is given up.
+TEST(GrayAxiMemory, AnswersThatTakeLong) {
+  Random random(3);
+  WordsBench bench(random);
+  bench.memory().answer_latency = 3000;
+  for (const std::size_t words : {100U, 1900U, 2500U, 1900U, 2030U}) {
+    bench.idle(6500);
+    const std::size_t in_time = bench.frame(words);
+    EXPECT_GE(in_time, std::min<std::size_t>(words, 127 * 16));
+    EXPECT_LT(in_time, 128 * 16 + 64);
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_EQ(bench.memory().most_unanswered, 127U);
+}
+
+// A memory that takes few write addresses: words wait until there is no place for more, and the frame is given up.
+TEST(GrayAxiMemory, WritesThatAreRefused) {
+  Random random(4);
+  WordsBench bench(random);
+  bench.memory().write_pause = 400;
+  bench.idle(100);
+  for (const std::size_t words : {40U, 250U, 61U, 100U}) {
+    const std::size_t in_time = bench.frame(words);
+    EXPECT_LE(in_time, 120U);
+    EXPECT_GE(in_time, std::min<std::size_t>(words, 50));
+    bench.idle(4000);
+    ASSERT_FALSE(HasFailure());
   }
 }
 
