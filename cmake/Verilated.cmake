@@ -1,4 +1,4 @@
-# selfproj_verilate(TARGET TOP module PREFIX name [TRACE] [UNCOUNTED] [CLOCKS port...] [PARAMETERS Name=Value...])
+# selfproj_verilate(TARGET TOP module PREFIX name [TRACE] [UNCOUNTED] [OPEN file] [CLOCKS port...] [PARAMETERS Name=Value...])
 #
 # Adds the Verilated model of an RTL module to the library TARGET, as class `name` (header name.h). All of rtl/ is given to
 # Verilator, the package first; what the top does not instantiate is left out. Every model of a program belongs into one
@@ -6,6 +6,8 @@
 #
 # With CLOCKS, the ports that are clocks, the model is one that clocks.h (sim/device) steps: it gets rise(), and its code
 # that runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer instructions).
+#
+# With OPEN, a configuration file of Verilator's, the registers that it makes public can be set through VPI (settle() of clocks.h).
 #
 # With UNCOUNTED the model counts no coverage, also where SELFPROJ_COVERAGE is set: others count what it holds.
 find_package(verilator REQUIRED HINTS $ENV{VERILATOR_ROOT})
@@ -18,7 +20,7 @@ list(REMOVE_ITEM SELFPROJ_RTL "${PROJECT_SOURCE_DIR}/rtl/common/sp_spec_pkg.sv")
 list(PREPEND SELFPROJ_RTL "${PROJECT_SOURCE_DIR}/rtl/common/sp_spec_pkg.sv")
 
 function(selfproj_verilate target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "TRACE;UNCOUNTED" "TOP;PREFIX" "CLOCKS;PARAMETERS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "TRACE;UNCOUNTED" "TOP;PREFIX;OPEN" "CLOCKS;PARAMETERS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_TOP OR NOT arg_PREFIX)
     message(FATAL_ERROR "selfproj_verilate(${target}): TOP or PREFIX missing, or unknown: ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -27,6 +29,9 @@ function(selfproj_verilate target)
   foreach(parameter IN LISTS arg_PARAMETERS)
     list(APPEND options "-G${parameter}")
   endforeach()
+  if(arg_OPEN)
+    list(APPEND options --vpi "${arg_OPEN}")
+  endif()
   # The model is always built for speed: an unoptimized one is ten times slower, and there is nothing to step through. Its
   # scattered bits are no vectors: gathering them costs more than it saves. One that counts is built once for one run, and
   # the function that names its thousands of points takes minutes with any optimization.
@@ -118,7 +123,12 @@ function(selfproj_verilated_clocks target prefix waveforms counted optimization)
 #include \"${prefix}.h\"
 #include \"${prefix}___024root.h\"
 ${includes}
+void ${prefix}___024root___eval_settle(${prefix}___024root* vlSelf);
 namespace selfproj {
+template <>
+void settle<${prefix}>(${prefix} & model) {
+  ${prefix}___024root___eval_settle(model.rootp);
+}
 template <>
 void rise<${prefix}>(${prefix} & model) {
   ${prefix}___024root* root = model.rootp;

@@ -22,6 +22,10 @@ namespace selfproj {
 template <class Model>
 void rise(Model& model);
 
+// After registers were set from outside, between two edges: all logic behind them follows. Defined for the same models.
+template <class Model>
+void settle(Model& model);
+
 // The board's two unrelated clocks: periods in ps, and by how much the bus clock's first edge is later than one period.
 class BoardClocks {
  public:

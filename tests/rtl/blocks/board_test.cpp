@@ -98,7 +98,8 @@ class Bench {
 
   std::vector<std::uint8_t> received;
   bool video_stands = false;  // no edges of the video clock
-  int encoder_step = 1;       // of the belt: 1, or -1 where it runs back
+  int encoder_step = 1;       // of the belt: 1, or -1 where it runs back; 2 where both lines jump
+  int encoder_percent = 10;   // share of the clocks in which it goes on
 
   // The answer of the last access was an error.
   bool refused() const { return refused_; }
@@ -117,7 +118,7 @@ class Bench {
         board_->s_axis_tlast = beat.last;
         video_.pop_front();
       }
-      if (random_.chance(10)) {  // the belt runs on
+      if (random_.chance(encoder_percent)) {  // the belt runs on
         encoder_ = (encoder_ + encoder_step) & 3;
         board_->encoder_a_i = encoder_ == 1 || encoder_ == 2;
         board_->encoder_b_i = encoder_ >= 2;
@@ -261,8 +262,16 @@ TEST(BoardSmall, RegistersBitByBit) {
   }
   bench.write(spec::kRegId, 0xFFFF'FFFF);
   EXPECT_TRUE(bench.refused());
-  bench.read(0xFC);
-  EXPECT_TRUE(bench.refused());
+  // No register, one that is only read, and addresses between two.
+  for (const std::uint32_t address :
+       {0xFCU, 0x80U, spec::kRegFrames, spec::kRegLostMoments, spec::kRegTimeout + 1, spec::kRegTimeout + 2}) {
+    bench.write(address, 9);
+    EXPECT_TRUE(bench.refused()) << std::hex << address;
+  }
+  for (const std::uint32_t address : {0xFCU, 0x80U, spec::kRegId + 1, spec::kRegId + 2, spec::kRegId + 3}) {
+    bench.read(address);
+    EXPECT_TRUE(bench.refused()) << std::hex << address;
+  }
   EXPECT_EQ(bench.read(spec::kRegId), spec::kMagic);
   EXPECT_FALSE(bench.refused());
   bench.video_stands = true;
@@ -297,6 +306,29 @@ TEST(BoardSmall, EncoderRunsBack) {
       ASSERT_FALSE(::testing::Test::HasFailure());
     }
   }
+}
+
+// Lines that jump are counted as errors, up to the last bit of that count, and move nothing.
+TEST(BoardSmall, EncoderErrorsWrap) {
+  Random random(5);
+  Bench<Vsp_board_small> bench(random, {1000, 1000, 500});
+  bench.encoder_percent = 0;
+  const std::uint32_t count = bench.read(spec::kRegEncoder);
+  bench.encoder_step = 2;
+  const auto jump = [&] {
+    bench.encoder_percent = 100;
+    bench.run(2);  // edges: one of each clock
+    bench.encoder_percent = 0;
+    bench.run(8);
+  };
+  for (std::uint32_t jumps = 0; jumps < 0x1'0004; ++jumps) {
+    if (jumps % 0x1000 < 4) {
+      bench.run(20);
+      ASSERT_EQ(bench.read(spec::kRegEncoderErrors), jumps & 0xFFFFU);
+    }
+    jump();
+  }
+  EXPECT_EQ(bench.read(spec::kRegEncoder), count);
 }
 
 TEST(BoardSmall, FramesRegistersAndStalls) { small_frames<Vsp_board_small>(true, true); }

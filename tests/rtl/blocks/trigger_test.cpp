@@ -138,12 +138,34 @@ TEST(Trigger, RandomSettingsAndRuns) {
   }
 }
 
-// The longest settings: no counter is cut short. One period and a half of 2^24 - 1 clocks would take long; the counters
-// count down, so that a period above 2^16 shows that upper bits count.
+// No counter is cut short: long pulses, and the longest period that there is.
 TEST(Trigger, LongPeriods) {
   Random random(1);
   Bench bench;
   bench.run({1, 70001, 69000, 65535}, 200000, random);
+}
+TEST(Trigger, LongestPeriod) {
+  constexpr int kPeriod = 0xFF'FFFF;
+  constexpr int kCamera = 0xAA'AAAA;
+  Bench bench;
+  bench.set({.last_pattern = 1, .period = kPeriod, .camera = kCamera, .width = 1});
+  auto& trigger = bench.trigger();
+  trigger->run_i = 1;
+  const std::int64_t begin = trigger.clock();
+  std::vector<std::int64_t> projector;
+  std::vector<std::int64_t> camera;
+  while (trigger.clock() < begin + kPeriod + 10) {
+    trigger.settle();
+    if (trigger->projector_o != 0) {
+      projector.push_back(trigger.clock() - begin);
+    }
+    if (trigger->camera_o != 0) {
+      camera.push_back(trigger.clock() - begin);
+    }
+    trigger.rise();
+  }
+  EXPECT_EQ(projector, (std::vector<std::int64_t>{3, kPeriod + 3}));
+  EXPECT_EQ(camera, (std::vector<std::int64_t>{kCamera + 3}));
 }
 
 // Without pulses: each frame start advances the index; the first frame has index 0.

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 
 #include "Vboard_codes.h"
 #include "Vboard_codes_raw.h"
 #include "tests/rtl/board/frames.h"
+#include "tests/rtl/board/random_codes.h"
 #include "tests/rtl/board/scoreboard.h"
 #include "tests/support/random_cases.h"
 
@@ -17,74 +17,6 @@ namespace selfproj::test {
 namespace {
 
 constexpr std::uint8_t kCodes = spec::kKindCodes;
-constexpr int kMaxColumns = 64;
-constexpr int kMaxRows = 40;
-
-struct CodeCounts {
-  std::uint64_t frames = 0;
-  std::uint64_t delivered = 0;  // lines of codes
-  std::uint64_t lost = 0;
-  std::uint64_t abandoned = 0;
-  std::map<std::uint32_t, std::uint64_t> by_status;
-};
-
-// Sequences of frames of random size, m and content, whose settings change; with gaps or without, faults, and stalls on
-// the bus. Every packet of every kind is compared with the model's; what is missing must be counted.
-template <class Model>
-void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percent, CodeCounts& counts) {
-  Random random(seed);
-  Scoreboard<Model> board({.seed = seed,
-                           .video_period_ps = static_cast<std::uint64_t>(random.between(5000, 9000)),
-                           .bus_period_ps = static_cast<std::uint64_t>(random.between(3000, 12000)),
-                           .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000))},
-                          full_build);
-  const int bits = random.between(1, 3);
-  board.count_patterns_on_frames(2 * bits - 1);
-  BoardSettings settings;
-  for (int change = 0; change < 40 && !::testing::Test::HasFailure(); ++change) {
-    if (change == 0 || random.chance(60)) {
-      settings.columns = 4 * random.between(1, random.chance(50) ? 6 : kMaxColumns / 4);
-      settings.rows = random.between(1, random.chance(60) ? 4 : kMaxRows / 4);
-    }
-    settings.image = full_build && random.chance(30);
-    settings.mode = full_build ? static_cast<Mode>(random.between(0, 2)) : Mode::binary;
-    settings.threshold = random.between(0, 255);
-    settings.stream = random.between(0, 255);
-    settings.timeout = random.chance(70) ? 0 : random.between(20, 200);
-    settings.codes = random.chance(95);
-    settings.median = full_build && random.chance(60);
-    settings.code_bits = random.chance(90) ? bits : random.between(1, 8);
-    settings.code_threshold = random.between(0, 60);
-    board.write(settings);
-    board.device().set_video_gap_percent(random.chance(40) ? 0 : random.between(0, 60));
-    board.device().set_bus_stall_percent(random.chance(60) ? 0 : random.between(0, 95));
-    const bool spaced = random.chance(70);
-    for (int i = random.between(1, 20); i > 0; --i) {
-      const TestImage image = random_image(random, settings.rows, settings.columns);
-      const Fault fault =
-          random.chance(fault_percent) ? static_cast<Fault>(random.between(0, kFaults - 1)) : Fault::none;
-      for (const VideoBeat& beat : with_fault(lines_of(image), fault, random.between(0, settings.rows - 1),
-                                              random.between(0, settings.columns / 4 - 1))) {
-        board.device().send(beat);
-        if (fault_percent != 0 && random.chance(1)) {
-          board.device().gap(static_cast<std::uint32_t>(random.between(1, 250)));
-        }
-      }
-      if (spaced) {
-        board.device().gap(static_cast<std::uint32_t>(random.between(0, random.chance(50) ? 12 : 120)));
-      }
-    }
-    board.play();
-  }
-  board.finish();
-  counts.frames += board.model().frames();
-  counts.delivered += board.delivered(kCodes);
-  counts.lost += board.lost(kCodes);
-  counts.abandoned += board.model().abandoned();
-  for (const auto& [status, count] : board.by_status()) {
-    counts.by_status[status] += count;
-  }
-}
 
 template <class Model>
 void play_all(int cases, bool full_build, int fault_percent) {

@@ -20,6 +20,16 @@
 
 namespace selfproj::test {
 
+// What the board's counters have counted before a run.
+struct BoardCounts {
+  std::uint64_t clocks = 0;
+  std::uint64_t frames = 0;
+  std::uint32_t broken = 0;
+  std::uint32_t stray = 0;
+  std::uint32_t abandoned = 0;
+  std::map<std::uint8_t, std::uint32_t> lost;  // of each kind
+};
+
 template <class Model>
 class Scoreboard {
  public:
@@ -47,8 +57,13 @@ class Scoreboard {
     model_.write(settings);
   }
 
+  // The board's counters stand so much higher than the model's. Before the first frame.
+  void counted_before(BoardCounts counts) { before_ = std::move(counts); }
+  [[nodiscard]] const BoardCounts& counted_before() const { return before_; }
+
   // Both forget everything, in the middle of whatever they were doing.
   void reset() {
+    before_ = {};
     device_.reset();
     model_ = BoardModel([this](BoardPacket&& packet) { expect(std::move(packet)); }, median_built_);
     streams_.clear();
@@ -73,8 +88,12 @@ class Scoreboard {
                                                                  << spec::kRegTriggerControlLastPatternLsb);
   }
 
-  // The encoder turns one step every so many clocks (at least 4), in changing directions; 0 stops it.
-  void turn_encoder(int clocks_a_step) { encoder_period_ = clocks_a_step; }
+  // The encoder turns one step every so many clocks (at least 4), in changing directions, first forward or back; 0
+  // stops it.
+  void turn_encoder(int clocks_a_step, bool back = false) {
+    encoder_period_ = clocks_a_step;
+    encoder_back_ = back;
+  }
 
   // All that was sent is out; what has not come was lost, and the counters of the board say so.
   void finish() {
@@ -84,15 +103,15 @@ class Scoreboard {
       stream.lost += static_cast<std::uint32_t>(stream.expected.size());
       stream.expected.clear();
     }
-    EXPECT_EQ(device_.read(spec::kRegLostMoments), streams_[spec::kKindMoments].lost);
-    EXPECT_EQ(device_.read(spec::kRegLostImage), streams_[spec::kKindImage].lost);
+    EXPECT_EQ(device_.read(spec::kRegLostMoments), lost_in_all(spec::kKindMoments));
+    EXPECT_EQ(device_.read(spec::kRegLostImage), lost_in_all(spec::kKindImage));
     if ((device_.read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0) {
-      EXPECT_EQ(device_.read(spec::kRegLostCodes), streams_[spec::kKindCodes].lost);
-      EXPECT_EQ(device_.read(spec::kRegAbandoned), static_cast<std::uint32_t>(model_.abandoned()));
+      EXPECT_EQ(device_.read(spec::kRegLostCodes), lost_in_all(spec::kKindCodes));
+      EXPECT_EQ(device_.read(spec::kRegAbandoned), before_.abandoned + static_cast<std::uint32_t>(model_.abandoned()));
     }
-    EXPECT_EQ(device_.read(spec::kRegFrames), static_cast<std::uint32_t>(model_.frames()));
-    EXPECT_EQ(device_.read(spec::kRegBroken), static_cast<std::uint32_t>(model_.broken()));
-    EXPECT_EQ(device_.read(spec::kRegStray), static_cast<std::uint32_t>(model_.stray()));
+    EXPECT_EQ(device_.read(spec::kRegFrames), static_cast<std::uint32_t>(before_.frames + model_.frames()));
+    EXPECT_EQ(device_.read(spec::kRegBroken), before_.broken + static_cast<std::uint32_t>(model_.broken()));
+    EXPECT_EQ(device_.read(spec::kRegStray), before_.stray + static_cast<std::uint32_t>(model_.stray()));
     EXPECT_EQ(device_.read(spec::kRegEncoder), encoder_);
     EXPECT_EQ(device_.read(spec::kRegEncoderErrors), 0U);
   }
@@ -114,7 +133,14 @@ class Scoreboard {
     std::uint32_t last_status = 0;
   };
 
-  void expect(BoardPacket&& packet) { streams_[packet.header.kind].expected.push_back(std::move(packet)); }
+  void expect(BoardPacket&& packet) {
+    packet.header.sequence += before_.frames;
+    packet.header.time_stamp += before_.clocks;
+    streams_[packet.header.kind].expected.push_back(std::move(packet));
+  }
+
+  // As the board counts it: with what was lost before the run.
+  [[nodiscard]] std::uint32_t lost_in_all(std::uint8_t kind) { return before_.lost[kind] + streams_[kind].lost; }
 
   void before_clock(std::uint64_t clock) {
     if (clock != 0) {
@@ -124,8 +150,8 @@ class Scoreboard {
     if (encoder_period_ == 0 || clock < 16 || clock % static_cast<std::uint64_t>(encoder_period_) != 0) {
       return;
     }
-    // Forward for 100 steps, back for 37.
-    const bool forward = encoder_steps_++ % 137 < 100;
+    // 100 steps in one direction, 37 in the other.
+    const bool forward = (encoder_steps_++ % 137 < 100) != encoder_back_;
     encoder_phase_ = (encoder_phase_ + (forward ? 1U : 3U)) % 4U;
     encoder_ += forward ? 1U : ~0U;
     constexpr std::array<std::pair<bool, bool>, 4> kLines = {
@@ -150,7 +176,7 @@ class Scoreboard {
                                           << view.header.first_line << " was not to be expected";
     BoardPacket packet = std::move(stream.expected.front());
     stream.expected.pop_front();
-    packet.header.lost = stream.lost;
+    packet.header.lost = lost_in_all(view.header.kind);
     want_.clear();
     append_packet(packet.header, packet.payload, packet.status, want_);
     if (!std::equal(want_.begin(), want_.end(), bytes.begin(), bytes.end())) {
@@ -158,7 +184,8 @@ class Scoreboard {
       FAIL() << "frame " << view.header.sequence << " (" << view.header.columns << " x " << view.header.rows
              << ", mode " << int{view.header.mode} << "), kind " << int{view.header.kind} << ", status " << view.status
              << " expected " << packet.status << ", size " << bytes.size() << " expected " << want_.size()
-             << ": first difference at byte " << at << "; lost " << view.header.lost << " expected " << stream.lost;
+             << ": first difference at byte " << at << "; lost " << view.header.lost << " expected "
+             << packet.header.lost;
     }
     ++stream.delivered;
     stream.last_header = view.header;
@@ -178,7 +205,9 @@ class Scoreboard {
   bool on_frame_ = false;
   std::uint16_t pattern_ = 0;
   std::uint16_t last_pattern_ = 0;
+  BoardCounts before_;
   int encoder_period_ = 0;
+  bool encoder_back_ = false;
   std::uint64_t encoder_steps_ = 0;
   unsigned encoder_phase_ = 0;
   std::uint32_t encoder_ = 0;

@@ -1,0 +1,128 @@
+// The board after days: its counters are set to what they count by then, and everything they go into, headers and
+// registers, is compared with the model as in every other test, while they carry into their upper bits and wrap.
+#include <gtest/gtest.h>
+#include <verilated_vpi.h>
+
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include "Vboard_codes.h"
+#include "sim/device/clocks.h"
+#include "tests/rtl/board/random_codes.h"
+#include "tests/rtl/board/scoreboard.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+// A register of the board that sim/device/counters.vlt makes public.
+class Register {
+ public:
+  explicit Register(std::string name) : handle_(vpi_handle_by_name(name.data(), nullptr)) {
+    if (handle_ == nullptr) {
+      throw std::runtime_error("no register " + name);
+    }
+  }
+  Register(const Register&) = delete;
+  Register& operator=(const Register&) = delete;
+  ~Register() { vpi_release_handle(handle_); }
+
+  [[nodiscard]] std::uint32_t get() const {
+    s_vpi_value value{};
+    value.format = vpiIntVal;
+    vpi_get_value(handle_, &value);
+    return static_cast<std::uint32_t>(value.value.integer);
+  }
+  void set(std::uint32_t number) {
+    s_vpi_value value{};
+    value.format = vpiIntVal;
+    value.value.integer = static_cast<PLI_INT32>(number);
+    vpi_put_value(handle_, &value, nullptr, vpiNoDelay);
+  }
+
+ private:
+  vpiHandle handle_;
+};
+
+// An sp_counter of 16 * `chains` bits counts so much more, in the state in which counting would have left it.
+void count(const std::string& counter, int chains, std::uint64_t more) {
+  // gen_chain[k], in Verilator's spelling
+  const auto chain = [&](int k) { return counter + ".gen_chain__BRA__" + std::to_string(k) + "__KET__"; };
+  std::uint64_t value = Register(counter + ".low_q").get();
+  for (int k = 1; k < chains; ++k) {
+    value |= std::uint64_t{Register(chain(k) + ".chain_q").get()} << (16 * k);
+  }
+  value += more;
+  const auto part = [&](int k) { return static_cast<std::uint32_t>(value >> (16 * k) & 0xFFFFU); };
+  Register(counter + ".low_q").set(part(0));
+  Register(counter + ".next_q").set((part(0) + 1) & 0xFFFFU);
+  Register(counter + ".low_full_q").set(part(0) == 0xFFFFU ? 1 : 0);
+  for (int k = 1; k < chains; ++k) {
+    Register(chain(k) + ".chain_q").set(part(k));
+    Register(chain(k) + ".full_q").set(part(k) == 0xFFFFU ? 1 : 0);
+  }
+}
+
+void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
+  Vboard_codes& model = board.device().model();
+  Verilated::threadContextp(model.contextp());
+  const std::string top = "TOP.sp_board.";
+  count(top + "u_info.u_time", 4, counts.clocks);
+  count(top + "u_info.u_sequence", 4, counts.frames);
+  count(top + "u_info.u_frames", 2, counts.frames);
+  count(top + "u_tracker.u_broken", 2, counts.broken);
+  count(top + "u_tracker.u_stray", 2, counts.stray);
+  count(top + "u_moments_path.u_packetizer.u_lost", 2, counts.lost.at(spec::kKindMoments));
+  count(top + "gen_image.u_image_path.u_packetizer.u_lost", 2, counts.lost.at(spec::kKindImage));
+  count(top + "gen_codes.u_codes_path.u_packetizer.u_lost", 2, counts.lost.at(spec::kKindCodes));
+  Register abandoned(top + "gen_codes.u_codes_path.u_core.u_decoder.abandoned_o");
+  abandoned.set(abandoned.get() + counts.abandoned);
+  settle(model);
+  board.counted_before(counts);
+}
+
+// The time in the registers is that of the headers, six clocks behind.
+void expect_time(Scoreboard<Vboard_codes>& board) {
+  BoardDevice<Vboard_codes>& device = board.device();
+  const std::uint64_t earliest = board.counted_before().clocks + device.clock() - 6;
+  const std::uint64_t low = device.read(spec::kRegTimeLow);
+  const std::uint64_t time = low | std::uint64_t{device.read(spec::kRegTimeHigh)} << 32U;
+  EXPECT_LT(time - earliest, 100U) << std::hex << time << ", not before " << earliest;
+}
+
+// Below each place where a chain of a counter carries into the next, below the middle, and below the end.
+TEST(CodesBoard, CountersCarryAndWrapAfterALongRun) {
+  constexpr std::array<std::uint64_t, 8> kPlaces = {0x0000'0000'0001'0000, 0x0000'0001'0000'0000, 0x0001'0000'0000'0000,
+                                                    0x8000'0000'0000'0000, 0x0000'0000'0000'0000, 0x0123'4567'8000'0000,
+                                                    0x5A5A'A5A5'FFFF'0000, 0xFEDC'BA98'7654'0000};
+  CodeCounts counts;
+  for (const std::uint64_t seed : seeds(24)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    play_random_sequences<Vboard_codes>(
+        seed, true, 15, counts,
+        [&](Scoreboard<Vboard_codes>& board, Random& random) {
+          const std::uint64_t place = kPlaces[seed % kPlaces.size()];
+          const auto below = [&](int most) { return place - static_cast<std::uint64_t>(random.between(1, most)); };
+          const auto low_below = [&](int most) { return static_cast<std::uint32_t>(below(most)); };
+          set_counters(board, {.clocks = below(20000),
+                               .frames = below(100),
+                               .broken = low_below(10),
+                               .stray = low_below(20),
+                               .abandoned = low_below(4),
+                               .lost = {{spec::kKindMoments, low_below(20)},
+                                        {spec::kKindImage, low_below(20)},
+                                        {spec::kKindCodes, low_below(20)}}});
+          expect_time(board);
+        },
+        expect_time);
+    if (HasFailure()) {
+      return;
+    }
+  }
+  EXPECT_GT(counts.delivered, 0U);
+}
+
+}  // namespace
+}  // namespace selfproj::test
