@@ -43,6 +43,20 @@ void count_from(std::uint64_t reset_value) {
 TEST(Counter64, CountsFromZero) { count_from<Vsp_counter64>(0); }
 TEST(Counter64, CarriesIntoTheUpperWord) { count_from<Vsp_counter64_carry>(0x7FFF'FFFF'FFFF'FFF0U); }
 TEST(Counter64, CarriesInItsFirstClock) { count_from<Vsp_counter64_full>(0x0000'0000'FFFF'FFFFU); }
+// The lowest chain is full again 65,536 counts later, the second is not.
+TEST(Counter64, CarriesFromItsLowestChainOnly) {
+  Clocked<Vsp_counter64_carry> counter;
+  counter.reset();
+  counter->inc_i = 1;
+  std::uint64_t count = 0x7FFF'FFFF'FFFF'FFF0U;
+  for (int i = 0; i < 3 * 65536; ++i) {
+    counter.settle();
+    if (counter->count_o != count++) {
+      FAIL() << "clock " << i;
+    }
+    counter.rise();
+  }
+}
 TEST(Counter64, WrapsAt64Bits) { count_from<Vsp_counter64_wrap>(0xFFFF'FFFF'FFFF'FFF0U); }
 
 // Feeds x values, one a clock or with gaps, and holds k for as long as a product needs it: a product comes four clocks
@@ -108,6 +122,9 @@ void every_product(int x_bits, int k_bits) {
     scale.set_k(k);
     for (std::uint64_t x = 0; x < 1ULL << x_bits; ++x) {
       scale.feed(x);
+      for (std::uint64_t gaps = (x + k) % 16; gaps < 5; ++gaps) {
+        scale.gap();
+      }
       if (::testing::Test::HasFatalFailure()) {
         FAIL() << x << " * " << k;
       }

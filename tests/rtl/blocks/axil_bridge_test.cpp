@@ -70,6 +70,9 @@ class Bench {
         bridge_->bus_rst_i = b <= 4;
       }
       bridge_.eval();
+      if (a > 3 && rises.a) {
+        EXPECT_EQ(bridge_->request_o, 0) << "a request with the reset";
+      }
       set_high(rises);
     }
     bridge_.outputs_are_known();
@@ -359,6 +362,24 @@ TEST(AxilBridge, ReadsAndWritesTakeTurns) {
   for (std::size_t i = 1; i < bench.order.size(); ++i) {
     EXPECT_NE(bench.order[i], bench.order[i - 1]) << "two of a kind in a row, number " << i;
   }
+}
+
+// Both come in the same clock, and nothing else is under way: the kind goes first that the last access was not of.
+TEST(AxilBridge, TheOtherKindThanTheLastGoesFirst) {
+  Random random(1);
+  Bench bench(random, {1000, 1100, 300});
+  bench.registers_answer_at_once = true;
+  for (const bool last : {true, false, false, true, true, false}) {
+    bench.ask({last, 4, 1, 15});
+    ASSERT_TRUE(bench.finish(2000));
+    bench.ask({true, 8, 2, 15});
+    bench.ask({false, 8, 0, 15});
+    ASSERT_TRUE(bench.finish(2000));
+    ASSERT_EQ(bench.order.size() % 3, 0U);
+    EXPECT_EQ(bench.order[bench.order.size() - 3], last);
+    EXPECT_NE(bench.order[bench.order.size() - 2], last) << "two of a kind in a row";
+  }
+  EXPECT_FALSE(::testing::Test::HasFailure());
 }
 
 // The camera is off: SLVERR after 2^TimeoutBits bus clocks, at once from then on; when the clock is back, the late

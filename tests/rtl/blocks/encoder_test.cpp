@@ -120,6 +120,23 @@ TEST(Encoder, CountsUpWhereALeadsAndDownWhereBLeads) {
   EXPECT_EQ(bench.errors(), 0);
 }
 
+// Through every value of the lower chain, up and down, as fast as steps are counted.
+TEST(Encoder, CountsFarUpAndFarDown) {
+  Bench bench(0, 0);
+  int at = 0;
+  for (const int end : {66'000, -66'000, 300}) {
+    while (at != end) {
+      at += at < end ? 1 : -1;
+      const auto& lines = kCycle[static_cast<std::size_t>(at & 3)];
+      bench.rest(lines[0], lines[1], 3);
+      ASSERT_FALSE(::testing::Test::HasFatalFailure());
+    }
+    bench.rest(kCycle[static_cast<std::size_t>(at & 3)][0], kCycle[static_cast<std::size_t>(at & 3)][1], 12);
+    ASSERT_EQ(bench.count(), static_cast<std::uint32_t>(end));
+  }
+  EXPECT_EQ(bench.errors(), 0);
+}
+
 // A change sampled by edge e is in count_o for edge e + 7, not before.
 TEST(Encoder, LatencyIsSevenClocks) {
   Clocked<Vsp_encoder> encoder;

@@ -126,5 +126,22 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
   }
 }
 
+// As many clocks and frames as need more than one chain of the counters.
+TEST(FrameInfo, CountsOn) {
+  Clocked<Vsp_frame_info> info;
+  info->frame_start_i = 0;
+  info->take_i = 0;
+  info.reset();
+  info->frame_start_i = 1;
+  for (std::uint64_t clock = 0; clock < 200'000; ++clock) {
+    info.settle();
+    const std::uint64_t frames = clock < 4 ? 0 : clock - 3;
+    if (info->time_o != clock - 6 || info->frames_o != frames || info->sequence_o != frames - 1) {
+      FAIL() << "time " << info->time_o << ", sequence " << info->sequence_o << ", clock " << clock;
+    }
+    info.rise();
+  }
+}
+
 }  // namespace
 }  // namespace selfproj::test

@@ -28,6 +28,25 @@ void random_frames(const GrayMatchBuild& build, int cases) {
 TEST(GrayMatch, RandomFramesEqualTheModel) { random_frames<Vsp_gray_match>({1024, 4, 2}, 40); }
 TEST(GrayMatchSmall, RandomFramesEqualTheModel) { random_frames<Vsp_gray_match_small>({6, 2, 5}, 40); }
 
+// As many as need the upper half of the counter: frames of one beat, each of which waits for its word in vain.
+TEST(GrayMatch, ManyLateFramesAreCounted) {
+  constexpr int kLatency = 2;
+  Clocked<Vsp_gray_match> match;
+  match->s_break_i = 0;
+  match->s_valid_i = 0;
+  match->mem_late_i = 1;
+  match.reset();
+  match->s_valid_i = 1;
+  match->s_start_i = 1;
+  for (std::uint32_t clock = 0; clock < 200'000; ++clock) {
+    match.settle();
+    if (match->late_o != (clock < kLatency + 2 ? 0 : clock - kLatency - 1) || match->m_valid_o) {
+      FAIL() << match->late_o << " late, clock " << clock;
+    }
+    match.rise();
+  }
+}
+
 // The model itself, by its definition.
 TEST(GrayMatchModel, TakesTheWordOfPixelAndCode) {
   const std::vector<std::uint16_t> table{10, 11, 12, 13, 20, 21, 22, 23, 30, 31, 32, 33};

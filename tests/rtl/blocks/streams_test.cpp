@@ -360,6 +360,25 @@ TEST(PacketFifo, APacketShowsOnlyOnceItIsWhole) {
       }
     }
     EXPECT_GT(packets_read, 20U);
+
+    // The last packet is written to its end and all are read: every place is free again.
+    for (int i = 0; i < 4000; ++i) {
+      const auto rises = step(
+          fifo, clocks,
+          [&](TwoClocks::Rises r) {
+            if (r.a) {
+              fifo->wr_valid_i = left > 0;
+              fifo->wr_last_i = left == 1;
+            }
+            if (r.b) {
+              fifo->rd_ready_i = 1;
+            }
+          },
+          [](TwoClocks::Rises) {});
+      left -= rises.a && fifo->wr_valid_i ? 1 : 0;
+    }
+    EXPECT_FALSE(fifo->rd_valid_o);
+    EXPECT_EQ(fifo->wr_free_o, kDepth);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "Vsp_trigger_ports.h"
@@ -138,12 +139,20 @@ TEST(Trigger, RandomSettingsAndRuns) {
   }
 }
 
-// No counter is cut short: long pulses, and the longest period that there is.
-TEST(Trigger, LongPeriods) {
+// No counter is cut short: pulses of 2^16 - 1 clocks, and every bit of the settings once set and once not.
+TEST(Trigger, LongPulses) {
   Random random(1);
-  Bench bench;
-  bench.run({1, 70001, 69000, 65535}, 200000, random);
+  for (const Settings& s : std::vector<Settings>{{1, 70001, 69000, 65535},
+                                                 {255, 0x1'5555, 0xAAAA, 0xAAAA},
+                                                 {255, 0x1'AAAA, 0x1'5555, 0x5555},
+                                                 {7, 0x1'0FFF, 0x1'0000, 0x1000}}) {
+    Bench bench;
+    bench.run(s, 200000, random);
+    ASSERT_FALSE(::testing::Test::HasFatalFailure());
+  }
 }
+
+// The longest period that there is.
 TEST(Trigger, LongestPeriod) {
   constexpr int kPeriod = 0xFF'FFFF;
   constexpr int kCamera = 0xAA'AAAA;
