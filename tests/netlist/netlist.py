@@ -57,7 +57,7 @@ def cells_of(netlist):
 def write_mapped(top, read, path):
     command = fpga.FAMILIES["ice40"][1].format(top=top)
     # single wires instead of vectors: else a vector that feeds one of its own bits looks like a loop
-    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; {command}; splitnets; write_verilog -noattr {path}"])
+    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; {command}; splitnets; write_verilog -noattr {path}"])
     netlist = path.read_text()
     path.write_text(cells_of(netlist) + netlist)
 
@@ -66,7 +66,7 @@ def write_mutants(top, read, path, mutants):
     listing = path.with_suffix(".mutants")
     flat = path.with_suffix(".il")
     choose = f"mutate -list {mutants} -seed 1 -o {listing}; " if mutants else ""
-    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; proc; flatten; opt -full; memory -nomap; opt_clean; "
+    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; proc; flatten; opt -full; memory -nomap; opt_clean; "
          f"check -assert; {choose}write_rtlil {flat}"])
     lines = listing.read_text().splitlines() if mutants else []
     script = [f"read_rtlil {flat}"]
