@@ -325,6 +325,25 @@ TEST(FrameTracker, TimeOutAfterExactlySoManyClocks) {
   }
 }
 
+// As many as need the upper half of the counters.
+TEST(FrameTracker, ManyBrokenFramesAndStrayBeatsAreCounted) {
+  constexpr std::uint32_t kMany = 70'000;
+  Bench bench;
+  bench.set({false, 8, 2, 0, 0, 0});
+  bench.idle(3);
+  for (std::uint32_t i = 0; i < kMany; ++i) {
+    bench.clock(Beat{i, true, false});  // each but the first breaks the frame before
+    ASSERT_FALSE(::testing::Test::HasFatalFailure());
+  }
+  for (std::uint32_t i = 0; i < kMany; ++i) {
+    bench.clock(Beat{i, false, false});  // the first breaks the last frame
+    ASSERT_FALSE(::testing::Test::HasFatalFailure());
+  }
+  bench.idle(4);
+  EXPECT_EQ(bench.broken(), kMany);
+  EXPECT_EQ(bench.reference().stray, kMany - 1);
+}
+
 // Settings that are written while frames come one after the other; take-overs at least seven clocks apart.
 TEST(FrameTracker, SettingsChangeAtAFramesStartOnly) {
   for (const std::uint64_t seed : seeds(40)) {
