@@ -247,7 +247,7 @@ TEST(Board, SmallestDistanceOfFramesIsAsStated) {
 // Lines of 60 columns and more follow each other without a gap; narrower ones are lost, and counted.
 TEST(Board, RawImageLinesNeedNoGap) {
   Random random(6);
-  for (const int columns : {60, 64, 128, 512, 2048}) {
+  for (const int columns : {60, 64, 128, 256, 512, 1024, 2048}) {
     Scoreboard<Vboard> board({.bus_period_ps = 6000});
     board.write({.image = true, .columns = columns, .rows = 20});
     for (int frame = 0; frame < 3; ++frame) {
@@ -263,6 +263,33 @@ TEST(Board, RawImageLinesNeedNoGap) {
   board.finish();
   EXPECT_EQ(board.delivered(kImage), 10U);
   EXPECT_EQ(board.lost(kImage), 10U);
+}
+
+// All lines of the highest raw image.
+TEST(Board, RawImageOf1023Rows) {
+  Random random(15);
+  Scoreboard<Vboard> board({.bus_period_ps = 6000});
+  board.write({.image = true, .columns = 64, .rows = spec::kMaxRows});
+  for (int frame = 0; frame < 2; ++frame) {
+    board.device().send(random_image(random, spec::kMaxRows, 64).view());
+  }
+  board.finish();
+  EXPECT_EQ(board.delivered(kImage), 2U * static_cast<unsigned>(spec::kMaxRows));
+  EXPECT_EQ(board.lost(kImage), 0U);
+}
+
+// More packets than any FIFO counts to (as many as it has beats, twice).
+TEST(Board, PacketCountsGoAround) {
+  Random random(16);
+  Scoreboard<Vboard> board({.bus_period_ps = 6000});
+  board.write({.image = true, .columns = 4, .rows = 1});
+  for (int frame = 0; frame < 4200; ++frame) {
+    board.device().send(random_image(random, 1, 4).view());
+    board.device().gap(30);
+  }
+  board.finish();
+  EXPECT_EQ(board.delivered(kMoments), 4200U);
+  EXPECT_EQ(board.delivered(kImage), 4200U);
 }
 
 // The bus stands still: as many packets as the FIFO holds are kept, whole; the rest is lost, and the next header says

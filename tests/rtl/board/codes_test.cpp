@@ -43,6 +43,50 @@ TEST(CodesBoard, RandomFaultsEqualTheModel) { play_all<Vboard_codes>(30, true, 1
 TEST(RawCodesBoard, RandomSequencesEqualTheModel) { play_all<Vboard_codes_raw>(40, false, 0); }
 TEST(RawCodesBoard, RandomFaultsEqualTheModel) { play_all<Vboard_codes_raw>(30, false, 10); }
 
+// The longest code: all bits of a code, after 24 patterns, in images of the maxima and in lower ones.
+TEST(CodesBoard, LongestCodeEqualsTheModel) {
+  Random random(2);
+  Scoreboard<Vboard_codes> board({.bus_period_ps = 6000});
+  board.count_patterns_on_frames(23);
+  std::uint64_t lines = 0;
+  for (const int rows : {kMaxCodeRows, 31, kMaxCodeRows}) {
+    board.write({.columns = kMaxCodeColumns,
+                 .rows = rows,
+                 .mode = Mode::grey,
+                 .threshold = 20,
+                 .codes = true,
+                 .median = rows == 31,
+                 .code_bits = 12,
+                 .code_threshold = 40});
+    for (int frame = 0; frame < 2 * 24; ++frame) {
+      const TestImage image = {rows, kMaxCodeColumns, random.bytes(static_cast<std::size_t>(rows * kMaxCodeColumns))};
+      board.device().send(image.view());
+      board.device().gap(120);
+    }
+    board.play();
+    board.device().run(400);
+    lines += 13U * static_cast<unsigned>(rows);  // 24 pairs less 11
+  }
+  board.finish();
+  EXPECT_EQ(board.delivered(kCodes) + board.lost(kCodes), lines);
+  EXPECT_GE(board.delivered(kCodes), lines / 2);  // lines so short that follow each other without a gap: every other
+}
+
+// The pattern index in the headers, up to its last value and around.
+TEST(CodesBoard, PatternIndexCountsTo255) {
+  Random random(3);
+  Scoreboard<Vboard_codes> board;
+  board.count_patterns_on_frames(255);
+  board.write({.image = true, .columns = 8, .rows = 2});
+  for (int frame = 0; frame < 600; ++frame) {
+    board.device().send(random_image(random, 2, 8).view());
+    board.device().gap(40);
+  }
+  board.finish();
+  EXPECT_EQ(board.delivered(spec::kKindMoments), 600U);
+  EXPECT_EQ(board.last_header(spec::kKindMoments).pattern, 599 % 256);
+}
+
 // Lines of codes of 88 columns and more follow each other without a gap; narrower ones are lost, and counted.
 TEST(RawCodesBoard, LinesNeedNoGap) {
   Random random(1);
