@@ -40,6 +40,7 @@ struct GraySettings {
 class GrayDecoder {
  public:
   static constexpr int kMaxBits = spec::kCodeCodeBits;
+  static constexpr std::uint16_t kCode = (1U << kMaxBits) - 1;  // the bits of a word that hold the code
   static constexpr std::uint16_t kMeasurable = std::uint16_t{1} << spec::kCodeMeasurableLsb;
 
   // Waits for plane 0. Throws std::invalid_argument where a setting is out of range.

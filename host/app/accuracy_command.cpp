@@ -17,7 +17,7 @@
 namespace selfproj {
 namespace {
 
-struct Options {
+struct AccuracyOptions {
   std::string rig = "scanner";
   int bits = 4;
   int width = 2;
@@ -61,7 +61,7 @@ std::string error_map(const Rig& rig) {
   return text;
 }
 
-void run(const Options& options) {
+void run_accuracy(const AccuracyOptions& options) {
   const Rig rig = load_rig(options.rig);
   if (rig.kind != RigKind::scanner) {
     throw UserError("--rig", fmt::format("{} is no rig of kind scanner", options.rig));
@@ -117,7 +117,7 @@ void run(const Options& options) {
 void add_accuracy_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("accuracy", "Quantization error and range of structured light, beside the published figures");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<AccuracyOptions>();
   command->add_option("--rig", options->rig, "Built-in rig or YAML file, of kind scanner")->capture_default_str();
   command->add_option("--bits", options->bits, "m")->check(CLI::Range(1, Stripes::kMaxBits))->capture_default_str();
   command->add_option("--rows-per-code", options->width, "a, width of a code in camera rows")
@@ -130,7 +130,7 @@ void add_accuracy_command(CLI::App& app) {
   command
       ->add_option("--out", options->out, "Folder for error_map.csv: 16 x 16 points over the central 320 x 320 pixels")
       ->type_name("DIR");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_accuracy(*options); });
 }
 
 }  // namespace selfproj

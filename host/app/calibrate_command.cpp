@@ -29,7 +29,7 @@
 namespace selfproj {
 namespace {
 
-struct Options {
+struct CalibrateOptions {
   std::string board;
   std::string projector;
   std::string corners = "homography";
@@ -42,7 +42,7 @@ struct Options {
 };
 
 // The rig of the calibration, or why there can be none.
-std::string rig_yaml(const Options& options, CalibrationReport& report) {
+std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report) {
   try {
     const Rig rig = rig_of(report.calibration, load_rig(options.rig));
     const double error = pinhole_error(rig, report.mean_distance_mm);
@@ -58,7 +58,7 @@ std::string rig_yaml(const Options& options, CalibrationReport& report) {
   }
 }
 
-void run(Options options) {
+void run_calibrate(CalibrateOptions options) {
   constexpr int kMostCorners = 200;
   const FrameSize corners = size_of_text("--board", options.board, kMostCorners);
   if (corners.columns < 3 || corners.rows < 3) {
@@ -113,7 +113,7 @@ void run(Options options) {
 void add_calibrate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "calibrate", "Calibrate camera and projector from captures of a chessboard under the patterns of `pattern gray`");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CalibrateOptions>();
   CalibrateSettings& settings = options->calibrate;
   command->add_option("--board", options->board, "Inner corners of the board, along both sides")
       ->type_name("NxM")
@@ -187,7 +187,7 @@ void add_calibrate_command(CLI::App& app) {
                    "Folders of images, one a pose, each the whole sequence in the order of its names")
       ->type_name("DIR")
       ->required();
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_calibrate(*options); });
 }
 
 }  // namespace selfproj

@@ -45,7 +45,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct DepthOptions {
   std::string rig;
   std::string calibration;
   int bits = 0;
@@ -70,7 +70,7 @@ struct Options {
   std::vector<std::string> images;
 };
 
-void check_options(const Options& options) {
+void check_options(const DepthOptions& options) {
   if (options.rig.empty() == options.calibration.empty()) {
     throw UserError("--rig, --calibration", "one of them is needed, and not both");
   }
@@ -176,7 +176,7 @@ std::unique_ptr<LensTriangulation> with_lens(const std::string& name, const Cali
 }
 
 // The full model of a calibrated rig, the pinholes of any other.
-std::unique_ptr<Triangulation> rig_triangulation(const Options& options, const Source& source) {
+std::unique_ptr<Triangulation> rig_triangulation(const DepthOptions& options, const Source& source) {
   Rig rig = load_rig(options.rig);
   check_size("--rig " + options.rig, rig.camera.rows, rig.camera.columns, source);
   if (std::isfinite(options.limits.max_z_per_line_mm)) {
@@ -196,7 +196,7 @@ std::unique_ptr<Triangulation> rig_triangulation(const Options& options, const S
   return std::make_unique<PlaneTriangulation>(rig, options.bits, options.limits);
 }
 
-std::unique_ptr<LensTriangulation> lens_triangulation(const Options& options, const Source& source) {
+std::unique_ptr<LensTriangulation> lens_triangulation(const DepthOptions& options, const Source& source) {
   const Calibration calibration = read_calibration(options.calibration);
   if (calibration.camera_rows > 0) {
     check_size(options.calibration, calibration.camera_rows, calibration.camera_columns, source);
@@ -207,7 +207,7 @@ std::unique_ptr<LensTriangulation> lens_triangulation(const Options& options, co
   return with_lens(options.calibration, calibration, settings);
 }
 
-std::unique_ptr<Triangulation> triangulation_for(const Options& options, const Source& source) {
+std::unique_ptr<Triangulation> triangulation_for(const DepthOptions& options, const Source& source) {
   if (options.rig.empty()) {
     return lens_triangulation(options, source);
   }
@@ -258,7 +258,7 @@ std::string share_text(const DepthShares& shares, PointState state) {
 }
 
 // The background of the options, where there is one.
-void set_background(const Options& options, const Triangulation& triangulation, Scanner& scanner) {
+void set_background(const DepthOptions& options, const Triangulation& triangulation, Scanner& scanner) {
   if (options.background.empty()) {
     return;
   }
@@ -278,7 +278,7 @@ void write_moved(const Scanner& scanner, OutputFolder& folder) {
 }
 
 // One axis: a depth image after every pair from the m-th on.
-Result scan(const Options& options, Images& images, const Triangulation& triangulation, OutputFolder& folder,
+Result scan(const DepthOptions& options, Images& images, const Triangulation& triangulation, OutputFolder& folder,
             Tables& tables) {
   const ScannerSettings settings{options.threshold, options.median, options.strict,
                                  static_cast<float>(options.min_difference_mm), options.steady};
@@ -331,7 +331,7 @@ std::string note_of(const Counters& counters, const ImageAssembler& assembler, c
 }
 
 // The board's code images, until the device ends, --count have come, or Ctrl-C.
-Result scan_device(const Options& options, OutputFolder& folder, Tables& tables,
+Result scan_device(const DepthOptions& options, OutputFolder& folder, Tables& tables,
                    std::unique_ptr<Triangulation>& triangulation) {
   using namespace std::chrono_literals;
   const std::unique_ptr<Device> device = open_device(options.device);
@@ -389,7 +389,7 @@ Result scan_device(const Options& options, OutputFolder& folder, Tables& tables,
 }
 
 // Both axes: one depth image of 2m column and 2n row images.
-Result scan_both(const Options& options, Images& images, const LensTriangulation& triangulation, Tables& tables) {
+Result scan_both(const DepthOptions& options, Images& images, const LensTriangulation& triangulation, Tables& tables) {
   const int rows = triangulation.rows();
   const int columns = triangulation.columns();
   Result result;
@@ -449,7 +449,7 @@ Json depth_json(const FloatImage& depth) {
 // Angle between the plane's normal and z.
 double tilt_deg(const PlaneFit& fit) { return std::atan(std::hypot(fit.a, fit.b)) * 180 / std::numbers::pi; }
 
-std::string summary(const Options& options, const Result& result, const std::optional<CloudComparison>& comparison,
+std::string summary(const DepthOptions& options, const Result& result, const std::optional<CloudComparison>& comparison,
                     const std::optional<PlaneFit>& plane) {
   Json json;
   json["geometry"] = options.rig.empty() ? options.calibration : options.rig;
@@ -514,7 +514,7 @@ std::string summary(const Options& options, const Result& result, const std::opt
   return json.dump(2) + "\n";
 }
 
-std::optional<CloudComparison> compare(const Options& options, const std::vector<Point3f>& ours) {
+std::optional<CloudComparison> compare(const DepthOptions& options, const std::vector<Point3f>& ours) {
   if (options.compare.empty()) {
     return std::nullopt;
   }
@@ -527,7 +527,7 @@ std::optional<CloudComparison> compare(const Options& options, const std::vector
   return compare_clouds(ours, theirs, 1.0);
 }
 
-void run(const Options& options) {
+void run_depth(const DepthOptions& options) {
   check_options(options);
   OutputFolder folder(options.out);
   Tables tables;
@@ -600,7 +600,7 @@ void run(const Options& options) {
 void add_depth_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "depth", "Depth images of recorded Gray-code images, pos0 neg0 pos1 neg1 ..., or of a board that decodes");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DepthOptions>();
   const CLI::Range positive(std::numeric_limits<double>::min(), 1e6, "a number greater than 0");
   command->add_option("--rig", options->rig, "Geometry: a built-in rig or a YAML file")->type_name("RIG");
   command
@@ -673,7 +673,7 @@ void add_depth_command(CLI::App& app) {
   command->add_option("--count", options->count, "Device: so many code images")->check(CLI::PositiveNumber);
   command->add_option("--out", options->out, "Folder for the results")->type_name("DIR")->required();
   command->add_option("IMAGE", options->images, "8-bit images of one size")->type_name("FILE");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_depth(*options); });
 }
 
 }  // namespace selfproj

@@ -38,7 +38,7 @@
 namespace selfproj {
 namespace {
 
-struct Options {
+struct InspectOptions {
   std::string device;
   std::string rig = "light-section";
   std::string reference;  // empty: the plane
@@ -157,7 +157,7 @@ bool take(const PacketView& packet, const Rig& rig, const DifferentialProfiler& 
   return true;
 }
 
-void run(const Options& options) {
+void run_inspect(const InspectOptions& options) {
   const Rig rig = load_rig(options.rig);
   if (rig.kind != RigKind::light_section) {
     throw UserError(options.rig, "is no rig for light section");
@@ -280,7 +280,7 @@ void run(const Options& options) {
 
 void add_inspect_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("inspect", "Light section on-line: packets of a device into profiles");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InspectOptions>();
   command->add_option("--device", options->device, "ring:NAME, or file:PATH (recorded, pipe, character device)")
       ->type_name("URI")
       ->required();
@@ -306,7 +306,7 @@ void add_inspect_command(CLI::App& app) {
   command->add_flag("--newest", options->newest,
                     "Begin with the newest packet of the ring, not with the first unread one");
   command->add_flag("--check", options->check, "Exit status 1 if anything was lost, bad or missing");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_inspect(*options); });
 }
 
 }  // namespace selfproj

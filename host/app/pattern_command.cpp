@@ -34,7 +34,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct PatternOptions {
   std::string rig = "light-section";
   std::string out;
   // One of these is given.
@@ -64,7 +64,7 @@ void for_each_image(const Rig& rig, const std::vector<std::string>& files, std::
   }
 }
 
-ReferenceProfile scanned(const Rig& rig, const Options& options) {
+ReferenceProfile scanned(const Rig& rig, const PatternOptions& options) {
   const std::vector<std::string> files = files_of_folder(options.scan);
   const std::vector<int> lines = sweep_lines(rig, options.every);
   if (files.size() != lines.size()) {
@@ -77,7 +77,7 @@ ReferenceProfile scanned(const Rig& rig, const Options& options) {
   return scan.reference();
 }
 
-ReferenceProfile with_residual_out(const Rig& rig, const Options& options, const ReferenceProfile& reference) {
+ReferenceProfile with_residual_out(const Rig& rig, const PatternOptions& options, const ReferenceProfile& reference) {
   CentroidMean mean(rig);
   for_each_image(rig, files_of_folder(options.residual), options.channel,
                  [&](std::size_t, const Image& image) { mean.add(image.view()); });
@@ -89,7 +89,7 @@ void add_pattern(OutputFolder& folder, const FloatImage& pattern) {
   folder.append("pattern.png", encode_pattern_png(pattern));
 }
 
-void make_reference(const Rig& rig, const Options& options) {
+void make_reference(const Rig& rig, const PatternOptions& options) {
   OutputFolder folder(options.out);
   std::error_code error;
   const bool made_before = fs::is_directory(options.reference, error);  // a reference folder
@@ -130,7 +130,7 @@ void make_reference(const Rig& rig, const Options& options) {
   fmt::print("{}: reference in {} of {} columns\n", options.out, reference.valid_columns(), reference.columns());
 }
 
-void make_line(const Rig& rig, const Options& options) {
+void make_line(const Rig& rig, const PatternOptions& options) {
   if (!std::isfinite(*options.line) || *options.line < 0 || *options.line > rig.projector.lines - 1) {
     throw UserError("--line",
                     fmt::format("is {}; the projector has the lines 0..{}", *options.line, rig.projector.lines - 1));
@@ -142,7 +142,7 @@ void make_line(const Rig& rig, const Options& options) {
   folder.commit();
 }
 
-void make_sweep(const Rig& rig, const Options& options) {
+void make_sweep(const Rig& rig, const PatternOptions& options) {
   OutputFolder folder(options.out);
   const std::vector<int> lines = sweep_lines(rig, options.every);
   Progress progress("pattern", lines.size());
@@ -153,7 +153,7 @@ void make_sweep(const Rig& rig, const Options& options) {
   folder.commit();
 }
 
-void run(const Options& options) {
+void run_pattern(const PatternOptions& options) {
   const Rig rig = load_rig(options.rig);
   if (sweep_lines(rig, options.every).empty()) {
     throw UserError(options.rig, fmt::format("measure.line_width_px is {}; the projector has {} lines",
@@ -216,7 +216,7 @@ CLI::App* add_gray(CLI::App& pattern) {
 void add_pattern_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "pattern", "Make the pattern whose line a reference part straightens, from the part's shape or from a scan");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PatternOptions>();
   command->add_option("--rig", options->rig, "a built-in rig or a YAML file (light-section)");
   command->add_option("--out", options->out, "folder for the results, written whole or not at all");
   auto* source = command->add_option_group("what from", "one of");
@@ -258,7 +258,7 @@ void add_pattern_command(CLI::App& app) {
     if (reference->empty() && scan->empty() && line->empty() && sweep->empty()) {
       throw UserError("--reference, --scan, --line, --sweep", "one of them is needed, or a subcommand: gray, stripes");
     }
-    run(*options);
+    run_pattern(*options);
   });
 }
 

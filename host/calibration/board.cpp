@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "host/calibration/median.h"
+
 namespace selfproj {
 namespace {
 
@@ -30,12 +32,6 @@ std::vector<double> spacings(const std::vector<cv::Point2f>& corners) {
     nearest.push_back(least);
   }
   return nearest;
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // What a corner looks like: two edges that cross, both blurred alike, under light that may fall off across the window,

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/calibration/median.h"
 #include "host/io/frame_options.h"
 #include "host/io/stderr_capture.h"
 #include "host/io/user_error.h"
@@ -138,12 +139,6 @@ Pose stereo_start(const Alone& camera, const Alone& projector) {
     return sum;
   };
   return *std::min_element(all.begin(), all.end(), [&](const Pose& a, const Pose& b) { return off(a) < off(b); });
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Length beyond which a residual is no noise: `factor` standard deviations of one direction, estimated from the median

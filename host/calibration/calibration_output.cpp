@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kDegreesARadian = 180 / std::numbers::pi;
 constexpr std::array<const char*, kLensParameters> kLensNames{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
 
 constexpr int kPanel = 520;  // the longer side of an image in a picture
@@ -326,8 +326,8 @@ std::string report_json(const CalibrationReport& report) {
   const Pose& stereo = found.bundle.stereo;
   for (int i = 0; i < 3; ++i) {
     const std::string axis(1, "xyz"[i]);
-    json["pose"]["rotation_" + axis + "_deg"] = {{"value", kDegrees * stereo.rotation[i]},
-                                                 {"sd", number(kDegrees * found.deviation.stereo.rotation[i])}};
+    json["pose"]["rotation_" + axis + "_deg"] = {{"value", kDegreesARadian * stereo.rotation[i]},
+                                                 {"sd", number(kDegreesARadian * found.deviation.stereo.rotation[i])}};
     json["pose"]["translation_" + axis + "_mm"] = {{"value", stereo.translation[i]},
                                                    {"sd", number(found.deviation.stereo.translation[i])}};
   }
@@ -383,8 +383,8 @@ std::string report_text(const CalibrationReport& report) {
   const Pose& stereo = found.bundle.stereo;
   const cv::Vec3d& t = stereo.translation;
   const cv::Vec3d& dt = found.deviation.stereo.translation;
-  const cv::Vec3d turn = kDegrees * stereo.rotation;
-  const cv::Vec3d dturn = kDegrees * found.deviation.stereo.rotation;
+  const cv::Vec3d turn = kDegreesARadian * stereo.rotation;
+  const cv::Vec3d dturn = kDegreesARadian * found.deviation.stereo.rotation;
   text += fmt::format("pose       rotation {:.4f} ± {:.4f}, {:.4f} ± {:.4f}, {:.4f} ± {:.4f}°\n", turn[0], dturn[0],
                       turn[1], dturn[1], turn[2], dturn[2]);
   text +=

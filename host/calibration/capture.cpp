@@ -18,8 +18,6 @@
 namespace selfproj {
 namespace {
 
-constexpr std::uint16_t kCode = (1U << GrayDecoder::kMaxBits) - 1;
-
 // Images of one size in turn, of which the sum is kept.
 class Images {
  public:
@@ -82,7 +80,7 @@ std::vector<std::int16_t> decode_axis(Images& images, int bits, int side, int th
   unambiguous_code_words(decoder->codes(), words.data());
   std::vector<std::int16_t> codes(pixels);
   std::transform(words.begin(), words.end(), codes.begin(), [&](std::uint16_t word) {
-    const int code = word & kCode;
+    const int code = word & GrayDecoder::kCode;
     const bool valid = (word & GrayDecoder::kMeasurable) != 0 && code < side;
     return valid ? static_cast<std::int16_t>(code) : Capture::kNone;
   });

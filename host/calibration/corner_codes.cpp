@@ -9,6 +9,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "host/calibration/median.h"
+
 namespace selfproj {
 namespace {
 
@@ -91,12 +93,6 @@ struct Quadratic {
     return true;
   }
 };
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Gauss and Newton with Tukey's weights; the code at the corner, where the place is 0.
 template <class Model>

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
 
+#include "host/gray/check.h"
 #include "model/cpu_clones.h"
 
 // The compiler vectorizes the loops over pixels below; all their values have the width of a code, so that a vector
@@ -300,12 +300,6 @@ SELFPROJ_CLONES void filter_words(const CodeImageView& image, std::uint16_t* scr
 }
 
 constexpr int kByteBits = 8;
-
-void check(bool holds, const char* reason) {
-  if (!holds) {
-    throw std::invalid_argument(reason);
-  }
-}
 
 }  // namespace
 

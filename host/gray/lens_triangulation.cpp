@@ -3,31 +3,19 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "host/gray/calibration_file.h"
+#include "host/gray/check.h"
 #include "host/gray/rig_calibration.h"
 #include "host/gray/triangulation.h"
+#include "host/io/float_image.h"
 #include "model/gray_decoder.h"
 
 namespace selfproj {
-namespace {
-
-constexpr std::uint16_t kCode = (1U << GrayDecoder::kMaxBits) - 1;
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-void check(bool holds, const std::string& reason) {
-  if (!holds) {
-    throw std::invalid_argument(reason);
-  }
-}
-
-}  // namespace
-
 LensTriangulation::LensTriangulation(const Calibration& calibration, const LensSettings& settings)
     : Triangulation(settings.rows, settings.columns, settings.bits),
       calibration_(settings.rows_are_x ? with_axes_exchanged(calibration) : calibration),
@@ -45,8 +33,10 @@ LensTriangulation::LensTriangulation(const Calibration& calibration, const LensS
     for (int c = 0; c < settings.columns; ++c, ++i) {
       const std::optional<cv::Vec2d> ray =
           calibration_.camera.ray(settings.rows_are_x ? cv::Vec2d(r, c) : cv::Vec2d(c, r));
-      check(ray.has_value(), "triangulation: the camera's distortion cannot be undone at column " + std::to_string(c) +
-                                 ", row " + std::to_string(r));
+      if (!ray) {
+        throw std::invalid_argument("triangulation: the camera's distortion cannot be undone at column " +
+                                    std::to_string(c) + ", row " + std::to_string(r));
+      }
       set_ray(i, {(*ray)[0], (*ray)[1], 1});
     }
   }
@@ -85,10 +75,10 @@ LensTriangulation::Found LensTriangulation::solve(std::size_t pixel, std::uint16
     return fails(PointState::not_measurable);
   }
   const Lens& lens = calibration_.projector;
-  const double column = ((code & kCode) + 0.5) * std::ldexp(settings_.lines, -settings_.bits) - 0.5;
+  const double column = ((code & GrayDecoder::kCode) + 0.5) * std::ldexp(settings_.lines, -settings_.bits) - 0.5;
   double row = lens.cy;
   if (row_code != nullptr) {
-    row = ((*row_code & kCode) + 0.5) * std::ldexp(settings_.row_lines, -settings_.row_bits) - 0.5;
+    row = ((*row_code & GrayDecoder::kCode) + 0.5) * std::ldexp(settings_.row_lines, -settings_.row_bits) - 0.5;
   }
   const bool on = (calibration_.projector_columns == 0 || column <= calibration_.projector_columns - 0.5) &&
                   (row_code == nullptr || calibration_.projector_rows == 0 || row <= calibration_.projector_rows - 0.5);
@@ -137,7 +127,7 @@ LensTriangulation::Found LensTriangulation::solve(std::size_t pixel, std::uint16
 void LensTriangulation::depth(const std::uint16_t* codes, float* z) const {
   for (std::size_t i = 0; i < pixels(); ++i) {
     const Found found = solve(i, codes[i], nullptr);
-    z[i] = found.state == PointState::valid ? static_cast<float>(found.z) : kNone;
+    z[i] = found.state == PointState::valid ? static_cast<float>(found.z) : kNoValue;
   }
 }
 
@@ -165,12 +155,12 @@ void LensTriangulation::depth_of_both(const std::uint16_t* codes, const std::uin
   for (std::size_t i = 0; i < pixels(); ++i) {
     const Found found = solve(i, codes[i], row_codes + i);
     const bool valid = found.state == PointState::valid;
-    z[i] = valid ? static_cast<float>(found.z) : kNone;
+    z[i] = valid ? static_cast<float>(found.z) : kNoValue;
     if (states != nullptr) {
       states[i] = found.state;
     }
     if (residual_px != nullptr) {
-      residual_px[i] = valid ? static_cast<float>(found.residual) : kNone;
+      residual_px[i] = valid ? static_cast<float>(found.residual) : kNoValue;
     }
   }
 }

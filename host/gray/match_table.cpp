@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
-#include <stdexcept>
 #include <vector>
 
+#include "host/gray/check.h"
 #include "host/optics/geometry.h"
 
 namespace selfproj {
@@ -16,12 +16,6 @@ namespace {
 
 constexpr int kSteps = 4;     // of the walk, a line
 constexpr double kGap = 2.5;  // lines between pieces of one place
-
-void check(bool holds, const char* reason) {
-  if (!holds) {
-    throw std::invalid_argument(reason);
-  }
-}
 
 void check_all(const Rig& rig, const SelfReference& reference, const MatchSettings& settings) {
   check_stripes(reference.stripes);

@@ -37,7 +37,7 @@ float float_at(const std::string& bytes, std::size_t at) {
   return std::bit_cast<float>(bits);
 }
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoDistance = std::numeric_limits<double>::quiet_NaN();
 
 float along(const Point3f& point, int axis) { return axis == 0 ? point.x : axis == 1 ? point.y : point.z; }
 
@@ -176,7 +176,7 @@ double NearestPoint::distance(const Point3f& point) const {
 }
 
 CloudComparison compare_clouds(const std::vector<Point3f>& ours, const std::vector<Point3f>& theirs, double within_mm) {
-  CloudComparison result{ours.size(), theirs.size(), kNone, kNone, kNone};
+  CloudComparison result{ours.size(), theirs.size(), kNoDistance, kNoDistance, kNoDistance};
   if (ours.empty() || theirs.empty()) {
     return result;
   }

@@ -6,28 +6,21 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
-#include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include "host/gray/check.h"
 
 namespace selfproj {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kApart = 4;  // lines between two places of light
-
-void check(bool holds, const char* reason) {
-  if (!holds) {
-    throw std::invalid_argument(reason);
-  }
-}
 
 // The points of which both coordinates are known.
 ProjectorPoints both(FloatImage line, FloatImage column) {
   for (std::size_t i = 0; i < line.values.size(); ++i) {
     if (std::isnan(line.values[i]) || std::isnan(column.values[i])) {
-      line.values[i] = column.values[i] = kNan;
+      line.values[i] = column.values[i] = kNoValue;
     }
   }
   return {std::move(line), std::move(column)};
@@ -42,7 +35,7 @@ AxisScan::AxisScan(int rows, int columns, int contrast) : rows_(rows), columns_(
   look_.assign(pixels_, static_cast<std::uint8_t>(std::clamp(contrast, 0, 255)));
   best_.assign(pixels_, 0);
   second_.assign(pixels_, 0);
-  place_.assign(pixels_, kNan);
+  place_.assign(pixels_, kNoValue);
 }
 
 void AxisScan::add(const ImageView& image) {
@@ -113,7 +106,7 @@ void AxisScan::weigh(int line, std::size_t pixel) {
 }
 
 FloatImage AxisScan::coordinates() {
-  FloatImage result(rows_, columns_, kNan);
+  FloatImage result(rows_, columns_, kNoValue);
   for (std::size_t i = 0; i < pixels_; ++i) {
     if (second_[i] <= 0.5F * best_[i]) {
       result.values[i] = place_[i];
@@ -149,19 +142,19 @@ float place_of_code(unsigned code, unsigned ambiguous, int most_open) {
   // The finest planes, all of them from `top` on: 2 top codes are left open, of which the middle is taken.
   if (ambiguous == (top | below)) {
     if (2 * top > static_cast<unsigned>(most_open)) {
-      return kNan;
+      return kNoValue;
     }
     const unsigned first = code & ~(ambiguous);
     return static_cast<float>(first) + 0.5F * static_cast<float>(2 * top - 1);
   }
   if (ambiguous != top) {
-    return kNan;
+    return kNoValue;
   }
   // One plane alone. Taken for 0 the bits of the code from there on have the parity of the planes above; the other
   // choice turns all of them. An edge lies between neighbours only.
   const unsigned other = code ^ (top | below);
   const int apart = std::abs(static_cast<int>(code) - static_cast<int>(other));
-  return apart == 1 ? 0.5F * static_cast<float>(code + other) : kNan;
+  return apart == 1 ? 0.5F * static_cast<float>(code + other) : kNoValue;
 }
 
 }  // namespace

@@ -4,27 +4,20 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <stdexcept>
 
 #include "host/gray/moved.h"
 #include "model/gray_decoder.h"
 
 namespace selfproj {
-namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-}  // namespace
-
 Scanner::Scanner(const Triangulation& triangulation, const ScannerSettings& settings)
     : triangulation_(&triangulation),
       settings_(settings),
       decoder_({triangulation.rows(), triangulation.columns(), triangulation.bits(), settings.threshold}),
       median_(triangulation.columns()),
       codes_(triangulation.pixels()),
-      depth_(triangulation.rows(), triangulation.columns(), kNone),
-      background_(triangulation.rows(), triangulation.columns(), kNone),
+      depth_(triangulation.rows(), triangulation.columns(), kNoValue),
+      background_(triangulation.rows(), triangulation.columns(), kNoValue),
       steady_(triangulation.rows(), triangulation.columns(), settings.steady) {
   if (!(settings.min_difference_mm >= 0)) {
     throw std::invalid_argument("scanner: the least difference is negative");
@@ -80,7 +73,7 @@ void Scanner::difference(FloatImage& out) const {
   const float* const z = candidates();
   for (std::size_t i = 0; i < depth_.values.size(); ++i) {
     const bool differs = std::abs(z[i] - background_.values[i]) > settings_.min_difference_mm;
-    out.values[i] = differs ? z[i] : kNone;
+    out.values[i] = differs ? z[i] : kNoValue;
   }
 }
 

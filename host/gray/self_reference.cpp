@@ -5,23 +5,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "host/gray/check.h"
 #include "host/optics/geometry.h"
 
 namespace selfproj {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
-void check(bool holds, const char* reason) {
-  if (!holds) {
-    throw std::invalid_argument(reason);
-  }
-}
 
 // A camera pixel and the projector point that it sees.
 struct Corner {
@@ -210,10 +201,10 @@ SelfReference make_self_reference(const Rig& rig, const ProjectorPoints& points,
   reference.camera_rows = rig.camera.rows;
   for (std::size_t i = 0; i < points.line.values.size(); ++i) {
     if (!reference.measurable(i)) {
-      reference.points.line.values[i] = reference.points.column.values[i] = kNan;
+      reference.points.line.values[i] = reference.points.column.values[i] = kNoValue;
     }
   }
-  reference.row = FloatImage(rig.projector.lines, rig.projector.columns, kNan);
+  reference.row = FloatImage(rig.projector.lines, rig.projector.columns, kNoValue);
   reference.column = reference.row;
   invert(reference);
   reference.seen.resize(reference.row.values.size());

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -14,7 +13,6 @@
 namespace selfproj {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLinesPerUnit = 1.0F / (1U << GrayMatch::kFractionBits);
 
 // What is none becomes NaN by its bits: a choice between two values is control flow to the compiler here, and loops
@@ -105,7 +103,7 @@ SelfScanner::SelfScanner(const Rig& rig, const SelfReference& reference, const M
       board_codes_(triangulation_.pixels()),
       board_ambiguous_(triangulation_.pixels()),
       lines_(static_cast<std::size_t>(rig.camera.columns)),
-      depth_(rig.camera.rows, rig.camera.columns, kNan),
+      depth_(rig.camera.rows, rig.camera.columns, kNoValue),
       difference_(depth_),
       reference_depth_(depth_) {
   if (table.rows() != rig.camera.rows || table.columns() != rig.camera.columns ||

@@ -9,19 +9,12 @@
 #include <stdexcept>
 #include <vector>
 
+#include "host/gray/check.h"
 #include "model/cpu_clones.h"
 #include "model/gray_decoder.h"
 
 namespace selfproj {
 namespace {
-
-constexpr std::uint16_t kCode = (1U << GrayDecoder::kMaxBits) - 1;
-
-void check(bool holds, const char* reason) {
-  if (!holds) {
-    throw std::invalid_argument(reason);
-  }
-}
 
 // What is the same for all pixels.
 struct Common {
@@ -41,8 +34,8 @@ struct Common {
 }
 
 [[gnu::always_inline]] inline float depth_of(std::uint16_t word, float at, float slope, float least, const Common& k) {
-  return depth_of(static_cast<float>(static_cast<int>(word & kCode)) + 0.5F, (word & GrayDecoder::kMeasurable) != 0, at,
-                  slope, least, k);
+  return depth_of(static_cast<float>(static_cast<int>(word & GrayDecoder::kCode)) + 0.5F,
+                  (word & GrayDecoder::kMeasurable) != 0, at, slope, least, k);
 }
 
 SELFPROJ_CLONES void depth_of_row(const std::uint16_t* __restrict codes, std::ptrdiff_t count, float at, float slope,
@@ -246,7 +239,7 @@ void PlaneTriangulation::explain(const std::uint16_t* codes, const float* z, Poi
   for (std::size_t i = 0; i < pixels(); ++i) {
     states[i] = std::isnan(z[i]) && (codes[i] & GrayDecoder::kMeasurable) == 0
                     ? PointState::not_measurable
-                    : explain_code(i, (codes[i] & kCode) + 0.5, z[i]);
+                    : explain_code(i, (codes[i] & GrayDecoder::kCode) + 0.5, z[i]);
   }
 }
 

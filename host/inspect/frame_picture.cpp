@@ -18,8 +18,8 @@ namespace selfproj {
 namespace {
 
 constexpr int kShift = 4;  // fractional bits of OpenCV's drawing coordinates
-constexpr double kFontSize = 0.45;
-const cv::Scalar kInk(40, 40, 40);
+constexpr double kLabelFontSize = 0.45;
+const cv::Scalar kLabelInk(40, 40, 40);
 const cv::Scalar kLine(0, 110, 255);  // orange
 
 cv::Mat to_mat(const Image& image) {
@@ -31,14 +31,14 @@ cv::Mat to_mat(const Image& image) {
   return mat;
 }
 
-std::string png(const cv::Mat& picture) {
+std::string encoded(const cv::Mat& picture) {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", picture, bytes);
   return {bytes.begin(), bytes.end()};
 }
 
-void put_text(cv::Mat& picture, const std::string& text, cv::Point at) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, kFontSize, kInk, 1, cv::LINE_AA);
+void put_label(cv::Mat& picture, const std::string& text, cv::Point at) {
+  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, kLabelFontSize, kLabelInk, 1, cv::LINE_AA);
 }
 
 // A line from point to point of the columns that have one (y not NaN); columns that are not neighbours, or more than
@@ -59,7 +59,7 @@ void draw_trace(cv::Mat& picture, const std::vector<double>& x, const std::vecto
 
 }  // namespace
 
-std::string image_png(const Image& image) { return png(to_mat(image)); }
+std::string image_png(const Image& image) { return encoded(to_mat(image)); }
 
 std::string frame_png(const CameraPicture& camera) {
   constexpr int kMargin = 60;
@@ -74,7 +74,7 @@ std::string frame_png(const CameraPicture& camera) {
   cv::Mat picture(kTop + enlarged.rows + 2 * (kGap + kPlot) + 20, enlarged.cols + 2 * kMargin, CV_8UC3,
                   cv::Scalar(255, 255, 255));
   enlarged.copyTo(picture(cv::Rect(kMargin, kTop, enlarged.cols, enlarged.rows)));
-  put_text(picture, fmt::format("frame {}: image and centroid", camera.frame), {kMargin, kTop - 10});
+  put_label(picture, fmt::format("frame {}: image and centroid", camera.frame), {kMargin, kTop - 10});
 
   const auto count = static_cast<std::size_t>(columns);
   std::vector<double> x(count);
@@ -93,16 +93,16 @@ std::string frame_png(const CameraPicture& camera) {
        {std::pair(&camera.moments.m0, "M0"), std::pair(&camera.moments.n, "n, lit pixels")}) {
     const std::uint32_t most = std::max(1U, *std::max_element(values->begin(), values->end()));
     cv::rectangle(picture, cv::Rect(kMargin, top, enlarged.cols, kPlot), cv::Scalar(210, 210, 210));
-    put_text(picture, name, {kMargin, top - 8});
-    put_text(picture, std::to_string(most), {6, top + 10});
-    put_text(picture, "0", {6, top + kPlot});
+    put_label(picture, name, {kMargin, top - 8});
+    put_label(picture, std::to_string(most), {6, top + 10});
+    put_label(picture, "0", {6, top + kPlot});
     for (std::size_t i = 0; i < count; ++i) {
       y[i] = top + kPlot - 1 - static_cast<double>((*values)[i]) / most * (kPlot - 2);
     }
     draw_trace(picture, x, y, kPlot);
     top += kPlot + kGap;
   }
-  return png(picture);
+  return encoded(picture);
 }
 
 }  // namespace selfproj

@@ -3,10 +3,14 @@
 #define SELFPROJ_HOST_IO_FLOAT_IMAGE_H
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
 namespace selfproj {
+
+// What a pixel without a value holds.
+inline constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 // Row by row without gaps. NaN is a pixel without a value.
 struct FloatImage {

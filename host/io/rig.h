@@ -9,6 +9,7 @@
 #define SELFPROJ_HOST_IO_RIG_H
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -29,6 +30,10 @@ struct RigCamera {
   double focal_length_mm = 0;
   double frame_rate_hz = 0;
   double exposure_s = 0;
+
+  [[nodiscard]] std::size_t pixels() const {
+    return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+  }
 };
 
 // A pinhole at (x, 0, z), its axis tilted by `tilt` from z towards -x. Line l, column c have their centre at

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <limits>
 #include <stdexcept>
 
+#include "host/io/float_image.h"
 #include "host/optics/geometry.h"
 #include "model/cpu_clones.h"
 #include "model/spec/generated/selfproj_spec.h"
@@ -18,8 +18,6 @@
 
 namespace selfproj {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 // Columns that are worked on at a time, in steps that each keep to one width of numbers. What is in between, 3 KiB,
 // stays in the first-level cache beside the tables and the profile (with 512 columns at a time it did not).
@@ -126,9 +124,9 @@ constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t
     s = n == 0 ? code(Validity::unlit) : s;
     s = m0 == 0 ? code(Validity::unlit) : s;
     state[i] = s;
-    centroid[i] = s == code(Validity::valid) ? c : kNan;
-    tangent[i] = s == code(Validity::valid) ? tan_alpha : kNan;
-    reciprocal[i] = 1.0F / (s == code(Validity::valid) ? sum : kNan);  // so that all that follows is NaN
+    centroid[i] = s == code(Validity::valid) ? c : kNoValue;
+    tangent[i] = s == code(Validity::valid) ? tan_alpha : kNoValue;
+    reciprocal[i] = 1.0F / (s == code(Validity::valid) ? sum : kNoValue);  // so that all that follows is NaN
   }
   shape_of(tangent.data(), reciprocal.data(), columns, t.numerator, t.tan_beta, out.x, out.y, out.z);
   difference_of(tangent.data(), reciprocal.data(), columns, t.z_r, t.tan_alpha_r, t.tan_theta, t.tan_beta, out.dx,

@@ -4,10 +4,14 @@
 #define SELFPROJ_HOST_OPTICS_GEOMETRY_H
 
 #include <cmath>
+#include <limits>
 
 #include "host/io/rig.h"
 
 namespace selfproj {
+
+// What is not known.
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 // The centroid of a line that falls on Xc = 0: the row (from 1) in the middle of the image.
 inline double middle_row(const RigCamera& camera) { return 0.5 * (camera.rows + 1); }

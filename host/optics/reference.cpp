@@ -13,8 +13,6 @@
 namespace selfproj {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 // Millimetres: a wall that begins where a surface ends does not hide that end.
 constexpr double kTouch = 1e-6;
 
@@ -119,13 +117,13 @@ ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& refere
   const int columns = rig.camera.columns;
   const auto z_of = [&](int column) {
     const auto i = static_cast<std::size_t>(column);
-    return reference.valid[i] != 0 ? reference.z_mm[i] : kNan;
+    return reference.valid[i] != 0 ? reference.z_mm[i] : kUnknown;
   };
   // On from the column `border` by the slope of the last `kBeyond` columns, which `inward` points to; NaN where one of
   // these two is not valid.
   constexpr int kBeyond = 8;
   const auto beyond = [&](int border, int inward, int steps) {
-    return columns <= kBeyond ? kNan
+    return columns <= kBeyond ? kUnknown
                               : z_of(border) + (z_of(border) - z_of(border + inward * kBeyond)) * steps / kBeyond;
   };
   ReferenceCurve curve;
@@ -158,9 +156,9 @@ ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve)
     }
     const bool valid = seen != nullptr && !seen->wall && is_lit(rig, joins, nearest);
     reference.valid[i] = valid ? 1 : 0;
-    reference.z_mm[i] = valid ? nearest.z : kNan;
-    reference.tan_theta[i] = valid ? rig.projector.x_mm / (nearest.z - rig.projector.z_mm) : kNan;  // (3.8)
-    reference.offset_px[i] = valid ? 0 : kNan;
+    reference.z_mm[i] = valid ? nearest.z : kUnknown;
+    reference.tan_theta[i] = valid ? rig.projector.x_mm / (nearest.z - rig.projector.z_mm) : kUnknown;  // (3.8)
+    reference.offset_px[i] = valid ? 0 : kUnknown;
   }
   return reference;
 }
@@ -175,8 +173,8 @@ ReferenceProfile reference_of_straight_line(const Rig& rig, double line, std::sp
     const bool valid = std::isfinite(centroid[i]) && sum > 0;
     reference.valid[i] = valid ? 1 : 0;
     reference.tan_theta[i] = theta;
-    reference.z_mm[i] = valid ? (rig.projector.x_mm + rig.projector.z_mm * theta) / sum : kNan;  // (3.4)
-    reference.offset_px[i] = valid ? centroid[i] - middle_row(rig.camera) : kNan;
+    reference.z_mm[i] = valid ? (rig.projector.x_mm + rig.projector.z_mm * theta) / sum : kUnknown;  // (3.4)
+    reference.offset_px[i] = valid ? centroid[i] - middle_row(rig.camera) : kUnknown;
   }
   return reference;
 }
@@ -188,7 +186,7 @@ ReferenceProfile without_residual(const Rig& rig, const ReferenceProfile& refere
   for (std::size_t i = 0; i < centroid.size(); ++i) {
     if (result.valid[i] == 0 || !std::isfinite(centroid[i])) {
       result.valid[i] = 0;
-      result.tan_theta[i] = result.z_mm[i] = result.offset_px[i] = kNan;
+      result.tan_theta[i] = result.z_mm[i] = result.offset_px[i] = kUnknown;
       continue;
     }
     const double x = result.z_mm[i] * tan_alpha(rig.camera, centroid[i]);
@@ -201,7 +199,7 @@ ReferenceProfile without_residual(const Rig& rig, const ReferenceProfile& refere
 std::vector<double> pattern_of_curve(const Rig& rig, const ReferenceCurve& curve) {
   const RigProjector& projector = rig.projector;
   const std::vector<Join> joins = joins_of(curve);
-  std::vector<double> lines(static_cast<std::size_t>(projector.columns), kNan);
+  std::vector<double> lines(static_cast<std::size_t>(projector.columns), kUnknown);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double yp =
         projector.center_yp_mm + projector.column_pitch_mm * (static_cast<double>(i) - 0.5 * (projector.columns - 1));

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "host/io/user_error.h"
+#include "host/optics/geometry.h"
 #include "host/optics/geometry_keys.h"
 
 namespace selfproj {
@@ -25,7 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kMagic = "# selfproj reference 1";
 constexpr std::string_view kColumns = "column,tan_theta,z_mm,offset_px";
 
@@ -126,7 +125,7 @@ std::vector<double> heights_of(const Rig& rig, const std::string& file, std::opt
     }
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
-    heights.push_back(values.empty() ? kNan : static_cast<double>(*middle));
+    heights.push_back(values.empty() ? kUnknown : static_cast<double>(*middle));
   }
   return heights;
 }
@@ -146,7 +145,7 @@ ReferenceCurve parse_curve_csv(const std::string& text, const std::string& sourc
       lines.fail("two numbers are expected: y, z");
     }
     const double y = number(lines, fields[0]);
-    const double z = fields[1].empty() ? kNan : number(lines, fields[1]);
+    const double z = fields[1].empty() ? kUnknown : number(lines, fields[1]);
     if (!curve.y_mm.empty() && y < curve.y_mm.back()) {
       lines.fail(fmt::format("y falls from {} to {}", curve.y_mm.back(), y));
     }
@@ -226,9 +225,9 @@ ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, co
     }
     const bool valid = !fields[1].empty() || !fields[2].empty() || !fields[3].empty();
     reference.valid[i] = valid ? 1 : 0;
-    reference.tan_theta[i] = valid ? number(lines, fields[1]) : kNan;
-    reference.z_mm[i] = valid ? number(lines, fields[2]) : kNan;
-    reference.offset_px[i] = valid ? number(lines, fields[3]) : kNan;
+    reference.tan_theta[i] = valid ? number(lines, fields[1]) : kUnknown;
+    reference.z_mm[i] = valid ? number(lines, fields[2]) : kUnknown;
+    reference.offset_px[i] = valid ? number(lines, fields[3]) : kUnknown;
     if (valid && !(reference.z_mm[i] > 0)) {
       lines.fail("is damaged: z is not greater than 0");
     }

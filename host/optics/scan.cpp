@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -14,8 +13,6 @@
 
 namespace selfproj {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Takes the moments of an image as the board would; throws for another size than the camera's.
 void take_moments(const Rig& rig, const ImageView& image, Moments& moments) {
@@ -77,7 +74,7 @@ ReferenceProfile LineScan::reference() const {
   ReferenceProfile reference;
   reference.resize(rig_.camera.columns);
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    reference.tan_theta[i] = reference.z_mm[i] = reference.offset_px[i] = kNan;
+    reference.tan_theta[i] = reference.z_mm[i] = reference.offset_px[i] = kUnknown;
     std::vector<Sighting> seen = sightings_[i];
     std::sort(seen.begin(), seen.end(), [](const Sighting& a, const Sighting& b) { return a.line < b.line; });
     // A run is a piece of the sweep in which the rows grow or fall steadily: one surface.
@@ -155,7 +152,7 @@ void CentroidMean::add(const ImageView& image) {
 }
 
 std::vector<double> CentroidMean::centroids() const {
-  std::vector<double> means(sums_.size(), kNan);
+  std::vector<double> means(sums_.size(), kUnknown);
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (counts_[i] > 0 && 2 * counts_[i] >= images_) {
       means[i] = sums_[i] / counts_[i];

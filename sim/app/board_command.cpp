@@ -28,6 +28,7 @@
 #include "host/io/user_error.h"
 #include "model/column_moments.h"
 #include "sim/board/packet_recording.h"
+#include "sim/platform/camera_timing.h"
 
 namespace selfproj {
 namespace {
@@ -35,7 +36,7 @@ namespace {
 constexpr double kDefaultRate = 10000;
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 
-struct Options {
+struct BoardOptions {
   std::string replay;
   std::string line;  // COLUMNSxROWS
   std::string mode = "grey-over";
@@ -58,7 +59,7 @@ void sleep_until(std::int64_t time_ns) {
   }
 }
 
-PacketRecording make_line(const Options& options) {
+PacketRecording make_line(const BoardOptions& options) {
   int columns = 0;
   int rows = 0;
   char more = 0;
@@ -71,7 +72,7 @@ PacketRecording make_line(const Options& options) {
   return moving_line(rows, columns, options.line_frames, mode_of(options.mode), options.threshold);
 }
 
-PacketRecording source_of(const Options& options) {
+PacketRecording source_of(const BoardOptions& options) {
   if (options.replay.empty() == options.line.empty()) {
     throw UserError("board", "one of --replay FILE and --line COLUMNSxROWS is needed");
   }
@@ -88,7 +89,7 @@ PacketRecording source_of(const Options& options) {
 }
 
 // How many frames are to be played; the largest number where there is no end.
-std::uint64_t frames_to_play(const Options& options, const PacketRecording& source) {
+std::uint64_t frames_to_play(const BoardOptions& options, const PacketRecording& source) {
   if (options.count > 0) {
     return options.count;
   }
@@ -98,7 +99,7 @@ std::uint64_t frames_to_play(const Options& options, const PacketRecording& sour
   return source.frames();
 }
 
-void record(const Options& options, const PacketRecording& source) {
+void record(const BoardOptions& options, const PacketRecording& source) {
   const OutputFile file(options.record);
   std::uint64_t frames = frames_to_play(options, source);
   if (options.seconds > 0 && options.rate > 0) {
@@ -127,7 +128,7 @@ void record(const Options& options, const PacketRecording& source) {
 
 // A board in real time. Frames are due at fixed times from the start, not from each other, so that the rate is kept
 // exactly; one that is late follows at once, and how late the latest was is said.
-void play(const Options& options, const PacketRecording& source) {
+void play(const BoardOptions& options, const PacketRecording& source) {
   RingWriter writer(options.ring, options.slots.value_or(RingWriter::deep_slots(options.ring)));
   const std::uint64_t lost_before = writer.lost();
   const StopSignal stop;
@@ -191,7 +192,7 @@ void play(const Options& options, const PacketRecording& source) {
       static_cast<double>(latest) / 1e6);
 }
 
-void run(const Options& options) {
+void run_board(const BoardOptions& options) {
   if (options.ring.empty() == options.record.empty()) {
     throw UserError("board", "one of --ring NAME and --record FILE is needed");
   }
@@ -214,7 +215,7 @@ void run(const Options& options) {
 void add_board_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("board", "A board in real time: recorded packets, or those of a moving line, into a ring");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BoardOptions>();
   command->add_option("--replay", options->replay, "Packets recorded by --record, or by `selfproj-sim cosim`")
       ->type_name("FILE");
   command->add_option("--line", options->line, "Instead: a line of light that moves, through the model of the board")
@@ -247,7 +248,7 @@ void add_board_command(CLI::App& app) {
       ->type_name("N");
   command->add_flag("--wait-for-reader", options->wait_for_reader, "Begin when someone has opened the ring");
   command->add_flag("--keep", options->keep, "Leave the ring there at the end, for a reader that comes later");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_board(*options); });
 }
 
 }  // namespace selfproj

@@ -32,7 +32,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct CaptureOptions {
   std::string scene;
   std::string rig;
   std::string patterns;
@@ -68,8 +68,9 @@ Json truth_of(const Rig& rig) {
 }
 
 // Renders a scene under all patterns, `first` being the number of its first frame for the noise.
-void capture(const Rig& rig, const Scene& scene, const Options& options, const std::vector<ProjectedLight>& patterns,
-             int first, const std::string& prefix, OutputFolder& out, Progress& progress, std::size_t& done) {
+void capture(const Rig& rig, const Scene& scene, const CaptureOptions& options,
+             const std::vector<ProjectedLight>& patterns, int first, const std::string& prefix, OutputFolder& out,
+             Progress& progress, std::size_t& done) {
   RenderOptions render;
   render.shot_noise = render.read_noise = !options.without_noise;
   const PatternRenderer renderer(rig, scene, render, options.threads);
@@ -87,7 +88,7 @@ void capture(const Rig& rig, const Scene& scene, const Options& options, const s
   });
 }
 
-void run(const Options& options) {
+void run_capture(const CaptureOptions& options) {
   constexpr int kMostCorners = 200;
   if (options.scene.empty() == options.board.empty()) {
     throw UserError("--scene, --board", "one of them is needed, and not both");
@@ -142,7 +143,7 @@ void run(const Options& options) {
 void add_capture_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "capture", "The camera's images under each pattern of a folder: of a scene, or of a chessboard in several poses");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CaptureOptions>();
   command->add_option("--rig", options->rig, "A built-in rig or a YAML file")->required();
   command->add_option("--patterns", options->patterns, "Folder of images of the projector's size, as of `pattern gray`")
       ->type_name("DIR")
@@ -172,7 +173,7 @@ void add_capture_command(CLI::App& app) {
   command->add_option("--out", options->out, "Folder for the images; of a board, a new one")
       ->type_name("DIR")
       ->required();
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_capture(*options); });
 }
 
 }  // namespace selfproj

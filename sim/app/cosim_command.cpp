@@ -51,7 +51,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct CosimOptions {
   std::string scene = "stairs-marked";
   std::vector<std::string> frames;      // empty: the scene
   std::vector<std::string> background;  // of the frames
@@ -81,7 +81,7 @@ struct Options {
 };
 
 // How many frames from --first on; `total` of them exist.
-std::size_t frames_to_play(const Options& options, std::size_t total, const std::string& what) {
+std::size_t frames_to_play(const CosimOptions& options, std::size_t total, const std::string& what) {
   if (options.first > total) {
     throw UserError(fmt::format("--first {}", options.first), fmt::format("{} has {} frames", what, total));
   }
@@ -103,7 +103,7 @@ struct Setup {
   std::vector<Fact> facts;
 };
 
-void apply_options(const Options& options, Rig& rig) {
+void apply_options(const CosimOptions& options, Rig& rig) {
   if (!options.mode.empty()) {
     rig.measure.mode = mode_of(options.mode);
   }
@@ -123,7 +123,7 @@ Rig light_section_rig(const std::string& name) {
   return rig;
 }
 
-Setup scene_setup(const Options& options) {
+Setup scene_setup(const CosimOptions& options) {
   Setup setup;
   setup.rig = light_section_rig(options.rig.empty() ? "light-section" : options.rig);
   apply_options(options, setup.rig);
@@ -182,7 +182,7 @@ std::vector<std::string> files_of(const std::string& option, const std::vector<s
   return files;
 }
 
-Setup recorded_setup(const Options& options) {
+Setup recorded_setup(const CosimOptions& options) {
   if (!options.without.empty()) {
     throw UserError("--without", "recorded images are as they are");
   }
@@ -235,7 +235,7 @@ Setup recorded_setup(const Options& options) {
   return setup;
 }
 
-PlatformOptions platform_options(const Options& options, const Setup& setup) {
+PlatformOptions platform_options(const CosimOptions& options, const Setup& setup) {
   PlatformOptions platform;
   if (options.engine == "model") {
     platform.engine = PlatformEngine::model;
@@ -430,7 +430,7 @@ class Collector {
 };
 
 // The frames asked for; else the middle one of a scene, or the first ten of recorded images.
-std::vector<std::size_t> pictures_of(const Options& options, std::size_t total) {
+std::vector<std::size_t> pictures_of(const CosimOptions& options, std::size_t total) {
   constexpr std::size_t kMost = 10;
   if (!options.pictures.empty()) {
     for (const std::size_t frame : options.pictures) {
@@ -465,7 +465,7 @@ std::vector<Fact> counters_of(const CosimResult& result) {
 }
 
 // Scenes of rig B have a run of their own.
-void run_scanner(const Options& options) {
+void run_scanner(const CosimOptions& options) {
   const bool self = is_self_scene(options.scene);
   const auto refuse = [&](bool given, const char* option) {
     if (given) {
@@ -514,7 +514,7 @@ void run_scanner(const Options& options) {
   }
 }
 
-void run(const Options& options) {
+void run_cosim(const CosimOptions& options) {
   if (options.frames.empty() && (is_scanner_scene(options.scene) || is_self_scene(options.scene))) {
     run_scanner(options);
     return;
@@ -606,7 +606,7 @@ void run(const Options& options) {
 void add_cosim_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "cosim", "Frames through camera, board and driver to profiles; every packet compared with the model");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CosimOptions>();
   CLI::Option* scene = command->add_option("--scene", options->scene, "Scene under the simulated camera (scene list)")
                            ->type_name("NAME")
                            ->capture_default_str();
@@ -713,7 +713,7 @@ void add_cosim_command(CLI::App& app) {
       ->type_name("F")
       ->needs(trace)
       ->capture_default_str();
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_cosim(*options); });
 }
 
 }  // namespace selfproj

@@ -63,10 +63,10 @@ struct Sample {
 };
 
 // The scene, its background as the scanner measures it, and what each depth image says.
-class Measurement {
+class ScannerMeasurement {
  public:
-  Measurement(const ScannerCosimOptions& options, const Rig& rig, const Scene& scene, const Scene& reference,
-              const PatternSet& patterns)
+  ScannerMeasurement(const ScannerCosimOptions& options, const Rig& rig, const Scene& scene, const Scene& reference,
+                     const PatternSet& patterns)
       : options_(options),
         rig_(rig),
         renderer_(rig, scene, options.render),
@@ -463,7 +463,7 @@ void run_scanner_cosim(const ScannerCosimOptions& options) {
   const std::vector<std::size_t> pictures = folder ? pictured_frames(options, total) : std::vector<std::size_t>();
 
   const PatternSet patterns(rig, gray_patterns(rig.projector, options.bits), options.render.projector_blur);
-  Measurement measurement(options, rig, *scene, *reference, patterns);
+  ScannerMeasurement measurement(options, rig, *scene, *reference, patterns);
   const auto first = static_cast<int>(options.first - 1);
   SceneFrames source(
       [&](int frame, std::span<std::uint8_t> pixels) {

@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct DecodeOptions {
   std::string engine = "rtl";
   int bits = 0;
   int threshold = GraySettings{}.threshold;
@@ -39,7 +39,7 @@ struct Options {
   std::vector<std::string> images;
 };
 
-std::unique_ptr<GrayEngine> make_engine(const std::string& name) {
+std::unique_ptr<GrayEngine> make_gray_engine(const std::string& name) {
   if (name == "model") {
     return make_gray_model_engine();
   }
@@ -67,7 +67,7 @@ std::string code_file(std::size_t pair) { return fmt::format("code_{:04}.png", p
 std::string measurable_file(std::size_t pair) { return fmt::format("measurable_{:04}.png", pair); }
 
 // What can be seen without reading the images.
-void check_files(const Options& options) {
+void check_files(const DecodeOptions& options) {
   const std::size_t total = options.images.size();
   const auto cycle = static_cast<std::size_t>(2 * options.bits);
   if (total % 2 != 0) {
@@ -89,10 +89,10 @@ void check_files(const Options& options) {
   }
 }
 
-void run(const Options& options) {
+void run_decode(const DecodeOptions& options) {
   OutputFolder out(options.out);
   check_files(options);
-  const std::unique_ptr<GrayEngine> engine = make_engine(options.engine);
+  const std::unique_ptr<GrayEngine> engine = make_gray_engine(options.engine);
   const std::optional<Channel> channel = channel_of(options.channel);
   const std::size_t total = options.images.size();
   const auto cycle = static_cast<std::size_t>(2 * options.bits);
@@ -143,7 +143,7 @@ void add_decode_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "decode",
       "Gray codes of image files: positive and negative of plane 0 (the most significant bit), of plane 1, ...");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DecodeOptions>();
   command->add_option("--engine", options->engine, "What decodes them: the board's RTL, the HLS kernel, the model")
       ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
       ->capture_default_str();
@@ -167,7 +167,7 @@ void add_decode_command(CLI::App& app) {
   command->add_option("IMAGE", options->images, "8-bit images of one size, columns a multiple of 4, an even number")
       ->type_name("FILE")
       ->required();
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_decode(*options); });
 }
 
 }  // namespace selfproj

@@ -25,7 +25,7 @@
 namespace selfproj {
 namespace {
 
-struct Options {
+struct ExperimentArguments {
   std::string name;
   std::string rig;  // empty: that of the experiment
   std::string out;
@@ -75,7 +75,7 @@ void conclude(const std::string& name, const std::vector<std::string>& not_reach
   fmt::print("{}: all figures reached\n", name);
 }
 
-void run_structured_light(const Options& options) {
+void run_structured_light(const ExperimentArguments& options) {
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(options.out);
@@ -125,7 +125,7 @@ void run_structured_light(const Options& options) {
   conclude(options.name, result.not_reached);
 }
 
-void run(const Options& options) {
+void run_command(const ExperimentArguments& options) {
   if (options.name.starts_with('B')) {
     run_structured_light(options);
     return;
@@ -169,7 +169,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_experiment_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExperimentArguments>();
   CLI::App* command = app.add_subcommand(
       "experiment", "Run an experiment of the thesis in simulation: published figures beside measured ones");
   command
@@ -201,7 +201,7 @@ void add_experiment_command(CLI::App& app) {
   command->add_flag(
       "--sources", options->sources,
       "Also the table of error sources: the self-projected measurement with each of them off in its turn");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_command(*options); });
 }
 
 }  // namespace selfproj

@@ -24,7 +24,7 @@
 namespace selfproj {
 namespace {
 
-struct Options {
+struct MomentsOptions {
   std::string engine = "rtl";
   int threshold = MomentsSettings{}.threshold;
   std::string mode = "binary";
@@ -33,7 +33,7 @@ struct Options {
   std::vector<std::string> images;
 };
 
-std::unique_ptr<MomentsEngine> make_engine(const std::string& name) {
+std::unique_ptr<MomentsEngine> make_moments_engine(const std::string& name) {
   if (name == "model") {
     return make_model_engine();
   }
@@ -55,7 +55,7 @@ std::size_t batch_size(const Image& image) {
   return std::clamp<std::size_t>(kBytes / image.pixels.size(), 1, kMost);
 }
 
-void run(const Options& options) {
+void run_moments(const MomentsOptions& options) {
   const OutputFile out(options.out);
   for (const std::string& file : options.images) {
     if (out.is_same_as(file)) {
@@ -63,7 +63,7 @@ void run(const Options& options) {
     }
     check_image_file(file);
   }
-  const std::unique_ptr<MomentsEngine> engine = make_engine(options.engine);
+  const std::unique_ptr<MomentsEngine> engine = make_moments_engine(options.engine);
   const std::optional<Channel> channel = channel_of(options.channel);
   const std::size_t total = options.images.size();
 
@@ -109,7 +109,7 @@ void run(const Options& options) {
 
 void add_moments_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("moments", "Column moments of image files, one image a frame, rows down");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MomentsOptions>();
   command->add_option("--engine", options->engine, "What computes them: the board's RTL, the HLS kernel, the model")
       ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
       ->capture_default_str();
@@ -130,7 +130,7 @@ void add_moments_command(CLI::App& app) {
   command->add_option("IMAGE", options->images, "8-bit images of one size, columns a multiple of 4")
       ->type_name("FILE")
       ->required();
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_moments(*options); });
 }
 
 }  // namespace selfproj

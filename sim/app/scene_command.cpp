@@ -46,7 +46,7 @@ constexpr int kMostDepths = 256;  // 1 MB each
 constexpr int kMostFrames = 100'000;
 constexpr const char* kPatternFile = "pattern.tiff";
 
-struct Options {
+struct SceneOptions {
   std::string scene;
   std::string height_map;
   double mm_per_pixel = 0;
@@ -63,13 +63,13 @@ struct Options {
   int threads = 0;
 };
 
-RenderOptions render_options(const Options& options) {
+RenderOptions render_options(const SceneOptions& options) {
   RenderOptions result = options_without(options.without);
   result.falloff = options.falloff;
   return result;
 }
 
-Rig rig_of(const Options& options) {
+Rig rig_of(const SceneOptions& options) {
   std::string name = options.rig;
   if (name.empty()) {
     const auto info = std::find_if(scenes().begin(), scenes().end(),
@@ -98,7 +98,7 @@ FloatImage read_pattern(const std::string& file, const Rig& rig) {
 }
 
 // Without a file, a straight line that the camera sees in the middle of its image of the plane.
-FloatImage pattern_of(const Options& options, const Rig& rig) {
+FloatImage pattern_of(const SceneOptions& options, const Rig& rig) {
   if (options.patterns.empty()) {
     return draw_straight_line(rig, Pinhole::of_projector(rig.projector).project({0, 0, rig.plane_z_mm}).row);
   }
@@ -146,7 +146,8 @@ struct FrameMaker {
   FloatImage pattern;  // where there is one alone
 };
 
-FrameMaker light_section(const Options& options, const Rig& rig, const Scene& scene, const RenderOptions& render_with) {
+FrameMaker light_section(const SceneOptions& options, const Rig& rig, const Scene& scene,
+                         const RenderOptions& render_with) {
   if (options.bits > 0) {
     throw UserError("--bits", "is for rigs of kind scanner; " + rig.name + " is none");
   }
@@ -161,7 +162,7 @@ FrameMaker light_section(const Options& options, const Rig& rig, const Scene& sc
   return maker;
 }
 
-FrameMaker whole_patterns(const Options& options, const Rig& rig, const Scene& scene,
+FrameMaker whole_patterns(const SceneOptions& options, const Rig& rig, const Scene& scene,
                           const RenderOptions& render_with) {
   if (scene.speed() != 0) {
     throw UserError("--rig " + rig.name, "its conveyor moves; the surface before a scanner stands still");
@@ -192,7 +193,7 @@ FrameMaker whole_patterns(const Options& options, const Rig& rig, const Scene& s
   return maker;
 }
 
-void render(const Options& options) {
+void render(const SceneOptions& options) {
   OutputFolder out(options.out);
   std::optional<OutputFile> truth_file;
   const bool truth_inside = !options.truth.empty() && is_in(options.out, options.truth);
@@ -272,7 +273,7 @@ void list() {
 
 void add_render(CLI::App& scene) {
   CLI::App* command = scene.add_subcommand("render", "Write the camera's images of a scene, and the true heights");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SceneOptions>();
   CLI::Option* name = command->add_option("SCENE", options->scene, "One of `scene list`");
   CLI::Option* map = command->add_option("--height-map", options->height_map,
                                          "A part instead of a scene: heights over the plane in mm, 32-bit floats, rows "

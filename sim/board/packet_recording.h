@@ -14,9 +14,6 @@
 
 namespace selfproj {
 
-// The pixel clock of the original board, in Hz, in which time stamps count: 15,120 clocks a frame at 10,000 fps.
-inline constexpr double kPixelClockHz = 151'200'000;
-
 // The packets of a run of frames, held in memory. A frame is the packets of one sequence number: its moments, and the
 // lines of its image and code image, if there are any.
 //

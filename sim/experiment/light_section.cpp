@@ -31,10 +31,6 @@ ImageView view_of(const Rig& rig, const std::vector<std::uint8_t>& pixels) {
   return {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
 }
 
-std::size_t pixels_of(const Rig& rig) {
-  return static_cast<std::size_t>(rig.camera.rows) * static_cast<std::size_t>(rig.camera.columns);
-}
-
 // Centroids, one a column, of the reference part under the pattern, means over 16 frames in the middle of its way; NaN
 // where a column is not lit as the rig asks. The noise is another than that of the measurement. `real` takes the
 // images.
@@ -45,7 +41,7 @@ std::array<std::vector<double>, kAllModes.size()> centroids_of(Rig rig, Rig real
   real.imaging.seed += 1;
   const Renderer renderer(real, scene, pattern, options);
   const int first = std::max(0, scene.frames() / 2 - kFrames / 2);
-  std::vector<std::vector<std::uint8_t>> images(kFrames, std::vector<std::uint8_t>(pixels_of(rig)));
+  std::vector<std::vector<std::uint8_t>> images(kFrames, std::vector<std::uint8_t>(rig.camera.pixels()));
   parallel_for(kFrames, 0, [&](int i) { renderer.render(first + i, std::span(images[static_cast<std::size_t>(i)])); });
   std::array<std::vector<double>, kAllModes.size()> result;
   for (std::size_t m = 0; m < kAllModes.size(); ++m) {
@@ -163,7 +159,7 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
   constexpr int kBatch = 64;
   std::vector<FrameResult> batch(kBatch);
   for (FrameResult& frame : batch) {
-    frame.pixels.resize(pixels_of(rig));
+    frame.pixels.resize(rig.camera.pixels());
     for (std::size_t m = 0; m < kAllModes.size(); ++m) {
       frame.moments[m].resize(rig.camera.columns);
       frame.profiles[m].resize(rig.camera.columns);

@@ -11,7 +11,7 @@
 namespace selfproj {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotFound = std::numeric_limits<double>::quiet_NaN();
 
 struct Points {
   std::vector<double> t, y;
@@ -51,12 +51,12 @@ SineFit fit_sine(const std::vector<double>& t, const std::vector<double>& y, dou
   constexpr std::size_t kFewest = 8;
   const Points points = without_nan(t, y);
   if (points.t.size() < kFewest) {
-    return {kNan, kNan, kNan, kNan};
+    return {kNotFound, kNotFound, kNotFound, kNotFound};
   }
   const auto [first, last] = std::minmax_element(points.t.begin(), points.t.end());
   low = std::max(low, 1 / (*last - *first));
   if (low > high) {
-    return {kNan, kNan, kNan, kNan};
+    return {kNotFound, kNotFound, kNotFound, kNotFound};
   }
   constexpr double kCoarse = 0.02;
   constexpr double kFine = 0.001;
@@ -89,7 +89,7 @@ LineFit fit_line(const std::vector<double>& t, const std::vector<double>& y) {
     sty += (points.t[i] - st / n) * (points.y[i] - sy / n);
   }
   if (!(stt > 0)) {
-    return {kNan, kNan};
+    return {kNotFound, kNotFound};
   }
   const double slope = sty / stt;
   return {sy / n - slope * st / n, slope};
@@ -120,7 +120,7 @@ std::vector<double> RingMeans::means(const FloatImage& depth, const FloatImage& 
     }
   }
   for (std::size_t ring = 0; ring < count_; ++ring) {
-    sums[ring] = pixels[ring] < kFewest ? kNan : sums[ring] / static_cast<double>(pixels[ring]);
+    sums[ring] = pixels[ring] < kFewest ? kNotFound : sums[ring] / static_cast<double>(pixels[ring]);
   }
   for (int pass = 0; pass < 2; ++pass) {
     const std::vector<double> before = sums;
@@ -147,7 +147,7 @@ double foremost_crest(const RingMeans& rings, const std::vector<double>& means, 
       return rings.radius(i) + off * (rings.radius(1) - rings.radius(0));
     }
   }
-  return kNan;
+  return kNotFound;
 }
 
 }  // namespace selfproj

@@ -29,10 +29,6 @@
 namespace selfproj {
 namespace {
 
-std::size_t pixels_of(const Rig& rig) {
-  return static_cast<std::size_t>(rig.camera.rows) * static_cast<std::size_t>(rig.camera.columns);
-}
-
 // Renders the images under pattern(0), pattern(1), ... and hands them over in their order.
 void take_images(const PatternRenderer& renderer, const RenderOptions& options, int first, int count,
                  const std::function<Image(int)>& pattern, const std::function<void(int, const ImageView&)>& take,
@@ -44,7 +40,7 @@ void take_images(const PatternRenderer& renderer, const RenderOptions& options, 
     const int size = std::min(kBatch, count - begin);
     parallel_for(size, 0, [&](int i) {
       auto& image = images.at(static_cast<std::size_t>(i));
-      image.resize(pixels_of(rig));
+      image.resize(rig.camera.pixels());
       const ProjectedLight light = project_image(rig, pattern(begin + i), options.projector_blur);
       renderer.render(first + begin + i, light, std::span(image));
     });
@@ -208,7 +204,7 @@ Method conventional(const StructuredLightOptions& options, const PatternRenderer
         [&](int i) { return pattern_image(gray_pattern(rig, bits, kCodedLines, i)); },
         [&](int i, const ImageView& image) {
           if (i % 2 == 0) {
-            positive.assign(image.pixels, image.pixels + pixels_of(rig));
+            positive.assign(image.pixels, image.pixels + rig.camera.pixels());
             scanner.take({positive.data(), image.rows, image.columns, image.columns}, i);
           } else {
             scanner.take(image, i);
@@ -390,7 +386,7 @@ std::vector<Image> images_of(const Rig& rig, const Scene& scene, const RenderOpt
       renderer, options, first, static_cast<int>(patterns.size()),
       [&](int i) { return pattern_image(patterns[static_cast<std::size_t>(i)]); },
       [&](int, const ImageView& image) {
-        images.push_back({image.rows, image.columns, {image.pixels, image.pixels + pixels_of(rig)}});
+        images.push_back({image.rows, image.columns, {image.pixels, image.pixels + rig.camera.pixels()}});
       },
       [] {});
   return images;
@@ -481,7 +477,7 @@ StructuredLightResult run_cuboids(const StructuredLightOptions& options, const P
         [&](int i) { return pattern_image(self_projected_pattern(reference, i)); },
         [&](int i, const ImageView& image) {
           if (i % 2 == 0) {
-            positive.assign(image.pixels, image.pixels + pixels_of(rig));
+            positive.assign(image.pixels, image.pixels + rig.camera.pixels());
             scanner.take({positive.data(), image.rows, image.columns, image.columns}, i);
           } else {
             scanner.take(image, i);
@@ -489,7 +485,7 @@ StructuredLightResult run_cuboids(const StructuredLightOptions& options, const P
           if (i == 2 * options.stripes.bits - 2) {
             result.page.pictures.push_back(
                 {"Camera image, finest stripes",
-                 encode_png({image.rows, image.columns, {image.pixels, image.pixels + pixels_of(rig)}}), ""});
+                 encode_png({image.rows, image.columns, {image.pixels, image.pixels + rig.camera.pixels()}}), ""});
           }
         },
         count);

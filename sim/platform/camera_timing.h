@@ -6,7 +6,8 @@
 
 namespace selfproj {
 
-// The pixel clock of rig A's camera: four pixels a clock.
+// The pixel clock of rig A's camera, in which time stamps count: four pixels a clock, 15,120 clocks a frame at 10,000
+// fps.
 inline constexpr double kPixelClockHz = 151.2e6;
 inline constexpr std::uint64_t kPixelClockPs = 6614;  // its period, to the picosecond
 

@@ -10,7 +10,7 @@ namespace selfproj {
 namespace {
 
 constexpr double kGravity = 9800;  // mm/s²
-constexpr double kReach = 6;       // of the wave beyond its front, in s
+constexpr double kTail = 6;        // of the wave beyond its front, in s
 
 }  // namespace
 
@@ -19,12 +19,12 @@ RingWave::RingWave(double depth_mm, double crater_mm, double s_mm, double longes
   if (!(depth_mm > 0 && crater_mm > 0 && s_mm > 0 && longest_s > 0)) {
     throw std::invalid_argument("a ring wave's sizes must be greater than 0");
   }
-  const double furthest = speed_ * longest_s + kReach * s_;
+  const double furthest = speed_ * longest_s + kTail * s_;
   radii_ = static_cast<std::size_t>(std::ceil(furthest / kStep)) + 1;
   const std::size_t times = static_cast<std::size_t>(std::ceil(longest_s / kTimeStep)) + 2;
 
   // Trapezoids over k up to where the exponential has died away; their step must tell radii and ways apart.
-  const double last = kReach / s_;
+  const double last = kTail / s_;
   const double step = 1 / (furthest + speed_ * longest_s);
   const auto count = static_cast<std::size_t>(std::ceil(last / step));
   std::vector<float> bessel(radii_ * count);  // with the weights
@@ -63,7 +63,7 @@ RingWave::Profile RingWave::profile(double t) const {
   const double f = place - static_cast<double>(row);
   const float* now = rise_.data() + row * radii_;
   const float* next = now + radii_;
-  const double reach = speed_ * t + kReach * s_;
+  const double reach = speed_ * t + kTail * s_;
   const std::size_t count = std::min(radii_, static_cast<std::size_t>(std::ceil(reach / kStep)) + 1);
   profile.values_.resize(count);
   for (std::size_t r = 0; r < count; ++r) {
