@@ -16,17 +16,33 @@ module sp_encoder (
   output logic [15:0] errors_o
 );
 
-  logic [1:0] now;       // {b, a}, synchronized
-  logic [1:0] before1_q;
-  logic [1:0] before2_q;
-  logic [1:0] level_q;   // without short pulses
-  logic [1:0] previous_q;
-  logic       settled_q;  // level_q has come from the pins
-  logic [3:0] start_q;
-  logic       up_q, down_q, error_q;
-  logic       still_q;   // the lines stood at level_q a clock ago
-  logic       busy_q;    // or they did not two clocks ago, or the first levels are to come
-  logic       awake;
+  typedef struct packed {
+    logic        settled;   // level has come from the pins
+    logic [3:0]  start;     // clocks since reset, as many ones
+    logic [1:0]  still;     // the lines stood at level, a clock and two clocks ago
+    logic [1:0]  previous;  // level a clock ago
+    logic [1:0]  level;     // without short pulses
+    logic        step;      // one line has changed
+    logic        counted;   // the step before this is counted
+    logic        down;      // B leads
+    logic        error;     // both have changed
+    logic [15:0] errors;    // so many times
+  } lines_t;
+
+  typedef struct packed {
+    logic        ones;      // bits 15..8 are, or were a step ago: steps turn round no sooner than in three clocks
+    logic        zeros;
+    logic        low_full;  // bits 15..0
+    logic        low_zero;
+    logic [15:0] high;
+    logic [15:0] low;
+  } count_t;
+
+  lines_t     lines_q;
+  count_t     count_q;
+  logic [1:0] now;                 // {b, a}, synchronized
+  logic [1:0] before1_q, before2_q;  // one clock ago, two clocks ago
+  logic       awake_q;             // the lines did not stand at level a clock ago, or something follows of that they did not
 
   sp_sync #(
     .Width(2)
@@ -37,113 +53,69 @@ module sp_encoder (
     .q_o  (now)
   );
 
-  // Two clocks after the lines have come to rest at level_q everything below holds its value: nothing moves then.
-  assign awake = now != level_q || busy_q;
+  // The level of a line: its value where the last three samples are the same, else as before.
+  function automatic logic [1:0] level_of(input logic [1:0] level, input logic [1:0] s0, input logic [1:0] s1,
+                                          input logic [1:0] s2);
+    level_of = (level & (s0 | s1 | s2)) | (s0 & s1 & s2);
+  endfunction
 
+  // Three clocks after the lines have come to rest everything below holds its value: nothing moves then.
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      still_q <= 1'b0;
-      busy_q  <= 1'b1;
-    end else if (awake) begin
-      still_q <= now == level_q;
-      busy_q  <= now != level_q || !still_q || !settled_q;
-    end
+    before2_q <= before1_q;
+    before1_q <= now;
+    awake_q   <= rst_i || now != lines_q.level || lines_q.still != 2'b11 || !lines_q.settled;
   end
 
-  logic [1:0] changing;  // the last three samples were not the same
-  always_comb begin
-    changing = '0;
-    if (awake) changing = (now ^ before1_q) | (now ^ before2_q);
-  end
-
+  // The lines may stand anywhere at reset: the first levels are taken over without counting. Reset lasts longer than a clock,
+  // so that all is awake in it.
   always_ff @(posedge clk_i) begin
-    if (awake) begin
-      before1_q  <= now;
-      before2_q  <= before1_q;
-      level_q    <= settled_q ? (level_q & changing) | (now & ~changing) : now;
-      previous_q <= level_q;
-    end
-  end
-
-  logic [1:0] moved;
-  logic       one_moved;
-  always_comb begin
-    moved     = '0;
-    one_moved = 1'b0;
-    if (awake) begin
-      moved     = level_q ^ previous_q;
-      one_moved = settled_q && (moved == 2'b01 || moved == 2'b10);
-    end
-  end
-
-  // The lines may stand anywhere at reset: the first levels are taken over without counting.
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      start_q   <= '0;
-      settled_q <= 1'b0;
-    end else if (awake) begin
-      start_q   <= {start_q[2:0], 1'b1};
-      settled_q <= start_q[3];
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      up_q    <= 1'b0;
-      down_q  <= 1'b0;
-      error_q <= 1'b0;
-    end else if (awake) begin
-      // {b, a} runs 00, 01, 11, 10 where A leads
-      up_q    <= one_moved && (level_q[0] ^ previous_q[1]);
-      down_q  <= one_moved && !(level_q[0] ^ previous_q[1]);
-      error_q <= settled_q && moved == 2'b11;
+    if (awake_q) begin
+      lines_q.settled  <= !rst_i && lines_q.start[3];
+      lines_q.start    <= rst_i ? 4'd0 : {lines_q.start[2:0], 1'b1};
+      lines_q.still    <= {lines_q.still[0], now == lines_q.level};
+      lines_q.previous <= lines_q.level;
+      lines_q.level    <= lines_q.settled ? level_of(lines_q.level, now, before1_q, before2_q) : now;
+      lines_q.step     <= lines_q.settled && ^(lines_q.level ^ lines_q.previous);
+      lines_q.counted  <= lines_q.step;
+      lines_q.down     <= !(lines_q.level[0] ^ lines_q.previous[1]);  // {b, a} runs 00, 01, 11, 10 where A leads
+      lines_q.error    <= lines_q.settled && &(lines_q.level ^ lines_q.previous);
+      if (rst_i) lines_q.errors <= '0;
+      else if (lines_q.error) lines_q.errors <= lines_q.errors + 16'd1;
     end
   end
 
   // --- Counts: that of the steps in two chains, of which the lower knows a clock ahead what it hands on ---
-  logic [15:0] low_q, high_q;
-  logic        low_full_q, low_zero_q;
-  logic        counted_q;
-  logic        ones_q, zeros_q;         // low_q[15:8] are, or were a step ago: steps turn round no sooner than in three clocks
-  logic        upper_full, upper_zero;  // all bits of low_q but the lowest
-
-  assign upper_full = ones_q && &low_q[7:1];
-  assign upper_zero = zeros_q && !(|low_q[7:1]);
+  // The next step of this direction makes the lower chain full (up) or zero, whatever its lowest bit.
+  function automatic logic is_near(input logic down, input logic [6:0] low, input logic ones, input logic zeros);
+    is_near = down ? zeros && low == '0 : ones && &low;
+  endfunction
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      counted_q <= 1'b0;
-      ones_q    <= 1'b0;
-      zeros_q   <= 1'b1;
-    end else begin
-      counted_q <= up_q || down_q;
-      if (counted_q) begin
-        ones_q  <= low_q[15:8] == 8'hFF;
-        zeros_q <= low_q[15:8] == 8'h00;
+      count_q.ones     <= 1'b0;
+      count_q.zeros    <= 1'b1;
+      count_q.low_full <= 1'b0;
+      count_q.low_zero <= 1'b1;
+      count_q.high     <= '0;
+      count_q.low      <= '0;
+    end else if ({lines_q.step, lines_q.counted} != '0) begin
+      if (lines_q.step) begin
+        count_q.low      <= count_q.low + {{15{lines_q.down}}, 1'b1};
+        count_q.low_full <= !count_q.low[0] && is_near(lines_q.down, count_q.low[7:1], count_q.ones, count_q.zeros);
+        count_q.low_zero <= count_q.low[0] && is_near(lines_q.down, count_q.low[7:1], count_q.ones, count_q.zeros);
+        if (lines_q.down ? count_q.low_zero : count_q.low_full) begin
+          count_q.high <= count_q.high + {{15{lines_q.down}}, 1'b1};
+        end
+      end
+      if (lines_q.counted) begin
+        count_q.ones  <= count_q.low[15:8] == 8'hFF;
+        count_q.zeros <= count_q.low[15:8] == 8'h00;
       end
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      low_q      <= '0;
-      high_q     <= '0;
-      low_full_q <= 1'b0;
-      low_zero_q <= 1'b1;
-    end else if (up_q || down_q) begin
-      low_q      <= low_q + (up_q ? 16'd1 : 16'hFFFF);
-      low_full_q <= !low_q[0] && (up_q ? upper_full : upper_zero);
-      low_zero_q <= low_q[0] && (up_q ? upper_full : upper_zero);
-      if (up_q ? low_full_q : low_zero_q) high_q <= high_q + (up_q ? 16'd1 : 16'hFFFF);
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i) errors_o <= '0;
-    else if (error_q) errors_o <= errors_o + 16'd1;
-  end
-
-  assign count_o = {high_q, low_q};
+  assign count_o  = {count_q.high, count_q.low};
+  assign errors_o = lines_q.errors;
 
 endmodule
 

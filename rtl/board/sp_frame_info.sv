@@ -54,6 +54,7 @@ module sp_frame_info #(
 
   logic [17:0] events_q;  // {frame_start_i, take_i, stray_before_i}, one to six clocks ago, the latest lowest
   logic        start3, start4, start5, start6, take3, take5, take6;  // of it, so many clocks ago
+  logic [63:0] accepted;  // frames
   logic        awake_q;  // a frame started in the last six clocks; else nothing moves but the time
 
   assign start3 = events_q[8];
@@ -84,26 +85,17 @@ module sp_frame_info #(
     .count_o(time_o)
   );
 
-  // The first frame has sequence 0.
+  // The first frame has sequence 0: the number of those before it.
   sp_counter #(
-    .Width     (64),
-    .ResetValue(64'hFFFF_FFFF_FFFF_FFFF)
-  ) u_sequence (
-    .clk_i  (clk_i),
-    .rst_i  (rst_i),
-    .inc_i  (start3),
-    .count_o(sequence_o)
-  );
-
-  sp_counter #(
-    .Width(32)
+    .Width(64)
   ) u_frames (
     .clk_i  (clk_i),
     .rst_i  (rst_i),
     .inc_i  (start3),
-    .count_o(frames_o)
+    .count_o(accepted)
   );
 
+  assign frames_o   = accepted[31:0];
   assign captured_o = start3;
 
   always_ff @(posedge clk_i) begin
@@ -113,7 +105,10 @@ module sp_frame_info #(
         mode_o      <= mode_i;
         threshold_o <= threshold_i;
       end
-      if (start3) pattern_o <= pattern_i;
+      if (start3) begin
+        pattern_o  <= pattern_i;
+        sequence_o <= accepted;
+      end
       if (start4) time_stamp_o <= time_o;
       if (start5) encoder_o <= encoder_i;
       if (take5) begin

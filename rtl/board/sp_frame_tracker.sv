@@ -5,7 +5,7 @@
 // take-over, so that headers still being written keep theirs); before the first take-over no frame begins. A frame ends well
 // with its last line's tlast. It breaks, and no further beat of it counts, where a line ends early (the beat counts) or late
 // (the beat counts), where the next frame starts, or when no beat came for more than timeout_i clocks (0: never). Beats
-// outside any frame are discarded and counted.
+// outside any frame are discarded and counted. run_i and hold_i count for a beat at the input as they were a clock before it.
 //
 // Timing: outputs are registers, two clocks after the beat at the input. break_o is reported after the beats of the
 // clocks before it and before the beat of its own clock: a frame's start and the break of the frame before it may share a clock.
@@ -29,7 +29,8 @@ module sp_frame_tracker #(
   input  wire logic                  s_axis_tuser_i,
   input  wire logic                  s_axis_tlast_i,
 
-  // Settings as written; hold_i is high, besides when asked for, in the first clock of a new columns_i or rows_i
+  // Settings as written; hold_i is high, besides when asked for, in the first clock of a new columns_i or rows_i and in the two
+  // before it
   input  wire logic                  run_i,
   input  wire logic                  hold_i,
   input  wire logic                  image_i,
@@ -74,32 +75,10 @@ module sp_frame_tracker #(
   output logic      [31:0]           stray_o    // beats discarded while running
 );
 
-  localparam int TakeDistance = 6;
-
   assign s_axis_tready_o = 1'b1;
 
-  // --- Stage 1: the beat ---
-  logic        s1_valid_q, s1_start_q, s1_more_q, s1_last_q;  // a beat; one with tuser; one without
-  logic [31:0] s1_pixels_q;
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      s1_valid_q <= 1'b0;
-      s1_start_q <= 1'b0;
-      s1_more_q  <= 1'b0;
-    end else begin
-      s1_valid_q <= s_axis_tvalid_i;
-      s1_start_q <= s_axis_tvalid_i && s_axis_tuser_i;
-      s1_more_q  <= s_axis_tvalid_i && !s_axis_tuser_i;
-    end
-    if (s_axis_tvalid_i) begin
-      s1_pixels_q <= s_axis_tdata_i;
-      s1_last_q   <= s_axis_tlast_i;
-    end
-  end
-
   // --- Settings ---
-  // What the comparisons below need of the settings as written, a clock after the write.
+  // What is asked of the settings as written, known a clock after the write.
   logic                 next_one_q, next_two_q, next_one_row_q, next_few_q, next_second_q;
   logic [GroupBits-1:0] next_groups_m2_q;
   logic [RowBits-1:0]   next_rows_m1_q;
@@ -120,39 +99,66 @@ module sp_frame_tracker #(
     next_rows_m1_q   <= rows_i - RowBits'(1);
   end
 
-  logic [TakeDistance-2:0] took_q;
-  logic                    rested_q;    // no take-over in the last six clocks
-  logic                    fresh;       // a frame that starts takes the settings over
-  logic                    in_force_q;  // settings have been taken over: a frame may start without taking them over
-  logic                    start;
-  logic                    take;
+  // --- Stage 1: the beat ---
+  logic        s1_valid_q, s1_start_q;  // a beat; one with tuser
+  logic        s1_begin_q, s1_take_q;   // one that starts a frame; and takes the settings over
+  logic        s1_last_q;
+  logic [31:0] s1_pixels_q;
+  logic        s1_one_q, s1_few_q, s1_one_row_q, s1_second_q;  // of the settings of a frame that starts with it
 
-  assign fresh = !hold_i && rested_q;
+  // --- Stage 0: what a beat that comes now may do, from run_i and hold_i a clock ago ---
+  logic       may_start_q;
+  logic       may_take_q;  // but not in the clock after a take-over
+  logic [3:0] took_q;      // a take-over so many clocks ago, and one
+  logic       in_force_q;  // settings have been taken over: a frame may start without taking them over
 
-  always_comb begin
-    start = 1'b0;
-    take  = 1'b0;
-    if (s1_start_q) begin
-      start = run_i && (in_force_q || !hold_i);
-      take  = run_i && fresh;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      may_start_q <= 1'b0;
+      may_take_q  <= 1'b0;
+      took_q      <= '0;
+      in_force_q  <= 1'b0;
+      take_o      <= 1'b0;
+    end else begin
+      if (s1_take_q || took_q != '0) begin
+        took_q      <= {took_q[2:0], s1_take_q};
+        take_o      <= s1_take_q;
+        in_force_q  <= 1'b1;
+        may_take_q  <= 1'b0;
+        may_start_q <= run_i;
+      end else begin
+        may_take_q  <= run_i && !hold_i;
+        may_start_q <= run_i && (in_force_q || !hold_i);
+      end
     end
   end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      took_q     <= '0;
-      rested_q   <= 1'b1;
-      take_o     <= 1'b0;
-      in_force_q <= 1'b0;
+      s1_valid_q <= 1'b0;
+      s1_start_q <= 1'b0;
+      s1_begin_q <= 1'b0;
+      s1_take_q  <= 1'b0;
     end else begin
-      if (take || !rested_q) begin
-        took_q   <= {took_q[TakeDistance-3:0], take};
-        rested_q <= !take && took_q == '0;
-        take_o   <= take;
-      end
-      if (take) in_force_q <= 1'b1;
+      s1_valid_q <= s_axis_tvalid_i;
+      s1_start_q <= s_axis_tvalid_i && s_axis_tuser_i;
+      s1_begin_q <= s_axis_tvalid_i && s_axis_tuser_i && may_start_q;
+      s1_take_q  <= s_axis_tvalid_i && s_axis_tuser_i && may_take_q && !s1_take_q;
     end
-    if (take) begin
+    if (s_axis_tvalid_i) begin
+      s1_pixels_q <= s_axis_tdata_i;
+      s1_last_q   <= s_axis_tlast_i;
+      if (s_axis_tuser_i) begin
+        s1_one_q     <= may_take_q || s1_take_q ? next_one_q : one_group_o;
+        s1_few_q     <= may_take_q || s1_take_q ? next_few_q : few_q;
+        s1_one_row_q <= may_take_q || s1_take_q ? next_one_row_q : one_row_q;
+        s1_second_q  <= may_take_q || s1_take_q ? next_second_q : second_q;
+      end
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (s1_take_q) begin
       image_o      <= image_i;
       columns_o    <= columns_i;
       rows_o       <= rows_i;
@@ -170,45 +176,31 @@ module sp_frame_tracker #(
   end
 
   // --- Position of the beat in stage 1 ---
+  typedef struct packed {
+    logic               is_first;
+    logic               is_last;
+    logic [RowBits-1:0] number;
+  } row_t;
+
+  row_t                 row_q;
   logic                 open_q;           // a frame is being taken
   logic                 in_line_q;        // its line has begun
   logic                 in_last_row_q;    // its last row has begun
   logic [GroupBits-1:0] group_q;          // the next beat's
   logic                 group_is_last_q;
-  logic [RowBits-1:0]   row_q;
-  logic                 row_is_first_q;
-  logic                 row_is_last_q;
   logic                 timed_out;
 
   // What a beat with tuser is judged by needs no word of whether it is taken: then nothing of this counts.
   logic belongs;  // the beat is part of a frame
   logic at_end;  // it should be the last of its line
   logic in_last_row, line_end, frame_end, odd_line;
-  logic one, few, one_row, second;
 
-  always_comb begin
-    one         = one_group_o;
-    at_end      = group_is_last_q;
-    in_last_row = row_is_last_q;
-    few         = few_q;
-    one_row     = one_row_q;
-    second      = second_q;
-    if (s1_start_q) begin
-      if (fresh) begin
-        one     = next_one_q;
-        few     = next_few_q;
-        one_row = next_one_row_q;
-        second  = next_second_q;
-      end
-      at_end      = one;
-      in_last_row = one_row;
-    end
-  end
-
-  assign belongs   = start || s1_more_q && open_q;
-  assign line_end  = s1_last_q && at_end;
-  assign odd_line  = s1_last_q != at_end;  // shorter or longer than it should be
-  assign frame_end = belongs && line_end && in_last_row;
+  assign at_end      = s1_start_q ? s1_one_q : group_is_last_q;
+  assign in_last_row = s1_start_q ? s1_one_row_q : row_q.is_last;
+  assign belongs     = s1_begin_q || s1_valid_q && !s1_start_q && open_q;
+  assign line_end    = s1_last_q && at_end;
+  assign odd_line    = s1_last_q != at_end;  // shorter or longer than it should be
+  assign frame_end   = belongs && line_end && in_last_row;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -229,17 +221,17 @@ module sp_frame_tracker #(
   always_ff @(posedge clk_i) begin
     if (s1_valid_q) begin
       if (s1_start_q) begin
-        group_q         <= GroupBits'(!one);
-        group_is_last_q <= few;
-        row_q           <= one ? RowBits'(2) : RowBits'(1);
-        row_is_first_q  <= !one;
-        row_is_last_q   <= second;
+        group_q         <= GroupBits'(!s1_one_q);
+        group_is_last_q <= s1_few_q;
+        row_q.number    <= s1_one_q ? RowBits'(2) : RowBits'(1);
+        row_q.is_first  <= !s1_one_q;
+        row_q.is_last   <= s1_second_q;
       end else if (group_is_last_q) begin
         group_q         <= '0;
         group_is_last_q <= one_group_o;
-        row_q           <= row_q + RowBits'(1);
-        row_is_first_q  <= 1'b0;
-        row_is_last_q   <= row_q == rows_m1_q;
+        row_q.number    <= row_q.number + RowBits'(1);
+        row_q.is_first  <= 1'b0;
+        row_q.is_last   <= row_q.number == rows_m1_q;
       end else begin
         group_q         <= group_q + GroupBits'(1);
         group_is_last_q <= group_q == groups_m2_q;
@@ -247,26 +239,33 @@ module sp_frame_tracker #(
     end
   end
 
-  // --- Time-out: clocks left, in two chains, reloaded by every beat ---
-  logic [11:0] left_low_q, left_high_q;
-  logic        low_zero_q;
-  logic        high_zero_q;  // a clock late, but after a reload: soon enough, since left_high_q changes where left_low_q wraps
-  logic        watch_q;
-  logic        timed_out_q;
+  // --- Time-out: clocks left, in two chains, reloaded by a beat that none follows at once ---
+  typedef struct packed {
+    logic        watch;
+    logic        low_zero;
+    logic        high_zero;  // a clock late, but after a reload: soon enough, since high changes where low wraps
+    logic [11:0] high;
+    logic [11:0] low;
+  } left_t;
+
+  left_t left_q;
+  logic  timed_out_q;
 
   always_ff @(posedge clk_i) begin
     if (s1_valid_q) begin
-      {left_high_q, left_low_q} <= timeout_i;
-      low_zero_q                <= timeout_i[11:0] == 12'd0;
-      high_zero_q               <= timeout_i[23:12] == 12'd0;
-      watch_q                   <= timeout_i != 24'd0;
-      timed_out_q               <= 1'b0;
+      timed_out_q <= 1'b0;
+      if (!s_axis_tvalid_i) begin
+        {left_q.high, left_q.low} <= timeout_i;
+        left_q.low_zero           <= timeout_i[11:0] == 12'd0;
+        left_q.high_zero          <= timeout_i[23:12] == 12'd0;
+        left_q.watch              <= timeout_i != 24'd0;
+      end
     end else begin
-      left_low_q <= left_low_q - 12'd1;
-      low_zero_q <= left_low_q == 12'd1;
-      high_zero_q <= left_high_q == 12'd0;
-      if (low_zero_q) left_high_q <= left_high_q - 12'd1;
-      timed_out_q <= watch_q && left_low_q == 12'd1 && high_zero_q;
+      timed_out_q      <= left_q.watch && left_q.low == 12'd1 && left_q.high_zero;
+      left_q.low       <= left_q.low - 12'd1;
+      left_q.low_zero  <= left_q.low == 12'd1;
+      left_q.high_zero <= left_q.high == 12'd0;
+      if (left_q.low_zero) left_q.high <= left_q.high - 12'd1;
     end
   end
 
@@ -285,22 +284,14 @@ module sp_frame_tracker #(
   assign start_breaks = s1_start_q && open_q;
   assign late_break   = belongs && odd_line || timed_out;
 
+  // Reset lasts long enough for these to follow.
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      beat_valid_o     <= 1'b0;
-      frame_start_o    <= 1'b0;
-      last_row_start_o <= 1'b0;
-      late_break_q     <= 1'b0;
-      break_o          <= 1'b0;
-      stray_now_q      <= 1'b0;
-    end else begin
-      beat_valid_o     <= belongs;
-      frame_start_o    <= start;
-      last_row_start_o <= belongs && in_last_row && (s1_start_q || !in_line_q);
-      late_break_q     <= late_break;
-      break_o          <= start_breaks || late_break_q;
-      stray_now_q      <= stray;
-    end
+    beat_valid_o     <= belongs;
+    frame_start_o    <= s1_begin_q;
+    last_row_start_o <= belongs && in_last_row && (s1_start_q || !in_line_q);
+    late_break_q     <= late_break;
+    break_o          <= start_breaks || late_break_q;
+    stray_now_q      <= stray;
   end
 
   always_ff @(posedge clk_i) begin
@@ -308,8 +299,12 @@ module sp_frame_tracker #(
       stray_q        <= 1'b0;
       stray_before_o <= 1'b0;
     end else begin
-      stray_q <= !start && (stray || stray_q);
-      if (start) stray_before_o <= stray_q;
+      if (s1_begin_q) begin
+        stray_before_o <= stray_q;
+        stray_q        <= 1'b0;
+      end else if (stray) begin
+        stray_q <= 1'b1;
+      end
     end
   end
 
@@ -318,13 +313,14 @@ module sp_frame_tracker #(
     if (s1_valid_q) begin
       beat_pixels_o     <= s1_pixels_q;
       beat_group_o      <= s1_start_q ? '0 : group_q;
-      beat_row_o        <= s1_start_q ? RowBits'(1) : row_q;
-      beat_first_row_o  <= s1_start_q || row_is_first_q;
+      beat_row_o        <= s1_start_q ? RowBits'(1) : row_q.number;
+      beat_first_row_o  <= s1_start_q || row_q.is_first;
       beat_last_row_o   <= in_last_row;
       beat_line_start_o <= s1_start_q || !in_line_q;
       beat_line_end_o   <= line_end;
     end
-    if (s1_valid_q || timed_out_q) begin
+    // No late break is in clocks without any of these.
+    if (s1_last_q || group_is_last_q || s1_start_q || timed_out_q) begin
       late_in_last_q <= s1_valid_q ? in_last_row : in_last_row_q;
       late_status_q  <= '0;
       late_status_q[sp_spec_pkg::StatusShortLineBit]  <= s1_valid_q && !at_end;
@@ -356,11 +352,13 @@ module sp_frame_tracker #(
   assign frame_open_o = open_q;
 
 `ifdef FORMAL
-  // Reset once, at the beginning.
-  logic f_ran_q = 1'b0;
-  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  // Reset once, at the beginning, for four clocks.
+  logic [3:0] f_reset_q = 4'd0;
+  logic       f_ran_q;
+  assign f_ran_q = f_reset_q[3];
+  always_ff @(posedge clk_i) f_reset_q <= {f_reset_q[2:0], 1'b1};
   always_comb assume (rst_i == !f_ran_q);
-  // Settings are sizes that the maxima allow; a new size is announced by hold_i (sp_registers does both).
+  // Settings are sizes that the maxima allow; a new size is announced by hold_i two clocks before (sp_registers does both).
   always_comb begin
     assume (columns_i[1:0] == 2'd0 && columns_i != '0 && columns_i <= ColumnBits'(MaxColumns));
     assume (rows_i != '0 && rows_i <= RowBits'(MaxRows));
@@ -368,9 +366,14 @@ module sp_frame_tracker #(
   logic [ColumnBits-1:0] f_columns_before_q;
   logic [RowBits-1:0]    f_rows_before_q;
   logic                  f_after_reset_q;
-  always_ff @(posedge clk_i) {f_columns_before_q, f_rows_before_q, f_after_reset_q} <= {columns_i, rows_i, rst_i};
+  logic [3:1]            f_hold_q;  // so many clocks ago
+  always_ff @(posedge clk_i) begin
+    {f_columns_before_q, f_rows_before_q, f_after_reset_q} <= {columns_i, rows_i, rst_i};
+    f_hold_q <= rst_i ? 3'b111 : {f_hold_q[2:1], hold_i};
+  end
   always_comb begin
-    if (columns_i != f_columns_before_q || rows_i != f_rows_before_q || f_after_reset_q || rst_i) assume (hold_i);
+    if (f_after_reset_q || rst_i) assume (hold_i);
+    else if (columns_i != f_columns_before_q || rows_i != f_rows_before_q) assume (hold_i && f_hold_q[2:1] == 2'b11);
   end
 
   // What was taken over, kept here a second time.
@@ -379,7 +382,7 @@ module sp_frame_tracker #(
   logic [RowBits-1:0]    f_rows_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) f_known_q <= 1'b0;
-    else if (take) {f_known_q, f_columns_q, f_rows_q} <= {1'b1, columns_i, rows_i};
+    else if (s1_take_q) {f_known_q, f_columns_q, f_rows_q} <= {1'b1, columns_i, rows_i};
   end
 
   // Clocks since a take-over, up to 7.
@@ -395,7 +398,7 @@ module sp_frame_tracker #(
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
     if (!($stable(columns_o) && $stable(rows_o) && $stable(mode_o) && $stable(threshold_o) && $stable(stream_o) &&
           $stable(image_o))) begin
-      assert (frame_start_o && take_o && !$past(hold_i));
+      assert (frame_start_o && take_o && !f_hold_q[3]);
     end
     if (take_o) assert (f_since_q == 3'd7);
     cover (take_o && f_known_q && !$stable(columns_o));
@@ -406,7 +409,7 @@ module sp_frame_tracker #(
   always_ff @(posedge clk_i) begin
     if (rst_i) {f_started_q, f_good_q, f_broken_q} <= '0;
     else begin
-      f_started_q <= f_started_q + 4'(start);
+      f_started_q <= f_started_q + 4'(s1_begin_q);
       f_good_q    <= f_good_q + 4'(frame_end);
       f_broken_q  <= f_broken_q + 4'(break_o);
     end
@@ -415,11 +418,14 @@ module sp_frame_tracker #(
     assert (f_started_q == f_good_q + f_broken_q + 4'(open_q) + 4'(break_o) + 4'(late_break_q));
     assert (f_broken_q == broken_o[3:0]);
     assert (f_known_q == in_force_q);
-    if (open_q || took_q != '0) assert (in_force_q);
+    if (open_q || took_q != '0 || may_start_q && !may_take_q || s1_begin_q && !s1_take_q) assert (in_force_q);
+    if (s1_take_q) assert (s1_begin_q);
     assert (take_o == took_q[0]);
-    for (int k = 1; k < TakeDistance - 1; k++) assert (took_q[k] == (f_since_q == 3'(k)));
-    assert (rested_q == (took_q == '0 && f_since_q != 3'(TakeDistance - 1)));
-    assert (s1_valid_q == (s1_start_q || s1_more_q) && !(s1_start_q && s1_more_q));
+    for (int k = 1; k < 4; k++) assert (took_q[k] == (f_since_q == 3'(k)));
+    if (may_take_q || s1_take_q) assert (took_q == '0);
+    if (may_take_q) assert (f_since_q >= 3'd5);
+    if (s1_take_q) assert (f_since_q >= 3'd6);
+    if (s1_start_q) assert (s1_valid_q);
     // A break is of one frame: the late ones and that of a start never meet.
     assert (!(late_break_q && start_breaks));
     if (late_break_q) assert (!open_q);
@@ -429,13 +435,17 @@ module sp_frame_tracker #(
   always_comb if (f_ran_q && !rst_i) begin
     if (in_force_q) assert (f_columns_q == columns_o && f_rows_q == rows_o);
     if (open_q) begin
-      assert (row_q >= RowBits'(1) && row_q <= rows_o);
-      assert (row_is_first_q == (row_q == RowBits'(1)));
-      assert (row_is_last_q == (row_q == rows_o));
+      assert (row_q.number >= RowBits'(1) && row_q.number <= rows_o);
+      assert (row_q.is_first == (row_q.number == RowBits'(1)));
+      assert (row_q.is_last == (row_q.number == rows_o));
       assert ((ColumnBits)'(group_q) < columns_o >> 2);
       assert (group_is_last_q == ((ColumnBits)'(group_q) == (columns_o >> 2) - ColumnBits'(1)));
     end
-    if (!hold_i) begin
+    if (s1_start_q) begin
+      assert (s1_one_q == (s1_take_q ? next_one_q : one_group_o) && s1_few_q == (s1_take_q ? next_few_q : few_q));
+      assert (s1_one_row_q == (s1_take_q ? next_one_row_q : one_row_q) && s1_second_q == (s1_take_q ? next_second_q : second_q));
+    end
+    if (!hold_i || !f_hold_q[1] || !f_hold_q[2]) begin
       assert (next_one_q == (columns_i == ColumnBits'(4)));
       assert (next_two_q == (columns_i == ColumnBits'(8)));
       assert (next_one_row_q == (rows_i == RowBits'(1)));

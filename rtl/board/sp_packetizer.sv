@@ -66,58 +66,59 @@ module sp_packetizer #(
   localparam int CountBits = LogDepth + 1 > PayloadBits + 1 ? LogDepth + 1 : PayloadBits + 1;
   localparam bit PerLine = Kind != sp_spec_pkg::KindMoments;
 
-  // --- Requests on their way to the decision ---
-  logic                   asked, asked_any, awake, awake_q;
-  logic [11:0]            asked_q;  // {start_i, break_first_i, break_later_i}, one to four clocks ago, the latest lowest
-  logic                   start2, break_first2, break_later2, break_later3;
+  // --- Requests on their way to the decision, and what the block is about ---
+  localparam int StateBits = 13;
+
+  typedef struct packed {
+    logic [11:0]          asked;     // {start_i, break_first_i, break_later_i}, one to four clocks ago, the latest lowest
+    logic                 awake;     // something was asked in the last five clocks, or a packet is under way
+    logic [1:0]           lost_now;  // late enough for the header of a packet decided on the clock before
+    logic                 valid;     // a beat is at the FIFO
+    logic                 last;      // the packet's last
+    logic [StateBits-1:0] state;     // one bit is set, see below
+  } control_t;
+
+  // of asked, two and three clocks ago
+  localparam int Start2 = 5, BreakFirst2 = 4, BreakLater2 = 3, BreakLater3 = 6;
+
+  control_t               q;
+  logic                   asked, awake;
   logic [PayloadBits-1:0] payload1_q, payload2_q;
   logic [RowBits-1:0]     line1_q, line2_q;
   logic [CountBits-1:0]   need1_q;
   logic                   room2_q;
   logic [StatusBits-1:0]  status1_q, status2_q, status3_q;
-  logic                   idle_q;
 
-  assign asked        = start_i || break_first_i || break_later_i;
-  assign asked_any    = asked_q != '0;
-  assign start2       = asked_q[5];
-  assign break_first2 = asked_q[4];
-  assign break_later2 = asked_q[3];
-  assign break_later3 = asked_q[6];
-  // Without a request in the last five clocks, and with no packet under way, nothing below moves.
-  assign awake        = asked || awake_q;
+  assign asked = start_i || break_first_i || break_later_i;
+  // Asleep nothing below moves.
+  assign awake = asked || q.awake;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      asked_q <= '0;
-      awake_q <= 1'b0;
-    end else if (awake) begin
-      asked_q <= {asked_q[8:0], start_i, break_first_i, break_later_i};
-      awake_q <= asked || asked_any || !idle_q;
+    if (awake) begin
+      if (asked) begin
+        payload1_q <= start_i ? payload_beats_i : PayloadBits'(0);
+        need1_q    <= (start_i ? CountBits'(payload_beats_i) : CountBits'(0)) + CountBits'(Overhead);
+        line1_q    <= line_i;
+        status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
+      end
+      if (q.asked[2:0] != '0) begin
+        payload2_q <= payload1_q;
+        room2_q    <= CountBits'(fifo_free_i) >= need1_q;
+        line2_q    <= line1_q;
+        status2_q  <= status1_q;
+      end
+      if (q.asked[BreakLater2]) status3_q <= status2_q;
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    if (asked) begin
-      payload1_q <= start_i ? payload_beats_i : PayloadBits'(0);
-      need1_q    <= (start_i ? CountBits'(payload_beats_i) : CountBits'(0)) + CountBits'(Overhead);
-      line1_q    <= line_i;
-      status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
-    end
-    if (asked_q[2:0] != '0) begin
-      payload2_q <= payload1_q;
-      room2_q    <= CountBits'(fifo_free_i) >= need1_q;
-      line2_q    <= line1_q;
-      status2_q  <= status1_q;
-    end
-    if (break_later2) status3_q <= status2_q;
-  end
+  // --- State: its bits, the lowest first ---
+  localparam int Idle = 0;       // nothing under way
+  localparam int Header = 1;     // 4 bits: beat 0 .. 3 of the header
+  localparam int Payload = 5;
+  localparam int Fill = 6;       // zeros to the payload's end
+  localparam int Trailer = 7;    // 3 bits: the check word is complete in the third clock
+  localparam int Settle = 10;    // 3 bits: until fifo_free_i counts this packet
 
-  // --- State: one of idle_q and these is set ---
-  logic [3:0]             header_q;        // beat 0 .. 3 of the header
-  logic                   in_payload_q;
-  logic                   in_fill_q;       // zeros to the payload's end
-  logic [2:0]             trailer_q;       // the check word is complete in the third clock
-  logic [2:0]             settle_q;        // until fifo_free_i counts this packet
   logic [PayloadBits-1:0] left_q;          // payload beats to come
   logic                   one_left_q;
   logic                   empty_q;         // no payload
@@ -127,110 +128,115 @@ module sp_packetizer #(
   logic [StatusBits-1:0]  status_q;
   logic [31:0]            check_q;
   logic                   take, take_empty, put_payload, all_put;
-  logic [1:0]             lost_now_q;      // late enough for the header of a packet decided on the clock before
 
-  assign take        = start2 && idle_q && room2_q && !spoiled_i;
-  assign take_empty  = break_first2 && idle_q && room2_q;
-  assign put_payload = in_payload_q && payload_valid_i || in_fill_q;
-  assign all_put     = put_payload && one_left_q;
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      idle_q       <= 1'b1;
-      header_q     <= '0;
-      in_payload_q <= 1'b0;
-      in_fill_q    <= 1'b0;
-      trailer_q    <= '0;
-      settle_q     <= '0;
-      accept_o     <= 1'b0;
-      lost_now_q   <= '0;
-    end else if (awake) begin
-      if (start2) accept_o <= take;
-      lost_now_q <= {lost_now_q[0], start2 && !take || break_first2 && !take_empty};
-
-      idle_q    <= idle_q && !take && !take_empty || settle_q[2];
-      header_q  <= {header_q[2:0], take || take_empty};
-      trailer_q <= {trailer_q[1:0], header_q[3] && empty_q || all_put};
-      settle_q  <= {settle_q[1:0], trailer_q[2]};
-
-      in_payload_q <= header_q[3] && !empty_q || in_payload_q && !payload_break_i && !all_put;
-      in_fill_q    <= (in_fill_q || in_payload_q && payload_break_i) && !all_put;
+  always_comb begin
+    take        = 1'b0;
+    take_empty  = 1'b0;
+    put_payload = 1'b0;
+    all_put     = 1'b0;
+    if (q.state[Idle]) begin
+      if (q.asked[Start2:BreakFirst2] != '0) begin
+        take       = q.asked[Start2] && room2_q && !spoiled_i;
+        take_empty = q.asked[BreakFirst2] && room2_q;
+      end
+    end else begin
+      put_payload = q.state[Payload] && payload_valid_i || q.state[Fill];
+      all_put     = put_payload && one_left_q;
     end
   end
 
-  // What stands here in the last clock of idle_q is that of the packet.
   always_ff @(posedge clk_i) begin
-    if (awake_q && idle_q) begin
-      empty_q   <= break_first2;
-      payload_q <= payload2_q;
-      line_q    <= line2_q;
+    if (rst_i) begin
+      q.asked    <= '0;
+      q.awake    <= 1'b0;
+      q.lost_now <= '0;
+      q.valid    <= 1'b0;
+      q.last     <= 1'b0;
+      q.state    <= StateBits'(1) << Idle;
+      accept_o   <= 1'b0;
+    end else if (awake) begin
+      q.asked    <= {q.asked[8:0], start_i, break_first_i, break_later_i};
+      q.valid    <= q.state[Header+:4] != '0 || put_payload || q.state[Trailer+2];
+      q.last     <= q.state[Trailer+2];
+      q.awake    <= asked || q.asked != '0 || !q.state[Idle];
+      if (q.asked[Start2]) accept_o <= take;
+      q.lost_now <= {q.lost_now[0], q.asked[Start2] && !take || q.asked[BreakFirst2] && !take_empty};
+
+      q.state <= {q.state[Settle+:2], q.state[Trailer+2],
+                  q.state[Trailer+:2], q.state[Header+3] && empty_q || all_put,
+                  (q.state[Fill] || q.state[Payload] && payload_break_i) && !all_put,
+                  q.state[Header+3] && !empty_q || q.state[Payload] && !payload_break_i && !all_put,
+                  q.state[Header+:3], take || take_empty,
+                  q.state[Idle] && !take && !take_empty || q.state[Settle+2]};
     end
-    if (awake_q) begin
-      if (idle_q) status_q <= status2_q;
-      else if (break_later3 && accept_o) status_q <= status3_q;
-    end
-    if (header_q[0]) begin
-      sequence_q <= sequence_i;
-      left_q     <= payload_q;
-      one_left_q <= payload_q == PayloadBits'(1);
-    end else if (put_payload) begin
-      left_q     <= left_q - PayloadBits'(1);
-      one_left_q <= left_q == PayloadBits'(2);
+  end
+
+  // What stands here in the last clock of the state idle is that of the packet.
+  always_ff @(posedge clk_i) begin
+    if (q.awake) begin
+      if (q.state[Idle]) begin
+        empty_q   <= q.asked[BreakFirst2];
+        payload_q <= payload2_q;
+        line_q    <= line2_q;
+        status_q  <= status2_q;
+      end else if (q.asked[BreakLater3] && accept_o) begin
+        status_q <= status3_q;
+      end
     end
   end
 
   sp_counter u_lost (
     .clk_i  (clk_i),
     .rst_i  (rst_i),
-    .inc_i  (lost_now_q[1]),
+    .inc_i  (q.lost_now[1]),
     .count_o(lost_o)
   );
 
   // --- The beat for the FIFO. Its four words have few sources each: what the header and the trailer have in common stands
   // at the same place. ---
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      fifo_valid_o <= 1'b0;
-      fifo_last_o  <= 1'b0;
-    end else if (!idle_q) begin
-      fifo_valid_o <= header_q != '0 || put_payload || trailer_q[2];
-      fifo_last_o  <= trailer_q[2];
-    end
-  end
+  assign fifo_valid_o = q.valid;
+  assign fifo_last_o  = q.last;
 
   function automatic logic [127:0] beat_if(input logic now, input logic [127:0] beat);
     beat_if = now ? beat : 128'd0;
   endfunction
 
-  always_ff @(posedge clk_i) begin
-    if (in_payload_q) begin
-      fifo_data_o <= payload_data_i;
-    end else if (!idle_q) begin
-      fifo_data_o <= beat_if(header_q[0], {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
-                                           sp_spec_pkg::SpecHash, sp_spec_pkg::Magic}) |
-                     beat_if(header_q[1], {time_stamp_i, 64'd0}) |
-                     beat_if(header_q[2], {32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes), 16'(rows_i),
-                                           16'(columns_i), lost_o, encoder_i}) |
-                     beat_if(header_q[3], {64'd0, 31'd0, stray_before_i, PerLine ? 16'd1 : 16'(lines_i),
-                                           PerLine ? 16'(line_q) : 16'd1}) |
-                     beat_if(header_q[1] || trailer_q != '0, {64'd0, sequence_q}) |
-                     beat_if(trailer_q != '0, {32'd0, 32'(status_q), 64'd0}) |
-                     beat_if(trailer_q[2], {check_q, 96'd0});
-    end
-  end
-
-  // --- Check word, one clock behind the beats. The trailer counts with its check field 0, before it is written. ---
-  logic [31:0] folded;
-  logic [31:0] w0, w1, w2, w3;
-
-  assign {w3, w2, w1, w0} = fifo_data_o;
-  assign folded = w0 ^ {w1[23:0], w1[31:24]} ^ {w2[15:0], w2[31:16]} ^ {w3[7:0], w3[31:8]};
+  // Check word, one clock behind the beats. The trailer counts with its check field 0, before it is written.
+  function automatic logic [31:0] folded(input logic [31:0] w0, input logic [31:0] w1, input logic [31:0] w2,
+                                         input logic [31:0] w3);
+    folded = w0 ^ {w1[23:0], w1[31:24]} ^ {w2[15:0], w2[31:16]} ^ {w3[7:0], w3[31:8]};
+  endfunction
 
   always_ff @(posedge clk_i) begin
-    if (header_q[0]) begin
-      check_q <= sp_spec_pkg::CheckInit;
-    end else if (fifo_valid_o || trailer_q[1]) begin
-      check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^ folded;
+    if (!q.state[Idle]) begin
+      if (q.state[Header]) begin
+        sequence_q <= sequence_i;
+        left_q     <= payload_q;
+        one_left_q <= payload_q == PayloadBits'(1);
+      end else if (put_payload) begin
+        left_q     <= left_q - PayloadBits'(1);
+        one_left_q <= left_q == PayloadBits'(2);
+      end
+      if (q.state[Header]) begin
+        check_q <= sp_spec_pkg::CheckInit;
+      end else if (fifo_valid_o || q.state[Trailer+1]) begin
+        check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^
+                   folded(fifo_data_o[31:0], fifo_data_o[63:32], fifo_data_o[95:64], fifo_data_o[127:96]);
+      end
+      if (q.state[Payload]) begin
+        fifo_data_o <= payload_data_i;
+      end else begin
+        fifo_data_o <= beat_if(q.state[Header], {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
+                                                 sp_spec_pkg::SpecHash, sp_spec_pkg::Magic}) |
+                       beat_if(q.state[Header+1], {time_stamp_i, 64'd0}) |
+                       beat_if(q.state[Header+2], {32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes), 16'(rows_i),
+                                                   16'(columns_i), lost_o, encoder_i}) |
+                       beat_if(q.state[Header+3], {64'd0, 31'd0, stray_before_i, PerLine ? 16'd1 : 16'(lines_i),
+                                                   PerLine ? 16'(line_q) : 16'd1}) |
+                       beat_if(q.state[Header+1] || q.state[Trailer+:3] != '0, {64'd0, sequence_q}) |
+                       beat_if(q.state[Trailer+:3] != '0, {32'd0, 32'(status_q), 64'd0}) |
+                       beat_if(q.state[Trailer+2], {check_q, 96'd0});
+      end
     end
   end
 
@@ -284,44 +290,44 @@ module sp_packetizer #(
   end
   assign f_after = f_left_q - FLeftBits'(fifo_valid_o);
   always_comb if (f_ran_q && !rst_i) begin
-    assert (f_asked_q == f_taken_q + lost_o[3:0] + 4'(asked_q[2]) + 4'(start2) + 4'(asked_q[1]) +
-            4'(break_first2) + 4'(lost_now_q[0]) + 4'(lost_now_q[1]));
-    assert (!(asked_q[2] && asked_q[1]) && !(start2 && break_first2));
-    if (asked_q[1]) assert (payload1_q == '0);
-    if (break_first2) assert (payload2_q == '0);
-    if (asked_q[2]) assert (payload1_q != '0);
-    if (start2) assert (payload2_q != '0);
+    assert (f_asked_q == f_taken_q + lost_o[3:0] + 4'(q.asked[2]) + 4'(q.asked[Start2]) + 4'(q.asked[1]) +
+            4'(q.asked[BreakFirst2]) + 4'(q.lost_now[0]) + 4'(q.lost_now[1]));
+    assert (!(q.asked[2] && q.asked[1]) && !(q.asked[Start2] && q.asked[BreakFirst2]));
+    if (q.asked[1]) assert (payload1_q == '0);
+    if (q.asked[BreakFirst2]) assert (payload2_q == '0);
+    if (q.asked[2]) assert (payload1_q != '0);
+    if (q.asked[Start2]) assert (payload2_q != '0);
     if (fifo_valid_o) assert (f_left_q != '0 && f_free_q != '0);
     if (fifo_valid_o) assert (fifo_last_o == (f_left_q == FLeftBits'(1)));
     assert (CountBits'(f_free_q) >= CountBits'(f_left_q));
-    if (asked_q[2] || asked_q[1]) assert (need1_q == CountBits'(payload1_q) + CountBits'(Overhead));
-    if ((start2 || break_first2) && room2_q && idle_q) begin
+    if (q.asked[2] || q.asked[1]) assert (need1_q == CountBits'(payload1_q) + CountBits'(Overhead));
+    if ((q.asked[Start2] || q.asked[BreakFirst2]) && room2_q && q.state[Idle]) begin
       assert (CountBits'(f_free_q) >= CountBits'(payload2_q) + CountBits'(Overhead));
     end
     // A loss on its way to the counter keeps the block awake.
-    if (lost_now_q[0]) assert (asked_q[8] || asked_q[7]);
-    if (lost_now_q[1]) assert (asked_q[11] || asked_q[10]);
+    if (q.lost_now[0]) assert (q.asked[8] || q.asked[7]);
+    if (q.lost_now[1]) assert (q.asked[11] || q.asked[10]);
     // Asleep nothing is asked or under way.
-    if (!awake_q) assert (asked_q == '0 && idle_q && lost_now_q == '0 && !fifo_valid_o);
-    assert ($countones({idle_q, header_q, in_payload_q, in_fill_q, trailer_q, settle_q}) == 1);
-    if (idle_q) assert (f_left_q == '0 && !fifo_valid_o);
-    if (header_q != '0) begin
-      assert (f_after == FLeftBits'(payload_q) + FLeftBits'(Overhead) - FLeftBits'(header_q[1]) - FLeftBits'({header_q[2], 1'b0}) -
-              FLeftBits'({header_q[3], header_q[3]}));
+    if (!q.awake) assert (q.asked == '0 && q.state[Idle] && q.lost_now == '0 && !fifo_valid_o);
+    assert ($countones(q.state) == 1);
+    if (q.state[Idle]) assert (f_left_q == '0 && !fifo_valid_o);
+    if (q.state[Header+:4] != '0) begin
+      assert (f_after == FLeftBits'(payload_q) + FLeftBits'(Overhead) - FLeftBits'(q.state[Header+1]) - FLeftBits'({q.state[Header+2], 1'b0}) -
+              FLeftBits'({q.state[Header+3], q.state[Header+3]}));
       assert (empty_q == (payload_q == '0));
-      if (!header_q[0]) assert (left_q == payload_q && one_left_q == (left_q == PayloadBits'(1)));
+      if (!q.state[Header]) assert (left_q == payload_q && one_left_q == (left_q == PayloadBits'(1)));
     end
-    if (in_payload_q || in_fill_q) begin
+    if (q.state[Payload] || q.state[Fill]) begin
       assert (f_after == FLeftBits'(left_q) + FLeftBits'(1));
       assert (left_q != '0 && one_left_q == (left_q == PayloadBits'(1)));
     end
-    if (trailer_q != '0) assert (f_after == FLeftBits'(1));
-    if (settle_q != '0) begin
+    if (q.state[Trailer+:3] != '0) assert (f_after == FLeftBits'(1));
+    if (q.state[Settle+:3] != '0) begin
       assert (f_after == '0);
-      if (!settle_q[0]) assert (!fifo_valid_o);
+      if (!q.state[Settle]) assert (!fifo_valid_o);
     end
     cover (fifo_valid_o && fifo_last_o && f_taken_q == 4'd2 && lost_o == 32'd1);
-    cover (in_fill_q && f_left_q == FLeftBits'(3));
+    cover (q.state[Fill] && f_left_q == FLeftBits'(3));
   end
 `endif
 

@@ -1,7 +1,8 @@
 // Register file, video clock: addresses, fields and reset values are those of the specification.
 //
-// request_i lasts one clock; answer_o comes three clocks later, with error_o where the address is not a register, a read-only
-// register is written, or a value is outside what this build can do (the register then keeps its value).
+// request_i lasts one clock; answer_o comes three clocks later, when a write has taken effect, with error_o where the address
+// is not a register, a read-only register is written, or a value is outside what this build can do (the register then keeps its
+// value). hold_o is high during every write.
 `default_nettype none
 
 module sp_registers #(
@@ -29,7 +30,7 @@ module sp_registers #(
 
   // Settings
   output logic                        run_o,
-  output logic                        hold_o,  // also in the first clock of a new size
+  output logic                        hold_o,  // also in the first clock of new settings and in the two before it
   output logic                        image_o,
   output logic      [ColumnBits-1:0]  columns_o,
   output logic      [RowBits-1:0]     rows_o,
@@ -72,7 +73,8 @@ module sp_registers #(
   localparam int Words = 32;
   localparam logic [7:0] LastRegister = Codes ? sp_spec_pkg::RegAbandoned : sp_spec_pkg::RegEncoderErrors;
 
-  logic             request_q, request2_q;  // the request a clock and two clocks ago
+  logic [3:0]       control_q;  // {hold_o, asked_q}
+  logic [2:0]       asked_q;    // the request one to three clocks ago, the latest lowest
   logic             write_q;
   logic             there_q;  // a register that this build has
   logic [Words-1:0] hit_q;
@@ -80,55 +82,41 @@ module sp_registers #(
   logic             image_wanted;
   logic             awake;
 
-  assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
-  // Without an access nothing moves but hold_o and pending_q.
-  assign awake        = request_i || request_q || request2_q || answer_o;
+  // Writes, a clock later still
+  localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3, WriteTimeout = 4, WriteTrigger = 5,
+                 WritePeriod = 6, WriteCamera = 7, WriteWidth = 8, Writes = 9;
+  logic [Writes-1:0] put_q;   // that register takes data_i: one of them, for a clock, or none
 
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      request_q  <= 1'b0;
-      request2_q <= 1'b0;
-      answer_o   <= 1'b0;
-    end else if (awake) begin
-      request_q  <= request_i;
-      request2_q <= request_q;
-      answer_o   <= request2_q;
-    end
-  end
+  assign image_wanted      = data_i[sp_spec_pkg::RegControlImageLsb];
+  // With no access and nothing held nothing moves but pending_q.
+  assign {hold_o, asked_q} = control_q;
+  assign awake             = request_i || control_q != '0;
+  assign answer_o          = asked_q[2];
 
+  // Reset lasts longer than a clock: hold_o keeps the block awake in it.
   always_ff @(posedge clk_i) begin
-    if (request_i) begin
-      write_q        <= write_i;
-      there_q        <= address_i[1:0] == 2'd0 && address_i <= LastRegister;
-      hit_q          <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
-      size_good_q    <= data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
-                        data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
-      measure_good_q <= data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
-      image_good_q   <= Image || !image_wanted;
-      period_good_q  <= data_i[23:0] != 24'd0;
-      decode_good_q  <= Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
+    if (rst_i) control_q[3] <= 1'b1;  // the size of the reset is new
+    else if (awake) control_q[3] <= request_i && write_i || asked_q[1:0] != '0 && write_q || hold_q;
+    if (awake) begin
+      control_q[2:0] <= rst_i ? 3'b000 : {asked_q[1:0], request_i};
+      put_q          <= '0;
+      if (asked_q[0] && write_q && !rst_i) begin
+        put_q[WriteControl] <= hit_q[sp_spec_pkg::RegControl/4] && image_good_q;
+        put_q[WriteSize]    <= hit_q[sp_spec_pkg::RegSize/4] && size_good_q;
+        put_q[WriteMeasure] <= hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
+        put_q[WriteDecode]  <= hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
+        put_q[WriteTimeout] <= hit_q[sp_spec_pkg::RegTimeout/4];
+        put_q[WriteTrigger] <= hit_q[sp_spec_pkg::RegTriggerControl/4];
+        put_q[WritePeriod]  <= hit_q[sp_spec_pkg::RegTriggerPeriod/4] && period_good_q;
+        put_q[WriteCamera]  <= hit_q[sp_spec_pkg::RegTriggerCamera/4];
+        put_q[WriteWidth]   <= hit_q[sp_spec_pkg::RegTriggerWidth/4];
+      end
     end
   end
 
   // --- Writes ---
   logic hold_q;
   logic pending_q;  // settings written and not taken over
-  logic write;
-  logic write_control, write_size, write_measure, write_timeout, write_trigger, write_period, write_camera, write_width,
-        write_decode;
-  logic write_setting;
-
-  assign write         = request_q && write_q;
-  assign write_control = write && hit_q[sp_spec_pkg::RegControl/4] && image_good_q;
-  assign write_size    = write && hit_q[sp_spec_pkg::RegSize/4] && size_good_q;
-  assign write_measure = write && hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
-  assign write_timeout = write && hit_q[sp_spec_pkg::RegTimeout/4];
-  assign write_trigger = write && hit_q[sp_spec_pkg::RegTriggerControl/4];
-  assign write_period  = write && hit_q[sp_spec_pkg::RegTriggerPeriod/4] && period_good_q;
-  assign write_camera  = write && hit_q[sp_spec_pkg::RegTriggerCamera/4];
-  assign write_width   = write && hit_q[sp_spec_pkg::RegTriggerWidth/4];
-  assign write_decode  = write && hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
-  assign write_setting = write_control || write_size || write_measure || write_decode;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -147,51 +135,46 @@ module sp_registers #(
       trigger_period_o       <= sp_spec_pkg::RegTriggerPeriodReset[23:0];
       trigger_camera_o       <= sp_spec_pkg::RegTriggerCameraReset[23:0];
       trigger_width_o        <= sp_spec_pkg::RegTriggerWidthReset[15:0];
-    end else if (request_q) begin
-      if (write_control) begin
+    end else if (put_q != '0) begin
+      if (put_q[WriteControl]) begin
         run_o   <= data_i[sp_spec_pkg::RegControlRunLsb];
         hold_q  <= data_i[sp_spec_pkg::RegControlHoldLsb];
         image_o <= image_wanted;
       end
-      if (write_size) begin
+      if (put_q[WriteSize]) begin
         columns_o <= data_i[sp_spec_pkg::RegSizeColumnsLsb+:ColumnBits];
         rows_o    <= data_i[sp_spec_pkg::RegSizeRowsLsb+:RowBits];
       end
-      if (write_measure) begin
+      if (put_q[WriteMeasure]) begin
         threshold_o <= data_i[sp_spec_pkg::RegMeasureThresholdLsb+:8];
         mode_o      <= data_i[sp_spec_pkg::RegMeasureModeLsb+:2];
         stream_o    <= data_i[sp_spec_pkg::RegMeasureStreamLsb+:8];
       end
-      if (write_timeout) timeout_o <= data_i[23:0];
-      if (write_trigger) begin
+      if (put_q[WriteTimeout]) timeout_o <= data_i[23:0];
+      if (put_q[WriteTrigger]) begin
         trigger_run_o          <= data_i[sp_spec_pkg::RegTriggerControlRunLsb];
         trigger_on_frame_o     <= data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
         trigger_last_pattern_o <= data_i[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
       end
-      if (write_period) trigger_period_o <= data_i[23:0];
-      if (write_camera) trigger_camera_o <= data_i[23:0];
-      if (write_width) trigger_width_o <= data_i[15:0];
+      if (put_q[WritePeriod]) trigger_period_o <= data_i[23:0];
+      if (put_q[WriteCamera]) trigger_camera_o <= data_i[23:0];
+      if (put_q[WriteWidth]) trigger_width_o <= data_i[15:0];
     end
   end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      hold_o    <= 1'b1;  // the size of the reset is new
       pending_q <= 1'b1;
-    end else begin
-      hold_o    <= write_size || (write_control ? data_i[sp_spec_pkg::RegControlHoldLsb] : hold_q);
-      pending_q <= write_setting || pending_q && !take_i;
+    end else if (put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] || put_q[WriteDecode]) begin
+      pending_q <= 1'b1;
+    end else if (take_i) begin
+      pending_q <= 1'b0;
     end
   end
 
   // --- Reads, in two clocks: the word of one of six groups (of the others zero), then that of all ---
   logic [31:0] fixed_q, settings_q, trigger_q, frames_q, lost_q, moving_q;
   logic [31:0] time_high_q;
-  logic        written;    // the write is good
-  logic        refused_q;
-
-  assign written = write_setting || write_timeout || write_trigger || write_period || write_camera || write_width;
-
   logic [31:0] decode_word;
   assign decode_word = 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |
                        32'(bits_o) << sp_spec_pkg::RegDecodeBitsLsb | 32'(decode_o) << sp_spec_pkg::RegDecodeCodesLsb |
@@ -203,52 +186,64 @@ module sp_registers #(
   endfunction
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) time_high_q <= '0;
-    else if (request_q && !write_q && hit_q[sp_spec_pkg::RegTimeLow/4]) time_high_q <= time_i[63:32];
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (request_q) begin
-      refused_q  <= write_q ? !written : !there_q;
-      fixed_q    <= word_if(hit_q[sp_spec_pkg::RegId/4], sp_spec_pkg::Magic) |
-                    word_if(hit_q[sp_spec_pkg::RegVersion/4], {16'd0, sp_spec_pkg::SpecVersion}) |
-                    word_if(hit_q[sp_spec_pkg::RegSpecHash/4], sp_spec_pkg::SpecHash) |
-                    word_if(hit_q[sp_spec_pkg::RegCapability/4], {Codes ? 4'(MaxBits) : 4'd0, 2'd0, Codes && Median, Codes,
-                                                                  Image, Grey, 10'(MaxRows), 12'(MaxColumns)});
-      settings_q <= word_if(hit_q[sp_spec_pkg::RegControl/4], 32'(run_o) << sp_spec_pkg::RegControlRunLsb |
-                            32'(hold_q) << sp_spec_pkg::RegControlHoldLsb | 32'(image_o) << sp_spec_pkg::RegControlImageLsb) |
-                    word_if(hit_q[sp_spec_pkg::RegSize/4], 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb |
-                            32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb) |
-                    word_if(hit_q[sp_spec_pkg::RegMeasure/4], 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
-                            32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb | 32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb) |
-                    word_if(hit_q[sp_spec_pkg::RegTimeout/4], 32'(timeout_o));
-      trigger_q  <= word_if(hit_q[sp_spec_pkg::RegTriggerControl/4], 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
-                            32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
-                            32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb) |
-                    word_if(hit_q[sp_spec_pkg::RegTriggerPeriod/4], 32'(trigger_period_o)) |
-                    word_if(hit_q[sp_spec_pkg::RegTriggerCamera/4], 32'(trigger_camera_o)) |
-                    word_if(hit_q[sp_spec_pkg::RegTriggerWidth/4], 32'(trigger_width_o));
-      frames_q   <= word_if(hit_q[sp_spec_pkg::RegStatus/4], 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
-                            32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb) |
-                    word_if(hit_q[sp_spec_pkg::RegFrames/4], frames_i) |
-                    word_if(hit_q[sp_spec_pkg::RegBroken/4], broken_i) |
-                    word_if(hit_q[sp_spec_pkg::RegStray/4], stray_i);
-      lost_q     <= word_if(hit_q[sp_spec_pkg::RegLostMoments/4], lost_moments_i) |
-                    word_if(hit_q[sp_spec_pkg::RegLostImage/4], lost_image_i) |
-                    word_if(Codes && hit_q[sp_spec_pkg::RegLostCodes/4], lost_codes_i) |
-                    word_if(Codes && hit_q[sp_spec_pkg::RegAbandoned/4], abandoned_i);
-      moving_q   <= word_if(hit_q[sp_spec_pkg::RegTimeLow/4], time_i[31:0]) |
-                    word_if(hit_q[sp_spec_pkg::RegTimeHigh/4], time_high_q) |
-                    word_if(hit_q[sp_spec_pkg::RegEncoder/4], encoder_i) |
-                    word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], 32'(encoder_errors_i)) |
-                    word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word);
+    if (rst_i) begin
+      time_high_q <= '0;
+    end else if (asked_q[0]) begin
+      if (!write_q && hit_q[sp_spec_pkg::RegTimeLow/4]) time_high_q <= time_i[63:32];
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (request2_q) begin
-      error_o <= refused_q;
-      data_o  <= fixed_q | settings_q | trigger_q | frames_q | lost_q | moving_q;
+    if (awake) begin
+      if (request_i) begin
+        write_q        <= write_i;
+        there_q        <= address_i[1:0] == 2'd0 && address_i <= LastRegister;
+        hit_q          <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
+        size_good_q    <= data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
+                          data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
+        measure_good_q <= data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
+        image_good_q   <= Image || !image_wanted;
+        period_good_q  <= data_i[23:0] != 24'd0;
+        decode_good_q  <= Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
+      end
+      if (asked_q[0]) begin
+        fixed_q    <= word_if(hit_q[sp_spec_pkg::RegId/4], sp_spec_pkg::Magic) |
+                      word_if(hit_q[sp_spec_pkg::RegVersion/4], {16'd0, sp_spec_pkg::SpecVersion}) |
+                      word_if(hit_q[sp_spec_pkg::RegSpecHash/4], sp_spec_pkg::SpecHash) |
+                      word_if(hit_q[sp_spec_pkg::RegCapability/4], {Codes ? 4'(MaxBits) : 4'd0, 2'd0, Codes && Median, Codes,
+                                                                    Image, Grey, 10'(MaxRows), 12'(MaxColumns)});
+        settings_q <= word_if(hit_q[sp_spec_pkg::RegControl/4], 32'(run_o) << sp_spec_pkg::RegControlRunLsb |
+                              32'(hold_q) << sp_spec_pkg::RegControlHoldLsb | 32'(image_o) << sp_spec_pkg::RegControlImageLsb) |
+                      word_if(hit_q[sp_spec_pkg::RegSize/4], 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb |
+                              32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb) |
+                      word_if(hit_q[sp_spec_pkg::RegMeasure/4], 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
+                              32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb | 32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb) |
+                      word_if(hit_q[sp_spec_pkg::RegTimeout/4], 32'(timeout_o));
+        trigger_q  <= word_if(hit_q[sp_spec_pkg::RegTriggerControl/4], 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
+                              32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
+                              32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb) |
+                      word_if(hit_q[sp_spec_pkg::RegTriggerPeriod/4], 32'(trigger_period_o)) |
+                      word_if(hit_q[sp_spec_pkg::RegTriggerCamera/4], 32'(trigger_camera_o)) |
+                      word_if(hit_q[sp_spec_pkg::RegTriggerWidth/4], 32'(trigger_width_o));
+        frames_q   <= word_if(hit_q[sp_spec_pkg::RegStatus/4], 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
+                              32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb) |
+                      word_if(hit_q[sp_spec_pkg::RegFrames/4], frames_i) |
+                      word_if(hit_q[sp_spec_pkg::RegBroken/4], broken_i) |
+                      word_if(hit_q[sp_spec_pkg::RegStray/4], stray_i);
+        lost_q     <= word_if(hit_q[sp_spec_pkg::RegLostMoments/4], lost_moments_i) |
+                      word_if(hit_q[sp_spec_pkg::RegLostImage/4], lost_image_i) |
+                      word_if(Codes && hit_q[sp_spec_pkg::RegLostCodes/4], lost_codes_i) |
+                      word_if(Codes && hit_q[sp_spec_pkg::RegAbandoned/4], abandoned_i);
+        moving_q   <= word_if(hit_q[sp_spec_pkg::RegTimeLow/4], time_i[31:0]) |
+                      word_if(hit_q[sp_spec_pkg::RegTimeHigh/4], time_high_q) |
+                      word_if(hit_q[sp_spec_pkg::RegEncoder/4], encoder_i) |
+                      word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], 32'(encoder_errors_i)) |
+                      word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word);
+      end
+      if (asked_q[1]) begin
+        error_o <= write_q ? put_q == '0 : !there_q;
+        data_o  <= fixed_q | settings_q | trigger_q | frames_q | lost_q | moving_q;
+      end
     end
   end
 
@@ -263,7 +258,7 @@ module sp_registers #(
         median_o         <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeMedianLsb];
         bits_o           <= ResetBits;
         code_threshold_o <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeThresholdLsb+:8];
-      end else if (write_decode) begin
+      end else if (put_q[WriteDecode]) begin
         decode_o         <= data_i[sp_spec_pkg::RegDecodeCodesLsb];
         median_o         <= data_i[sp_spec_pkg::RegDecodeMedianLsb];
         bits_o           <= data_i[sp_spec_pkg::RegDecodeBitsLsb+:4];

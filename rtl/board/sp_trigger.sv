@@ -27,88 +27,113 @@ module sp_trigger (
   output logic      [15:0] pattern_o
 );
 
-  logic        wanted;    // there is something to do
-  logic [1:0]  wanted_q;  // there was, a clock and two clocks ago
-  logic        awake;
-  logic        run_q;
-  logic        begin_q;   // a period begins
-  logic        camera;    // the camera pulse begins
-  logic [7:0]  shown_q;   // pattern on the projector
-  logic [7:0]  next_q;    // the one after it
-  logic [7:0]  pattern_q;
+  // Clocks since the period began, in two chains, two clocks ahead, one for each register of the comparisons
+  typedef struct packed {
+    logic        low_full;
+    logic        begun;        // it began a clock ago
+    logic        camera_due;
+    logic        period_low;   // a chain is that of the setting
+    logic        period_high;
+    logic        camera_low;
+    logic        camera_high;
+    logic [11:0] high;
+    logic [11:0] low;
+  } period_t;
+
+  typedef struct packed {
+    logic [1:0] wanted;   // there was something to do, a clock and two clocks ago
+    logic       run;
+    logic       begins;   // a period begins
+    logic [7:0] pattern;
+    logic [7:0] shown;    // pattern on the projector
+    logic [7:0] next;     // the one after it
+  } state_t;
+
+  state_t  state_q;
+  period_t period_q;
+  logic    awake;
+  logic    camera;  // the camera pulse begins
+  logic    period_one_q, period_two_q, camera_none_q, camera_one_q, camera_two_q, width_some_q, width_short_q;
+  // of the settings, which stand still
 
   // Two clocks after run_i and on_frame_i have gone low everything stands at 0: nothing moves then.
-  assign wanted    = run_i || on_frame_i;
-  assign awake     = wanted || wanted_q != '0;
-  assign pattern_o = {8'd0, pattern_q};
+  assign awake     = run_i || on_frame_i || state_q.wanted != '0;
+  assign pattern_o = {8'd0, state_q.pattern};
 
-  always_ff @(posedge clk_i) begin
-    if (rst_i) wanted_q <= '1;
-    else if (awake) wanted_q <= {wanted_q[0], wanted};
-  end
-
-  // --- Period: clocks since it began, in two chains, two clocks ahead, one for each register of the comparisons ---
-  logic [11:0] low_q, high_q;
-  logic        low_full_q;
-  logic        begun_q;      // it began a clock ago
-  logic        camera_due_q;
-  logic        period_low_q, period_high_q, camera_low_q, camera_high_q;            // a chain is that of the setting
-  logic        period_one_q, period_two_q, camera_none_q, camera_one_q, camera_two_q;  // of the settings, which stand still
-
-  always_ff @(posedge clk_i) begin
-    if (run_i && !run_q) begin
-      period_one_q  <= period_i == 24'd1;
-      period_two_q  <= period_i == 24'd2;
-      camera_none_q <= camera_i == 24'd0;
-      camera_one_q  <= camera_i == 24'd1;
-      camera_two_q  <= camera_i == 24'd2;
-    end
+  always_comb begin
+    camera = 1'b0;
+    if (state_q.run) camera = state_q.begins ? camera_none_q : period_q.camera_due;
   end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      run_q   <= 1'b0;
-      begin_q <= 1'b0;
+      state_q.wanted  <= '1;
+      state_q.run     <= 1'b0;
+      state_q.begins  <= 1'b0;
+      state_q.pattern <= '0;
     end else if (awake) begin
-      run_q   <= run_i;
-      begin_q <= run_i && (!run_q || (begin_q ? period_one_q : begun_q ? period_two_q : period_low_q && period_high_q));
+      state_q.wanted <= {state_q.wanted[0], run_i || on_frame_i};
+      state_q.run    <= run_i;
+      state_q.begins <= run_i && (!state_q.run || (state_q.begins ? period_one_q : period_q.begun ? period_two_q :
+                                                   period_q.period_low && period_q.period_high));
+      if (run_i) begin
+        if (camera) state_q.pattern <= state_q.begins ? state_q.next : state_q.shown;
+      end else if (!on_frame_i) begin
+        state_q.pattern <= '0;
+      end else if (captured_i) begin
+        state_q.pattern <= state_q.pattern == last_pattern_i ? 8'd0 : state_q.pattern + 8'd1;
+      end
     end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (run_q) begin
-      begun_q       <= begin_q;
-      camera_due_q  <= begin_q ? camera_one_q : begun_q ? camera_two_q : camera_low_q && camera_high_q;
-      period_low_q  <= low_q == period_i[11:0];
-      period_high_q <= high_q == period_i[23:12];
-      camera_low_q  <= low_q == camera_i[11:0];
-      camera_high_q <= high_q == camera_i[23:12];
-      if (begin_q) begin
-        low_q      <= 12'd3;
-        high_q     <= 12'd0;
-        low_full_q <= 1'b0;
+    if (awake) begin
+      if (state_q.run) begin
+        if (state_q.begins) begin
+          state_q.next  <= state_q.next == last_pattern_i ? 8'd0 : state_q.next + 8'd1;
+          state_q.shown <= state_q.next;
+        end
       end else begin
-        low_q      <= low_q + 12'd1;
-        if (low_full_q) high_q <= high_q + 12'd1;
-        low_full_q <= low_q == 12'hFFE;
+        state_q.next  <= '0;
+        period_one_q  <= period_i == 24'd1;
+        period_two_q  <= period_i == 24'd2;
+        camera_none_q <= camera_i == 24'd0;
+        camera_one_q  <= camera_i == 24'd1;
+        camera_two_q  <= camera_i == 24'd2;
+        width_some_q  <= width_i != '0;
+        width_short_q <= width_i[15:8] == '0;
       end
     end
   end
 
-  assign camera = run_q && (begin_q ? camera_none_q : camera_due_q);
+  always_ff @(posedge clk_i) begin
+    if (state_q.run) begin
+      period_q.begun       <= state_q.begins;
+      period_q.camera_due  <= state_q.begins ? camera_one_q : period_q.begun ? camera_two_q :
+                              period_q.camera_low && period_q.camera_high;
+      period_q.period_low  <= period_q.low == period_i[11:0];
+      period_q.period_high <= period_q.high == period_i[23:12];
+      period_q.camera_low  <= period_q.low == camera_i[11:0];
+      period_q.camera_high <= period_q.high == camera_i[23:12];
+      if (state_q.begins) begin
+        period_q.low      <= 12'd3;
+        period_q.high     <= 12'd0;
+        period_q.low_full <= 1'b0;
+      end else begin
+        period_q.low      <= period_q.low + 12'd1;
+        period_q.low_full <= period_q.low == 12'hFFE;
+        if (period_q.low_full) period_q.high <= period_q.high + 12'd1;
+      end
+    end
+  end
 
   // --- Pulses ---
-  logic clear;
-  assign clear = rst_i || !run_i;
-
   sp_pulse #(
     .Width(16)
   ) u_projector (
     .clk_i  (clk_i),
-    .awake_i(awake),
-    .clear_i(clear),
-    .start_i(begin_q),
+    .clear_i(!run_i),
+    .start_i(state_q.begins),
     .width_i(width_i),
+    .some_i (width_some_q),
+    .short_i(width_short_q),
     .pulse_o(projector_o)
   );
 
@@ -116,32 +141,13 @@ module sp_trigger (
     .Width(16)
   ) u_camera (
     .clk_i  (clk_i),
-    .awake_i(awake),
-    .clear_i(clear),
+    .clear_i(!run_i),
     .start_i(camera),
     .width_i(width_i),
+    .some_i (width_some_q),
+    .short_i(width_short_q),
     .pulse_o(camera_o)
   );
-
-  // --- Pattern ---
-  always_ff @(posedge clk_i) begin
-    if (!run_q) begin
-      if (run_i) next_q <= '0;
-    end else if (begin_q) begin
-      next_q  <= next_q == last_pattern_i ? 8'd0 : next_q + 8'd1;
-      shown_q <= next_q;
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i || !wanted) begin
-      pattern_q <= '0;
-    end else if (run_i) begin
-      if (camera) pattern_q <= begin_q ? next_q : shown_q;
-    end else if (captured_i) begin
-      pattern_q <= pattern_q == last_pattern_i ? 8'd0 : pattern_q + 8'd1;
-    end
-  end
 
 endmodule
 

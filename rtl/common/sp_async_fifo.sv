@@ -68,10 +68,11 @@ module sp_async_fifo #(
   );
 
   // Gray to binary: bit i is the exclusive or of all bits from i on, for up to 16 bits
-  assign rd_bin_seen = rd_gray_seen ^ (rd_gray_seen >> 1) ^ (rd_gray_seen >> 2) ^ (rd_gray_seen >> 3) ^
-                       (rd_gray_seen >> 4) ^ (rd_gray_seen >> 5) ^ (rd_gray_seen >> 6) ^ (rd_gray_seen >> 7) ^
-                       (rd_gray_seen >> 8) ^ (rd_gray_seen >> 9) ^ (rd_gray_seen >> 10) ^ (rd_gray_seen >> 11) ^
-                       (rd_gray_seen >> 12) ^ (rd_gray_seen >> 13) ^ (rd_gray_seen >> 14) ^ (rd_gray_seen >> 15);
+  logic [LogDepth:0] bin2, bin4, bin8;
+  assign bin2        = rd_gray_seen ^ (rd_gray_seen >> 1);
+  assign bin4        = bin2 ^ (bin2 >> 2);
+  assign bin8        = bin4 ^ (bin4 >> 4);
+  assign rd_bin_seen = bin8 ^ (bin8 >> 8);
 
   // depth + read - written, and less what is being written
   always_ff @(posedge wr_clk_i) begin

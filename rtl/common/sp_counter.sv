@@ -1,11 +1,11 @@
-// Counter in chains of 16 bits, each of which knows a clock ahead that it is about to carry: no path is longer than one
-// chain, however wide the counter.
+// Counter in chains of 16 bits, each of which knows from registers when it has to count: no path is longer than one chain,
+// however wide the counter.
 //
 // Guarantees: count_o = ResetValue plus the number of clocks with inc_i since reset, modulo 2^Width; always coherent.
 `default_nettype none
 
 module sp_counter #(
-  parameter int Width = 32,  // a multiple of 16
+  parameter int Width = 32,  // 32, 48 or 64
   parameter logic [Width-1:0] ResetValue = {Width{1'b0}}
 ) (
   input  wire logic              clk_i,
@@ -17,58 +17,41 @@ module sp_counter #(
   localparam int Chains = Width / 16;
   localparam logic [15:0] Full = 16'hFFFF;
 
-  logic [Chains-1:0] full;  // the chain is all ones
+  logic [Width-1:0]  count_q;
+  logic [Chains-1:1] go_q;    // the chain counts next: all those below are full
+  logic [Chains-1:1] full_q;  // the chain is
 
-  // The lowest chain has its next value beside it, so that the carry of the one after that says in time that it is full.
-  logic [15:0] low_q, next_q, after;
-  logic        low_full_q, next_full;
-
-  assign {next_full, after} = {1'b0, next_q} + 17'd1;
+  assign count_o = count_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      low_q      <= ResetValue[15:0];
-      next_q     <= ResetValue[15:0] + 16'd1;
-      low_full_q <= ResetValue[15:0] == Full;
+      count_q <= ResetValue;
+      for (int k = 1; k < Chains; k++) begin
+        go_q[k]   <= (~ResetValue & ((Width'(1) << (16 * k)) - Width'(1))) == '0;
+        full_q[k] <= ResetValue[16*k+:16] == Full;
+      end
     end else if (inc_i) begin
-      low_q      <= next_q;
-      next_q     <= after;
-      low_full_q <= next_full;
-    end
-  end
-
-  assign full[0]       = low_full_q;
-  assign count_o[15:0] = low_q;
-
-  // The others have time: what stands here is used when the lowest chain is full, 65,535 counts after it changed.
-  for (genvar k = 1; k < Chains; k++) begin : gen_chain
-    logic [15:0] chain_q, sum;
-    logic        full_q, sum_carry;
-
-    assign {sum_carry, sum} = {1'b0, chain_q} + 17'd1;
-
-    always_ff @(posedge clk_i) begin
-      if (rst_i) begin
-        chain_q <= ResetValue[16*k+:16];
-        full_q  <= ResetValue[16*k+:16] == Full;
-      end else if (inc_i) begin
-        if (&(full | ({Chains{1'b1}} << k))) chain_q <= sum;  // all chains below are full
-        full_q <= sum_carry;
+      count_q[15:0] <= count_q[15:0] + 16'd1;
+      go_q          <= '0;
+      if (count_q[15:0] == Full - 16'd1) begin
+        for (int k = 1; k < Chains; k++) go_q[k] <= &(full_q | ({(Chains - 1) {1'b1}} << (k - 1)));
+      end
+      if (go_q[1]) begin
+        for (int k = 1; k < Chains; k++) begin
+          if (go_q[k]) begin
+            count_q[16*k+:16] <= count_q[16*k+:16] + 16'd1;
+            full_q[k]         <= count_q[16*k+:16] == Full - 16'd1;
+          end
+        end
       end
     end
-
-    assign full[k]           = full_q;
-    assign count_o[16*k+:16] = chain_q;
   end
 
 `ifdef FORMAL
-  // What stands beside the lowest chain is true of it (a lemma of the proofs of the users, which reset it once, at the beginning).
+  // The lowest chain hands on when it is full (a lemma of the proofs of the users, which reset it once, at the beginning).
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
-  always_comb if (f_ran_q && !rst_i) begin
-    assert (next_q == low_q + 16'd1);
-    assert (low_full_q == (low_q == Full));
-  end
+  always_comb if (f_ran_q && !rst_i) assert (go_q[1] == (count_q[15:0] == Full));
 `endif
 
 endmodule

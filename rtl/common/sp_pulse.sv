@@ -1,56 +1,48 @@
 // A pulse of so many clocks.
 //
 // Guarantees: pulse_o is high from two clocks after start_i on for width_i clocks; a start_i before that begins anew, and with
-// width_i = 0 ends it. clear_i ends it too, two clocks later. width_i stands still from the
-// clock before start_i on. awake_i is high in the clock of start_i or clear_i and while anything
-// follows of them (two clocks after the last high one everything stands still). The count runs down in two chains of half the width.
+// width_i = 0 ends it. clear_i ends it too, two clocks later. width_i, and what is said of it, stand still from the
+// clock of start_i on. With no pulse under way nothing moves. The count runs down in two chains of half the width.
 `default_nettype none
 
 module sp_pulse #(
   parameter int Width = 16  // even
 ) (
   input  wire logic             clk_i,
-  input  wire logic             awake_i,
   input  wire logic             clear_i,
   input  wire logic             start_i,
   input  wire logic [Width-1:0] width_i,
+  input  wire logic             some_i,   // width_i is not 0
+  input  wire logic             short_i,  // its upper half is
   output logic                  pulse_o
 );
 
   localparam int Half = Width / 2;
 
-  logic [Half-1:0] low_q, high_q;
-  logic            on_q;        // the count is not 0
-  logic            low_zero_q;  // its lower half is
-  logic            high_zero_q;  // its upper half was, a clock ago: soon enough, since it changes where the lower wraps
-  logic            some_q;      // of width_i: it is not 0
-  logic            short_q;     // its upper half is
+  typedef struct packed {
+    logic            on;         // the count is not 0
+    logic            low_zero;   // its lower half is
+    logic            high_zero;  // its upper half was, a clock ago: soon enough, since it changes where the lower wraps
+    logic [Half-1:0] high;
+    logic [Half-1:0] low;
+  } count_t;
+
+  count_t count_q;
 
   always_ff @(posedge clk_i) begin
-    if (awake_i) begin
-      pulse_o <= on_q;
-      some_q  <= width_i != '0;
-      short_q <= width_i[Width-1:Half] == '0;
-      if (clear_i) begin
-        on_q <= 1'b0;
-      end else if (start_i) begin
-        on_q <= some_q;
-      end else if (on_q) begin
-        on_q <= !(high_zero_q && low_q == Half'(1));
+    pulse_o <= count_q.on;
+    if (start_i || count_q.on) begin
+      if (start_i) begin
+        {count_q.high, count_q.low} <= width_i;
+        count_q.low_zero            <= width_i[Half-1:0] == '0;
+        count_q.high_zero           <= short_i;
+      end else begin
+        count_q.low       <= count_q.low - Half'(1);
+        count_q.low_zero  <= count_q.low == Half'(1);
+        count_q.high_zero <= count_q.high == '0;
+        if (count_q.low_zero) count_q.high <= count_q.high - Half'(1);
       end
-    end
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (start_i) begin
-      {high_q, low_q} <= width_i;
-      low_zero_q      <= width_i[Half-1:0] == '0;
-      high_zero_q     <= short_q;
-    end else if (on_q) begin
-      low_q       <= low_q - Half'(1);
-      low_zero_q  <= low_q == Half'(1);
-      high_zero_q <= high_q == '0;
-      if (low_zero_q) high_q <= high_q - Half'(1);
+      count_q.on <= !clear_i && (start_i ? some_i : !(count_q.high_zero && count_q.low == Half'(1)));
     end
   end
 

@@ -375,7 +375,11 @@ class BoardDevice {
   BoardDeviceOptions options_;
   struct Simulation {
     Simulation() { context.traceEverOn(true); }
-    ~Simulation() { model.final(); }
+    ~Simulation() {
+      model.final();
+      // A model whose names are known to VPI takes them out of the thread's context, which may be that of a device since gone.
+      Verilated::threadContextp(&context);
+    }
     Simulation(const Simulation&) = delete;
     Simulation& operator=(const Simulation&) = delete;
     VerilatedContext context;

@@ -48,6 +48,9 @@ class Reference {
   // What the outputs are in the next clock, given the beat at the input in the clock before.
   Outputs step(const std::optional<Beat>& beat, bool run, bool hold, const Settings& settings, int timeout) {
     Outputs out;
+    // Whether a frame may start, and take the settings over, was decided two clocks ago.
+    const Permit permit = permits_[0];
+    permits_[0] = permits_[1];
     ++clocks_since_take_;
     out.break_status = late_break_;
     out.break_in_last_row = late_in_last_row_;
@@ -61,8 +64,8 @@ class Reference {
           out.break_in_last_row = last_row_begun_;
           open = false;
         }
-        if (run && (!hold || taken)) {
-          start(hold, settings, out);
+        if (permit.start) {
+          start(permit.take, settings, out);
         }
       }
       if (open) {
@@ -76,6 +79,7 @@ class Reference {
       late_break_ = spec::kStatusIncomplete;
       late_in_last_row_ = last_row_begun_;
     }
+    permits_[1] = {.start = run && (!hold || taken), .take = run && !hold};
     return out;
   }
 
@@ -87,8 +91,8 @@ class Reference {
   std::uint32_t stray = 0;
 
  private:
-  void start(bool hold, const Settings& settings, Outputs& out) {
-    if (!hold && clocks_since_take_ > 6) {
+  void start(bool may_take, const Settings& settings, Outputs& out) {
+    if (may_take && clocks_since_take_ > 6) {
       in_force = settings;
       taken = true;
       out.take = true;
@@ -127,6 +131,12 @@ class Reference {
     }
   }
 
+  struct Permit {
+    bool start = false;
+    bool take = false;
+  };
+
+  std::array<Permit, 2> permits_;
   int row_ = 1;
   int group_ = 0;
   bool last_row_begun_ = false;
@@ -165,10 +175,10 @@ class Bench {
   Settings settings;
   int timeout = 0;
 
-  // A new size comes with hold_i for its first clock.
+  // Settings that come with hold_i in their first clock and in the two before it.
   void set(const Settings& now) {
-    size_is_new_ = now.columns != settings.columns || now.rows != settings.rows;
-    settings = now;
+    announced_ = now;
+    held_ = 3;
   }
 
   void clock(const std::optional<Beat>& beat) {
@@ -178,16 +188,19 @@ class Bench {
       tracker_->s_axis_tuser_i = beat->user;
       tracker_->s_axis_tlast_i = beat->last;
     }
+    if (held_ == 1) {
+      settings = announced_;
+    }
     set_inputs();
     tracker_.settle();
     check();
-    expected_ = reference_.step(before_, run, hold || size_is_new_, settings, timeout);
+    expected_ = reference_.step(before_, run, hold || held_ > 0, settings, timeout);
     if (broke_) {
       ++broken_;
     }
     broke_ = expected_.break_status.has_value();
     before_ = beat;
-    size_is_new_ = false;
+    held_ = std::max(held_ - 1, 0);
     tracker_.rise();
   }
 
@@ -204,7 +217,7 @@ class Bench {
  private:
   void set_inputs() {
     tracker_->run_i = run;
-    tracker_->hold_i = hold || size_is_new_;
+    tracker_->hold_i = hold || held_ > 0;
     tracker_->image_i = settings.image;
     tracker_->columns_i = static_cast<SData>(settings.columns);
     tracker_->rows_i = static_cast<SData>(settings.rows);
@@ -259,7 +272,8 @@ class Bench {
   Reference reference_;
   Outputs expected_;
   std::optional<Beat> before_;
-  bool size_is_new_ = true;  // of reset, too
+  Settings announced_;
+  int held_ = 1;  // clocks for which hold_i is high, whatever `hold` says; of reset, too
   bool broke_ = false;
   std::uint32_t broken_ = 0;
   std::uint32_t stray_before_ = 0;
@@ -293,7 +307,7 @@ TEST(FrameTracker, GoodFramesOfEveryShape) {
     bench.idle(2);
     bench.set(
         {random.chance(50), size[0], size[1], random.between(0, 2), random.between(0, 255), random.between(0, 255)});
-    bench.idle(2);
+    bench.idle(5);
     for (int frame = 0; frame < 5; ++frame) {
       good_frame(bench, random, frame < 3 ? 0 : 40);
       ASSERT_FALSE(::testing::Test::HasFatalFailure());
@@ -312,7 +326,7 @@ TEST(FrameTracker, TimeOutAfterExactlySoManyClocks) {
       Bench bench;
       bench.timeout = timeout;
       bench.set({false, 8, 2, 0, 0, 0});
-      bench.idle(3);
+      bench.idle(5);
       bench.clock(Beat{1, true, false});
       bench.idle(timeout + more);
       bench.clock(Beat{2, false, true});
@@ -330,7 +344,7 @@ TEST(FrameTracker, ManyBrokenFramesAndStrayBeatsAreCounted) {
   constexpr std::uint32_t kMany = 70'000;
   Bench bench;
   bench.set({false, 8, 2, 0, 0, 0});
-  bench.idle(3);
+  bench.idle(5);
   for (std::uint32_t i = 0; i < kMany; ++i) {
     bench.clock(Beat{i, true, false});  // each but the first breaks the frame before
     ASSERT_FALSE(::testing::Test::HasFatalFailure());
@@ -360,7 +374,7 @@ TEST(FrameTracker, SettingsChangeAtAFramesStartOnly) {
       }
       bench.set(s);
       bench.hold = random.chance(20) && bench.reference().taken;
-      bench.idle(random.between(0, 3));
+      bench.idle(random.between(2, 8));
       good_frame(bench, random, random.chance(50) ? 0 : 30);
       ASSERT_FALSE(::testing::Test::HasFatalFailure());
     }
@@ -378,6 +392,7 @@ TEST(FrameTracker, BrokenInputOfEveryKind) {
     const int errors = random.between(0, 15);
     bench.timeout = random.chance(40) ? 0 : random.between(1, random.chance(90) ? 8 : 0xFFFFFF);
     bench.set({false, 4 * random.between(1, 5), random.between(1, 5), 0, 0, 0});
+    bench.idle(random.between(0, 6));
     int group = 0;
     int row = 1;
     for (int i = 0; i < 2500; ++i) {

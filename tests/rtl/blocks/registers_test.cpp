@@ -2,6 +2,7 @@
 // refused, what reads give, and the settings at the outputs.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -142,9 +143,8 @@ class Bench {
     registers_->take_i = take;
     registers_.settle();
     check_outputs();
-    registers_.rise();
+    rise();
     pending_ = pending_ && !take;
-    size_written_ = false;
   }
 
   // The request, and its answer exactly three clocks later. Address and data stay, as the bridge holds them.
@@ -154,37 +154,34 @@ class Bench {
     registers_->address_i = static_cast<CData>(address);
     registers_->data_i = data;
     tick();
+    held_ = write ? 3 : held_;
     EXPECT_EQ(registers_->answer_o, 0);
     registers_->request_i = 0;
     registers_.settle();
     check_outputs();
     read_is_good_ = !write && readable(address);
-    registers_.rise();
-    size_written_ = false;
-    if (write && good(address, data)) {
-      for (const Writable& writable : writables) {
-        if (writable.address == address) {
-          values_[address] = data & writable.mask;
-        }
-      }
-      size_written_ = address == spec::kRegSize;
-      pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize ||
-                 address == spec::kRegMeasure || address == spec::kRegDecode;
-    }
+    rise();
     if (!write && address == spec::kRegTimeLow) {
       time_high_ = static_cast<std::uint32_t>(state_.time >> 32);
     }
     registers_.settle();
     EXPECT_EQ(registers_->answer_o, 0);
     check_outputs();
-    registers_.rise();
-    size_written_ = false;
+    rise();
+    if (write && good(address, data)) {
+      for (const Writable& writable : writables) {
+        if (writable.address == address) {
+          values_[address] = data & writable.mask;
+        }
+      }
+      pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize ||
+                 address == spec::kRegMeasure || address == spec::kRegDecode;
+    }
     registers_.settle();
     EXPECT_EQ(registers_->answer_o, 1) << "three clocks after the request";
     check_outputs();
     const Answer answer = {registers_->error_o != 0, registers_->data_o};
-    registers_.rise();
-    size_written_ = false;
+    rise();
     registers_.settle();
     EXPECT_EQ(registers_->answer_o, 0) << "the answer lasts one clock";
     return answer;
@@ -293,12 +290,17 @@ class Bench {
   }
 
  private:
+  void rise() {
+    registers_.rise();
+    held_ = std::max(held_ - 1, 0);
+  }
+
   // The settings, in every clock.
   void check_outputs() {
     using namespace spec;
     EXPECT_EQ(registers_->run_o, value(kRegControl, kRegControlRunLsb, 1));
-    // also in the first clock of a new size
-    EXPECT_EQ(registers_->hold_o, value(kRegControl, kRegControlHoldLsb, 1) || size_written_ ? 1 : 0);
+    // also in the first clock of new settings and in the two before it
+    EXPECT_EQ(registers_->hold_o, value(kRegControl, kRegControlHoldLsb, 1) || held_ > 0 ? 1 : 0);
     EXPECT_EQ(registers_->image_o, value(kRegControl, kRegControlImageLsb, 1));
     EXPECT_EQ(registers_->columns_o, value(kRegSize, kRegSizeColumnsLsb, kRegSizeColumnsBits));
     EXPECT_EQ(registers_->rows_o, value(kRegSize, kRegSizeRowsLsb, kRegSizeRowsBits));
@@ -324,7 +326,7 @@ class Bench {
   State state_;
   std::map<std::uint32_t, std::uint32_t> values_;  // of writables
   bool pending_ = true;                            // the reset values have not been taken over
-  bool size_written_ = true;                       // likewise
+  int held_ = 1;                                   // clocks for which hold_o is high, whatever the register says
   bool read_is_good_ = false;
   std::uint32_t time_high_ = 0;
 };

@@ -29,16 +29,23 @@ class Register {
   Register& operator=(const Register&) = delete;
   ~Register() { vpi_release_handle(handle_); }
 
-  [[nodiscard]] std::uint32_t get() const {
+  // up to 64 bits
+  [[nodiscard]] std::uint64_t get() const {
     s_vpi_value value{};
-    value.format = vpiIntVal;
+    value.format = vpiVectorVal;
     vpi_get_value(handle_, &value);
-    return static_cast<std::uint32_t>(value.value.integer);
+    const auto word = [&](int i) {
+      return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value.value.vector[i].aval));
+    };
+    return vpi_get(vpiSize, handle_) > 32 ? word(0) | word(1) << 32U : word(0);
   }
-  void set(std::uint32_t number) {
+  void set(std::uint64_t number) {
+    std::array<s_vpi_vecval, 2> words{};
+    words[0].aval = static_cast<PLI_INT32>(number);
+    words[1].aval = static_cast<PLI_INT32>(number >> 32U);
     s_vpi_value value{};
-    value.format = vpiIntVal;
-    value.value.integer = static_cast<PLI_INT32>(number);
+    value.format = vpiVectorVal;
+    value.value.vector = words.data();
     vpi_put_value(handle_, &value, nullptr, vpiNoDelay);
   }
 
@@ -48,21 +55,18 @@ class Register {
 
 // An sp_counter of 16 * `chains` bits counts so much more, in the state in which counting would have left it.
 void count(const std::string& counter, int chains, std::uint64_t more) {
-  // gen_chain[k], in Verilator's spelling
-  const auto chain = [&](int k) { return counter + ".gen_chain__BRA__" + std::to_string(k) + "__KET__"; };
-  std::uint64_t value = Register(counter + ".low_q").get();
+  Register number(counter + ".count_q");
+  const std::uint64_t value = number.get() + more;
+  number.set(value);
+  std::uint32_t go = 0;
+  std::uint32_t full = 0;
   for (int k = 1; k < chains; ++k) {
-    value |= std::uint64_t{Register(chain(k) + ".chain_q").get()} << (16 * k);
+    const std::uint64_t below = (std::uint64_t{1} << (16 * k)) - 1;
+    go |= (value & below) == below ? 1U << (k - 1) : 0;
+    full |= (value >> (16 * k) & 0xFFFFU) == 0xFFFFU ? 1U << (k - 1) : 0;
   }
-  value += more;
-  const auto part = [&](int k) { return static_cast<std::uint32_t>(value >> (16 * k) & 0xFFFFU); };
-  Register(counter + ".low_q").set(part(0));
-  Register(counter + ".next_q").set((part(0) + 1) & 0xFFFFU);
-  Register(counter + ".low_full_q").set(part(0) == 0xFFFFU ? 1 : 0);
-  for (int k = 1; k < chains; ++k) {
-    Register(chain(k) + ".chain_q").set(part(k));
-    Register(chain(k) + ".full_q").set(part(k) == 0xFFFFU ? 1 : 0);
-  }
+  Register(counter + ".go_q").set(go);
+  Register(counter + ".full_q").set(full);
 }
 
 void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
@@ -70,15 +74,14 @@ void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
   Verilated::threadContextp(model.contextp());
   const std::string top = "TOP.sp_board.";
   count(top + "u_info.u_time", 4, counts.clocks);
-  count(top + "u_info.u_sequence", 4, counts.frames);
-  count(top + "u_info.u_frames", 2, counts.frames);
+  count(top + "u_info.u_frames", 4, counts.frames);
   count(top + "u_tracker.u_broken", 2, counts.broken);
   count(top + "u_tracker.u_stray", 2, counts.stray);
   count(top + "u_moments_path.u_packetizer.u_lost", 2, counts.lost.at(spec::kKindMoments));
   count(top + "gen_image.u_image_path.u_packetizer.u_lost", 2, counts.lost.at(spec::kKindImage));
   count(top + "gen_codes.u_codes_path.u_packetizer.u_lost", 2, counts.lost.at(spec::kKindCodes));
   Register abandoned(top + "gen_codes.u_codes_path.u_core.u_decoder.abandoned_o");
-  abandoned.set(abandoned.get() + counts.abandoned);
+  abandoned.set((abandoned.get() + counts.abandoned) & 0xFFFF'FFFFU);
   settle(model);
   board.counted_before(counts);
 }
