@@ -377,7 +377,8 @@ class BoardDevice {
     Simulation() { context.traceEverOn(true); }
     ~Simulation() {
       model.final();
-      // A model whose names are known to VPI takes them out of the thread's context, which may be that of a device since gone.
+      // A model whose names are known to VPI takes them out of the thread's context, which may be that of a device
+      // since gone.
       Verilated::threadContextp(&context);
     }
     Simulation(const Simulation&) = delete;
