@@ -223,20 +223,23 @@ module sp_packetizer #(
         check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^
                    folded(fifo_data_o[31:0], fifo_data_o[63:32], fifo_data_o[95:64], fifo_data_o[127:96]);
       end
-      if (q.state[Payload]) begin
-        fifo_data_o <= payload_data_i;
-      end else begin
-        fifo_data_o <= beat_if(q.state[Header], {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
-                                                 sp_spec_pkg::SpecHash, sp_spec_pkg::Magic}) |
-                       beat_if(q.state[Header+1], {time_stamp_i, 64'd0}) |
-                       beat_if(q.state[Header+2], {32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes), 16'(rows_i),
-                                                   16'(columns_i), lost_o, encoder_i}) |
-                       beat_if(q.state[Header+3], {64'd0, 31'd0, stray_before_i, PerLine ? 16'd1 : 16'(lines_i),
-                                                   PerLine ? 16'(line_q) : 16'd1}) |
-                       beat_if(q.state[Header+1] || q.state[Trailer+:3] != '0, {64'd0, sequence_q}) |
-                       beat_if(q.state[Trailer+:3] != '0, {32'd0, 32'(status_q), 64'd0}) |
-                       beat_if(q.state[Trailer+2], {check_q, 96'd0});
-      end
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (q.state[Payload]) begin
+      fifo_data_o <= payload_data_i;
+    end else if (!q.state[Idle]) begin
+      fifo_data_o <= beat_if(q.state[Header], {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
+                                               sp_spec_pkg::SpecHash, sp_spec_pkg::Magic}) |
+                     beat_if(q.state[Header+1], {time_stamp_i, 64'd0}) |
+                     beat_if(q.state[Header+2], {32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes), 16'(rows_i),
+                                                 16'(columns_i), lost_o, encoder_i}) |
+                     beat_if(q.state[Header+3], {64'd0, 31'd0, stray_before_i, PerLine ? 16'd1 : 16'(lines_i),
+                                                 PerLine ? 16'(line_q) : 16'd1}) |
+                     beat_if(q.state[Header+1] || q.state[Trailer+:3] != '0, {64'd0, sequence_q}) |
+                     beat_if(q.state[Trailer+:3] != '0, {32'd0, 32'(status_q), 64'd0}) |
+                     beat_if(q.state[Trailer+2], {check_q, 96'd0});
     end
   end
 

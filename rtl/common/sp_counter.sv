@@ -18,32 +18,43 @@ module sp_counter #(
   localparam logic [15:0] Full = 16'hFFFF;
 
   logic [Width-1:0]  count_q;
-  logic [Chains-1:1] go_q;    // the chain counts next: all those below are full
-  logic [Chains-1:1] full_q;  // the chain is
+  logic [15:0]       next_q, after;    // the lowest chain after the next inc_i, and after the one after that
+  logic              go_q, next_full;  // the lowest chain is full
+  logic [Chains-1:1] full_q, full;     // the chain is; late, but nobody asks before 65,535 counts later
+  logic [Chains-1:1] below_q;          // all those below it but the lowest are
+  logic [1:0]        moved_q;          // a chain above the lowest counted one and two clocks ago
 
-  assign count_o = count_q;
+  assign count_o            = count_q;
+  assign {next_full, after} = {1'b0, next_q} + 17'd1;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       count_q <= ResetValue;
-      for (int k = 1; k < Chains; k++) begin
-        go_q[k]   <= (~ResetValue & ((Width'(1) << (16 * k)) - Width'(1))) == '0;
-        full_q[k] <= ResetValue[16*k+:16] == Full;
-      end
+      next_q  <= ResetValue[15:0] + 16'd1;
+      go_q    <= ResetValue[15:0] == Full;
     end else if (inc_i) begin
-      count_q[15:0] <= count_q[15:0] + 16'd1;
-      go_q          <= '0;
-      if (count_q[15:0] == Full - 16'd1) begin
-        for (int k = 1; k < Chains; k++) go_q[k] <= &(full_q | ({(Chains - 1) {1'b1}} << (k - 1)));
-      end
-      if (go_q[1]) begin
+      count_q[15:0] <= next_q;
+      next_q        <= after;
+      go_q          <= next_full;
+      if (go_q) begin
         for (int k = 1; k < Chains; k++) begin
-          if (go_q[k]) begin
-            count_q[16*k+:16] <= count_q[16*k+:16] + 16'd1;
-            full_q[k]         <= count_q[16*k+:16] == Full - 16'd1;
-          end
+          if (below_q[k]) count_q[16*k+:16] <= count_q[16*k+:16] + 16'd1;
         end
       end
+    end
+  end
+
+  for (genvar k = 1; k < Chains; k++) begin : gen_full
+    logic [15:0] unused;
+    assign {full[k], unused} = {1'b0, count_q[16*k+:16]} + 17'd1;  // the carry that the chain makes anyhow
+  end
+
+  // Reset lasts long enough for these to follow.
+  always_ff @(posedge clk_i) begin
+    moved_q <= {moved_q[0], rst_i || inc_i && go_q};
+    if (moved_q != '0) begin
+      full_q <= full;
+      for (int k = 1; k < Chains; k++) below_q[k] <= &(full_q | ({(Chains - 1) {1'b1}} << (k - 1)));
     end
   end
 
@@ -51,7 +62,10 @@ module sp_counter #(
   // The lowest chain hands on when it is full (a lemma of the proofs of the users, which reset it once, at the beginning).
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
-  always_comb if (f_ran_q && !rst_i) assert (go_q[1] == (count_q[15:0] == Full));
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (go_q == (count_q[15:0] == Full));
+    assert (next_q == count_q[15:0] + 16'd1);
+  end;
 `endif
 
 endmodule

@@ -58,15 +58,18 @@ void count(const std::string& counter, int chains, std::uint64_t more) {
   Register number(counter + ".count_q");
   const std::uint64_t value = number.get() + more;
   number.set(value);
-  std::uint32_t go = 0;
   std::uint32_t full = 0;
+  std::uint32_t below = 1;
   for (int k = 1; k < chains; ++k) {
-    const std::uint64_t below = (std::uint64_t{1} << (16 * k)) - 1;
-    go |= (value & below) == below ? 1U << (k - 1) : 0;
     full |= (value >> (16 * k) & 0xFFFFU) == 0xFFFFU ? 1U << (k - 1) : 0;
   }
-  Register(counter + ".go_q").set(go);
+  for (int k = 2; k < chains; ++k) {
+    below |= (full & ((1U << (k - 1)) - 1)) == (1U << (k - 1)) - 1 ? 1U << (k - 1) : 0;
+  }
+  Register(counter + ".next_q").set((value + 1) & 0xFFFFU);
+  Register(counter + ".go_q").set((value & 0xFFFFU) == 0xFFFFU ? 1 : 0);
   Register(counter + ".full_q").set(full);
+  Register(counter + ".below_q").set(below);
 }
 
 void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
