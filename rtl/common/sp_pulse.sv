@@ -42,8 +42,9 @@ module sp_pulse #(
         count_q.high_zero <= count_q.high == '0;
         if (count_q.low_zero) count_q.high <= count_q.high - Half'(1);
       end
-      count_q.on <= !clear_i && (start_i ? some_i : !(count_q.high_zero && count_q.low == Half'(1)));
+      count_q.on <= start_i ? some_i : !(count_q.high_zero && count_q.low == Half'(1));
     end
+    if (clear_i) count_q.on <= 1'b0;
   end
 
 endmodule

@@ -37,7 +37,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
     const auto some_frame = [&](int beat) {
       return [&, beat] { return !frames.empty() && info.clock() > frames.front().start + 4 + beat; };
     };
-    for (const char* port : {"stream_o", "mode_o", "threshold_o", "pattern_o"}) {
+    for (const char* port : {"stream_o", "mode_o", "threshold_o", "pattern_o", "sequence_o"}) {
       info.valid_when(port, some_frame(0));
     }
     info.valid_when("time_stamp_o", some_frame(1));
