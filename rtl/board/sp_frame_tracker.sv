@@ -99,7 +99,7 @@ module sp_frame_tracker #(
     next_rows_m1_q   <= rows_i - RowBits'(1);
   end
 
-  // --- Stage 1: the beat ---
+  // --- Stage 1: registers of the beat ---
   logic        s1_valid_q, s1_start_q;  // a beat; one with tuser
   logic        s1_begin_q, s1_take_q;   // one that starts a frame; and takes the settings over
   logic        s1_last_q;
@@ -112,17 +112,17 @@ module sp_frame_tracker #(
   logic [3:0] took_q;      // a take-over so many clocks ago, and one
   logic       in_force_q;  // settings have been taken over: a frame may start without taking them over
 
+  assign take_o = took_q[0];
+
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       may_start_q <= 1'b0;
       may_take_q  <= 1'b0;
       took_q      <= '0;
       in_force_q  <= 1'b0;
-      take_o      <= 1'b0;
     end else begin
       if (s1_take_q || took_q != '0) begin
         took_q      <= {took_q[2:0], s1_take_q};
-        take_o      <= s1_take_q;
         in_force_q  <= 1'b1;
         may_take_q  <= 1'b0;
         may_start_q <= run_i;
@@ -133,6 +133,7 @@ module sp_frame_tracker #(
     end
   end
 
+  // Into stage 1
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       s1_valid_q <= 1'b0;
@@ -298,13 +299,11 @@ module sp_frame_tracker #(
     if (rst_i) begin
       stray_q        <= 1'b0;
       stray_before_o <= 1'b0;
-    end else begin
-      if (s1_begin_q) begin
-        stray_before_o <= stray_q;
-        stray_q        <= 1'b0;
-      end else if (stray) begin
-        stray_q <= 1'b1;
-      end
+    end else if (s1_begin_q) begin
+      stray_before_o <= stray_q;
+      stray_q        <= 1'b0;
+    end else if (stray) begin
+      stray_q <= 1'b1;
     end
   end
 

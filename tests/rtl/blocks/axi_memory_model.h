@@ -26,6 +26,20 @@ class AxiMemory {
 
   std::size_t most_unanswered = 0;  // bursts written and not answered
 
+  // At the beginning: the base is told, nothing is asked for, and the memory drives nothing. `dut` as below.
+  template <typename Dut>
+  void at_rest(Dut& dut) const {
+    dut.base_i = static_cast<IData>(base);
+    dut.rd_en_i = 0;
+    dut.wr_en_i = 0;
+    dut.end_i = 0;
+    dut.m_axi_rvalid_i = 0;
+    dut.m_axi_bvalid_i = 0;
+    dut.m_axi_arready_i = 0;
+    dut.m_axi_awready_i = 0;
+    dut.m_axi_wready_i = 0;
+  }
+
   // Before the clock's edge: what the memory drives in this clock. `dut` has the ports of sp_gray_axi_memory.
   template <typename Dut>
   void drive(Dut& dut, std::int64_t now) {

@@ -42,15 +42,7 @@ class GrayAxiBench {
     }
     // anywhere a burst may begin, but for the end of the addresses: it reads ahead
     memory_.base = 0x100U * static_cast<std::uint64_t>(random.between(1, 0xFF'FE00));
-    port_->base_i = static_cast<IData>(memory_.base);
-    port_->rd_en_i = 0;
-    port_->wr_en_i = 0;
-    port_->end_i = 0;
-    port_->m_axi_rvalid_i = 0;
-    port_->m_axi_bvalid_i = 0;
-    port_->m_axi_arready_i = 0;
-    port_->m_axi_awready_i = 0;
-    port_->m_axi_wready_i = 0;
+    memory_.at_rest(port_.dut());
     decoder_->take_i = 0;
     decoder_->beat_valid_i = 0;
     decoder_->frame_start_i = 0;

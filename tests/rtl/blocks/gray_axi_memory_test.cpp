@@ -73,12 +73,7 @@ class WordsBench {
  public:
   explicit WordsBench(Random& random) : random_(random), memory_(random, kMemoryWords) {
     memory_.base = 0xABCD'EF00;
-    port_->base_i = static_cast<IData>(memory_.base);
-    port_->rd_en_i = 0;
-    port_->wr_en_i = 0;
-    port_->end_i = 0;
-    port_->m_axi_rvalid_i = 0;
-    port_->m_axi_bvalid_i = 0;
+    memory_.at_rest(port_.dut());
     port_.reset();
   }
 
