@@ -1,6 +1,6 @@
 // Register file, video clock: addresses, fields and reset values are those of the specification.
 //
-// request_i lasts one clock; answer_o comes three clocks later, when a write has taken effect, with error_o where the address
+// request_i lasts one clock; answer_o comes four clocks later, when a write has taken effect, with error_o where the address
 // is not a register, a read-only register is written, or a value is outside what this build can do (the register then keeps its
 // value). hold_o is high during every write.
 `default_nettype none
@@ -69,38 +69,42 @@ module sp_registers #(
   localparam logic [ColumnBits-1:0] ResetColumns = ColumnBits'(SpecColumns < MaxColumns ? SpecColumns : MaxColumns);
   localparam logic [RowBits-1:0] ResetRows = RowBits'(SpecRows < MaxRows ? SpecRows : MaxRows);
 
-  // --- Request, a clock later: its register, one of 32, and what its data is good for. data_i stays until the answer. ---
+  // --- Request, two clocks later: its register, one of 32, and what its data is good for. The request's words stay until
+  // the answer. ---
   localparam int Words = 32;
   localparam logic [7:0] LastRegister = Codes ? sp_spec_pkg::RegAbandoned : sp_spec_pkg::RegEncoderErrors;
 
-  logic [3:0]       control_q;  // {hold_o, asked_q}
-  logic [2:0]       asked_q;    // the request one to three clocks ago, the latest lowest
+  logic [3:0]       asked_q;    // the request, one to four clocks ago, the latest lowest
   logic             write_q;
   logic             there_q;  // a register that this build has
   logic [Words-1:0] hit_q;
   logic             size_good_q, measure_good_q, image_good_q, period_good_q, decode_good_q;
   logic             image_wanted;
-  logic             awake;
+  logic             hold_q;     // asked for
+  logic             pending_q;  // settings written and not taken over
 
   // Writes, a clock later still
   localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3, WriteTimeout = 4, WriteTrigger = 5,
                  WritePeriod = 6, WriteCamera = 7, WriteWidth = 8, Writes = 9;
   logic [Writes-1:0] put_q;   // that register takes data_i: one of them, for a clock, or none
 
-  assign image_wanted      = data_i[sp_spec_pkg::RegControlImageLsb];
-  // With no access and nothing held nothing moves but pending_q.
-  assign {hold_o, asked_q} = control_q;
-  assign awake             = request_i || control_q != '0;
-  assign answer_o          = asked_q[2];
+  assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
+  assign answer_o     = asked_q[3];
 
-  // Reset lasts longer than a clock: hold_o keeps the block awake in it.
+  // With no access and nothing held nothing else moves. In reset hold_o is high: the size of the reset is new.
   always_ff @(posedge clk_i) begin
-    if (rst_i) control_q[3] <= 1'b1;  // the size of the reset is new
-    else if (awake) control_q[3] <= request_i && write_i || asked_q[1:0] != '0 && write_q || hold_q;
-    if (awake) begin
-      control_q[2:0] <= rst_i ? 3'b000 : {asked_q[1:0], request_i};
-      put_q          <= '0;
-      if (asked_q[0] && write_q && !rst_i) begin
+    hold_o    <= rst_i || asked_q[0] && write_i || asked_q[2:1] != '0 && write_q || hold_q;
+    pending_q <= rst_i || put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] || put_q[WriteDecode] ||
+                 pending_q && !take_i;
+    if (request_i || hold_o || asked_q != '0) asked_q <= rst_i ? 4'd0 : {asked_q[2:0], request_i};
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      put_q <= '0;
+    end else if (asked_q[2:1] != '0) begin
+      put_q <= '0;
+      if (asked_q[1] && write_q) begin
         put_q[WriteControl] <= hit_q[sp_spec_pkg::RegControl/4] && image_good_q;
         put_q[WriteSize]    <= hit_q[sp_spec_pkg::RegSize/4] && size_good_q;
         put_q[WriteMeasure] <= hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
@@ -115,9 +119,6 @@ module sp_registers #(
   end
 
   // --- Writes ---
-  logic hold_q;
-  logic pending_q;  // settings written and not taken over
-
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       run_o                  <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlRunLsb];
@@ -162,16 +163,6 @@ module sp_registers #(
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      pending_q <= 1'b1;
-    end else if (put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] || put_q[WriteDecode]) begin
-      pending_q <= 1'b1;
-    end else if (take_i) begin
-      pending_q <= 1'b0;
-    end
-  end
-
   // --- Reads, in two clocks: the word of one of six groups (of the others zero), then that of all ---
   logic [31:0] fixed_q, settings_q, trigger_q, frames_q, lost_q, moving_q;
   logic [31:0] time_high_q;
@@ -188,14 +179,14 @@ module sp_registers #(
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       time_high_q <= '0;
-    end else if (asked_q[0]) begin
+    end else if (asked_q[1]) begin
       if (!write_q && hit_q[sp_spec_pkg::RegTimeLow/4]) time_high_q <= time_i[63:32];
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (awake) begin
-      if (request_i) begin
+    if (asked_q != 4'd0) begin
+      if (asked_q[0]) begin
         write_q        <= write_i;
         there_q        <= address_i[1:0] == 2'd0 && address_i <= LastRegister;
         hit_q          <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
@@ -206,7 +197,7 @@ module sp_registers #(
         period_good_q  <= data_i[23:0] != 24'd0;
         decode_good_q  <= Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
       end
-      if (asked_q[0]) begin
+      if (asked_q[1]) begin
         fixed_q    <= word_if(hit_q[sp_spec_pkg::RegId/4], sp_spec_pkg::Magic) |
                       word_if(hit_q[sp_spec_pkg::RegVersion/4], {16'd0, sp_spec_pkg::SpecVersion}) |
                       word_if(hit_q[sp_spec_pkg::RegSpecHash/4], sp_spec_pkg::SpecHash) |
@@ -240,7 +231,7 @@ module sp_registers #(
                       word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], 32'(encoder_errors_i)) |
                       word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word);
       end
-      if (asked_q[1]) begin
+      if (asked_q[2]) begin
         error_o <= write_q ? put_q == '0 : !there_q;
         data_o  <= fixed_q | settings_q | trigger_q | frames_q | lost_q | moving_q;
       end

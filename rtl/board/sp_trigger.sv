@@ -6,7 +6,7 @@
 // the last camera pulse: a camera that misses a pulse does not shift the indices of the frames after it. A frame must
 // start before the next camera pulse after its own; camera_i is below period_i, else there is no camera pulse.
 // While run_i is low and on_frame_i is high there are no pulses, and every frame start advances pattern_o: the first frame
-// has index 0. With both low pattern_o is 0. Settings change while run_i is low.
+// has index 0. With both low pattern_o is 0. Settings change while run_i is low, but not in the last clock of that.
 // Latency: the first projector pulse begins three clocks after run_i.
 `default_nettype none
 
@@ -44,6 +44,8 @@ module sp_trigger (
     logic [1:0] wanted;   // there was something to do, a clock and two clocks ago
     logic       run;
     logic       begins;   // a period begins
+    logic       started;  // one did a clock ago
+    logic       camera;   // the camera pulse did
     logic [7:0] pattern;
     logic [7:0] shown;    // pattern on the projector
     logic [7:0] next;     // the one after it
@@ -53,8 +55,9 @@ module sp_trigger (
   period_t period_q;
   logic    awake;
   logic    camera;  // the camera pulse begins
+  // Of the settings, which stand still: their upper bits are zero; all bits are that
+  logic    period_low_q, camera_low_q;
   logic    period_one_q, period_two_q, camera_none_q, camera_one_q, camera_two_q, width_some_q, width_short_q;
-  // of the settings, which stand still
 
   // Two clocks after run_i and on_frame_i have gone low everything stands at 0: nothing moves then.
   assign awake     = run_i || on_frame_i || state_q.wanted != '0;
@@ -66,16 +69,25 @@ module sp_trigger (
   end
 
   always_ff @(posedge clk_i) begin
+    period_low_q <= period_i[23:8] == '0;
+    camera_low_q <= camera_i[23:8] == '0;
+  end
+
+  always_ff @(posedge clk_i) begin
     if (rst_i) begin
       state_q.wanted  <= '1;
       state_q.run     <= 1'b0;
       state_q.begins  <= 1'b0;
+      state_q.started <= 1'b0;
+      state_q.camera  <= 1'b0;
       state_q.pattern <= '0;
     end else if (awake) begin
-      state_q.wanted <= {state_q.wanted[0], run_i || on_frame_i};
-      state_q.run    <= run_i;
-      state_q.begins <= run_i && (!state_q.run || (state_q.begins ? period_one_q : period_q.begun ? period_two_q :
-                                                   period_q.period_low && period_q.period_high));
+      state_q.wanted  <= {state_q.wanted[0], run_i || on_frame_i};
+      state_q.run     <= run_i;
+      state_q.begins  <= run_i && (!state_q.run || (state_q.begins ? period_one_q : period_q.begun ? period_two_q :
+                                                    period_q.period_low && period_q.period_high));
+      state_q.started <= state_q.begins;
+      state_q.camera  <= camera;
       if (run_i) begin
         if (camera) state_q.pattern <= state_q.begins ? state_q.next : state_q.shown;
       end else if (!on_frame_i) begin
@@ -92,11 +104,11 @@ module sp_trigger (
         end
       end else begin
         state_q.next  <= '0;
-        period_one_q  <= period_i == 24'd1;
-        period_two_q  <= period_i == 24'd2;
-        camera_none_q <= camera_i == 24'd0;
-        camera_one_q  <= camera_i == 24'd1;
-        camera_two_q  <= camera_i == 24'd2;
+        period_one_q  <= period_low_q && period_i[7:0] == 8'd1;
+        period_two_q  <= period_low_q && period_i[7:0] == 8'd2;
+        camera_none_q <= camera_low_q && camera_i[7:0] == 8'd0;
+        camera_one_q  <= camera_low_q && camera_i[7:0] == 8'd1;
+        camera_two_q  <= camera_low_q && camera_i[7:0] == 8'd2;
         width_some_q  <= width_i != '0;
         width_short_q <= width_i[15:8] == '0;
       end
@@ -129,8 +141,8 @@ module sp_trigger (
     .Width(16)
   ) u_projector (
     .clk_i  (clk_i),
-    .clear_i(!run_i),
-    .start_i(state_q.begins),
+    .clear_i(!state_q.run),
+    .start_i(state_q.started),
     .width_i(width_i),
     .some_i (width_some_q),
     .short_i(width_short_q),
@@ -141,8 +153,8 @@ module sp_trigger (
     .Width(16)
   ) u_camera (
     .clk_i  (clk_i),
-    .clear_i(!run_i),
-    .start_i(camera),
+    .clear_i(!state_q.run),
+    .start_i(state_q.camera),
     .width_i(width_i),
     .some_i (width_some_q),
     .short_i(width_short_q),

@@ -1,7 +1,8 @@
 // Counter in chains of 16 bits, each of which knows from registers when it has to count: no path is longer than one chain,
 // however wide the counter.
 //
-// Guarantees: count_o = ResetValue plus the number of clocks with inc_i since reset, modulo 2^Width; always coherent.
+// Guarantees: count_o = ResetValue plus the number of clocks with inc_i since reset, modulo 2^Width; always coherent. The
+// lowest chain of ResetValue is not FFFE or FFFF: it must not be full before the third clock after reset.
 `default_nettype none
 
 module sp_counter #(
@@ -25,7 +26,9 @@ module sp_counter #(
   logic [1:0]        moved_q;          // a chain above the lowest counted one and two clocks ago
 
   assign count_o            = count_q;
-  assign {next_full, after} = {1'b0, next_q} + 17'd1;
+  // The carries that the chains make anyhow, each as a bit of a sum: so it stays at the end of its chain, where a carry by
+  // itself is routed elsewhere. In reset it is wrong and does not matter.
+  assign {next_full, after} = {rst_i, next_q} + 17'd1;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -46,10 +49,10 @@ module sp_counter #(
 
   for (genvar k = 1; k < Chains; k++) begin : gen_full
     logic [15:0] unused;
-    assign {full[k], unused} = {1'b0, count_q[16*k+:16]} + 17'd1;  // the carry that the chain makes anyhow
+    assign {full[k], unused} = {rst_i, count_q[16*k+:16]} + 17'd1;
   end
 
-  // Reset lasts long enough for these to follow.
+  // Reset lasts longer than a clock: they have followed in the third clock after it.
   always_ff @(posedge clk_i) begin
     moved_q <= {moved_q[0], rst_i || inc_i && go_q};
     if (moved_q != '0) begin

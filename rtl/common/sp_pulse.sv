@@ -1,8 +1,8 @@
 // A pulse of so many clocks.
 //
-// Guarantees: pulse_o is high from two clocks after start_i on for width_i clocks; a start_i before that begins anew, and with
-// width_i = 0 ends it. clear_i ends it too, two clocks later. width_i, and what is said of it, stand still from the
-// clock of start_i on. With no pulse under way nothing moves. The count runs down in two chains of half the width.
+// Guarantees: pulse_o, a register, is high from the clock after start_i on for width_i clocks; a start_i before that begins
+// anew, and with width_i = 0 ends it. clear_i ends it too, whatever start_i. width_i, and what is said of it, stand still from
+// the clock of start_i on. With no pulse under way nothing moves. The count runs down in two chains of half the width.
 `default_nettype none
 
 module sp_pulse #(
@@ -29,8 +29,9 @@ module sp_pulse #(
 
   count_t count_q;
 
+  assign pulse_o = count_q.on;
+
   always_ff @(posedge clk_i) begin
-    pulse_o <= count_q.on;
     if (start_i || count_q.on) begin
       if (start_i) begin
         {count_q.high, count_q.low} <= width_i;

@@ -57,7 +57,7 @@ class Reference {
 };
 
 // The third of three equal samples is taken by edge e + 2 where the change was by edge e, and that is in count_o for
-// edge e + 7: five clocks after the third sample.
+// edge e + 7: five clocks after the third sample. Errors are told a clock before.
 constexpr std::size_t kDelay = 5;
 
 class Bench {
@@ -77,7 +77,7 @@ class Bench {
     encoder_.settle();
     reference_.sample(a, b);
     ASSERT_EQ(encoder_->count_o, history_[next_].count) << "clock " << encoder_.clock();
-    ASSERT_EQ(encoder_->errors_o, history_[next_].errors) << "clock " << encoder_.clock();
+    ASSERT_EQ(encoder_->errors_o, history_[(next_ + 1) % kDelay].errors) << "clock " << encoder_.clock();
     history_[next_] = {reference_.count, reference_.errors};
     next_ = (next_ + 1) % kDelay;
     encoder_.rise();

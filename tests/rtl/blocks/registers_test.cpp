@@ -147,16 +147,18 @@ class Bench {
     pending_ = pending_ && !take;
   }
 
-  // The request, and its answer exactly three clocks later. Address and data stay, as the bridge holds them.
+  // The request, and its answer exactly four clocks later. Address and data stay, as the bridge holds them.
   Answer access(bool write, std::uint32_t address, std::uint32_t data) {
     registers_->request_i = 1;
     registers_->write_i = write;
     registers_->address_i = static_cast<CData>(address);
     registers_->data_i = data;
     tick();
-    held_ = write ? 3 : held_;
     EXPECT_EQ(registers_->answer_o, 0);
     registers_->request_i = 0;
+    tick();
+    held_ = write ? 3 : held_;
+    EXPECT_EQ(registers_->answer_o, 0);
     registers_.settle();
     check_outputs();
     read_is_good_ = !write && readable(address);
@@ -178,7 +180,7 @@ class Bench {
                  address == spec::kRegMeasure || address == spec::kRegDecode;
     }
     registers_.settle();
-    EXPECT_EQ(registers_->answer_o, 1) << "three clocks after the request";
+    EXPECT_EQ(registers_->answer_o, 1) << "four clocks after the request";
     check_outputs();
     const Answer answer = {registers_->error_o != 0, registers_->data_o};
     rise();

@@ -63,11 +63,14 @@ class Bench {
     trigger_.tick();  // the outputs follow their counters a clock later
   }
 
+  // A clock with these settings.
   void set(const Settings& s) {
     trigger_->last_pattern_i = static_cast<CData>(s.last_pattern);
     trigger_->period_i = static_cast<IData>(s.period);
     trigger_->camera_i = static_cast<IData>(s.camera);
     trigger_->width_i = static_cast<SData>(s.width);
+    trigger_.settle();
+    trigger_.rise();
   }
 
   // run_i for `clocks` clocks; frames come at random and must not matter.
