@@ -68,6 +68,17 @@ function(selfproj_verilate target)
   elseif(NOT counted)
     selfproj_join_sources(${target} ${arg_PREFIX}__often "${optimization}" ${often})
   endif()
+  # Verilator's header, which each of those files begins with, is most of what a small one costs; its runtime has it otherwise.
+  get_target_property(precompiled ${target} PRECOMPILE_HEADERS)
+  if(NOT SELFPROJ_COVERAGE)
+    get_target_property(runtime ${target} SOURCES)
+    list(FILTER runtime INCLUDE REGEX "/verilated[a-z_]*[.]cpp$")
+    set_source_files_properties(${runtime} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+    if(NOT precompiled)
+      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # for ccache
+      target_precompile_headers(${target} PRIVATE <verilated.h>)
+    endif()
+  endif()
   # Headers of others: their warnings are not ours.
   get_target_property(includes ${target} INTERFACE_INCLUDE_DIRECTORIES)
   list(REMOVE_ITEM includes "${PROJECT_SOURCE_DIR}")
