@@ -6,7 +6,8 @@ A module of rtl/ as a netlist that Yosys wrote, and of that a Verilated model, c
     mapped   mapped to the cells of the iCE40 as scripts/fpga.sh maps the board: LUTs, carry chains, flip-flops, block RAM;
              the cells are those of Yosys's own simulation library
     mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations and an input `mutant` of 16 bits
-             that turns on the one of its number (0: none); NAME.mutants lists them, a line each, from number 1 on
+             that turns on the one of its number (0: none); NAME.mutants lists them, a line each, from number 1 on. What is in
+             sp_counter changes in its own netlist only
 
 Written: NAME.v, NAME.cpp (all that Verilator makes), NAME.h, NAME_ports.h (for tests/rtl/blocks/recorder.h).
 Standard library only.
@@ -25,6 +26,7 @@ import fpga  # noqa: E402
 import rtl_tree  # noqa: E402
 
 SELECT_BITS = 16
+COUNTER = "sp_counter"  # from zero, as its users have it, no run reaches its upper chains; by itself it begins before each carry
 
 
 class NetlistError(Exception):
@@ -65,7 +67,8 @@ def write_mapped(top, read, path):
 def write_mutants(top, read, path, mutants):
     listing = path.with_suffix(".mutants")
     flat = path.with_suffix(".il")
-    choose = f"mutate -list {mutants} -seed 1 -o {listing}; " if mutants else ""
+    cells = "t:*" if top == COUNTER else f"t:* a:src=*{COUNTER}.sv* %d"
+    choose = f"mutate -list {mutants} -seed 1 -o {listing} {cells}; " if mutants else ""
     run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; proc; flatten; opt -full; memory -nomap; opt_clean; "
          f"check -assert; {choose}write_rtlil {flat}"])
     lines = listing.read_text().splitlines() if mutants else []

@@ -45,6 +45,12 @@ struct Outputs {
 // Steps through the clocks; knows the beat of the clock before and the settings of this one, as the tracker does.
 class Reference {
  public:
+  // So many clocks in which there was no beat and nothing happened.
+  void pass(int clocks) {
+    empty_clocks_ += clocks;
+    clocks_since_take_ += clocks;
+  }
+
   // What the outputs are in the next clock, given the beat at the input in the clock before.
   Outputs step(const std::optional<Beat>& beat, bool run, bool hold, const Settings& settings, int timeout) {
     Outputs out;
@@ -210,6 +216,20 @@ class Bench {
     }
   }
 
+  // Likewise, in all of which but the first and the last eight only the frame is looked at: it stays open.
+  void wait(int clocks) {
+    idle(8);
+    for (int i = 8; i < clocks - 8; ++i) {
+      tracker_.settle();
+      if (tracker_->frame_open_o == 0 || tracker_->break_o != 0) {
+        FAIL() << "ended in clock " << i << " of " << clocks;
+      }
+      tracker_.rise();
+    }
+    reference_.pass(clocks - 16);
+    idle(8);
+  }
+
   std::uint32_t broken() const { return broken_; }
   const Reference& reference() const { return reference_; }
   std::int64_t now() const { return tracker_.clock(); }
@@ -337,6 +357,34 @@ TEST(FrameTracker, TimeOutAfterExactlySoManyClocks) {
       EXPECT_EQ(bench.reference().stray, more == 0 ? 0U : 3U);
     }
   }
+}
+
+// A time-out of each bit by itself.
+TEST(FrameTracker, LongTimeOutsToTheClock) {
+  for (int bit = 5; bit < 24; ++bit) {
+    SCOPED_TRACE(::testing::Message() << "bit " << bit);
+    Bench bench;
+    bench.timeout = 1 << bit;
+    bench.set({false, 8, 2, 0, 0, 0});
+    bench.idle(5);
+    bench.clock(Beat{1, true, false});
+    bench.wait(bench.timeout);
+    ASSERT_FALSE(::testing::Test::HasFatalFailure());
+    EXPECT_TRUE(bench.reference().open);
+    bench.idle(5);
+    EXPECT_EQ(bench.broken(), 1U);
+  }
+}
+
+// Without a time-out a frame stays open, longer than any that can be set.
+TEST(FrameTracker, NoTimeOutIsNever) {
+  Bench bench;
+  bench.set({false, 8, 2, 0, 0, 0});
+  bench.idle(5);
+  bench.clock(Beat{1, true, false});
+  bench.wait((1 << 24) + 100);
+  EXPECT_TRUE(bench.reference().open);
+  EXPECT_EQ(bench.broken(), 0U);
 }
 
 // As many as need the upper half of the counters.

@@ -19,8 +19,7 @@
 namespace selfproj::test {
 namespace {
 
-constexpr int kFifoDepth = 32;  // of these builds
-constexpr int kOverhead = 5;    // header and trailer, in beats
+constexpr int kOverhead = 5;  // header and trailer, in beats
 
 Word128 beat_at(const std::vector<std::uint8_t>& bytes, std::size_t beat) {
   Word128 out{};
@@ -34,6 +33,7 @@ template <typename Dut>
 class Bench {
  public:
   static constexpr bool kPerLine = std::is_same_v<Dut, Vsp_packetizer_image>;
+  static constexpr int kFifoDepth = kPerLine ? 256 : 2048;  // of these builds
 
   explicit Bench(Random& random) : random_(random) {
     for (const char* port : {"fifo_data_o", "fifo_last_o"}) {
@@ -45,7 +45,7 @@ class Bench {
     packetizer_->spoiled_i = 0;
     packetizer_->payload_valid_i = 0;
     packetizer_->payload_break_i = 0;
-    packetizer_->fifo_free_i = kFifoDepth;
+    set_free();
     packetizer_.reset();
   }
 
@@ -69,6 +69,7 @@ class Bench {
   };
 
   bool spoil_next = false;
+  int places = 32;  // of the FIFO; the rest of it is always full
   int drain = 100;  // percent of clocks in which the other side takes a beat from the FIFO
 
   void clock(const Request& asked, const Plan& plan = {}) {
@@ -94,9 +95,9 @@ class Bench {
                              plan,          free_in(now + 1)};
     }
     // places in the FIFO: what the writer has put in, less what the other side has taken out and the writer has seen
-    packetizer_->fifo_free_i = static_cast<CData>(kFifoDepth - in_fifo_);
+    set_free();
     if (const auto wanted = free_wanted_.find(now); wanted != free_wanted_.end()) {
-      *wanted->second = kFifoDepth - in_fifo_;
+      *wanted->second = places - in_fifo_;
     }
     packetizer_->spoiled_i = 0;
     decide(now);
@@ -106,7 +107,7 @@ class Bench {
     check(now);
     in_fifo_ += packetizer_->fifo_valid_o;
     in_fifo_ -= in_fifo_ > packetizer_->fifo_valid_o && random_.chance(drain) ? 1 : 0;
-    ASSERT_LE(in_fifo_, kFifoDepth) << "clock " << now << ": more than the FIFO holds";
+    ASSERT_LE(in_fifo_, places) << "clock " << now << ": more than the FIFO holds";
     packetizer_.rise();
   }
 
@@ -126,6 +127,11 @@ class Bench {
   std::int64_t idle_from() const { return idle_from_; }
 
  private:
+  void set_free() {
+    packetizer_->fifo_free_i =
+        static_cast<std::remove_reference_t<decltype(packetizer_->fifo_free_i)>>(places - in_fifo_);
+  }
+
   struct Decision {
     bool start;
     int payload_beats;
@@ -391,6 +397,34 @@ TYPED_TEST(Packetizer, AStartSixClocksAfterTheLastPayloadIsLost) {
   EXPECT_EQ(bench.lost(), 1U);
 }
 
+// Each bit of the length by itself, and as many as the FIFO holds: in full, and cut short after a beat.
+TYPED_TEST(Packetizer, LongPayloads) {
+  Random random(1);
+  constexpr int kDepth = Bench<TypeParam>::kFifoDepth;
+  for (int early : {-1, 1}) {
+    Bench<TypeParam> bench(random);
+    bench.places = kDepth;
+    int packets = 0;
+    const auto packet = [&](int beats) {
+      bench.clock({.start = true, .payload_beats = beats, .line = random.between(1, 1023)}, {early, 0, early >= 0, 1});
+      const std::int64_t decided = bench.now() + 3;
+      while (bench.now() < decided || bench.idle_from() == INT64_MAX || bench.now() < bench.idle_from() + kDepth) {
+        bench.clock({});  // until the FIFO is empty again
+        ASSERT_FALSE(::testing::Test::HasFatalFailure());
+      }
+      EXPECT_EQ(bench.delivered(), ++packets) << beats << " beats";
+    };
+    for (int beats = 2; beats < kDepth; beats *= 2) {
+      packet(beats);
+    }
+    packet(kDepth - kOverhead);
+    bench.clock({.start = true, .payload_beats = kDepth - kOverhead + 1});
+    bench.finish();
+    EXPECT_EQ(bench.delivered(), packets);
+    EXPECT_EQ(bench.lost(), 1U);
+  }
+}
+
 // As many as need more than one chain of the counter: each shows five clocks after its request.
 TYPED_TEST(Packetizer, ManyLossesAreCounted) {
   Clocked<TypeParam> packetizer;
@@ -410,6 +444,35 @@ TYPED_TEST(Packetizer, ManyLossesAreCounted) {
       FAIL() << packetizer->lost_o << " lost, clock " << clock;
     }
     packetizer.rise();
+  }
+}
+
+// The header after so many losses, as powers of two and one less.
+TYPED_TEST(Packetizer, HeadersTellManyLosses) {
+  Random random(1);
+  Bench<TypeParam> bench(random);
+  int packets = 0;
+  const auto quiet = [&](int clocks) {
+    for (int i = 0; i < clocks; ++i) {
+      bench.clock({});
+    }
+  };
+  for (std::uint32_t power = 2; power <= 0x10000; power *= 2) {
+    for (const std::uint32_t losses : {power - 1, power}) {
+      bench.places = 0;
+      while (bench.asked() - bench.delivered() < static_cast<int>(losses)) {
+        bench.clock({.start = true, .payload_beats = 1});
+        quiet(bench.lost() + 8 > losses ? 3 : 0);
+        ASSERT_FALSE(::testing::Test::HasFatalFailure());
+      }
+      bench.places = 32;
+      quiet(3);
+      bench.clock({.start = true, .payload_beats = 1});
+      quiet(40);
+      ASSERT_FALSE(::testing::Test::HasFatalFailure());
+      EXPECT_EQ(bench.delivered(), ++packets);
+      EXPECT_EQ(bench.lost(), losses);
+    }
   }
 }
 

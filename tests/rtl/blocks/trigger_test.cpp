@@ -116,7 +116,13 @@ TEST(Trigger, EdgesOfTheSettings) {
       {11, 20, 5, 50},                  // longer
       {2, 0xFFFFFF, 0xAAAAAA, 0xAAAA},  // long past the end of this run, but for the first pulse
       {2, 0x555555, 0x555554, 0x5555},
-      {1, 300, 260, 258}  // more than 8 bits
+      {1, 300, 260, 258},        // more than 8 bits
+      {5, 0x101, 0x100, 0x100},  // what is special of 0, 1 and 2 is not of their lower bits
+      {5, 0x102, 0x101, 0x200},
+      {5, 0x202, 0x102, 0x101},
+      {5, 0x1'0001, 0x1'0000, 0x1000},
+      {5, 0x80'0002, 0x80'0001, 0x8000},
+      {5, 0x10'0001, 0x8'0002, 0x4000},
   };
   for (const Settings& s : table) {
     SCOPED_TRACE(::testing::Message() << "last " << s.last_pattern << " period " << s.period << " camera " << s.camera
