@@ -16,7 +16,7 @@ import pathlib
 import re
 import sys
 
-MOST = 12  # sources of a group, so that there are enough groups for the cores
+MOST = 20  # sources of a group, so that there are enough groups for the cores
 INCLUDE = re.compile(r'^#include "(.*)"', re.MULTILINE)
 ALONE = re.compile(r"^(int (sc_)?main|.*\boperator (new|delete))\(", re.MULTILINE)
 VERILATED = re.compile(r'^#include ("V|<verilated)', re.MULTILINE)
@@ -35,13 +35,13 @@ def included(build, lines):
 
 
 def options_of(words):
-    """The compiler and its options in a compile command, without files and without g++'s precompiled header."""
+    """The compiler and its options in a compile command, without files, optimization and g++'s precompiled header."""
     options = []
     words = iter(words)
     for word in words:
         if word in ("-o", "-c", "-include"):
             next(words)
-        elif word not in ("-Winvalid-pch", "-fpch-preprocess"):
+        elif word not in ("-Winvalid-pch", "-fpch-preprocess", "-O1", "-Og", "-O2", "-O3"):
             options.append(word)
     return options
 
@@ -67,19 +67,22 @@ def main():
             print(f"tidy.sh: {source}: no part of the build", file=sys.stderr)
             return 1
         text = path.read_text()
-        # Each program has but one main function and one operator new; and Verilator's headers do not bear SystemC's
-        # before them.
-        single = path if ALONE.search(text) else None
-        of_folder = groups.setdefault((path.parent, compiled[path][0], bool(VERILATED.search(text)), single), [[]])
-        if len(of_folder[-1]) == MOST:
-            of_folder.append([])
-        of_folder[-1].append(path)
+        # Verilator's headers do not bear SystemC's before them; and each program has but one main function and one
+        # operator new.
+        of_folder = groups.setdefault((path.parent, compiled[path][0], bool(VERILATED.search(text))), [])
+        alone = bool(ALONE.search(text))
+        part = next((part for part in of_folder if len(part[0]) < MOST and not (alone and part[1])), None)
+        if part is None:
+            of_folder.append(part := ([], []))
+        part[0].append(path)
+        if alone:
+            part[1].append(path)
     settings = [path for path in root.glob("**/.clang-tidy") if "build" not in path.relative_to(root).parts]
     settings += [root / "scripts" / "tidy.sh", root / "scripts" / "tidy_groups.py"]
     database = []
     jobs = []
-    for (_, options, *_), parts in groups.items():
-        for sources in parts:
+    for (_, options, _), parts in groups.items():
+        for sources, _ in parts:
             digest = hashlib.sha256(options.encode())
             for file in sorted(set(sources).union(settings, *(compiled[source][1] for source in sources))):
                 digest.update(file.read_bytes())
