@@ -63,12 +63,14 @@ class GrayAxiBench {
   // One frame, in `gaps` per cent of the clocks no beat; broken after `cut` beats where that is less than all.
   void frame(const std::vector<std::uint8_t>& image, int pattern, int gaps, int cut) {
     const int groups = settings_.columns / 4;
-    decoder_->pattern_i = static_cast<SData>(pattern);
     for (int i = 0; i < settings_.rows * groups && i < cut; ++i) {
       while (random_.chance(gaps)) {
         clock();
       }
       Beat beat{.clock = decoder_.clock(), .pattern = pattern, .index = i};
+      if (i == 0) {
+        patterns_.emplace(beat.clock + 4, pattern);
+      }
       std::copy_n(image.begin() + 4 * i, 4, beat.pixels.begin());
       beats_.push_back(beat);
       decoder_->take_i = i == 0;
@@ -160,6 +162,9 @@ class GrayAxiBench {
 
   void clock() {
     const std::int64_t now = decoder_.clock();
+    if (const auto pattern = patterns_.find(now); pattern != patterns_.end()) {
+      decoder_->pattern_i = static_cast<SData>(pattern->second);
+    }
     memory_.drive(port_.dut(), now);
     decoder_->mem_late_i = port_->rd_late_o;
     set128(decoder_->mem_data_i, word128(port_->rd_data_o));
@@ -196,6 +201,7 @@ class GrayAxiBench {
   AxiMemory memory_;
   std::array<bool, 2> asked_{};  // two clocks ago, one clock ago
   std::vector<Beat> beats_;
+  std::map<std::int64_t, int> patterns_;  // index from the clock on in which it is read: the next frame may have begun
   std::vector<bool> late_;
   std::map<std::int64_t, std::uint64_t> codes_;
   std::map<std::int64_t, std::uint32_t> breaks_;
