@@ -21,21 +21,23 @@ module sp_encoder (
     logic [3:0]  start;    // clocks since reset, as many ones
     logic [1:0]  level;    // without short pulses
     logic        step;     // one line has changed level a clock ago
-    logic        down;     // B leads
+    logic        down;     // and B leads
     logic        error;    // both have changed
-    logic [15:0] errors;   // so many times
   } lines_t;
 
   typedef struct packed {
-    logic        hand_on;  // the lower chain wrapped with the last step
-    logic        moved;    // that was a clock ago
-    logic        down;     // its direction
-    logic [15:0] low;
+    logic       moved;    // a step was a clock ago
+    logic       down;     // its direction
+    logic       hand_on;  // the lowest chain wrapped with it
+    logic       further;  // and so will the middle one then
+    logic [7:0] low;
   } chain_t;
 
   lines_t      lines_q;
   chain_t      chain_q;
+  logic [15:0] errors_q;
   logic [31:0] count_q;
+  logic        zero_q, full_q;        // its middle chain is 0, is all ones
   logic [1:0]  now;                   // {b, a}, synchronized
   logic [1:0]  before1_q, before2_q;  // one clock ago, two clocks ago
   logic [1:0]  changes;               // a line takes another level
@@ -67,23 +69,29 @@ module sp_encoder (
       lines_q.settled <= !rst_i && lines_q.start[3];
       lines_q.start   <= rst_i ? 4'd0 : {lines_q.start[2:0], 1'b1};
       lines_q.level   <= lines_q.settled ? lines_q.level ^ changes : now;
-      lines_q.step    <= lines_q.settled && ^changes;
-      lines_q.down    <= lines_q.level[0] ^ changes[0] ^ lines_q.level[1] ^ 1'b1;  // {b, a} runs 00, 01, 11, 10 where A leads
+      if (lines_q.settled) begin
+        lines_q.step <= ^changes;
+        // {b, a} runs 00, 01, 11, 10 where A leads
+        lines_q.down <= ^changes && (lines_q.level[0] ^ changes[0] ^ lines_q.level[1] ^ 1'b1);
+      end else begin
+        lines_q.step <= 1'b0;
+        lines_q.down <= 1'b0;
+      end
       lines_q.error   <= lines_q.settled && &changes;
-      if (rst_i) lines_q.errors <= '0;
-      else if (lines_q.error) lines_q.errors <= lines_q.errors + 16'd1;
     end
+    if (rst_i) errors_q <= '0;
+    else if (lines_q.error) errors_q <= errors_q + 16'd1;
   end
 
-  // --- Count, in two chains: the lower a clock ahead of what is told, the upper follows it ---
+  // --- Count, in three chains: the lowest a clock ahead of what is told, the others follow it ---
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       chain_q <= '0;
-    end else if (lines_q.step || chain_q.moved) begin
+    end else begin
       chain_q.moved   <= lines_q.step;
-      chain_q.hand_on <= 1'b0;
       chain_q.down    <= lines_q.down;
-      if (lines_q.step) {chain_q.hand_on, chain_q.low} <= {1'b0, chain_q.low} + {{16{lines_q.down}}, 1'b1};
+      chain_q.further <= lines_q.down ? zero_q : full_q;
+      {chain_q.hand_on, chain_q.low} <= {1'b0, chain_q.low} + {{8{lines_q.down}}, lines_q.step};
     end
   end
 
@@ -91,13 +99,17 @@ module sp_encoder (
     if (rst_i) begin
       count_q <= '0;
     end else begin
-      if (chain_q.moved) count_q[15:0] <= chain_q.low;
-      if (chain_q.hand_on) count_q[31:16] <= count_q[31:16] + {{15{chain_q.down}}, 1'b1};
+      if (chain_q.moved) count_q[7:0] <= chain_q.low;
+      if (chain_q.hand_on) count_q[19:8] <= count_q[19:8] + {{11{chain_q.down}}, 1'b1};
+      if (chain_q.hand_on && chain_q.further) count_q[31:20] <= count_q[31:20] + {{11{chain_q.down}}, 1'b1};
     end
+    // A clock late: the lowest chain wraps again no sooner than three clocks later, when a line has gone back.
+    zero_q <= count_q[19:8] == 12'h000;
+    full_q <= count_q[19:8] == 12'hFFF;
   end
 
   assign count_o  = count_q;
-  assign errors_o = lines_q.errors;
+  assign errors_o = errors_q;
 
 endmodule
 

@@ -29,9 +29,9 @@ module sp_frame_info #(
   input  wire logic [31:0]           encoder_i,
   input  wire logic [15:0]           pattern_i,
 
-  output logic [63:0]                time_o,      // clocks since reset, running
+  output logic [63:0]                time_o,      // clocks since reset, less 6; from the second clock on
   output logic [31:0]                frames_o,    // frames accepted
-  output logic                       captured_o,  // the pattern index is captured at the end of this clock
+  output logic                       captured_o,  // the pattern index is captured at the end of the next clock
   // header beat 0 (the sequence is taken with it)
   output logic [7:0]                 stream_o,
   output logic [15:0]                pattern_o,
@@ -53,10 +53,11 @@ module sp_frame_info #(
   localparam logic [63:0] CaptureDelay = 64'd6;
 
   logic [17:0] events_q;  // {frame_start_i, take_i, stray_before_i}, one to six clocks ago, the latest lowest
-  logic        start3, start4, start5, start6, take3, take5, take6;  // of it, so many clocks ago
+  logic        start2, start3, start4, start5, start6, take3, take5, take6;  // of it, so many clocks ago
   logic [63:0] accepted;  // frames
   logic        awake_q;  // a frame started in the last six clocks; else nothing moves but the time
 
+  assign start2 = events_q[5];
   assign start3 = events_q[8];
   assign start4 = events_q[11];
   assign start5 = events_q[14];
@@ -77,7 +78,7 @@ module sp_frame_info #(
 
   sp_counter #(
     .Width     (64),
-    .ResetValue(64'd0 - CaptureDelay)
+    .ResetValue(64'd1 - CaptureDelay)  // it tells its count two clocks later, not one
   ) u_time (
     .clk_i  (clk_i),
     .rst_i  (rst_i),
@@ -85,39 +86,37 @@ module sp_frame_info #(
     .count_o(time_o)
   );
 
-  // The first frame has sequence 0: the number of those before it.
+  // The first frame has sequence 0: the number of those before it, as it is told in the clock start3.
   sp_counter #(
     .Width(64)
   ) u_frames (
     .clk_i  (clk_i),
     .rst_i  (rst_i),
-    .inc_i  (start3),
+    .inc_i  (start2),
     .count_o(accepted)
   );
 
   assign frames_o   = accepted[31:0];
-  assign captured_o = start3;
+  assign captured_o = start2;
 
   always_ff @(posedge clk_i) begin
-    if (awake_q) begin
-      if (take3) begin
-        stream_o    <= stream_i;
-        mode_o      <= mode_i;
-        threshold_o <= threshold_i;
-      end
-      if (start3) begin
-        pattern_o  <= pattern_i;
-        sequence_o <= accepted;
-      end
-      if (start4) time_stamp_o <= time_o;
-      if (start5) encoder_o <= encoder_i;
-      if (take5) begin
-        columns_o <= columns_i;
-        rows_o    <= rows_i;
-      end
-      if (take6) lines_o <= rows_o;
-      if (start6) stray_before_o <= events_q[15];
+    if (take3) begin
+      stream_o    <= stream_i;
+      mode_o      <= mode_i;
+      threshold_o <= threshold_i;
     end
+    if (start3) begin
+      pattern_o  <= pattern_i;
+      sequence_o <= accepted;
+    end
+    if (start4) time_stamp_o <= time_o;
+    if (start5) encoder_o <= encoder_i;
+    if (take5) begin
+      columns_o <= columns_i;
+      rows_o    <= rows_i;
+    end
+    if (take6) lines_o <= rows_o;
+    if (start6) stray_before_o <= events_q[15];
   end
 
 endmodule

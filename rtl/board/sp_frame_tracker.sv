@@ -405,9 +405,11 @@ module sp_frame_tracker #(
 
   // Rule 3: a frame that began has ended well, has broken, or is open: nothing else becomes of it.
   logic [3:0] f_started_q, f_good_q, f_broken_q;  // modulo 16
+  logic       f_counting_q;                       // a break is in the counter, and it does not tell it yet
   always_ff @(posedge clk_i) begin
-    if (rst_i) {f_started_q, f_good_q, f_broken_q} <= '0;
+    if (rst_i) {f_started_q, f_good_q, f_broken_q, f_counting_q} <= '0;
     else begin
+      f_counting_q <= break_o;
       f_started_q <= f_started_q + 4'(s1_begin_q);
       f_good_q    <= f_good_q + 4'(frame_end);
       f_broken_q  <= f_broken_q + 4'(break_o);
@@ -415,7 +417,7 @@ module sp_frame_tracker #(
   end
   always_comb if (f_ran_q && !rst_i) begin
     assert (f_started_q == f_good_q + f_broken_q + 4'(open_q) + 4'(break_o) + 4'(late_break_q));
-    assert (f_broken_q == broken_o[3:0]);
+    assert (f_broken_q == broken_o[3:0] + 4'(f_counting_q));
     assert (f_known_q == in_force_q);
     if (open_q || took_q != '0 || may_start_q && !may_take_q || s1_begin_q && !s1_take_q) assert (in_force_q);
     if (s1_take_q) assert (s1_begin_q);

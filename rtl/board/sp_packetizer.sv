@@ -72,7 +72,7 @@ module sp_packetizer #(
   typedef struct packed {
     logic [11:0]          asked;     // {start_i, break_first_i, break_later_i}, one to four clocks ago, the latest lowest
     logic                 awake;     // something was asked in the last five clocks, or a packet is under way
-    logic [1:0]           lost_now;  // late enough for the header of a packet decided on the clock before
+    logic                 lost_now;  // counted late enough for the header of a packet decided on the clock before
     logic                 valid;     // a beat is at the FIFO
     logic                 last;      // the packet's last
     logic [StateBits-1:0] state;     // one bit is set, see below
@@ -149,7 +149,7 @@ module sp_packetizer #(
     if (rst_i) begin
       q.asked    <= '0;
       q.awake    <= 1'b0;
-      q.lost_now <= '0;
+      q.lost_now <= 1'b0;
       q.valid    <= 1'b0;
       q.last     <= 1'b0;
       q.state    <= StateBits'(1) << Idle;
@@ -160,7 +160,7 @@ module sp_packetizer #(
       q.last     <= q.state[Trailer+2];
       q.awake    <= asked || q.asked != '0 || !q.state[Idle];
       if (q.asked[Start2]) accept_o <= take;
-      q.lost_now <= {q.lost_now[0], q.asked[Start2] && !take || q.asked[BreakFirst2] && !take_empty};
+      q.lost_now <= q.asked[Start2] && !take || q.asked[BreakFirst2] && !take_empty;
 
       q.state <= {q.state[Settle+:2], q.state[Trailer+2],
                   q.state[Trailer+:2], q.state[Header+3] && empty_q || all_put,
@@ -188,7 +188,7 @@ module sp_packetizer #(
   sp_counter u_lost (
     .clk_i  (clk_i),
     .rst_i  (rst_i),
-    .inc_i  (q.lost_now[1]),
+    .inc_i  (q.lost_now),
     .count_o(lost_o)
   );
 
@@ -274,9 +274,11 @@ module sp_packetizer #(
 
   // Rule 1: delivered + lost = requested, always (but for those on their way to the decision or to the counter).
   logic [3:0] f_asked_q, f_taken_q;  // modulo 16
+  logic       f_counting_q;          // a loss is in the counter, and it does not tell it yet
   always_ff @(posedge clk_i) begin
-    if (rst_i) {f_asked_q, f_taken_q} <= '0;
+    if (rst_i) {f_asked_q, f_taken_q, f_counting_q} <= '0;
     else begin
+      f_counting_q <= q.lost_now;
       f_asked_q <= f_asked_q + 4'(start_i || break_first_i);
       f_taken_q <= f_taken_q + 4'(take || take_empty);
     end
@@ -294,7 +296,7 @@ module sp_packetizer #(
   assign f_after = f_left_q - FLeftBits'(fifo_valid_o);
   always_comb if (f_ran_q && !rst_i) begin
     assert (f_asked_q == f_taken_q + lost_o[3:0] + 4'(q.asked[2]) + 4'(q.asked[Start2]) + 4'(q.asked[1]) +
-            4'(q.asked[BreakFirst2]) + 4'(q.lost_now[0]) + 4'(q.lost_now[1]));
+            4'(q.asked[BreakFirst2]) + 4'(q.lost_now) + 4'(f_counting_q));
     assert (!(q.asked[2] && q.asked[1]) && !(q.asked[Start2] && q.asked[BreakFirst2]));
     if (q.asked[1]) assert (payload1_q == '0);
     if (q.asked[BreakFirst2]) assert (payload2_q == '0);
@@ -308,10 +310,10 @@ module sp_packetizer #(
       assert (CountBits'(f_free_q) >= CountBits'(payload2_q) + CountBits'(Overhead));
     end
     // A loss on its way to the counter keeps the block awake.
-    if (q.lost_now[0]) assert (q.asked[8] || q.asked[7]);
-    if (q.lost_now[1]) assert (q.asked[11] || q.asked[10]);
+    if (q.lost_now) assert (q.asked[8] || q.asked[7]);
+    if (f_counting_q) assert (q.asked[11] || q.asked[10]);
     // Asleep nothing is asked or under way.
-    if (!q.awake) assert (q.asked == '0 && q.state[Idle] && q.lost_now == '0 && !fifo_valid_o);
+    if (!q.awake) assert (q.asked == '0 && q.state[Idle] && !q.lost_now && !fifo_valid_o);
     assert ($countones(q.state) == 1);
     if (q.state[Idle]) assert (f_left_q == '0 && !fifo_valid_o);
     if (q.state[Header+:4] != '0) begin

@@ -1,8 +1,8 @@
 // Register file, video clock: addresses, fields and reset values are those of the specification.
 //
-// request_i lasts one clock; answer_o comes four clocks later, when a write has taken effect, with error_o where the address
+// request_i lasts one clock; answer_o comes five clocks later, when a write has taken effect, with error_o where the address
 // is not a register, a read-only register is written, or a value is outside what this build can do (the register then keeps its
-// value). hold_o is high during every write.
+// value). hold_o is high during every write. The words of a request stand still until its answer.
 `default_nettype none
 
 module sp_registers #(
@@ -74,102 +74,117 @@ module sp_registers #(
   localparam int Words = 32;
   localparam logic [7:0] LastRegister = Codes ? sp_spec_pkg::RegAbandoned : sp_spec_pkg::RegEncoderErrors;
 
-  logic [3:0]       asked_q;    // the request, one to four clocks ago, the latest lowest
-  logic             write_q;
-  logic             there_q;  // a register that this build has
+  logic [4:0]       asked_q;    // the request, one to five clocks ago, the latest lowest
+  logic             there_q;    // a register that this build has
   logic [Words-1:0] hit_q;
+  logic             is_low_q;   // the low word of the time is to be read
+  logic             read_low_q; // and that is now
+  logic             read_good_q;
   logic             size_good_q, measure_good_q, image_good_q, period_good_q, decode_good_q;
   logic             image_wanted;
   logic             hold_q;     // asked for
   logic             pending_q;  // settings written and not taken over
+  logic             rst_q;      // a clock ago
 
   // Writes, a clock later still
   localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3, WriteTimeout = 4, WriteTrigger = 5,
                  WritePeriod = 6, WriteCamera = 7, WriteWidth = 8, Writes = 9;
-  logic [Writes-1:0] put_q;   // that register takes data_i: one of them, for a clock, or none
+  // That register takes data_i: one of them, for a clock, or none. In reset all take their reset values: a register's enable
+  // is a bit of this and nothing else.
+  logic [Writes-1:0] put_q;
 
   assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
-  assign answer_o     = asked_q[3];
+  assign answer_o     = asked_q[4];
 
-  // With no access and nothing held nothing else moves. In reset hold_o is high: the size of the reset is new.
+  // In reset hold_o is high: the size of the reset is new.
   always_ff @(posedge clk_i) begin
-    hold_o    <= rst_i || asked_q[0] && write_i || asked_q[2:1] != '0 && write_q || hold_q;
-    pending_q <= rst_i || put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] || put_q[WriteDecode] ||
-                 pending_q && !take_i;
-    if (request_i || hold_o || asked_q != '0) asked_q <= rst_i ? 4'd0 : {asked_q[2:0], request_i};
+    rst_q     <= rst_i;
+    asked_q   <= rst_i ? 5'd0 : {asked_q[3:0], request_i};
+    hold_o    <= rst_i || asked_q[2:0] != '0 && write_i || hold_q;
+    pending_q <= put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] || put_q[WriteDecode] || pending_q && !take_i;
   end
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      put_q <= '0;
-    end else if (asked_q[2:1] != '0) begin
-      put_q <= '0;
-      if (asked_q[1] && write_q) begin
-        put_q[WriteControl] <= hit_q[sp_spec_pkg::RegControl/4] && image_good_q;
-        put_q[WriteSize]    <= hit_q[sp_spec_pkg::RegSize/4] && size_good_q;
-        put_q[WriteMeasure] <= hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
-        put_q[WriteDecode]  <= hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
-        put_q[WriteTimeout] <= hit_q[sp_spec_pkg::RegTimeout/4];
-        put_q[WriteTrigger] <= hit_q[sp_spec_pkg::RegTriggerControl/4];
-        put_q[WritePeriod]  <= hit_q[sp_spec_pkg::RegTriggerPeriod/4] && period_good_q;
-        put_q[WriteCamera]  <= hit_q[sp_spec_pkg::RegTriggerCamera/4];
-        put_q[WriteWidth]   <= hit_q[sp_spec_pkg::RegTriggerWidth/4];
-      end
+    put_q <= {Writes{rst_i}};
+    if (asked_q[1] && write_i) begin
+      put_q[WriteControl] <= rst_i || hit_q[sp_spec_pkg::RegControl/4] && image_good_q;
+      put_q[WriteSize]    <= rst_i || hit_q[sp_spec_pkg::RegSize/4] && size_good_q;
+      put_q[WriteMeasure] <= rst_i || hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
+      put_q[WriteDecode]  <= rst_i || hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
+      put_q[WriteTimeout] <= rst_i || hit_q[sp_spec_pkg::RegTimeout/4];
+      put_q[WriteTrigger] <= rst_i || hit_q[sp_spec_pkg::RegTriggerControl/4];
+      put_q[WritePeriod]  <= rst_i || hit_q[sp_spec_pkg::RegTriggerPeriod/4] && period_good_q;
+      put_q[WriteCamera]  <= rst_i || hit_q[sp_spec_pkg::RegTriggerCamera/4];
+      put_q[WriteWidth]   <= rst_i || hit_q[sp_spec_pkg::RegTriggerWidth/4];
     end
   end
 
   // --- Writes ---
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      run_o                  <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlRunLsb];
-      hold_q                 <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlHoldLsb];
-      image_o                <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlImageLsb];
-      columns_o              <= ResetColumns;
-      rows_o                 <= ResetRows;
-      threshold_o            <= sp_spec_pkg::RegMeasureReset[sp_spec_pkg::RegMeasureThresholdLsb+:8];
-      mode_o                 <= sp_spec_pkg::RegMeasureReset[sp_spec_pkg::RegMeasureModeLsb+:2];
-      stream_o               <= sp_spec_pkg::RegMeasureReset[sp_spec_pkg::RegMeasureStreamLsb+:8];
-      timeout_o              <= sp_spec_pkg::RegTimeoutReset[23:0];
-      trigger_run_o          <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlRunLsb];
-      trigger_on_frame_o     <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlOnFrameLsb];
-      trigger_last_pattern_o <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
-      trigger_period_o       <= sp_spec_pkg::RegTriggerPeriodReset[23:0];
-      trigger_camera_o       <= sp_spec_pkg::RegTriggerCameraReset[23:0];
-      trigger_width_o        <= sp_spec_pkg::RegTriggerWidthReset[15:0];
-    end else if (put_q != '0) begin
+    if (put_q != '0) begin
       if (put_q[WriteControl]) begin
-        run_o   <= data_i[sp_spec_pkg::RegControlRunLsb];
-        hold_q  <= data_i[sp_spec_pkg::RegControlHoldLsb];
-        image_o <= image_wanted;
+        if (rst_q) begin
+          run_o   <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlRunLsb];
+          hold_q  <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlHoldLsb];
+          image_o <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlImageLsb];
+        end else begin
+          run_o   <= data_i[sp_spec_pkg::RegControlRunLsb];
+          hold_q  <= data_i[sp_spec_pkg::RegControlHoldLsb];
+          image_o <= image_wanted;
+        end
       end
       if (put_q[WriteSize]) begin
-        columns_o <= data_i[sp_spec_pkg::RegSizeColumnsLsb+:ColumnBits];
-        rows_o    <= data_i[sp_spec_pkg::RegSizeRowsLsb+:RowBits];
+        columns_o <= rst_q ? ResetColumns : data_i[sp_spec_pkg::RegSizeColumnsLsb+:ColumnBits];
+        rows_o    <= rst_q ? ResetRows : data_i[sp_spec_pkg::RegSizeRowsLsb+:RowBits];
       end
       if (put_q[WriteMeasure]) begin
-        threshold_o <= data_i[sp_spec_pkg::RegMeasureThresholdLsb+:8];
-        mode_o      <= data_i[sp_spec_pkg::RegMeasureModeLsb+:2];
-        stream_o    <= data_i[sp_spec_pkg::RegMeasureStreamLsb+:8];
+        if (rst_q) begin
+          threshold_o <= sp_spec_pkg::RegMeasureReset[sp_spec_pkg::RegMeasureThresholdLsb+:8];
+          mode_o      <= sp_spec_pkg::RegMeasureReset[sp_spec_pkg::RegMeasureModeLsb+:2];
+          stream_o    <= sp_spec_pkg::RegMeasureReset[sp_spec_pkg::RegMeasureStreamLsb+:8];
+        end else begin
+          threshold_o <= data_i[sp_spec_pkg::RegMeasureThresholdLsb+:8];
+          mode_o      <= data_i[sp_spec_pkg::RegMeasureModeLsb+:2];
+          stream_o    <= data_i[sp_spec_pkg::RegMeasureStreamLsb+:8];
+        end
       end
-      if (put_q[WriteTimeout]) timeout_o <= data_i[23:0];
+      if (put_q[WriteTimeout]) timeout_o <= rst_q ? sp_spec_pkg::RegTimeoutReset[23:0] : data_i[23:0];
       if (put_q[WriteTrigger]) begin
-        trigger_run_o          <= data_i[sp_spec_pkg::RegTriggerControlRunLsb];
-        trigger_on_frame_o     <= data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
-        trigger_last_pattern_o <= data_i[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
+        if (rst_q) begin
+          trigger_run_o          <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlRunLsb];
+          trigger_on_frame_o     <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlOnFrameLsb];
+          trigger_last_pattern_o <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
+        end else begin
+          trigger_run_o          <= data_i[sp_spec_pkg::RegTriggerControlRunLsb];
+          trigger_on_frame_o     <= data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
+          trigger_last_pattern_o <= data_i[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
+        end
       end
-      if (put_q[WritePeriod]) trigger_period_o <= data_i[23:0];
-      if (put_q[WriteCamera]) trigger_camera_o <= data_i[23:0];
-      if (put_q[WriteWidth]) trigger_width_o <= data_i[15:0];
+      if (put_q[WritePeriod]) trigger_period_o <= rst_q ? sp_spec_pkg::RegTriggerPeriodReset[23:0] : data_i[23:0];
+      if (put_q[WriteCamera]) trigger_camera_o <= rst_q ? sp_spec_pkg::RegTriggerCameraReset[23:0] : data_i[23:0];
+      if (put_q[WriteWidth]) trigger_width_o <= rst_q ? sp_spec_pkg::RegTriggerWidthReset[15:0] : data_i[15:0];
     end
   end
 
-  // --- Reads, in two clocks: the word of one of six groups (of the others zero), then that of all ---
-  logic [31:0] fixed_q, settings_q, trigger_q, frames_q, lost_q, moving_q;
+  // --- Reads, in three clocks: the word of one of twelve pairs (of the others zero), that of eight of them, that of all ---
+  logic [31:0] fixed_q, control_q, size_q, period_q, width_q, frames_q, broken_q, lost_q, codes_q, time_q, encoder_q, decode_q;
+  logic [31:0] set_q, moving_q;  // of four pairs each
   logic [31:0] time_high_q;
-  logic [31:0] decode_word;
-  assign decode_word = 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |
-                       32'(bits_o) << sp_spec_pkg::RegDecodeBitsLsb | 32'(decode_o) << sp_spec_pkg::RegDecodeCodesLsb |
-                       32'(median_o) << sp_spec_pkg::RegDecodeMedianLsb;
+  logic [31:0] control_word, size_word, measure_word, trigger_word, status_word, decode_word;
+
+  assign control_word = 32'(run_o) << sp_spec_pkg::RegControlRunLsb | 32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
+                        32'(image_o) << sp_spec_pkg::RegControlImageLsb;
+  assign size_word    = 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb | 32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb;
+  assign measure_word = 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
+                        32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb | 32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb;
+  assign trigger_word = 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
+                        32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
+                        32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb;
+  assign status_word  = 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
+                        32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb;
+  assign decode_word  = 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |
+                        32'(bits_o) << sp_spec_pkg::RegDecodeBitsLsb | 32'(decode_o) << sp_spec_pkg::RegDecodeCodesLsb |
+                        32'(median_o) << sp_spec_pkg::RegDecodeMedianLsb;
 
   // word where its register is asked for
   function automatic logic [31:0] word_if(input logic hit, input logic [31:0] word);
@@ -177,65 +192,57 @@ module sp_registers #(
   endfunction
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      time_high_q <= '0;
-    end else if (asked_q[1]) begin
-      if (!write_q && hit_q[sp_spec_pkg::RegTimeLow/4]) time_high_q <= time_i[63:32];
-    end
+    if (request_i) is_low_q <= !write_i && address_i == sp_spec_pkg::RegTimeLow;
+    read_low_q <= rst_i || asked_q[0] && is_low_q;
+    if (read_low_q) time_high_q <= rst_q ? 32'd0 : time_i[63:32];
   end
 
   always_ff @(posedge clk_i) begin
-    if (asked_q != 4'd0) begin
-      if (asked_q[0]) begin
-        write_q        <= write_i;
-        there_q        <= address_i[1:0] == 2'd0 && address_i <= LastRegister;
-        hit_q          <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
-        size_good_q    <= data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
-                          data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
-        measure_good_q <= data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
-        image_good_q   <= Image || !image_wanted;
-        period_good_q  <= data_i[23:0] != 24'd0;
-        decode_good_q  <= Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
-      end
-      if (asked_q[1]) begin
-        fixed_q    <= word_if(hit_q[sp_spec_pkg::RegId/4], sp_spec_pkg::Magic) |
-                      word_if(hit_q[sp_spec_pkg::RegVersion/4], {16'd0, sp_spec_pkg::SpecVersion}) |
-                      word_if(hit_q[sp_spec_pkg::RegSpecHash/4], sp_spec_pkg::SpecHash) |
-                      word_if(hit_q[sp_spec_pkg::RegCapability/4], {Codes ? 4'(MaxBits) : 4'd0, 2'd0, Codes && Median, Codes,
-                                                                    Image, Grey, 10'(MaxRows), 12'(MaxColumns)});
-        settings_q <= word_if(hit_q[sp_spec_pkg::RegControl/4], 32'(run_o) << sp_spec_pkg::RegControlRunLsb |
-                              32'(hold_q) << sp_spec_pkg::RegControlHoldLsb | 32'(image_o) << sp_spec_pkg::RegControlImageLsb) |
-                      word_if(hit_q[sp_spec_pkg::RegSize/4], 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb |
-                              32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb) |
-                      word_if(hit_q[sp_spec_pkg::RegMeasure/4], 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
-                              32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb | 32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb) |
-                      word_if(hit_q[sp_spec_pkg::RegTimeout/4], 32'(timeout_o));
-        trigger_q  <= word_if(hit_q[sp_spec_pkg::RegTriggerControl/4], 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
-                              32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
-                              32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb) |
-                      word_if(hit_q[sp_spec_pkg::RegTriggerPeriod/4], 32'(trigger_period_o)) |
-                      word_if(hit_q[sp_spec_pkg::RegTriggerCamera/4], 32'(trigger_camera_o)) |
-                      word_if(hit_q[sp_spec_pkg::RegTriggerWidth/4], 32'(trigger_width_o));
-        frames_q   <= word_if(hit_q[sp_spec_pkg::RegStatus/4], 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
-                              32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb) |
-                      word_if(hit_q[sp_spec_pkg::RegFrames/4], frames_i) |
-                      word_if(hit_q[sp_spec_pkg::RegBroken/4], broken_i) |
-                      word_if(hit_q[sp_spec_pkg::RegStray/4], stray_i);
-        lost_q     <= word_if(hit_q[sp_spec_pkg::RegLostMoments/4], lost_moments_i) |
-                      word_if(hit_q[sp_spec_pkg::RegLostImage/4], lost_image_i) |
-                      word_if(Codes && hit_q[sp_spec_pkg::RegLostCodes/4], lost_codes_i) |
-                      word_if(Codes && hit_q[sp_spec_pkg::RegAbandoned/4], abandoned_i);
-        moving_q   <= word_if(hit_q[sp_spec_pkg::RegTimeLow/4], time_i[31:0]) |
-                      word_if(hit_q[sp_spec_pkg::RegTimeHigh/4], time_high_q) |
-                      word_if(hit_q[sp_spec_pkg::RegEncoder/4], encoder_i) |
-                      word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], 32'(encoder_errors_i)) |
-                      word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word);
-      end
-      if (asked_q[2]) begin
-        error_o <= write_q ? put_q == '0 : !there_q;
-        data_o  <= fixed_q | settings_q | trigger_q | frames_q | lost_q | moving_q;
-      end
+    if (asked_q[0]) begin
+      there_q        <= address_i[1:0] == 2'd0 && address_i <= LastRegister;
+      hit_q          <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
+      size_good_q    <= data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
+                        data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
+      measure_good_q <= data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
+      image_good_q   <= Image || !image_wanted;
+      period_good_q  <= data_i[23:0] != 24'd0;
+      decode_good_q  <= Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
     end
+    if (asked_q[1]) begin
+      read_good_q <= there_q && !write_i;
+      fixed_q     <= word_if(hit_q[sp_spec_pkg::RegId/4], sp_spec_pkg::Magic) |
+                     word_if(hit_q[sp_spec_pkg::RegVersion/4], {16'd0, sp_spec_pkg::SpecVersion}) |
+                     word_if(hit_q[sp_spec_pkg::RegSpecHash/4], sp_spec_pkg::SpecHash) |
+                     word_if(hit_q[sp_spec_pkg::RegCapability/4], {Codes ? 4'(MaxBits) : 4'd0, 2'd0, Codes && Median, Codes,
+                                                                   Image, Grey, 10'(MaxRows), 12'(MaxColumns)});
+      control_q   <= word_if(hit_q[sp_spec_pkg::RegControl/4], control_word) |
+                     word_if(hit_q[sp_spec_pkg::RegTriggerControl/4], trigger_word);
+      size_q      <= word_if(hit_q[sp_spec_pkg::RegSize/4], size_word) |
+                     word_if(hit_q[sp_spec_pkg::RegMeasure/4], measure_word);
+      period_q    <= word_if(hit_q[sp_spec_pkg::RegTriggerPeriod/4], 32'(trigger_period_o)) |
+                     word_if(hit_q[sp_spec_pkg::RegTriggerCamera/4], 32'(trigger_camera_o));
+      width_q     <= word_if(hit_q[sp_spec_pkg::RegTimeout/4], 32'(timeout_o)) |
+                     word_if(hit_q[sp_spec_pkg::RegTriggerWidth/4], 32'(trigger_width_o));
+      frames_q    <= word_if(hit_q[sp_spec_pkg::RegStatus/4], status_word) |
+                     word_if(hit_q[sp_spec_pkg::RegFrames/4], frames_i);
+      broken_q    <= word_if(hit_q[sp_spec_pkg::RegBroken/4], broken_i) |
+                     word_if(hit_q[sp_spec_pkg::RegStray/4], stray_i);
+      lost_q      <= word_if(hit_q[sp_spec_pkg::RegLostMoments/4], lost_moments_i) |
+                     word_if(hit_q[sp_spec_pkg::RegLostImage/4], lost_image_i);
+      codes_q     <= word_if(Codes && hit_q[sp_spec_pkg::RegLostCodes/4], lost_codes_i) |
+                     word_if(Codes && hit_q[sp_spec_pkg::RegAbandoned/4], abandoned_i);
+      time_q      <= word_if(hit_q[sp_spec_pkg::RegTimeLow/4], time_i[31:0]) |
+                     word_if(hit_q[sp_spec_pkg::RegTimeHigh/4], time_high_q);
+      encoder_q   <= word_if(hit_q[sp_spec_pkg::RegEncoder/4], encoder_i) |
+                     word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], 32'(encoder_errors_i));
+      decode_q    <= word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word);
+    end
+    if (asked_q[2]) begin
+      error_o  <= put_q == '0 && !read_good_q;
+      set_q    <= control_q | size_q | period_q | width_q;
+      moving_q <= fixed_q | frames_q | time_q | encoder_q;
+    end
+    if (asked_q[3]) data_o <= set_q | moving_q | broken_q | lost_q | codes_q | decode_q;
   end
 
   // --- Decoder: in a build without one there is nothing to set ---
@@ -244,16 +251,18 @@ module sp_registers #(
     localparam logic [3:0] ResetBits = 4'(SpecBits < MaxBits ? SpecBits : MaxBits);
 
     always_ff @(posedge clk_i) begin
-      if (rst_i) begin
-        decode_o         <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeCodesLsb];
-        median_o         <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeMedianLsb];
-        bits_o           <= ResetBits;
-        code_threshold_o <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeThresholdLsb+:8];
-      end else if (put_q[WriteDecode]) begin
-        decode_o         <= data_i[sp_spec_pkg::RegDecodeCodesLsb];
-        median_o         <= data_i[sp_spec_pkg::RegDecodeMedianLsb];
-        bits_o           <= data_i[sp_spec_pkg::RegDecodeBitsLsb+:4];
-        code_threshold_o <= data_i[sp_spec_pkg::RegDecodeThresholdLsb+:8];
+      if (put_q[WriteDecode]) begin
+        if (rst_q) begin
+          decode_o         <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeCodesLsb];
+          median_o         <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeMedianLsb];
+          bits_o           <= ResetBits;
+          code_threshold_o <= sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeThresholdLsb+:8];
+        end else begin
+          decode_o         <= data_i[sp_spec_pkg::RegDecodeCodesLsb];
+          median_o         <= data_i[sp_spec_pkg::RegDecodeMedianLsb];
+          bits_o           <= data_i[sp_spec_pkg::RegDecodeBitsLsb+:4];
+          code_threshold_o <= data_i[sp_spec_pkg::RegDecodeThresholdLsb+:8];
+        end
       end
     end
   end else begin : gen_no_codes

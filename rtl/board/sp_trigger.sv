@@ -6,8 +6,11 @@
 // the last camera pulse: a camera that misses a pulse does not shift the indices of the frames after it. A frame must
 // start before the next camera pulse after its own; camera_i is below period_i, else there is no camera pulse.
 // While run_i is low and on_frame_i is high there are no pulses, and every frame start advances pattern_o: the first frame
-// has index 0. With both low pattern_o is 0. Settings change while run_i is low, but not in the last clock of that.
-// Latency: the first projector pulse begins three clocks after run_i.
+// has index 0. With both low, and where run_i changes, pattern_o goes back to 0. Settings change while run_i is low;
+// last_pattern_i no later than with run_i or on_frame_i, and not while they are high.
+// Latency: the first projector pulse begins four clocks after run_i; two clocks after run_i has fallen no pulse is left and
+// pattern_o is 0. Frames count from captured_i in the third clock after on_frame_i on. pattern_o stands with the first clock of
+// the camera pulse, and in the second clock after captured_i.
 `default_nettype none
 
 module sp_trigger (
@@ -20,119 +23,151 @@ module sp_trigger (
   input  wire logic [23:0] period_i,
   input  wire logic [23:0] camera_i,
   input  wire logic [15:0] width_i,
-  input  wire logic        captured_i,  // a frame captures pattern_o at the end of this clock
+  input  wire logic        captured_i,  // a frame captures pattern_o at the end of the next clock
 
   output logic             projector_o,
   output logic             camera_o,
   output logic      [15:0] pattern_o
 );
 
-  // Clocks since the period began, in two chains, two clocks ahead, one for each register of the comparisons
-  typedef struct packed {
-    logic        low_full;
-    logic        begun;        // it began a clock ago
-    logic        camera_due;
-    logic        period_low;   // a chain is that of the setting
-    logic        period_high;
-    logic        camera_low;
-    logic        camera_high;
-    logic [11:0] high;
-    logic [11:0] low;
-  } period_t;
-
-  typedef struct packed {
-    logic [1:0] wanted;   // there was something to do, a clock and two clocks ago
-    logic       run;
-    logic       begins;   // a period begins
-    logic       started;  // one did a clock ago
-    logic       camera;   // the camera pulse did
-    logic [7:0] pattern;
-    logic [7:0] shown;    // pattern on the projector
-    logic [7:0] next;     // the one after it
-  } state_t;
-
-  state_t  state_q;
-  period_t period_q;
-  logic    awake;
-  logic    camera;  // the camera pulse begins
-  // Of the settings, which stand still: their upper bits are zero; all bits are that
-  logic    period_low_q, camera_low_q;
-  logic    period_one_q, period_two_q, camera_none_q, camera_one_q, camera_two_q, width_some_q, width_short_q;
-
-  // Two clocks after run_i and on_frame_i have gone low everything stands at 0: nothing moves then.
-  assign awake     = run_i || on_frame_i || state_q.wanted != '0;
-  assign pattern_o = {8'd0, state_q.pattern};
-
-  always_comb begin
-    camera = 1'b0;
-    if (state_q.run) camera = state_q.begins ? camera_none_q : period_q.camera_due;
-  end
-
-  always_ff @(posedge clk_i) begin
-    period_low_q <= period_i[23:8] == '0;
-    camera_low_q <= camera_i[23:8] == '0;
-  end
+  // --- What is wanted ---
+  logic [1:0] run_q;     // for a clock, for two clocks
+  logic       stop_q;    // not so
+  logic [2:0] frames_q;  // without pulses, for one to three clocks
+  logic       rest_q;    // neither for two clocks, or no more: the index is 0
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      state_q.wanted  <= '1;
-      state_q.run     <= 1'b0;
-      state_q.begins  <= 1'b0;
-      state_q.started <= 1'b0;
-      state_q.camera  <= 1'b0;
-      state_q.pattern <= '0;
-    end else if (awake) begin
-      state_q.wanted  <= {state_q.wanted[0], run_i || on_frame_i};
-      state_q.run     <= run_i;
-      state_q.begins  <= run_i && (!state_q.run || (state_q.begins ? period_one_q : period_q.begun ? period_two_q :
-                                                    period_q.period_low && period_q.period_high));
-      state_q.started <= state_q.begins;
-      state_q.camera  <= camera;
-      if (run_i) begin
-        if (camera) state_q.pattern <= state_q.begins ? state_q.next : state_q.shown;
-      end else if (!on_frame_i) begin
-        state_q.pattern <= '0;
-      end else if (captured_i) begin
-        state_q.pattern <= state_q.pattern == last_pattern_i ? 8'd0 : state_q.pattern + 8'd1;
+      run_q    <= '0;
+      frames_q <= '0;
+    end else begin
+      run_q    <= run_i ? {run_q[0], 1'b1} : 2'b00;
+      frames_q <= on_frame_i && !run_i ? {frames_q[1:0], 1'b1} : 3'b000;
+    end
+    stop_q <= rst_i || !run_i;
+    rest_q <= !(run_i ? run_q[1] : on_frame_i && frames_q[1]);
+  end
+
+  // --- Of the settings, which stand still: known two clocks later, the upper bits a clock before ---
+  logic [1:0] period_zero_q, camera_zero_q;    // in two parts, without the lowest two bits
+  logic       width_zero_q;                    // without the lowest bit
+  logic       period_small_q, camera_small_q;  // below 4
+  logic       some_q, one_q;                   // of the width: not 0, 1
+  logic       one_pattern_q;
+  logic [7:0] before_last_q;                   // the index before the last, if there is one
+
+  always_ff @(posedge clk_i) begin
+    if (!run_q[1]) begin
+      period_zero_q  <= {period_i[23:13] == '0, period_i[12:2] == '0};
+      camera_zero_q  <= {camera_i[23:13] == '0, camera_i[12:2] == '0};
+      width_zero_q   <= width_i[15:1] == '0;
+      period_small_q <= period_zero_q == '1;
+      camera_small_q <= camera_zero_q == '1;
+      some_q         <= !width_zero_q || width_i[0];
+      one_q          <= width_zero_q && width_i[0];
+    end
+    one_pattern_q <= last_pattern_i == '0;
+    before_last_q <= one_pattern_q ? 8'd0 : last_pattern_i - 8'd1;
+  end
+
+  // --- Period: its clocks are counted in two chains, three ahead; where a setting is reached is known a clock later in
+  // pieces, and another clock later of all. What a period below 4 would have needed earlier comes by itself. ---
+  localparam int Piece = 6, Pieces = 4;
+
+  logic              begins_q;  // a period begins
+  logic              started_q; // one did a clock ago
+  logic              due_q;     // one begins with the next clock
+  logic              due_soon_q;
+  logic [11:0]       low_q, high_q;
+  logic              low_full_q;
+  logic [23:0]       clocks;
+  logic [Pieces-1:0] period_equal_q, camera_equal_q;
+
+  assign clocks = {high_q, low_q};
+
+  always_ff @(posedge clk_i) begin
+    begins_q  <= run_q[0] && due_q;
+    started_q <= begins_q;
+    if (stop_q) begin
+      due_q      <= 1'b1;
+      due_soon_q <= 1'b0;
+    end else begin
+      due_q      <= period_small_q && (period_i[1:0] == 2'd1 || begins_q && period_i[1:0] == 2'd2) ||
+                    !begins_q && (due_soon_q || period_equal_q == '1);
+      due_soon_q <= begins_q && period_small_q && period_i[1:0] == 2'd3;
+    end
+  end
+
+  // What belongs to a period is dropped where the next begins.
+  always_ff @(posedge clk_i) begin
+    if (stop_q || begins_q) begin
+      period_equal_q <= '0;
+      camera_equal_q <= '0;
+    end else begin
+      for (int k = 0; k < Pieces; k++) begin
+        period_equal_q[k] <= clocks[Piece*k+:Piece] == period_i[Piece*k+:Piece];
+        camera_equal_q[k] <= clocks[Piece*k+:Piece] == camera_i[Piece*k+:Piece];
       end
     end
-    if (awake) begin
-      if (state_q.run) begin
-        if (state_q.begins) begin
-          state_q.next  <= state_q.next == last_pattern_i ? 8'd0 : state_q.next + 8'd1;
-          state_q.shown <= state_q.next;
-        end
+    if (run_q[0]) begin
+      if (begins_q) begin
+        low_q      <= 12'd4;
+        high_q     <= 12'd0;
+        low_full_q <= 1'b0;
       end else begin
-        state_q.next  <= '0;
-        period_one_q  <= period_low_q && period_i[7:0] == 8'd1;
-        period_two_q  <= period_low_q && period_i[7:0] == 8'd2;
-        camera_none_q <= camera_low_q && camera_i[7:0] == 8'd0;
-        camera_one_q  <= camera_low_q && camera_i[7:0] == 8'd1;
-        camera_two_q  <= camera_low_q && camera_i[7:0] == 8'd2;
-        width_some_q  <= width_i != '0;
-        width_short_q <= width_i[15:8] == '0;
+        low_q      <= low_q + 12'd1;
+        low_full_q <= low_q == 12'hFFE;
+        if (low_full_q) high_q <= high_q + 12'd1;
       end
     end
   end
 
+  // --- Camera pulse: a clock after camera_i clocks of the period, as the projector's; it comes with the next clock, with
+  // the second and the third ---
+  logic camera_due_q, camera_due2_q, camera_due3_q, camera_reached_q;
+  logic step_q;  // the camera pulse begins with the next clock, or frames are to be counted: the index advances
+
   always_ff @(posedge clk_i) begin
-    if (state_q.run) begin
-      period_q.begun       <= state_q.begins;
-      period_q.camera_due  <= state_q.begins ? camera_one_q : period_q.begun ? camera_two_q :
-                              period_q.camera_low && period_q.camera_high;
-      period_q.period_low  <= period_q.low == period_i[11:0];
-      period_q.period_high <= period_q.high == period_i[23:12];
-      period_q.camera_low  <= period_q.low == camera_i[11:0];
-      period_q.camera_high <= period_q.high == camera_i[23:12];
-      if (state_q.begins) begin
-        period_q.low      <= 12'd3;
-        period_q.high     <= 12'd0;
-        period_q.low_full <= 1'b0;
+    step_q <= run_q[0] && (begins_q ? camera_small_q && camera_i[1:0] == 2'd0 : camera_due_q) ||
+              frames_q[1] && !frames_q[2];
+    if (stop_q) begin
+      camera_due_q     <= 1'b0;
+      camera_due2_q    <= 1'b0;
+      camera_due3_q    <= 1'b0;
+      camera_reached_q <= 1'b0;
+    end else if (begins_q) begin
+      camera_due_q     <= camera_small_q && camera_i[1:0] == 2'd1;
+      camera_due2_q    <= camera_small_q && camera_i[1:0] == 2'd2;
+      camera_due3_q    <= camera_small_q && camera_i[1:0] == 2'd3;
+      camera_reached_q <= 1'b0;
+    end else begin
+      camera_due_q     <= camera_due2_q || camera_reached_q;
+      camera_due2_q    <= camera_due3_q;
+      camera_due3_q    <= 1'b0;
+      camera_reached_q <= camera_equal_q == '1;
+    end
+  end
+
+  // --- Pattern index ---
+  logic [7:0] pattern_q;
+  logic [7:0] next_q;  // the one after it
+  logic       wraps_q; // that is the last
+  logic       captured_q;  // a frame that counts captures the index
+
+  assign pattern_o = {8'd0, pattern_q};
+
+  always_ff @(posedge clk_i) begin
+    captured_q <= frames_q[2] && captured_i;
+    if (rest_q || step_q || captured_q) begin
+      if (rest_q) begin
+        pattern_q <= '0;
+        next_q    <= '0;
       end else begin
-        period_q.low      <= period_q.low + 12'd1;
-        period_q.low_full <= period_q.low == 12'hFFE;
-        if (period_q.low_full) period_q.high <= period_q.high + 12'd1;
+        pattern_q <= next_q;
+        next_q    <= wraps_q ? 8'd0 : next_q + 8'd1;
       end
+      if (rest_q && !one_pattern_q) wraps_q <= 1'b0;
+      else wraps_q <= next_q == before_last_q;
     end
   end
 
@@ -141,11 +176,11 @@ module sp_trigger (
     .Width(16)
   ) u_projector (
     .clk_i  (clk_i),
-    .clear_i(!state_q.run),
-    .start_i(state_q.started),
+    .clear_i(stop_q),
+    .start_i(started_q),
     .width_i(width_i),
-    .some_i (width_some_q),
-    .short_i(width_short_q),
+    .some_i (some_q),
+    .one_i  (one_q),
     .pulse_o(projector_o)
   );
 
@@ -153,11 +188,11 @@ module sp_trigger (
     .Width(16)
   ) u_camera (
     .clk_i  (clk_i),
-    .clear_i(!state_q.run),
-    .start_i(state_q.camera),
+    .clear_i(stop_q),
+    .start_i(step_q),
     .width_i(width_i),
-    .some_i (width_some_q),
-    .short_i(width_short_q),
+    .some_i (some_q),
+    .one_i  (one_q),
     .pulse_o(camera_o)
   );
 

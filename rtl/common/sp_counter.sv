@@ -1,12 +1,14 @@
-// Counter in chains of 16 bits, each of which knows from registers when it has to count: no path is longer than one chain,
-// however wide the counter.
+// Counter in chains, each of which knows from registers when it has to count: no path is longer than one chain, however wide
+// the counter.
 //
-// Guarantees: count_o = ResetValue plus the number of clocks with inc_i since reset, modulo 2^Width; always coherent. The
-// lowest chain of ResetValue is not FFFE or FFFF: it must not be full before the third clock after reset.
+// Guarantees: count_o = ResetValue plus the number of clocks with inc_i from reset to the clock before the last, modulo
+// 2^Width; always coherent. The lowest 8 bits of ResetValue are not all ones: they must not wrap before the second clock after
+// reset.
+// Latency: a clock with inc_i is counted in count_o two clocks later.
 `default_nettype none
 
 module sp_counter #(
-  parameter int Width = 32,  // 32, 48 or 64
+  parameter int Width = 32,  // 32 or 64
   parameter logic [Width-1:0] ResetValue = {Width{1'b0}}
 ) (
   input  wire logic              clk_i,
@@ -15,59 +17,72 @@ module sp_counter #(
   output logic       [Width-1:0] count_o
 );
 
-  localparam int Chains = Width / 16;
-  localparam logic [15:0] Full = 16'hFFFF;
+  // The lowest chain is short, for what counts comes from afar; those above it
+  localparam int Low = 8;
+  localparam int Size = Width > 32 ? 14 : 12;
+  localparam int Chains = (Width - Low) / Size;
 
-  logic [Width-1:0]  count_q;
-  logic [15:0]       next_q, after;    // the lowest chain after the next inc_i, and after the one after that
-  logic              go_q, next_full;  // the lowest chain is full
-  logic [Chains-1:1] full_q, full;     // the chain is; late, but nobody asks before 65,535 counts later
-  logic [Chains-1:1] below_q;          // all those below it but the lowest are
-  logic [1:0]        moved_q;          // a chain above the lowest counted one and two clocks ago
+  logic [Low-1:0]    low_q, after;   // the lowest chain, a clock ahead of the others, and in the next clock
+  logic              go_q, wrap;     // it has wrapped, wraps now
+  logic [Low-1:0]    told_q;         // as the others have it
+  logic [Width-1:Low] upper_q;
+  logic [Chains-1:0] full_q, full;   // the chain is all ones; late, but nobody asks before 255 counts later
+  logic [Chains-1:0] below_q;        // all those below it but the lowest are
+  logic [1:0]        moved_q;        // a chain above the lowest counted one and two clocks ago
 
-  assign count_o            = count_q;
+  assign count_o       = {upper_q, told_q};
   // The carries that the chains make anyhow, each as a bit of a sum: so it stays at the end of its chain, where a carry by
   // itself is routed elsewhere. In reset it is wrong and does not matter.
-  assign {next_full, after} = {rst_i, next_q} + 17'd1;
+  assign {wrap, after} = {rst_i, low_q} + (Low + 1)'(inc_i);
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      count_q <= ResetValue;
-      next_q  <= ResetValue[15:0] + 16'd1;
-      go_q    <= ResetValue[15:0] == Full;
-    end else if (inc_i) begin
-      count_q[15:0] <= next_q;
-      next_q        <= after;
-      go_q          <= next_full;
-      if (go_q) begin
-        for (int k = 1; k < Chains; k++) begin
-          if (below_q[k]) count_q[16*k+:16] <= count_q[16*k+:16] + 16'd1;
-        end
+      low_q  <= ResetValue[Low-1:0];
+      told_q <= ResetValue[Low-1:0];
+      go_q   <= 1'b0;
+    end else begin
+      told_q <= low_q;
+      low_q  <= after;
+      go_q   <= wrap;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      upper_q <= ResetValue[Width-1:Low];
+    end else if (go_q) begin
+      for (int k = 0; k < Chains; k++) begin
+        if (below_q[k]) upper_q[Low+Size*k+:Size] <= upper_q[Low+Size*k+:Size] + Size'(1);
       end
     end
   end
 
-  for (genvar k = 1; k < Chains; k++) begin : gen_full
-    logic [15:0] unused;
-    assign {full[k], unused} = {rst_i, count_q[16*k+:16]} + 17'd1;
+  for (genvar k = 0; k < Chains; k++) begin : gen_full
+    logic [Size-1:0] unused;
+    assign {full[k], unused} = {rst_i, upper_q[Low+Size*k+:Size]} + (Size + 1)'(1);
   end
 
   // Reset lasts longer than a clock: they have followed in the third clock after it.
   always_ff @(posedge clk_i) begin
-    moved_q <= {moved_q[0], rst_i || inc_i && go_q};
+    moved_q <= {moved_q[0], rst_i || go_q};
     if (moved_q != '0) begin
       full_q <= full;
-      for (int k = 1; k < Chains; k++) below_q[k] <= &(full_q | ({(Chains - 1) {1'b1}} << (k - 1)));
+      for (int k = 0; k < Chains; k++) below_q[k] <= &(full_q | ({Chains{1'b1}} << k));
     end
   end
 
 `ifdef FORMAL
-  // The lowest chain hands on when it is full (a lemma of the proofs of the users, which reset it once, at the beginning).
+  // What is told is a count behind after a clock with inc_i, and the lowest chain hands on where it wraps (a lemma of the
+  // proofs of the users, which reset it once, at the beginning).
   logic f_ran_q = 1'b0;
-  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  logic f_inc_q;
+  always_ff @(posedge clk_i) begin
+    f_ran_q <= 1'b1;
+    f_inc_q <= inc_i && !rst_i;
+  end
   always_comb if (f_ran_q && !rst_i) begin
-    assert (go_q == (count_q[15:0] == Full));
-    assert (next_q == count_q[15:0] + 16'd1);
+    assert (low_q == told_q + Low'(f_inc_q));
+    assert (go_q == (f_inc_q && low_q == '0));
   end;
 `endif
 

@@ -2,50 +2,45 @@
 //
 // Guarantees: pulse_o, a register, is high from the clock after start_i on for width_i clocks; a start_i before that begins
 // anew, and with width_i = 0 ends it. clear_i ends it too, whatever start_i. width_i, and what is said of it, stand still from
-// the clock of start_i on. With no pulse under way nothing moves. The count runs down in two chains of half the width.
+// the clock of start_i on. With no pulse under way nothing moves.
 `default_nettype none
 
 module sp_pulse #(
-  parameter int Width = 16  // even
+  parameter int Width = 16  // a multiple of 4, up to 16
 ) (
   input  wire logic             clk_i,
   input  wire logic             clear_i,
   input  wire logic             start_i,
   input  wire logic [Width-1:0] width_i,
-  input  wire logic             some_i,   // width_i is not 0
-  input  wire logic             short_i,  // its upper half is
+  input  wire logic             some_i,  // width_i is not 0
+  input  wire logic             one_i,   // it is 1
   output logic                  pulse_o
 );
 
-  localparam int Half = Width / 2;
+  // The width is compared in pieces, a clock before it counts: the count is a clock ahead.
+  localparam int Piece = 4;
+  localparam int Pieces = Width / Piece;
 
-  typedef struct packed {
-    logic            on;         // the count is not 0
-    logic            low_zero;   // its lower half is
-    logic            high_zero;  // its upper half was, a clock ago: soon enough, since it changes where the lower wraps
-    logic [Half-1:0] high;
-    logic [Half-1:0] low;
-  } count_t;
+  logic [Width-1:0]  count_q;  // clocks of the pulse with the next
+  logic [Pieces-1:0] equal_q;  // those pieces of the width have been reached
+  logic              first_q;  // the first clock of a pulse of one
+  logic              on_q;
 
-  count_t count_q;
-
-  assign pulse_o = count_q.on;
+  assign pulse_o = on_q;
 
   always_ff @(posedge clk_i) begin
-    if (start_i || count_q.on) begin
+    if (start_i || on_q) begin
       if (start_i) begin
-        {count_q.high, count_q.low} <= width_i;
-        count_q.low_zero            <= width_i[Half-1:0] == '0;
-        count_q.high_zero           <= short_i;
+        count_q <= Width'(2);
+        equal_q <= '0;
       end else begin
-        count_q.low       <= count_q.low - Half'(1);
-        count_q.low_zero  <= count_q.low == Half'(1);
-        count_q.high_zero <= count_q.high == '0;
-        if (count_q.low_zero) count_q.high <= count_q.high - Half'(1);
+        count_q <= count_q + Width'(1);
+        for (int k = 0; k < Pieces; k++) equal_q[k] <= count_q[Piece*k+:Piece] == width_i[Piece*k+:Piece];
       end
-      count_q.on <= start_i ? some_i : !(count_q.high_zero && count_q.low == Half'(1));
+      first_q <= start_i && one_i;
+      on_q    <= start_i ? some_i : !first_q && equal_q != '1;
     end
-    if (clear_i) count_q.on <= 1'b0;
+    if (clear_i) on_q <= 1'b0;
   end
 
 endmodule

@@ -93,7 +93,7 @@ FAULTS = [
     Fault("packetizer/no_fill", "packetizer", "board/sp_packetizer.sv",
           "(q.state[Fill] || q.state[Payload] && payload_break_i) && !all_put,", "q.state[Fill] && !all_put,", 24),
     Fault("packetizer/loses_uncounted", "packetizer", "board/sp_packetizer.sv",
-          "|| q.asked[BreakFirst2] && !take_empty};", "};", 16),
+          "|| q.asked[BreakFirst2] && !take_empty;", ";", 16),
     Fault("packetizer/room_for_one_less", "packetizer", "board/sp_packetizer.sv",
           "room2_q    <= CountBits'(fifo_free_i) >= need1_q;", "room2_q    <= CountBits'(fifo_free_i) + CountBits'(1) >= need1_q;"),
     Fault("gray_lane/greater_or_equal", "gray_lane", "gray/sp_gray_lane.sv",

@@ -1,6 +1,7 @@
 // The header fields of a frame: each from the clock its header states on, until the next frame's.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -79,16 +80,16 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       SCOPED_TRACE(::testing::Message() << "clock " << now);
       bool captured = false;
       for (auto frame = frames.rbegin(); frame != frames.rend() && frame->start > now - 12; ++frame) {
-        if (frame->start + 3 == now) {  // the index counts that stands while captured_o is high
+        captured = captured || frame->start + 2 == now;
+        if (frame->start + 3 == now) {  // the index counts that stands in the clock after captured_o
           frame->pattern = info->pattern_i;
-          captured = true;
         }
         if (frame->start - kTrackerDelay + kEncoderDelay == now) {
           frame->encoder = info->encoder_i;
         }
       }
       ASSERT_EQ(info->captured_o, captured ? 1 : 0);
-      ASSERT_EQ(info->time_o, static_cast<std::uint64_t>(now - 6));
+      ASSERT_EQ(info->time_o, static_cast<std::uint64_t>(std::max<std::int64_t>(now, 1) - 6));
 
       // the frame whose fields of header beat `beat` stand now
       const auto shown = [&](int beat) -> const Frame* {
@@ -136,7 +137,8 @@ TEST(FrameInfo, CountsOn) {
   for (std::uint64_t clock = 0; clock < 200'000; ++clock) {
     info.settle();
     const std::uint64_t frames = clock < 4 ? 0 : clock - 3;
-    if (info->time_o != clock - 6 || info->frames_o != frames || (frames != 0 && info->sequence_o != frames - 1)) {
+    if (info->time_o != (clock == 0 ? 1 : clock) - 6 || info->frames_o != frames ||
+        (frames != 0 && info->sequence_o != frames - 1)) {
       FAIL() << "time " << info->time_o << ", sequence " << info->sequence_o << ", clock " << clock;
     }
     info.rise();

@@ -270,9 +270,11 @@ class Bench {
       ASSERT_EQ(tracker_->break_in_last_row_o, want.break_in_last_row);
     }
     ASSERT_EQ(tracker_->frame_open_o, reference_.open);
-    ASSERT_EQ(tracker_->broken_o, broken_);
-    ASSERT_EQ(tracker_->stray_o, stray_before_);  // counted a clock later
-    stray_before_ = reference_.stray;
+    // counted a clock later, and told in the next
+    ASSERT_EQ(tracker_->broken_o, broken_before_);
+    ASSERT_EQ(tracker_->stray_o, stray_before_[0]);
+    broken_before_ = broken_;
+    stray_before_ = {stray_before_[1], reference_.stray};
     if (reference_.started) {
       ASSERT_EQ(tracker_->stray_before_o, reference_.stray_before);
     }
@@ -296,7 +298,8 @@ class Bench {
   int held_ = 1;  // clocks for which hold_i is high, whatever `hold` says; of reset, too
   bool broke_ = false;
   std::uint32_t broken_ = 0;
-  std::uint32_t stray_before_ = 0;
+  std::uint32_t broken_before_ = 0;              // a clock ago
+  std::array<std::uint32_t, 2> stray_before_{};  // two clocks ago, one
 };
 
 // A good frame of the settings, gaps in percent.

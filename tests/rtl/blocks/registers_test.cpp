@@ -147,7 +147,7 @@ class Bench {
     pending_ = pending_ && !take;
   }
 
-  // The request, and its answer exactly four clocks later. Address and data stay, as the bridge holds them.
+  // The request, and its answer exactly five clocks later. Address and data stay, as the bridge holds them.
   Answer access(bool write, std::uint32_t address, std::uint32_t data) {
     registers_->request_i = 1;
     registers_->write_i = write;
@@ -180,7 +180,11 @@ class Bench {
                  address == spec::kRegMeasure || address == spec::kRegDecode;
     }
     registers_.settle();
-    EXPECT_EQ(registers_->answer_o, 1) << "four clocks after the request";
+    EXPECT_EQ(registers_->answer_o, 0);
+    check_outputs();
+    rise();
+    registers_.settle();
+    EXPECT_EQ(registers_->answer_o, 1) << "five clocks after the request";
     check_outputs();
     const Answer answer = {registers_->error_o != 0, registers_->data_o};
     rise();

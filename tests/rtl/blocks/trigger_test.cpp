@@ -1,6 +1,7 @@
 // The trigger sequencer against the times its header states.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -37,12 +38,12 @@ Expected expected_run(const Settings& s, int clocks, int after) {
   };
   for (int k = 0; k * s.period < clocks; ++k) {
     const int begin = k * s.period;
-    pulse(out.projector, begin + 3);
+    pulse(out.projector, begin + 4);
     if (s.camera < s.period) {
-      pulse(out.camera, begin + s.camera + 3);
-      // the index stands a clock before the camera pulse begins
-      if (begin + s.camera + 1 < clocks) {
-        const int first = begin + s.camera + 2;
+      const int first = begin + s.camera + 4;
+      pulse(out.camera, first);
+      // the index stands when the camera pulse begins, also where that is cut short at once
+      if (first < clocks + 2) {
         for (auto t = static_cast<std::size_t>(first); t < total; ++t) {
           out.pattern[t] = k % (s.last_pattern + 1);
         }
@@ -87,8 +88,8 @@ class Bench {
       ASSERT_EQ(trigger_->projector_o, expected.projector[i]) << "clock " << t;
       ASSERT_EQ(trigger_->camera_o, expected.camera[i]) << "clock " << t;
       const int held = expected.pattern[i] < 0 ? pattern_before : expected.pattern[i];
-      // with run_i and on_frame_i low the index is 0, from the next clock on
-      ASSERT_EQ(trigger_->pattern_o, t <= clocks || trigger_->on_frame_i ? held : 0) << "clock " << t;
+      // with run_i low the index is 0 two clocks later
+      ASSERT_EQ(trigger_->pattern_o, t < clocks + 2 ? held : 0) << "clock " << t;
       trigger_.rise();
     }
     trigger_->captured_i = 0;
@@ -181,8 +182,8 @@ TEST(Trigger, LongestPeriod) {
     }
     trigger.rise();
   }
-  EXPECT_EQ(projector, (std::vector<std::int64_t>{3, kPeriod + 3}));
-  EXPECT_EQ(camera, (std::vector<std::int64_t>{kCamera + 3}));
+  EXPECT_EQ(projector, (std::vector<std::int64_t>{4, kPeriod + 4}));
+  EXPECT_EQ(camera, (std::vector<std::int64_t>{kCamera + 4}));
 }
 
 // Without pulses: each frame start advances the index; the first frame has index 0.
@@ -197,16 +198,64 @@ TEST(Trigger, OnFrameTheIndexAdvancesWithEachFrame) {
     const int last = seed <= 8 ? bit : seed <= 16 ? 255 - bit : seed == 17 ? 255 : random.between(0, 12);
     bench.set({last, 5, 1, 2});
     int index = 0;
+    std::array<bool, 4> was_on{};  // one clock ago, two, three, four
+    bool captured = false;         // a clock ago
     for (int t = 0; t < 1200; ++t) {
-      const bool on = t % 700 < 650;  // now and then off: the index goes back to 0
+      const bool on = t % 700 < 650 && t % 350 != 300;  // now and then off, also for a clock: the index goes back to 0
       trigger->on_frame_i = on;
       trigger->captured_i = random.chance(60);
       trigger.settle();
       ASSERT_EQ(trigger->pattern_o, index) << "clock " << t;
       ASSERT_EQ(trigger->projector_o, 0);
       ASSERT_EQ(trigger->camera_o, 0);
-      index = !on ? 0 : trigger->captured_i ? (index == last ? 0 : index + 1) : index;
+      // frames count three clocks after on_frame_i, and the index goes back in the second clock after that has fallen
+      if (!was_on[0] || !was_on[1] || !was_on[2]) {
+        index = 0;
+      } else if (was_on[3] && captured) {
+        index = index == last ? 0 : index + 1;
+      }
+      was_on = {on, was_on[0], was_on[1], was_on[2]};
+      captured = trigger->captured_i != 0;
       trigger.rise();
+    }
+  }
+}
+
+// From pulses to frames and back, also for a clock: each begins with index 0, whatever was before.
+TEST(Trigger, TheIndexBeginsAnewWhereRunChanges) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    Bench bench;
+    auto& trigger = bench.trigger();
+    for (int turn = 0; turn < 12; ++turn) {
+      const bool run = turn % 2 == 0;
+      const Settings s = {random.between(0, 3), random.between(1, 6), 0, random.between(0, 3)};
+      if (run) {  // while frames are counted
+        bench.set({trigger->last_pattern_i, s.period, 0, s.width});
+      }
+      trigger->last_pattern_i = static_cast<CData>(s.last_pattern);  // with run_i
+      trigger->run_i = run ? 1 : 0;
+      trigger->on_frame_i = 1;
+      const int clocks = random.chance(20) ? 1 : random.between(4, 60);
+      int index = 0;
+      bool captured = false;  // a clock ago
+      for (int t = 0; t < clocks; ++t) {
+        trigger->captured_i = random.chance(50);
+        trigger.settle();
+        if (run && t >= 4) {  // the first camera pulse begins with clock 4
+          ASSERT_EQ(trigger->pattern_o, (t - 4) / s.period % (s.last_pattern + 1)) << "clock " << t;
+        } else if (!run && t >= 4) {
+          ASSERT_EQ(trigger->pattern_o, index) << "clock " << t;
+          index = !captured ? index : index == s.last_pattern ? 0 : index + 1;
+        }
+        captured = trigger->captured_i != 0;
+        if (!run && t >= 2) {
+          ASSERT_EQ(trigger->projector_o, 0);
+          ASSERT_EQ(trigger->camera_o, 0);
+        }
+        trigger.rise();
+      }
     }
   }
 }

@@ -53,21 +53,26 @@ class Register {
   vpiHandle handle_;
 };
 
-// An sp_counter of 16 * `chains` bits counts so much more, in the state in which counting would have left it.
-void count(const std::string& counter, int chains, std::uint64_t more) {
-  Register number(counter + ".count_q");
-  const std::uint64_t value = number.get() + more;
-  number.set(value);
+// An sp_counter of so many bits counts so much more, in the state in which counting would have left it.
+void count(const std::string& counter, int bits, std::uint64_t more) {
+  constexpr int kLow = 8;                  // bits of the lowest chain
+  const int size = bits > 32 ? 14 : 12;  // of those above it
+  const std::uint64_t ones = (1ULL << size) - 1;
+  Register low(counter + ".low_q");
+  Register told(counter + ".told_q");
+  Register upper(counter + ".upper_q");
+  const std::uint64_t ahead = (low.get() - told.get()) & 0xFFU;  // counts that are not told yet
+  const std::uint64_t value = (upper.get() << kLow | told.get()) + more;
   std::uint32_t full = 0;
-  std::uint32_t below = 1;
-  for (int k = 1; k < chains; ++k) {
-    full |= (value >> (16 * k) & 0xFFFFU) == 0xFFFFU ? 1U << (k - 1) : 0;
+  std::uint32_t below = 0;
+  for (int k = 0; k < (bits - kLow) / size; ++k) {
+    full |= (value >> (kLow + size * k) & ones) == ones ? 1U << k : 0;
+    below |= (full | ~0U << k) == ~0U ? 1U << k : 0;
   }
-  for (int k = 2; k < chains; ++k) {
-    below |= (full & ((1U << (k - 1)) - 1)) == (1U << (k - 1)) - 1 ? 1U << (k - 1) : 0;
-  }
-  Register(counter + ".next_q").set((value + 1) & 0xFFFFU);
-  Register(counter + ".go_q").set((value & 0xFFFFU) == 0xFFFFU ? 1 : 0);
+  low.set((value + ahead) & 0xFFU);
+  told.set(value & 0xFFU);
+  upper.set(value >> kLow & ((1ULL << (bits - kLow)) - 1));
+  Register(counter + ".go_q").set(ahead != 0 && ((value + ahead) & 0xFFU) == 0 ? 1 : 0);
   Register(counter + ".full_q").set(full);
   Register(counter + ".below_q").set(below);
 }
@@ -76,13 +81,13 @@ void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
   Vboard_codes& model = board.device().model();
   Verilated::threadContextp(model.contextp());
   const std::string top = "TOP.sp_board.";
-  count(top + "u_info.u_time", 4, counts.clocks);
-  count(top + "u_info.u_frames", 4, counts.frames);
-  count(top + "u_tracker.u_broken", 2, counts.broken);
-  count(top + "u_tracker.u_stray", 2, counts.stray);
-  count(top + "u_moments_path.u_packetizer.u_lost", 2, counts.lost.at(spec::kKindMoments));
-  count(top + "gen_image.u_image_path.u_packetizer.u_lost", 2, counts.lost.at(spec::kKindImage));
-  count(top + "gen_codes.u_codes_path.u_packetizer.u_lost", 2, counts.lost.at(spec::kKindCodes));
+  count(top + "u_info.u_time", 64, counts.clocks);
+  count(top + "u_info.u_frames", 64, counts.frames);
+  count(top + "u_tracker.u_broken", 32, counts.broken);
+  count(top + "u_tracker.u_stray", 32, counts.stray);
+  count(top + "u_moments_path.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindMoments));
+  count(top + "gen_image.u_image_path.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindImage));
+  count(top + "gen_codes.u_codes_path.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindCodes));
   Register abandoned(top + "gen_codes.u_codes_path.u_core.u_decoder.abandoned_o");
   abandoned.set((abandoned.get() + counts.abandoned) & 0xFFFF'FFFFU);
   settle(model);
