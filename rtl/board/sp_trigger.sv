@@ -51,20 +51,21 @@ module sp_trigger (
   // --- Of the settings, which stand still: known two clocks later, the upper bits a clock before ---
   logic [1:0] period_zero_q, camera_zero_q;    // in two parts, without the lowest two bits
   logic       width_zero_q;                    // without the lowest bit
-  logic       period_small_q, camera_small_q;  // below 4
+  logic [3:1] period_is_q;                     // so much
+  logic [3:0] camera_is_q;
   logic       some_q, one_q;                   // of the width: not 0, 1
   logic       one_pattern_q;
   logic [7:0] before_last_q;                   // the index before the last, if there is one
 
   always_ff @(posedge clk_i) begin
     if (!run_q[1]) begin
-      period_zero_q  <= {period_i[23:13] == '0, period_i[12:2] == '0};
-      camera_zero_q  <= {camera_i[23:13] == '0, camera_i[12:2] == '0};
-      width_zero_q   <= width_i[15:1] == '0;
-      period_small_q <= period_zero_q == '1;
-      camera_small_q <= camera_zero_q == '1;
-      some_q         <= !width_zero_q || width_i[0];
-      one_q          <= width_zero_q && width_i[0];
+      period_zero_q <= {period_i[23:13] == '0, period_i[12:2] == '0};
+      camera_zero_q <= {camera_i[23:13] == '0, camera_i[12:2] == '0};
+      width_zero_q  <= width_i[15:1] == '0;
+      for (int k = 1; k < 4; k++) period_is_q[k] <= period_zero_q == '1 && period_i[1:0] == 2'(k);
+      for (int k = 0; k < 4; k++) camera_is_q[k] <= camera_zero_q == '1 && camera_i[1:0] == 2'(k);
+      some_q <= !width_zero_q || width_i[0];
+      one_q  <= width_zero_q && width_i[0];
     end
     one_pattern_q <= last_pattern_i == '0;
     before_last_q <= one_pattern_q ? 8'd0 : last_pattern_i - 8'd1;
@@ -92,9 +93,8 @@ module sp_trigger (
       due_q      <= 1'b1;
       due_soon_q <= 1'b0;
     end else begin
-      due_q      <= period_small_q && (period_i[1:0] == 2'd1 || begins_q && period_i[1:0] == 2'd2) ||
-                    !begins_q && (due_soon_q || period_equal_q == '1);
-      due_soon_q <= begins_q && period_small_q && period_i[1:0] == 2'd3;
+      due_q      <= period_is_q[1] || (begins_q ? period_is_q[2] : due_soon_q || period_equal_q == '1);
+      due_soon_q <= begins_q && period_is_q[3];
     end
   end
 
@@ -128,7 +128,7 @@ module sp_trigger (
   logic step_q;  // the camera pulse begins with the next clock, or frames are to be counted: the index advances
 
   always_ff @(posedge clk_i) begin
-    step_q <= run_q[0] && (begins_q ? camera_small_q && camera_i[1:0] == 2'd0 : camera_due_q) ||
+    step_q <= run_q[0] && (begins_q ? camera_is_q[0] : camera_due_q) ||
               frames_q[1] && !frames_q[2];
     if (stop_q) begin
       camera_due_q     <= 1'b0;
@@ -136,9 +136,9 @@ module sp_trigger (
       camera_due3_q    <= 1'b0;
       camera_reached_q <= 1'b0;
     end else if (begins_q) begin
-      camera_due_q     <= camera_small_q && camera_i[1:0] == 2'd1;
-      camera_due2_q    <= camera_small_q && camera_i[1:0] == 2'd2;
-      camera_due3_q    <= camera_small_q && camera_i[1:0] == 2'd3;
+      camera_due_q     <= camera_is_q[1];
+      camera_due2_q    <= camera_is_q[2];
+      camera_due3_q    <= camera_is_q[3];
       camera_reached_q <= 1'b0;
     end else begin
       camera_due_q     <= camera_due2_q || camera_reached_q;

@@ -26,9 +26,8 @@ module sp_counter #(
   logic              go_q, wrap;     // it has wrapped, wraps now
   logic [Low-1:0]    told_q;         // as the others have it
   logic [Width-1:Low] upper_q;
-  logic [Chains-1:0] full_q, full;   // the chain is all ones; late, but nobody asks before 255 counts later
+  logic [Chains-1:0] full_q, full;   // the chain is all ones; late, but in time
   logic [Chains-1:0] below_q;        // all those below it but the lowest are
-  logic [1:0]        moved_q;        // a chain above the lowest counted one and two clocks ago
 
   assign count_o       = {upper_q, told_q};
   // The carries that the chains make anyhow, each as a bit of a sum: so it stays at the end of its chain, where a carry by
@@ -62,10 +61,9 @@ module sp_counter #(
     assign {full[k], unused} = {rst_i, upper_q[Low+Size*k+:Size]} + (Size + 1)'(1);
   end
 
-  // Reset lasts longer than a clock: they have followed in the third clock after it.
+  // They follow while the upper half of the lowest chain passes, before they are asked.
   always_ff @(posedge clk_i) begin
-    moved_q <= {moved_q[0], rst_i || go_q};
-    if (moved_q != '0) begin
+    if (low_q[Low-1]) begin
       full_q <= full;
       for (int k = 0; k < Chains; k++) below_q[k] <= &(full_q | ({Chains{1'b1}} << k));
     end
