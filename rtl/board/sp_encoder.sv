@@ -21,7 +21,7 @@ module sp_encoder (
     logic [3:0]  start;    // clocks since reset, as many ones
     logic [1:0]  level;    // without short pulses
     logic        step;     // one line has changed level a clock ago
-    logic        down;     // and B leads
+    logic        down;     // B leads
     logic        error;    // both have changed
   } lines_t;
 
@@ -69,18 +69,12 @@ module sp_encoder (
       lines_q.settled <= !rst_i && lines_q.start[3];
       lines_q.start   <= rst_i ? 4'd0 : {lines_q.start[2:0], 1'b1};
       lines_q.level   <= lines_q.settled ? lines_q.level ^ changes : now;
-      if (lines_q.settled) begin
-        lines_q.step <= ^changes;
-        // {b, a} runs 00, 01, 11, 10 where A leads
-        lines_q.down <= ^changes && (lines_q.level[0] ^ changes[0] ^ lines_q.level[1] ^ 1'b1);
-      end else begin
-        lines_q.step <= 1'b0;
-        lines_q.down <= 1'b0;
-      end
+      lines_q.step    <= lines_q.settled && ^changes;
+      lines_q.down    <= lines_q.level[0] ^ changes[0] ^ lines_q.level[1] ^ 1'b1;  // {b, a} runs 00, 01, 11, 10 where A leads
       lines_q.error   <= lines_q.settled && &changes;
     end
     if (rst_i) errors_q <= '0;
-    else if (lines_q.error) errors_q <= errors_q + 16'd1;
+    else errors_q <= errors_q + 16'(lines_q.error);
   end
 
   // --- Count, in three chains: the lowest a clock ahead of what is told, the others follow it ---
@@ -91,7 +85,7 @@ module sp_encoder (
       chain_q.moved   <= lines_q.step;
       chain_q.down    <= lines_q.down;
       chain_q.further <= lines_q.down ? zero_q : full_q;
-      {chain_q.hand_on, chain_q.low} <= {1'b0, chain_q.low} + {{8{lines_q.down}}, lines_q.step};
+      {chain_q.hand_on, chain_q.low} <= {1'b0, chain_q.low} + {{8{lines_q.step && lines_q.down}}, lines_q.step};
     end
   end
 
