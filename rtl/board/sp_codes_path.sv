@@ -237,7 +237,7 @@ module sp_codes_path #(
     .payload_beats_i(line_words),
     .line_i         (line_row),
     .spoiled_i      (spoiled_q),
-    .break_first_i  (1'b0),
+    .break_i        (1'b0),
     .break_later_i  (1'b0),
     .start_status_i (line_status),
     .break_status_i ({StatusBits{1'b0}}),

@@ -5,7 +5,8 @@
 // take-over, so that headers still being written keep theirs); before the first take-over no frame begins. A frame ends well
 // with its last line's tlast. It breaks, and no further beat of it counts, where a line ends early (the beat counts) or late
 // (the beat counts), where the next frame starts, or when no beat came for more than timeout_i clocks (0: never). Beats
-// outside any frame are discarded and counted. run_i and hold_i count for a beat at the input as they were a clock before it.
+// outside any frame are discarded and counted. run_i and hold_i count for a beat at the input as they were a clock before it,
+// timeout_i, for the pause behind the beat, as it is beside it.
 //
 // Timing: outputs are registers, two clocks after the beat at the input. break_o is reported after the beats of the
 // clocks before it and before the beat of its own clock: a frame's start and the break of the frame before it may share a clock.
@@ -79,36 +80,38 @@ module sp_frame_tracker #(
 
   // --- Settings ---
   // What is asked of the settings as written, known a clock after the write.
-  logic                 next_one_q, next_two_q, next_one_row_q, next_few_q, next_second_q;
+  logic                 next_one_q, next_two_q, next_one_row_q, next_two_rows_q;
   logic [GroupBits-1:0] next_groups_m2_q;
   logic [RowBits-1:0]   next_rows_m1_q;
   // and of those in force
   logic [GroupBits-1:0] groups_m2_q;  // groups of a line, less 2
   logic [RowBits-1:0]   rows_m1_q;
   logic                 one_row_q;
-  logic                 few_q;     // one group or two
   logic                 second_q;  // a frame's second beat is of its last row
 
   always_ff @(posedge clk_i) if (hold_i) begin
     next_one_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1);
     next_two_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(2);
     next_one_row_q   <= rows_i == RowBits'(1);
-    next_few_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1) || columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(2);
-    next_second_q    <= rows_i == (columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1) ? RowBits'(2) : RowBits'(1));
+    next_two_rows_q  <= rows_i == RowBits'(2);
     next_groups_m2_q <= GroupBits'(columns_i[ColumnBits-1:2] - (ColumnBits - 2)'(2));
     next_rows_m1_q   <= rows_i - RowBits'(1);
   end
 
   // --- Stage 1: registers of the beat ---
-  logic        s1_valid_q, s1_start_q;  // a beat; one with tuser
+  logic        s1_valid_q, s1_start_q, s1_more_q;  // a beat; one with tuser; one without
   logic        s1_begin_q, s1_take_q;   // one that starts a frame; and takes the settings over
   logic        s1_last_q;
   logic [31:0] s1_pixels_q;
-  logic        s1_one_q, s1_few_q, s1_one_row_q, s1_second_q;  // of the settings of a frame that starts with it
+  // Of a frame that starts with it: its line has one group, one or two; it has one row, its second beat is of its last; the line
+  // ends early or late; the frame goes on
+  logic        s1_one_q, s1_few_q, s1_one_row_q, s1_second_q, s1_odd_q, s1_stays_q;
+  logic        take, one, one_row;  // of a beat with tuser that comes now
 
   // --- Stage 0: what a beat that comes now may do, from run_i and hold_i a clock ago ---
   logic       may_start_q;
   logic       may_take_q;  // but not in the clock after a take-over
+  logic       new_q;       // may_take_q || s1_take_q: a frame that starts now is of the settings as written
   logic [3:0] took_q;      // a take-over so many clocks ago, and one
   logic       in_force_q;  // settings have been taken over: a frame may start without taking them over
 
@@ -118,44 +121,45 @@ module sp_frame_tracker #(
     if (rst_i) begin
       may_start_q <= 1'b0;
       may_take_q  <= 1'b0;
+      new_q       <= 1'b0;
       took_q      <= '0;
       in_force_q  <= 1'b0;
     end else begin
-      if (s1_take_q || took_q != '0) begin
-        took_q      <= {took_q[2:0], s1_take_q};
-        in_force_q  <= 1'b1;
-        may_take_q  <= 1'b0;
-        may_start_q <= run_i;
-      end else begin
-        may_take_q  <= run_i && !hold_i;
-        may_start_q <= run_i && (in_force_q || !hold_i);
-      end
+      took_q      <= {took_q[2:0], s1_take_q};
+      may_take_q  <= run_i && !hold_i && !s1_take_q && took_q == '0;
+      new_q       <= run_i && !hold_i && !s1_take_q && took_q == '0 || take;
+      may_start_q <= run_i && (in_force_q || s1_take_q || !hold_i);
+      if (s1_take_q) in_force_q <= 1'b1;
     end
   end
 
   // Into stage 1
+  assign take    = s_axis_tvalid_i && s_axis_tuser_i && may_take_q && !s1_take_q;
+  assign one     = new_q ? next_one_q : one_group_o;
+  assign one_row = new_q ? next_one_row_q : one_row_q;
+
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       s1_valid_q <= 1'b0;
       s1_start_q <= 1'b0;
+      s1_more_q  <= 1'b0;
       s1_begin_q <= 1'b0;
       s1_take_q  <= 1'b0;
     end else begin
       s1_valid_q <= s_axis_tvalid_i;
       s1_start_q <= s_axis_tvalid_i && s_axis_tuser_i;
+      s1_more_q  <= s_axis_tvalid_i && !s_axis_tuser_i;
       s1_begin_q <= s_axis_tvalid_i && s_axis_tuser_i && may_start_q;
-      s1_take_q  <= s_axis_tvalid_i && s_axis_tuser_i && may_take_q && !s1_take_q;
+      s1_take_q  <= take;
     end
-    if (s_axis_tvalid_i) begin
-      s1_pixels_q <= s_axis_tdata_i;
-      s1_last_q   <= s_axis_tlast_i;
-      if (s_axis_tuser_i) begin
-        s1_one_q     <= may_take_q || s1_take_q ? next_one_q : one_group_o;
-        s1_few_q     <= may_take_q || s1_take_q ? next_few_q : few_q;
-        s1_one_row_q <= may_take_q || s1_take_q ? next_one_row_q : one_row_q;
-        s1_second_q  <= may_take_q || s1_take_q ? next_second_q : second_q;
-      end
-    end
+    s1_pixels_q  <= s_axis_tdata_i;
+    s1_last_q    <= s_axis_tlast_i;
+    s1_one_q     <= one;
+    s1_few_q     <= new_q ? next_one_q || next_two_q : one_group_o || two_groups_o;
+    s1_one_row_q <= one_row;
+    s1_second_q  <= new_q ? (next_one_q ? next_two_rows_q : next_one_row_q) : second_q;
+    s1_odd_q     <= s_axis_tlast_i != one;
+    s1_stays_q   <= one ? s_axis_tlast_i && !one_row : !s_axis_tlast_i;
   end
 
   always_ff @(posedge clk_i) begin
@@ -171,8 +175,7 @@ module sp_frame_tracker #(
       groups_m2_q  <= next_groups_m2_q;
       rows_m1_q    <= next_rows_m1_q;
       one_row_q    <= next_one_row_q;
-      few_q        <= next_few_q;
-      second_q     <= next_second_q;
+      second_q     <= next_one_q ? next_two_rows_q : next_one_row_q;
     end
   end
 
@@ -193,15 +196,14 @@ module sp_frame_tracker #(
 
   // What a beat with tuser is judged by needs no word of whether it is taken: then nothing of this counts.
   logic belongs;  // the beat is part of a frame
-  logic at_end;  // it should be the last of its line
-  logic in_last_row, line_end, frame_end, odd_line;
+  logic in_last_row, line_end;
+  logic odd_more, more_stays;  // of a beat without tuser: its line ends early or late; the frame goes on
 
-  assign at_end      = s1_start_q ? s1_one_q : group_is_last_q;
   assign in_last_row = s1_start_q ? s1_one_row_q : row_q.is_last;
-  assign belongs     = s1_begin_q || s1_valid_q && !s1_start_q && open_q;
-  assign line_end    = s1_last_q && at_end;
-  assign odd_line    = s1_last_q != at_end;  // shorter or longer than it should be
-  assign frame_end   = belongs && line_end && in_last_row;
+  assign belongs     = s1_begin_q || s1_more_q && open_q;
+  assign line_end    = s1_last_q && (s1_start_q ? s1_one_q : group_is_last_q);
+  assign odd_more    = s1_last_q != group_is_last_q;
+  assign more_stays  = group_is_last_q ? s1_last_q && !row_q.is_last : !s1_last_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -209,8 +211,7 @@ module sp_frame_tracker #(
       in_line_q     <= 1'b0;
       in_last_row_q <= 1'b0;
     end else begin
-      if (s1_valid_q) open_q <= belongs && !odd_line && !frame_end;
-      else if (timed_out_q) open_q <= 1'b0;
+      if (s1_valid_q || timed_out_q) open_q <= s1_begin_q && s1_stays_q || s1_more_q && open_q && more_stays;
       if (s1_valid_q) begin
         in_line_q     <= !s1_last_q;
         in_last_row_q <= in_last_row;
@@ -240,33 +241,39 @@ module sp_frame_tracker #(
     end
   end
 
-  // --- Time-out: clocks left, in two chains, reloaded by a beat that none follows at once ---
+  // --- Time-out: clocks since the last beat at the input, in two chains, two clocks ahead, one for each register of the
+  // comparison ---
   typedef struct packed {
-    logic        watch;
-    logic        low_zero;
-    logic        high_zero;  // a clock late, but after a reload: soon enough, since high changes where low wraps
+    logic        low_full;
+    logic [3:0]  there;     // so many bits are those of limit_q, six by six
     logic [11:0] high;
     logic [11:0] low;
-  } left_t;
+  } pause_t;
 
-  left_t left_q;
-  logic  timed_out_q;
+  pause_t      pause_q;
+  logic [23:0] limit_q;       // timeout_i beside the last beat
+  logic        limit_some_q;  // it is not 0, known a clock later
+  logic [1:0]  some_q;        // timeout_i, a clock ago, was not 0, in its halves
+  logic        timed_out_q;
 
   always_ff @(posedge clk_i) begin
-    if (s1_valid_q) begin
-      timed_out_q <= 1'b0;
-      if (!s_axis_tvalid_i) begin
-        {left_q.high, left_q.low} <= timeout_i;
-        left_q.low_zero           <= timeout_i[11:0] == 12'd0;
-        left_q.high_zero          <= timeout_i[23:12] == 12'd0;
-        left_q.watch              <= timeout_i != 24'd0;
-      end
+    some_q <= {timeout_i[23:12] != '0, timeout_i[11:0] != '0};
+    if (s1_valid_q) limit_some_q <= some_q != '0;
+    timed_out_q <= !s1_valid_q && limit_some_q && pause_q.there == '1;
+    if (s_axis_tvalid_i) begin
+      limit_q          <= timeout_i;
+      pause_q.low_full <= 1'b0;
+      pause_q.there    <= '0;
+      pause_q.high     <= '0;
+      pause_q.low      <= 12'd1;
     end else begin
-      timed_out_q      <= left_q.watch && left_q.low == 12'd1 && left_q.high_zero;
-      left_q.low       <= left_q.low - 12'd1;
-      left_q.low_zero  <= left_q.low == 12'd1;
-      left_q.high_zero <= left_q.high == 12'd0;
-      if (left_q.low_zero) left_q.high <= left_q.high - 12'd1;
+      pause_q.low_full <= pause_q.low == 12'hFFE;
+      pause_q.low      <= pause_q.low + 12'd1;
+      if (pause_q.low_full) pause_q.high <= pause_q.high + 12'd1;
+      pause_q.there[0] <= pause_q.low[5:0] == limit_q[5:0];
+      pause_q.there[1] <= pause_q.low[11:6] == limit_q[11:6];
+      pause_q.there[2] <= pause_q.high[5:0] == limit_q[17:12];
+      pause_q.there[3] <= pause_q.high[11:6] == limit_q[23:18];
     end
   end
 
@@ -281,9 +288,9 @@ module sp_frame_tracker #(
   logic late_in_last_q;
   logic [sp_spec_pkg::StatusBits-1:0] late_status_q;
 
-  assign stray        = s1_valid_q && !belongs && run_i;
+  assign stray        = run_i && (s1_start_q && !s1_begin_q || s1_more_q && !open_q);
   assign start_breaks = s1_start_q && open_q;
-  assign late_break   = belongs && odd_line || timed_out;
+  assign late_break   = s1_begin_q && s1_odd_q || s1_more_q && open_q && odd_more || timed_out;
 
   // Reset lasts long enough for these to follow.
   always_ff @(posedge clk_i) begin
@@ -300,32 +307,27 @@ module sp_frame_tracker #(
       stray_q        <= 1'b0;
       stray_before_o <= 1'b0;
     end else if (s1_begin_q) begin
-      stray_before_o <= stray_q;
+      stray_before_o <= stray_q || stray_now_q;
       stray_q        <= 1'b0;
-    end else if (stray) begin
+    end else if (stray_now_q) begin
       stray_q <= 1'b1;
     end
   end
 
   // Fields of a beat count with beat_valid_o, those of a break with late_break_q.
   always_ff @(posedge clk_i) begin
-    if (s1_valid_q) begin
-      beat_pixels_o     <= s1_pixels_q;
-      beat_group_o      <= s1_start_q ? '0 : group_q;
-      beat_row_o        <= s1_start_q ? RowBits'(1) : row_q.number;
-      beat_first_row_o  <= s1_start_q || row_q.is_first;
-      beat_last_row_o   <= in_last_row;
-      beat_line_start_o <= s1_start_q || !in_line_q;
-      beat_line_end_o   <= line_end;
-    end
-    // No late break is in clocks without any of these.
-    if (s1_last_q || group_is_last_q || s1_start_q || timed_out_q) begin
-      late_in_last_q <= s1_valid_q ? in_last_row : in_last_row_q;
-      late_status_q  <= '0;
-      late_status_q[sp_spec_pkg::StatusShortLineBit]  <= s1_valid_q && !at_end;
-      late_status_q[sp_spec_pkg::StatusLongLineBit]   <= s1_valid_q && at_end;
-      late_status_q[sp_spec_pkg::StatusIncompleteBit] <= !s1_valid_q;
-    end
+    beat_pixels_o     <= s1_pixels_q;
+    beat_group_o      <= s1_start_q ? '0 : group_q;
+    beat_row_o        <= s1_start_q ? RowBits'(1) : row_q.number;
+    beat_first_row_o  <= s1_start_q || row_q.is_first;
+    beat_last_row_o   <= in_last_row;
+    beat_line_start_o <= s1_start_q || !in_line_q;
+    beat_line_end_o   <= line_end;
+    late_in_last_q    <= s1_valid_q ? in_last_row : in_last_row_q;
+    late_status_q     <= '0;
+    late_status_q[sp_spec_pkg::StatusShortLineBit]  <= s1_valid_q && s1_last_q;
+    late_status_q[sp_spec_pkg::StatusLongLineBit]   <= s1_valid_q && !s1_last_q;
+    late_status_q[sp_spec_pkg::StatusIncompleteBit] <= !s1_valid_q;
     if (start_breaks || late_break_q) begin
       break_in_last_row_o <= late_break_q ? late_in_last_q : in_last_row_q;
       break_status_o      <= late_break_q ? late_status_q :
@@ -406,12 +408,14 @@ module sp_frame_tracker #(
   // Rule 3: a frame that began has ended well, has broken, or is open: nothing else becomes of it.
   logic [3:0] f_started_q, f_good_q, f_broken_q;  // modulo 16
   logic       f_counting_q;                       // a break is in the counter, and it does not tell it yet
+  logic       f_frame_end;
+  assign f_frame_end = belongs && line_end && in_last_row;
   always_ff @(posedge clk_i) begin
     if (rst_i) {f_started_q, f_good_q, f_broken_q, f_counting_q} <= '0;
     else begin
       f_counting_q <= break_o;
       f_started_q <= f_started_q + 4'(s1_begin_q);
-      f_good_q    <= f_good_q + 4'(frame_end);
+      f_good_q    <= f_good_q + 4'(f_frame_end);
       f_broken_q  <= f_broken_q + 4'(break_o);
     end
   end
@@ -424,9 +428,10 @@ module sp_frame_tracker #(
     assert (take_o == took_q[0]);
     for (int k = 1; k < 4; k++) assert (took_q[k] == (f_since_q == 3'(k)));
     if (may_take_q || s1_take_q) assert (took_q == '0);
+    assert (new_q == (may_take_q || s1_take_q));
     if (may_take_q) assert (f_since_q >= 3'd5);
     if (s1_take_q) assert (f_since_q >= 3'd6);
-    if (s1_start_q) assert (s1_valid_q);
+    assert (s1_valid_q == (s1_start_q || s1_more_q) && !(s1_start_q && s1_more_q));
     // A break is of one frame: the late ones and that of a start never meet.
     assert (!(late_break_q && start_breaks));
     if (late_break_q) assert (!open_q);
@@ -443,15 +448,16 @@ module sp_frame_tracker #(
       assert (group_is_last_q == ((ColumnBits)'(group_q) == (columns_o >> 2) - ColumnBits'(1)));
     end
     if (s1_start_q) begin
-      assert (s1_one_q == (s1_take_q ? next_one_q : one_group_o) && s1_few_q == (s1_take_q ? next_few_q : few_q));
-      assert (s1_one_row_q == (s1_take_q ? next_one_row_q : one_row_q) && s1_second_q == (s1_take_q ? next_second_q : second_q));
+      assert (s1_one_q == (s1_take_q ? next_one_q : one_group_o) && s1_one_row_q == (s1_take_q ? next_one_row_q : one_row_q));
+      assert (s1_few_q == (s1_take_q ? next_one_q || next_two_q : one_group_o || two_groups_o));
+      assert (s1_second_q == (s1_take_q ? (next_one_q ? next_two_rows_q : next_one_row_q) : second_q));
+      assert (s1_odd_q == (s1_last_q != s1_one_q) && s1_stays_q == (s1_one_q ? s1_last_q && !s1_one_row_q : !s1_last_q));
     end
     if (!hold_i || !f_hold_q[1] || !f_hold_q[2]) begin
       assert (next_one_q == (columns_i == ColumnBits'(4)));
       assert (next_two_q == (columns_i == ColumnBits'(8)));
       assert (next_one_row_q == (rows_i == RowBits'(1)));
-      assert (next_few_q == (columns_i <= ColumnBits'(8)));
-      assert (next_second_q == (rows_i == (columns_i == ColumnBits'(4) ? RowBits'(2) : RowBits'(1))));
+      assert (next_two_rows_q == (rows_i == RowBits'(2)));
       assert (next_groups_m2_q == GroupBits'((columns_i >> 2) - ColumnBits'(2)));
       assert (next_rows_m1_q == rows_i - RowBits'(1));
     end
@@ -461,12 +467,11 @@ module sp_frame_tracker #(
       assert (one_group_o == (columns_o == ColumnBits'(4)));
       assert (two_groups_o == (columns_o == ColumnBits'(8)));
       assert (one_row_q == (rows_o == RowBits'(1)));
-      assert (few_q == (columns_o <= ColumnBits'(8)));
       assert (second_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(2) : RowBits'(1))));
       assert (rows_m1_q == rows_o - RowBits'(1));
       assert (groups_m2_q == GroupBits'((columns_o >> 2) - ColumnBits'(2)));
     end
-    cover (frame_end && rows_o == RowBits'(2) && columns_o == ColumnBits'(8));
+    cover (f_frame_end && rows_o == RowBits'(2) && columns_o == ColumnBits'(8));
   end
 `endif
 

@@ -67,7 +67,6 @@ module sp_moments_path #(
   logic [127:0]           words_data;
   logic [PayloadBits-1:0] payload_beats, payload_beats_q;
   logic                   last_row_start_q;
-  logic                   break_first, break_later;  // before and in the last row
   logic [LogDepth:0]      free;
   logic                   put, put_last;
   logic [127:0]           put_data;
@@ -80,15 +79,6 @@ module sp_moments_path #(
   always_ff @(posedge clk_i) begin
     last_row_start_q <= last_row_start_i;
     if (last_row_start_i) payload_beats_q <= payload_beats;
-  end
-
-  always_comb begin
-    break_first = 1'b0;
-    break_later = 1'b0;
-    if (break_i) begin
-      break_first = !break_in_last_row_i;
-      break_later = break_in_last_row_i;
-    end
   end
 
   sp_column_moments #(
@@ -109,7 +99,7 @@ module sp_moments_path #(
     .two_groups_i    (two_groups_i),
     .mode_i          (mode_i),
     .threshold_i     (threshold_i),
-    .break_i         (break_later),
+    .break_i         (break_i && break_in_last_row_i),
     .accept_i        (accept),
     .moments_valid_o (words_valid),
     .moments_data_o  (words_data),
@@ -130,8 +120,8 @@ module sp_moments_path #(
     .payload_beats_i(payload_beats_q),
     .line_i         (RowBits'(1)),
     .spoiled_i      (spoiled),
-    .break_first_i  (break_first),
-    .break_later_i  (break_later),
+    .break_i        (break_i),
+    .break_later_i  (break_in_last_row_i),
     .start_status_i ({StatusBits{1'b0}}),
     .break_status_i (break_status_i),
     .accept_o       (accept),

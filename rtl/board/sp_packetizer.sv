@@ -1,16 +1,16 @@
 // Builds packets: header, payload beats as they come, trailer with the check word; decides at the start of each whether its
 // FIFO has room for all of it.
 //
-// start_i asks for a packet with payload_beats_i beats of payload, break_first_i for an empty one (a frame that broke before
-// its header left). Where the FIFO cannot take all of it, or the packet before is not finished, the packet is dropped
-// and counted; the count is in every later header. Each start_i and each break_first_i is thus delivered or counted.
+// start_i asks for a packet with payload_beats_i beats of payload, a break without break_later_i for an empty one (a frame that
+// broke before its header left). Where the FIFO cannot take all of it, or the packet before is not finished, the packet is
+// dropped and counted; the count is in every later header. Each such request is thus delivered or counted.
 // Once begun a packet is always completed: where the payload ends early (payload_break_i) zeros fill it up. The trailer has
-// the status given with start_i, break_first_i or, while the packet is under way, break_later_i.
+// the status given with the request or, while the packet is under way, with a break and break_later_i.
 //
-// Timing, in clocks from start_i or break_first_i (e): decision in e + 2, accept_o from e + 3 on until the next decision about
+// Timing, in clocks from the request (e): decision in e + 2, accept_o from e + 3 on until the next decision about
 // a start_i, header beats at the FIFO in e + 4 .. e + 7. Payload beats may come from e + 7 on, any number of clocks apart, and
 // reach the FIFO one clock later. The packetizer is busy until seven clocks after its last payload beat.
-// start_i and break_first_i never come in one clock, and break_later_i before the next request (sp_frame_tracker sees to it).
+// The two requests never come in one clock, and a later break before the next request (sp_frame_tracker sees to it).
 `default_nettype none
 
 module sp_packetizer #(
@@ -28,10 +28,10 @@ module sp_packetizer #(
   input  wire logic [PayloadBits-1:0] payload_beats_i,
   input  wire logic [RowBits-1:0]     line_i,          // with start_i, kind image: the line; else not used
   input  wire logic                   spoiled_i,       // at the decision: count the packet as lost
-  input  wire logic                   break_first_i,
-  input  wire logic                   break_later_i,   // the frame broke after its start_i
+  input  wire logic                   break_i,         // the frame broke:
+  input  wire logic                   break_later_i,   // with its start_i or after it
   input  wire logic [sp_spec_pkg::StatusBits-1:0] start_status_i,
-  input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,  // with break_first_i and break_later_i
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,  // with break_i
   output logic                        accept_o,
 
   // Payload
@@ -67,15 +67,17 @@ module sp_packetizer #(
   localparam bit PerLine = Kind != sp_spec_pkg::KindMoments;
 
   // --- Requests on their way to the decision, and what the block is about ---
-  localparam int StateBits = 13;
+  localparam int StateBits = 12;
 
   typedef struct packed {
-    logic [11:0]          asked;     // {start_i, break_first_i, break_later_i}, one to four clocks ago, the latest lowest
+    logic [11:0]          asked;     // {start, break first, break later}, one to four clocks ago, the latest lowest
     logic                 awake;     // something was asked in the last five clocks, or a packet is under way
     logic                 lost_now;  // counted late enough for the header of a packet decided on the clock before
     logic                 valid;     // a beat is at the FIFO
     logic                 last;      // the packet's last
-    logic [StateBits-1:0] state;     // one bit is set, see below
+    logic                 numbered;  // the beat now made has the sequence number: the header's second, the trailer
+    logic                 busy;      // a packet is under way:
+    logic [StateBits-1:0] state;     // then one bit is set, see below
   } control_t;
 
   // of asked, two and three clocks ago
@@ -84,44 +86,52 @@ module sp_packetizer #(
   control_t               q;
   logic                   asked, awake;
   logic [PayloadBits-1:0] payload1_q, payload2_q;
+  logic                   one2_q;  // payload2_q is 1
   logic [RowBits-1:0]     line1_q, line2_q;
   logic [CountBits-1:0]   need1_q;
-  logic                   room2_q;
+  logic                   room, room2_q;
+  logic [CountBits-1:0]   unused_room;
   logic [StatusBits-1:0]  status1_q, status2_q, status3_q;
 
-  assign asked = start_i || break_first_i || break_later_i;
+  assign asked = start_i || break_i;
   // Asleep nothing below moves.
   assign awake = asked || q.awake;
+  // Free places less those needed: the carry, as a bit of the sum it stays at the end of its chain. Not used in reset.
+  assign {room, unused_room} = {rst_i, CountBits'(fifo_free_i)} + {1'b0, ~need1_q} + (CountBits + 1)'(1);
 
   always_ff @(posedge clk_i) begin
-    if (awake) begin
-      if (asked) begin
-        payload1_q <= start_i ? payload_beats_i : PayloadBits'(0);
-        need1_q    <= (start_i ? CountBits'(payload_beats_i) : CountBits'(0)) + CountBits'(Overhead);
-        line1_q    <= line_i;
-        status1_q  <= break_first_i || break_later_i ? break_status_i : start_status_i;
+    if (asked) begin
+      if (start_i) begin
+        payload1_q <= payload_beats_i;
+        need1_q    <= CountBits'(payload_beats_i) + CountBits'(Overhead);
+      end else begin
+        payload1_q <= '0;
+        need1_q    <= CountBits'(Overhead);
       end
-      if (q.asked[2:0] != '0) begin
-        payload2_q <= payload1_q;
-        room2_q    <= CountBits'(fifo_free_i) >= need1_q;
-        line2_q    <= line1_q;
-        status2_q  <= status1_q;
-      end
-      if (q.asked[BreakLater2]) status3_q <= status2_q;
+      line1_q   <= line_i;
+      status1_q <= break_i ? break_status_i : start_status_i;
     end
+    if (q.asked[2:0] != '0) begin
+      payload2_q <= payload1_q;
+      one2_q     <= payload1_q == PayloadBits'(1);
+      room2_q    <= room;
+      line2_q    <= line1_q;
+      status2_q  <= status1_q;
+    end
+    if (q.asked[BreakLater2]) status3_q <= status2_q;
   end
 
   // --- State: its bits, the lowest first ---
-  localparam int Idle = 0;       // nothing under way
-  localparam int Header = 1;     // 4 bits: beat 0 .. 3 of the header
-  localparam int Payload = 5;
-  localparam int Fill = 6;       // zeros to the payload's end
-  localparam int Trailer = 7;    // 3 bits: the check word is complete in the third clock
-  localparam int Settle = 10;    // 3 bits: until fifo_free_i counts this packet
+  localparam int Header = 0;     // 4 bits: beat 0 .. 3 of the header
+  localparam int Payload = 4;
+  localparam int Fill = 5;       // zeros to the payload's end
+  localparam int Trailer = 6;    // 3 bits: the check word is complete in the third clock
+  localparam int Settle = 9;     // 3 bits: until fifo_free_i counts this packet
 
   logic [PayloadBits-1:0] left_q;          // payload beats to come
   logic                   one_left_q;
   logic                   empty_q;         // no payload
+  logic                   one_q;           // one beat of it
   logic [PayloadBits-1:0] payload_q;       // payload beats of this packet
   logic [RowBits-1:0]     line_q;
   logic [63:0]            sequence_q;
@@ -129,53 +139,42 @@ module sp_packetizer #(
   logic [31:0]            check_q;
   logic                   take, take_empty, put_payload, all_put;
 
-  always_comb begin
-    take        = 1'b0;
-    take_empty  = 1'b0;
-    put_payload = 1'b0;
-    all_put     = 1'b0;
-    if (q.state[Idle]) begin
-      if (q.asked[Start2:BreakFirst2] != '0) begin
-        take       = q.asked[Start2] && room2_q && !spoiled_i;
-        take_empty = q.asked[BreakFirst2] && room2_q;
-      end
-    end else begin
-      put_payload = q.state[Payload] && payload_valid_i || q.state[Fill];
-      all_put     = put_payload && one_left_q;
-    end
-  end
+  assign take        = q.asked[Start2] && room2_q && !spoiled_i && !q.busy;
+  assign take_empty  = q.asked[BreakFirst2] && room2_q && !q.busy;
+  assign put_payload = q.state[Payload] && payload_valid_i || q.state[Fill];
+  assign all_put     = put_payload && one_left_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      q.asked    <= '0;
-      q.awake    <= 1'b0;
-      q.lost_now <= 1'b0;
-      q.valid    <= 1'b0;
-      q.last     <= 1'b0;
-      q.state    <= StateBits'(1) << Idle;
-      accept_o   <= 1'b0;
+      q <= '0;
     end else if (awake) begin
-      q.asked    <= {q.asked[8:0], start_i, break_first_i, break_later_i};
+      q.asked    <= {q.asked[8:0], start_i, break_i && !break_later_i, break_i && break_later_i};
       q.valid    <= q.state[Header+:4] != '0 || put_payload || q.state[Trailer+2];
       q.last     <= q.state[Trailer+2];
-      q.awake    <= asked || q.asked != '0 || !q.state[Idle];
-      if (q.asked[Start2]) accept_o <= take;
+      q.awake    <= asked || q.asked != '0 || q.busy;
       q.lost_now <= q.asked[Start2] && !take || q.asked[BreakFirst2] && !take_empty;
 
-      q.state <= {q.state[Settle+:2], q.state[Trailer+2],
-                  q.state[Trailer+:2], q.state[Header+3] && empty_q || all_put,
-                  (q.state[Fill] || q.state[Payload] && payload_break_i) && !all_put,
-                  q.state[Header+3] && !empty_q || q.state[Payload] && !payload_break_i && !all_put,
-                  q.state[Header+:3], take || take_empty,
-                  q.state[Idle] && !take && !take_empty || q.state[Settle+2]};
+      q.busy     <= take || take_empty || q.busy && !q.state[Settle+2];
+      q.state    <= {q.state[Settle+:2], q.state[Trailer+2],
+                     q.state[Trailer+:2], q.state[Header+3] && empty_q || all_put,
+                     (q.state[Fill] || q.state[Payload] && payload_break_i) && !all_put,
+                     q.state[Header+3] && !empty_q || q.state[Payload] && !payload_break_i && !all_put,
+                     q.state[Header+:3], take || take_empty};
+      q.numbered <= q.state[Header] || q.state[Header+3] && empty_q || all_put || q.state[Trailer+:2] != '0;
     end
   end
 
-  // What stands here in the last clock of the state idle is that of the packet.
+  always_ff @(posedge clk_i) begin
+    if (rst_i) accept_o <= 1'b0;
+    else if (q.asked[Start2]) accept_o <= take;
+  end
+
+  // What stands here in the last clock before it is busy is that of the packet.
   always_ff @(posedge clk_i) begin
     if (q.awake) begin
-      if (q.state[Idle]) begin
+      if (!q.busy) begin
         empty_q   <= q.asked[BreakFirst2];
+        one_q     <= one2_q;
         payload_q <= payload2_q;
         line_q    <= line2_q;
         status_q  <= status2_q;
@@ -208,11 +207,11 @@ module sp_packetizer #(
   endfunction
 
   always_ff @(posedge clk_i) begin
-    if (!q.state[Idle]) begin
+    if (q.busy) begin
       if (q.state[Header]) begin
         sequence_q <= sequence_i;
         left_q     <= payload_q;
-        one_left_q <= payload_q == PayloadBits'(1);
+        one_left_q <= one_q;
       end else if (put_payload) begin
         left_q     <= left_q - PayloadBits'(1);
         one_left_q <= left_q == PayloadBits'(2);
@@ -227,17 +226,16 @@ module sp_packetizer #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (q.state[Payload]) begin
-      fifo_data_o <= payload_data_i;
-    end else if (!q.state[Idle]) begin
-      fifo_data_o <= beat_if(q.state[Header], {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
+    if (q.busy) begin
+      fifo_data_o <= beat_if(q.state[Payload], payload_data_i) |
+                     beat_if(q.state[Header], {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
                                                sp_spec_pkg::SpecHash, sp_spec_pkg::Magic}) |
                      beat_if(q.state[Header+1], {time_stamp_i, 64'd0}) |
                      beat_if(q.state[Header+2], {32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes), 16'(rows_i),
                                                  16'(columns_i), lost_o, encoder_i}) |
                      beat_if(q.state[Header+3], {64'd0, 31'd0, stray_before_i, PerLine ? 16'd1 : 16'(lines_i),
                                                  PerLine ? 16'(line_q) : 16'd1}) |
-                     beat_if(q.state[Header+1] || q.state[Trailer+:3] != '0, {64'd0, sequence_q}) |
+                     beat_if(q.numbered, {64'd0, sequence_q}) |
                      beat_if(q.state[Trailer+:3] != '0, {32'd0, 32'(status_q), 64'd0}) |
                      beat_if(q.state[Trailer+2], {check_q, 96'd0});
     end
@@ -257,7 +255,7 @@ module sp_packetizer #(
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
   always_comb begin
     assume (rst_i == !f_ran_q);
-    assume (!(start_i && break_first_i));
+    assume (!(start_i && break_i && !break_later_i));
     if (start_i) assume (payload_beats_i != '0);
   end
   // The FIFO: it never promises a place that is not there; places come free at any time.
@@ -279,7 +277,7 @@ module sp_packetizer #(
     if (rst_i) {f_asked_q, f_taken_q, f_counting_q} <= '0;
     else begin
       f_counting_q <= q.lost_now;
-      f_asked_q <= f_asked_q + 4'(start_i || break_first_i);
+      f_asked_q <= f_asked_q + 4'(start_i || break_i && !break_later_i);
       f_taken_q <= f_taken_q + 4'(take || take_empty);
     end
   end
@@ -306,20 +304,23 @@ module sp_packetizer #(
     if (fifo_valid_o) assert (fifo_last_o == (f_left_q == FLeftBits'(1)));
     assert (CountBits'(f_free_q) >= CountBits'(f_left_q));
     if (q.asked[2] || q.asked[1]) assert (need1_q == CountBits'(payload1_q) + CountBits'(Overhead));
-    if ((q.asked[Start2] || q.asked[BreakFirst2]) && room2_q && q.state[Idle]) begin
+    if ((q.asked[Start2] || q.asked[BreakFirst2]) && room2_q && !q.busy) begin
       assert (CountBits'(f_free_q) >= CountBits'(payload2_q) + CountBits'(Overhead));
     end
+    if (q.asked[Start2:BreakFirst2] != '0) assert (one2_q == (payload2_q == PayloadBits'(1)));
     // A loss on its way to the counter keeps the block awake.
     if (q.lost_now) assert (q.asked[8] || q.asked[7]);
     if (f_counting_q) assert (q.asked[11] || q.asked[10]);
     // Asleep nothing is asked or under way.
-    if (!q.awake) assert (q.asked == '0 && q.state[Idle] && !q.lost_now && !fifo_valid_o);
-    assert ($countones(q.state) == 1);
-    if (q.state[Idle]) assert (f_left_q == '0 && !fifo_valid_o);
+    if (!q.awake) assert (q.asked == '0 && !q.busy && q.lost_now == '0 && !fifo_valid_o);
+    assert ($countones(q.state) == 32'(q.busy));
+    assert (q.numbered == (q.state[Header+1] || q.state[Trailer+:3] != '0));
+    if (!q.busy) assert (f_left_q == '0 && !fifo_valid_o);
     if (q.state[Header+:4] != '0) begin
       assert (f_after == FLeftBits'(payload_q) + FLeftBits'(Overhead) - FLeftBits'(q.state[Header+1]) - FLeftBits'({q.state[Header+2], 1'b0}) -
               FLeftBits'({q.state[Header+3], q.state[Header+3]}));
       assert (empty_q == (payload_q == '0));
+      if (!empty_q) assert (one_q == (payload_q == PayloadBits'(1)));
       if (!q.state[Header]) assert (left_q == payload_q && one_left_q == (left_q == PayloadBits'(1)));
     end
     if (q.state[Payload] || q.state[Fill]) begin

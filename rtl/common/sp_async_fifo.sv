@@ -32,7 +32,8 @@ module sp_async_fifo #(
   logic [LogDepth:0] wr_ptr_q;
   logic [LogDepth:0] wr_gray_q;
   logic [LogDepth:0] rd_gray_seen;
-  logic [LogDepth:0] rd_bin_seen, rd_bin_q;
+  logic [LogDepth:0] rd_part_seen, rd_part_q;
+  logic [LogDepth:0] rd_bin;
   logic              write;
 
   // read side
@@ -67,21 +68,18 @@ module sp_async_fifo #(
 `endif
   );
 
-  // Gray to binary: bit i is the exclusive or of all bits from i on, for up to 16 bits
-  logic [LogDepth:0] bin2, bin4, bin8;
-  assign bin2        = rd_gray_seen ^ (rd_gray_seen >> 1);
-  assign bin4        = bin2 ^ (bin2 >> 2);
-  assign bin8        = bin4 ^ (bin4 >> 4);
-  assign rd_bin_seen = bin8 ^ (bin8 >> 8);
+  // Gray to binary: bit i is the exclusive or of all bits from i on, for up to 16 bits: of four, and a clock later of all
+  assign rd_part_seen = rd_gray_seen ^ (rd_gray_seen >> 1) ^ (rd_gray_seen >> 2) ^ (rd_gray_seen >> 3);
+  assign rd_bin       = rd_part_q ^ (rd_part_q >> 4) ^ (rd_part_q >> 8) ^ (rd_part_q >> 12);
 
   // depth + read - written, and less what is being written
   always_ff @(posedge wr_clk_i) begin
     if (wr_rst_i) begin
-      rd_bin_q  <= '0;
+      rd_part_q <= '0;
       wr_free_o <= {1'b1, {LogDepth{1'b0}}};
     end else begin
-      rd_bin_q  <= rd_bin_seen;
-      wr_free_o <= (rd_bin_q ^ {1'b1, {LogDepth{1'b0}}}) - wr_ptr_q - (LogDepth + 1)'(write);
+      rd_part_q <= rd_part_seen;
+      wr_free_o <= (rd_bin ^ {1'b1, {LogDepth{1'b0}}}) - wr_ptr_q - (LogDepth + 1)'(write);
     end
   end
 
@@ -178,9 +176,9 @@ module sp_async_fifo #(
   end
 
   logic [LogDepth:0] f_step1a, f_step1b, f_step1, f_step2, f_step3, f_step4, f_step5, f_step6, f_step7, f_held, f_before_mark;
-  assign f_step1a = rd_bin_q - (wr_ptr_q + wr_free_o - (LogDepth + 1)'(1 << LogDepth));
-  assign f_step1b = rd_bin_seen - rd_bin_q;
-  assign f_step1 = f_binary(f_rd_meta) - rd_bin_seen;
+  assign f_step1a = rd_bin - (wr_ptr_q + wr_free_o - (LogDepth + 1)'(1 << LogDepth));
+  assign f_step1b = f_binary(rd_gray_seen) - rd_bin;
+  assign f_step1 = f_binary(f_rd_meta) - f_binary(rd_gray_seen);
   assign f_step2 = f_binary(f_rd_before) - f_binary(f_rd_meta);
   assign f_step3 = rd_ptr_q - f_binary(f_rd_before);
   assign f_step4 = f_binary(wr_gray_seen) - rd_ptr_q;
@@ -211,7 +209,7 @@ module sp_async_fifo #(
 
   // Reset leaves nothing behind: one rise clears a side's pointers, two what has come to it of the other's.
   always_comb if (!f_run) begin
-    if (f_wr_one) assert (wr_ptr_q == '0 && wr_gray_q == '0 && f_rd_meta == '0 && rd_bin_q == '0);
+    if (f_wr_one) assert (wr_ptr_q == '0 && wr_gray_q == '0 && f_rd_meta == '0 && rd_part_q == '0);
     if (f_wr_one) assert (wr_free_o == (LogDepth + 1)'(1 << LogDepth));
     if (f_rd_one) assert (rd_ptr_q == '0 && rd_gray_q == '0 && f_wr_meta == '0 && !rd_valid_o && !f_at_output_q);
     if (f_wr_two) assert (rd_gray_seen == '0 && f_wr_before == '0);

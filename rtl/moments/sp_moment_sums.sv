@@ -45,12 +45,12 @@ module sp_moment_sums #(
 );
 
   // Stage 1: the M word is read, and A's read begins
-  logic                    s1_add_q, s1_drain_q, s1_first_q, s1_one_q, s1_two_q, s1_grey_q;
+  logic                    s1_add_q, s1_drain_q, s1_first_q, s1_next_q, s1_last_q, s1_grey_q;
   logic [GroupBits-1:0]    s1_group_q, s1_drain_group_q;
   logic [4*WeightBits-1:0] s1_weights_q;
   logic [RowBits-1:0]      s1_row_q;
   // Stage 2: M is summed and written
-  logic                    s2_add_q, s2_first_q, s2_use_sum_q, s2_forward_q, s2_grey_q;
+  logic                    s2_add_q, s2_first_q, s2_next_q, s2_last_q, s2_grey_q;
   logic [GroupBits-1:0]    s2_group_q;
   logic [RowBits-1:0]      s2_row_q;
   // Stage 3: A is summed and written
@@ -59,11 +59,9 @@ module sp_moment_sums #(
   logic [4*LaneMBits-1:0]  sum_m;
   logic [4*LaneABits-1:0]  sum_a;
 
-  // The beat two clocks ahead had the same address, and its sum is not readable yet: true only for images of two
-  // groups without a gap, since groups alternate.
-  logic forward_m;
-  assign forward_m = s1_two_q && s2_add_q && s3_add_q;
-
+  // Where the sum that a beat adds to is not readable yet, its own stages have it. s1_next_q: it is the sum now being made, of
+  // the beat a clock ahead in an image of one group. s1_last_q: it is the last sum made, of an image of one group with a gap
+  // before the beat, or of the beat two clocks ahead in an image of two groups without a gap, since groups alternate.
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       s1_add_q   <= 1'b0;
@@ -79,50 +77,38 @@ module sp_moment_sums #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (drain_i) s1_drain_group_q <= drain_group_i;
-    if (add_i) begin
-      s1_group_q   <= group_i;
-      s1_first_q   <= first_row_i;
-      s1_one_q     <= one_group_i;
-      s1_two_q     <= two_groups_i;
-      s1_grey_q    <= grey_i;
-      s1_weights_q <= weights_i;
-      s1_row_q     <= row_i;
-    end
-    if (s1_add_q) begin
-      s2_group_q   <= s1_group_q;
-      s2_first_q   <= s1_first_q;
-      s2_use_sum_q <= s1_one_q && !s1_first_q;
-      s2_forward_q <= forward_m;
-      s2_grey_q    <= s1_grey_q;
-      s2_row_q     <= s1_row_q;
-    end
-    if (s2_add_q) begin
-      s3_group_q   <= s2_group_q;
-    end
+    s1_drain_group_q <= drain_group_i;
+    s1_group_q       <= group_i;
+    s1_first_q       <= first_row_i;
+    s1_next_q        <= one_group_i && s1_add_q;
+    s1_last_q        <= s1_add_q ? two_groups_i && s2_add_q : one_group_i;
+    s1_grey_q        <= grey_i;
+    s1_weights_q     <= weights_i;
+    s1_row_q         <= row_i;
+    s2_group_q       <= s1_group_q;
+    s2_first_q       <= s1_first_q;
+    s2_next_q        <= s1_next_q;
+    s2_last_q        <= s1_last_q;
+    s2_grey_q        <= s1_grey_q;
+    s2_row_q         <= s1_row_q;
+    s3_group_q       <= s2_group_q;
   end
 
   for (genvar lane = 0; lane < 4; lane++) begin : gen_lane
     logic [WeightBits-1:0] s2_weight_q;
-    logic [M0Bits-1:0]     s2_old_m0_q, base_m0, next_m0, sum_m0_q;
-    logic [LaneABits-1:0]  s3_addend_q, s3_old_a_q, next_a, last_a, sum_a_q;
+    logic [M0Bits-1:0]     s2_old_m0_q, next_m0, sum_m0_q;
+    logic [LaneABits-1:0]  s3_addend_q, s3_old_a_q, next_a, sum_a_q;
     logic                  lit;
 
     assign lit     = |s2_weight_q;  // a lit pixel weighs at least 1 in every mode
-    assign base_m0 = s2_use_sum_q ? sum_m0_q : s2_old_m0_q;
-    assign next_m0 = {{(M0Bits - WeightBits) {1'b0}}, s2_weight_q} + base_m0;
+    assign next_m0 = {{(M0Bits - WeightBits) {1'b0}}, s2_weight_q} + s2_old_m0_q;
     assign next_a  = s3_addend_q + s3_old_a_q;
-    assign last_a  = s3_add_q ? next_a : sum_a_q;  // the sum of the beat before
 
     always_ff @(posedge clk_i) begin
-      if (s1_add_q) begin
-        s2_weight_q <= s1_weights_q[lane*WeightBits+:WeightBits];
-        s2_old_m0_q <= s1_first_q ? '0 : forward_m ? sum_m0_q : raw_m_o[lane*LaneMBits+:M0Bits];
-      end
-      if (s2_add_q) begin
-        sum_m0_q   <= next_m0;
-        s3_old_a_q <= s2_first_q ? '0 : s2_use_sum_q ? last_a : s2_forward_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
-      end
+      s2_weight_q <= s1_weights_q[lane*WeightBits+:WeightBits];
+      s2_old_m0_q <= s1_first_q ? '0 : s1_next_q ? next_m0 : s1_last_q ? sum_m0_q : raw_m_o[lane*LaneMBits+:M0Bits];
+      s3_old_a_q  <= s2_first_q ? '0 : s2_next_q ? next_a : s2_last_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
+      if (s2_add_q) sum_m0_q <= next_m0;
       if (s3_add_q) sum_a_q <= next_a;
     end
 
@@ -132,24 +118,20 @@ module sp_moment_sums #(
     assign sum_a_o[lane*LaneABits+:LaneABits]  = sum_a_q;
 
     if (Grey) begin : gen_grey
-      logic [RowBits-1:0] s2_old_n_q, base_n, next_n, sum_n_q;
+      logic [RowBits-1:0] s2_old_n_q, next_n, sum_n_q;
 
-      assign base_n = s2_use_sum_q ? sum_n_q : s2_old_n_q;
-      assign next_n = {{(RowBits - 1) {1'b0}}, lit} + base_n;
+      assign next_n = {{(RowBits - 1) {1'b0}}, lit} + s2_old_n_q;
       always_ff @(posedge clk_i) begin
-        if (s1_add_q) begin
-          s2_old_n_q <= s1_first_q ? '0 : forward_m ? sum_n_q : raw_m_o[lane*LaneMBits+M0Bits+:RowBits];
-        end
-        if (s2_add_q) begin
-          sum_n_q     <= next_n;
-          s3_addend_q <= s2_grey_q ? LaneABits'(base_m0) : (lit ? LaneABits'(s2_row_q) : {LaneABits{1'b0}});
-        end
+        s2_old_n_q  <= s1_first_q ? '0 : s1_next_q ? next_n : s1_last_q ? sum_n_q :
+                       raw_m_o[lane*LaneMBits+M0Bits+:RowBits];
+        s3_addend_q <= s2_grey_q ? LaneABits'(s2_old_m0_q) : (lit ? LaneABits'(s2_row_q) : {LaneABits{1'b0}});
+        if (s2_add_q) sum_n_q <= next_n;
       end
       assign sum_m[lane*LaneMBits+M0Bits+:RowBits]   = next_n;
       assign sum_m_o[lane*LaneMBits+M0Bits+:RowBits] = sum_n_q;
     end else begin : gen_binary
       always_ff @(posedge clk_i) begin
-        if (s2_add_q) s3_addend_q <= (lit ? LaneABits'(s2_row_q) : {LaneABits{1'b0}});
+        s3_addend_q <= lit ? LaneABits'(s2_row_q) : {LaneABits{1'b0}};
       end
       logic unused;
       assign unused = s2_grey_q;
@@ -157,7 +139,7 @@ module sp_moment_sums #(
   end
 
   // A word holds two lanes. It is read and written in one clock only where the read word goes unused: in the first row, in
-  // images of one group (the sum register holds the value), and in images of two groups without a gap (forward_m).
+  // images of one group, and in images of two groups without a gap (s1_last_q).
   for (genvar pair = 0; pair < 2; pair++) begin : gen_pair
     sp_ram #(
       .Width   (2 * LaneMBits),

@@ -63,7 +63,7 @@ class Reference {
     late_break_.reset();
     if (beat) {
       empty_clocks_ = 0;
-      timeout_ = timeout;
+      timeout_ = timeout_before_;
       if (beat->user) {
         if (open) {  // the next frame starts before this one is complete
           out.break_status = spec::kStatusStartInFrame;
@@ -86,6 +86,7 @@ class Reference {
       late_in_last_row_ = last_row_begun_;
     }
     permits_[1] = {.start = run && (!hold || taken), .take = run && !hold};
+    timeout_before_ = timeout;
     return out;
   }
 
@@ -148,7 +149,8 @@ class Reference {
   bool last_row_begun_ = false;
   bool stray_flag_ = false;
   int empty_clocks_ = 0;
-  int timeout_ = 0;
+  int timeout_ = 0;         // beside the last beat
+  int timeout_before_ = 0;  // a clock ago
   int clocks_since_take_ = 100;
   std::optional<std::uint32_t> late_break_;
   bool late_in_last_row_ = false;

@@ -40,7 +40,7 @@ class Bench {
       packetizer_.valid_when(port, [this] { return packetizer_->fifo_valid_o != 0; });
     }
     packetizer_->start_i = 0;
-    packetizer_->break_first_i = 0;
+    packetizer_->break_i = 0;
     packetizer_->break_later_i = 0;
     packetizer_->spoiled_i = 0;
     packetizer_->payload_valid_i = 0;
@@ -80,11 +80,12 @@ class Bench {
     packetizer_->payload_beats_i =
         static_cast<std::remove_reference_t<decltype(packetizer_->payload_beats_i)>>(request.payload_beats);
     packetizer_->line_i = static_cast<SData>(request.line);
-    packetizer_->break_first_i = request.break_first;
+    packetizer_->break_i = request.break_first || request.break_with_start;
     packetizer_->start_status_i = static_cast<CData>(request.start_status);
     packetizer_->break_status_i = static_cast<CData>(request.break_status);
     packetizer_->break_later_i = request.break_with_start;
     if (mark_at_ == now) {
+      packetizer_->break_i = 1;
       packetizer_->break_later_i = 1;
       packetizer_->break_status_i = static_cast<CData>(mark_status_);
     }
@@ -428,7 +429,7 @@ TYPED_TEST(Packetizer, LongPayloads) {
 // As many as need more than one chain of the counter: each shows five clocks after its request.
 TYPED_TEST(Packetizer, ManyLossesAreCounted) {
   Clocked<TypeParam> packetizer;
-  packetizer->break_first_i = 0;
+  packetizer->break_i = 0;
   packetizer->break_later_i = 0;
   packetizer->spoiled_i = 0;
   packetizer->payload_valid_i = 0;
