@@ -80,22 +80,26 @@ module sp_frame_tracker #(
 
   // --- Settings ---
   // What is asked of the settings as written, known a clock after the write.
-  logic                 next_one_q, next_two_q, next_one_row_q, next_two_rows_q;
-  logic [GroupBits-1:0] next_groups_m2_q;
-  logic [RowBits-1:0]   next_rows_m1_q;
+  logic                 next_one_q, next_two_q, next_three_q, next_one_row_q, next_two_rows_q, next_three_rows_q;
+  logic [GroupBits-1:0] next_groups_m3_q;
+  logic [RowBits-1:0]   next_rows_m2_q;
   // and of those in force
-  logic [GroupBits-1:0] groups_m2_q;  // groups of a line, less 2
-  logic [RowBits-1:0]   rows_m1_q;
+  logic [GroupBits-1:0] groups_m3_q;  // groups of a line, less 3
+  logic [RowBits-1:0]   rows_m2_q;
+  logic                 three_q;   // three groups
   logic                 one_row_q;
   logic                 second_q;  // a frame's second beat is of its last row
+  logic                 soon_q;    // the first beat of the row after that is
 
   always_ff @(posedge clk_i) if (hold_i) begin
-    next_one_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1);
-    next_two_q       <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(2);
-    next_one_row_q   <= rows_i == RowBits'(1);
-    next_two_rows_q  <= rows_i == RowBits'(2);
-    next_groups_m2_q <= GroupBits'(columns_i[ColumnBits-1:2] - (ColumnBits - 2)'(2));
-    next_rows_m1_q   <= rows_i - RowBits'(1);
+    next_one_q        <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1);
+    next_two_q        <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(2);
+    next_one_row_q    <= rows_i == RowBits'(1);
+    next_two_rows_q   <= rows_i == RowBits'(2);
+    next_three_rows_q <= rows_i == RowBits'(3);
+    next_three_q      <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(3);
+    next_groups_m3_q  <= GroupBits'(columns_i[ColumnBits-1:2] - (ColumnBits - 2)'(3));
+    next_rows_m2_q    <= rows_i - RowBits'(2);
   end
 
   // --- Stage 1: registers of the beat ---
@@ -103,9 +107,9 @@ module sp_frame_tracker #(
   logic        s1_begin_q, s1_take_q;   // one that starts a frame; and takes the settings over
   logic        s1_last_q;
   logic [31:0] s1_pixels_q;
-  // Of a frame that starts with it: its line has one group, one or two; it has one row, its second beat is of its last; the line
-  // ends early or late; the frame goes on
-  logic        s1_one_q, s1_few_q, s1_one_row_q, s1_second_q, s1_odd_q, s1_stays_q;
+  // Of a frame that starts with it: its line has one group, one or two, three; it has one row, its second beat is of its last, the
+  // first beat of the row after that is; the line ends early or late; the frame goes on
+  logic        s1_one_q, s1_few_q, s1_three_q, s1_one_row_q, s1_second_q, s1_soon_q, s1_odd_q, s1_stays_q;
   logic        take, one, one_row;  // of a beat with tuser that comes now
 
   // --- Stage 0: what a beat that comes now may do, from run_i and hold_i a clock ago ---
@@ -158,6 +162,8 @@ module sp_frame_tracker #(
     s1_few_q     <= new_q ? next_one_q || next_two_q : one_group_o || two_groups_o;
     s1_one_row_q <= one_row;
     s1_second_q  <= new_q ? (next_one_q ? next_two_rows_q : next_one_row_q) : second_q;
+    s1_soon_q    <= new_q ? (next_one_q ? next_three_rows_q : next_two_rows_q) : soon_q;
+    s1_three_q   <= new_q ? next_three_q : three_q;
     s1_odd_q     <= s_axis_tlast_i != one;
     s1_stays_q   <= one ? s_axis_tlast_i && !one_row : !s_axis_tlast_i;
   end
@@ -172,10 +178,12 @@ module sp_frame_tracker #(
       stream_o     <= stream_i;
       one_group_o  <= next_one_q;
       two_groups_o <= next_two_q;
-      groups_m2_q  <= next_groups_m2_q;
-      rows_m1_q    <= next_rows_m1_q;
+      groups_m3_q  <= next_groups_m3_q;
+      rows_m2_q    <= next_rows_m2_q;
+      three_q      <= next_three_q;
       one_row_q    <= next_one_row_q;
       second_q     <= next_one_q ? next_two_rows_q : next_one_row_q;
+      soon_q       <= next_one_q ? next_three_rows_q : next_two_rows_q;
     end
   end
 
@@ -193,6 +201,16 @@ module sp_frame_tracker #(
   logic [GroupBits-1:0] group_q;          // the next beat's
   logic                 group_is_last_q;
   logic                 timed_out;
+
+  // Whether the group, the row after the next one is the last, known when the one before that came: compared, or, behind a
+  // frame's first beat and a line's last, from the size alone.
+  typedef struct packed {
+    logic compared;
+    logic is_known;
+    logic known;
+  } soon_t;
+
+  soon_t group_soon_q, row_soon_q;
 
   // What a beat with tuser is judged by needs no word of whether it is taken: then nothing of this counts.
   logic belongs;  // the beat is part of a frame
@@ -223,21 +241,28 @@ module sp_frame_tracker #(
   always_ff @(posedge clk_i) begin
     if (s1_valid_q) begin
       if (s1_start_q) begin
-        group_q         <= GroupBits'(!s1_one_q);
-        group_is_last_q <= s1_few_q;
-        row_q.number    <= s1_one_q ? RowBits'(2) : RowBits'(1);
-        row_q.is_first  <= !s1_one_q;
-        row_q.is_last   <= s1_second_q;
+        group_q             <= GroupBits'(!s1_one_q);
+        group_is_last_q     <= s1_few_q;
+        row_q.number        <= s1_one_q ? RowBits'(2) : RowBits'(1);
+        row_q.is_first      <= !s1_one_q;
+        row_q.is_last       <= s1_second_q;
+        row_soon_q.is_known <= 1'b1;
+        row_soon_q.known    <= s1_soon_q;
       end else if (group_is_last_q) begin
-        group_q         <= '0;
-        group_is_last_q <= one_group_o;
-        row_q.number    <= row_q.number + RowBits'(1);
-        row_q.is_first  <= 1'b0;
-        row_q.is_last   <= row_q.number == rows_m1_q;
+        group_q             <= '0;
+        group_is_last_q     <= one_group_o;
+        row_q.number        <= row_q.number + RowBits'(1);
+        row_q.is_first      <= 1'b0;
+        row_q.is_last       <= row_soon_q.is_known ? row_soon_q.known : row_soon_q.compared;
+        row_soon_q.is_known <= 1'b0;
+        row_soon_q.compared <= row_q.number == rows_m2_q;
       end else begin
-        group_q         <= group_q + GroupBits'(1);
-        group_is_last_q <= group_q == groups_m2_q;
+        group_q             <= group_q + GroupBits'(1);
+        group_is_last_q     <= group_soon_q.is_known ? group_soon_q.known : group_soon_q.compared;
       end
+      group_soon_q.compared <= group_q == groups_m3_q;
+      group_soon_q.is_known <= s1_start_q || group_is_last_q;
+      group_soon_q.known    <= s1_start_q ? s1_three_q : two_groups_o;
     end
   end
 
@@ -446,11 +471,20 @@ module sp_frame_tracker #(
       assert (row_q.is_last == (row_q.number == rows_o));
       assert ((ColumnBits)'(group_q) < columns_o >> 2);
       assert (group_is_last_q == ((ColumnBits)'(group_q) == (columns_o >> 2) - ColumnBits'(1)));
+      if (!group_is_last_q) begin
+        assert ((group_soon_q.is_known ? group_soon_q.known : group_soon_q.compared) ==
+                ((ColumnBits)'(group_q) + ColumnBits'(2) == columns_o >> 2));
+      end
+      if (!row_q.is_last) begin
+        assert ((row_soon_q.is_known ? row_soon_q.known : row_soon_q.compared) == (row_q.number + RowBits'(1) == rows_o));
+      end
     end
     if (s1_start_q) begin
       assert (s1_one_q == (s1_take_q ? next_one_q : one_group_o) && s1_one_row_q == (s1_take_q ? next_one_row_q : one_row_q));
       assert (s1_few_q == (s1_take_q ? next_one_q || next_two_q : one_group_o || two_groups_o));
       assert (s1_second_q == (s1_take_q ? (next_one_q ? next_two_rows_q : next_one_row_q) : second_q));
+      assert (s1_soon_q == (s1_take_q ? (next_one_q ? next_three_rows_q : next_two_rows_q) : soon_q));
+      assert (s1_three_q == (s1_take_q ? next_three_q : three_q));
       assert (s1_odd_q == (s1_last_q != s1_one_q) && s1_stays_q == (s1_one_q ? s1_last_q && !s1_one_row_q : !s1_last_q));
     end
     if (!hold_i || !f_hold_q[1] || !f_hold_q[2]) begin
@@ -458,8 +492,10 @@ module sp_frame_tracker #(
       assert (next_two_q == (columns_i == ColumnBits'(8)));
       assert (next_one_row_q == (rows_i == RowBits'(1)));
       assert (next_two_rows_q == (rows_i == RowBits'(2)));
-      assert (next_groups_m2_q == GroupBits'((columns_i >> 2) - ColumnBits'(2)));
-      assert (next_rows_m1_q == rows_i - RowBits'(1));
+      assert (next_three_q == (columns_i == ColumnBits'(12)));
+      assert (next_three_rows_q == (rows_i == RowBits'(3)));
+      assert (next_groups_m3_q == GroupBits'((columns_i >> 2) - ColumnBits'(3)));
+      assert (next_rows_m2_q == rows_i - RowBits'(2));
     end
     if (in_force_q) begin
       assert (columns_o[1:0] == 2'd0 && columns_o != '0 && columns_o <= ColumnBits'(MaxColumns));
@@ -468,8 +504,10 @@ module sp_frame_tracker #(
       assert (two_groups_o == (columns_o == ColumnBits'(8)));
       assert (one_row_q == (rows_o == RowBits'(1)));
       assert (second_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(2) : RowBits'(1))));
-      assert (rows_m1_q == rows_o - RowBits'(1));
-      assert (groups_m2_q == GroupBits'((columns_o >> 2) - ColumnBits'(2)));
+      assert (soon_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(3) : RowBits'(2))));
+      assert (three_q == (columns_o == ColumnBits'(12)));
+      assert (rows_m2_q == rows_o - RowBits'(2));
+      assert (groups_m3_q == GroupBits'((columns_o >> 2) - ColumnBits'(3)));
     end
     cover (f_frame_end && rows_o == RowBits'(2) && columns_o == ColumnBits'(8));
   end

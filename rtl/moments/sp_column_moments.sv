@@ -88,23 +88,32 @@ module sp_column_moments #(
 
   assign {s4_first_row, s4_last_row, s4_line_end, s4_one, s4_two, s4_grey} = s4_flags_q;
 
+  logic [31:0] s1_pixels_q;
+  logic [7:0]  s1_room_q;  // 255 less the threshold
+  always_ff @(posedge clk_i) begin
+    s1_pixels_q <= beat_pixels_i;
+    s1_room_q   <= ~threshold_i;
+  end
+
   for (genvar lane = 0; lane < 4; lane++) begin : gen_weight
-    logic [7:0] pixel;
-    logic       lit1_q;
-    assign pixel = beat_pixels_i[8*lane+:8];
-    always_ff @(posedge clk_i) lit1_q <= pixel > threshold_i;
+    // A pixel greater than the threshold and the room above that are more than 255: the carry, as a bit of the sum it stays at
+    // the end of its chain. In reset it does not matter.
+    logic       lit;
+    logic [7:0] unused_sum;
+    assign {lit, unused_sum} = {rst_i, s1_pixels_q[8*lane+:8]} + {1'b0, s1_room_q};
     if (Grey) begin : gen_grey
-      logic [7:0] value1_q;
+      logic [7:0] pixel, value1_q;
+      assign pixel = beat_pixels_i[8*lane+:8];
       always_ff @(posedge clk_i) begin
         case (mode_i)
           sp_spec_pkg::ModeBinary: value1_q <= 8'd1;
           sp_spec_pkg::ModeGrey:   value1_q <= pixel;
           default:                 value1_q <= pixel - threshold_i;
         endcase
-        s2_weights_q[8*lane+:8] <= lit1_q ? value1_q : 8'd0;
+        s2_weights_q[8*lane+:8] <= lit ? value1_q : 8'd0;
       end
     end else begin : gen_binary
-      always_ff @(posedge clk_i) s2_weights_q[lane] <= lit1_q;
+      always_ff @(posedge clk_i) s2_weights_q[lane] <= lit;
     end
   end
 

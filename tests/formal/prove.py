@@ -87,7 +87,7 @@ FAULTS = [
     Fault("frame_tracker/takes_any_time", "frame_tracker", "board/sp_frame_tracker.sv",
           "may_take_q  <= run_i && !hold_i && !s1_take_q && took_q == '0;", "may_take_q  <= run_i && !hold_i && !s1_take_q;", 16),
     Fault("frame_tracker/row_too_many", "frame_tracker", "board/sp_frame_tracker.sv",
-          "next_rows_m1_q   <= rows_i - RowBits'(1);", "next_rows_m1_q   <= rows_i;", 16),
+          "next_rows_m2_q    <= rows_i - RowBits'(2);", "next_rows_m2_q    <= rows_i - RowBits'(1);", 16),
     Fault("axil_bridge/forgets_an_answer", "axil_bridge", "board/sp_axil_bridge.sv",
           "if (!late_q && reading_q) s_axil_rvalid_o <= 1'b1;", "if (!late_q && reading_q) s_axil_rvalid_o <= !timed_out_q;"),
     Fault("packetizer/no_fill", "packetizer", "board/sp_packetizer.sv",
