@@ -310,7 +310,6 @@ module sp_frame_tracker #(
   logic start_breaks;  // a start ends an open frame
   logic late_break;    // a line or a pause ends it
   logic late_break_q;
-  logic late_in_last_q;
   logic [sp_spec_pkg::StatusBits-1:0] late_status_q;
 
   assign stray        = run_i && (s1_start_q && !s1_begin_q || s1_more_q && !open_q);
@@ -348,13 +347,12 @@ module sp_frame_tracker #(
     beat_last_row_o   <= in_last_row;
     beat_line_start_o <= s1_start_q || !in_line_q;
     beat_line_end_o   <= line_end;
-    late_in_last_q    <= s1_valid_q ? in_last_row : in_last_row_q;
     late_status_q     <= '0;
     late_status_q[sp_spec_pkg::StatusShortLineBit]  <= s1_valid_q && s1_last_q;
     late_status_q[sp_spec_pkg::StatusLongLineBit]   <= s1_valid_q && !s1_last_q;
     late_status_q[sp_spec_pkg::StatusIncompleteBit] <= !s1_valid_q;
     if (start_breaks || late_break_q) begin
-      break_in_last_row_o <= late_break_q ? late_in_last_q : in_last_row_q;
+      break_in_last_row_o <= in_last_row_q;
       break_status_o      <= late_break_q ? late_status_q :
                              sp_spec_pkg::StatusBits'(1) << sp_spec_pkg::StatusStartInFrameBit;
     end

@@ -197,7 +197,7 @@ module sp_packetizer #(
   assign fifo_last_o  = q.last;
 
   function automatic logic [127:0] beat_if(input logic now, input logic [127:0] beat);
-    beat_if = now ? beat : 128'd0;
+    beat_if = {128{now}} & beat;
   endfunction
 
   // Check word, one clock behind the beats. The trailer counts with its check field 0, before it is written.

@@ -188,7 +188,7 @@ module sp_registers #(
 
   // word where its register is asked for
   function automatic logic [31:0] word_if(input logic hit, input logic [31:0] word);
-    word_if = hit ? word : 32'd0;
+    word_if = {32{hit}} & word;
   endfunction
 
   always_ff @(posedge clk_i) begin

@@ -125,6 +125,7 @@ module sp_column_moments #(
   logic                   draining;
   logic [4*LaneMBits-1:0] raw_m, sum_m;
   logic [4*LaneABits-1:0] raw_a, sum_a;
+  logic                   sum_m_new, sum_a_new;
 
   assign s4_drain_row = s4_last_row && s4_grey;
   // A first row needs no read and may pass a drain; any other row meets one only after a change of size: see spoiled_o.
@@ -150,7 +151,9 @@ module sp_column_moments #(
     .raw_m_o      (raw_m),
     .raw_a_o      (raw_a),
     .sum_m_o      (sum_m),
-    .sum_a_o      (sum_a)
+    .sum_a_o      (sum_a),
+    .sum_m_new_o  (sum_m_new),
+    .sum_a_new_o  (sum_a_new)
   );
 
   // --- Mode binary: the sums of the last row, as they come ---
@@ -217,6 +220,8 @@ module sp_column_moments #(
       .raw_a_i         (raw_a),
       .sum_m_i         (sum_m),
       .sum_a_i         (sum_a),
+      .sum_m_new_i     (sum_m_new),
+      .sum_a_new_i     (sum_a_new),
       .valid_o         (drain_valid),
       .data_o          (drain_data),
       .break_o         (drain_break)
@@ -242,7 +247,7 @@ module sp_column_moments #(
     assign moments_data_o  = direct_data;
     assign moments_break_o = direct_break_q[8];
     logic unused;
-    assign unused = ^{s4_line_end, raw_m, raw_a, mode_i};
+    assign unused = ^{s4_line_end, raw_m, raw_a, sum_m_new, sum_a_new, mode_i};
   end
 
 `ifdef FORMAL

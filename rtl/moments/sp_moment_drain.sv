@@ -43,6 +43,8 @@ module sp_moment_drain #(
   input  wire logic [4*LaneABits-1:0] raw_a_i,
   input  wire logic [4*LaneMBits-1:0] sum_m_i,
   input  wire logic [4*LaneABits-1:0] sum_a_i,
+  input  wire logic                   sum_m_new_i,  // sum_m_i is of the beat two clocks ahead of the read: too new for the memory
+  input  wire logic                   sum_a_new_i,
 
   output logic                        valid_o,
   output logic [127:0]                data_o,
@@ -150,10 +152,10 @@ module sp_moment_drain #(
   always_ff @(posedge clk_i) begin
     s3_pick_q <= s2_first_q;
     if (odd_q) begin
-      s2_m_q       <= first_row_q ? '0 : one_group_q ? sum_m_i : raw_m_i;
+      s2_m_q       <= first_row_q ? '0 : one_group_q && sum_m_new_i ? sum_m_i : raw_m_i;
       s2_weights_q <= raw_weights;
     end
-    if (s2_first_q) s3_a_q <= first_row_q ? '0 : one_group_q ? sum_a_i : raw_a_i;
+    if (s2_first_q) s3_a_q <= first_row_q ? '0 : one_group_q && sum_a_new_i ? sum_a_i : raw_a_i;
   end
 
   for (genvar c = 0; c < 2; c++) begin : gen_column

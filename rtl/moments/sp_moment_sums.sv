@@ -41,7 +41,9 @@ module sp_moment_sums #(
   output logic [4*LaneMBits-1:0]        raw_m_o,  // {N, M0} of each lane, or M0
   output logic [4*LaneABits-1:0]        raw_a_o,
   output logic [4*LaneMBits-1:0]        sum_m_o,
-  output logic [4*LaneABits-1:0]        sum_a_o
+  output logic [4*LaneABits-1:0]        sum_a_o,
+  output logic                          sum_m_new_o,  // sum_m_o is of a beat in stage 3, for this clock only
+  output logic                          sum_a_new_o   // sum_a_o is of a beat in stage 4
 );
 
   // Stage 1: the M word is read, and A's read begins
@@ -54,34 +56,38 @@ module sp_moment_sums #(
   logic [GroupBits-1:0]    s2_group_q;
   logic [RowBits-1:0]      s2_row_q;
   // Stage 3: A is summed and written
-  logic                    s3_add_q;
+  logic                    s3_add_q, s4_add_q;
   logic [GroupBits-1:0]    s3_group_q;
   logic [4*LaneMBits-1:0]  sum_m;
   logic [4*LaneABits-1:0]  sum_a;
 
   // Where the sum that a beat adds to is not readable yet, its own stages have it. s1_next_q: it is the sum now being made, of
-  // the beat a clock ahead in an image of one group. s1_last_q: it is the last sum made, of an image of one group with a gap
-  // before the beat, or of the beat two clocks ahead in an image of two groups without a gap, since groups alternate.
+  // the beat a clock ahead in an image of one group. s1_last_q: it is the last sum made, of the beat two clocks ahead, in an
+  // image of one group with a gap before the beat, or of two groups without a gap, since groups alternate.
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       s1_add_q   <= 1'b0;
       s1_drain_q <= 1'b0;
       s2_add_q   <= 1'b0;
       s3_add_q   <= 1'b0;
+      s4_add_q   <= 1'b0;
     end else begin
       s1_add_q   <= add_i;
       s1_drain_q <= drain_i;
       s2_add_q   <= s1_add_q;
       s3_add_q   <= s2_add_q;
+      s4_add_q   <= s3_add_q;
     end
   end
+  assign sum_m_new_o = s3_add_q;
+  assign sum_a_new_o = s4_add_q;
 
   always_ff @(posedge clk_i) begin
     s1_drain_group_q <= drain_group_i;
     s1_group_q       <= group_i;
     s1_first_q       <= first_row_i;
     s1_next_q        <= one_group_i && s1_add_q;
-    s1_last_q        <= s1_add_q ? two_groups_i && s2_add_q : one_group_i;
+    s1_last_q        <= s2_add_q && (s1_add_q ? two_groups_i : one_group_i);
     s1_grey_q        <= grey_i;
     s1_weights_q     <= weights_i;
     s1_row_q         <= row_i;
@@ -108,8 +114,8 @@ module sp_moment_sums #(
       s2_weight_q <= s1_weights_q[lane*WeightBits+:WeightBits];
       s2_old_m0_q <= s1_first_q ? '0 : s1_next_q ? next_m0 : s1_last_q ? sum_m0_q : raw_m_o[lane*LaneMBits+:M0Bits];
       s3_old_a_q  <= s2_first_q ? '0 : s2_next_q ? next_a : s2_last_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
-      if (s2_add_q) sum_m0_q <= next_m0;
-      if (s3_add_q) sum_a_q <= next_a;
+      sum_m0_q    <= next_m0;
+      sum_a_q     <= next_a;
     end
 
     assign sum_m[lane*LaneMBits+:M0Bits]       = next_m0;
@@ -125,7 +131,7 @@ module sp_moment_sums #(
         s2_old_n_q  <= s1_first_q ? '0 : s1_next_q ? next_n : s1_last_q ? sum_n_q :
                        raw_m_o[lane*LaneMBits+M0Bits+:RowBits];
         s3_addend_q <= s2_grey_q ? LaneABits'(s2_old_m0_q) : (lit ? LaneABits'(s2_row_q) : {LaneABits{1'b0}});
-        if (s2_add_q) sum_n_q <= next_n;
+        sum_n_q     <= next_n;
       end
       assign sum_m[lane*LaneMBits+M0Bits+:RowBits]   = next_n;
       assign sum_m_o[lane*LaneMBits+M0Bits+:RowBits] = sum_n_q;

@@ -113,8 +113,8 @@ FAULTS = [
     Fault("column_moments_binary/row_off_by_one", "column_moments_binary", "moments/sp_moment_sums.sv",
           "s1_row_q         <= row_i;", "s1_row_q         <= row_i - RowBits'(1);", 12),
     Fault("column_moments_binary/no_forward", "column_moments_binary", "moments/sp_moment_sums.sv",
-          "s1_last_q        <= s1_add_q ? two_groups_i && s2_add_q : one_group_i;",
-          "s1_last_q        <= !s1_add_q && one_group_i;", 14),
+          "s1_last_q        <= s2_add_q && (s1_add_q ? two_groups_i : one_group_i);",
+          "s1_last_q        <= s2_add_q && !s1_add_q && one_group_i;", 14),
     Fault("column_moments_grey/threshold_kept", "column_moments_grey", "moments/sp_column_moments.sv",
           "default:                 value1_q <= pixel - threshold_i;", "default:                 value1_q <= pixel;", 16),
 ]
