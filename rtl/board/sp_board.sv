@@ -268,6 +268,7 @@ module sp_board #(
   sp_trigger u_trigger (
     .clk_i         (clk_i),
     .rst_i         (rst_i),
+    .set_i         (set_hold),
     .run_i         (trigger_run),
     .on_frame_i    (trigger_on_frame),
     .last_pattern_i(trigger_last_pattern),

@@ -42,6 +42,8 @@ module sp_encoder (
   logic [1:0]  before1_q, before2_q;  // one clock ago, two clocks ago
   logic [1:0]  changes;               // a line takes another level
   logic        awake_q;               // the lines did not stand at level a clock ago, or it is soon after reset
+  logic [2:0]  stirred_q;             // awake_q, one to three clocks ago
+  logic        follow_q;              // the counts may move: awake up to four clocks ago
 
   sp_sync #(
     .Width(2)
@@ -60,6 +62,8 @@ module sp_encoder (
     before2_q <= before1_q;
     before1_q <= now;
     awake_q   <= rst_i || now != lines_q.level || !lines_q.settled;
+    stirred_q <= {stirred_q[1:0], awake_q};
+    follow_q  <= awake_q || stirred_q != '0;
   end
 
   // The lines may stand anywhere at reset: the first levels are taken over without counting. Reset lasts longer than a clock,
@@ -73,12 +77,15 @@ module sp_encoder (
       lines_q.down    <= lines_q.level[0] ^ changes[0] ^ lines_q.level[1] ^ 1'b1;  // {b, a} runs 00, 01, 11, 10 where A leads
       lines_q.error   <= lines_q.settled && &changes;
     end
+  end
+
+  always_ff @(posedge clk_i) if (follow_q) begin
     if (rst_i) errors_q <= '0;
     else errors_q <= errors_q + 16'(lines_q.error);
   end
 
   // --- Count, in three chains: the lowest a clock ahead of what is told, the others follow it ---
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_i) if (follow_q) begin
     if (rst_i) begin
       chain_q <= '0;
     end else begin
@@ -89,7 +96,7 @@ module sp_encoder (
     end
   end
 
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_i) if (follow_q) begin
     if (rst_i) begin
       count_q <= '0;
     end else begin

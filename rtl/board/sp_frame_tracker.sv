@@ -158,14 +158,16 @@ module sp_frame_tracker #(
     end
     s1_pixels_q  <= s_axis_tdata_i;
     s1_last_q    <= s_axis_tlast_i;
-    s1_one_q     <= one;
-    s1_few_q     <= new_q ? next_one_q || next_two_q : one_group_o || two_groups_o;
-    s1_one_row_q <= one_row;
-    s1_second_q  <= new_q ? (next_one_q ? next_two_rows_q : next_one_row_q) : second_q;
-    s1_soon_q    <= new_q ? (next_one_q ? next_three_rows_q : next_two_rows_q) : soon_q;
-    s1_three_q   <= new_q ? next_three_q : three_q;
-    s1_odd_q     <= s_axis_tlast_i != one;
-    s1_stays_q   <= one ? s_axis_tlast_i && !one_row : !s_axis_tlast_i;
+    if (s_axis_tuser_i) begin
+      s1_one_q     <= one;
+      s1_few_q     <= new_q ? next_one_q || next_two_q : one_group_o || two_groups_o;
+      s1_one_row_q <= one_row;
+      s1_second_q  <= new_q ? (next_one_q ? next_two_rows_q : next_one_row_q) : second_q;
+      s1_soon_q    <= new_q ? (next_one_q ? next_three_rows_q : next_two_rows_q) : soon_q;
+      s1_three_q   <= new_q ? next_three_q : three_q;
+      s1_odd_q     <= s_axis_tlast_i != one;
+      s1_stays_q   <= one ? s_axis_tlast_i && !one_row : !s_axis_tlast_i;
+    end
   end
 
   always_ff @(posedge clk_i) begin
@@ -310,7 +312,7 @@ module sp_frame_tracker #(
   logic start_breaks;  // a start ends an open frame
   logic late_break;    // a line or a pause ends it
   logic late_break_q;
-  logic [sp_spec_pkg::StatusBits-1:0] late_status_q;
+  logic late_valid_q, late_last_q;  // there was a beat a clock ago, with tlast
 
   assign stray        = run_i && (s1_start_q && !s1_begin_q || s1_more_q && !open_q);
   assign start_breaks = s1_start_q && open_q;
@@ -347,14 +349,15 @@ module sp_frame_tracker #(
     beat_last_row_o   <= in_last_row;
     beat_line_start_o <= s1_start_q || !in_line_q;
     beat_line_end_o   <= line_end;
-    late_status_q     <= '0;
-    late_status_q[sp_spec_pkg::StatusShortLineBit]  <= s1_valid_q && s1_last_q;
-    late_status_q[sp_spec_pkg::StatusLongLineBit]   <= s1_valid_q && !s1_last_q;
-    late_status_q[sp_spec_pkg::StatusIncompleteBit] <= !s1_valid_q;
+    late_valid_q      <= s1_valid_q;
+    late_last_q       <= s1_last_q;
     if (start_breaks || late_break_q) begin
       break_in_last_row_o <= in_last_row_q;
-      break_status_o      <= late_break_q ? late_status_q :
-                             sp_spec_pkg::StatusBits'(1) << sp_spec_pkg::StatusStartInFrameBit;
+      break_status_o      <= '0;
+      break_status_o[sp_spec_pkg::StatusStartInFrameBit] <= !late_break_q;
+      break_status_o[sp_spec_pkg::StatusShortLineBit]    <= late_break_q && late_valid_q && late_last_q;
+      break_status_o[sp_spec_pkg::StatusLongLineBit]     <= late_break_q && late_valid_q && !late_last_q;
+      break_status_o[sp_spec_pkg::StatusIncompleteBit]   <= late_break_q && !late_valid_q;
     end
   end
 

@@ -7,7 +7,8 @@
 // start before the next camera pulse after its own; camera_i is below period_i, else there is no camera pulse.
 // While run_i is low and on_frame_i is high there are no pulses, and every frame start advances pattern_o: the first frame
 // has index 0. With both low, and where run_i changes, pattern_o goes back to 0. Settings change while run_i is low;
-// last_pattern_i no later than with run_i or on_frame_i, and not while they are high.
+// last_pattern_i no later than with run_i or on_frame_i, and not while they are high. set_i is high in the clock before they
+// change. With nothing of this for six clocks nothing moves.
 // Latency: the first projector pulse begins four clocks after run_i; two clocks after run_i has fallen no pulse is left and
 // pattern_o is 0. Frames count from captured_i in the third clock after on_frame_i on. pattern_o stands with the first clock of
 // the camera pulse, and in the second clock after captured_i.
@@ -17,6 +18,7 @@ module sp_trigger (
   input  wire logic        clk_i,
   input  wire logic        rst_i,
 
+  input  wire logic        set_i,
   input  wire logic        run_i,
   input  wire logic        on_frame_i,
   input  wire logic [7:0]  last_pattern_i,
@@ -35,6 +37,8 @@ module sp_trigger (
   logic       stop_q;    // not so
   logic [2:0] frames_q;  // without pulses, for one to three clocks
   logic       rest_q;    // neither for two clocks, or no more: the index is 0
+  logic [4:0] stirred_q; // something was asked, one to five clocks ago
+  logic       awake_q;   // something is, or was up to six clocks ago
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -46,6 +50,9 @@ module sp_trigger (
     end
     stop_q <= rst_i || !run_i;
     rest_q <= !(run_i ? run_q[1] : on_frame_i && frames_q[1]);
+    // Soon enough: what follows looks at the registers above, and at settings two clocks later.
+    stirred_q <= {stirred_q[3:0], rst_i || set_i || run_i || on_frame_i};
+    awake_q   <= rst_i || set_i || run_i || on_frame_i || stirred_q != '0;
   end
 
   // --- Of the settings, which stand still: known two clocks later, the upper bits a clock before ---
@@ -57,7 +64,7 @@ module sp_trigger (
   logic       one_pattern_q;
   logic [7:0] before_last_q;                   // the index before the last, if there is one
 
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_i) if (awake_q) begin
     if (!run_q[1]) begin
       period_zero_q <= {period_i[23:13] == '0, period_i[12:2] == '0};
       camera_zero_q <= {camera_i[23:13] == '0, camera_i[12:2] == '0};
@@ -81,12 +88,9 @@ module sp_trigger (
   logic              due_soon_q;
   logic [11:0]       low_q, high_q;
   logic              low_full_q;
-  logic [23:0]       clocks;
   logic [Pieces-1:0] period_equal_q, camera_equal_q;
 
-  assign clocks = {high_q, low_q};
-
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_i) if (awake_q) begin
     begins_q  <= run_q[0] && due_q;
     started_q <= begins_q;
     if (stop_q) begin
@@ -99,14 +103,16 @@ module sp_trigger (
   end
 
   // What belongs to a period is dropped where the next begins.
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_i) if (awake_q) begin
     if (stop_q || begins_q) begin
       period_equal_q <= '0;
       camera_equal_q <= '0;
     end else begin
-      for (int k = 0; k < Pieces; k++) begin
-        period_equal_q[k] <= clocks[Piece*k+:Piece] == period_i[Piece*k+:Piece];
-        camera_equal_q[k] <= clocks[Piece*k+:Piece] == camera_i[Piece*k+:Piece];
+      for (int k = 0; k < Pieces / 2; k++) begin
+        period_equal_q[k]          <= low_q[Piece*k+:Piece] == period_i[Piece*k+:Piece];
+        period_equal_q[k+Pieces/2] <= high_q[Piece*k+:Piece] == period_i[12+Piece*k+:Piece];
+        camera_equal_q[k]          <= low_q[Piece*k+:Piece] == camera_i[Piece*k+:Piece];
+        camera_equal_q[k+Pieces/2] <= high_q[Piece*k+:Piece] == camera_i[12+Piece*k+:Piece];
       end
     end
     if (run_q[0]) begin
@@ -127,7 +133,7 @@ module sp_trigger (
   logic camera_due_q, camera_due2_q, camera_due3_q, camera_reached_q;
   logic step_q;  // the camera pulse begins with the next clock, or frames are to be counted: the index advances
 
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_i) if (awake_q) begin
     step_q <= run_q[0] && (begins_q ? camera_is_q[0] : camera_due_q) ||
               frames_q[1] && !frames_q[2];
     if (stop_q) begin
@@ -156,7 +162,7 @@ module sp_trigger (
 
   assign pattern_o = {8'd0, pattern_q};
 
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_i) if (awake_q) begin
     captured_q <= frames_q[2] && captured_i;
     if (rest_q || step_q || captured_q) begin
       if (rest_q) begin
@@ -176,6 +182,7 @@ module sp_trigger (
     .Width(16)
   ) u_projector (
     .clk_i  (clk_i),
+    .awake_i(awake_q),
     .clear_i(stop_q),
     .start_i(started_q),
     .width_i(width_i),
@@ -188,6 +195,7 @@ module sp_trigger (
     .Width(16)
   ) u_camera (
     .clk_i  (clk_i),
+    .awake_i(awake_q),
     .clear_i(stop_q),
     .start_i(step_q),
     .width_i(width_i),

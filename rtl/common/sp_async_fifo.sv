@@ -72,10 +72,10 @@ module sp_async_fifo #(
   assign rd_part_seen = rd_gray_seen ^ (rd_gray_seen >> 1) ^ (rd_gray_seen >> 2) ^ (rd_gray_seen >> 3);
   assign rd_bin       = rd_part_q ^ (rd_part_q >> 4) ^ (rd_part_q >> 8) ^ (rd_part_q >> 12);
 
-  // depth + read - written, and less what is being written: as a carry into the difference
+  // depth + read - written, and less what is being written: as a borrow of the difference
   logic [LogDepth:0] free;
   logic              unused_free;
-  assign {free, unused_free} = {rd_bin ^ {1'b1, {LogDepth{1'b0}}}, 1'b1} + {~wr_ptr_q, !write};
+  assign {free, unused_free} = {rd_bin ^ {1'b1, {LogDepth{1'b0}}}, 1'b0} - {wr_ptr_q, write};
 
   always_ff @(posedge wr_clk_i) begin
     if (wr_rst_i) begin

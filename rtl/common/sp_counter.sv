@@ -22,17 +22,14 @@ module sp_counter #(
   localparam int Size = Width > 32 ? 14 : 12;
   localparam int Chains = (Width - Low) / Size;
 
-  logic [Low-1:0]    low_q, after;   // the lowest chain, a clock ahead of the others, and in the next clock
-  logic              go_q, wrap;     // it has wrapped, wraps now
+  logic [Low-1:0]    low_q;          // the lowest chain, a clock ahead of the others
+  logic              go_q;           // it has wrapped
   logic [Low-1:0]    told_q;         // as the others have it
   logic [Width-1:Low] upper_q;
   logic [Chains-1:0] full_q, full;   // the chain is all ones; late, but in time
   logic [Chains-1:0] below_q;        // all those below it but the lowest are
 
   assign count_o       = {upper_q, told_q};
-  // The carries that the chains make anyhow, each as a bit of a sum: so it stays at the end of its chain, where a carry by
-  // itself is routed elsewhere. In reset it is wrong and does not matter.
-  assign {wrap, after} = {rst_i, low_q} + (Low + 1)'(inc_i);
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -41,8 +38,8 @@ module sp_counter #(
       go_q   <= 1'b0;
     end else begin
       told_q <= low_q;
-      low_q  <= after;
-      go_q   <= wrap;
+      go_q   <= 1'b0;
+      if (inc_i) {go_q, low_q} <= {1'b0, low_q} + (Low + 1)'(1);
     end
   end
 
@@ -56,6 +53,8 @@ module sp_counter #(
     end
   end
 
+  // The carries that the chains make anyhow, each as a bit of a sum: so it stays at the end of its chain, where a carry by
+  // itself is routed elsewhere. In reset it is wrong and does not matter.
   for (genvar k = 0; k < Chains; k++) begin : gen_full
     logic [Size-1:0] unused;
     assign {full[k], unused} = {rst_i, upper_q[Low+Size*k+:Size]} + (Size + 1)'(1);

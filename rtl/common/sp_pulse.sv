@@ -9,6 +9,7 @@ module sp_pulse #(
   parameter int Width = 16  // a multiple of 4, up to 16
 ) (
   input  wire logic             clk_i,
+  input  wire logic             awake_i,  // else nothing moves
   input  wire logic             clear_i,
   input  wire logic             start_i,
   input  wire logic [Width-1:0] width_i,
@@ -28,7 +29,7 @@ module sp_pulse #(
 
   assign pulse_o = on_q;
 
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_i) if (awake_i) begin
     first_q <= start_i && one_i;
     on_q    <= !clear_i && (start_i ? some_i : on_q && !first_q && equal_q != '1);
     if (start_i) begin

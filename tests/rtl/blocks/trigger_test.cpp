@@ -59,13 +59,21 @@ class Bench {
     trigger_->run_i = 0;
     trigger_->on_frame_i = 0;
     trigger_->captured_i = 0;
-    set({});
+    trigger_->set_i = 0;
+    trigger_->last_pattern_i = 0;
+    trigger_->period_i = 0;
+    trigger_->camera_i = 0;
+    trigger_->width_i = 0;
     trigger_.reset();
+    set({});
     trigger_.tick();  // the outputs follow their counters a clock later
   }
 
-  // A clock with these settings.
+  // A clock that announces other settings, and one with them.
   void set(const Settings& s) {
+    trigger_->set_i = 1;
+    trigger_.tick();
+    trigger_->set_i = 0;
     trigger_->last_pattern_i = static_cast<CData>(s.last_pattern);
     trigger_->period_i = static_cast<IData>(s.period);
     trigger_->camera_i = static_cast<IData>(s.camera);
