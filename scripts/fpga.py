@@ -67,7 +67,8 @@ FAMILIES = {
 
 # Part: family, place and route, the most seeds. More weight on timing than nextpnr's own 10 and 2.
 HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
-        "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--placer-heap-timingweight", "30",
+        "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--pre-place",
+        str(ROOT / "constraints/ice40_hx8k_floorplan.py"), "--placer-heap-timingweight", "30",
         "--placer-heap-critexp", "4"]
 ECP5 = ["--85k", "--speed", "6", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
         "--lpf-allow-unconstrained"]

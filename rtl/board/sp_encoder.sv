@@ -96,7 +96,7 @@ module sp_encoder (
     end
   end
 
-  always_ff @(posedge clk_i) if (follow_q) begin
+  always_ff @(posedge clk_i) begin
     if (rst_i) begin
       count_q <= '0;
     end else begin
@@ -104,6 +104,9 @@ module sp_encoder (
       if (chain_q.hand_on) count_q[19:8] <= count_q[19:8] + {{11{chain_q.down}}, 1'b1};
       if (chain_q.hand_on && chain_q.further) count_q[31:20] <= count_q[31:20] + {{11{chain_q.down}}, 1'b1};
     end
+  end
+
+  always_ff @(posedge clk_i) if (follow_q) begin
     // A clock late: the lowest chain wraps again no sooner than three clocks later, when a line has gone back.
     zero_q <= count_q[19:8] == 12'h000;
     full_q <= count_q[19:8] == 12'hFFF;
