@@ -55,7 +55,7 @@ class Register {
 
 // An sp_counter of so many bits counts so much more, in the state in which counting would have left it.
 void count(const std::string& counter, int bits, std::uint64_t more) {
-  constexpr int kLow = 8;                  // bits of the lowest chain
+  constexpr int kLow = 8;                // bits of the lowest chain
   const int size = bits > 32 ? 14 : 12;  // of those above it
   const std::uint64_t ones = (1ULL << size) - 1;
   Register low(counter + ".low_q");
