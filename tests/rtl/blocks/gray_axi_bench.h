@@ -16,6 +16,7 @@
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/axi_memory_model.h"
 #include "tests/rtl/blocks/clocked.h"
+#include "tests/rtl/blocks/pattern_index.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -69,7 +70,7 @@ class GrayAxiBench {
       }
       Beat beat{.clock = decoder_.clock(), .pattern = pattern, .index = i};
       if (i == 0) {
-        patterns_.emplace(beat.clock + 4, pattern);
+        patterns_.start(beat.clock, pattern);
       }
       std::copy_n(image.begin() + 4 * i, 4, beat.pixels.begin());
       beats_.push_back(beat);
@@ -162,9 +163,7 @@ class GrayAxiBench {
 
   void clock() {
     const std::int64_t now = decoder_.clock();
-    if (const auto pattern = patterns_.find(now); pattern != patterns_.end()) {
-      decoder_->pattern_i = static_cast<SData>(pattern->second);
-    }
+    patterns_.drive(decoder_.dut(), now);
     memory_.drive(port_.dut(), now);
     decoder_->mem_late_i = port_->rd_late_o;
     set128(decoder_->mem_data_i, word128(port_->rd_data_o));
@@ -201,7 +200,7 @@ class GrayAxiBench {
   AxiMemory memory_;
   std::array<bool, 2> asked_{};  // two clocks ago, one clock ago
   std::vector<Beat> beats_;
-  std::map<std::int64_t, int> patterns_;  // index from the clock on in which it is read: the next frame may have begun
+  PatternIndex patterns_;
   std::vector<bool> late_;
   std::map<std::int64_t, std::uint64_t> codes_;
   std::map<std::int64_t, std::uint32_t> breaks_;

@@ -16,6 +16,7 @@
 #include "model/gray_decoder.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
+#include "tests/rtl/blocks/pattern_index.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -32,8 +33,7 @@ struct GrayBeat {
 template <typename Dut>
 class GrayBench {
  public:
-  static constexpr int kLatency = 7;       // from a beat to its codes
-  static constexpr int kPatternDelay = 4;  // from a frame's start to its pattern index
+  static constexpr int kLatency = 7;  // from a beat to its codes
   static constexpr int kTooClose = 6;
   static constexpr int kTakeDistance = 7;
 
@@ -88,10 +88,7 @@ class GrayBench {
     dut.take_i = 0;
     dut.beat_valid_i = beat.has_value();
     dut.frame_start_i = beat && beat->start;
-    if (!patterns_.empty() && patterns_.front().first == now) {
-      dut.pattern_i = static_cast<SData>(patterns_.front().second);
-      patterns_.pop_front();
-    }
+    patterns_.drive(dut, now);
     if (beat) {
       drive(*beat, pattern, now);
     } else {  // nothing may depend on these
@@ -200,7 +197,7 @@ class GrayBench {
       abandoned_ += decode_in_force_ ? 1 : 0;
     }
     beats_ = 0;
-    patterns_.push_back({now + kPatternDelay, pattern});
+    patterns_.start(now, pattern);
     open_ = true;
     lost_ = false;
     row_ = 0;
@@ -209,7 +206,7 @@ class GrayBench {
       due_ = model_.begin(pattern);
       if constexpr (kOwnMemory) {
         const bool busy = random_.chance(busy_percent);
-        busy_.push_back({now + kPatternDelay, busy});
+        busy_.push_back({now + PatternIndex::kDelay, busy});  // counts beside the index
         if (due_ && busy) {
           model_.end(false);
           due_ = false;
@@ -362,7 +359,7 @@ class GrayBench {
   int beats_ = kTooClose;
   std::int64_t last_beat_ = -1;
   std::int64_t next_take_ = 0;
-  std::deque<std::pair<std::int64_t, int>> patterns_;
+  PatternIndex patterns_;
   std::deque<Codes> codes_;
   std::deque<Break> breaks_;
   std::deque<Answer> answers_;
