@@ -5,9 +5,10 @@
 // no bubble. The tests compare both clock by clock. So the times in rtl/moments/README.md are this module's, too.
 //
 // What becomes of pixels, sums and words are the pure functions of hls/column_moments.h; here is when. The registers
-// have the names of the RTL's. Unlike there, a word is finished in one clock and then passes four registers, for a
-// synthesizer to move them into the multiplication. The memories are outside, behind ports: each one port that writes
-// and one that reads, a clock later, as sp_ram.
+// have the names of the RTL's. Unlike there, sums are in one piece, and a word is finished in one clock and then passes
+// seven registers, for a synthesizer to move them into the additions and the multiplication; so its reads and writes of
+// the memories are a clock ahead of the RTL's. The memories are outside, behind ports: each one port that writes and
+// one that reads, a clock later, as sp_ram.
 #ifndef SELFPROJ_HLS_SHELLS_COLUMN_MOMENTS_SHELL_H
 #define SELFPROJ_HLS_SHELLS_COLUMN_MOMENTS_SHELL_H
 
@@ -122,10 +123,11 @@ class ColumnMomentsShell : public sc_core::sc_module {
   Sum0 sum_m0_[kLanes];
   Row sum_n_[kLanes];
   Sum1 sum_a_[kLanes];
-  // Mode binary, stages 5 to 8
-  bool direct_[4];
-  bool direct_break_[4];
+  // Mode binary, stages 5 to 10
+  bool direct_[6];
+  bool direct_break_[6];
   Sum0 direct_m0_[kLanes];
+  Uint<64> direct_word_[2][2];  // stages 9 and 10
   // Drain
   Uint<bits_for(spec::kMaxColumns / kLanes)> waiting_;
   bool ended_, break_wait_, odd_, active_;
@@ -137,12 +139,12 @@ class ColumnMomentsShell : public sc_core::sc_module {
   Row d2_n_[kLanes];
   Pixels d2_weights_;
   Sum1 d3_a_[kLanes];
-  bool d_valid_[6];
-  bool d_break_[6];
+  bool d_valid_[9];
+  bool d_break_[9];
   Sum0 d3_old_m0_[2];
   Sum0 d3_m0_[2];
   Row d3_n_[2];
-  Uint<64> d_word_[5][2];  // stages 4 to 8
+  Uint<64> d_word_[8][2];  // stages 4 to 11
   bool spoiled_;
 
   // --- What follows from the registers in their clock ---
@@ -187,8 +189,6 @@ class ColumnMomentsShell : public sc_core::sc_module {
       two_[i] = false;
       grey_[i] = false;
       weights_[i] = 0;
-      direct_[i] = false;
-      direct_break_[i] = false;
       direct_m0_[i] = 0;
       s2_weight_[i] = 0;
       s2_old_m0_[i] = 0;
@@ -206,14 +206,20 @@ class ColumnMomentsShell : public sc_core::sc_module {
       break_[i] = false;
     }
     for (int i = 0; i < 6; ++i) {
+      direct_[i] = false;
+      direct_break_[i] = false;
+    }
+    for (int i = 0; i < 9; ++i) {
       d_valid_[i] = false;
       d_break_[i] = false;
     }
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < 8; ++i) {
       d_word_[i][0] = 0;
       d_word_[i][1] = 0;
     }
     for (int i = 0; i < 2; ++i) {
+      direct_word_[i][0] = 0;
+      direct_word_[i][1] = 0;
       d3_old_m0_[i] = 0;
       d3_m0_[i] = 0;
       d3_n_[i] = 0;
@@ -290,9 +296,9 @@ class ColumnMomentsShell : public sc_core::sc_module {
     }
   }
 
-  // Drain, stages 8 to 3: two columns at a time.
+  // Drain, stages 11 to 3: two columns at a time.
   void finish_words() {
-    for (int i = 4; i > 0; --i) {
+    for (int i = 7; i > 0; --i) {
       if (d_valid_[i]) {
         d_word_[i][0] = d_word_[i - 1][0];
         d_word_[i][1] = d_word_[i - 1][1];
@@ -320,7 +326,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
         d3_n_[i] = next_n(n, weight);
       }
     }
-    for (int i = 5; i > 0; --i) {
+    for (int i = 8; i > 0; --i) {
       d_valid_[i] = d_valid_[i - 1];
       d_break_[i] = d_break_[i - 1];
     }
@@ -366,14 +372,24 @@ class ColumnMomentsShell : public sc_core::sc_module {
     d2_first_ = odd_;
   }
 
-  // Mode binary, stages 8 to 5.
+  // Mode binary, stages 10 to 5.
   void direct(bool accept, bool break_drains) {
+    if (direct_[4]) {
+      direct_word_[1][0] = direct_word_[0][0];
+      direct_word_[1][1] = direct_word_[0][1];
+    }
+    if (direct_[3]) {
+      for (int pair = 0; pair < 2; ++pair) {
+        const Uint<64> upper = binary_word(direct_m0_[2 * pair + 1], sum_a_[2 * pair + 1]);
+        direct_word_[0][pair] = (upper << spec::kBinaryWordBits) | binary_word(direct_m0_[2 * pair], sum_a_[2 * pair]);
+      }
+    }
     if (direct_[2]) {
       for (int lane = 0; lane < kLanes; ++lane) {
         direct_m0_[lane] = sum_m0_[lane];
       }
     }
-    for (int i = 3; i > 0; --i) {
+    for (int i = 5; i > 0; --i) {
       direct_[i] = direct_[i - 1];
       direct_break_[i] = direct_break_[i - 1];
     }
@@ -580,20 +596,21 @@ class ColumnMomentsShell : public sc_core::sc_module {
     a_wr_low_o.write(a_low);
     a_wr_high_o.write(a_high);
 
-    Uint<64> low = d_word_[4][0];
-    Uint<64> high = d_word_[4][1];
-    if (direct_[3]) {
-      low = binary_word(direct_m0_[1], sum_a_[1]);
-      low = (low << spec::kBinaryWordBits) | binary_word(direct_m0_[0], sum_a_[0]);
-      high = binary_word(direct_m0_[3], sum_a_[3]);
-      high = (high << spec::kBinaryWordBits) | binary_word(direct_m0_[2], sum_a_[2]);
+    Uint<64> low = 0;
+    Uint<64> high = 0;
+    if (direct_[5]) {
+      low = direct_word_[1][0];
+      high = direct_word_[1][1];
+    } else if (d_valid_[8]) {
+      low = d_word_[7][0];
+      high = d_word_[7][1];
     }
     WideUint<128> data(high);
     data = data << 64;
     data = data | WideUint<128>(low);
-    moments_valid_o.write(direct_[3] || d_valid_[5]);
+    moments_valid_o.write(direct_[5] || d_valid_[8]);
     moments_data_o.write(data);
-    moments_break_o.write(direct_break_[3] || d_break_[5]);
+    moments_break_o.write(direct_break_[5] || d_break_[8]);
     spoiled_o.write(spoiled_);
   }
 };

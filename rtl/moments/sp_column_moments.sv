@@ -10,9 +10,9 @@
 // whether its moments are wanted. break_i, one clock after the last beat that counts (or later), ends a frame early, in its
 // last row: the columns that were complete still leave, then moments_break_o.
 //
-// Output: 16-byte payload beats of the packet format. Binary: four columns a beat, 8 clocks after their pixels, one beat
-// a clock. Grey modes: two columns a beat, from 13 clocks on, one beat a clock, so that the last of G groups leaves
-// G + 13 clocks after its pixels. No back-pressure.
+// Output: 16-byte payload beats of the packet format. Binary: four columns a beat, 8 clocks after their pixels (10 in a grey
+// build), one beat a clock. Grey modes: two columns a beat, from 16 clocks on, one beat a clock, so that the last of G
+// groups leaves G + 16 clocks after its pixels. No back-pressure.
 //
 // spoiled_o: a frame of three or more rows came while a larger frame before it was still draining (only possible after a
 // change of size, in a grey build): its sums are void, its packet must be counted as lost.
@@ -51,8 +51,9 @@ module sp_column_moments #(
 
   localparam int WeightBits = Grey ? 8 : 1;
   localparam int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits;
-  localparam int LaneMBits = Grey ? M0Bits + RowBits : M0Bits;
-  localparam int LaneABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
+  localparam int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
+  localparam int LaneMBits = Grey ? M0Bits + 1 + RowBits : M0Bits;
+  localparam int LaneABits = Grey ? ABits + 1 : ABits;
   localparam int M1Bits = $clog2(MaxRows * (MaxRows + 1) / 2 + 1);  // in mode binary
 
   // --- Stages 1 to 4: weights; the rest waits for the decision of the packetizer ---
@@ -61,7 +62,7 @@ module sp_column_moments #(
   logic [GroupBits-1:0]    s1_group_q, s2_group_q, s3_group_q, s4_group_q;
   logic [RowBits-1:0]      s1_row_q, s2_row_q, s3_row_q, s4_row_q;
   logic [5:0]              s1_flags_q, s2_flags_q, s3_flags_q, s4_flags_q;
-  logic [4*WeightBits-1:0] s2_weights_q, s3_weights_q, s4_weights_q;
+  logic [4*WeightBits-1:0] s3_weights_q, s4_weights_q;
   logic                    s4_first_row, s4_last_row, s4_line_end, s4_one, s4_two, s4_grey;
 
   always_ff @(posedge clk_i) begin
@@ -82,7 +83,6 @@ module sp_column_moments #(
     {s2_group_q, s2_row_q, s2_flags_q} <= {s1_group_q, s1_row_q, s1_flags_q};
     {s3_group_q, s3_row_q, s3_flags_q} <= {s2_group_q, s2_row_q, s2_flags_q};
     {s4_group_q, s4_row_q, s4_flags_q} <= {s3_group_q, s3_row_q, s3_flags_q};
-    s3_weights_q <= s2_weights_q;
     s4_weights_q <= s3_weights_q;
   end
 
@@ -90,9 +90,11 @@ module sp_column_moments #(
 
   logic [31:0] s1_pixels_q;
   logic [7:0]  s1_room_q;  // 255 less the threshold
+  logic [1:0]  s1_mode_q;
   always_ff @(posedge clk_i) begin
     s1_pixels_q <= beat_pixels_i;
     s1_room_q   <= ~threshold_i;
+    s1_mode_q   <= mode_i;
   end
 
   for (genvar lane = 0; lane < 4; lane++) begin : gen_weight
@@ -102,34 +104,65 @@ module sp_column_moments #(
     logic [7:0] unused_sum;
     assign {lit, unused_sum} = {rst_i, s1_pixels_q[8*lane+:8]} + {1'b0, s1_room_q};
     if (Grey) begin : gen_grey
-      logic [7:0] pixel, value1_q;
-      assign pixel = beat_pixels_i[8*lane+:8];
+      logic [7:0] over1_q, value2_q;
+      logic       lit2_q;
       always_ff @(posedge clk_i) begin
-        case (mode_i)
-          sp_spec_pkg::ModeBinary: value1_q <= 8'd1;
-          sp_spec_pkg::ModeGrey:   value1_q <= pixel;
-          default:                 value1_q <= pixel - threshold_i;
+        over1_q <= beat_pixels_i[8*lane+:8] - threshold_i;
+        case (s1_mode_q)
+          sp_spec_pkg::ModeBinary: value2_q <= 8'd1;
+          sp_spec_pkg::ModeGrey:   value2_q <= s1_pixels_q[8*lane+:8];
+          default:                 value2_q <= over1_q;
         endcase
-        s2_weights_q[8*lane+:8] <= lit ? value1_q : 8'd0;
+        lit2_q                  <= lit;
+        s3_weights_q[8*lane+:8] <= lit2_q ? value2_q : 8'd0;
       end
     end else begin : gen_binary
-      always_ff @(posedge clk_i) s2_weights_q[lane] <= lit;
+      logic lit2_q;
+      always_ff @(posedge clk_i) begin
+        lit2_q             <= lit;
+        s3_weights_q[lane] <= lit2_q;
+      end
     end
   end
 
-  // --- Stage 4: address of the sums. A last row is added up only in mode binary, where it completes them. ---
+  // --- Stage 4: which beats are added up. A last row is only in mode binary, where it completes the sums. ---
   logic                   s4_drain_row;  // a last row that goes to the drain
-  logic                   add;
+  logic                   s4_add;
   logic                   drain;
   logic [GroupBits-1:0]   drain_group;
   logic                   draining;
   logic [4*LaneMBits-1:0] raw_m, sum_m;
   logic [4*LaneABits-1:0] raw_a, sum_a;
-  logic                   sum_m_new, sum_a_new;
+  logic                   sum_m_soon, sum_a_soon;
 
   assign s4_drain_row = s4_last_row && s4_grey;
   // A first row needs no read and may pass a drain; any other row meets one only after a change of size: see spoiled_o.
-  assign add          = valid_q[4] && !s4_drain_row && (s4_first_row || !draining);
+  assign s4_add       = valid_q[4] && !s4_drain_row && (s4_first_row || !draining);
+
+  // --- Stage 5, in a grey build only: the sums are a clock behind the drain's line buffer ---
+  logic                    add, add_first_row, add_one, add_two, add_grey;
+  logic [GroupBits-1:0]    add_group;
+  logic [RowBits-1:0]      add_row;
+  logic [4*WeightBits-1:0] add_weights;
+  if (Grey) begin : gen_stage5
+    logic                    s5_add_q, s5_first_row_q, s5_one_q, s5_two_q, s5_grey_q;
+    logic [GroupBits-1:0]    s5_group_q;
+    logic [RowBits-1:0]      s5_row_q;
+    logic [4*WeightBits-1:0] s5_weights_q;
+    always_ff @(posedge clk_i) begin
+      if (rst_i) s5_add_q <= 1'b0;
+      else s5_add_q <= s4_add;
+    end
+    always_ff @(posedge clk_i) begin
+      {s5_first_row_q, s5_one_q, s5_two_q, s5_grey_q} <= {s4_first_row, s4_one, s4_two, s4_grey};
+      {s5_group_q, s5_row_q, s5_weights_q}            <= {s4_group_q, s4_row_q, s4_weights_q};
+    end
+    assign {add, add_first_row, add_one, add_two, add_grey} = {s5_add_q, s5_first_row_q, s5_one_q, s5_two_q, s5_grey_q};
+    assign {add_group, add_row, add_weights}                = {s5_group_q, s5_row_q, s5_weights_q};
+  end else begin : gen_no_stage5
+    assign {add, add_first_row, add_one, add_two, add_grey} = {s4_add, s4_first_row, s4_one, s4_two, s4_grey};
+    assign {add_group, add_row, add_weights}                = {s4_group_q, s4_row_q, s4_weights_q};
+  end
 
   sp_moment_sums #(
     .MaxRows  (MaxRows),
@@ -141,48 +174,71 @@ module sp_column_moments #(
     .drain_i      (drain),
     .drain_group_i(drain_group),
     .add_i        (add),
-    .group_i      (s4_group_q),
-    .weights_i    (s4_weights_q),
-    .row_i        (s4_row_q),
-    .first_row_i  (s4_first_row),
-    .one_group_i  (s4_one),
-    .two_groups_i (s4_two),
-    .grey_i       (s4_grey),
+    .group_i      (add_group),
+    .weights_i    (add_weights),
+    .row_i        (add_row),
+    .first_row_i  (add_first_row),
+    .one_group_i  (add_one),
+    .two_groups_i (add_two),
+    .grey_i       (add_grey),
     .raw_m_o      (raw_m),
     .raw_a_o      (raw_a),
     .sum_m_o      (sum_m),
     .sum_a_o      (sum_a),
-    .sum_m_new_o  (sum_m_new),
-    .sum_a_new_o  (sum_a_new)
+    .sum_m_soon_o (sum_m_soon),
+    .sum_a_soon_o (sum_a_soon)
   );
 
-  // --- Mode binary: the sums of the last row, as they come ---
-  logic [8:5] direct_q;
-  logic [8:5] direct_break_q;
-  logic [4*RowBits-1:0] m0_8_q;
-  logic break_drains;
+  // --- Mode binary: the sums of the last row, as they come; in a grey build a clock later, put together from their halves ---
+  localparam int DirectEnd = Grey ? 10 : 8;
+  localparam int SumA = Grey ? 9 : 8;  // the stage that sum_a belongs to; sum_m is one ahead
+  logic [DirectEnd:5]   direct_q;
+  logic [DirectEnd:5]   direct_break_q;
+  logic [4*RowBits-1:0] m0_q;          // of stage SumA
+  logic                 break_drains;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       direct_q       <= '0;
       direct_break_q <= '0;
     end else begin
-      direct_q       <= {direct_q[7:5], valid_q[4] && s4_last_row && !s4_grey && accept_i};
-      direct_break_q <= {direct_break_q[7:5], break_q[3] && accept_i && !break_drains};
+      direct_q       <= {direct_q[DirectEnd-1:5], valid_q[4] && s4_last_row && !s4_grey && accept_i};
+      direct_break_q <= {direct_break_q[DirectEnd-1:5], break_q[3] && accept_i && !break_drains};
     end
   end
 
-  for (genvar lane = 0; lane < 4; lane++) begin : gen_m0
-    always_ff @(posedge clk_i) begin
-      if (direct_q[7]) m0_8_q[lane*RowBits+:RowBits] <= sum_m[lane*LaneMBits+:RowBits];
-    end
-  end
-
+  logic         no_direct_q;  // !direct_q[SumA]
   logic [127:0] direct_data;
+  always_ff @(posedge clk_i) no_direct_q <= rst_i || !direct_q[SumA-1];
   for (genvar lane = 0; lane < 4; lane++) begin : gen_word
-    logic [31:0] word;
-    assign word = 32'(sum_a[lane*LaneABits+:M1Bits]) << sp_spec_pkg::BinaryM1Lsb |
-                  32'(m0_8_q[lane*RowBits+:RowBits]) << sp_spec_pkg::BinaryM0Lsb;
+    logic [RowBits-1:0] m0;
+    logic [M1Bits-1:0]  m1;
+    logic [31:0]        word;
+    if (Grey) begin : gen_halves
+      localparam int MLow = sp_spec_pkg::PixelBits;
+      localparam int MHigh = M0Bits - MLow;
+      localparam int ALow = (ABits + 1) / 2;
+      localparam int AHigh = ABits - ALow;
+      logic [RowBits-1:0] unused_n, m0_10_q;
+      logic [MHigh-1:0]   m_high;
+      logic [MLow-1:0]    m_low;
+      logic [AHigh-1:0]   a_high;
+      logic [ALow-1:0]    a_low;
+      logic               m_carry, a_carry;
+      logic [M1Bits-1:0]  m1_10_q;
+      assign {unused_n, m_high, m_carry, m_low} = sum_m[lane*LaneMBits+:LaneMBits];
+      assign {a_high, a_carry, a_low}           = sum_a[lane*LaneABits+:LaneABits];
+      always_ff @(posedge clk_i) begin
+        if (direct_q[SumA-1]) m0_q[lane*RowBits+:RowBits] <= RowBits'({m_high + MHigh'(m_carry), m_low});
+        if (no_direct_q) {m0_10_q, m1_10_q} <= '0;
+        else {m0_10_q, m1_10_q} <= {m0_q[lane*RowBits+:RowBits], M1Bits'({a_high + AHigh'(a_carry), a_low})};
+      end
+      assign {m0, m1} = {m0_10_q, m1_10_q};
+    end else begin : gen_whole
+      always_ff @(posedge clk_i) if (direct_q[SumA-1]) m0_q[lane*RowBits+:RowBits] <= sum_m[lane*LaneMBits+:RowBits];
+      assign {m0, m1} = {m0_q[lane*RowBits+:RowBits], sum_a[lane*LaneABits+:M1Bits]};
+    end
+    assign word = 32'(m1) << sp_spec_pkg::BinaryM1Lsb | 32'(m0) << sp_spec_pkg::BinaryM0Lsb;
     assign direct_data[32*lane+:32] = word;
   end
 
@@ -220,8 +276,8 @@ module sp_column_moments #(
       .raw_a_i         (raw_a),
       .sum_m_i         (sum_m),
       .sum_a_i         (sum_a),
-      .sum_m_new_i     (sum_m_new),
-      .sum_a_new_i     (sum_a_new),
+      .sum_m_soon_i    (sum_m_soon),
+      .sum_a_soon_i    (sum_a_soon),
       .valid_o         (drain_valid),
       .data_o          (drain_data),
       .break_o         (drain_break)
@@ -234,20 +290,21 @@ module sp_column_moments #(
       else if (valid_q[4] && !s4_drain_row && draining) spoiled_o <= 1'b1;
     end
 
-    assign moments_valid_o = direct_q[8] || drain_valid;
-    assign moments_data_o  = direct_q[8] ? direct_data : drain_data;
-    assign moments_break_o = direct_break_q[8] || drain_break;
+    // Each is 0 where it is not valid.
+    assign moments_valid_o = direct_q[DirectEnd] || drain_valid;
+    assign moments_data_o  = direct_data | drain_data;
+    assign moments_break_o = direct_break_q[DirectEnd] || drain_break;
   end else begin : gen_binary
     assign drain           = 1'b0;
     assign drain_group     = '0;
     assign draining        = 1'b0;
     assign break_drains    = 1'b0;
     assign spoiled_o       = 1'b0;
-    assign moments_valid_o = direct_q[8];
+    assign moments_valid_o = direct_q[DirectEnd];
     assign moments_data_o  = direct_data;
-    assign moments_break_o = direct_break_q[8];
+    assign moments_break_o = direct_break_q[DirectEnd];
     logic unused;
-    assign unused = ^{s4_line_end, raw_m, raw_a, sum_m_new, sum_a_new, mode_i};
+    assign unused = ^{s4_line_end, no_direct_q, raw_m, raw_a, sum_m_soon, sum_a_soon, s1_mode_q};
   end
 
 `ifdef FORMAL

@@ -7,10 +7,13 @@
 //
 //   M0 = M0' + v,  N = N' + [v > 0],  M1 = R*M0 - (A + M0')       (M0', N', A: after row R-1; v: the last row's weight)
 //
-// Guarantees: words leave in column order, a group's first two columns eight clocks after its drain read, the other two
-// one clock later; break_o after the last word where break_i ended the frame early. Between frames of equal settings drain reads never meet the
-// reads of the next frame: its second row begins one clock after the last drain read. active_o tells the
-// others (after a change of settings) to keep away.
+// M0' and A come in halves, as sp_moment_sums keeps them, and are put together here.
+//
+// Guarantees: words leave in column order, a group's first two columns ten clocks after its drain read, the other two
+// one clock later; break_o after the last word where break_i ended the frame early. A pushed group is read two clocks
+// later at the earliest. Beats that are added a clock after they would be pushed never meet a drain read, between frames of equal
+// settings: the second row of the next begins one clock after the last drain read. active_o tells the others (after a change of
+// settings) to keep away; it goes back with the last drain read.
 `default_nettype none
 
 module sp_moment_drain #(
@@ -19,8 +22,9 @@ module sp_moment_drain #(
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int M0Bits = $clog2(255 * MaxRows + 1),
-  parameter int LaneMBits = M0Bits + RowBits,
-  parameter int LaneABits = $clog2(255 * MaxRows * (MaxRows + 1) / 2 + 1)
+  parameter int ABits = $clog2(255 * MaxRows * (MaxRows + 1) / 2 + 1),
+  parameter int LaneMBits = M0Bits + 1 + RowBits,
+  parameter int LaneABits = ABits + 1
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,
@@ -35,7 +39,7 @@ module sp_moment_drain #(
   input  wire logic                   push_one_group_i,
   input  wire logic                   break_i,     // the frame ends here, after push_i of the same clock
 
-  // Reads of the sums: address now, M one clock later, A two clocks later
+  // Reads of the sums: address now, M one clock later, A two clocks later; in halves
   output logic                        drain_o,
   output logic [GroupBits-1:0]        drain_group_o,
   output logic                        active_o,
@@ -43,44 +47,54 @@ module sp_moment_drain #(
   input  wire logic [4*LaneABits-1:0] raw_a_i,
   input  wire logic [4*LaneMBits-1:0] sum_m_i,
   input  wire logic [4*LaneABits-1:0] sum_a_i,
-  input  wire logic                   sum_m_new_i,  // sum_m_i is of the beat two clocks ahead of the read: too new for the memory
-  input  wire logic                   sum_a_new_i,
+  input  wire logic                   sum_m_soon_i,  // sum_m_i will be of the beat two clocks ahead of the read: too new for the memory
+  input  wire logic                   sum_a_soon_i,
 
   output logic                        valid_o,
-  output logic [127:0]                data_o,
+  output logic [127:0]                data_o,  // 0 where not valid
   output logic                        break_o
 );
 
-  localparam int Latency = 6;  // from stage 2 to stage 8, the words
+  localparam int Latency = 8;  // from stage 2 to stage 10, the words
+  localparam int MLow = sp_spec_pkg::PixelBits;
+  localparam int MHigh = M0Bits - MLow;
+  localparam int ALow = (ABits + 1) / 2;
+  localparam int AHigh = ABits - ALow;
 
   // Line buffer and what is left in it
-  logic [GroupBits:0]   waiting_q;
+  logic                 some_q;        // groups wait: from group_q to last_group_q
+  logic                 one_q;         // in the second clock after a read, and later: only one
+  logic [GroupBits-1:0] group_q, last_group_q;
   logic                 ended_q;       // no further push will come
   logic                 break_wait_q;  // and it ended by a break
   logic                 break_now;
-  logic                 odd_q;         // a drain read was in the clock before
+  logic                 read_now;      // a drain read in the next clock
   logic                 last_read;
+  logic                 over_q;        // the last read, or the break, was decided a clock ago
+  logic                 s1_read_q;     // a drain read was in the clock before
   logic [RowBits-1:0]   rows_q;
   logic                 first_row_q;
   logic                 one_group_q;
   logic [31:0]          raw_weights;
 
-  assign drain_o   = waiting_q != '0 && !odd_q;
-  assign last_read = drain_o && ended_q && waiting_q == {{GroupBits{1'b0}}, 1'b1};
-  assign break_now = break_wait_q && waiting_q == '0 && !odd_q;
+  assign read_now  = some_q && !drain_o;
+  assign last_read = read_now && ended_q && one_q;
+  assign break_now = break_wait_q && !some_q && !drain_o;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      waiting_q     <= '0;
+      some_q        <= 1'b0;
       ended_q       <= 1'b0;
       break_wait_q  <= 1'b0;
-      odd_q         <= 1'b0;
+      drain_o       <= 1'b0;
+      s1_read_q     <= 1'b0;
+      over_q        <= 1'b0;
       active_o      <= 1'b0;
-      drain_group_o <= '0;
+      group_q       <= '0;
     end else begin
-      odd_q <= drain_o;
-      if (push_i && !drain_o) waiting_q <= waiting_q + 1'b1;
-      if (!push_i && drain_o) waiting_q <= waiting_q - 1'b1;
+      drain_o   <= read_now;
+      s1_read_q <= drain_o;
+      some_q    <= push_i || some_q && !(read_now && one_q);
 
       if (push_i && push_end_i || break_i) ended_q <= 1'b1;
       else if (last_read || break_now) ended_q <= 1'b0;
@@ -91,9 +105,17 @@ module sp_moment_drain #(
       if (push_i) active_o <= 1'b1;
       else if (last_read || break_now) active_o <= 1'b0;
 
-      if (last_read || break_now) drain_group_o <= '0;
-      else if (drain_o) drain_group_o <= drain_group_o + 1'b1;
+      over_q <= last_read || break_now;
+      if (over_q) group_q <= '0;
+      else if (read_now) group_q <= group_q + 1'b1;
     end
+  end
+
+  always_ff @(posedge clk_i) begin
+    drain_group_o <= group_q;
+    // a group pushed where none waits is group_q
+    one_q         <= push_i ? !some_q : group_q == last_group_q;
+    if (push_i) last_group_q <= push_group_i;
   end
 
   always_ff @(posedge clk_i) begin
@@ -104,7 +126,6 @@ module sp_moment_drain #(
     end
   end
 
-  // A group is read at the earliest one clock after its push.
   sp_ram #(
     .Width   (32),
     .LogDepth(GroupBits)
@@ -121,98 +142,140 @@ module sp_moment_drain #(
 
   // Stage 1: M words and weights are here; stage 2: kept for the two clocks of their group; A words are here.
   // Stage 3: the first two columns of the group, and A kept; one clock later the other two.
-  logic                   s2_first_q, s3_pick_q;
+  logic                   s2_first_q, s3_first_q;
+  logic                   s1_newer_q, s2_newer_q;  // the sums that the memories do not have yet are at sum_m_i, sum_a_i
   logic                   s2_valid_q;
   logic [4*LaneMBits-1:0] s2_m_q;
   logic [4*LaneABits-1:0] s3_a_q;
   logic [31:0]            s2_weights_q;
-  logic                   s1_break_q, s2_break_q;
+  logic                   s0_break_q, s1_break_q, s2_break_q;
 
-  logic [Latency-1:0]     valid_q;
+  logic [Latency-1:0]     valid_q;  // from stage 3 on
   logic [Latency-1:0]     break_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       s2_first_q <= 1'b0;
       s2_valid_q <= 1'b0;
+      s0_break_q <= 1'b0;
       s1_break_q <= 1'b0;
       s2_break_q <= 1'b0;
       valid_q    <= '0;
       break_q    <= '0;
     end else begin
-      s2_first_q <= odd_q;                // stage 1 of a drain read
-      s2_valid_q <= odd_q || s2_first_q;  // two clocks, for two columns each
-      s1_break_q <= break_now;
+      s2_first_q <= s1_read_q;
+      s2_valid_q <= s1_read_q || s2_first_q;  // two clocks, for two columns each
+      s0_break_q <= break_now;
+      s1_break_q <= s0_break_q;
       s2_break_q <= s1_break_q;
       valid_q    <= {valid_q[Latency-2:0], s2_valid_q};
       break_q    <= {break_q[Latency-2:0], s2_break_q};
     end
   end
 
+  // Something is in the stages from 2 on: all of them move, or none, which is one enable for a synthesizer.
+  logic moving_q;
+  logic s9_none_q;  // !valid_q[6]
+  always_ff @(posedge clk_i) s9_none_q <= rst_i || !valid_q[5];
+  always_ff @(posedge clk_i) moving_q <= drain_o || s1_read_q || s2_valid_q || valid_q[Latency-3:0] != '0;
+
   always_ff @(posedge clk_i) begin
-    s3_pick_q <= s2_first_q;
-    if (odd_q) begin
-      s2_m_q       <= first_row_q ? '0 : one_group_q && sum_m_new_i ? sum_m_i : raw_m_i;
+    s3_first_q <= s2_first_q;
+    s1_newer_q <= one_group_q && sum_m_soon_i;
+    s2_newer_q <= one_group_q && sum_a_soon_i;
+    if (s1_read_q) begin
+      s2_m_q       <= first_row_q ? '0 : s1_newer_q ? sum_m_i : raw_m_i;
       s2_weights_q <= raw_weights;
     end
-    if (s2_first_q) s3_a_q <= first_row_q ? '0 : one_group_q && sum_a_new_i ? sum_a_i : raw_a_i;
+    if (s2_first_q) s3_a_q <= first_row_q ? '0 : s2_newer_q ? sum_a_i : raw_a_i;
   end
 
   for (genvar c = 0; c < 2; c++) begin : gen_column
-    // stage 3: two of the four columns
-    logic [LaneMBits-1:0] pick_m;
-    logic [7:0]           pick_weight;
-    logic [M0Bits-1:0]    s3_old_m0_q, s3_m0_q;
+    // stage 3: one of the two columns
+    logic [7:0]           s3_weight_q;
     logic [RowBits-1:0]   s3_n_q;
-    assign pick_m      = s2_first_q ? s2_m_q[c*LaneMBits+:LaneMBits] : s2_m_q[(c+2)*LaneMBits+:LaneMBits];
-    assign pick_weight = s2_first_q ? s2_weights_q[c*8+:8] : s2_weights_q[(c+2)*8+:8];
-    always_ff @(posedge clk_i) if (s2_valid_q) begin
-      s3_old_m0_q <= pick_m[M0Bits-1:0];
-      s3_m0_q     <= pick_m[M0Bits-1:0] + {{(M0Bits - 8) {1'b0}}, pick_weight};
-      s3_n_q      <= pick_m[M0Bits+:RowBits] + {{(RowBits - 1) {1'b0}}, |pick_weight};
+    logic [MHigh-1:0]     s3_m_high_q;
+    logic [MLow-1:0]      s3_m_low_q;
+    logic                 s3_m_carry_q;
+    always_ff @(posedge clk_i) if (moving_q) begin
+      {s3_n_q, s3_m_high_q, s3_m_carry_q, s3_m_low_q} <= s2_first_q ? s2_m_q[c*LaneMBits+:LaneMBits] :
+                                                                      s2_m_q[(c+2)*LaneMBits+:LaneMBits];
+      s3_weight_q <= s2_first_q ? s2_weights_q[c*8+:8] : s2_weights_q[(c+2)*8+:8];
     end
 
-    // stage 4: what R*M0 counts too much
-    logic [LaneABits-1:0] s4_over_q;
-    logic [LaneABits-1:0] pick_a;
-    assign pick_a = s3_pick_q ? s3_a_q[c*LaneABits+:LaneABits] : s3_a_q[(c+2)*LaneABits+:LaneABits];
-    always_ff @(posedge clk_i) if (valid_q[0]) s4_over_q <= pick_a + {{(LaneABits - M0Bits) {1'b0}}, s3_old_m0_q};
+    // stage 4: M0' in one piece; the low half of M0; N; A of the column
+    logic [MHigh-1:0]     s4_m_high_q;
+    logic [MLow-1:0]      s4_old_low_q, s4_m_low_q;
+    logic                 s4_m_carry_q, s4_lit_q;
+    logic [RowBits-1:0]   s4_n_q;
+    logic [AHigh-1:0]     s4_a_high_q;
+    logic [ALow-1:0]      s4_a_low_q;
+    logic                 s4_a_carry_q;
+    always_ff @(posedge clk_i) if (moving_q) begin
+      s4_m_high_q                             <= s3_m_high_q + MHigh'(s3_m_carry_q);
+      s4_old_low_q                            <= s3_m_low_q;
+      {s4_m_carry_q, s4_m_low_q}              <= {1'b0, s3_m_low_q} + {1'b0, s3_weight_q};
+      s4_lit_q                                <= s3_weight_q != '0;
+      s4_n_q                                  <= s3_n_q;
+      {s4_a_high_q, s4_a_carry_q, s4_a_low_q} <= s3_first_q ? s3_a_q[c*LaneABits+:LaneABits] : s3_a_q[(c+2)*LaneABits+:LaneABits];
+    end
 
-    // stages 4 to 7: R*M0, and the rest beside it
+    // stage 5: M0; what R*M0 counts too much, in halves
+    logic [M0Bits-1:0]    s5_m0_q;
+    logic [RowBits-1:0]   s5_n_q;
+    logic [AHigh-1:0]     s5_over_high_q, old_high;
+    logic [ALow-1:0]      s5_over_low_q, old_low;
+    logic                 s5_over_carry_q, s5_unused_foot_q;
+    assign {old_high, old_low} = ABits'({s4_m_high_q, s4_old_low_q});
+    always_ff @(posedge clk_i) if (moving_q) begin
+      s5_m0_q                            <= {s4_m_high_q + MHigh'(s4_m_carry_q), s4_m_low_q};
+      s5_n_q                             <= s4_n_q + RowBits'(s4_lit_q);
+      // the carry goes in at the foot of the chain
+      {s5_over_high_q, s5_unused_foot_q} <= {s4_a_high_q, 1'b1} + {old_high, s4_a_carry_q};
+      {s5_over_carry_q, s5_over_low_q}   <= {1'b0, s4_a_low_q} + {1'b0, old_low};
+    end
+
+    // stages 6 to 9: R*M0, and the rest beside it
     // R*M0 can have a bit more than M1 needs: it falls out of the difference
-    logic [M0Bits+RowBits-1:0] product7;
+    logic [M0Bits+RowBits-1:0] product9;
     logic                      unused_product;
-    assign unused_product = ^product7;
+    assign unused_product = ^product9;
     sp_scale #(
       .XBits(M0Bits),
       .KBits(RowBits)
     ) u_scale (
       .clk_i    (clk_i),
-      .valid_i  (valid_q[0]),
-      .x_i      (s3_m0_q),
+      .move_i   (moving_q),
+      .x_i      (s5_m0_q),
       .k_i      (rows_q),
-      .product_o(product7)
+      .product_o(product9)
     );
 
-    logic [M0Bits-1:0]    s4_m0_q, s5_m0_q, s6_m0_q, s7_m0_q, s8_m0_q;
-    logic [RowBits-1:0]   s4_n_q, s5_n_q, s6_n_q, s7_n_q, s8_n_q;
-    logic [LaneABits-1:0] s5_over_q, s6_over_q, s7_over_q, s8_m1_q;
+    logic [M0Bits-1:0]  s6_m0_q, s7_m0_q, s8_m0_q, s9_m0_q, s10_m0_q;
+    logic [RowBits-1:0] s6_n_q, s7_n_q, s8_n_q, s9_n_q, s10_n_q;
+    logic [ABits-1:0]   s6_over_q, s7_over_q, s8_over_q, s9_not_over_q, s10_m1_q;
+    logic               s10_unused_foot_q;
     always_ff @(posedge clk_i) begin
-      if (valid_q[0]) {s4_m0_q, s4_n_q} <= {s3_m0_q, s3_n_q};
-      if (valid_q[1]) {s5_m0_q, s5_n_q, s5_over_q} <= {s4_m0_q, s4_n_q, s4_over_q};
-      if (valid_q[2]) {s6_m0_q, s6_n_q, s6_over_q} <= {s5_m0_q, s5_n_q, s5_over_q};
-      if (valid_q[3]) {s7_m0_q, s7_n_q, s7_over_q} <= {s6_m0_q, s6_n_q, s6_over_q};
+      if (moving_q) begin
+        {s6_m0_q, s6_n_q}                <= {s5_m0_q, s5_n_q};
+        s6_over_q                        <= {s5_over_high_q + AHigh'(s5_over_carry_q), s5_over_low_q};
+        {s7_m0_q, s7_n_q, s7_over_q}     <= {s6_m0_q, s6_n_q, s6_over_q};
+        {s8_m0_q, s8_n_q, s8_over_q}     <= {s7_m0_q, s7_n_q, s7_over_q};
+        {s9_m0_q, s9_n_q, s9_not_over_q} <= {s8_m0_q, s8_n_q, ~s8_over_q};
+      end
       // the difference fits: it is M1
-      if (valid_q[4]) {s8_m0_q, s8_n_q, s8_m1_q} <= {s7_m0_q, s7_n_q, product7[LaneABits-1:0] - s7_over_q};
+      if (s9_none_q) {s10_m0_q, s10_n_q, s10_m1_q, s10_unused_foot_q} <= '0;
+      else {s10_m0_q, s10_n_q, s10_m1_q, s10_unused_foot_q} <= {s9_m0_q, s9_n_q,
+                                                                 {product9[ABits-1:0], 1'b1} + {s9_not_over_q, 1'b1}};
     end
-    // stage 8: the word
+    // stage 10: the word
     logic [63:0] word;
-    assign word = 64'(s8_m1_q) << sp_spec_pkg::GreyM1Lsb | 64'(s8_m0_q) << sp_spec_pkg::GreyM0Lsb |
-                  64'(s8_n_q) << sp_spec_pkg::GreyNLsb;
+    assign word = 64'(s10_m1_q) << sp_spec_pkg::GreyM1Lsb | 64'(s10_m0_q) << sp_spec_pkg::GreyM0Lsb |
+                  64'(s10_n_q) << sp_spec_pkg::GreyNLsb;
     assign data_o[64*c+:64] = word;
   end
 
-  // s2_valid_q is stage 2 of the first two columns; the words are in stage 8
+  // s2_valid_q is stage 2 of the first two columns; the words are in stage 10
   assign valid_o = valid_q[Latency-1];
   assign break_o = break_q[Latency-1];
 

@@ -5,6 +5,9 @@
 // pixel adds its row. In the grey modes A adds up M0 before each row (A = sum over r < R of S_r', S the prefix sums), which
 // needs no multiplier here; sp_moment_drain finishes it: M1 = R*M0 - A.
 //
+// A grey build keeps M0 and A in two halves with a carry between them that the next addition takes up, so that none is a chain
+// of more than half the bits: {high, carry, low}, of the value (high + carry) << width of low | low.
+//
 // Timing, in clocks after a beat is taken (add_i, stage 0): sums of M0, N are at sum_m_o in stage 3, of A at
 // sum_a_o in stage 4. Raw memory words are at raw_m_o in stage 1 and raw_a_o in stage 2. The sums never wrap: widths follow
 // from MaxRows. Guarantees every distance of two beats of one column, from the very next clock on (images of 4 columns
@@ -19,8 +22,9 @@ module sp_moment_sums #(
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits,
   parameter int WeightBits = Grey ? 8 : 1,
-  parameter int LaneMBits = Grey ? M0Bits + RowBits : M0Bits,
-  parameter int LaneABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1)
+  parameter int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1),
+  parameter int LaneMBits = Grey ? M0Bits + 1 + RowBits : M0Bits,
+  parameter int LaneABits = Grey ? ABits + 1 : ABits
 ) (
   input  wire logic                     clk_i,
   input  wire logic                     rst_i,
@@ -38,12 +42,12 @@ module sp_moment_sums #(
   input  wire logic                     two_groups_i,  // the image has 8 columns
   input  wire logic                     grey_i,
 
-  output logic [4*LaneMBits-1:0]        raw_m_o,  // {N, M0} of each lane, or M0
+  output logic [4*LaneMBits-1:0]        raw_m_o,  // {N, M0 in halves} of each lane, or M0
   output logic [4*LaneABits-1:0]        raw_a_o,
   output logic [4*LaneMBits-1:0]        sum_m_o,
   output logic [4*LaneABits-1:0]        sum_a_o,
-  output logic                          sum_m_new_o,  // sum_m_o is of a beat in stage 3, for this clock only
-  output logic                          sum_a_new_o   // sum_a_o is of a beat in stage 4
+  output logic                          sum_m_soon_o,  // in the next clock sum_m_o is of a beat in stage 3, for that clock only
+  output logic                          sum_a_soon_o   // in the next clock sum_a_o is of a beat in stage 4
 );
 
   // Stage 1: the M word is read, and A's read begins
@@ -56,7 +60,7 @@ module sp_moment_sums #(
   logic [GroupBits-1:0]    s2_group_q;
   logic [RowBits-1:0]      s2_row_q;
   // Stage 3: A is summed and written
-  logic                    s3_add_q, s4_add_q;
+  logic                    s3_add_q;
   logic [GroupBits-1:0]    s3_group_q;
   logic [4*LaneMBits-1:0]  sum_m;
   logic [4*LaneABits-1:0]  sum_a;
@@ -70,17 +74,15 @@ module sp_moment_sums #(
       s1_drain_q <= 1'b0;
       s2_add_q   <= 1'b0;
       s3_add_q   <= 1'b0;
-      s4_add_q   <= 1'b0;
     end else begin
       s1_add_q   <= add_i;
       s1_drain_q <= drain_i;
       s2_add_q   <= s1_add_q;
       s3_add_q   <= s2_add_q;
-      s4_add_q   <= s3_add_q;
     end
   end
-  assign sum_m_new_o = s3_add_q;
-  assign sum_a_new_o = s4_add_q;
+  assign sum_m_soon_o = s2_add_q;
+  assign sum_a_soon_o = s3_add_q;
 
   always_ff @(posedge clk_i) begin
     s1_drain_group_q <= drain_group_i;
@@ -101,43 +103,66 @@ module sp_moment_sums #(
   end
 
   for (genvar lane = 0; lane < 4; lane++) begin : gen_lane
-    logic [WeightBits-1:0] s2_weight_q;
-    logic [M0Bits-1:0]     s2_old_m0_q, next_m0, sum_m0_q;
-    logic [LaneABits-1:0]  s3_addend_q, s3_old_a_q, next_a, sum_a_q;
-    logic                  lit;
-
-    assign lit     = |s2_weight_q;  // a lit pixel weighs at least 1 in every mode
-    assign next_m0 = {{(M0Bits - WeightBits) {1'b0}}, s2_weight_q} + s2_old_m0_q;
-    assign next_a  = s3_addend_q + s3_old_a_q;
+    logic [LaneMBits-1:0] s2_old_m_q, next_m, sum_m_q;
+    logic [LaneABits-1:0] s3_old_a_q, next_a, sum_a_q;
 
     always_ff @(posedge clk_i) begin
-      s2_weight_q <= s1_weights_q[lane*WeightBits+:WeightBits];
-      s2_old_m0_q <= s1_first_q ? '0 : s1_next_q ? next_m0 : s1_last_q ? sum_m0_q : raw_m_o[lane*LaneMBits+:M0Bits];
-      s3_old_a_q  <= s2_first_q ? '0 : s2_next_q ? next_a : s2_last_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
-      sum_m0_q    <= next_m0;
-      sum_a_q     <= next_a;
+      s2_old_m_q <= s1_first_q ? '0 : s1_next_q ? next_m : s1_last_q ? sum_m_q : raw_m_o[lane*LaneMBits+:LaneMBits];
+      s3_old_a_q <= s2_first_q ? '0 : s2_next_q ? next_a : s2_last_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
+      sum_m_q    <= next_m;
+      sum_a_q    <= next_a;
     end
 
-    assign sum_m[lane*LaneMBits+:M0Bits]       = next_m0;
-    assign sum_a[lane*LaneABits+:LaneABits]    = next_a;
-    assign sum_m_o[lane*LaneMBits+:M0Bits]     = sum_m0_q;
-    assign sum_a_o[lane*LaneABits+:LaneABits]  = sum_a_q;
+    assign sum_m[lane*LaneMBits+:LaneMBits]   = next_m;
+    assign sum_a[lane*LaneABits+:LaneABits]   = next_a;
+    assign sum_m_o[lane*LaneMBits+:LaneMBits] = sum_m_q;
+    assign sum_a_o[lane*LaneABits+:LaneABits] = sum_a_q;
 
     if (Grey) begin : gen_grey
-      logic [RowBits-1:0] s2_old_n_q, next_n, sum_n_q;
+      localparam int MLow = sp_spec_pkg::PixelBits;  // a weight is no wider
+      localparam int MHigh = M0Bits - MLow;
+      localparam int ALow = (ABits + 1) / 2;
+      localparam int AHigh = ABits - ALow;
+      logic [WeightBits-1:0] s1_weight, s2_weight_q;
+      logic                  s2_lit_q;
+      logic [RowBits-1:0]    old_n, next_n;
+      logic [MHigh-1:0]      old_m_high, next_m_high;
+      logic [AHigh-1:0]      old_a_high, next_a_high, addend_high;
+      logic [MLow-1:0]       old_m_low, next_m_low;
+      logic [ALow-1:0]       old_a_low, next_a_low, addend_low;
+      logic                  old_m_carry, old_a_carry, next_m_carry, next_a_carry;
+      logic [M0Bits-1:0]     old_m0;
+      logic                  unused_foot;
 
-      assign next_n = {{(RowBits - 1) {1'b0}}, lit} + s2_old_n_q;
+      assign s1_weight = s1_weights_q[lane*WeightBits+:WeightBits];
+      assign {old_n, old_m_high, old_m_carry, old_m_low} = s2_old_m_q;
+      assign {old_a_high, old_a_carry, old_a_low}        = s3_old_a_q;
+      assign old_m0 = {old_m_high + MHigh'(old_m_carry), old_m_low};
+
+      logic [ABits-1:0] s3_addend_q;
+      assign {addend_high, addend_low} = s3_addend_q;
       always_ff @(posedge clk_i) begin
-        s2_old_n_q  <= s1_first_q ? '0 : s1_next_q ? next_n : s1_last_q ? sum_n_q :
-                       raw_m_o[lane*LaneMBits+M0Bits+:RowBits];
-        s3_addend_q <= s2_grey_q ? LaneABits'(s2_old_m0_q) : (lit ? LaneABits'(s2_row_q) : {LaneABits{1'b0}});
-        sum_n_q     <= next_n;
+        s2_weight_q <= s1_weight;
+        s2_lit_q    <= s1_weight != '0;  // a lit pixel weighs at least 1 in every mode
+        s3_addend_q <= s2_grey_q ? ABits'(old_m0) : (s2_lit_q ? ABits'(s2_row_q) : {ABits{1'b0}});
       end
-      assign sum_m[lane*LaneMBits+M0Bits+:RowBits]   = next_n;
-      assign sum_m_o[lane*LaneMBits+M0Bits+:RowBits] = sum_n_q;
+
+      assign next_n                     = old_n + RowBits'(s2_lit_q);
+      assign next_m_high                = old_m_high + MHigh'(old_m_carry);
+      assign {next_m_carry, next_m_low} = {1'b0, old_m_low} + {1'b0, s2_weight_q};
+      // the carry goes in at the foot of the chain
+      assign {next_a_high, unused_foot} = {old_a_high, 1'b1} + {addend_high, old_a_carry};
+      assign {next_a_carry, next_a_low} = {1'b0, old_a_low} + {1'b0, addend_low};
+      assign next_m                     = {next_n, next_m_high, next_m_carry, next_m_low};
+      assign next_a                     = {next_a_high, next_a_carry, next_a_low};
     end else begin : gen_binary
+      logic             s2_lit_q;
+      logic [ABits-1:0] s3_addend_q;
+      assign next_m = s2_old_m_q + M0Bits'(s2_lit_q);
+      assign next_a = s3_old_a_q + s3_addend_q;
       always_ff @(posedge clk_i) begin
-        s3_addend_q <= lit ? LaneABits'(s2_row_q) : {LaneABits{1'b0}};
+        s2_lit_q    <= s1_weights_q[lane];
+        s3_addend_q <= s2_lit_q ? ABits'(s2_row_q) : {ABits{1'b0}};
       end
       logic unused;
       assign unused = s2_grey_q;

@@ -1,7 +1,7 @@
 // Pipelined multiplier x * k without a multiplier block: radix-4 digits of k, one adder a stage.
 //
-// Guarantees: product_o = x_i * k_i four clocks after x_i, one product a clock. k_i must not change during the four
-// clocks after x_i (the number of rows of a frame).
+// Guarantees: product_o = x_i * k_i four clocks with move_i after x_i, one product a clock. k_i must not change during the
+// four clocks after x_i (the number of rows of a frame).
 `default_nettype none
 
 module sp_scale #(
@@ -9,7 +9,7 @@ module sp_scale #(
   parameter int KBits = 10
 ) (
   input  wire logic                   clk_i,
-  input  wire logic                   valid_i,  // x_i counts; without it nothing moves
+  input  wire logic                   move_i,  // without it nothing moves
   input  wire logic [XBits-1:0]       x_i,
   input  wire logic [KBits-1:0]       k_i,
   output logic      [XBits+KBits-1:0] product_o
@@ -25,12 +25,9 @@ module sp_scale #(
 
   assign k = {{(2 * Digits - KBits) {1'b0}}, k_i};
 
-  logic [3:1] valid_q;
-  always_ff @(posedge clk_i) valid_q <= {valid_q[2:1], valid_i};
-
   // Stage 1: three times x
   always_ff @(posedge clk_i) begin
-    if (valid_i) begin
+    if (move_i) begin
       x1_q      <= x_i;
       triple1_q <= {2'b00, x_i} + {1'b0, x_i, 1'b0};
     end
@@ -42,11 +39,12 @@ module sp_scale #(
     logic [1:0]       digit;
     logic [XBits+1:0] multiple;
     assign digit    = k[2*d+:2];
-    assign multiple = digit == 2'd0 ? '0 :
-                      digit == 2'd1 ? {2'b00, x1_q} :
-                      digit == 2'd2 ? {1'b0, x1_q, 1'b0} : triple1_q;
+    // no multiplexer with a 0: it would become a reset of its own for each digit
+    assign multiple = {(XBits + 2) {digit == 2'd1}} & {2'b00, x1_q} |
+                      {(XBits + 2) {digit == 2'd2}} & {1'b0, x1_q, 1'b0} |
+                      {(XBits + 2) {digit == 2'd3}} & triple1_q;
     always_ff @(posedge clk_i) begin
-      if (valid_q[1]) digit2_q[d*PBits+:PBits] <= PBits'({{PBits{1'b0}}, multiple} << (2 * d));
+      if (move_i) digit2_q[d*PBits+:PBits] <= PBits'({{PBits{1'b0}}, multiple} << (2 * d));
     end
   end
 
@@ -55,22 +53,22 @@ module sp_scale #(
   for (genvar p = 0; p < Pairs; p++) begin : gen_pair
     if (2 * p + 1 < Digits) begin : gen_two
       always_ff @(posedge clk_i) begin
-        if (valid_q[2]) pair3_q[p*PBits+:PBits] <= digit2_q[2*p*PBits+:PBits] + digit2_q[(2*p+1)*PBits+:PBits];
+        if (move_i) pair3_q[p*PBits+:PBits] <= digit2_q[2*p*PBits+:PBits] + digit2_q[(2*p+1)*PBits+:PBits];
       end
     end else begin : gen_one
       always_ff @(posedge clk_i) begin
-        if (valid_q[2]) pair3_q[p*PBits+:PBits] <= digit2_q[2*p*PBits+:PBits];
+        if (move_i) pair3_q[p*PBits+:PBits] <= digit2_q[2*p*PBits+:PBits];
       end
     end
   end
 
   // Stage 4: the sum of up to three pairs
   if (Pairs == 1) begin : gen_sum1
-    always_ff @(posedge clk_i) if (valid_q[3]) product_o <= pair3_q[0*PBits+:PBits];
+    always_ff @(posedge clk_i) if (move_i) product_o <= pair3_q[0*PBits+:PBits];
   end else if (Pairs == 2) begin : gen_sum2
-    always_ff @(posedge clk_i) if (valid_q[3]) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits];
+    always_ff @(posedge clk_i) if (move_i) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits];
   end else begin : gen_sum3
-    always_ff @(posedge clk_i) if (valid_q[3]) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits] + pair3_q[2*PBits+:PBits];
+    always_ff @(posedge clk_i) if (move_i) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits] + pair3_q[2*PBits+:PBits];
   end
 
 endmodule

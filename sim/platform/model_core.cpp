@@ -73,9 +73,9 @@ class ModelCore final : public BoardCore {
 
   // Clocks from the last beat of a frame until the whole packet is in its FIFO and seen from the bus.
   static double latency(const PacketHeader& header) {
-    constexpr double kBinary = 18;
+    constexpr double kBinary = 20;
     const double groups = header.columns / 4.0;
-    return static_cast<Mode>(header.mode) == Mode::binary ? kBinary : kBinary + groups + 4;
+    return static_cast<Mode>(header.mode) == Mode::binary ? kBinary : kBinary + groups + 5;
   }
 
   void take(const BoardPacket& packet) {

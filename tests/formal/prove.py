@@ -63,7 +63,7 @@ PROOFS = [
     Proof("packetizer", "sp_packetizer", ("ColumnBits=4", "RowBits=2", "PayloadBits=3", "LogDepth=4"), "induction", 2, 40),
     Proof("packet_fifo", "sp_packet_fifo", ("Width=1", "LogDepth=1"), "bounded", 16, 24, clocks=2),
     Proof("column_moments_binary", "sp_column_moments", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 16, 20),
-    Proof("column_moments_grey", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1"), "bounded", 18, 26,
+    Proof("column_moments_grey", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1"), "bounded", 22, 30,
           by_hand=True),
 ]
 
@@ -116,7 +116,7 @@ FAULTS = [
           "s1_last_q        <= s2_add_q && (s1_add_q ? two_groups_i : one_group_i);",
           "s1_last_q        <= s2_add_q && !s1_add_q && one_group_i;", 14),
     Fault("column_moments_grey/threshold_kept", "column_moments_grey", "moments/sp_column_moments.sv",
-          "default:                 value1_q <= pixel - threshold_i;", "default:                 value1_q <= pixel;", 16),
+          "over1_q <= beat_pixels_i[8*lane+:8] - threshold_i;", "over1_q <= beat_pixels_i[8*lane+:8];", 20),
 ]
 
 

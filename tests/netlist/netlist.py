@@ -57,7 +57,7 @@ def cells_of(netlist):
 
 
 def write_mapped(top, read, path):
-    command = fpga.FAMILIES["ice40"][1].format(top=top)
+    command = fpga.mapping("ice40", top)
     # single wires instead of vectors: else a vector that feeds one of its own bits looks like a loop
     run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; {command}; splitnets; write_verilog -noattr {path}"])
     netlist = path.read_text()

@@ -1,6 +1,7 @@
 // The counter in chains and the pipelined multiplier.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -98,14 +99,16 @@ class Scale {
   }
 
   void feed(std::uint64_t x) {
-    scale_->valid_i = 1;
+    scale_->move_i = 1;
     scale_->x_i = static_cast<std::remove_reference_t<decltype(scale_->x_i)>>(x);
     step(x * k_);
   }
 
-  // A clock without an x; what stands at the input does not count.
+  // A clock without an x; what stands at the input does not count. Where no product is on its way nothing needs to
+  // move.
   void gap() {
-    scale_->valid_i = 0;
+    scale_->move_i =
+        std::any_of(expected_.begin(), expected_.end(), [](const auto& product) { return product.has_value(); });
     scale_->x_i = static_cast<std::remove_reference_t<decltype(scale_->x_i)>>(~scale_->x_i & 1U);
     step(std::nullopt);
   }

@@ -24,10 +24,12 @@ namespace selfproj::test::moments {
 
 constexpr int kAcceptDelay = 4;     // from the first beat of the last row to accept_i
 constexpr int kBusyAfter = 7;       // sp_packetizer: from a packet's last payload beat to the next decision
-constexpr int kBinaryDelay = 8;     // from a beat to its word
-constexpr int kGreyFirstDelay = 5;  // from a beat to its drain read; and from there:
-constexpr int kDrainDelay = 8;      // to the first two columns of the group; the other two come a clock later
-constexpr int kBinaryBreakDelay = 7;
+constexpr int kGreyFirstDelay = 6;  // from a beat to its drain read; and from there:
+constexpr int kDrainDelay = 10;     // to the first two columns of the group; the other two come a clock later
+
+// From a beat to its word in mode binary; a break comes a clock behind its beat.
+template <typename Dut>
+constexpr int kBinaryDelay = 10;  // of a grey build
 
 struct Frame {
   int columns = 4;
@@ -243,7 +245,7 @@ class Bench {
 
   void expect_words(Frame& frame, std::int64_t clock, int group) {
     if (frame.mode == Mode::binary) {
-      frame.last_word = clock + kBinaryDelay;
+      frame.last_word = clock + kBinaryDelay<Dut>;
       expected_[frame.last_word].word = word_at(frame, group);
       ++frame.words_sent;
     } else {
@@ -259,8 +261,9 @@ class Bench {
   }
 
   void expect_break(const Frame& frame, std::int64_t clock) {
-    const std::int64_t when = frame.mode == Mode::binary ? clock + kBinaryBreakDelay
-                                                         : std::max(clock + 4, frame.last_drain + 2) + kDrainDelay;
+    const std::int64_t when = frame.mode == Mode::binary
+                                  ? clock + kBinaryDelay<Dut> - 1
+                                  : std::max(clock + kGreyFirstDelay - 1, frame.last_drain + 2) + kDrainDelay;
     ASSERT_GE(when, frame.last_word);
     expected_[when].ends_early = true;
     const int missing = static_cast<int>(frame.words.size() / 16) - frame.words_sent;

@@ -24,7 +24,7 @@ int packet_beats(Mode mode, int columns) {
   return static_cast<int>((spec::kHeaderBytes + spec::kTrailerBytes + moments_payload_bytes(mode, columns)) /
                           spec::kPacketBeatBytes);
 }
-int small_gap(Mode mode) { return mode == Mode::binary ? 6 : 11; }
+int small_gap(Mode mode) { return mode == Mode::binary ? 8 : 14; }
 
 void expect_plausible(const FrameCounts& counts) {
   std::printf("%llu frames, %llu packets delivered, %llu lost; %llu image lines delivered, %llu lost; %llu bytes\n",
