@@ -247,6 +247,7 @@ def place(seeds):
                  if "clk_i" in clock[0] and "bus_clk_i" not in clock[0]]
         if not found:
             raise FpgaError(f"{program}: no frequency in its report")
+        print(f"{part}, {PLACES[number][1][0]}, seed {seed}: {found[-1][1]} MHz", file=sys.stderr, flush=True)
         return number, float(found[-1][1]), worst_path(log)
 
     here = [numbered for numbered in enumerate(PLACES) if program_of(numbered[1][0])]

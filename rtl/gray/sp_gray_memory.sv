@@ -4,10 +4,10 @@
 // Timing: rd_data_o stands two clocks after rd_en_i. A word is read at the earliest in the clock after it was written.
 //
 // A memory that fills the part is as wide as the part: no address reaches all of it in a clock, and no word comes out of it in one.
-// So it is a row of groups of four banks, each a clock further from both ports, and words are fetched Ahead places before they are
-// asked for and wait in a ring. Nobody asks for anything before the first words of a frame: a small memory of their own has
-// them. They are more than Ahead, so that every word that is fetched was written by then, however short the frame before
-// was.
+// So it is a row of groups of four banks, each a clock further from both ports, and words are fetched 16 places (2^AheadBits) before
+// they are asked for and wait in a ring. Nobody asks for anything before the first words of a frame: a small memory of their
+// own has the first 32 (2^HeadBits). They are more than 16, so that every word that is taken from the ring was written before it
+// was fetched, however short the frame before was.
 `default_nettype none
 
 module sp_gray_memory #(
@@ -33,7 +33,7 @@ module sp_gray_memory #(
   localparam int Tail = 4;  // a word goes into the ring Groups + Tail clocks after rd_en_i; that is less than 2^AheadBits
 
   // --- The ports: where they are in the frame ---
-  logic [LogDepth-1:0] fetch_next_q, wr_next_q, fetch, wr_addr;  // Ahead of the word that is read now; of the one written now
+  logic [LogDepth-1:0] fetch_next_q, wr_next_q, fetch, wr_addr;  // fetched with the word that is read now; written now
   logic                rd_head_q, wr_head_q, rd_head, wr_head;   // that is one of the first 2^HeadBits
   logic [HeadBits-1:0] rd_place;                                 // the lowest bits of its address
 
