@@ -22,6 +22,9 @@ module sp_column_moments #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter bit Grey = 1'b1,
+`ifdef FORMAL
+  parameter bit [7:0] ValueBits = 8'hFF,  // bits that pixels and threshold have in a proof
+`endif
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int RowBits = $clog2(MaxRows + 1)
@@ -308,8 +311,9 @@ module sp_column_moments #(
   end
 
 `ifdef FORMAL
-  // Reset once, at the beginning; then frames of one size and mode, beats in order, any gaps between them, none broken,
-  // every packet wanted.
+  // Reset once, at the beginning; then frames of one size and mode, beats in order, any gaps between them, none broken. In mode
+  // binary every packet is wanted; in the grey modes any that do not follow too soon: from a last row's end to the next last row
+  // wanted are eight clocks or more (sp_packetizer takes more than 16), with any frames between them that are not wanted.
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
   (* anyconst *) logic [RowBits-1:0]   f_rows;
@@ -319,13 +323,20 @@ module sp_column_moments #(
   logic [GroupBits-1:0] f_group_q;
   logic [RowBits-1:0]   f_row_q;
   logic                 f_line_end, f_last_row;
-  logic [4:0]           f_wait_q;  // in the grey modes frames begin 24 clocks apart, more than any of these needs
+  logic [2:0]           f_wait_q;
+  logic                 f_decides, f_wanted, f_wanted_q;  // a frame's last row begins; whether its packet is wanted
+  logic [4:1]           f_accept_q;
+  (* anyseq *) logic    f_choice;
+  assign f_decides = beat_valid_i && f_last_row && f_group_q == '0;
+  assign f_wanted  = f_decides ? f_mode == sp_spec_pkg::ModeBinary || f_choice && f_wait_q == '0 : f_wanted_q;
   assign f_line_end = f_group_q == f_last_group;
   assign f_last_row = f_row_q == f_rows;
   always_ff @(posedge clk_i) begin
-    if (rst_i || f_mode == sp_spec_pkg::ModeBinary) f_wait_q <= '0;
-    else if (beat_valid_i && f_group_q == '0 && f_row_q == RowBits'(1)) f_wait_q <= 5'd24;
-    else if (f_wait_q != '0) f_wait_q <= f_wait_q - 5'd1;
+    f_wanted_q <= f_wanted;
+    f_accept_q <= {f_accept_q[3:1], f_wanted};
+    if (rst_i) f_wait_q <= '0;
+    else if (beat_valid_i && f_last_row && f_wanted) f_wait_q <= 3'd7;
+    else if (f_wait_q != '0) f_wait_q <= f_wait_q - 3'd1;
     if (rst_i) {f_group_q, f_row_q} <= {GroupBits'(0), RowBits'(1)};
     else if (beat_valid_i) begin
       f_group_q <= f_line_end ? '0 : f_group_q + GroupBits'(1);
@@ -339,26 +350,26 @@ module sp_column_moments #(
     assume (beat_last_row_i == f_last_row && beat_line_end_i == f_line_end);
     assume (one_group_i == (f_last_group == '0) && two_groups_i == (f_last_group == GroupBits'(1)));
     assume (mode_i == f_mode && f_mode <= (Grey ? sp_spec_pkg::ModeGreyOver : sp_spec_pkg::ModeBinary));
-    if (f_wait_q != '0 && f_group_q == '0 && f_row_q == RowBits'(1)) assume (!beat_valid_i);
-    // In a grey build the values are small: 8 bits wide the proof takes hours.
-    if (Grey) assume ((beat_pixels_i & 32'hFCFC_FCFC) == '0 && f_threshold < 8'd4);
-    assume (threshold_i == f_threshold && !break_i && accept_i);
+    assume ((beat_pixels_i & ~{4{ValueBits}}) == '0 && (f_threshold & ~ValueBits) == '0);
+    if (f_decides && f_ended_q == 6'(f_frame)) assume (f_wanted);
+    assume (threshold_i == f_threshold && !break_i && accept_i == f_accept_q[4]);
   end
 
   // Any one column: its sums written out (3.1, 3.2), from the beats as they come in.
   (* anyconst *) logic [1:0]           f_lane;
   (* anyconst *) logic [GroupBits-1:0] f_group;
-  (* anyconst *) logic [4:0]           f_frame;  // of this frame
+  (* anyconst *) logic [4:0]           f_frame;  // of this frame, which is wanted
   logic [7:0]  f_pixel;
   logic [31:0] f_weight, f_m0_q, f_m1_q, f_n_q;
   logic        f_lit, f_mine;
   logic [31:0] f_m0, f_m1, f_n;
-  logic [4:0]  f_frames_in_q, f_frames_out_q;  // more than a bounded trace has
+  // More than a bounded trace has: frames that ended; wanted, all and before this one; that came out
+  logic [5:0]  f_ended_q, f_wants_q, f_before_q, f_out_q;
   assign f_pixel  = beat_pixels_i[8*f_lane+:8];
   assign f_lit    = f_pixel > f_threshold;
   assign f_weight = !f_lit ? 32'd0 : f_mode == sp_spec_pkg::ModeBinary ? 32'd1 :
                     f_mode == sp_spec_pkg::ModeGrey ? 32'(f_pixel) : 32'(f_pixel) - 32'(f_threshold);
-  assign f_mine   = beat_valid_i && f_group_q == f_group && f_frames_in_q == f_frame;
+  assign f_mine   = beat_valid_i && f_group_q == f_group && f_ended_q == 6'(f_frame);
   always_comb begin
     f_m1 = f_m1_q;
     for (int r = 1; r <= MaxRows; r++) if (f_row_q >= RowBits'(r)) f_m1 = f_m1 + f_weight;  // row times weight
@@ -366,10 +377,14 @@ module sp_column_moments #(
     f_n  = f_n_q + 32'(f_lit);
   end
   always_ff @(posedge clk_i) begin
-    if (rst_i) {f_m0_q, f_m1_q, f_n_q, f_frames_in_q} <= '0;
+    if (rst_i) {f_m0_q, f_m1_q, f_n_q, f_ended_q, f_wants_q, f_before_q} <= '0;
     else begin
+      if (f_decides && f_wanted) begin
+        f_wants_q <= f_wants_q + 6'd1;
+        if (f_ended_q < 6'(f_frame)) f_before_q <= f_before_q + 6'd1;
+      end
       if (f_mine) {f_m0_q, f_m1_q, f_n_q} <= {f_m0, f_m1, f_n};
-      if (beat_valid_i && f_line_end && f_last_row) f_frames_in_q <= f_frames_in_q + 5'd1;
+      if (beat_valid_i && f_line_end && f_last_row) f_ended_q <= f_ended_q + 6'd1;
     end
   end
 
@@ -378,15 +393,15 @@ module sp_column_moments #(
   logic               f_grey, f_here;
   logic [63:0]        f_word;
   assign f_grey = f_mode != sp_spec_pkg::ModeBinary;
-  assign f_here = moments_valid_o && f_frames_out_q == f_frame &&
+  assign f_here = moments_valid_o && f_out_q == f_before_q && f_ended_q >= 6'(f_frame) &&
                   f_beat_q == (f_grey ? {f_group, f_lane[1]} : {1'b0, f_group});
   assign f_word = f_grey ? moments_data_o[64*f_lane[0]+:64] : 64'(moments_data_o[32*f_lane+:32]);
   always_ff @(posedge clk_i) begin
-    if (rst_i) {f_beat_q, f_frames_out_q} <= '0;
+    if (rst_i) {f_beat_q, f_out_q} <= '0;
     else if (moments_valid_o) begin
       if (f_beat_q == (f_grey ? {f_last_group, 1'b1} : {1'b0, f_last_group})) begin
         f_beat_q       <= '0;
-        f_frames_out_q <= f_frames_out_q + 5'd1;
+        f_out_q  <= f_out_q + 6'd1;
       end else begin
         f_beat_q <= f_beat_q + (GroupBits + 1)'(1);
       end
@@ -397,15 +412,17 @@ module sp_column_moments #(
   // Rule 2: nothing comes out that has not gone in whole.
   always_comb if (f_ran_q && !rst_i) begin
     if (f_here) begin
-      assert (f_frames_in_q > f_frame || f_frames_in_q == f_frame && f_last_row && f_group_q > f_group);
+      assert (f_ended_q > 6'(f_frame) || f_last_row && f_group_q > f_group);
       if (f_grey) begin
         assert (f_word[26:0] == f_m1_q[26:0] && f_word[44:27] == f_m0_q[17:0] && f_word[54:45] == f_n_q[9:0]);
       end else begin
         assert (f_word[19:0] == f_m1_q[19:0] && f_word[31:20] == f_m0_q[11:0]);
       end
     end
+    if (moments_valid_o) assert (f_out_q < f_wants_q);
     assert (!spoiled_o);
-    cover (f_here && f_m1_q == 32'd5 && f_rows == RowBits'(3) && f_last_group == GroupBits'(1));
+    cover (f_here && f_m1_q != '0 && f_rows == RowBits'(MaxRows) && f_last_group == GroupBits'(1));
+    if (Grey) cover (f_here && f_grey && f_m1_q != '0 && f_before_q == 6'd1 && f_frame == 5'd2);  // one between was not wanted
   end
 `endif
 

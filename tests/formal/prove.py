@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Proves the rules written inside the RTL modules (`ifdef FORMAL), with Yosys, yosys-smtbmc and z3.
+"""Proves the rules written inside the RTL modules (`ifdef FORMAL), with Yosys and yosys-smtbmc and z3, or Yosys's own ABC.
 
     prove.py [NAME...]           the proofs named, or all; the table of README.md as they end
     prove.py --faults [NAME...]  the planted faults: each must make its proof fail
@@ -31,12 +31,12 @@ class Proof:
     name: str
     module: str
     parameters: tuple  # of "NAME=VALUE"
-    kind: str          # induction or bounded
+    kind: str          # induction (z3) or bounded (z3, or abc where that is stated)
     depth: int
     cover: int         # depth of the covers; 0: the module has none
     clocks: int = 1    # 2: free clocks, every step a moment
+    solver: str = "z3"
     limit_s: int = 1800
-    by_hand: bool = False  # too long for the tests
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,10 +61,11 @@ PROOFS = [
     Proof("gray_axi_memory", "sp_gray_axi_memory", ("Width=1", "AddressBits=13", "LogDepth=4", "BurstWords=4"),
           "induction", 3, 24),
     Proof("packetizer", "sp_packetizer", ("ColumnBits=4", "RowBits=2", "PayloadBits=3", "LogDepth=4"), "induction", 2, 40),
-    Proof("packet_fifo", "sp_packet_fifo", ("Width=1", "LogDepth=1"), "bounded", 16, 24, clocks=2),
-    Proof("column_moments_binary", "sp_column_moments", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 16, 20),
-    Proof("column_moments_grey", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1"), "bounded", 22, 30,
-          by_hand=True),
+    Proof("packet_fifo", "sp_packet_fifo", ("Width=1", "LogDepth=1"), "bounded", 36, 20, clocks=2, solver="abc"),
+    Proof("column_moments_binary", "sp_column_moments", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 24, 16, solver="abc"),
+    Proof("column_moments_values", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1"), "bounded", 22, 30, solver="abc"),
+    Proof("column_moments_frames", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1", "ValueBits=8'h01"), "bounded", 30, 30,
+          solver="abc"),
 ]
 
 FAULTS = [
@@ -115,8 +116,10 @@ FAULTS = [
     Fault("column_moments_binary/no_forward", "column_moments_binary", "moments/sp_moment_sums.sv",
           "s1_last_q        <= s2_add_q && (s1_add_q ? two_groups_i : one_group_i);",
           "s1_last_q        <= s2_add_q && !s1_add_q && one_group_i;", 14),
-    Fault("column_moments_grey/threshold_kept", "column_moments_grey", "moments/sp_column_moments.sv",
+    Fault("column_moments_values/threshold_kept", "column_moments_values", "moments/sp_column_moments.sv",
           "over1_q <= beat_pixels_i[8*lane+:8] - threshold_i;", "over1_q <= beat_pixels_i[8*lane+:8];", 20),
+    Fault("column_moments_frames/unwanted_drains", "column_moments_frames", "moments/sp_column_moments.sv",
+          "valid_q[4] && s4_drain_row && accept_i", "valid_q[4] && s4_drain_row", 24),
 ]
 
 
@@ -133,18 +136,22 @@ def run(command, limit_s, folder):
         raise ProofError(f"{command[0]}: no answer within {limit_s} s") from error
 
 
-def write_smt2(proof, rtl, folder):
-    """The module with its rules, as SMT-LIB: the file's path."""
-    path = folder / f"{proof.name}.smt2"
-    two_clocks = "clk2fflogic;" if proof.clocks == 2 else ""
+def yosys(proof, rtl, folder, path, commands):
+    """Yosys on the module with its rules, flat, its memories registers; the commands write the path."""
     read = rtl_tree.read_command(proof.module, proof.parameters, rtl, [ROOT / "tests/formal/sp_formal_clocks.sv"], formal=True)
     script = (read + f"hierarchy -check -top {proof.module}; proc; chformal -cover -remove A:top %n; "
-              f"prep -nordff -flatten; memory_map; {two_clocks} opt -full; dffunmap; "
-              + f"write_smt2 -wires {path}")
+              f"prep -nordff -flatten; memory_map; {commands}")
     result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
     if result.returncode != 0 or not path.exists():
         said = [line for line in (result.stdout + result.stderr).splitlines() if not line.startswith(">")]
         raise ProofError(f"Yosys failed on {proof.module}: " + "\n".join(said[-3:]))
+
+
+def write_smt2(proof, rtl, folder):
+    """The module with its rules, as SMT-LIB: the file's path."""
+    path = folder / f"{proof.name}.smt2"
+    two_clocks = "clk2fflogic; " if proof.clocks == 2 else ""
+    yosys(proof, rtl, folder, path, f"{two_clocks}opt -full; dffunmap; write_smt2 -wires {path}")
     return path
 
 
@@ -159,46 +166,90 @@ def solve(proof, smt2, options, folder):
     raise ProofError(f"yosys-smtbmc gave no verdict on {proof.name}:\n{output[-2000:]}")
 
 
+def write_aiger(proof, rtl, folder, covers=False):
+    """The module with its rules, or with its covers in their place, as AIGER: the file's path."""
+    path = folder / f"{proof.name}{'.covers' * covers}.aig"
+    # a cover is reached where the assertion of its contrary is broken
+    contrary = folder / "contrary.v"
+    contrary.write_text("(* techmap_celltype = \"$cover\" *) module contrary(input A, EN); "
+                        "\\$assert _TECHMAP_REPLACE_ (.A(!A), .EN(EN)); endmodule\n")
+    statements = f"chformal -assert -remove; techmap -map {contrary}; " if covers else "chformal -cover -remove; "
+    two_clocks = "clk2fflogic; " if proof.clocks == 2 else ""
+    yosys(proof, rtl, folder, path, f"{statements}{two_clocks}opt -full; setundef -undriven -anyseq; formalff -clk2ff -ff2anyinit; "
+          f"techmap; simplemap; dffunmap; delete -output; opt_clean; abc -g AND -fast; opt_clean; write_aiger -B -zinit {path}")
+    return path
+
+
+def solve_aiger(proof, aiger, depth, folder, every=False):
+    """The steps in which ABC breaks a rule: the first one, or for every rule that can be broken one."""
+    command = f"read {aiger.name}; fold; strash; bmc3 -F {depth}{' -a' * every}"
+    result = run(["yosys-abc", "-c", command], proof.limit_s, folder)
+    output = result.stdout + result.stderr
+    broken = re.findall(r"Output +\d+ .*was asserted in frame (\d+)", output)
+    if not broken and f"No output asserted in {depth} frames" not in output:
+        raise ProofError(f"ABC gave no verdict on {proof.name}:\n{output[-2000:]}")
+    return [int(step) for step in broken]
+
+
 def wrong(output):
     """The lines that say what failed, without the clock."""
     lines = [re.sub(r"^##\s+\S+\s+", "", line) for line in output.splitlines()]
     return [line for line in lines if "failed" in line.lower() or "Unreached" in line]
 
 
-def prove(proof, folder):
-    """One line of the table; raises ProofError where a rule does not hold or a cover is not reached."""
-    smt2 = write_smt2(proof, ROOT / "rtl", folder)
-    begin = time.monotonic()
-    steps = [["-t", str(proof.depth)]]
-    if proof.kind == "induction":
-        steps.append(["-i", "-t", str(proof.depth)])
-    for options in steps:
+def check(proof, rtl, folder):
+    """Raises ProofError where a rule does not hold."""
+    if proof.solver == "abc":
+        if broken := solve_aiger(proof, write_aiger(proof, rtl, folder), proof.depth, folder):
+            raise ProofError(f"{proof.name}: a rule is broken in step {broken[0]}")
+        return
+    smt2 = write_smt2(proof, rtl, folder)
+    for options in [[]] + [["-i"]] * (proof.kind == "induction"):
+        options = [*options, "-t", str(proof.depth)]
         passed, output = solve(proof, smt2, options, folder)
         if not passed:
             raise ProofError(f"{proof.name} ({' '.join(options)}):\n" + "\n".join(wrong(output)))
-    proved_s = time.monotonic() - begin
-    covers = 0
-    if proof.cover:
-        passed, output = solve(proof, smt2, ["-c", "-t", str(proof.cover)], folder)
+
+
+def cover(proof, rtl, folder):
+    """How many covers there are; raises ProofError where one is not reached."""
+    if proof.solver == "abc":
+        aiger = write_aiger(proof, rtl, folder, covers=True)
+        covers = int(aiger.read_bytes().split()[6])  # "aig", maximum, inputs, latches, outputs, gates, bad states
+        reached = len(solve_aiger(proof, aiger, proof.cover, folder, every=True))
+        missed = [f"{covers - reached} of {covers}"] * (reached < covers)
+    else:
+        passed, output = solve(proof, write_smt2(proof, rtl, folder), ["-c", "-t", str(proof.cover)], folder)
         covers = output.count("Reached cover statement")
-        if not passed or covers == 0:
-            raise ProofError(f"{proof.name}: covers not reached within {proof.cover} steps:\n" + "\n".join(wrong(output)))
+        missed = [] if passed else wrong(output)
+    if missed or covers == 0:
+        raise ProofError(f"{proof.name}: covers not reached within {proof.cover} steps:\n" + "\n".join(missed))
+    return covers
+
+
+def prove(proof, folder):
+    """One line of the table; raises ProofError where a rule does not hold or a cover is not reached."""
+    begin = time.monotonic()
+    check(proof, ROOT / "rtl", folder)
+    proved_s = time.monotonic() - begin
+    covers = cover(proof, ROOT / "rtl", folder)
     parameters = ", ".join(proof.parameters)
-    return (f"| `{proof.module}` ({parameters}) | {proof.kind} | {proof.depth} | {proof.clocks} | {covers} | "
+    return (f"| `{proof.module}` ({parameters}) | {proof.kind}, {proof.solver} | {proof.depth} | {proof.clocks} | {covers} | "
             f"{proved_s:.0f} s |")
 
 
 def expect_failure(fault, folder):
     """One line about the fault; raises ProofError where its proof does not find it."""
     proof = next(proof for proof in PROOFS if proof.name == fault.proof)
-    smt2 = write_smt2(proof, rtl_tree.plant(folder, fault.file, fault.old, fault.new), folder)
-    if fault.bounded:
-        options = ["-t", str(fault.bounded)]
+    rtl = rtl_tree.plant(folder, fault.file, fault.old, fault.new)
+    if proof.solver == "abc":
+        found = solve_aiger(proof, write_aiger(proof, rtl, folder), fault.bounded or proof.depth, folder)
     else:
-        options = ["-i"] * (proof.kind == "induction") + ["-t", str(proof.depth)]
-    passed, output = solve(proof, smt2, options, folder)
-    if passed:
-        raise ProofError(f"{fault.name}: not found by {proof.name} ({' '.join(options)})")
+        smt2 = write_smt2(proof, rtl, folder)
+        induction = ["-i"] * (proof.kind == "induction" and not fault.bounded)
+        found = not solve(proof, smt2, [*induction, "-t", str(fault.bounded or proof.depth)], folder)[0]
+    if not found:
+        raise ProofError(f"{fault.name}: not found by {proof.name}")
     return f"{fault.name}: found"
 
 
@@ -209,7 +260,7 @@ def main():
     parser.add_argument("names", nargs="*", metavar="NAME")
     arguments = parser.parse_args()
     if arguments.list:
-        print("\n".join([proof.name for proof in PROOFS if not proof.by_hand] + [fault.name for fault in FAULTS]))
+        print("\n".join([proof.name for proof in PROOFS] + [fault.name for fault in FAULTS]))
         return 0
     known = FAULTS if arguments.faults else PROOFS
     unknown = set(arguments.names) - {entry.name for entry in known}

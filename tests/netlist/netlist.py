@@ -7,7 +7,7 @@ A module of rtl/ as a netlist that Yosys wrote, and of that a Verilated model, c
              the cells are those of Yosys's own simulation library
     mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations and an input `mutant` of 16 bits
              that turns on the one of its number (0: none); NAME.mutants lists them, a line each, from number 1 on. What is in
-             sp_counter changes in its own netlist only
+             sp_counter changes in its own netlist only, and of the board only what is in no block: glue, and the blocks' ports
 
 Written: NAME.v, NAME.cpp (all that Verilator makes), NAME.h, NAME_ports.h (for tests/rtl/blocks/recorder.h).
 Standard library only.
@@ -26,6 +26,7 @@ import fpga  # noqa: E402
 import rtl_tree  # noqa: E402
 
 SELECT_BITS = 16
+BOARD = "sp_board"
 COUNTER = "sp_counter"  # from zero, as its users have it, no run reaches its upper chains; by itself it begins before each carry
 
 
@@ -67,15 +68,17 @@ def write_mapped(top, read, path):
 def write_mutants(top, read, path, mutants):
     listing = path.with_suffix(".mutants")
     flat = path.with_suffix(".il")
-    cells = "t:*" if top == COUNTER else f"t:* a:src=*{COUNTER}.sv* %d"
+    cells = "t:*" if top == COUNTER else f"{top}/t:* a:src=*{COUNTER}.sv* %d"
     choose = f"mutate -list {mutants} -seed 1 -o {listing} {cells}; " if mutants else ""
-    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; proc; flatten; opt -full; memory -nomap; opt_clean; "
-         f"check -assert; {choose}write_rtlil {flat}"])
+    # what holds blocks in the board is flat, the blocks are cells of it
+    blocks = f"setattr -mod -set keep_hierarchy 1 *sp_* {BOARD} %d *_path %d; " if top == BOARD else ""
+    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; proc; {blocks}flatten; opt -full; memory -nomap; "
+         f"opt_dff; opt_clean; check -assert; {choose}write_rtlil {flat}"])
     lines = listing.read_text().splitlines() if mutants else []
     script = [f"read_rtlil {flat}"]
     for number, line in enumerate(lines, 1):
         script.append(line.replace("mutate ", f"mutate -ctrl mutant {SELECT_BITS} {number} ", 1))
-    script += ["splitnets", "opt_clean", f"write_verilog -noattr {path}"]
+    script += ["setattr -mod -unset keep_hierarchy *", "flatten", "splitnets", "opt_clean", f"write_verilog -noattr {path}"]
     commands = path.with_suffix(".ys")
     commands.write_text("\n".join(script) + "\n")
     run(["yosys", "-q", "-s", str(commands)])
@@ -83,6 +86,7 @@ def write_mutants(top, read, path, mutants):
 
 def verilate(top, prefix, path):
     folder = path.parent / f"{prefix}.dir"
+    shutil.rmtree(folder, ignore_errors=True)  # of another netlist: it may have had more files
     run(["verilator", "--cc", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--top", top, "--prefix", prefix, "--Mdir",
          str(folder), "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Werror-PINMISSING", str(path)])
     sources = sorted(folder.glob("*.cpp"))
