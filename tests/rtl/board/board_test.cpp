@@ -1,6 +1,8 @@
 // The whole board against the model, packet by packet and byte by byte.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -467,6 +469,115 @@ TEST(Board, PatternIndexTravelsWithTheFrame) {
   }
   EXPECT_GE(pulses, 24);
   EXPECT_EQ(patterns, want);
+}
+
+// Small packets into a bus that stands still: each FIFO takes them to its last place, and none beyond; all that it took
+// comes out whole.
+TEST(Board, FifosFillToTheLastPlace) {
+  constexpr int kMomentsPlaces = 2048;
+  constexpr int kImagePlaces = 1024;
+  Random random(17);
+  for (const bool grey : {false, true}) {
+    for (const int columns : {4, 16, 40}) {
+      SCOPED_TRACE(::testing::Message() << columns << " columns");
+      const Mode mode = grey ? Mode::grey : Mode::binary;
+      Scoreboard<Vboard> board({.bus_period_ps = 6000});
+      board.write({.image = true, .columns = columns, .rows = 2, .mode = mode, .threshold = 100});
+      board.device().set_bus_stall_percent(100);
+      for (int frame = 0; frame < 450; ++frame) {
+        board.device().send(random_image(random, 2, columns).view());
+        board.device().gap(60);
+      }
+      board.play();
+      board.device().run(100);
+      const auto moments = 450 - board.device().read(spec::kRegLostMoments);
+      const auto lines = 900 - board.device().read(spec::kRegLostImage);
+      board.device().set_bus_stall_percent(0);
+      board.finish();
+      EXPECT_EQ(board.delivered(kMoments), moments);
+      EXPECT_EQ(board.delivered(kImage), lines);
+      // One more would not have gone in. A few beats have left the FIFO for the arbiter.
+      const auto beats = static_cast<unsigned>(packet_beats(mode, columns));
+      const auto line_beats = static_cast<unsigned>(
+          (spec::kHeaderBytes + spec::kTrailerBytes + static_cast<std::size_t>(columns)) / spec::kPacketBeatBytes +
+          (columns % 16 != 0 ? 1 : 0));
+      EXPECT_GT((moments + 1) * beats, static_cast<unsigned>(kMomentsPlaces));
+      EXPECT_LE(moments * beats, static_cast<unsigned>(kMomentsPlaces) + 8);
+      EXPECT_GT((lines + 1) * line_beats, static_cast<unsigned>(kImagePlaces));
+      EXPECT_LE(lines * line_beats, static_cast<unsigned>(kImagePlaces) + 8);
+    }
+  }
+}
+
+// A pause within a frame as long as the time-out does no harm, one clock more breaks the frame: for every bit of the
+// time-out that a run can wait for.
+TEST(Board, EveryBitOfTheTimeOut) {
+  Random random(18);
+  for (int bits = 1; bits <= 17; ++bits) {
+    const int timeout = (1 << (bits - 1)) + random.between(0, (1 << (bits - 1)) - 1);
+    SCOPED_TRACE(::testing::Message() << "time-out " << timeout);
+    Scoreboard<Vboard> board({.bus_period_ps = 6000});
+    board.write({.columns = 16, .rows = 4, .threshold = 100, .timeout = timeout});
+    for (const int more : {0, 1}) {
+      const auto lines = lines_of(random_image(random, 4, 16));
+      for (std::size_t row = 0; row < lines.size(); ++row) {
+        if (row == 2) {
+          board.device().gap(static_cast<std::uint32_t>(timeout + more));
+        }
+        for (const VideoBeat& beat : lines[row]) {
+          board.device().send(beat);
+        }
+      }
+      board.device().gap(100);
+    }
+    board.finish();
+    EXPECT_EQ(board.model().broken(), 1U);
+    if (HasFailure()) {
+      return;
+    }
+  }
+}
+
+// Pulses of the trigger at the clocks that its settings say, for every bit of them that a run can wait for.
+TEST(Board, EveryBitOfTheTriggersSettings) {
+  Random random(19);
+  for (int bits = 4; bits <= 17; ++bits) {
+    BoardDevice<Vboard> device({.bus_period_ps = 6000});
+    const auto period = static_cast<std::uint64_t>((1 << (bits - 1)) + random.between(0, (1 << (bits - 1)) - 1));
+    const auto camera = static_cast<std::uint64_t>(random.between(1, static_cast<int>(period) - 1));
+    const auto width = static_cast<std::uint64_t>(random.between(1, std::min(static_cast<int>(period) - 1, 0xFFFF)));
+    SCOPED_TRACE(::testing::Message() << "period " << period << ", camera " << camera << ", width " << width);
+    device.write(BoardSettings{.columns = 32, .rows = 4});
+    device.write(spec::kRegTriggerPeriod, static_cast<std::uint32_t>(period));
+    device.write(spec::kRegTriggerCamera, static_cast<std::uint32_t>(camera));
+    device.write(spec::kRegTriggerWidth, static_cast<std::uint32_t>(width));
+    std::array<bool, 2> level = {};
+    std::array<std::vector<std::uint64_t>, 2> rises;
+    std::array<std::vector<std::uint64_t>, 2> falls;
+    device.on_clock([&](std::uint64_t clock) {
+      const std::array<bool, 2> now = {device.projector_trigger(), device.camera_trigger()};
+      for (std::size_t line = 0; line < 2; ++line) {
+        if (now.at(line) != level.at(line)) {
+          (now.at(line) ? rises : falls).at(line).push_back(clock);
+        }
+      }
+      level = now;
+    });
+    device.write(spec::kRegTriggerControl, 1U << spec::kRegTriggerControlRunLsb);
+    device.run(3 * period + 100);
+    for (std::size_t line = 0; line < 2; ++line) {
+      ASSERT_GE(rises.at(line).size(), 3U);
+      ASSERT_GE(falls.at(line).size(), 2U);
+      for (std::size_t pulse = 0; pulse < 2; ++pulse) {
+        EXPECT_EQ(rises.at(line).at(pulse + 1) - rises.at(line).at(pulse), period);
+        EXPECT_EQ(falls.at(line).at(pulse) - rises.at(line).at(pulse), width);
+      }
+    }
+    EXPECT_EQ(rises[1][0] - rises[0][0], camera);
+    if (HasFailure()) {
+      return;
+    }
+  }
 }
 
 // What identifies the board stands in its registers.
