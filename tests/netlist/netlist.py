@@ -7,7 +7,8 @@ A module of rtl/ as a netlist that Yosys wrote, and of that a Verilated model, c
              the cells are those of Yosys's own simulation library
     mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations and an input `mutant` of 16 bits
              that turns on the one of its number (0: none); NAME.mutants lists them, a line each, from number 1 on. What is in
-             sp_counter changes in its own netlist only, and of the board only what is in no block: glue, and the blocks' ports
+             sp_counter changes in its own netlist only, and of the board only what is in no block: glue, and the blocks' ports;
+             of one with a decoder only what the decoder brings
 
 Written: NAME.v, NAME.cpp (all that Verilator makes), NAME.h, NAME_ports.h (for tests/rtl/blocks/recorder.h).
 Standard library only.
@@ -65,10 +66,10 @@ def write_mapped(top, read, path):
     path.write_text(cells_of(netlist) + netlist)
 
 
-def write_mutants(top, read, path, mutants):
+def write_mutants(top, read, path, mutants, codes):
     listing = path.with_suffix(".mutants")
     flat = path.with_suffix(".il")
-    cells = "t:*" if top == COUNTER else f"{top}/t:* a:src=*{COUNTER}.sv* %d"
+    cells = "t:*" if top == COUNTER else f"{top}/{'*gen_codes*' if codes else 't:*'} a:src=*{COUNTER}.sv* %d"
     choose = f"mutate -list {mutants} -seed 1 -o {listing} {cells}; " if mutants else ""
     # what holds blocks in the board is flat, the blocks are cells of it
     blocks = f"setattr -mod -set keep_hierarchy 1 *sp_* {BOARD} %d *_path %d; " if top == BOARD else ""
@@ -111,7 +112,7 @@ def main():
     if args.kind == "mapped":
         write_mapped(args.top, read, path)
     else:
-        write_mutants(args.top, read, path, args.mutants)
+        write_mutants(args.top, read, path, args.mutants, "Codes=1'b1" in args.parameters)
     verilate(args.top, args.prefix, path)
     return 0
 

@@ -513,7 +513,7 @@ TEST(Board, FifosFillToTheLastPlace) {
 // time-out that a run can wait for.
 TEST(Board, EveryBitOfTheTimeOut) {
   Random random(18);
-  for (int bits = 1; bits <= 17; ++bits) {
+  for (int bits = 1; bits <= 19; ++bits) {
     const int timeout = (1 << (bits - 1)) + random.between(0, (1 << (bits - 1)) - 1);
     SCOPED_TRACE(::testing::Message() << "time-out " << timeout);
     Scoreboard<Vboard> board({.bus_period_ps = 6000});
@@ -536,6 +536,25 @@ TEST(Board, EveryBitOfTheTimeOut) {
       return;
     }
   }
+}
+
+// Both lines of the encoder change at once: the register counts every time, and the camera is never held up.
+TEST(Board, CountsTheEncodersErrors) {
+  BoardDevice<Vboard> device({.bus_period_ps = 6000});
+  bool never_held = true;
+  device.on_clock([&](std::uint64_t) { never_held = never_held && device.takes_beats(); });
+  device.run(100);
+  std::uint32_t errors = 0;
+  for (const std::uint32_t until : {3U, 12U, 340U, 1365U}) {
+    while (errors < until) {
+      ++errors;
+      device.set_encoder(errors % 2 != 0, errors % 2 != 0);
+      device.run(10);
+    }
+    EXPECT_EQ(device.read(spec::kRegEncoderErrors), errors);
+  }
+  EXPECT_EQ(device.read(spec::kRegEncoder), 0U);
+  EXPECT_TRUE(never_held);
 }
 
 // Pulses of the trigger at the clocks that its settings say, for every bit of them that a run can wait for.
@@ -593,6 +612,15 @@ void expect_identity(int max_columns, int max_rows, bool grey, bool image) {
   EXPECT_EQ((capability >> spec::kRegCapabilityGreyLsb & 1U) != 0, grey);
   EXPECT_EQ((capability >> spec::kRegCapabilityImageLsb & 1U) != 0, image);
 }
+// Where no register is, reads and writes are refused.
+TEST(Board, RefusesWhereNoRegisterIs) {
+  BoardDevice<Vboard> device;
+  constexpr std::uint32_t kNowhere = 0xFC;
+  EXPECT_TRUE(device.access(false, kNowhere, 0).error);
+  EXPECT_TRUE(device.access(true, kNowhere, 1).error);
+  EXPECT_FALSE(device.access(false, spec::kRegId, 0).error);
+}
+
 TEST(Board, SaysWhatItIs) { expect_identity<Vboard>(spec::kMaxColumns, spec::kMaxRows, true, true); }
 TEST(OriginalBoard, SaysWhatItIs) { expect_identity<Vboard_original>(512, 127, false, false); }
 

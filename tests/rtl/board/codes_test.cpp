@@ -103,6 +103,35 @@ TEST(RawCodesBoard, LinesNeedNoGap) {
   }
 }
 
+// Lines into a bus that stands still: the FIFO takes them to its last place, and none beyond; all that it took comes
+// out whole.
+TEST(CodesBoard, FifoFillsToTheLastPlace) {
+  constexpr unsigned kPlaces = 512;
+  Random random(4);
+  for (const int columns : {4, 12, 40, 64}) {
+    SCOPED_TRACE(::testing::Message() << columns << " columns");
+    Scoreboard<Vboard_codes> board({.bus_period_ps = 6000});
+    board.count_patterns_on_frames(1);
+    board.write({.columns = columns, .rows = 8, .codes = true, .code_bits = 1, .code_threshold = 9});
+    board.device().set_bus_stall_percent(100);
+    for (int frame = 0; frame < 2 * 120; ++frame) {
+      board.device().send(random_image(random, 8, columns).view());
+      board.device().gap(120);
+    }
+    board.play();
+    board.device().run(400);
+    const unsigned lines = 120 * 8 - board.device().read(spec::kRegLostCodes);
+    board.device().set_bus_stall_percent(0);
+    board.finish();
+    EXPECT_EQ(board.delivered(kCodes), lines);
+    const auto beats = static_cast<unsigned>(
+        (spec::kHeaderBytes + spec::kTrailerBytes + 2 * static_cast<std::size_t>(columns)) / spec::kPacketBeatBytes +
+        (columns % 8 != 0 ? 1 : 0));
+    EXPECT_GT((lines + 1) * beats, kPlaces);
+    EXPECT_LE(lines * beats, kPlaces + 8);
+  }
+}
+
 // What this build can do stands in its registers, and what it cannot is refused.
 TEST(CodesBoard, SaysWhatItIsAndRefusesTheRest) {
   BoardDevice<Vboard_codes> full;
