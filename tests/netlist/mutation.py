@@ -108,13 +108,18 @@ def memory_bits(netlist):
 
 
 def changes_nothing(mutant, flat):
-    """Whether the bit that was tied to 0 or 1 was just that before: the netlists are the same."""
+    """Whether the bit was tied to what it was before, or nothing reads it: flat and without what nothing reads, the netlists are
+    the same."""
     with tempfile.TemporaryDirectory() as folder:
         before, after = pathlib.Path(folder) / "before", pathlib.Path(folder) / "after"
-        script = f"read_rtlil {flat}; write_rtlil {before}; {mutant.line}; write_rtlil {after}"
+        flatten = "setattr -mod -unset keep_hierarchy *; flatten; opt_expr; opt_clean -purge"
+        script = (f"read_rtlil {flat}; {flatten}; write_rtlil {before}; design -reset; "
+                  f"read_rtlil {flat}; {mutant.line}; {flatten}; write_rtlil {after}")
         subprocess.run(["yosys", "-q", "-p", script], capture_output=True, check=True)
-        cells = [path.read_text().split("\nmodule ", 1)[1] for path in (before, after)]
-    return cells[0] == cells[1]
+        # wires, cells and connections, in whatever order
+        parts = [sorted(re.findall(r"^  wire .*?$|^  cell .*?^  end$|^  connect .*?$", path.read_text(), re.M | re.S))
+                 for path in (before, after)]
+    return parts[0] == parts[1]
 
 
 def proved_equal(mutant, folder):
