@@ -22,9 +22,6 @@ module sp_column_moments #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter bit Grey = 1'b1,
-`ifdef FORMAL
-  parameter bit [7:0] ValueBits = 8'hFF,  // bits that pixels and threshold have in a proof
-`endif
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int RowBits = $clog2(MaxRows + 1)
@@ -314,6 +311,7 @@ module sp_column_moments #(
   // Reset once, at the beginning; then frames of one size and mode, beats in order, any gaps between them, none broken. In mode
   // binary every packet is wanted; in the grey modes any that do not follow too soon: from a last row's end to the next last row
   // wanted are eight clocks or more (sp_packetizer takes more than 16), with any frames between them that are not wanted.
+  parameter bit [7:0] ValueBits = 8'hFF;  // bits that pixels and threshold have
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
   (* anyconst *) logic [RowBits-1:0]   f_rows;
