@@ -399,7 +399,7 @@ module sp_column_moments #(
     else if (moments_valid_o) begin
       if (f_beat_q == (f_grey ? {f_last_group, 1'b1} : {1'b0, f_last_group})) begin
         f_beat_q       <= '0;
-        f_out_q  <= f_out_q + 6'd1;
+        f_out_q        <= f_out_q + 6'd1;
       end else begin
         f_beat_q <= f_beat_q + (GroupBits + 1)'(1);
       end
@@ -407,7 +407,7 @@ module sp_column_moments #(
   end
 
   // Rule 1: the word of every column holds its sums, in the packet's format.
-  // Rule 2: nothing comes out that has not gone in whole.
+  // Rule 2: nothing comes out that has not gone in whole, or is not wanted.
   always_comb if (f_ran_q && !rst_i) begin
     if (f_here) begin
       assert (f_ended_q > 6'(f_frame) || f_last_row && f_group_q > f_group);

@@ -46,8 +46,6 @@ struct BoardDeviceOptions {
   std::string trace_file = {};  // FST; only where the model was built with TRACE
 };
 
-constexpr unsigned kSlverr = 2;  // AXI4-Lite
-
 // The answer of a register access.
 struct RegisterAnswer {
   bool error = false;  // SLVERR
@@ -360,11 +358,11 @@ class BoardDevice {
     drop_w_ = m.s_axil_wvalid != 0 && m.s_axil_wready != 0;
     drop_ar_ = m.s_axil_arvalid != 0 && m.s_axil_arready != 0;
     if (m.s_axil_bvalid != 0 && m.s_axil_bready != 0) {
-      answer_ = {.error = m.s_axil_bresp == kSlverr, .data = 0};
+      answer_ = {.error = m.s_axil_bresp != 0, .data = 0};
       access_done_ = true;
     }
     if (m.s_axil_rvalid != 0 && m.s_axil_rready != 0) {
-      answer_ = {.error = m.s_axil_rresp == kSlverr, .data = m.s_axil_rdata};
+      answer_ = {.error = m.s_axil_rresp != 0, .data = m.s_axil_rdata};
       access_done_ = true;
     }
   }

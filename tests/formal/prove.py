@@ -31,11 +31,10 @@ class Proof:
     name: str
     module: str
     parameters: tuple  # of "NAME=VALUE"
-    kind: str          # induction (z3) or bounded (z3, or abc where that is stated)
+    kind: str          # induction (yosys-smtbmc and z3) or bounded (ABC)
     depth: int
     cover: int         # depth of the covers; 0: the module has none
     clocks: int = 1    # 2: free clocks, every step a moment
-    solver: str = "z3"
     limit_s: int = 1800
 
 
@@ -61,11 +60,11 @@ PROOFS = [
     Proof("gray_axi_memory", "sp_gray_axi_memory", ("Width=1", "AddressBits=13", "LogDepth=4", "BurstWords=4"),
           "induction", 3, 24),
     Proof("packetizer", "sp_packetizer", ("ColumnBits=4", "RowBits=2", "PayloadBits=3", "LogDepth=4"), "induction", 2, 40),
-    Proof("packet_fifo", "sp_packet_fifo", ("Width=1", "LogDepth=1"), "bounded", 36, 20, clocks=2, solver="abc"),
-    Proof("column_moments_binary", "sp_column_moments", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 24, 16, solver="abc"),
-    Proof("column_moments_values", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1"), "bounded", 22, 30, solver="abc"),
-    Proof("column_moments_frames", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1", "ValueBits=8'h01"), "bounded", 28, 28,
-          solver="abc"),
+    Proof("packet_fifo", "sp_packet_fifo", ("Width=1", "LogDepth=1"), "bounded", 36, 20, clocks=2),
+    Proof("column_moments_binary", "sp_column_moments", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 24, 16),
+    Proof("column_moments_values", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1"), "bounded", 22, 30),
+    Proof("column_moments_frames", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1", "ValueBits=8'h01"),
+          "bounded", 28, 28),
 ]
 
 FAULTS = [
@@ -137,10 +136,11 @@ def run(command, limit_s, folder):
 
 
 def yosys(proof, rtl, folder, path, commands):
-    """Yosys on the module with its rules, flat, its memories registers; the commands write the path."""
+    """Yosys on the module with its rules, flat, its memories registers, free clocks as data; the commands write the path."""
+    two_clocks = "clk2fflogic; " if proof.clocks == 2 else ""
     read = rtl_tree.read_command(proof.module, proof.parameters, rtl, [ROOT / "tests/formal/sp_formal_clocks.sv"], formal=True)
     script = (read + f"hierarchy -check -top {proof.module}; proc; chformal -cover -remove A:top %n; "
-              f"prep -nordff -flatten; memory_map; {commands}")
+              f"prep -nordff -flatten; memory_map; {two_clocks}opt -full; dffunmap; {commands}")
     result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
     if result.returncode != 0 or not path.exists():
         said = [line for line in (result.stdout + result.stderr).splitlines() if not line.startswith(">")]
@@ -150,8 +150,7 @@ def yosys(proof, rtl, folder, path, commands):
 def write_smt2(proof, rtl, folder):
     """The module with its rules, as SMT-LIB: the file's path."""
     path = folder / f"{proof.name}.smt2"
-    two_clocks = "clk2fflogic; " if proof.clocks == 2 else ""
-    yosys(proof, rtl, folder, path, f"{two_clocks}opt -full; dffunmap; write_smt2 -wires {path}")
+    yosys(proof, rtl, folder, path, f"write_smt2 -wires {path}")
     return path
 
 
@@ -174,8 +173,7 @@ def write_aiger(proof, rtl, folder, covers=False):
     contrary.write_text("(* techmap_celltype = \"$cover\" *) module contrary(input A, EN); "
                         "\\$assert _TECHMAP_REPLACE_ (.A(!A), .EN(EN)); endmodule\n")
     statements = f"chformal -assert -remove; techmap -map {contrary}; " if covers else "chformal -cover -remove; "
-    two_clocks = "clk2fflogic; " if proof.clocks == 2 else ""
-    yosys(proof, rtl, folder, path, f"{statements}{two_clocks}opt -full; setundef -undriven -anyseq; formalff -clk2ff -ff2anyinit; "
+    yosys(proof, rtl, folder, path, f"{statements}opt -full; setundef -undriven -anyseq; formalff -clk2ff -ff2anyinit; "
           f"techmap; simplemap; dffunmap; delete -output; opt_clean; abc -g AND -fast; opt_clean; write_aiger -B -zinit {path}")
     return path
 
@@ -199,13 +197,12 @@ def wrong(output):
 
 def check(proof, rtl, folder):
     """Raises ProofError where a rule does not hold."""
-    if proof.solver == "abc":
+    if proof.kind == "bounded":
         if broken := solve_aiger(proof, write_aiger(proof, rtl, folder), proof.depth, folder):
             raise ProofError(f"{proof.name}: a rule is broken in step {broken[0]}")
         return
     smt2 = write_smt2(proof, rtl, folder)
-    for options in [[]] + [["-i"]] * (proof.kind == "induction"):
-        options = [*options, "-t", str(proof.depth)]
+    for options in (["-t", str(proof.depth)], ["-i", "-t", str(proof.depth)]):
         passed, output = solve(proof, smt2, options, folder)
         if not passed:
             raise ProofError(f"{proof.name} ({' '.join(options)}):\n" + "\n".join(wrong(output)))
@@ -213,7 +210,7 @@ def check(proof, rtl, folder):
 
 def cover(proof, rtl, folder):
     """How many covers there are; raises ProofError where one is not reached."""
-    if proof.solver == "abc":
+    if proof.kind == "bounded":
         aiger = write_aiger(proof, rtl, folder, covers=True)
         covers = int(aiger.read_bytes().split()[6])  # "aig", maximum, inputs, latches, outputs, gates, bad states
         reached = len(solve_aiger(proof, aiger, proof.cover, folder, every=True))
@@ -234,7 +231,7 @@ def prove(proof, folder):
     proved_s = time.monotonic() - begin
     covers = cover(proof, ROOT / "rtl", folder)
     parameters = ", ".join(proof.parameters)
-    return (f"| `{proof.module}` ({parameters}) | {proof.kind}, {proof.solver} | {proof.depth} | {proof.clocks} | {covers} | "
+    return (f"| `{proof.module}` ({parameters}) | {proof.kind} | {proof.depth} | {proof.clocks} | {covers} | "
             f"{proved_s:.0f} s |")
 
 
@@ -242,11 +239,11 @@ def expect_failure(fault, folder):
     """One line about the fault; raises ProofError where its proof does not find it."""
     proof = next(proof for proof in PROOFS if proof.name == fault.proof)
     rtl = rtl_tree.plant(folder, fault.file, fault.old, fault.new)
-    if proof.solver == "abc":
+    if proof.kind == "bounded":
         found = solve_aiger(proof, write_aiger(proof, rtl, folder), fault.bounded or proof.depth, folder)
     else:
         smt2 = write_smt2(proof, rtl, folder)
-        induction = ["-i"] * (proof.kind == "induction" and not fault.bounded)
+        induction = [] if fault.bounded else ["-i"]
         found = not solve(proof, smt2, [*induction, "-t", str(fault.bounded or proof.depth)], folder)[0]
     if not found:
         raise ProofError(f"{fault.name}: not found by {proof.name}")

@@ -21,11 +21,7 @@ namespace {
 constexpr std::uint8_t kMoments = spec::kKindMoments;
 constexpr std::uint8_t kImage = spec::kKindImage;
 
-// Beats of a moments packet, and what must lie between the starts of two frames beyond them (rtl/board/README.md).
-int packet_beats(Mode mode, int columns) {
-  return static_cast<int>((spec::kHeaderBytes + spec::kTrailerBytes + moments_payload_bytes(mode, columns)) /
-                          spec::kPacketBeatBytes);
-}
+// What must lie between the starts of two frames beyond the beats of a moments packet (rtl/board/README.md).
 int small_gap(Mode mode) { return mode == Mode::binary ? 8 : 14; }
 
 void expect_plausible(const FrameCounts& counts) {
@@ -222,7 +218,7 @@ TEST(Board, SmallestDistanceOfFramesIsAsStated) {
     for (const auto& [columns, rows] :
          std::vector<std::pair<int, int>>{{4, 1}, {8, 2}, {40, 1}, {64, 2}, {512, 1}, {512, 2}, {1024, 1}}) {
       const int beats = columns / 4 * rows;
-      const int distance = packet_beats(mode, columns) + small_gap(mode);
+      const int distance = static_cast<int>(packet_beats(moments_payload_bytes(mode, columns))) + small_gap(mode);
       for (const int less : {0, 1}) {
         if (distance - less < beats) {
           continue;  // frames cannot be closer than their own beats
@@ -474,8 +470,8 @@ TEST(Board, PatternIndexTravelsWithTheFrame) {
 // Small packets into a bus that stands still: each FIFO takes them to its last place, and none beyond; all that it took
 // comes out whole.
 TEST(Board, FifosFillToTheLastPlace) {
-  constexpr int kMomentsPlaces = 2048;
-  constexpr int kImagePlaces = 1024;
+  constexpr std::size_t kMomentsPlaces = 2048;
+  constexpr std::size_t kImagePlaces = 1024;
   Random random(17);
   for (const bool grey : {false, true}) {
     for (const int columns : {4, 16, 40}) {
@@ -497,14 +493,12 @@ TEST(Board, FifosFillToTheLastPlace) {
       EXPECT_EQ(board.delivered(kMoments), moments);
       EXPECT_EQ(board.delivered(kImage), lines);
       // One more would not have gone in. A few beats have left the FIFO for the arbiter.
-      const auto beats = static_cast<unsigned>(packet_beats(mode, columns));
-      const auto line_beats = static_cast<unsigned>(
-          (spec::kHeaderBytes + spec::kTrailerBytes + static_cast<std::size_t>(columns)) / spec::kPacketBeatBytes +
-          (columns % 16 != 0 ? 1 : 0));
-      EXPECT_GT((moments + 1) * beats, static_cast<unsigned>(kMomentsPlaces));
-      EXPECT_LE(moments * beats, static_cast<unsigned>(kMomentsPlaces) + 8);
-      EXPECT_GT((lines + 1) * line_beats, static_cast<unsigned>(kImagePlaces));
-      EXPECT_LE(lines * line_beats, static_cast<unsigned>(kImagePlaces) + 8);
+      const std::size_t beats = packet_beats(moments_payload_bytes(mode, columns));
+      const std::size_t line_beats = packet_beats(image_line_payload_bytes(columns));
+      EXPECT_GT((moments + 1) * beats, kMomentsPlaces);
+      EXPECT_LE(moments * beats, kMomentsPlaces + 8);
+      EXPECT_GT((lines + 1) * line_beats, kImagePlaces);
+      EXPECT_LE(lines * line_beats, kImagePlaces + 8);
     }
   }
 }
@@ -612,6 +606,7 @@ void expect_identity(int max_columns, int max_rows, bool grey, bool image) {
   EXPECT_EQ((capability >> spec::kRegCapabilityGreyLsb & 1U) != 0, grey);
   EXPECT_EQ((capability >> spec::kRegCapabilityImageLsb & 1U) != 0, image);
 }
+
 // Where no register is, reads and writes are refused.
 TEST(Board, RefusesWhereNoRegisterIs) {
   BoardDevice<Vboard> device;

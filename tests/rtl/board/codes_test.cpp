@@ -106,7 +106,7 @@ TEST(RawCodesBoard, LinesNeedNoGap) {
 // Lines into a bus that stands still: the FIFO takes them to its last place, and none beyond; all that it took comes
 // out whole.
 TEST(CodesBoard, FifoFillsToTheLastPlace) {
-  constexpr unsigned kPlaces = 512;
+  constexpr std::size_t kPlaces = 512;
   Random random(4);
   for (const int columns : {4, 12, 40, 64}) {
     SCOPED_TRACE(::testing::Message() << columns << " columns");
@@ -124,9 +124,7 @@ TEST(CodesBoard, FifoFillsToTheLastPlace) {
     board.device().set_bus_stall_percent(0);
     board.finish();
     EXPECT_EQ(board.delivered(kCodes), lines);
-    const auto beats = static_cast<unsigned>(
-        (spec::kHeaderBytes + spec::kTrailerBytes + 2 * static_cast<std::size_t>(columns)) / spec::kPacketBeatBytes +
-        (columns % 8 != 0 ? 1 : 0));
+    const std::size_t beats = packet_beats(codes_line_payload_bytes(columns));
     EXPECT_GT((lines + 1) * beats, kPlaces);
     EXPECT_LE(lines * beats, kPlaces + 8);
   }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -19,6 +20,11 @@
 #include "sim/device/board_device.h"
 
 namespace selfproj::test {
+
+// Beats of a packet with so many bytes of payload.
+inline std::size_t packet_beats(std::size_t payload_bytes) {
+  return (spec::kHeaderBytes + spec::kTrailerBytes + payload_bytes) / spec::kPacketBeatBytes;
+}
 
 // What the board's counters have counted before a run.
 struct BoardCounts {
