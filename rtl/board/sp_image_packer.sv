@@ -135,29 +135,34 @@ module sp_image_packer #(
   logic [LogDepth-1:0] ptr1_q, ptr2_q, ptr3_q;
   logic [WordBits-1:0] count1_q, count2_q, count3_q;
   logic [3:1]          broken_q;
-  logic [2:1]          go_q;
-  logic                reading_q;
+  logic                go_q;
+  logic                reading_q, read_q;
   logic                last_word;
   logic [LogDepth-1:0] rd_ptr_q;
   logic [WordBits-1:0] left_q;
-  logic                line_broken_q;
+  logic                line_broken_q, break_read_q;
+  logic [127:0]        word_read;
 
   assign last_word = left_q == WordBits'(1);
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       done_q        <= '0;
-      go_q          <= '0;
+      go_q          <= 1'b0;
       reading_q     <= 1'b0;
+      read_q        <= 1'b0;
+      break_read_q  <= 1'b0;
       words_valid_o <= 1'b0;
       words_break_o <= 1'b0;
     end else begin
       done_q <= {done_q[2:1], line_done_o};
-      go_q   <= {go_q[1], done_q[3] && accept_i};
-      if (go_q[2]) reading_q <= 1'b1;
+      go_q   <= done_q[3] && accept_i;
+      if (go_q) reading_q <= 1'b1;
       else if (last_word) reading_q <= 1'b0;
-      words_valid_o <= reading_q;
-      words_break_o <= reading_q && last_word && line_broken_q;
+      read_q        <= reading_q;
+      break_read_q  <= reading_q && last_word && line_broken_q;
+      words_valid_o <= read_q;
+      words_break_o <= break_read_q;
     end
   end
 
@@ -166,6 +171,7 @@ module sp_image_packer #(
     {ptr2_q, count2_q} <= {ptr1_q, count1_q};
     {ptr3_q, count3_q} <= {ptr2_q, count2_q};
     broken_q <= {broken_q[2:1], breaks};
+    if (read_q) words_data_o <= word_read;
     if (done_q[3] && accept_i) begin
       rd_ptr_q      <= ptr3_q;
       left_q        <= count3_q;
@@ -188,7 +194,7 @@ module sp_image_packer #(
     .rd_clk_i (clk_i),
     .rd_en_i  (reading_q),
     .rd_addr_i(rd_ptr_q),
-    .rd_data_o(words_data_o)
+    .rd_data_o(word_read)
   );
 
 endmodule

@@ -44,15 +44,16 @@ module sp_gray_lane #(
   end
 
   // --- Binarization (4.15) ---
-  logic               lit, dark;  // certainly
-  logic               lit_q, uncertain_q;
+  logic               lit, dark;  // certainly: the signs of threshold - difference, threshold + difference
+  logic [8:0]         unused_lit, unused_dark;
+  logic               lit_q, dark_q;
 
-  assign lit  = $signed(10'(difference_q)) > $signed({2'b00, threshold_i});
-  assign dark = $signed(10'(difference_q)) < -$signed({2'b00, threshold_i});
+  assign {lit, unused_lit}   = {2'b00, threshold_i} - 10'(difference_q);
+  assign {dark, unused_dark} = {2'b00, threshold_i} + 10'(difference_q);
 
   always_ff @(posedge clk_i) begin
-    lit_q       <= lit;
-    uncertain_q <= !lit && !dark;
+    lit_q  <= lit;
+    dark_q <= dark;
     {pixel_q2, planes_q2, ambiguous_q2} <= {pixel_q, planes_q, ambiguous_q};
   end
 
@@ -66,7 +67,7 @@ module sp_gray_lane #(
   assign value         = lit_q ^ |(planes_q2 & above_i);
   assign kept          = mask_i & ~(negative_i ? weight_i : MaxBits'(0));
   assign set_plane     = negative_i && value ? weight_i : MaxBits'(0);
-  assign set_ambiguous = negative_i && uncertain_q ? weight_i : MaxBits'(0);
+  assign set_ambiguous = negative_i && !lit_q && !dark_q ? weight_i : MaxBits'(0);
 
   always_ff @(posedge clk_i) begin
     pixel_q3     <= pixel_q2;

@@ -55,31 +55,40 @@ module sp_gray_memory #(
   end
 
   // --- The row of groups: what comes in is in the registers of group g after g + 1 clocks; of the word fetched there it takes
-  // four more until it is in the row of words, between those of the other groups in the order of their reads. ---
-  logic [Groups-1:0]          rd_en_q, wr_en_q;
-  logic [Groups*LogDepth-1:0] fetch_q, wr_addr_q;
+  // four more until it is in the row of words, between those of the other groups in the order of their reads. Which bank it is,
+  // is found out in the clock before, so that every wire across a group is from register to register. ---
+  logic [Groups-1:0]          rd_en_q, wr_en_q, rd_en_row, wr_en_row;  // a row: what each group takes in next
+  logic [Groups*LogDepth-1:0] fetch_q, wr_addr_q, fetch_row, wr_addr_row;
   logic [Groups*Width-1:0]    wr_data_q, words_q;
 
+  assign rd_en_row   = Groups'({rd_en_q, rd_en_i});
+  assign wr_en_row   = Groups'({wr_en_q, wr_en_i});
+  assign fetch_row   = (Groups * LogDepth)'({fetch_q, fetch});
+  assign wr_addr_row = (Groups * LogDepth)'({wr_addr_q, wr_addr});
+
   always_ff @(posedge clk_i) begin
-    rd_en_q   <= Groups'({rd_en_q, rd_en_i});
-    wr_en_q   <= Groups'({wr_en_q, wr_en_i});
-    fetch_q   <= (Groups * LogDepth)'({fetch_q, fetch});
-    wr_addr_q <= (Groups * LogDepth)'({wr_addr_q, wr_addr});
+    rd_en_q   <= rd_en_row;
+    wr_en_q   <= wr_en_row;
+    fetch_q   <= fetch_row;
+    wr_addr_q <= wr_addr_row;
     wr_data_q <= (Groups * Width)'({wr_data_q, wr_data_i});
   end
 
   for (genvar g = 0; g < Groups; g++) begin : gen_group
-    logic [LogDepth-1:0] rd_here, wr_here;
+    logic [LogDepth-1:0] rd_next, wr_next, rd_here, wr_here;
+    logic [3:0]          reads;   // the banks that read now
     logic [3:1]          mine_q;  // the word is of this group, in the first to the third clock after
     logic [1:0]          which1_q, which2_q;
     logic [4*Width-1:0]  banks;
     logic [Width-1:0]    chosen_q;
 
+    assign rd_next = fetch_row[g*LogDepth+:LogDepth];
+    assign wr_next = wr_addr_row[g*LogDepth+:LogDepth];
     assign rd_here = fetch_q[g*LogDepth+:LogDepth];
     assign wr_here = wr_addr_q[g*LogDepth+:LogDepth];
 
     always_ff @(posedge clk_i) begin
-      mine_q   <= {mine_q[2:1], rd_en_q[g] && 32'(rd_here) >> (BankBits + 2) == g};
+      mine_q   <= {mine_q[2:1], reads != '0};
       which1_q <= 2'(32'(rd_here) >> BankBits);
       which2_q <= which1_q;
       if (mine_q[2]) chosen_q <= banks[32'(which2_q)*Width+:Width];
@@ -97,13 +106,15 @@ module sp_gray_memory #(
         localparam int Left = Words - (Bank << BankBits);
         localparam int Depth = Left < (1 << BankBits) ? Left : 1 << BankBits;
         localparam int AddrBits = Depth > 1 ? $clog2(Depth) : 1;
-        logic             read, read_q;
+        logic             read_q, read2_q, write_q;
         logic [Width-1:0] word, word_q;
         assign banks[b*Width+:Width] = word_q;
-        assign read = rd_en_q[g] && 32'(rd_here) >> BankBits == Bank;
+        assign reads[b] = read_q;
         always_ff @(posedge clk_i) begin
-          read_q <= read;
-          if (read_q) word_q <= word;
+          read_q  <= rd_en_row[g] && 32'(rd_next) >> BankBits == Bank;
+          read2_q <= read_q;
+          write_q <= wr_en_row[g] && 32'(wr_next) >> BankBits == Bank;
+          if (read2_q) word_q <= word;
         end
         sp_ram #(
           .Width   (Width),
@@ -111,16 +122,17 @@ module sp_gray_memory #(
           .Depth   (Depth)
         ) u_ram (
           .wr_clk_i (clk_i),
-          .wr_en_i  (wr_en_q[g] && 32'(wr_here) >> BankBits == Bank),
-          .wr_addr_i(wr_here[AddrBits-1:0]),
+          .wr_en_i  (write_q),
+          .wr_addr_i(AddrBits'(32'(wr_here))),
           .wr_data_i(wr_data_q[g*Width+:Width]),
           .rd_clk_i (clk_i),
-          .rd_en_i  (read),
+          .rd_en_i  (read_q),
           .rd_addr_i(rd_here[AddrBits-1:0]),
           .rd_data_o(word)
         );
       end else begin : gen_none
         assign banks[b*Width+:Width] = '0;
+        assign reads[b] = 1'b0;
       end
     end
   end

@@ -97,7 +97,7 @@ FAULTS = [
     Fault("packetizer/room_for_one_less", "packetizer", "board/sp_packetizer.sv",
           "{1'b0, ~need1_q} + (CountBits + 1)'(1);", "{1'b0, ~need1_q} + (CountBits + 1)'(2);"),
     Fault("gray_lane/greater_or_equal", "gray_lane", "gray/sp_gray_lane.sv",
-          "assign lit  = $signed(10'(difference_q)) > ", "assign lit  = $signed(10'(difference_q)) >= ", 6),
+          "= {2'b00, threshold_i} - 10'(difference_q);", "= {2'b00, threshold_i} - 10'(difference_q) - 10'd1;", 6),
     Fault("gray_sequence/one_pair_early", "gray_sequence", "gray/sp_gray_sequence.sv",
           "assign enough   = pairs_up == bits_i;", "assign enough   = pairs_up + 4'd1 >= bits_i;", 12),
     Fault("gray_sequence/cast_of_yosys", "gray_sequence", "gray/sp_gray_sequence.sv",

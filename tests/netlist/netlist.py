@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""netlist.py mapped|mutants --top MODULE --prefix NAME --out FOLDER [--mutants N] [--parameters NAME=VALUE...]
+"""netlist.py mapped|ecp5|mutants --top MODULE --prefix NAME --out FOLDER [--mutants N] [--parameters NAME=VALUE...]
 
 A module of rtl/ as a netlist that Yosys wrote, and of that a Verilated model, class NAME, in FOLDER:
 
     mapped   mapped to the cells of the iCE40 as scripts/fpga.sh maps the board: LUTs, carry chains, flip-flops, block RAM;
              the cells are those of Yosys's own simulation library
+    ecp5     the same for the ECP5, every memory in block RAM, with what constraints/ecp5_memories.py does to it; the block RAM is
+             that of dp16kd.vh
     mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations and an input `mutant` of 16 bits
              that turns on the one of its number (0: none); NAME.mutants lists them, a line each, from number 1 on. What is in
              sp_counter changes in its own netlist only, and of the board only what is in no block: glue, and the blocks' ports;
@@ -21,7 +23,8 @@ import shutil
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
 import fpga  # noqa: E402
 import rtl_tree  # noqa: E402
@@ -43,19 +46,26 @@ def run(command, folder=None):
     return result.stdout
 
 
-def cells_of(netlist):
+def cells_of(netlist, family):
     """The models of the primitives that the netlist has, out of Yosys's library.
 
-    Verilator takes neither ports with default values nor the primitives that need them; none is left open here (it says so)."""
-    path = pathlib.Path(shutil.which("yosys") or "/usr/bin/yosys").resolve().parents[1] / "share/yosys/ice40/cells_sim.v"
+    Of iCE40 Verilator takes neither ports with default values nor the primitives that need them; none is left open here (it
+    says so)."""
+    path = pathlib.Path(shutil.which("yosys") or "/usr/bin/yosys").resolve().parents[1] / f"share/yosys/{family}/cells_sim.v"
     library = path.read_text()
-    used = set(re.findall(r"^  (SB_\w+) ", netlist, re.M))
-    models = [match.group(0) for match in re.finditer(r"^module (\w+)\b.*?^endmodule", library, re.M | re.S)
-              if match.group(1) in used]
-    if len(models) != len(used):
-        raise NetlistError(f"{path}: not all of {', '.join(sorted(used))} are there")
-    macros = library[:library.index("module ")]
-    return "\n".join(["`define NO_ICE40_DEFAULT_ASSIGNMENTS", macros, *models, ""])
+    macros = "`define NO_ICE40_DEFAULT_ASSIGNMENTS\n" + library[:library.index("module ")] if family == "ice40" else ""
+    models = {match[1]: match[0] for match in re.finditer(r"^module (\w+)\b.*?^endmodule", library, re.M | re.S)}
+    used, new = [], [netlist]
+    while new:
+        names = set(re.findall(r"^\s*([A-Z]\w+) (?:#\(|\S+ +\()", "\n".join(new), re.M)) - set(used)
+        missing = names - set(models)
+        if missing:
+            raise NetlistError(f"{path}: {', '.join(sorted(missing))} is not there")
+        used += sorted(names)
+        new = [models[name] for name in sorted(names)]
+    if "DP16KD" in used:
+        models["DP16KD"] = models["DP16KD"].replace("endmodule", (HERE / "dp16kd.vh").read_text() + "endmodule")
+    return "\n".join([macros, *(models[name] for name in used), ""])
 
 
 def write_mapped(top, read, path):
@@ -63,7 +73,17 @@ def write_mapped(top, read, path):
     # single wires instead of vectors: else a vector that feeds one of its own bits looks like a loop
     run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; {command}; splitnets; write_verilog -noattr {path}"])
     netlist = path.read_text()
-    path.write_text(cells_of(netlist) + netlist)
+    path.write_text(cells_of(netlist, "ice40") + netlist)
+
+
+def write_ecp5(top, read, path):
+    mapped, absorbed = (path.with_suffix(suffix) for suffix in (".mapped.json", ".json"))
+    command = f"{fpga.mapping('ecp5', top)} -nolutram"
+    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; {command}; write_json {mapped}"])
+    print(f"{top}:", run([sys.executable, str(ROOT / "constraints/ecp5_memories.py"), str(mapped), str(absorbed)]).strip())
+    run(["yosys", "-q", "-p", f"read_json {absorbed}; splitnets; write_verilog -noattr {path}"])
+    netlist = path.read_text()
+    path.write_text(cells_of(netlist, "ecp5") + netlist)
 
 
 def write_mutants(top, read, path, mutants, codes):
@@ -99,7 +119,7 @@ def verilate(top, prefix, path):
 
 def main():
     parser = argparse.ArgumentParser(description="A module of rtl/ as a netlist, Verilated.")
-    parser.add_argument("kind", choices=("mapped", "mutants"))
+    parser.add_argument("kind", choices=("mapped", "ecp5", "mutants"))
     parser.add_argument("--top", required=True)
     parser.add_argument("--prefix", required=True)
     parser.add_argument("--out", required=True, type=pathlib.Path)
@@ -111,6 +131,8 @@ def main():
     read = rtl_tree.read_command(args.top, args.parameters)
     if args.kind == "mapped":
         write_mapped(args.top, read, path)
+    elif args.kind == "ecp5":
+        write_ecp5(args.top, read, path)
     else:
         write_mutants(args.top, read, path, args.mutants, "Codes=1'b1" in args.parameters)
     verilate(args.top, args.prefix, path)
