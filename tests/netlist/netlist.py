@@ -90,12 +90,20 @@ def write_mutants(top, read, path, mutants, codes):
     listing = path.with_suffix(".mutants")
     flat = path.with_suffix(".il")
     cells = "t:*" if top == COUNTER else f"{top}/{'*gen_codes*' if codes else 't:*'} a:src=*{COUNTER}.sv* %d"
-    choose = f"mutate -list {mutants} -seed 1 -o {listing} {cells}; " if mutants else ""
     # what holds blocks in the board is flat, the blocks are cells of it
     blocks = f"setattr -mod -set keep_hierarchy 1 *sp_* {BOARD} %d *_path %d; " if top == BOARD else ""
-    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; proc; {blocks}flatten; opt -full; memory -nomap; "
-         f"opt_dff; opt_clean; check -assert; {choose}write_rtlil {flat}"])
-    lines = listing.read_text().splitlines() if mutants else []
+    lines, listed, asked = [], [], 0
+    while not lines or len(lines) < mutants and len(listed) == asked:
+        asked = mutants + len(listed) - len(lines)
+        choose = f"mutate -list {asked} -seed 1 -o {listing} {cells}; " if mutants else ""
+        run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; proc; {blocks}flatten; opt -full; memory -nomap; "
+             f"opt_dff; opt_clean; check -assert; {choose}write_rtlil {flat}"])
+        if not mutants:
+            break
+        listed = listing.read_text().splitlines()
+        # Yosys stops where the clock of one port of a memory is not that of the other.
+        lines = [line for line in listed if not re.search(r" -port (RD|WR)_CLK ", line)][:mutants]
+        listing.write_text("".join(line + "\n" for line in lines))
     script = [f"read_rtlil {flat}"]
     for number, line in enumerate(lines, 1):
         script.append(line.replace("mutate ", f"mutate -ctrl mutant {SELECT_BITS} {number} ", 1))
