@@ -15,6 +15,7 @@ import collections
 import concurrent.futures
 import dataclasses
 import functools
+import itertools
 import os
 import pathlib
 import re
@@ -47,7 +48,7 @@ class Mutant:
     model: str
     number: int
     line: str        # as Yosys wrote it
-    program: Program = None
+    programs: list = dataclasses.field(default_factory=list)  # that use the model
     fate: str = ""   # killed, hangs, equal, survives
 
     def text(self):
@@ -85,14 +86,14 @@ def look_at(path):
     return Program(path, uses, seconds, one_seed)
 
 
-def fails(mutant, seconds, seed):
-    """killed, hangs or nothing: the tests of the model among these, the quickest first, until one fails."""
-    program = mutant.program
-    for test in sorted(program.uses[mutant.model] & seconds.keys(), key=seconds.get):
-        command = [program.path, "--gtest_filter=" + test, "--gtest_break_on_failure", "--gtest_brief=1"]
+def fails(mutant, times, seed):
+    """killed, hangs or nothing: these tests of the model (program, test: seconds), the quickest first, until one fails."""
+    for program, test in sorted(times, key=times.get):
+        command = [program, "--gtest_filter=" + test, "--gtest_break_on_failure", "--gtest_brief=1"]
         try:
             result = subprocess.run(command, env=environment(SELFPROJ_MUTANT=f"{mutant.model} {mutant.number}", **seed),
-                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=10 + 10 * seconds[test], check=False)
+                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=10 + 10 * times[program, test],
+                                    check=False)
         except subprocess.TimeoutExpired:
             return "hangs"
         if result.returncode != 0:
@@ -122,66 +123,106 @@ def changes_nothing(mutant, flat):
     return parts[0] == parts[1]
 
 
-def proved_equal(mutant, folder):
-    """Whether Yosys proves every output of the mutant equal to the original's, by induction over registers.
+def without_memories(netlist):
+    """The text of a netlist in Yosys's own format, of one module, with its memories outside: what they take is an output, what they
+    give an input."""
+    ports = itertools.count(10000)
 
-    At first every register is to be equal too; then those that differ are left out, and the rest has to follow without them."""
+    def outside(cell):
+        name = re.match(r"  cell \$mem\S* \\?(\S+)", cell[0])[1]
+        lines = []
+        sizes = {key: int(value) for key, value in re.findall(r"parameter \\(ABITS|WIDTH|RD_PORTS|WR_PORTS) (\d+)", cell[0])}
+        for port, signal in re.findall(r"^    connect \\(\S+) (.*)$", cell[0], re.M):
+            each = {"ADDR": sizes["ABITS"], "DATA": sizes["WIDTH"]}.get(port[3:], sizes["WIDTH"] if port == "WR_EN" else 1)
+            wire = f"\\{name}.{port}"
+            gives = port == "RD_DATA"
+            lines += [f"  wire width {each * sizes[port[:2] + '_PORTS']} {'input' if gives else 'output'} {next(ports)} {wire}",
+                      f"  connect {signal} {wire}" if gives else f"  connect {wire} {signal}"]
+        return "\n".join(lines)
+
+    return re.sub(r"^  cell \$mem\S* .*?^  end$", outside, netlist, flags=re.M | re.S)
+
+
+def proved_equal(mutant, folder):
+    """Whether the mutant changes nothing, or Yosys proves it equal: of netlists with their memories outside, then of those with
+    small memories inside."""
     flat = folder / "mutants" / mutant.model / f"{mutant.model}.il"
     if changes_nothing(mutant, flat):
         return True
-    if memory_bits(flat) > PROOF_MEMORY_BITS:
-        return False
-    module = re.search(r"-module (\S+)", mutant.line)[1]
-    outputs = set(re.findall(r"^  wire .*\boutput \d+ (\S+)$", flat.read_text(), re.M))
-    differ = set()
+    if re.search(r"-port \S*CLK ", mutant.line):
+        return False  # Yosys's proof does not look at clocks
     with tempfile.TemporaryDirectory() as working:
-        left_out = pathlib.Path(working) / "left_out"
-        script = (f"read_rtlil {flat}; rename {module} gold; memory_map; opt_clean -purge; splitnets; design -stash gold; read_rtlil {flat}; "
-                  f"{mutant.line}; rename {module} gate; memory_map; opt_clean -purge; splitnets; design -stash gate; "
-                  "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
-                  f"equiv_make -blacklist {left_out} gold gate both; hierarchy -top both; "
-                  "equiv_simple; equiv_induct; equiv_status")
-        ends = time.monotonic() + PROOF_LIMIT_S
-        while (seconds := ends - time.monotonic()) > 0:
-            left_out.write_text("".join(name + "\n" for name in sorted(differ)))
-            try:
-                said = subprocess.run(["yosys", "-p", script], capture_output=True, text=True, timeout=seconds, check=True).stdout
-            except subprocess.TimeoutExpired:
-                return False
-            if "Equivalence successfully proven!" in said:
-                return True
-            more = set(re.findall(r"^  Unproven \$equiv \S+ (\S+)_gold(?: \[\d+\])? ", said, re.M))
-            if not more or more & (outputs | differ):
-                return False
-            differ |= more
+        before, after = pathlib.Path(working) / "before.il", pathlib.Path(working) / "after.il"
+        before.write_text(flat.read_text())
+        subprocess.run(["yosys", "-q", "-p", f"read_rtlil {flat}; {mutant.line}; write_rtlil {after}"], capture_output=True, check=True)
+        module = re.search(r"-module (\S+)", mutant.line)[1]
+        small = memory_bits(flat) <= PROOF_MEMORY_BITS
+        if small and induction(module, before, after, pathlib.Path(working)):
+            return True
+        if memory_bits(flat) == 0 or len(re.findall(r"^module ", flat.read_text(), re.M)) != 1:
+            return False
+        for path in (before, after):
+            path.write_text(without_memories(path.read_text()))
+        return induction(module, before, after, pathlib.Path(working))
+
+
+def induction(module, before, after, working):
+    """Whether Yosys proves every output of two netlists equal, by induction over registers.
+
+    At first every register is to be equal too; then those that differ are left out, and the rest has to follow without them."""
+    outputs = set(re.findall(r"^  wire .*\boutput \d+ (\S+)$", before.read_text(), re.M))
+    differ = set()
+    left_out = working / "left_out"
+    script = (f"read_rtlil {before}; rename {module} gold; memory_map; opt_clean -purge; splitnets; design -stash gold; read_rtlil {after}; "
+              f"rename {module} gate; memory_map; opt_clean -purge; splitnets; design -stash gate; "
+              "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
+              f"equiv_make -blacklist {left_out} gold gate both; hierarchy -top both; "
+              "equiv_simple; equiv_induct; equiv_status")
+    ends = time.monotonic() + PROOF_LIMIT_S
+    while (seconds := ends - time.monotonic()) > 0:
+        left_out.write_text("".join(name + "\n" for name in sorted(differ)))
+        try:
+            said = subprocess.run(["yosys", "-p", script], capture_output=True, text=True, timeout=seconds, check=True).stdout
+        except subprocess.TimeoutExpired:
+            return False
+        if "Equivalence successfully proven!" in said:
+            return True
+        more = set(re.findall(r"^  Unproven \$equiv \S+ (\S+)_gold(?: \[\d+\])? ", said, re.M))
+        if not more or more & (outputs | differ):
+            return False
+        differ |= more
     return False
 
 
 def judge(mutant, folder, prove):
-    program = mutant.program
-    quick = {test: seconds for test, seconds in program.one_seed.items() if seconds < QUICK_S}
+    def times(of):
+        return {(program.path, test): seconds for program in mutant.programs for test, seconds in of(program).items()
+                if test in program.uses[mutant.model]}
+
+    quick = {test: seconds for test, seconds in times(lambda program: program.one_seed).items() if seconds < QUICK_S}
     mutant.fate = fails(mutant, quick, {"SELFPROJ_SEED": "1"})
     if not mutant.fate and prove and proved_equal(mutant, folder):
         mutant.fate = "equal"
     if not mutant.fate:
-        mutant.fate = fails(mutant, program.seconds, {}) or "survives"
+        mutant.fate = fails(mutant, times(lambda program: program.seconds), {}) or "survives"
     return mutant
 
 
 def collect(folder, names, sample):
-    mutants = []
+    programs = collections.defaultdict(list)
     for path in sorted(folder.glob("mutants_*")):
         if path.is_dir() or path.suffix or not os.access(path, os.X_OK):
             continue
         if names and not any(name.encode() + b"\0" in path.read_bytes() for name in names):
             continue  # modelName() of none of them
         program = look_at(path)
-        for model in sorted(program.uses):
-            if names and model not in names:
-                continue
-            listing = folder / "mutants" / model / f"{model}.mutants"
-            lines = listing.read_text().splitlines() if listing.exists() else []
-            mutants += [Mutant(model, number, line, program) for number, line in enumerate(lines[:sample or None], 1)]
+        for model in program.uses:
+            programs[model].append(program)
+    mutants = []
+    for model in sorted(set(programs) & set(names) if names else programs):
+        listing = folder / "mutants" / model / f"{model}.mutants"
+        lines = listing.read_text().splitlines() if listing.exists() else []
+        mutants += [Mutant(model, number, line, programs[model]) for number, line in enumerate(lines[:sample or None], 1)]
     return mutants
 
 

@@ -366,10 +366,16 @@ TEST(FrameTracker, TimeOutAfterExactlySoManyClocks) {
 
 // A time-out of each bit by itself.
 TEST(FrameTracker, LongTimeOutsToTheClock) {
+  std::vector<int> timeouts;
   for (int bit = 5; bit < 24; ++bit) {
-    SCOPED_TRACE(::testing::Message() << "bit " << bit);
+    timeouts.push_back(1 << bit);
+  }
+  // around and short of where the upper half of the counter goes on
+  timeouts.insert(timeouts.end(), {0xFFF, 0x1001, 0x1FC0, 0x1FFF, 0x2FBF});
+  for (const int timeout : timeouts) {
+    SCOPED_TRACE(::testing::Message() << "time-out " << timeout);
     Bench bench;
-    bench.timeout = 1 << bit;
+    bench.timeout = timeout;
     bench.set({false, 8, 2, 0, 0, 0});
     bench.idle(5);
     bench.clock(Beat{1, true, false});

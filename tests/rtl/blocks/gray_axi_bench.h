@@ -85,9 +85,12 @@ class GrayAxiBench {
       clock();
     }
     if (cut <= settings_.rows * groups) {
-      beats_.push_back({.clock = decoder_.clock(), .index = -1});
+      const std::array statuses{spec::kStatusShortLine, spec::kStatusLongLine, spec::kStatusStartInFrame,
+                                spec::kStatusIncomplete};
+      const std::uint32_t status = statuses.at(static_cast<std::size_t>(random_.between(0, 3)));
+      beats_.push_back({.clock = decoder_.clock(), .index = -1, .status = status});
       decoder_->break_i = 1;
-      decoder_->break_status_i = spec::kStatusShortLine;
+      decoder_->break_status_i = static_cast<CData>(status);
       clock();
     }
   }
@@ -110,7 +113,7 @@ class GrayAxiBench {
     for (const Beat& beat : beats_) {
       if (beat.index < 0) {
         model.end(false);
-        breaks.emplace(beat.clock + 7, spec::kStatusShortLine);
+        breaks.emplace(beat.clock + 7, beat.status);
         continue;
       }
       if (beat.index == 0) {
@@ -159,6 +162,7 @@ class GrayAxiBench {
     int pattern = 0;
     int index = 0;  // -1: a break
     std::array<std::uint8_t, 4> pixels{};
+    std::uint32_t status = 0;  // of a break
   };
 
   void clock() {

@@ -423,6 +423,16 @@ TYPED_TEST(Packetizer, LongPayloads) {
     bench.finish();
     EXPECT_EQ(bench.delivered(), packets);
     EXPECT_EQ(bench.lost(), 1U);
+    // one bit of the number of free places by itself, and a packet that needs one more
+    std::uint32_t lost = 1;
+    for (int places = 8; places < kDepth; places *= 2) {
+      bench.places = places;
+      bench.clock({.start = true, .payload_beats = places - kOverhead + 1});
+      bench.finish();
+      EXPECT_EQ(bench.delivered(), packets);
+      EXPECT_EQ(bench.lost(), ++lost) << places << " places";
+      packet(places - kOverhead);
+    }
   }
 }
 
