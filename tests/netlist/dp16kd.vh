@@ -1,5 +1,6 @@
-  // What a DP16KD does, for the body of Yosys's black box: 9, 18 or 36 bits, the last with port A to write and B to read. Of TN1264:
-  // the array answers one clock after the enabled address, and holds; OUTREG is a register behind it with an enable of its own (OCE).
+  // What a DP16KD does, for the body of Yosys's black box: 9, 18 or 36 bits, the last with port A to write and B to read. As
+  // in the vendor's simulation models of its block RAM the array answers one clock after the enabled address, and holds; OUTREG is a
+  // register behind it with an enable of its own (OCE).
   // Not modelled, because Yosys ties them for rtl/: chip selects, resets, first contents.
   localparam Wide = DATA_WIDTH_B == 36;
   localparam RegisterA = REGMODE_A == "OUTREG", RegisterB = REGMODE_B == "OUTREG";
