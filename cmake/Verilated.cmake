@@ -4,7 +4,7 @@
 # Verilator, the package first; what the top does not instantiate is left out. Every model of a program belongs into one
 # library, since each library carries Verilator's runtime.
 #
-# With CLOCKS, the ports that are clocks, the model is one that clocks.h (sim/device) steps: it gets rise(), and its code
+# With CLOCKS, the ports that are clocks, the model is one that clocks.h (sim/board) steps: it gets rise(), and its code
 # that runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer instructions).
 #
 # With OPEN, a configuration file of Verilator's, the registers that it makes public can be set through VPI (settle() of clocks.h).
@@ -130,7 +130,7 @@ function(selfproj_verilated_clocks target prefix waveforms counted optimization)
   endforeach()
   set(file "${CMAKE_CURRENT_BINARY_DIR}/${prefix}__clocked.cpp")
   file(CONFIGURE OUTPUT "${file}" CONTENT "// Written by cmake/Verilated.cmake.
-#include \"sim/device/clocks.h\"
+#include \"sim/board/clocks.h\"
 #include \"${prefix}.h\"
 #include \"${prefix}___024root.h\"
 ${includes}

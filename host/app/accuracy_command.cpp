@@ -8,11 +8,11 @@
 #include <memory>
 #include <string>
 
-#include "host/gray/accuracy.h"
-#include "host/gray/stripe_code.h"
 #include "host/io/output_folder.h"
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/accuracy.h"
+#include "host/structured_light/stripe_code.h"
 
 namespace selfproj {
 namespace {

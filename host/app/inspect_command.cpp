@@ -21,19 +21,20 @@
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "host/driver/device.h"
-#include "host/inspect/inspection.h"
-#include "host/inspect/report.h"
 #include "host/io/duration_histogram.h"
 #include "host/io/output_file.h"
 #include "host/io/output_folder.h"
 #include "host/io/program_main.h"
-#include "host/io/rig.h"
 #include "host/io/status_line.h"
 #include "host/io/stop_signal.h"
 #include "host/io/user_error.h"
-#include "host/optics/differential_profile.h"
-#include "host/optics/reference.h"
-#include "host/optics/reference_file.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/inspection.h"
+#include "host/light_section/reference.h"
+#include "host/light_section/reference_file.h"
+#include "host/report/inspection_output.h"
+#include "host/report/report.h"
+#include "host/rig/rig.h"
 
 namespace selfproj {
 namespace {
@@ -250,7 +251,7 @@ void run_inspect(const InspectOptions& options) {
     parts.settings = {{"device", "device", options.device},
                       {"reference", "reference", options.reference.empty() ? "plane" : options.reference},
                       {"wait", "waiting", options.wait}};
-    inspection->write(*folder, parts);
+    write_inspection(*inspection, *folder, parts);
     folder->commit();
   }
   if (json) {

@@ -15,19 +15,19 @@
 #include <vector>
 
 #include "host/app/stripes_command.h"
-#include "host/gray/gray_sequence.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
 #include "host/io/progress.h"
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
-#include "host/optics/pattern.h"
-#include "host/optics/preview.h"
-#include "host/optics/reference.h"
-#include "host/optics/reference_file.h"
-#include "host/optics/scan.h"
+#include "host/light_section/pattern.h"
+#include "host/light_section/preview.h"
+#include "host/light_section/reference.h"
+#include "host/light_section/reference_file.h"
+#include "host/light_section/scan.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/gray_sequence.h"
 
 namespace selfproj {
 namespace {

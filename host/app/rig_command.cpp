@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 
 namespace selfproj {
 

@@ -15,21 +15,21 @@
 #include <utility>
 #include <vector>
 
-#include "host/gray/depth_output.h"
-#include "host/gray/match_table.h"
-#include "host/gray/point_scan.h"
-#include "host/gray/self_reference.h"
-#include "host/gray/self_reference_file.h"
-#include "host/gray/self_scanner.h"
-#include "host/inspect/map_picture.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
 #include "host/io/progress.h"
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
-#include "host/optics/pattern.h"
+#include "host/light_section/pattern.h"
+#include "host/report/depth_output.h"
+#include "host/report/map_picture.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/match_table.h"
+#include "host/structured_light/point_scan.h"
+#include "host/structured_light/self_reference.h"
+#include "host/structured_light/self_reference_file.h"
+#include "host/structured_light/self_scanner.h"
 
 namespace selfproj {
 namespace {
@@ -130,6 +130,9 @@ void run_stripes(const StripesOptions& options) {
     throw UserError(options.scan, "no camera pixel sees the light of a line and of a column");
   }
   write_self_reference(rig, reference, folder);
+  folder.append("preview.png",
+                labelled_map_png(reference.points.line, {ColourMap::sequential, 0, rig.projector.lines - 1.0}, {1, 1},
+                                 "X_R: projector line seen by each camera pixel"));
   folder.commit();
   std::size_t measurable = 0;
   for (std::size_t i = 0; i < points.line.values.size(); ++i) {

@@ -22,7 +22,7 @@ struct View {
   std::vector<Sight> sights;
 };
 
-// fx, fy, cx, cy, k1, k2, p1, p2, k3 of OpenCV's model (host/gray/lens.h).
+// fx, fy, cx, cy, k1, k2, p1, p2, k3 of OpenCV's model (host/rig/lens.h).
 inline constexpr std::size_t kLensParameters = 9;
 using LensParameters = std::array<double, kLensParameters>;
 

@@ -36,7 +36,7 @@ constexpr double kPoorDistortion = 0.5;  // pixels at the outermost corner
 constexpr double kPoorBaseline = 0.005;  // relative
 constexpr double kPoorCoverage = 0.3;
 
-cv::Point3d on_board(const Board& board, int corner) {
+cv::Point3d on_board(const Chessboard& board, int corner) {
   return {board.square_mm * (corner % board.columns), board.square_mm * (corner / board.columns), 0};  // NOLINT
 }
 
@@ -465,7 +465,7 @@ PoseReport observe_pose(const std::string& name, const Capture& capture, const C
   pose.rows = capture.rows;
   pose.columns = capture.columns;
   pose.decoded_share = static_cast<double>(capture.decoded()) / static_cast<double>(capture.projector_column.size());
-  const FoundBoard found = find_board(capture.board, settings.board);
+  const FoundChessboard found = find_chessboard(capture.board, settings.board);
   pose.reason = found.reason;
   for (const cv::Point2d& at : found.corners) {
     const CornerCode code = corner_code(capture, at, found.spacing_px, settings.corners);

@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "host/calibration/board.h"
 #include "host/calibration/bundle.h"
 #include "host/calibration/capture.h"
+#include "host/calibration/chessboard.h"
 #include "host/calibration/corner_codes.h"
-#include "host/gray/calibration_file.h"
+#include "host/rig/calibration_file.h"
 
 namespace selfproj {
 
 struct CalibrateSettings {
-  Board board;
+  Chessboard board;
   int projector_columns = 0;
   int projector_rows = 0;
   CornerSettings corners;

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "host/gray/fast_decoder.h"
 #include "host/io/frame_options.h"
 #include "host/io/user_error.h"
+#include "host/structured_light/fast_decoder.h"
 #include "model/gray_decoder.h"
 
 namespace selfproj {

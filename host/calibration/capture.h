@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "host/gray/gray_sequence.h"
 #include "host/io/image_files.h"
+#include "host/structured_light/gray_sequence.h"
 
 namespace selfproj {
 

@@ -17,8 +17,8 @@
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
 #include "host/io/progress.h"
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/rig/rig.h"
 #include "sim/scene/chessboard.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
@@ -118,15 +118,15 @@ void run_capture(const CaptureOptions& options) {
     capture(rig, *scene, options, patterns, 0, "", out, progress, done);
   } else {
     const FrameSize corners = size_of_text("--board", options.board, kMostCorners);
-    const BoardShape shape{corners.columns, corners.rows, options.square_mm};
-    const std::vector<BoardPlace> places = board_places(rig, shape, options.poses, options.tilt_deg);
+    const ChessboardShape shape{corners.columns, corners.rows, options.square_mm};
+    const std::vector<ChessboardPlace> places = chessboard_places(rig, shape, options.poses, options.tilt_deg);
     Json truth = truth_of(rig);
     Progress progress("image", files.size() * places.size());
     for (std::size_t k = 0; k < places.size(); ++k) {
-      const BoardPlace& place = places[k];
+      const ChessboardPlace& place = places[k];
       truth["poses"].push_back(
           {{"middle_mm", json_of(place.middle)}, {"right", json_of(place.right)}, {"below", json_of(place.below)}});
-      capture(rig, Chessboard(rig, shape, place), options, patterns, static_cast<int>(k * files.size()),
+      capture(rig, ChessboardScene(rig, shape, place), options, patterns, static_cast<int>(k * files.size()),
               fmt::format("pose_{:02}/", k + 1), out, progress, done);
     }
     out.append("truth.json", truth.dump(2) + "\n");

@@ -22,19 +22,20 @@
 #include <variant>
 #include <vector>
 
-#include "host/gray/stripe_code.h"
-#include "host/inspect/frame_picture.h"
-#include "host/inspect/inspection.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/output_file.h"
 #include "host/io/output_folder.h"
 #include "host/io/program_main.h"
 #include "host/io/progress.h"
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
-#include "host/optics/differential_profile.h"
-#include "host/optics/reference.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/inspection.h"
+#include "host/light_section/reference.h"
+#include "host/report/frame_picture.h"
+#include "host/report/inspection_output.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/stripe_code.h"
 #include "model/gray_decoder.h"
 #include "sim/app/cosim_run.h"
 #include "sim/app/cosim_scanner.h"
@@ -366,7 +367,7 @@ class Collector {
         parts.camera = pictures.front();
         pictures.erase(pictures.begin());  // the inspection writes that one
       }
-      inspection_->write(folder, parts);
+      write_inspection(*inspection_, folder, parts);
     } else {
       FloatImage image;
       image.columns = columns_;

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "host/gray/moved.h"
-#include "host/inspect/report.h"
-#include "host/io/rig.h"
+#include "host/report/report.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/moved.h"
 #include "sim/platform/platform.h"
 #include "sim/scene/renderer.h"
 

@@ -22,7 +22,7 @@
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
 #include "model/gray_decoder.h"
-#include "sim/engine/gray_engine.h"
+#include "sim/board/gray_engine.h"
 
 namespace selfproj {
 namespace {

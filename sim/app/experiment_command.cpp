@@ -10,13 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "host/inspect/report.h"
 #include "host/io/float_image.h"
 #include "host/io/output_folder.h"
 #include "host/io/program_main.h"
 #include "host/io/progress.h"
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/report/inspection_output.h"
+#include "host/report/report.h"
+#include "host/rig/rig.h"
 #include "sim/experiment/experiment.h"
 #include "sim/experiment/moving_things.h"
 #include "sim/experiment/structured_light.h"
@@ -160,7 +161,7 @@ void run_command(const ExperimentArguments& options) {
     parts.tables = result.tables;
     parts.settings = result.conditions;
     parts.camera = result.measurement.camera;
-    result.measurement.by_mode[0].write(*folder, parts);
+    write_inspection(result.measurement.by_mode[0], *folder, parts);
     folder->commit();
   }
   conclude(result.name, result.not_reached);

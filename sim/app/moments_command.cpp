@@ -19,7 +19,7 @@
 #include "model/column_moments.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "sim/app/moments_csv.h"
-#include "sim/engine/moments_engine.h"
+#include "sim/board/moments_engine.h"
 
 namespace selfproj {
 namespace {

@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "host/inspect/evaluation.h"
-#include "host/inspect/inspection.h"
-#include "host/inspect/report.h"
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
-#include "host/optics/geometry.h"
+#include "host/light_section/inspection.h"
+#include "host/report/report.h"
+#include "host/rig/geometry.h"
+#include "host/rig/rig.h"
+#include "sim/experiment/evaluation.h"
 #include "sim/experiment/light_section.h"
 #include "sim/scene/marks.h"
 #include "sim/scene/parallel.h"
@@ -173,7 +173,7 @@ MethodFigures figures_of(const Measurement& m, const LightSection& setup, const 
                          const RenderOptions& render) {
   const Rig& rig = setup.rig;
   const Renderer renderer(rig, scene, setup.pattern, render);  // for its truth
-  const double column_mm = m.by_mode[0].pitch().column_mm;
+  const double column_mm = m.by_mode[0].column_spacing_mm();
   const double frame_mm = rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz;
   const double reach = kStepColumns * column_mm;
   const FloatImage truth = truth_around(m, renderer, scene.frames(), static_cast<int>(std::ceil(reach / frame_mm)));
@@ -368,7 +368,7 @@ ExperimentResult run_experiment(const std::string& name, const ExperimentOptions
       "height "
       "step or part edge are left out and counted; “edges across the belt included”: only those whose step is in the "
       "same frame.",
-      kStepColumns, kStepColumns * result.measurement.by_mode[0].pitch().column_mm);
+      kStepColumns, kStepColumns * result.measurement.by_mode[0].column_spacing_mm());
   ReportTable conventional = table_of("Conventional, straight line", result.conventional);
   add_rows(conventional, result.conventional, *what, what->range_conventional, what->error_conventional, {}, "–");
   result.tables = {std::move(self), std::move(conventional)};

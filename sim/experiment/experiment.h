@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "host/inspect/evaluation.h"
-#include "host/inspect/report.h"
-#include "host/io/rig.h"
+#include "host/report/report.h"
+#include "host/rig/rig.h"
+#include "sim/experiment/evaluation.h"
 #include "sim/experiment/light_section.h"
 #include "sim/scene/renderer.h"
 

@@ -8,14 +8,14 @@
 #include <span>
 #include <vector>
 
-#include "host/inspect/inspection.h"
-#include "host/io/rig.h"
-#include "host/optics/differential_profile.h"
-#include "host/optics/geometry.h"
-#include "host/optics/pattern.h"
-#include "host/optics/profile.h"
-#include "host/optics/reference.h"
-#include "host/optics/scan.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/inspection.h"
+#include "host/light_section/pattern.h"
+#include "host/light_section/profile.h"
+#include "host/light_section/reference.h"
+#include "host/light_section/scan.h"
+#include "host/rig/geometry.h"
+#include "host/rig/rig.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
 #include "sim/scene/parallel.h"

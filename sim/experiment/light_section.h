@@ -8,11 +8,11 @@
 #include <functional>
 #include <vector>
 
-#include "host/inspect/inspection.h"
-#include "host/inspect/report.h"
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
-#include "host/optics/reference.h"
+#include "host/light_section/inspection.h"
+#include "host/light_section/reference.h"
+#include "host/report/report.h"
+#include "host/rig/rig.h"
 #include "model/column_moments.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"

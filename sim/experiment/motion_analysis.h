@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "host/gray/triangulation.h"
 #include "host/io/float_image.h"
+#include "host/structured_light/triangulation.h"
 
 namespace selfproj {
 

@@ -17,10 +17,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/gray/scanner.h"
-#include "host/gray/self_scanner.h"
-#include "host/gray/triangulation.h"
-#include "host/inspect/map_picture.h"
+#include "host/report/map_picture.h"
+#include "host/structured_light/scanner.h"
+#include "host/structured_light/self_scanner.h"
+#include "host/structured_light/triangulation.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/self_scenes.h"

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "sim/experiment/structured_light.h"
 #include "sim/scene/renderer.h"
 

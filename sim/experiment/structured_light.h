@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "host/gray/match_table.h"
-#include "host/gray/point_scan.h"
-#include "host/gray/self_reference.h"
-#include "host/inspect/report.h"
 #include "host/io/float_image.h"
 #include "host/io/image_files.h"
-#include "host/io/rig.h"
+#include "host/report/report.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/match_table.h"
+#include "host/structured_light/point_scan.h"
+#include "host/structured_light/self_reference.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 

@@ -14,7 +14,7 @@
 #include "Vboard_scanner.h"
 #include "Vboard_scanner_hls.h"
 #include "Vboard_traced.h"
-#include "sim/device/board_device.h"
+#include "sim/board/board_device.h"
 #include "sim/platform/board_core.h"
 #include "sim/platform/camera_timing.h"
 #include "sim/platform/shell_slot.h"

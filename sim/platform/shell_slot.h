@@ -1,6 +1,6 @@
 // The places of the blocks in a simulated board that have their SystemC shells in them.
 //
-// Vboard_hls and Vboard_scanner_hls (sim/device) call them at every rising edge of the pixel clock. A shell is a module
+// Vboard_hls and Vboard_scanner_hls (sim/board) call them at every rising edge of the pixel clock. A shell is a module
 // of the platform's kernel; it can run only while the kernel does. Before, when the host sets the registers, and after
 // the end, nothing is under way in it, and its clock stands still; a beat would be an error. Settings that come then
 // are handed on as soon as it runs. Its first clocks are those of a reset.
@@ -9,7 +9,7 @@
 
 #include <optional>
 
-#include "sim/shells/blocks.h"
+#include "sim/board/shell_blocks.h"
 
 namespace selfproj {
 

@@ -1,4 +1,4 @@
-// Bodies that hang in the air, as they stand at one instant. World frame of host/io/rig.h, mm.
+// Bodies that hang in the air, as they stand at one instant. World frame of host/rig/rig.h, mm.
 #ifndef SELFPROJ_SIM_SCENE_BODY_H
 #define SELFPROJ_SIM_SCENE_BODY_H
 

@@ -29,13 +29,13 @@ Point3 turned(Point3 v, Point3 axis, double angle) {
 // Whether camera and projector see the board whole.
 class Visible {
  public:
-  Visible(const Rig& rig, const BoardShape& shape)
+  Visible(const Rig& rig, const ChessboardShape& shape)
       : rig_(rig),
         shape_(shape),
         camera_(Pinhole::of_camera(rig.camera)),
         projector_(Pinhole::of_projector(rig.projector)) {}
 
-  [[nodiscard]] bool operator()(const BoardPlace& place) const {
+  [[nodiscard]] bool operator()(const ChessboardPlace& place) const {
     constexpr double kMargin = 2;  // squares beyond the outermost corners
     for (const double side : {-1.0, 1.0}) {
       for (const double end : {-1.0, 1.0}) {
@@ -60,7 +60,7 @@ class Visible {
   }
 
   const Rig& rig_;
-  const BoardShape& shape_;
+  const ChessboardShape& shape_;
   Pinhole camera_, projector_;
 };
 
@@ -88,7 +88,7 @@ Point3 middle_of_view(const Rig& rig, double z) {
 
 }  // namespace
 
-Chessboard::Chessboard(const Rig& rig, const BoardShape& shape, const BoardPlace& place)
+ChessboardScene::ChessboardScene(const Rig& rig, const ChessboardShape& shape, const ChessboardPlace& place)
     : shape_(shape),
       place_(place),
       plane_z_(rig.plane_z_mm),
@@ -102,17 +102,17 @@ Chessboard::Chessboard(const Rig& rig, const BoardShape& shape, const BoardPlace
   dy_ = -normal.y / normal.z;
 }
 
-double Chessboard::height(double x, double y, double /*t*/) const {
+double ChessboardScene::height(double x, double y, double /*t*/) const {
   return plane_z_ - (place_.middle.z + dx_ * (x - place_.middle.x) + dy_ * (y - place_.middle.y));
 }
 
-HeightRange Chessboard::range(const Box& box, double t0, double /*t1*/) const {
+HeightRange ChessboardScene::range(const Box& box, double t0, double /*t1*/) const {
   const double middle = height((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2, t0);
   const double half = 0.5 * (std::abs(dx_) * (box.x1 - box.x0) + std::abs(dy_) * (box.y1 - box.y0));
   return {middle - half, middle + half};
 }
 
-double Chessboard::albedo(double x, double y, double t) const {
+double ChessboardScene::albedo(double x, double y, double t) const {
   const Point3 from = Point3{x, y, plane_z_ - height(x, y, t)} - place_.middle;
   const double across =
       dot(from, place_.right) / shape_.square_mm + (shape_.across - 1) / 2.0;  // 0 at the first corner
@@ -132,13 +132,14 @@ double Chessboard::albedo(double x, double y, double t) const {
   return 1 - (1 - kBlack) * black;
 }
 
-std::vector<BoardPlace> board_places(const Rig& rig, const BoardShape& shape, int count, double tilt_deg) {
+std::vector<ChessboardPlace> chessboard_places(const Rig& rig, const ChessboardShape& shape, int count,
+                                               double tilt_deg) {
   constexpr double kTurn = 12;     // degrees about the normal, this way and that
   constexpr double kDepth = 0.06;  // of the distance, nearer and further
   const Visible visible(rig, shape);
-  std::vector<BoardPlace> places;
+  std::vector<ChessboardPlace> places;
   for (int k = 0; k < count; ++k) {
-    BoardPlace place;
+    ChessboardPlace place;
     const double z = rig.plane_z_mm * (1 + (k == 0 ? 0 : kDepth * (k % 3 - 1)));
     place.middle = middle_of_view(rig, z);
     // Leaning directions go round; places shift across to them, so that all of the image gets all of them.
@@ -164,7 +165,7 @@ std::vector<BoardPlace> board_places(const Rig& rig, const BoardShape& shape, in
       constexpr int kHalvings = 30;
       for (int i = 0; i < kHalvings; ++i) {
         const double shift = (near + far) / 2;
-        BoardPlace moved = place;
+        ChessboardPlace moved = place;
         moved.middle = moved.middle + shift * way;
         (visible(moved) ? near : far) = shift;
       }

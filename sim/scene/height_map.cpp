@@ -10,8 +10,8 @@
 #include <string>
 
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/rig/rig.h"
 #include "sim/scene/scene.h"
 
 namespace selfproj {

@@ -3,7 +3,7 @@
 #ifndef SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 #define SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/scene.h"
 

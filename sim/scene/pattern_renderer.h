@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "host/io/image_files.h"
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "sim/scene/body.h"
 #include "sim/scene/lens_kernel.h"
 #include "sim/scene/lit_surface.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 
 namespace selfproj {
 

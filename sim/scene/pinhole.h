@@ -5,11 +5,11 @@
 
 #include <array>
 
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 
 namespace selfproj {
 
-// Millimetres, in the world frame of host/io/rig.h.
+// Millimetres, in the world frame of host/rig/rig.h.
 struct Point3 {
   double x = 0;
   double y = 0;

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/rig/rig.h"
 #include "sim/scene/noise.h"
 #include "sim/scene/parallel.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "sim/scene/lens_kernel.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/pinhole.h"

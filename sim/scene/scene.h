@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "sim/scene/body.h"
 
 namespace selfproj {
@@ -25,7 +25,7 @@ struct HeightRange {
 };
 
 // A surface z = plane_z − height(x, y, t) over the whole plane; where the height jumps, there is a vertical face. World
-// frame of host/io/rig.h, mm; t in seconds, 0 at the middle of frame 0's exposure. All functions may be called by
+// frame of host/rig/rig.h, mm; t in seconds, 0 at the middle of frame 0's exposure. All functions may be called by
 // several threads at once.
 class Scene {
  public:

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "sim/scene/scene.h"
 
 namespace selfproj {

@@ -16,11 +16,11 @@
 #include <string>
 #include <vector>
 
-#include "host/gray/fast_decoder.h"
-#include "host/gray/moved.h"
-#include "host/gray/scanner.h"
-#include "host/gray/triangulation.h"
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/fast_decoder.h"
+#include "host/structured_light/moved.h"
+#include "host/structured_light/scanner.h"
+#include "host/structured_light/triangulation.h"
 #include "model/gray_decoder.h"
 #include "model/median3x3.h"
 #include "tests/bench/collector.h"

@@ -20,15 +20,15 @@
 #include <string>
 #include <vector>
 
-#include "host/gray/match_table.h"
-#include "host/gray/self_reference.h"
-#include "host/gray/self_scanner.h"
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/match_table.h"
+#include "host/structured_light/self_reference.h"
+#include "host/structured_light/self_scanner.h"
 #include "model/gray_decoder.h"
 #include "model/gray_match.h"
 #include "tests/bench/collector.h"
 #include "tests/bench/read_ceiling.h"
-#include "tests/host/seen_surface.h"
+#include "tests/host/light_section/seen_surface.h"
 
 namespace selfproj {
 namespace {

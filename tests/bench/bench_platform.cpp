@@ -18,8 +18,8 @@
 
 #include "Vboard.h"
 #include "model/board.h"
-#include "sim/device/board_device.h"
-#include "sim/device/clocks.h"
+#include "sim/board/board_device.h"
+#include "sim/board/clocks.h"
 #include "sim/platform/packet_checker.h"
 #include "sim/platform/platform.h"
 #include "tests/bench/collector.h"

@@ -20,10 +20,10 @@
 #include <string>
 #include <vector>
 
-#include "host/io/rig.h"
-#include "host/optics/differential_profile.h"
-#include "host/optics/geometry.h"
-#include "host/optics/reference.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/reference.h"
+#include "host/rig/geometry.h"
+#include "host/rig/rig.h"
 #include "model/cpu_clones.h"
 #include "model/packet.h"
 #include "tests/bench/collector.h"

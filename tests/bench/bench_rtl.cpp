@@ -29,8 +29,8 @@
 #include "Vcore_original.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
-#include "sim/device/board_device.h"
-#include "sim/device/clocks.h"
+#include "sim/board/board_device.h"
+#include "sim/board/clocks.h"
 #include "tests/bench/collector.h"
 
 namespace {

@@ -19,7 +19,7 @@
 #include "host/driver/ring_list.h"
 #include "host/driver/ring_writer.h"
 #include "host/io/duration_histogram.h"
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "model/packet.h"
 #include "sim/board/packet_recording.h"
 #include "tests/cli/program.h"

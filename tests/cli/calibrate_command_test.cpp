@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "host/gray/calibration_file.h"
-#include "host/gray/gray_sequence.h"
-#include "host/gray/rig_calibration.h"
 #include "host/io/float_image.h"
 #include "host/io/image_files.h"
-#include "host/io/rig.h"
+#include "host/rig/calibration_file.h"
+#include "host/rig/rig.h"
+#include "host/rig/rig_calibration.h"
+#include "host/structured_light/gray_sequence.h"
 #include "tests/cli/program.h"
 #include "tests/support/board_world.h"
 

@@ -15,14 +15,14 @@
 #include <utility>
 #include <vector>
 
-#include "host/gray/depth_output.h"
-#include "host/gray/point_cloud.h"
-#include "host/gray/triangulation.h"
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
+#include "host/report/depth_output.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/point_cloud.h"
+#include "host/structured_light/triangulation.h"
 #include "model/packet.h"
 #include "tests/cli/program.h"
-#include "tests/host/pinhole.h"
+#include "tests/host/structured_light/pinhole.h"
 
 namespace selfproj::test {
 namespace {

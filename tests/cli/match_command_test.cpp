@@ -14,13 +14,13 @@
 #include <utility>
 #include <vector>
 
-#include "host/gray/gray_sequence.h"
-#include "host/gray/self_reference.h"
-#include "host/gray/self_reference_file.h"
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/gray_sequence.h"
+#include "host/structured_light/self_reference.h"
+#include "host/structured_light/self_reference_file.h"
 #include "tests/cli/program.h"
-#include "tests/host/seen_surface.h"
+#include "tests/host/light_section/seen_surface.h"
 
 namespace selfproj::test {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "host/io/float_image.h"
 #include "host/io/image_files.h"
-#include "host/optics/reference_file.h"
+#include "host/light_section/reference_file.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {

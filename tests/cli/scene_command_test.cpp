@@ -18,8 +18,8 @@
 
 #include "host/io/float_image.h"
 #include "host/io/image_files.h"
-#include "host/io/rig.h"
-#include "host/optics/pattern.h"
+#include "host/light_section/pattern.h"
+#include "host/rig/rig.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"

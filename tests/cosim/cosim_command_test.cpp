@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
-#include "host/optics/pattern.h"
-#include "host/optics/reference.h"
+#include "host/light_section/pattern.h"
+#include "host/light_section/reference.h"
+#include "host/rig/rig.h"
 #include "model/packet.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"

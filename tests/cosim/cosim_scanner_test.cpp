@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {

@@ -20,7 +20,7 @@
 #include <filesystem>
 
 #include "Vboard.h"
-#include "sim/device/board_device.h"
+#include "sim/board/board_device.h"
 #endif
 
 namespace selfproj::test {

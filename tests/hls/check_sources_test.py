@@ -33,7 +33,7 @@ FAULTS = [
     ("recursion: F::g", "struct F {\n  int f(int a) { return g(a); }\n  int g(int a) { return a == 0 ? 1 : f(a - 1); }  // HERE\n};"),
     ("recursion: F::f", "struct F {\n  int f(F& other) { return other.f(*this); }  // HERE\n};"),
     ("header", "#include <algorithm>  // HERE"),
-    ("header", '#include "sim/shells/ram.h"  // HERE'),
+    ("header", '#include "sim/board/shell_ram.h"  // HERE'),
 ]
 SHELL_FAULTS = [
     ("process that is not clocked", "struct F {\n  F() { SC_THREAD(f); }  // HERE\n};"),

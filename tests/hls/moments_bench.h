@@ -14,7 +14,7 @@
 #include "hls/column_moments.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
-#include "sim/engine/hls_streams.h"
+#include "sim/board/hls_streams.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {

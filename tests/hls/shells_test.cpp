@@ -12,7 +12,7 @@
 #include "Vsp_column_moments_ports.h"
 #include "Vsp_gray_decoder_ports.h"
 #include "Vsp_median3x3_ports.h"
-#include "sim/shells/blocks.h"
+#include "sim/board/shell_blocks.h"
 #include "tests/rtl/blocks/column_moments_bench.h"
 #include "tests/rtl/blocks/gray_bench.h"
 #include "tests/rtl/blocks/median3x3_bench.h"

@@ -1,8 +1,8 @@
-// rise() of sim/device/clocks.h for models that are stepped by eval() alone.
+// rise() of sim/board/clocks.h for models that are stepped by eval() alone.
 #ifndef SELFPROJ_TESTS_NETLIST_RISE_H
 #define SELFPROJ_TESTS_NETLIST_RISE_H
 
-#include "sim/device/clocks.h"
+#include "sim/board/clocks.h"
 
 namespace selfproj {
 

@@ -11,19 +11,19 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/rig/rig.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/scene.h"
-#include "tests/host/pinhole.h"
+#include "tests/host/structured_light/pinhole.h"
 
 namespace selfproj {
 namespace {
 
-constexpr BoardShape kShape{9, 7, 21};
+constexpr ChessboardShape kShape{9, 7, 21};
 
 // Leaning by 30 degrees about an axis in the plane, and turned by 12 degrees in itself.
-BoardPlace leaning() {
+ChessboardPlace leaning() {
   const double lean = std::numbers::pi / 6;
   const double turn = std::numbers::pi / 15;
   // Turned in the plane, then about the y axis: y stays, x goes into the depth.
@@ -32,7 +32,7 @@ BoardPlace leaning() {
 }
 
 // The point at (across, down) squares from the first inner corner.
-Point3 on_board(const BoardPlace& place, double across, double down) {
+Point3 on_board(const ChessboardPlace& place, double across, double down) {
   const double i = kShape.square_mm * (across - (kShape.across - 1) / 2.0);
   const double j = kShape.square_mm * (down - (kShape.down - 1) / 2.0);
   return {place.middle.x + i * place.right.x + j * place.below.x,
@@ -42,8 +42,8 @@ Point3 on_board(const BoardPlace& place, double across, double down) {
 
 TEST(Chessboard, EveryPointOfItIsOnItsPlane) {
   const Rig rig = load_rig("scanner");
-  const BoardPlace place = leaning();
-  const Chessboard board(rig, kShape, place);
+  const ChessboardPlace place = leaning();
+  const ChessboardScene board(rig, kShape, place);
   for (double across = -3; across <= 12; across += 0.7) {
     for (double down = -3; down <= 10; down += 0.7) {
       const Point3 p = on_board(place, across, down);
@@ -60,8 +60,8 @@ TEST(Chessboard, EveryPointOfItIsOnItsPlane) {
 
 TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
   const Rig rig = load_rig("scanner");
-  const BoardPlace place = leaning();
-  const Chessboard board(rig, kShape, place);
+  const ChessboardPlace place = leaning();
+  const ChessboardScene board(rig, kShape, place);
   // Squares by the corner at their end: 0..across of them, and one more to each side.
   for (int across = -1; across <= kShape.across + 1; ++across) {
     for (int down = -1; down <= kShape.down + 1; ++down) {
@@ -69,7 +69,7 @@ TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
       const bool black = !outside && (across + down) % 2 == 0;
       for (const double at : {0.05, 0.5, 0.95}) {
         const Point3 p = on_board(place, across - 1 + at, down - 1 + 0.5);
-        EXPECT_NEAR(board.albedo(p.x, p.y, 0), black ? Chessboard::kBlack : 1, 1e-12) << across << ' ' << down;
+        EXPECT_NEAR(board.albedo(p.x, p.y, 0), black ? ChessboardScene::kBlack : 1, 1e-12) << across << ' ' << down;
       }
     }
   }
@@ -79,7 +79,7 @@ TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
       for (const auto& [i, j] : {std::pair{0.0, 0.0}, {0.0, 0.5}, {0.5, 0.0}}) {
         if (across + i <= kShape.across - 1 && down + j <= kShape.down - 1) {
           const Point3 p = on_board(place, across + i, down + j);
-          EXPECT_NEAR(board.albedo(p.x, p.y, 0), (1 + Chessboard::kBlack) / 2, 1e-9);
+          EXPECT_NEAR(board.albedo(p.x, p.y, 0), (1 + ChessboardScene::kBlack) / 2, 1e-9);
         }
       }
     }
@@ -88,20 +88,20 @@ TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
 
 TEST(Chessboard, TooSteepIsRefused) {
   const double lean = 81 * std::numbers::pi / 180;
-  const BoardPlace steep{{0, 0, 550}, {0, 1, 0}, {std::cos(lean), 0, std::sin(lean)}};
-  EXPECT_THROW(Chessboard(load_rig("scanner"), kShape, steep), std::invalid_argument);
+  const ChessboardPlace steep{{0, 0, 550}, {0, 1, 0}, {std::cos(lean), 0, std::sin(lean)}};
+  EXPECT_THROW(ChessboardScene(load_rig("scanner"), kShape, steep), std::invalid_argument);
 }
 
 TEST(BoardPlaces, CameraAndProjectorSeeAllOfItFromManySides) {
   const Rig rig = load_rig("scanner");
   constexpr int kPoses = 8;
   constexpr double kTilt = 30;
-  const std::vector<BoardPlace> places = board_places(rig, kShape, kPoses, kTilt);
+  const std::vector<ChessboardPlace> places = chessboard_places(rig, kShape, kPoses, kTilt);
   ASSERT_EQ(places.size(), static_cast<std::size_t>(kPoses));
   std::array<double, 2> rows{1e9, -1e9};
   std::array<double, 2> columns{1e9, -1e9};
   for (std::size_t k = 0; k < places.size(); ++k) {
-    const BoardPlace& place = places[k];
+    const ChessboardPlace& place = places[k];
     EXPECT_NEAR(dot(place.right, place.right), 1, 1e-12);
     EXPECT_NEAR(dot(place.below, place.below), 1, 1e-12);
     EXPECT_NEAR(dot(place.right, place.below), 0, 1e-12);
@@ -128,7 +128,9 @@ TEST(BoardPlaces, CameraAndProjectorSeeAllOfItFromManySides) {
   EXPECT_GT(rows[1] - rows[0], 0.6 * rig.camera.rows);
 }
 
-TEST(BoardPlaces, NoRoomIsRefused) { EXPECT_THROW(board_places(load_rig("scanner"), {9, 7, 60}, 8, 30), UserError); }
+TEST(BoardPlaces, NoRoomIsRefused) {
+  EXPECT_THROW(chessboard_places(load_rig("scanner"), {9, 7, 60}, 8, 30), UserError);
+}
 
 }  // namespace
 }  // namespace selfproj

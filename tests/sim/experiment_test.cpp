@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <string>
 
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/rig/rig.h"
 
 namespace selfproj {
 namespace {

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
-#include "host/gray/triangulation.h"
 #include "host/io/float_image.h"
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/triangulation.h"
 
 namespace selfproj {
 namespace {

@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
+#include "host/rig/rig.h"
 #include "sim/scene/body.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "host/io/rig.h"
 #include "host/io/user_error.h"
-#include "host/optics/pattern.h"
+#include "host/light_section/pattern.h"
+#include "host/rig/rig.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/scene.h"
 

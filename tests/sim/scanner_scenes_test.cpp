@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "sim/scene/body.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/ring_wave.h"

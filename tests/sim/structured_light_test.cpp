@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "host/io/rig.h"
+#include "host/rig/rig.h"
 #include "sim/experiment/moving_things.h"
-#include "tests/host/seen_surface.h"
+#include "tests/host/light_section/seen_surface.h"
 
 namespace selfproj {
 namespace {

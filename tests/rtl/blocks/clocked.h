@@ -14,8 +14,8 @@
 #include <memory>
 #include <string>
 
-#include "sim/device/coverage.h"
-#include "sim/device/mutant.h"
+#include "sim/board/coverage.h"
+#include "sim/board/mutant.h"
 #include "tests/rtl/blocks/recorder.h"
 
 namespace selfproj::test {

@@ -1,6 +1,6 @@
 // rise() does what eval() does at the fall and again at the rise: two equal boards, one stepped by each, under the same
 // random inputs, show the same at every output after every edge.
-#include "sim/device/clocks.h"
+#include "sim/board/clocks.h"
 
 #include <gtest/gtest.h>
 #include <verilated.h>

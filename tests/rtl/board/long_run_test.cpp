@@ -9,7 +9,7 @@
 #include <string>
 
 #include "Vboard_codes.h"
-#include "sim/device/clocks.h"
+#include "sim/board/clocks.h"
 #include "tests/rtl/board/random_codes.h"
 #include "tests/rtl/board/scoreboard.h"
 #include "tests/support/random_cases.h"
@@ -17,7 +17,7 @@
 namespace selfproj::test {
 namespace {
 
-// A register of the board that sim/device/counters.vlt makes public.
+// A register of the board that sim/board/counters.vlt makes public.
 class Register {
  public:
   explicit Register(std::string name) : handle_(vpi_handle_by_name(name.data(), nullptr)) {

@@ -17,7 +17,7 @@
 
 #include "model/board.h"
 #include "model/packet.h"
-#include "sim/device/board_device.h"
+#include "sim/board/board_device.h"
 
 namespace selfproj::test {
 

@@ -1,0 +1,215 @@
+#include "host/calibration/chessboard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "host/calibration/median.h"
+
+namespace selfproj {
+namespace {
+
+// Way from each corner to its nearest neighbour.
+std::vector<double> spacings(const std::vector<cv::Point2f>& corners) {
+  std::vector<double> nearest;
+  nearest.reserve(corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < corners.size(); ++j) {
+      if (j != i) {
+        least = std::min(least, cv::norm(corners[i] - corners[j]));
+      }
+    }
+    nearest.push_back(least);
+  }
+  return nearest;
+}
+
+// What a corner looks like: two edges that cross, both blurred alike, under light that may fall off across the window,
+//
+//     I(x, y) = (a + b x + c y) (1 + d erf(u / (s sqrt 2)) erf(v / (s sqrt 2)))
+//
+// u and v being the distances of (x, y) from the edges, which go through (x0, y0), with normals at the angles t1 and
+// t2.
+struct CornerModel {
+  static constexpr int kParameters = 9;
+  // x0, y0, t1, t2, s, a, b, c, d
+  static constexpr int kX = 0, kY = 1, kAngle1 = 2, kAngle2 = 3, kBlur = 4, kLight = 5, kLightX = 6, kLightY = 7,
+                       kContrast = 8;
+  using Parameters = cv::Vec<double, kParameters>;
+
+  // Grey value at (x, y) from the window's middle, and its derivatives.
+  static double value(const Parameters& p, double x, double y, Parameters& d) {
+    const double c1 = std::cos(p[kAngle1]);
+    const double s1 = std::sin(p[kAngle1]);
+    const double c2 = std::cos(p[kAngle2]);
+    const double s2 = std::sin(p[kAngle2]);
+    const double dx = x - p[kX];
+    const double dy = y - p[kY];
+    const double u = c1 * dx + s1 * dy;
+    const double v = c2 * dx + s2 * dy;
+    const double k = 1 / (p[kBlur] * std::numbers::sqrt2);
+    const double e1 = std::erf(u * k);
+    const double e2 = std::erf(v * k);
+    const double light = p[kLight] + p[kLightX] * x + p[kLightY] * y;
+    const double shape = 1 + p[kContrast] * e1 * e2;
+    constexpr double kSlope = 2 * std::numbers::inv_sqrtpi;  // of erf at 0
+    const double by_u = light * p[kContrast] * kSlope * k * std::exp(-u * u * k * k) * e2;
+    const double by_v = light * p[kContrast] * kSlope * k * std::exp(-v * v * k * k) * e1;
+    d[kX] = -by_u * c1 - by_v * c2;
+    d[kY] = -by_u * s1 - by_v * s2;
+    d[kAngle1] = by_u * (c1 * dy - s1 * dx);
+    d[kAngle2] = by_v * (c2 * dy - s2 * dx);
+    d[kBlur] = -(by_u * u + by_v * v) / p[kBlur];
+    d[kLight] = shape;
+    d[kLightX] = shape * x;
+    d[kLightY] = shape * y;
+    d[kContrast] = light * e1 * e2;
+    return light * shape;
+  }
+};
+
+struct Pixel {
+  double x, y, grey;
+};
+
+double squares(const std::vector<Pixel>& pixels, const CornerModel::Parameters& p) {
+  CornerModel::Parameters unused;
+  double sum = 0;
+  for (const Pixel& pixel : pixels) {
+    const double off = pixel.grey - CornerModel::value(p, pixel.x, pixel.y, unused);
+    sum += off * off;
+  }
+  return sum;
+}
+
+// Levenberg and Marquardt; whether they came to rest.
+bool fit(const std::vector<Pixel>& pixels, CornerModel::Parameters& p) {
+  using Model = CornerModel;
+  constexpr int kSteps = 40;
+  constexpr double kClose = 1e-5;  // pixels
+  constexpr double kLeastBlur = 0.1;
+  constexpr double kWorst = 1e6;
+  double damping = 1e-3;
+  double sum = squares(pixels, p);
+  for (int step = 0; step < kSteps; ++step) {
+    cv::Matx<double, Model::kParameters, Model::kParameters> normal;
+    Model::Parameters right = Model::Parameters::all(0);
+    Model::Parameters d;
+    for (const Pixel& pixel : pixels) {
+      const double off = pixel.grey - Model::value(p, pixel.x, pixel.y, d);
+      right += off * d;
+      normal += d * d.t();
+    }
+    bool better = false;
+    while (!better && damping < kWorst) {
+      auto damped = normal;
+      for (int i = 0; i < Model::kParameters; ++i) {
+        damped(i, i) *= 1 + damping;
+      }
+      bool ok = false;
+      const Model::Parameters change = damped.inv(cv::DECOMP_CHOLESKY, &ok) * right;
+      const Model::Parameters tried = p + change;
+      const double there = ok && tried[Model::kBlur] > kLeastBlur ? squares(pixels, tried) : sum + 1;
+      better = there <= sum;
+      damping = better ? std::max(1e-9, damping / 10) : damping * 10;
+      if (better) {
+        p = tried;
+        sum = there;
+        if (std::abs(change[Model::kX]) + std::abs(change[Model::kY]) < kClose) {
+          return true;
+        }
+      }
+    }
+    if (!better) {
+      return false;
+    }
+  }
+  return false;
+}
+
+// Moves each corner to where the model of a corner fits best, in a window that reaches no other corner; one to which it
+// cannot be fitted stays.
+void refine(const cv::Mat& grey, const Chessboard& board, const std::vector<double>& spacing,
+            std::vector<cv::Point2f>& corners) {
+  using Model = CornerModel;
+  constexpr double kShare = 0.4;  // of the spacing: half the window's side
+  constexpr double kLeast = 3;
+  constexpr double kFarthest = 0.3;  // of the spacing: what is farther is another thing
+  const std::vector<cv::Point2f> found = corners;
+  const auto at = [&](int column, int row) {
+    return cv::Point2d(found[static_cast<std::size_t>(std::clamp(row, 0, board.rows - 1) * board.columns +
+                                                      std::clamp(column, 0, board.columns - 1))]);
+  };
+  for (int i = 0; i < board.corners(); ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const cv::Point2d middle = found[index];
+    const int column = i % board.columns;
+    const int row = i / board.columns;
+    const double half = std::max(kLeast, kShare * spacing[index]);
+    const cv::Point2d along = at(column + 1, row) - at(column - 1, row);  // the edges go through the neighbours
+    const cv::Point2d down = at(column, row + 1) - at(column, row - 1);
+    Model::Parameters p;
+    p[Model::kAngle1] = std::atan2(along.x, -along.y);
+    p[Model::kAngle2] = std::atan2(down.x, -down.y);
+    p[Model::kBlur] = 1;
+    std::vector<Pixel> pixels;
+    double sum = 0;
+    double sides = 0;
+    for (int y = std::max(0, static_cast<int>(std::ceil(middle.y - half)));
+         y <= std::min(grey.rows - 1, static_cast<int>(std::floor(middle.y + half))); ++y) {
+      for (int x = std::max(0, static_cast<int>(std::ceil(middle.x - half)));
+           x <= std::min(grey.cols - 1, static_cast<int>(std::floor(middle.x + half))); ++x) {
+        const Pixel pixel{x - middle.x, y - middle.y, static_cast<double>(grey.at<std::uint8_t>(y, x))};
+        const bool one = (std::cos(p[Model::kAngle1]) * pixel.x + std::sin(p[Model::kAngle1]) * pixel.y > 0) ==
+                         (std::cos(p[Model::kAngle2]) * pixel.x + std::sin(p[Model::kAngle2]) * pixel.y > 0);
+        sum += pixel.grey;
+        sides += one ? pixel.grey : -pixel.grey;
+        pixels.push_back(pixel);
+      }
+    }
+    p[Model::kLight] = sum / static_cast<double>(pixels.size());
+    p[Model::kContrast] = sum > 0 ? sides / sum : 0;
+    if (fit(pixels, p) && std::hypot(p[Model::kX], p[Model::kY]) < kFarthest * spacing[index]) {
+      corners[index] = cv::Point2f(cv::Point2d(middle.x + p[Model::kX], middle.y + p[Model::kY]));
+    }
+  }
+}
+
+}  // namespace
+
+FoundChessboard find_chessboard(const Image& image, const Chessboard& board) {
+  const cv::Mat grey(image.rows, image.columns, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));  // NOLINT
+  FoundChessboard found;
+  cv::Mat seen;
+  cv::Mat kinds;  // one entry a corner of the board that was found, whatever its size
+  const bool any =
+      cv::findChessboardCornersSB(grey, {board.columns, board.rows}, seen,
+                                  cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY | cv::CALIB_CB_LARGER, kinds);
+  if (!any) {
+    found.reason = fmt::format("no board of {} x {} inner corners is seen as a whole", board.columns, board.rows);
+    return found;
+  }
+  if (!(kinds.cols == board.columns && kinds.rows == board.rows)) {
+    found.reason = fmt::format("a board of {} x {} inner corners is seen, not one of {} x {}", kinds.cols, kinds.rows,
+                               board.columns, board.rows);
+    return found;
+  }
+  std::vector<cv::Point2f> corners = seen.reshape(2, board.corners());
+  const std::vector<double> spacing = spacings(corners);
+  refine(grey, board, spacing, corners);
+  found.corners.assign(corners.begin(), corners.end());
+  found.spacing_px = median_of(spacing);
+  return found;
+}
+
+}  // namespace selfproj

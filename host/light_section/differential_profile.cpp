@@ -1,0 +1,250 @@
+#include "host/light_section/differential_profile.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <stdexcept>
+
+#include "host/io/float_image.h"
+#include "host/rig/geometry.h"
+#include "model/cpu_clones.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+// The compiler vectorizes the loops over columns for each instruction set of SELFPROJ_CLONES. No multiplication is
+// fused with an addition, -std=c++20 being ISO's, so that all give the same bits.
+
+namespace selfproj {
+namespace {
+
+// Columns that are worked on at a time, in steps that each keep to one width of numbers. What is in between, 3 KiB,
+// stays in the first-level cache beside the tables and the profile (with 512 columns at a time it did not).
+constexpr int kStrip = 128;
+
+struct StripMoments {
+  alignas(64) std::array<std::int32_t, kStrip> m0;
+  alignas(64) std::array<std::int32_t, kStrip> m1;
+  alignas(64) std::array<std::int32_t, kStrip> n;
+};
+
+constexpr std::uint32_t ones32(int bits) { return (std::uint32_t{1} << bits) - 1; }
+constexpr std::uint64_t ones64(int bits) { return (std::uint64_t{1} << bits) - 1; }
+
+template <typename T>
+inline T load(const std::uint8_t* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+static_assert(std::endian::native == std::endian::little, "payload words are read as they lie");
+
+}  // namespace
+
+// What the kernel reads, of the strip's first column on.
+struct ProfileTables {
+  const float* tan_theta;
+  const float* tan_beta;
+  const float* tan_alpha_r;
+  const float* z_r;
+  const float* numerator;
+  const float* theta_per_line;
+  const std::int32_t* valid;
+  float middle_row;
+  float tan_alpha_per_row;
+  float projector_x;
+  float projector_z;
+  float max_z_per_line;
+  float rows;
+  std::int32_t min_lit;
+  std::int32_t max_lit;
+};
+
+namespace {
+
+constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t>(validity); }
+
+// The compiler believes __restrict of parameters only, also of functions that it inlines. `reciprocal` is
+// 1 / (tan α + tan θ): a division takes as long as all the rest of a column.
+[[gnu::always_inline]] inline void shape_of(const float* __restrict tan_alpha, const float* __restrict reciprocal,
+                                            int columns, const float* __restrict numerator,
+                                            const float* __restrict tan_beta, float* __restrict x, float* __restrict y,
+                                            float* __restrict z) {
+  for (int i = 0; i < columns; ++i) {
+    const float depth = numerator[i] * reciprocal[i];  // (3.10 = 3.11; 3.4)
+    z[i] = depth;
+    x[i] = depth * tan_alpha[i];
+    y[i] = depth * tan_beta[i];
+  }
+}
+
+[[gnu::always_inline]] inline void difference_of(const float* __restrict tan_alpha, const float* __restrict reciprocal,
+                                                 int columns, const float* __restrict z_r,
+                                                 const float* __restrict tan_alpha_r, const float* __restrict tan_theta,
+                                                 const float* __restrict tan_beta, float* __restrict dx,
+                                                 float* __restrict dy, float* __restrict dz) {
+  for (int i = 0; i < columns; ++i) {
+    const float k = z_r[i] * (tan_alpha_r[i] - tan_alpha[i]) * reciprocal[i];  // k' of (3.12); -k of (3.13)
+    dx[i] = -k * tan_theta[i];
+    dy[i] = k * tan_beta[i];
+    dz[i] = k;
+  }
+}
+
+// `columns` <= kStrip columns.
+[[gnu::always_inline]] inline void triangulate(const StripMoments& moments, int columns, const ProfileTables& tables,
+                                               const ProfileView& out) {
+  alignas(64) std::array<std::int32_t, kStrip> state;
+  alignas(64) std::array<float, kStrip> tangent;
+  alignas(64) std::array<float, kStrip> reciprocal;
+  const ProfileTables t = tables;  // by value, so that no store can change them
+  const float* __restrict tan_theta = t.tan_theta;
+  const float* __restrict theta_per_line = t.theta_per_line;
+  const std::int32_t* __restrict valid = t.valid;
+  float* __restrict centroid = out.centroid;
+  for (int i = 0; i < columns; ++i) {
+    const std::int32_t n = moments.n[i];
+    const std::int32_t m0 = moments.m0[i];
+    const float c = static_cast<float>(moments.m1[i]) / static_cast<float>(m0);  // (3.2); 0/0 is thrown away
+    const float tan_alpha = (c - t.middle_row) * t.tan_alpha_per_row;            // (3.3), (3.6)
+    const float sum = tan_alpha + tan_theta[i];
+    // z falls with θ at the rate (x0 - z0 tan α) / (tan α + tan θ)², which must be more than 0 and, for one line of
+    // the projector, within the rig's limit.
+    const float reach = t.projector_x - t.projector_z * tan_alpha;
+    const float worth = reach * theta_per_line[i];
+    const float limit = t.max_z_per_line * (sum * sum);
+    std::int32_t s = worth <= limit ? code(Validity::valid) : code(Validity::out_of_range);
+    s = sum > 0.0F ? s : code(Validity::out_of_range);
+    s = reach > 0.0F ? s : code(Validity::out_of_range);
+    s = valid[i] != 0 ? s : code(Validity::no_reference);
+    s = line_is_cut_off(c, static_cast<float>(n), t.rows) ? code(Validity::cut_off) : s;
+    s = n > t.max_lit ? code(Validity::too_wide) : s;
+    s = n < t.min_lit ? code(Validity::too_few) : s;
+    s = n == 0 ? code(Validity::unlit) : s;
+    s = m0 == 0 ? code(Validity::unlit) : s;
+    state[i] = s;
+    centroid[i] = s == code(Validity::valid) ? c : kNoValue;
+    tangent[i] = s == code(Validity::valid) ? tan_alpha : kNoValue;
+    reciprocal[i] = 1.0F / (s == code(Validity::valid) ? sum : kNoValue);  // so that all that follows is NaN
+  }
+  shape_of(tangent.data(), reciprocal.data(), columns, t.numerator, t.tan_beta, out.x, out.y, out.z);
+  difference_of(tangent.data(), reciprocal.data(), columns, t.z_r, t.tan_alpha_r, t.tan_theta, t.tan_beta, out.dx,
+                out.dy, out.dz);
+  std::uint8_t* __restrict validity = out.validity;
+  for (int i = 0; i < columns; ++i) {
+    validity[i] = static_cast<std::uint8_t>(state[i]);
+  }
+}
+
+SELFPROJ_CLONES void strip_binary(const std::uint8_t* payload, int columns, const ProfileTables& tables,
+                                  const ProfileView& out) {
+  StripMoments moments;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load<std::uint32_t>(payload + i * (spec::kBinaryWordBits / 8));
+    moments.m1[i] = static_cast<std::int32_t>(word >> spec::kBinaryM1Lsb & ones32(spec::kBinaryM1Bits));
+    moments.m0[i] = static_cast<std::int32_t>(word >> spec::kBinaryM0Lsb & ones32(spec::kBinaryM0Bits));
+    moments.n[i] = moments.m0[i];
+  }
+  triangulate(moments, columns, tables, out);
+}
+
+SELFPROJ_CLONES void strip_grey(const std::uint8_t* payload, int columns, const ProfileTables& tables,
+                                const ProfileView& out) {
+  StripMoments moments;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load<std::uint64_t>(payload + i * (spec::kGreyWordBits / 8));
+    moments.m1[i] = static_cast<std::int32_t>(word >> spec::kGreyM1Lsb & ones64(spec::kGreyM1Bits));
+    moments.m0[i] = static_cast<std::int32_t>(word >> spec::kGreyM0Lsb & ones64(spec::kGreyM0Bits));
+    moments.n[i] = static_cast<std::int32_t>(word >> spec::kGreyNLsb & ones64(spec::kGreyNBits));
+  }
+  triangulate(moments, columns, tables, out);
+}
+
+SELFPROJ_CLONES void strip_moments(const MomentsView& from, int columns, const ProfileTables& tables,
+                                   const ProfileView& out) {
+  StripMoments moments;
+  for (int i = 0; i < columns; ++i) {
+    moments.m0[i] = static_cast<std::int32_t>(from.m0[i]);
+    moments.m1[i] = static_cast<std::int32_t>(from.m1[i]);
+    moments.n[i] = static_cast<std::int32_t>(from.n[i]);
+  }
+  triangulate(moments, columns, tables, out);
+}
+
+ProfileView from_column(const ProfileView& view, int first) {
+  return {view.centroid + first, view.x + first,  view.y + first,  view.z + first,
+          view.dx + first,       view.dy + first, view.dz + first, view.validity + first};
+}
+
+}  // namespace
+
+DifferentialProfiler::DifferentialProfiler(const Rig& rig, const ReferenceProfile& reference)
+    : middle_row_(static_cast<float>(middle_row(rig.camera))),
+      tan_alpha_per_row_(static_cast<float>(rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm)),
+      projector_x_(static_cast<float>(rig.projector.x_mm)),
+      projector_z_(static_cast<float>(rig.projector.z_mm)),
+      max_z_per_line_(static_cast<float>(rig.measure.max_z_per_line_mm)),
+      rows_(static_cast<float>(rig.camera.rows)),
+      min_lit_(rig.measure.min_lit_px),
+      max_lit_(rig.measure.max_lit_px) {
+  if (reference.columns() != rig.camera.columns) {
+    throw std::invalid_argument("profile: the reference has other columns than the camera");
+  }
+  for (std::size_t i = 0; i < reference.valid.size(); ++i) {
+    const bool valid = reference.valid[i] != 0;
+    const double theta = valid ? reference.tan_theta[i] : 0;
+    const double z_r = valid ? reference.z_mm[i] : 0;
+    const double alpha_r = valid ? tan_alpha(rig.camera, middle_row(rig.camera) + reference.offset_px[i]) : 0;
+    const double cosine = std::cos(std::atan(theta) - rig.projector.tilt_rad);
+    tan_theta_.push_back(static_cast<float>(theta));
+    tan_beta_.push_back(static_cast<float>(tan_beta(rig.camera, static_cast<double>(i))));
+    tan_alpha_r_.push_back(static_cast<float>(alpha_r));
+    z_r_.push_back(static_cast<float>(z_r));
+    numerator_.push_back(static_cast<float>(z_r * (alpha_r + theta)));
+    // θ = θ0 + atan(Xp / fp) (3.7), so d tan θ / dXp = (1 + tan² θ) cos²(θ - θ0) / fp.
+    theta_per_line_.push_back(static_cast<float>(std::abs(rig.projector.line_pitch_mm) * (1 + theta * theta) * cosine *
+                                                 cosine / rig.projector.focal_length_mm));
+    valid_.push_back(valid ? 1 : 0);
+  }
+}
+
+ProfileTables DifferentialProfiler::tables_from(int first) const {
+  return {tan_theta_.data() + first,
+          tan_beta_.data() + first,
+          tan_alpha_r_.data() + first,
+          z_r_.data() + first,
+          numerator_.data() + first,
+          theta_per_line_.data() + first,
+          valid_.data() + first,
+          middle_row_,
+          tan_alpha_per_row_,
+          projector_x_,
+          projector_z_,
+          max_z_per_line_,
+          rows_,
+          min_lit_,
+          max_lit_};
+}
+
+void DifferentialProfiler::profile(Mode mode, const std::uint8_t* payload, const ProfileView& out) const {
+  for (int first = 0; first < columns(); first += kStrip) {
+    const int count = std::min(kStrip, columns() - first);
+    const ProfileView strip = from_column(out, first);
+    const ProfileTables tables = tables_from(first);
+    if (mode == Mode::binary) {
+      strip_binary(payload + first * (spec::kBinaryWordBits / 8), count, tables, strip);
+    } else {
+      strip_grey(payload + first * (spec::kGreyWordBits / 8), count, tables, strip);
+    }
+  }
+}
+
+void DifferentialProfiler::profile(const MomentsView& moments, const ProfileView& out) const {
+  for (int first = 0; first < columns(); first += kStrip) {
+    strip_moments({moments.m0 + first, moments.m1 + first, moments.n + first}, std::min(kStrip, columns() - first),
+                  tables_from(first), from_column(out, first));
+  }
+}
+
+}  // namespace selfproj

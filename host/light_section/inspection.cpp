@@ -1,0 +1,144 @@
+#include "host/light_section/inspection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+namespace selfproj {
+
+Inspection::Inspection(const Rig& rig, int columns, const InspectionOptions& options)
+    : rig_(rig), columns_(columns), options_(options) {
+  if (columns <= 0) {
+    throw std::invalid_argument("an inspection needs columns");
+  }
+  const std::size_t frames = std::min(options.expected_frames, options.max_frames);
+  frames_.reserve(frames);
+  const std::size_t size = frames * static_cast<std::size_t>(columns);
+  for (auto* values : {&values_.m0, &values_.m1, &values_.n}) {
+    values->reserve(size);
+  }
+  for (auto* values : {&values_.x, &values_.y, &values_.z, &values_.dx, &values_.dy, &values_.dz}) {
+    values->reserve(size);
+  }
+  values_.validity.reserve(size);
+}
+
+bool Inspection::begin_frame(const PacketHeader& header) {
+  if (header.columns != columns_) {
+    throw std::invalid_argument("a frame of another width");
+  }
+  if (frames_.size() >= options_.max_frames) {
+    ++not_kept_;
+    return false;
+  }
+  frames_.push_back({header.sequence, header.time_stamp, header.encoder, header.mode, header.threshold});
+  return true;
+}
+
+void Inspection::add_profile(const ProfileView& profile) {
+  const auto append = [this](auto& to, const auto* values) { to.insert(to.end(), values, values + columns_); };
+  append(values_.x, profile.x);
+  append(values_.y, profile.y);
+  append(values_.z, profile.z);
+  append(values_.dx, profile.dx);
+  append(values_.dy, profile.dy);
+  append(values_.dz, profile.dz);
+  append(values_.validity, profile.validity);
+}
+
+void Inspection::add(const PacketHeader& header, const MomentsView& moments, const ProfileView& profile) {
+  if (!begin_frame(header)) {
+    return;
+  }
+  values_.m0.insert(values_.m0.end(), moments.m0, moments.m0 + columns_);
+  values_.m1.insert(values_.m1.end(), moments.m1, moments.m1 + columns_);
+  values_.n.insert(values_.n.end(), moments.n, moments.n + columns_);
+  add_profile(profile);
+}
+
+void Inspection::add(const PacketHeader& header, std::span<const std::uint8_t> payload, const ProfileView& profile) {
+  const auto mode = static_cast<Mode>(header.mode);
+  if (payload.size() != moments_payload_bytes(mode, columns_)) {
+    throw std::invalid_argument("a payload of another width");
+  }
+  if (!begin_frame(header)) {
+    return;
+  }
+  const std::size_t begin = values_.m0.size();
+  for (auto* values : {&values_.m0, &values_.m1, &values_.n}) {
+    values->resize(begin + static_cast<std::size_t>(columns_));
+  }
+  unpack_moments(mode, columns_, payload.data(),
+                 {values_.m0.data() + begin, values_.m1.data() + begin, values_.n.data() + begin});
+  add_profile(profile);
+}
+
+bool Inspection::encoder_counts() const {
+  return std::any_of(frames_.begin(), frames_.end(),
+                     [this](const Frame& frame) { return frame.encoder != frames_.front().encoder; });
+}
+
+std::vector<double> Inspection::belt_mm() const {
+  const bool by_encoder = encoder_counts();
+  std::vector<double> belt;
+  belt.reserve(frames_.size());
+  double position = 0;
+  double step = rig_.conveyor.speed_mm_per_s / rig_.camera.frame_rate_hz;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    const bool restarted = i > 0 && frames_[i].time_stamp < frames_[i - 1].time_stamp;
+    if (i > 0 && !restarted) {
+      // Differences modulo 2^32 and 2^64, so that counters may wrap.
+      step = by_encoder ? static_cast<std::int32_t>(frames_[i].encoder - frames_[i - 1].encoder) *
+                              rig_.conveyor.encoder_mm_per_count
+                        : static_cast<double>(frames_[i].time_stamp - frames_[i - 1].time_stamp) /
+                              options_.pixel_clock_hz * rig_.conveyor.speed_mm_per_s;
+    }
+    position += i > 0 ? step : 0;
+    belt.push_back(position);
+  }
+  return belt;
+}
+
+double Inspection::frame_spacing_mm() const {
+  return frames_.size() > 1 ? std::abs(belt_mm().back()) / static_cast<double>(frames_.size() - 1)
+                            : rig_.conveyor.speed_mm_per_s / rig_.camera.frame_rate_hz;
+}
+
+double Inspection::column_spacing_mm() const {
+  return rig_.plane_z_mm * rig_.camera.pixel_pitch_mm / rig_.camera.focal_length_mm;
+}
+
+FloatImage Inspection::map(const std::vector<float>& values, double offset, double factor) const {
+  FloatImage image(static_cast<int>(frames_.size()), columns_, std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values_.validity[i] == static_cast<std::uint8_t>(Validity::valid)) {
+      image.values[i] = static_cast<float>(offset + factor * static_cast<double>(values[i]));
+    }
+  }
+  return image;
+}
+
+FloatImage Inspection::height() const { return map(values_.z, rig_.plane_z_mm, -1); }
+
+FloatImage Inspection::difference() const { return map(values_.dz, 0, -1); }
+
+FloatImage Inspection::x() const { return map(values_.x, 0, 1); }
+
+FloatImage Inspection::y() const { return map(values_.y, 0, 1); }
+
+FloatImage Inspection::centroid() const {
+  FloatImage image(static_cast<int>(frames_.size()), columns_, std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < values_.m0.size(); ++i) {
+    if (values_.m0[i] > 0 && values_.validity[i] == static_cast<std::uint8_t>(Validity::valid)) {
+      image.values[i] = static_cast<float>(static_cast<double>(values_.m1[i]) / values_.m0[i]);  // (3.2)
+    }
+  }
+  return image;
+}
+
+}  // namespace selfproj

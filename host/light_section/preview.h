@@ -1,0 +1,19 @@
+// A picture of a reference to look at.
+#ifndef SELFPROJ_HOST_LIGHT_SECTION_PREVIEW_H
+#define SELFPROJ_HOST_LIGHT_SECTION_PREVIEW_H
+
+#include <string>
+
+#include "host/io/float_image.h"
+#include "host/light_section/reference.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+
+// PNG bytes: the pattern as the projector shows it, and under it the reference's height (plane_z - z) over the camera's
+// columns, with gaps where a column has none. `reference` may have no columns: then there is the pattern only.
+std::string draw_preview(const Rig& rig, const FloatImage& pattern, const ReferenceProfile& reference);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_LIGHT_SECTION_PREVIEW_H

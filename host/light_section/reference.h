@@ -1,0 +1,81 @@
+// The reference of a self-projected measurement: for each camera column where its light plane is, and what it meets.
+#ifndef SELFPROJ_HOST_LIGHT_SECTION_REFERENCE_H
+#define SELFPROJ_HOST_LIGHT_SECTION_REFERENCE_H
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/rig/rig.h"
+
+namespace selfproj {
+
+// The section of a reference part with the plane x = 0: points (0, y, z) in the camera's frame, mm. Neighbours are
+// joined by straight lines, but for two cases: a NaN among them is a gap without surface; and where the join is steeper
+// than kSteepest it is a wall, which hides what is behind it but carries neither light nor reference.
+struct ReferenceCurve {
+  std::vector<double> y_mm;
+  std::vector<double> z_mm;
+};
+
+// |dz / dy| from which on a join is a wall: 72 degrees. A line of light on such a wall would lie along the image column
+// for as many rows as the wall is high, and has no centroid worth the name.
+inline constexpr double kSteepest = 3;
+
+// One entry a camera column.
+struct ReferenceProfile {
+  std::vector<double> tan_theta;  // of the light plane that the column sees
+  std::vector<double> z_mm;       // of the reference surface where that plane meets it in this column
+  std::vector<double> offset_px;  // the row where it does, less the middle row: 0 for a perfect self-projection, the
+                                  // residual where one was measured, the line's whole way for a straight line
+  std::vector<std::uint8_t> valid;
+
+  void resize(int columns) {
+    const auto size = static_cast<std::size_t>(columns);
+    tan_theta.resize(size);
+    z_mm.resize(size);
+    offset_px.resize(size);
+    valid.resize(size);
+  }
+  [[nodiscard]] int columns() const { return static_cast<int>(valid.size()); }
+  [[nodiscard]] int valid_columns() const;
+  bool operator==(const ReferenceProfile&) const = default;
+};
+
+// The curve of heights (plane_z - z, mm) given for every camera column, NaN where there is none: column η sees the
+// point with y = z tan β(η). Throws std::invalid_argument where there are not as many as the rig has columns.
+ReferenceCurve curve_of_heights(const Rig& rig, std::span<const double> height_mm);
+
+// The curve of a measured reference, continued by 8 columns on both sides of the image with the slope of the last 8, so
+// that its pattern does not end where the camera's view does: lens blur would dim the columns at the border.
+ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& reference);
+
+// The reference that a column sees when the pattern of `curve` is projected onto `curve`: the surface nearest to the
+// camera along tan β, with tan θ = x0 / (z - z0) (3.8) and offset 0. Not valid where there is no surface, a wall is
+// nearer, the projector's light does not get to (another part of the curve shades it, as if the part did not change
+// along x, or it is outside the projector's image), or one projector line is worth more than the rig's
+// max_z_per_line_mm.
+ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve);
+
+// For the conventional method, a straight line at the projector line `line`: the same tan θ for every column, and where
+// the line meets the reference: at `centroid` (C, rows from 1, one a camera column, NaN where there is none), from
+// which z follows by (3.4). Throws std::invalid_argument where the number of centroids is wrong.
+ReferenceProfile reference_of_straight_line(const Rig& rig, double line, std::span<const double> centroid);
+
+// The reference with its residual taken out. `centroid` (as above) is where the pattern was seen when it was projected
+// onto the reference part itself: where that is not the middle row, the light plane of the column is a little off, and
+// what is known of it is that it meets the reference (at z_mm) there:
+//     tan θ = (x0 - x) / (z_r - z0),   x = z_r tan α(C)
+// Columns without a centroid become invalid. Throws std::invalid_argument where the number of centroids is wrong.
+ReferenceProfile without_residual(const Rig& rig, const ReferenceProfile& reference, std::span<const double> centroid);
+
+// Line of the projector image, from 0 and with a fraction, for each of its columns, NaN where there is no light: the
+// curve's pattern by (3.9). At a step of the curve a column lights the surface nearest to the camera that both
+// projector and camera see, and none where that is a wall: the line has a gap there, and a jump, and no bridge between.
+std::vector<double> pattern_of_curve(const Rig& rig, const ReferenceCurve& curve);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_LIGHT_SECTION_REFERENCE_H

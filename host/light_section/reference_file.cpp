@@ -1,0 +1,261 @@
+#include "host/light_section/reference_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "host/rig/geometry.h"
+#include "host/rig/geometry_keys.h"
+
+namespace selfproj {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMagic = "# selfproj reference 1";
+constexpr std::string_view kColumns = "column,tan_theta,z_mm,offset_px";
+
+std::string read_file(const std::string& file) {
+  std::error_code error;
+  if (fs::is_directory(file, error)) {
+    throw UserError(file, "is a folder");
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream) {
+    throw UserError(file, "cannot be read");
+  }
+  return text;
+}
+
+// The lines of a text, and errors that name them.
+class Lines {
+ public:
+  Lines(std::string text, std::string source) : held_(std::move(text)), text_(held_), source_(std::move(source)) {}
+  Lines(const Lines&) = delete;
+  Lines& operator=(const Lines&) = delete;
+
+  // The next line without its end; none after the last one. A file cut off within a line is damaged.
+  std::optional<std::string_view> next() {
+    if (text_.empty()) {
+      return std::nullopt;
+    }
+    ++number_;
+    const std::size_t end = text_.find('\n');
+    if (end == std::string_view::npos) {
+      fail("is cut off");
+    }
+    std::string_view line = text_.substr(0, end);
+    text_.remove_prefix(end + 1);
+    if (line.ends_with('\r')) {
+      line.remove_suffix(1);
+    }
+    return line;
+  }
+
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw UserError(source_, fmt::format("line {}: {}", number_, reason));
+  }
+
+  [[nodiscard]] const std::string& source() const { return source_; }
+
+ private:
+  std::string held_;
+  std::string_view text_;  // of it, what is left
+  std::string source_;
+  int number_ = 0;
+};
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (;;) {
+    const std::size_t end = line.find(',');
+    fields.push_back(line.substr(0, end));
+    if (end == std::string_view::npos) {
+      return fields;
+    }
+    line.remove_prefix(end + 1);
+  }
+}
+
+double number(const Lines& lines, std::string_view field) {
+  while (field.starts_with(' ')) {
+    field.remove_prefix(1);
+  }
+  while (field.ends_with(' ')) {
+    field.remove_suffix(1);
+  }
+  double value = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value)) {
+    lines.fail(fmt::format("'{}' is no number", field));
+  }
+  return value;
+}
+
+// The heights of a TIFF as one row.
+std::vector<double> heights_of(const Rig& rig, const std::string& file, std::optional<int> frame) {
+  const FloatImage image = read_float_tiff(file);
+  if (image.columns != rig.camera.columns) {
+    throw UserError(file, fmt::format("has {} columns; the rig's camera has {}", image.columns, rig.camera.columns));
+  }
+  if (frame && (*frame < 1 || *frame > image.rows)) {
+    throw UserError(file, fmt::format("has no frame {}; it has {}", *frame, image.rows));
+  }
+  std::vector<double> heights;
+  for (int c = 0; c < image.columns; ++c) {
+    std::vector<float> values;
+    for (int r = frame ? *frame - 1 : 0; r < (frame ? *frame : image.rows); ++r) {
+      if (std::isfinite(image.row(r)[c])) {
+        values.push_back(image.row(r)[c]);
+      }
+    }
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    heights.push_back(values.empty() ? kUnknown : static_cast<double>(*middle));
+  }
+  return heights;
+}
+
+}  // namespace
+
+ReferenceCurve parse_curve_csv(const std::string& text, const std::string& source) {
+  Lines lines(text.ends_with('\n') ? text : text + '\n', source);  // tables of users end as they like
+  const auto first = lines.next();
+  if (!first || *first != "y_mm,z_mm") {
+    throw UserError(source, "line 1: y_mm,z_mm is expected");
+  }
+  ReferenceCurve curve;
+  while (const auto line = lines.next()) {
+    const std::vector<std::string_view> fields = fields_of(*line);
+    if (fields.size() != 2) {
+      lines.fail("two numbers are expected: y, z");
+    }
+    const double y = number(lines, fields[0]);
+    const double z = fields[1].empty() ? kUnknown : number(lines, fields[1]);
+    if (!curve.y_mm.empty() && y < curve.y_mm.back()) {
+      lines.fail(fmt::format("y falls from {} to {}", curve.y_mm.back(), y));
+    }
+    if (z <= 0) {
+      lines.fail(fmt::format("z is {}; it is the distance from the camera and must be greater than 0", z));
+    }
+    curve.y_mm.push_back(y);
+    curve.z_mm.push_back(z);
+  }
+  if (curve.y_mm.size() < 2) {
+    throw UserError(source, "has less than two points");
+  }
+  return curve;
+}
+
+ReferenceCurve load_curve(const Rig& rig, const std::string& file, std::optional<int> frame) {
+  const std::string extension = fs::path(file).extension().string();
+  if (extension == ".tif" || extension == ".tiff") {
+    return curve_of_heights(rig, heights_of(rig, file, frame));
+  }
+  if (frame) {
+    throw UserError(file, "is no TIFF file and has no frames");
+  }
+  return parse_curve_csv(read_file(file), file);
+}
+
+std::string reference_csv(const Rig& rig, const ReferenceProfile& reference) {
+  std::string text = fmt::format("{}\n", kMagic);
+  for (const auto& [key, value] : geometry_of(rig)) {
+    text += fmt::format("# {} {}\n", key, value);
+  }
+  text += fmt::format("{}\n", kColumns);
+  for (std::size_t i = 0; i < reference.valid.size(); ++i) {
+    if (reference.valid[i] != 0) {
+      text += fmt::format("{},{},{},{}\n", i + 1, reference.tan_theta[i], reference.z_mm[i], reference.offset_px[i]);
+    } else {
+      text += fmt::format("{},,,\n", i + 1);
+    }
+  }
+  return text;
+}
+
+ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, const std::string& source) {
+  const std::string_view first = std::string_view(text).substr(0, text.find('\n'));
+  if (first != kMagic) {
+    throw UserError(source, first.starts_with("# selfproj reference ")
+                                ? fmt::format("is of version {}; this program reads version 1", first.substr(21))
+                                : "is no reference (selfproj pattern makes them)");
+  }
+  Lines lines(text, source);
+  static_cast<void>(lines.next());
+  for (const auto& [key, value] : geometry_of(rig)) {
+    const auto line = lines.next();
+    const std::string start = fmt::format("# {} ", key);
+    if (!line || !line->starts_with(start)) {
+      lines.fail(fmt::format("is damaged: {} is expected", key));
+    }
+    const double made_for = number(lines, line->substr(start.size()));
+    if (!same_geometry(made_for, value)) {
+      throw UserError(source,
+                      fmt::format("was made for another rig: {} is {} there and {} here", key, made_for, value));
+    }
+  }
+  if (lines.next() != kColumns) {
+    lines.fail(fmt::format("is damaged: {} is expected", kColumns));
+  }
+  ReferenceProfile reference;
+  reference.resize(rig.camera.columns);
+  for (std::size_t i = 0; i < reference.valid.size(); ++i) {
+    const auto line = lines.next();
+    if (!line) {
+      throw UserError(source, fmt::format("is cut off: {} of {} columns are there", i, reference.valid.size()));
+    }
+    const std::vector<std::string_view> fields = fields_of(*line);
+    if (fields.size() != 4 || fields[0] != std::to_string(i + 1)) {
+      lines.fail(fmt::format("is damaged: column {} with three numbers is expected", i + 1));
+    }
+    const bool valid = !fields[1].empty() || !fields[2].empty() || !fields[3].empty();
+    reference.valid[i] = valid ? 1 : 0;
+    reference.tan_theta[i] = valid ? number(lines, fields[1]) : kUnknown;
+    reference.z_mm[i] = valid ? number(lines, fields[2]) : kUnknown;
+    reference.offset_px[i] = valid ? number(lines, fields[3]) : kUnknown;
+    if (valid && !(reference.z_mm[i] > 0)) {
+      lines.fail("is damaged: z is not greater than 0");
+    }
+  }
+  if (lines.next()) {
+    lines.fail(fmt::format("is damaged: there are more than {} columns", reference.valid.size()));
+  }
+  return reference;
+}
+
+ReferenceProfile load_reference(const Rig& rig, const std::string& folder_or_file) {
+  std::error_code error;
+  const std::string file =
+      fs::is_directory(folder_or_file, error) ? (fs::path(folder_or_file) / "reference.csv").string() : folder_or_file;
+  return parse_reference_csv(rig, read_file(file), file);
+}
+
+FloatImage load_pattern(const Rig& rig, const std::string& folder) {
+  const std::string file = (fs::path(folder) / "pattern.tiff").string();
+  FloatImage pattern = read_float_tiff(file);
+  if (pattern.rows != rig.projector.lines || pattern.columns != rig.projector.columns) {
+    throw UserError(file, fmt::format("has {} x {} pixels; the rig's projector has {} lines x {} columns", pattern.rows,
+                                      pattern.columns, rig.projector.lines, rig.projector.columns));
+  }
+  if (!std::all_of(pattern.values.begin(), pattern.values.end(), [](float v) { return v >= 0 && v <= 1; })) {
+    throw UserError(file, "has values that are not in 0..1");
+  }
+  return pattern;
+}
+
+}  // namespace selfproj

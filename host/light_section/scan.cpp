@@ -1,0 +1,164 @@
+#include "host/light_section/scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <stdexcept>
+#include <vector>
+
+#include "host/light_section/pattern.h"
+#include "host/light_section/profile.h"
+#include "host/rig/geometry.h"
+
+namespace selfproj {
+namespace {
+
+// Takes the moments of an image as the board would; throws for another size than the camera's.
+void take_moments(const Rig& rig, const ImageView& image, Moments& moments) {
+  if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
+    throw std::invalid_argument("scan: an image has another size than the camera's");
+  }
+  column_moments(image, rig.measure.mode, rig.measure.threshold, moments.view());
+}
+
+double centroid(const Moments& moments, std::size_t column) {  // (3.2)
+  return static_cast<double>(moments.m1[column]) / moments.m0[column];
+}
+
+// Whether the column has a centroid by the rig's rules for lit pixels, and all of the line is in the image.
+bool has_centroid(const Rig& rig, const Moments& moments, std::size_t column) {
+  const auto n = static_cast<int>(moments.n[column]);
+  return n >= rig.measure.min_lit_px && n <= rig.measure.max_lit_px && moments.m0[column] > 0 &&
+         !line_is_cut_off(static_cast<float>(centroid(moments, column)), static_cast<float>(n),
+                          static_cast<float>(rig.camera.rows));
+}
+
+}  // namespace
+
+std::vector<int> sweep_lines(const Rig& rig, int every) {
+  const double half = 0.5 * rig.measure.line_width_px;
+  std::vector<int> lines;
+  for (int line = 0; line < rig.projector.lines; line += every) {
+    if (line - half >= -0.5 && line + half <= rig.projector.lines - 0.5) {
+      lines.push_back(line);
+    }
+  }
+  return lines;
+}
+
+LineScan::LineScan(const Rig& rig, int every)
+    : rig_(rig), max_gap_(3.0 * every), sightings_(static_cast<std::size_t>(rig.camera.columns)) {
+  constexpr double kRows = 4;
+  const double depth = rig.plane_z_mm - rig.projector.z_mm;
+  const double line = line_on_middle(rig.projector, rig.plane_z_mm);
+  const double x_per_line = depth * (tan_theta(rig.projector, line + 0.5) - tan_theta(rig.projector, line - 0.5));
+  rows_per_line_ = std::abs(x_per_line) / rig.plane_z_mm * rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm;
+  window_ = std::max(kRows, 1.5 * every * rows_per_line_);
+  moments_.resize(rig.camera.columns);
+}
+
+void LineScan::add(double line, const ImageView& image) {
+  take_moments(rig_, image, moments_);
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    if (has_centroid(rig_, moments_, i)) {
+      const double row = centroid(moments_, i) - middle_row(rig_.camera);
+      if (std::abs(row) <= window_) {
+        sightings_[i].push_back({line, row, static_cast<double>(moments_.m0[i])});
+      }
+    }
+  }
+}
+
+ReferenceProfile LineScan::reference() const {
+  ReferenceProfile reference;
+  reference.resize(rig_.camera.columns);
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    reference.tan_theta[i] = reference.z_mm[i] = reference.offset_px[i] = kUnknown;
+    std::vector<Sighting> seen = sightings_[i];
+    std::sort(seen.begin(), seen.end(), [](const Sighting& a, const Sighting& b) { return a.line < b.line; });
+    // A run is a piece of the sweep in which the rows grow or fall steadily: one surface.
+    double most_light = 0;
+    std::size_t begin = 0;
+    for (std::size_t end = 1; end <= seen.size(); ++end) {
+      if (end < seen.size()) {
+        const double lines = seen[end].line - seen[end - 1].line;
+        const double rows = std::abs(seen[end].row - seen[end - 1].row);
+        if (lines <= max_gap_ && rows <= 2 * lines * rows_per_line_ + 0.5) {
+          continue;
+        }
+      }
+      double light = 0;
+      double rows = 0;
+      double lines = 0;
+      bool above = false;
+      bool below = false;
+      for (std::size_t k = begin; k < end; ++k) {
+        light = std::max(light, seen[k].light);
+        rows += seen[k].row;
+        lines += seen[k].line;
+        above = above || seen[k].row <= 0;
+        below = below || seen[k].row >= 0;
+      }
+      const auto count = static_cast<double>(end - begin);
+      const double mean_row = rows / count;
+      const double mean_line = lines / count;
+      double square = 0;
+      double product = 0;
+      for (std::size_t k = begin; k < end; ++k) {
+        square += (seen[k].row - mean_row) * (seen[k].row - mean_row);
+        product += (seen[k].row - mean_row) * (seen[k].line - mean_line);
+      }
+      begin = end;
+      const double line = mean_line - mean_row * product / square;  // at row 0; NaN for a single sighting
+      const double theta = tan_theta(rig_.projector, line);
+      if (above && below && light > most_light && std::isfinite(theta) && theta > 0) {
+        most_light = light;
+        reference.tan_theta[i] = theta;
+        reference.z_mm[i] = rig_.projector.x_mm / theta + rig_.projector.z_mm;  // (3.8)
+        reference.offset_px[i] = 0;
+      }
+    }
+    reference.valid[i] = most_light > 0 ? 1 : 0;
+  }
+  return reference;
+}
+
+ReferenceProfile scan_reference(const Rig& rig, const std::function<Image(const FloatImage& pattern)>& show_and_take,
+                                int every) {
+  LineScan scan(rig, every);
+  for (const int line : sweep_lines(rig, every)) {
+    scan.add(line, show_and_take(draw_straight_line(rig, line)).view());
+  }
+  return scan.reference();
+}
+
+CentroidMean::CentroidMean(const Rig& rig)
+    : rig_(rig),
+      sums_(static_cast<std::size_t>(rig.camera.columns)),
+      counts_(static_cast<std::size_t>(rig.camera.columns)) {
+  moments_.resize(rig.camera.columns);
+}
+
+void CentroidMean::add(const ImageView& image) {
+  take_moments(rig_, image, moments_);
+  ++images_;
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    if (has_centroid(rig_, moments_, i)) {
+      sums_[i] += centroid(moments_, i);
+      ++counts_[i];
+    }
+  }
+}
+
+std::vector<double> CentroidMean::centroids() const {
+  std::vector<double> means(sums_.size(), kUnknown);
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    if (counts_[i] > 0 && 2 * counts_[i] >= images_) {
+      means[i] = sums_[i] / counts_[i];
+    }
+  }
+  return means;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,20 @@
+// A camera image with the line that was found in it.
+#ifndef SELFPROJ_HOST_REPORT_FRAME_PICTURE_H
+#define SELFPROJ_HOST_REPORT_FRAME_PICTURE_H
+
+#include <string>
+
+#include "host/report/report.h"
+
+namespace selfproj {
+
+// The image alone as PNG, its rows and columns as they are.
+std::string image_png(const Image& image);
+
+// The image enlarged, with the centroid of every column drawn over it, and below it the moments M0 (amount of light
+// over the threshold) and n (lit pixels) over the columns, as PNG.
+std::string frame_png(const CameraPicture& camera);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_REPORT_FRAME_PICTURE_H

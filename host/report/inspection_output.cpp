@@ -1,0 +1,335 @@
+#include "host/report/inspection_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/frame_options.h"
+#include "host/io/user_error.h"
+#include "host/light_section/profile.h"
+#include "host/report/colour_map.h"
+#include "host/report/frame_picture.h"
+#include "host/report/map_picture.h"
+#include "host/report/number_text.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::array<const char*, 7> kValidityNames = {"valid",   "unlit",        "too_few",     "too_wide",
+                                                       "cut_off", "no_reference", "out_of_range"};
+constexpr std::array<const char*, 7> kValidityLabels = {"points",
+                                                        "columns without light",
+                                                        "columns with too few lit pixels",
+                                                        "columns with too many lit pixels",
+                                                        "columns whose line the image's border cuts off",
+                                                        "columns without a reference",
+                                                        "columns out of range"};
+
+// Text that goes to a file of the folder a megabyte at a time.
+class Table {
+ public:
+  Table(OutputFolder& folder, std::string file) : folder_(folder), file_(std::move(file)), text_(kBytes, '\0') {}
+
+  void append(std::string_view text) {
+    char* at = room(text.size());
+    std::memcpy(at, text.data(), text.size());
+    end(at + text.size());
+  }
+
+  // A place for up to `bytes` characters, less than kBytes; `end` tells where they ended.
+  char* room(std::size_t bytes) {
+    if (used_ + bytes > kBytes) {
+      flush();
+    }
+    return text_.data() + used_;
+  }
+  void end(const char* at) { used_ = static_cast<std::size_t>(at - text_.data()); }
+
+  void flush() {
+    folder_.append(file_, std::string_view(text_).substr(0, used_));
+    used_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t kBytes = std::size_t{1} << 20U;
+
+  OutputFolder& folder_;
+  std::string file_;
+  std::string text_;
+  std::size_t used_ = 0;
+};
+
+// A 32-bit number, little endian, on every machine.
+char* append_float(char* to, float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  for (unsigned i = 0; i < 4; ++i) {
+    *to++ = static_cast<char>(bits >> (8 * i));
+  }
+  return to;
+}
+
+struct Statistics {
+  std::int64_t count = 0;
+  double least = 0;
+  double greatest = 0;
+  double mean = 0;
+  double rms = 0;
+};
+
+Statistics statistics(const FloatImage& image) {
+  Statistics result;
+  double sum = 0;
+  double squares = 0;
+  for (const float entry : image.values) {
+    if (std::isnan(entry)) {
+      continue;
+    }
+    const auto value = static_cast<double>(entry);
+    result.least = result.count == 0 ? value : std::min(result.least, value);
+    result.greatest = result.count == 0 ? value : std::max(result.greatest, value);
+    sum += value;
+    squares += value * value;
+    ++result.count;
+  }
+  if (result.count > 0) {
+    result.mean = sum / static_cast<double>(result.count);
+    result.rms = std::sqrt(squares / static_cast<double>(result.count));
+  }
+  return result;
+}
+
+// With four digits after the point: tenths of a micrometre.
+double rounded(double millimetres) { return std::round(millimetres * 1e4) / 1e4; }
+
+nlohmann::ordered_json to_json(const Statistics& s) {
+  if (s.count == 0) {
+    return nullptr;
+  }
+  return {{"min", rounded(s.least)}, {"max", rounded(s.greatest)}, {"mean", rounded(s.mean)}, {"rms", rounded(s.rms)}};
+}
+
+nlohmann::ordered_json to_json(const std::vector<Fact>& facts) {
+  nlohmann::ordered_json result = nlohmann::ordered_json::object();
+  for (const Fact& fact : facts) {
+    std::visit([&](const auto& value) { result[fact.key] = value; }, fact.value);
+  }
+  return result;
+}
+
+MapPitch pitch_of(const Inspection& inspection) {
+  return {.row_mm = inspection.frame_spacing_mm(), .column_mm = inspection.column_spacing_mm()};
+}
+
+using ValidityCounts = std::array<std::int64_t, kValidityNames.size()>;
+
+ValidityCounts count_validity(const Inspection& inspection) {
+  ValidityCounts counts{};
+  for (const std::uint8_t validity : inspection.values().validity) {
+    counts.at(validity)++;
+  }
+  return counts;
+}
+
+void write_moments(const Inspection& inspection, OutputFolder& folder) {
+  const Inspection::Values& values = inspection.values();
+  Table table(folder, "moments.csv");
+  table.append("frame,column,m0,m1,n\n");
+  std::size_t at = 0;
+  for (std::size_t frame = 1; frame <= inspection.frames(); ++frame) {
+    std::array<char, kMaxNumberText> name{};
+    const std::string_view frame_text(name.data(),
+                                      static_cast<std::size_t>(append_integer(name.data(), frame) - name.data()));
+    for (int column = 1; column <= inspection.columns(); ++column, ++at) {
+      char* to = table.room(6 * kMaxNumberText);
+      to = std::copy(frame_text.begin(), frame_text.end(), to);
+      for (const std::uint64_t value : {static_cast<std::uint64_t>(column), std::uint64_t{values.m0[at]},
+                                        std::uint64_t{values.m1[at]}, std::uint64_t{values.n[at]}}) {
+        *to++ = ',';
+        to = append_integer(to, value);
+      }
+      *to++ = '\n';
+      table.end(to);
+    }
+  }
+  table.flush();
+}
+
+void write_profile(const Inspection& inspection, OutputFolder& folder) {
+  const Inspection::Values& values = inspection.values();
+  Table table(folder, "profile.csv");
+  table.append("frame,column,x,y,z,dx,dy,dz\n");
+  std::size_t at = 0;
+  for (std::size_t frame = 1; frame <= inspection.frames(); ++frame) {
+    for (int column = 1; column <= inspection.columns(); ++column, ++at) {
+      if (values.validity[at] != static_cast<std::uint8_t>(Validity::valid)) {
+        continue;
+      }
+      char* to = append_integer(table.room(9 * kMaxNumberText), frame);
+      *to++ = ',';
+      to = append_integer(to, static_cast<std::uint64_t>(column));
+      for (const float value :
+           {values.x[at], values.y[at], values.z[at], values.dx[at], values.dy[at], values.dz[at]}) {
+        *to++ = ',';
+        to = append_tenth_micrometres(to, static_cast<double>(value));
+      }
+      *to++ = '\n';
+      table.end(to);
+    }
+  }
+  table.flush();
+}
+
+void write_cloud(const Inspection& inspection, OutputFolder& folder, const MapScale& scale) {
+  const Inspection::Values& values = inspection.values();
+  const auto points =
+      std::count(values.validity.begin(), values.validity.end(), static_cast<std::uint8_t>(Validity::valid));
+  Table cloud(folder, "cloud.ply");
+  cloud.append(
+      fmt::format("ply\nformat binary_little_endian 1.0\n"
+                  "comment millimetres; x carried back by the belt; difference positive towards the camera\n"
+                  "element vertex {}\n"
+                  "property float x\nproperty float y\nproperty float z\nproperty float difference\n"
+                  "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+                  points));
+  const std::vector<double> belt = inspection.belt_mm();
+  std::size_t at = 0;
+  for (const double way : belt) {
+    for (int column = 0; column < inspection.columns(); ++column, ++at) {
+      if (values.validity[at] != static_cast<std::uint8_t>(Validity::valid)) {
+        continue;
+      }
+      const double difference = -static_cast<double>(values.dz[at]);
+      char* to = append_float(cloud.room(19), static_cast<float>(static_cast<double>(values.x[at]) - way));
+      to = append_float(to, values.y[at]);
+      to = append_float(to, values.z[at]);
+      to = append_float(to, static_cast<float>(difference));
+      const Colour colour = colour_at(scale.map, (difference - scale.low) / (scale.high - scale.low));
+      for (const std::uint8_t part : {colour.red, colour.green, colour.blue}) {
+        *to++ = static_cast<char>(part);
+      }
+      cloud.end(to);
+    }
+  }
+  cloud.flush();
+}
+
+std::string summary(const Inspection& inspection, const ReportParts& parts) {
+  const Rig& rig = inspection.rig();
+  const Inspection::Frame& first = inspection.frame(0);
+  nlohmann::ordered_json json;
+  json["title"] = parts.title;
+  json["spec"] = {{"version", fmt::format("{}.{}", spec::kVersion >> 8U, spec::kVersion & 0xFFU)},
+                  {"hash", fmt::format("{:08x}", spec::kHash)}};
+  json["frames"] = inspection.frames();
+  json["frames_not_kept"] = inspection.frames_not_kept();
+  json["columns"] = inspection.columns();
+  const ValidityCounts counts = count_validity(inspection);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    json["column_count"][kValidityNames[i]] = counts[i];
+  }
+  json["height_mm"] = to_json(statistics(inspection.height()));
+  json["difference_mm"] = to_json(statistics(inspection.difference()));
+  const MapPitch way = pitch_of(inspection);
+  json["belt"] = {{"x_from", inspection.encoder_counts() ? "encoder" : "speed"},
+                  {"mm", rounded(inspection.belt_mm().back())},
+                  {"mm_per_frame", rounded(way.row_mm)},
+                  {"mm_per_column", rounded(way.column_mm)}};
+  json["first_sequence"] = first.sequence;
+  json["last_sequence"] = inspection.frame(inspection.frames() - 1).sequence;
+  json["mode"] = mode_name(static_cast<Mode>(first.mode));
+  json["threshold"] = first.threshold;
+  json["counters"] = to_json(parts.counters);
+  json["settings"] = to_json(parts.settings);
+  json["rig"] = {{"name", rig.name}, {"yaml", to_yaml(rig)}};
+  for (const ReportTable& table : parts.tables) {
+    json["tables"].push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}});
+  }
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+ReportData report_data(const Inspection& inspection, const ReportParts& parts) {
+  const Rig& rig = inspection.rig();
+  const Inspection::Frame& first = inspection.frame(0);
+  ReportData data;
+  data.title = parts.title;
+  data.subtitle = fmt::format("rig {} · {} × {} px · mode {} · threshold {}", rig.name, rig.camera.rows,
+                              inspection.columns(), mode_name(static_cast<Mode>(first.mode)), first.threshold);
+  data.height = inspection.height();
+  data.difference = inspection.difference();
+  data.y = inspection.y();
+  data.pitch = pitch_of(inspection);
+  data.counters = parts.counters;
+  data.settings = parts.settings;
+  data.tables = parts.tables;
+  data.camera = parts.camera;
+
+  const ValidityCounts counts = count_validity(inspection);
+  const auto all = static_cast<double>(inspection.values().validity.size());
+  const Statistics h = statistics(data.height);
+  const Statistics d = statistics(data.difference);
+  data.highlights = {
+      {"frames", "frames", static_cast<std::int64_t>(inspection.frames())},
+      {"points", "points", counts[0]},
+      {"valid", "of all columns", fmt::format("{:.1f}", 100 * static_cast<double>(counts[0]) / all), "%"}};
+  if (counts[0] > 0) {
+    data.highlights.push_back({"height", "height", fmt::format("{:.2f} … {:.2f}", h.least, h.greatest), "mm"});
+    data.highlights.push_back(
+        {"difference", "difference", fmt::format("{:+.2f} … {:+.2f}", d.least, d.greatest), "mm"});
+    data.highlights.push_back({"difference_rms", "difference, RMS", fmt::format("{:.3f}", d.rms), "mm"});
+  }
+  for (std::size_t i = 1; i < counts.size(); ++i) {
+    data.counters.push_back({kValidityNames[i], kValidityLabels[i], counts[i]});
+  }
+  if (inspection.frames_not_kept() > 0) {
+    data.counters.push_back({"frames_not_kept", "frames not kept for this report",
+                             static_cast<std::int64_t>(inspection.frames_not_kept())});
+  }
+  data.settings.push_back(
+      {"belt", "x of the belt from", std::string(inspection.encoder_counts() ? "encoder" : "speed and time stamp")});
+  data.settings.push_back({"mm_per_frame", "way from frame to frame", rounded(data.pitch.row_mm), "mm"});
+  data.settings.push_back(
+      {"mm_per_column", "way from column to column, on the plane", rounded(data.pitch.column_mm), "mm"});
+  data.settings.push_back({"spec", "specification",
+                           fmt::format("{}.{}, {:08x}", spec::kVersion >> 8U, spec::kVersion & 0xFFU, spec::kHash)});
+  return data;
+}
+
+}  // namespace
+
+void write_inspection(const Inspection& inspection, OutputFolder& folder, const ReportParts& parts) {
+  if (inspection.frames() == 0) {
+    throw UserError(folder.name(), "there is no frame to write");
+  }
+  write_moments(inspection, folder);
+  write_profile(inspection, folder);
+  const FloatImage heights = inspection.height();
+  const FloatImage differences = inspection.difference();
+  const MapScale scale = difference_scale(differences);
+  write_cloud(inspection, folder, scale);
+  folder.append("height.tiff", encode_float_tiff("height.tiff", heights));
+  folder.append("difference.tiff", encode_float_tiff("difference.tiff", differences));
+  folder.append("height.png", labelled_map_png(heights, height_scale(heights), pitch_of(inspection), "height"));
+  folder.append("difference.png",
+                labelled_map_png(differences, scale, pitch_of(inspection), "difference from the reference"));
+  if (parts.camera) {
+    folder.append(fmt::format("frame_{}.png", parts.camera->frame), frame_png(*parts.camera));
+  }
+  folder.append("summary.json", summary(inspection, parts));
+  folder.append("report.html", report_html(report_data(inspection, parts)));
+}
+
+}  // namespace selfproj

@@ -1,0 +1,18 @@
+// What an inspection leaves behind: tables, cloud, images and report (README.md beside this file has the formats and
+// signs).
+#ifndef SELFPROJ_HOST_REPORT_INSPECTION_OUTPUT_H
+#define SELFPROJ_HOST_REPORT_INSPECTION_OUTPUT_H
+
+#include "host/io/output_folder.h"
+#include "host/light_section/inspection.h"
+#include "host/report/report.h"
+
+namespace selfproj {
+
+// Writes all files into the folder, without committing it. Throws UserError: no frame to write, or what OutputFolder
+// says.
+void write_inspection(const Inspection& inspection, OutputFolder& folder, const ReportParts& parts = {});
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_REPORT_INSPECTION_OUTPUT_H

@@ -1,0 +1,120 @@
+// report.html: one file, without anything from elsewhere, that shows an inspection to a human.
+#ifndef SELFPROJ_HOST_REPORT_REPORT_H
+#define SELFPROJ_HOST_REPORT_REPORT_H
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/report/map_picture.h"
+#include "model/column_moments.h"
+
+namespace selfproj {
+
+// A number or word that has a name: in summary.json under `key`, in the report as `label` with its unit.
+struct Fact {
+  std::string key;
+  std::string label;
+  std::variant<std::int64_t, double, std::string> value;
+  std::string unit = {};
+};
+
+// A table: the first column names what the row is about. Cells are plain text.
+struct ReportTable {
+  std::string title;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+  std::string note = {};  // below it
+};
+
+// A camera image, as it came, and the moments of its columns.
+struct CameraPicture {
+  Image image;
+  Moments moments;
+  std::size_t frame = 0;  // from 1
+};
+
+// What the program adds to what was collected. All of it may be missing.
+struct ReportParts {
+  std::string title = "Inspection";
+  std::vector<Fact> counters;  // of the driver and of checks: "lost_on_board", ...
+  std::vector<Fact> settings;  // scene, engine, device, ...
+  std::vector<ReportTable> tables;
+  std::optional<CameraPicture> camera;
+};
+
+// What the report shows.
+struct ReportData {
+  std::string title;
+  std::string subtitle;          // rig, mode, threshold
+  std::vector<Fact> highlights;  // what is to be seen first
+  std::vector<Fact> counters;
+  std::vector<Fact> settings;
+  std::vector<ReportTable> tables;
+  std::optional<CameraPicture> camera;
+  FloatImage height;      // mm; rows = frames
+  FloatImage difference;  // mm
+  FloatImage y;           // mm, of the same shape
+  MapPitch pitch;
+};
+
+// One line of a plot; NaN leaves a gap.
+struct ReportTrace {
+  std::vector<double> x;
+  std::vector<double> y;
+  const char* style = "a";  // "a" or "b"
+  std::string name;
+};
+
+// Traces over one another, with one scale. Left out where there is nothing to draw.
+struct ReportPlot {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<ReportTrace> traces;
+  double min_span = 1;  // of the vertical scale
+};
+
+struct ReportPicture {
+  std::string title;
+  std::string png;
+  std::string note;  // below it
+};
+
+// A page of plots, pictures and tables, in this order.
+struct ReportPage {
+  std::string title;
+  std::string subtitle;
+  std::vector<Fact> highlights;  // what is to be seen first
+  std::vector<ReportPlot> plots;
+  std::vector<ReportPicture> pictures;
+  std::vector<ReportTable> tables;
+  std::vector<Fact> counters;
+  std::vector<Fact> settings;
+};
+std::string page_html(const ReportPage& page);
+
+// The page as text.
+std::string report_html(const ReportData& data);
+
+// What is known of images whose geometry is not: moments, and where the line is in the image.
+struct MomentsReport {
+  std::string title;
+  std::string subtitle;  // where the images are from, mode, threshold
+  std::vector<Fact> highlights;
+  std::vector<Fact> counters;
+  std::vector<Fact> settings;
+  std::vector<CameraPicture> cameras;  // those to be shown
+};
+
+// The page as text: the images with the line that was found in them, and a table of what it is like.
+std::string report_html(const MomentsReport& data);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_REPORT_REPORT_H

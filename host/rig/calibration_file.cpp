@@ -1,0 +1,146 @@
+#include "host/rig/calibration_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/core/persistence.hpp>
+#include <string>
+#include <vector>
+
+#include "host/io/stderr_capture.h"
+#include "host/io/user_error.h"
+#include "host/rig/depth_matrices.h"
+
+namespace selfproj {
+namespace {
+
+class Reader {
+ public:
+  explicit Reader(const std::string& file) : file_(file) {
+    if (!std::ifstream(file)) {
+      throw UserError(file, "cannot be read");
+    }
+    const StderrCapture capture;
+    try {
+      storage_.open(file, cv::FileStorage::READ);
+    } catch (const cv::Exception&) {
+      storage_.release();
+    }
+    if (!storage_.isOpened()) {
+      throw UserError(file, "is no calibration file of OpenCV");
+    }
+  }
+
+  // The numbers of a matrix; `count` of them, or any number where it is 0. Empty where it may be missing and is.
+  std::vector<double> numbers(const std::string& key, std::size_t count, bool may_be_missing = false) const {
+    const cv::FileNode node = storage_[key];
+    if (node.empty()) {
+      if (may_be_missing) {
+        return {};
+      }
+      throw UserError(file_, key + " is missing");
+    }
+    cv::Mat matrix;
+    {
+      const StderrCapture capture;
+      try {
+        node >> matrix;
+        matrix.convertTo(matrix, CV_64F);
+      } catch (const cv::Exception&) {
+        matrix.release();
+      }
+    }
+    if (matrix.empty() || matrix.channels() != 1) {
+      throw UserError(file_, key + " is no matrix");
+    }
+    if (count != 0 && matrix.total() != count) {
+      throw UserError(
+          file_, key + " has " + std::to_string(matrix.total()) + " numbers; " + std::to_string(count) + " are due");
+    }
+    std::vector<double> values(matrix.begin<double>(), matrix.end<double>());
+    if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) {
+      throw UserError(file_, key + " has a number that is not finite");
+    }
+    return values;
+  }
+
+  Lens lens(const std::string& name, bool may_be_mirrored) const {
+    const std::vector<double> m = numbers(name + "_K", 9);
+    if (!(m[0] > 0 && (m[4] > 0 || (may_be_mirrored && m[4] < 0))) || m[1] != 0 || m[3] != 0 || m[6] != 0 ||
+        m[7] != 0 || m[8] != 1) {
+      throw UserError(file_, name + "_K is no camera matrix (fx, 0, cx; 0, fy, cy; 0, 0, 1)");
+    }
+    const std::vector<double> k = numbers(name + "_kc", 0);
+    if (k.size() != 4 && k.size() != 5 && k.size() != 8) {
+      throw UserError(file_, name + "_kc has " + std::to_string(k.size()) + " coefficients; 4, 5 or 8 are understood");
+    }
+    Lens lens{m[0], m[4], m[2], m[5], {}};
+    std::copy(k.begin(), k.end(), lens.k.begin());
+    return lens;
+  }
+
+  void size(const std::string& key, int& columns, int& rows) const {
+    const std::vector<double> values = numbers(key, 2, true);
+    if (values.empty()) {
+      return;
+    }
+    constexpr double kMost = 1 << 15;
+    if (!std::all_of(values.begin(), values.end(), [](double value) { return value >= 1 && value <= kMost; })) {
+      throw UserError(file_, key + " is no size in pixels");
+    }
+    columns = static_cast<int>(values[0]);
+    rows = static_cast<int>(values[1]);
+  }
+
+ private:
+  std::string file_;
+  cv::FileStorage storage_;
+};
+
+}  // namespace
+
+Calibration read_calibration(const std::string& file) {
+  const Reader reader(file);
+  Calibration result;
+  result.camera = reader.lens("cam", false);
+  result.projector = reader.lens("pro", true);
+  const std::vector<double> r = reader.numbers("R", 9);
+  std::copy(r.begin(), r.end(), result.rotation.val);
+  constexpr double kNear = 1e-3;
+  if (cv::norm(result.rotation * result.rotation.t() - cv::Matx33d::eye()) > kNear ||
+      cv::determinant(result.rotation) < 0) {
+    throw UserError(file, "R is no rotation");
+  }
+  const std::vector<double> t = reader.numbers("T", 3);
+  result.translation = {t[0], t[1], t[2]};
+  if (cv::norm(result.translation) == 0) {
+    throw UserError(file, "T is 0: camera and projector are in one place");
+  }
+  reader.size("cam_size", result.camera_columns, result.camera_rows);
+  reader.size("pro_size", result.projector_columns, result.projector_rows);
+  return result;
+}
+
+std::string calibration_yaml(const Calibration& calibration, const CalibrationRms& rms) {
+  cv::FileStorage storage("calibration.yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  const auto lens = [&](const std::string& name, int columns, int rows, const Lens& l) {
+    storage << name + "_size" << cv::Mat(cv::Vec2i(columns, rows));
+    storage << name + "_K" << cv::Mat(cv::Matx33d(l.fx, 0, l.cx, 0, l.fy, l.cy, 0, 0, 1));
+    const bool rational = l.k[5] != 0 || l.k[6] != 0 || l.k[7] != 0;
+    const std::size_t count = rational ? l.k.size() : 5;
+    storage << name + "_kc"
+            << cv::Mat(std::vector<double>(l.k.begin(), l.k.begin() + static_cast<std::ptrdiff_t>(count)));
+  };
+  lens("cam", calibration.camera_columns, calibration.camera_rows, calibration.camera);
+  lens("pro", calibration.projector_columns, calibration.projector_rows, calibration.projector);
+  storage << "R" << cv::Mat(calibration.rotation) << "T" << cv::Mat(calibration.translation);
+  const DepthMatrices columns = depth_matrices(calibration, false);
+  storage << "T_C" << cv::Mat(columns.camera) << "T_P" << cv::Mat(columns.projector);
+  storage << "T_P_rows" << cv::Mat(depth_matrices(calibration, true).projector);
+  storage << "cam_rms" << rms.camera << "pro_rms" << rms.projector << "stereo_rms" << rms.stereo;
+  return storage.releaseAndGetString();
+}
+
+}  // namespace selfproj

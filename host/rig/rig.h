@@ -1,0 +1,126 @@
+// A rig: camera, projector, conveyor, and how it is measured and simulated. Read from and written to YAML, with the
+// units in the names of the keys (README.md beside this file lists them).
+//
+// World frame (method, section 1): origin at the camera's optical centre, z along its optical axis, x the conveying
+// direction. Image row (down) <-> Xc <-> x; image column (right) <-> Yc <-> y. The projector's lines <-> Xp, its
+// columns
+// <-> Yp. Row, line and column numbers count from 0 here.
+#ifndef SELFPROJ_HOST_RIG_RIG_H
+#define SELFPROJ_HOST_RIG_RIG_H
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/column_moments.h"
+
+namespace selfproj {
+
+enum class RigKind : std::uint8_t { light_section, scanner };
+
+// A pinhole at the origin that looks along z. Pixel (row r, column c) has its centre at
+//     Xc = pixel_pitch (r - (rows - 1)/2),  Yc = pixel_pitch (c - (columns - 1)/2)            (3.3)
+struct RigCamera {
+  int rows = 0;
+  int columns = 0;
+  double pixel_pitch_mm = 0;
+  double focal_length_mm = 0;
+  double frame_rate_hz = 0;
+  double exposure_s = 0;
+
+  [[nodiscard]] std::size_t pixels() const {
+    return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+  }
+};
+
+// A pinhole at (x, 0, z), its axis tilted by `tilt` from z towards -x. Line l, column c have their centre at
+//     Xp = center_xp + line_pitch (l - (lines - 1)/2),  Yp = center_yp + column_pitch (c - (columns - 1)/2)
+// where Xp grows with theta = tilt + atan(Xp / focal_length)                                  (3.6, 3.7)
+// A pitch is negative where lines or columns are counted against Xp or Yp.
+struct RigProjector {
+  double x_mm = 0;
+  double z_mm = 0;
+  double tilt_rad = 0;
+  double focal_length_mm = 0;
+  int lines = 0;
+  int columns = 0;
+  double line_pitch_mm = 0;
+  double column_pitch_mm = 0;
+  double center_xp_mm = 0;
+  double center_yp_mm = 0;
+};
+
+struct RigConveyor {
+  double speed_mm_per_s = 0;        // along +x
+  double encoder_mm_per_count = 0;  // way of the belt for one count of the encoder
+};
+
+struct RigMeasure {
+  Mode mode = Mode::grey_over;
+  int threshold = 0;             // of the light section: a pixel is lit where it is greater
+  int min_lit_px = 0;            // fewer lit pixels in a column: invalid
+  int max_lit_px = 0;            // more lit pixels in a column: invalid
+  double line_width_px = 0;      // of a projected line, across it, in projector lines
+  int code_threshold = 0;        // of the Gray-code binarization (4.15)
+  double max_z_per_line_mm = 0;  // where one projector line is worth more in z, a point is invalid
+};
+
+// What only the simulation needs: light and noise. Grey values are those of the 8-bit image.
+struct RigImaging {
+  double white = 0;               // of a white surface, fully lit and facing the projector's light
+  double ambient = 0;             // of a white surface without projector light
+  double dark = 0;                // of no light at all
+  double camera_blur_px = 0;      // standard deviation of the camera lens's Gaussian blur
+  double projector_blur_px = 0;   // likewise the projector's, in its own lines and columns
+  double electrons_per_grey = 0;  // electrons that raise the grey value by one: shot noise
+  double read_noise = 0;          // standard deviation, in grey values
+  std::int64_t seed = 0;
+};
+
+// A lens as OpenCV has it (host/rig/lens.h): pixels; x along columns, y along rows or lines.
+struct RigLens {
+  double fx_px = 0, fy_px = 0;  // the projector's are negative where it counts against its axes
+  double cx_px = 0, cy_px = 0;
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+};
+
+// The full model of a calibrated rig, in the calibration's axes: x along the camera's columns, y along its rows, z
+// along its optical axis; x_projector = R x_camera + T. R is a rotation about the vector `rotation`, by its length.
+struct RigCalibration {
+  RigLens camera;
+  RigLens projector;
+  std::array<double, 3> rotation_rad{};
+  std::array<double, 3> translation_mm{};
+};
+
+struct Rig {
+  std::string name;
+  RigKind kind = RigKind::light_section;
+  double plane_z_mm = 0;  // of the conveyor or table
+  RigCamera camera;
+  RigProjector projector;
+  RigConveyor conveyor;
+  RigMeasure measure;
+  RigImaging imaging;
+  std::optional<RigCalibration> calibration;  // camera and projector above are then the pinholes nearest to it
+};
+
+// Names of the built-in rigs: light-section (rig A), scanner (rig B).
+const std::vector<std::string>& built_in_rigs();
+
+// A built-in rig by its name, or the rig of a YAML file. Throws UserError, naming file, line, key and reason:
+// unreadable or no YAML, a key missing, unknown (another unit, say), doubled, no number, or out of its range.
+Rig load_rig(const std::string& name_or_file);
+
+// The same from text; `source` names it in errors.
+Rig parse_rig(const std::string& yaml, const std::string& source);
+
+// The rig as YAML that parse_rig reads back to equal values.
+std::string to_yaml(const Rig& rig);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_RIG_RIG_H

@@ -1,0 +1,169 @@
+#include "host/rig/rig_calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+namespace selfproj {
+namespace {
+
+Lens lens_of(const RigLens& l) { return {l.fx_px, l.fy_px, l.cx_px, l.cy_px, {l.k1, l.k2, l.p1, l.p2, l.k3, 0, 0, 0}}; }
+
+RigLens rig_lens_of(const Lens& l) {
+  if (std::any_of(l.k.begin() + 5, l.k.end(), [](double k) { return k != 0; })) {
+    throw std::invalid_argument("a rig has no rational distortion (k4, k5, k6)");
+  }
+  return {l.fx, l.fy, l.cx, l.cy, l.k[0], l.k[1], l.k[2], l.k[3], l.k[4]};
+}
+
+Lens exchanged(const Lens& l) {
+  Lens result{l.fy, l.fx, l.cy, l.cx, l.k};
+  std::swap(result.k[2], result.k[3]);  // p1, p2
+  return result;
+}
+
+// Rodrigues' formula.
+cv::Matx33d matrix_of(const std::array<double, 3>& r) {
+  const double angle = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+  const cv::Matx33d cross(0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0);
+  const double a = angle > 0 ? std::sin(angle) / angle : 1;
+  const double b = angle > 0 ? (1 - std::cos(angle)) / (angle * angle) : 0.5;
+  return cv::Matx33d::eye() + a * cross + b * (cross * cross);
+}
+
+// By the quaternion (w, v), v = axis sin(angle/2), from the column of 4 q q^T whose diagonal is greatest.
+std::array<double, 3> vector_of(const cv::Matx33d& m) {
+  const cv::Matx44d squares(1 + m(0, 0) + m(1, 1) + m(2, 2), m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1),
+                            m(2, 1) - m(1, 2), 1 + m(0, 0) - m(1, 1) - m(2, 2), m(0, 1) + m(1, 0), m(0, 2) + m(2, 0),
+                            m(0, 2) - m(2, 0), m(0, 1) + m(1, 0), 1 - m(0, 0) + m(1, 1) - m(2, 2), m(1, 2) + m(2, 1),
+                            m(1, 0) - m(0, 1), m(0, 2) + m(2, 0), m(1, 2) + m(2, 1), 1 - m(0, 0) - m(1, 1) + m(2, 2));
+  int greatest = 0;
+  for (int i = 1; i < 4; ++i) {
+    greatest = squares(i, i) > squares(greatest, greatest) ? i : greatest;
+  }
+  cv::Vec4d q = cv::normalize(cv::Vec4d(squares.col(greatest).val));
+  q *= q[0] < 0 ? -1 : 1;
+  const double sine = std::sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  const double scale = sine > 0 ? 2 * std::atan2(sine, q[0]) / sine : 2;
+  return {scale * q[1], scale * q[2], scale * q[3]};
+}
+
+}  // namespace
+
+Calibration calibration_of(const Rig& rig) {
+  const RigCamera& camera = rig.camera;
+  const RigProjector& projector = rig.projector;
+  Calibration result;
+  result.camera_columns = camera.columns;
+  result.camera_rows = camera.rows;
+  result.projector_columns = projector.columns;
+  result.projector_rows = projector.lines;
+  if (rig.calibration) {
+    result.camera = lens_of(rig.calibration->camera);
+    result.projector = lens_of(rig.calibration->projector);
+    result.rotation = matrix_of(rig.calibration->rotation_rad);
+    const std::array<double, 3>& t = rig.calibration->translation_mm;
+    result.translation = {t[0], t[1], t[2]};
+    return result;
+  }
+  const double focal = camera.focal_length_mm / camera.pixel_pitch_mm;
+  result.camera = {focal, focal, 0.5 * (camera.columns - 1), 0.5 * (camera.rows - 1), {}};
+  result.projector = {projector.focal_length_mm / projector.column_pitch_mm,
+                      -projector.focal_length_mm / projector.line_pitch_mm,
+                      0.5 * (projector.columns - 1) - projector.center_yp_mm / projector.column_pitch_mm,
+                      0.5 * (projector.lines - 1) - projector.center_xp_mm / projector.line_pitch_mm,
+                      {}};
+  // The axis is (0, -sin, cos) here; Yp is x, and Xp is the other way than the second row.
+  const double sine = std::sin(projector.tilt_rad);
+  const double cosine = std::cos(projector.tilt_rad);
+  result.rotation = {1, 0, 0, 0, cosine, sine, 0, -sine, cosine};
+  result.translation = -(result.rotation * cv::Vec3d(0, projector.x_mm, projector.z_mm));
+  return result;
+}
+
+Calibration with_axes_exchanged(const Calibration& c) {
+  const cv::Matx33d swap(0, 1, 0, 1, 0, 0, 0, 0, 1);
+  return {exchanged(c.camera), exchanged(c.projector), swap * c.rotation * swap, swap * c.translation,
+          c.camera_rows,       c.camera_columns,       c.projector_rows,         c.projector_columns};
+}
+
+Rig rig_of(const Calibration& c, const Rig& like) {
+  if (c.camera_rows == 0 || c.projector_rows == 0) {
+    throw std::invalid_argument("the calibration does not say the sizes of its images");
+  }
+  constexpr double kAlong = 0.7;  // of the cosine between projector's and camera's columns
+  const double along = c.rotation(0, 0);
+  if (std::abs(along) < kAlong) {
+    throw std::invalid_argument(
+        "the projector's columns do not lie along the camera's; turn one of them by 90 degrees");
+  }
+  const cv::Vec3d centre = -(c.rotation.t() * c.translation);
+  if (!(centre[1] > std::abs(centre[0]))) {
+    throw std::invalid_argument(
+        "a rig's projector stands beside the camera in the direction of growing image rows, and this one does not; "
+        "turn "
+        "the camera");
+  }
+  Rig rig = like;
+  rig.camera.rows = c.camera_rows;
+  rig.camera.columns = c.camera_columns;
+  rig.camera.focal_length_mm = 0.5 * (c.camera.fx + c.camera.fy) * rig.camera.pixel_pitch_mm;
+  RigProjector& projector = rig.projector;
+  projector.lines = c.projector_rows;
+  projector.columns = c.projector_columns;
+  projector.x_mm = centre[1];
+  projector.z_mm = centre[2];
+  projector.tilt_rad = std::atan2(-c.rotation(2, 1), c.rotation(2, 2));
+  const double side = along > 0 ? 1 : -1;
+  projector.line_pitch_mm = -side * projector.focal_length_mm / c.projector.fy;
+  projector.column_pitch_mm = side * projector.focal_length_mm / c.projector.fx;
+  projector.center_xp_mm = (0.5 * (projector.lines - 1) - c.projector.cy) * projector.line_pitch_mm;
+  projector.center_yp_mm = (0.5 * (projector.columns - 1) - c.projector.cx) * projector.column_pitch_mm;
+  rig.calibration = RigCalibration{rig_lens_of(c.camera),
+                                   rig_lens_of(c.projector),
+                                   vector_of(c.rotation),
+                                   {c.translation[0], c.translation[1], c.translation[2]}};
+  return rig;
+}
+
+double pinhole_error(const Rig& rig, double z_mm) {
+  constexpr int kGrid = 9;
+  const Calibration full = calibration_of(rig);
+  Rig flat = rig;
+  flat.calibration.reset();
+  const Calibration pinholes = calibration_of(flat);
+  double greatest = std::numeric_limits<double>::quiet_NaN();
+  for (int i = 0; i < kGrid * kGrid; ++i) {
+    const cv::Vec2d pixel((full.camera_columns - 1) * (i % kGrid) / (kGrid - 1.0),
+                          (full.camera_rows - 1) * (i / kGrid) / (kGrid - 1.0));  // NOLINT: whole rows of the grid
+    const std::optional<cv::Vec2d> ray = full.camera.ray(pixel);
+    if (!ray) {
+      continue;
+    }
+    const cv::Vec3d at = full.rotation * (z_mm * cv::Vec3d((*ray)[0], (*ray)[1], 1)) + full.translation;
+    if (!(at[2] > 0)) {
+      continue;
+    }
+    const cv::Vec2d seen = full.projector.pixel({at[0] / at[2], at[1] / at[2]});
+    const bool inside = seen[0] > -0.5 && seen[0] < full.projector_columns - 0.5 && seen[1] > -0.5 &&
+                        seen[1] < full.projector_rows - 0.5;
+    if (!inside) {
+      continue;
+    }
+    // z of the pinholes' ray in the plane of the line: y' = flat z of both.
+    const double line = (seen[1] - pinholes.projector.cy) / pinholes.projector.fy;
+    const cv::Vec3d direction((pixel[0] - pinholes.camera.cx) / pinholes.camera.fx,
+                              (pixel[1] - pinholes.camera.cy) / pinholes.camera.fy, 1);
+    const cv::Vec3d turned = pinholes.rotation * direction;
+    const double z = (line * pinholes.translation[2] - pinholes.translation[1]) / (turned[1] - line * turned[2]);
+    greatest = std::isnan(greatest) ? std::abs(z - z_mm) : std::max(greatest, std::abs(z - z_mm));
+  }
+  return greatest;
+}
+
+}  // namespace selfproj

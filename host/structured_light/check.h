@@ -1,0 +1,17 @@
+#ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_CHECK_H
+#define SELFPROJ_HOST_STRUCTURED_LIGHT_CHECK_H
+
+#include <stdexcept>
+
+namespace selfproj {
+
+// Throws std::invalid_argument(reason) where `holds` is false: what a caller must keep, not what a user gets wrong.
+inline void check(bool holds, const char* reason) {
+  if (!holds) {
+    throw std::invalid_argument(reason);
+  }
+}
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_CHECK_H

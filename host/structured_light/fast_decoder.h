@@ -1,0 +1,85 @@
+// Gray-code decoder and 3 × 3 median for the production PC: the results of model/gray_decoder and model/median3x3 bit
+// for bit, in the order of memory that the processor likes.
+//
+// A pair of images is read once, and of each pixel only the code and the ambiguity bits are kept, in one byte each up
+// to m = 8 bits and in two above; they are the code image. An update thus reads 4 bytes a pixel and writes 2 (m <= 8).
+#ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_FAST_DECODER_H
+#define SELFPROJ_HOST_STRUCTURED_LIGHT_FAST_DECODER_H
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "model/column_moments.h"
+#include "model/gray_decoder.h"
+
+namespace selfproj {
+
+// A code image where it lies: rows · columns entries row by row, of bytes (m <= 8) or of words (m > 8); the arrays of
+// the other width are null. The code of pixel i is codes[i]; it is measurable where at most one bit of ambiguous[i] is
+// set, (a & (a - 1)) == 0.
+struct CodeImageView {
+  int rows = 0;
+  int columns = 0;
+  int bits = 0;  // m
+  const std::uint8_t* codes8 = nullptr;
+  const std::uint8_t* ambiguous8 = nullptr;
+  const std::uint16_t* codes16 = nullptr;
+  const std::uint16_t* ambiguous16 = nullptr;
+};
+
+// Writes the image as the model and the board do: rows · columns words, the code in bits 11..0, bit 15 measurable.
+void code_words(const CodeImageView& image, std::uint16_t* out);
+
+// The same, measurable only where no pair is ambiguous: stricter than the model.
+void unambiguous_code_words(const CodeImageView& image, std::uint16_t* out);
+
+class FastGrayDecoder {
+ public:
+  static constexpr int kMaxSide = 1 << 15;
+
+  // Rows and columns 1..kMaxSide (the circuit's own maxima are no matter here), bits and threshold as in the model.
+  // Throws std::invalid_argument otherwise. All memory is taken here.
+  explicit FastGrayDecoder(const GraySettings& settings);
+
+  // Waits for plane 0, as after the start.
+  void restart() { pairs_ = next_ = 0; }
+
+  // Takes a frame with its pattern index; the rules of sequence are those of GrayDecoder. The pixels of a positive
+  // are only looked at when its negative comes: they must stay as they are until then. Returns true where a new code
+  // image is due; it stands in codes() until the next frame is taken. `good` is false for a frame that was flagged.
+  // Throws std::invalid_argument where the image has not the size of the settings, or its pointer is null.
+  bool take(const ImageView& image, int pattern, bool good);
+
+  [[nodiscard]] const GraySettings& settings() const { return settings_; }
+  [[nodiscard]] CodeImageView codes() const;
+
+ private:
+  GraySettings settings_;
+  int next_ = 0;   // index of the next frame of the sequence; 0 while waiting for plane 0
+  int pairs_ = 0;  // in succession since plane 0, up to m
+  bool downwards_ = true;
+  ImageView positive_;
+  std::vector<std::uint8_t> codes8_, ambiguous8_;  // m <= 8
+  std::vector<std::uint16_t> codes16_, ambiguous16_;
+};
+
+// The median of a code image, as model/median3x3: words as of code_words, 0 where not measurable. Holds a few lines
+// of scratch memory for images up to `columns` wide.
+class FastMedian {
+ public:
+  // Throws std::invalid_argument where columns are not in 1..FastGrayDecoder::kMaxSide.
+  explicit FastMedian(int columns);
+
+  // Writes rows · columns words. Throws std::invalid_argument where the image is wider than `columns`, or empty.
+  void filter(const CodeImageView& image, std::uint16_t* out);
+
+ private:
+  int columns_;
+  std::vector<std::uint8_t> scratch8_;
+  std::vector<std::uint16_t> scratch16_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_FAST_DECODER_H

@@ -1,0 +1,80 @@
+#include "host/structured_light/scanner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+
+#include "host/structured_light/moved.h"
+#include "model/gray_decoder.h"
+
+namespace selfproj {
+Scanner::Scanner(const Triangulation& triangulation, const ScannerSettings& settings)
+    : triangulation_(&triangulation),
+      settings_(settings),
+      decoder_({triangulation.rows(), triangulation.columns(), triangulation.bits(), settings.threshold}),
+      median_(triangulation.columns()),
+      codes_(triangulation.pixels()),
+      depth_(triangulation.rows(), triangulation.columns(), kNoValue),
+      background_(triangulation.rows(), triangulation.columns(), kNoValue),
+      steady_(triangulation.rows(), triangulation.columns(), settings.steady) {
+  if (!(settings.min_difference_mm >= 0)) {
+    throw std::invalid_argument("scanner: the least difference is negative");
+  }
+  if (settings.strict && settings.median) {
+    throw std::invalid_argument("scanner: strict and median exclude each other");
+  }
+}
+
+bool Scanner::take(const ImageView& image, int pattern, bool good) {
+  if (!decoder_.take(image, pattern, good)) {
+    return false;
+  }
+  if (settings_.median) {
+    median_.filter(decoder_.codes(), codes_.data());
+  } else if (settings_.strict) {
+    unambiguous_code_words(decoder_.codes(), codes_.data());
+  } else {
+    code_words(decoder_.codes(), codes_.data());
+  }
+  triangulate();
+  return true;
+}
+
+void Scanner::take_codes(const std::uint16_t* codes) {
+  std::copy_n(codes, codes_.size(), codes_.begin());
+  triangulate();
+}
+
+void Scanner::triangulate() {
+  triangulation_->depth(codes_.data(), depth_.values.data());
+  if (has_background_) {
+    const float* const background = background_.values.data();
+    if (steady_.is_on()) {
+      steady_.take(depth_.values.data(), background, settings_.min_difference_mm);
+    }
+    moved_ = selfproj::moved(*triangulation_, candidates(), background, settings_.min_difference_mm);
+  }
+  if (steady_.is_on()) {
+    steady_.remember(depth_.values.data());
+  }
+}
+
+void Scanner::set_background(const FloatImage& background) {
+  if (background.rows != depth_.rows || background.columns != depth_.columns) {
+    throw std::invalid_argument("scanner: the background has another size");
+  }
+  std::copy(background.values.begin(), background.values.end(), background_.values.begin());
+  has_background_ = true;
+}
+
+void Scanner::difference(FloatImage& out) const {
+  const float* const z = candidates();
+  for (std::size_t i = 0; i < depth_.values.size(); ++i) {
+    const bool differs = std::abs(z[i] - background_.values[i]) > settings_.min_difference_mm;
+    out.values[i] = differs ? z[i] : kNoValue;
+  }
+}
+
+}  // namespace selfproj

@@ -1,0 +1,262 @@
+#include "host/structured_light/self_reference.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "host/rig/geometry.h"
+#include "host/structured_light/check.h"
+
+namespace selfproj {
+namespace {
+
+// A camera pixel and the projector point that it sees.
+struct Corner {
+  double line, column;  // of the projector
+  double camera_row, camera_column;
+};
+
+// Writes f_R within a triangle: at the projector pixels whose centres lie in it, bounds included.
+void fill_triangle(const std::array<Corner, 3>& t, SelfReference& reference) {
+  const double area =
+      (t[1].line - t[0].line) * (t[2].column - t[0].column) - (t[2].line - t[0].line) * (t[1].column - t[0].column);
+  if (std::abs(area) < 1e-9) {
+    return;
+  }
+  const auto [low_line, high_line] = std::minmax({t[0].line, t[1].line, t[2].line});
+  const auto [low_column, high_column] = std::minmax({t[0].column, t[1].column, t[2].column});
+  const int line_0 = std::max(0, static_cast<int>(std::ceil(low_line)));
+  const int line_1 = std::min(reference.row.rows - 1, static_cast<int>(std::floor(high_line)));
+  const int column_0 = std::max(0, static_cast<int>(std::ceil(low_column)));
+  const int column_1 = std::min(reference.row.columns - 1, static_cast<int>(std::floor(high_column)));
+  for (int l = line_0; l <= line_1; ++l) {
+    for (int c = column_0; c <= column_1; ++c) {
+      const double b1 =
+          ((l - t[0].line) * (t[2].column - t[0].column) - (t[2].line - t[0].line) * (c - t[0].column)) / area;
+      const double b2 =
+          ((t[1].line - t[0].line) * (c - t[0].column) - (l - t[0].line) * (t[1].column - t[0].column)) / area;
+      constexpr double kRounding = 1e-9;
+      if (b1 < -kRounding || b2 < -kRounding || b1 + b2 > 1 + kRounding) {
+        continue;
+      }
+      const double b0 = 1 - b1 - b2;
+      reference.row.row(l)[c] = static_cast<float>(b0 * t[0].camera_row + b1 * t[1].camera_row + b2 * t[2].camera_row);
+      reference.column.row(l)[c] =
+          static_cast<float>(b0 * t[0].camera_column + b1 * t[1].camera_column + b2 * t[2].camera_column);
+    }
+  }
+}
+
+void invert(SelfReference& reference) {
+  constexpr double kJump = 8;
+  const FloatImage& line = reference.points.line;
+  const FloatImage& column = reference.points.column;
+  const auto corner = [&](int r, int c) {
+    return Corner{static_cast<double>(line.row(r)[c]), static_cast<double>(column.row(r)[c]), static_cast<double>(r),
+                  static_cast<double>(c)};
+  };
+  const auto together = [](const Corner& a, const Corner& b) {  // NaN is not
+    return std::abs(a.line - b.line) <= kJump && std::abs(a.column - b.column) <= kJump;
+  };
+  for (int r = 0; r + 1 < line.rows; ++r) {
+    for (int c = 0; c + 1 < line.columns; ++c) {
+      const Corner p00 = corner(r, c);
+      const Corner p01 = corner(r, c + 1);
+      const Corner p10 = corner(r + 1, c);
+      const Corner p11 = corner(r + 1, c + 1);
+      if (together(p00, p01) && together(p10, p11) && together(p00, p10) && together(p01, p11) && together(p00, p11) &&
+          together(p01, p10)) {
+        fill_triangle({p00, p01, p10}, reference);
+        fill_triangle({p11, p10, p01}, reference);
+      }
+    }
+  }
+}
+
+// Gives every pixel that is not `seen` a value that goes over smoothly into those of the pixels that are: the solution
+// of Laplace's equation between them, level across the image's border. From averages over larger and larger squares
+// first, which are then relaxed.
+void fill_smoothly(FloatImage& image, const std::vector<std::uint8_t>& seen) {
+  constexpr int kSweeps = 200;
+  constexpr float kOver = 1.7F;  // over-relaxation
+  struct Level {
+    FloatImage sum, count;
+  };
+  std::vector<Level> levels(1, {FloatImage(image.rows, image.columns), FloatImage(image.rows, image.columns)});
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    levels[0].sum.values[i] = seen[i] != 0 ? image.values[i] : 0;
+    levels[0].count.values[i] = seen[i] != 0 ? 1.0F : 0.0F;
+  }
+  while (levels.back().sum.rows > 1 || levels.back().sum.columns > 1) {
+    const Level& fine = levels.back();
+    const int rows = (fine.sum.rows + 1) / 2;
+    const int columns = (fine.sum.columns + 1) / 2;
+    Level coarse{FloatImage(rows, columns), FloatImage(rows, columns)};
+    for (int r = 0; r < fine.sum.rows; ++r) {
+      for (int c = 0; c < fine.sum.columns; ++c) {
+        const float count = fine.count.row(r)[c];
+        if (count > 0) {  // each square counts alike
+          coarse.sum.row(r / 2)[c / 2] += fine.sum.row(r)[c] / count;
+          coarse.count.row(r / 2)[c / 2] += 1;
+        }
+      }
+    }
+    levels.push_back(std::move(coarse));
+  }
+  for (std::size_t k = levels.size() - 1; k-- > 0;) {
+    Level& fine = levels[k];
+    const Level& coarse = levels[k + 1];
+    for (int r = 0; r < fine.sum.rows; ++r) {
+      for (int c = 0; c < fine.sum.columns; ++c) {
+        if (!(fine.count.row(r)[c] > 0)) {
+          fine.sum.row(r)[c] = coarse.sum.row(r / 2)[c / 2] / coarse.count.row(r / 2)[c / 2];
+          fine.count.row(r)[c] = 1;
+        }
+      }
+    }
+  }
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] == 0) {
+      image.values[i] = levels[0].sum.values[i];
+      open.push_back(i);
+    }
+  }
+  const auto columns = static_cast<std::size_t>(image.columns);
+  const std::size_t all = image.values.size();
+  std::vector<float>& v = image.values;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (const std::size_t i : open) {
+      const std::size_t c = i % columns;
+      const float up = v[i >= columns ? i - columns : i];
+      const float down = v[i + columns < all ? i + columns : i];
+      const float left = v[c > 0 ? i - 1 : i];
+      const float right = v[c + 1 < columns ? i + 1 : i];
+      v[i] += kOver * (0.25F * (up + down + left + right) - v[i]);
+    }
+  }
+}
+
+// The depth of the reference along the projector's rays is continued; from it follows where the camera would see the
+// light.
+void fill_in(const Rig& rig, SelfReference& reference) {
+  check(std::find(reference.seen.begin(), reference.seen.end(), 1) != reference.seen.end(),
+        "self reference: no projector pixel is seen");
+  const RigProjector& p = rig.projector;
+  FloatImage depth(p.lines, p.columns);
+  for (int l = 0; l < p.lines; ++l) {
+    const double theta = tan_theta(p, l);
+    for (int c = 0; c < p.columns; ++c) {
+      const double alpha = tan_alpha(rig.camera, static_cast<double>(reference.row.row(l)[c]) + 1);  // rows from 1
+      depth.row(l)[c] = static_cast<float>((p.x_mm + p.z_mm * theta) / (alpha + theta));             // (4.8)
+    }
+  }
+  fill_smoothly(depth, reference.seen);
+  for (int l = 0; l < p.lines; ++l) {
+    const double theta = tan_theta(p, l);
+    const double xp = p.center_xp_mm + p.line_pitch_mm * (l - 0.5 * (p.lines - 1));
+    for (int c = 0; c < p.columns; ++c) {
+      const auto i = static_cast<std::size_t>(l) * static_cast<std::size_t>(p.columns) + static_cast<std::size_t>(c);
+      if (reference.seen[i] != 0) {
+        continue;
+      }
+      const auto z = static_cast<double>(depth.values[i]);
+      const double yp = p.center_yp_mm + p.column_pitch_mm * (c - 0.5 * (p.columns - 1));
+      const double x = p.x_mm - (z - p.z_mm) * theta;
+      const double y = (z - p.z_mm) * yp / (p.focal_length_mm * std::cos(p.tilt_rad) - xp * std::sin(p.tilt_rad));
+      reference.row.values[i] = static_cast<float>(centroid_of(rig.camera, x / z) - 1);
+      reference.column.values[i] = static_cast<float>(column_of(rig.camera, y / z));
+    }
+  }
+}
+
+}  // namespace
+
+bool SelfReference::measurable(std::size_t pixel) const {
+  return !std::isnan(points.line.values[pixel]) && !std::isnan(points.column.values[pixel]);
+}
+
+int SelfReference::cell(int line, int projector_column) const {
+  return cell_of_row(static_cast<double>(row.row(line)[projector_column]), camera_rows, stripes.width);
+}
+
+void check_stripes(const Stripes& stripes) {
+  check(stripes.bits >= 1 && stripes.bits <= Stripes::kMaxBits, "stripes: bits out of range");
+  check(stripes.width >= 1 && stripes.width <= Stripes::kMaxWidth, "stripes: width out of range");
+}
+
+SelfReference make_self_reference(const Rig& rig, const ProjectorPoints& points, const Stripes& stripes) {
+  check_stripes(stripes);
+  for (const FloatImage* image : {&points.line, &points.column}) {
+    check(image->rows == rig.camera.rows && image->columns == rig.camera.columns,
+          "self reference: the points have not the camera's size");
+  }
+  SelfReference reference;
+  reference.stripes = stripes;
+  reference.points = points;
+  reference.camera_rows = rig.camera.rows;
+  for (std::size_t i = 0; i < points.line.values.size(); ++i) {
+    if (!reference.measurable(i)) {
+      reference.points.line.values[i] = reference.points.column.values[i] = kNoValue;
+    }
+  }
+  reference.row = FloatImage(rig.projector.lines, rig.projector.columns, kNoValue);
+  reference.column = reference.row;
+  invert(reference);
+  reference.seen.resize(reference.row.values.size());
+  std::transform(reference.row.values.begin(), reference.row.values.end(), reference.seen.begin(),
+                 [](float value) { return std::isnan(value) ? std::uint8_t{0} : std::uint8_t{1}; });
+  fill_in(rig, reference);
+  return reference;
+}
+
+FloatImage self_projected_pattern(const SelfReference& reference, int index) {
+  check(index >= 0 && index < 2 * reference.stripes.bits, "self-projected pattern: index out of range");
+  FloatImage pattern(reference.row.rows, reference.row.columns);
+  for (int l = 0; l < pattern.rows; ++l) {
+    for (int c = 0; c < pattern.columns; ++c) {
+      const bool light = is_light(reference.stripes, reference.cell(l, c), index / 2);
+      pattern.row(l)[c] = light == (index % 2 == 0) ? 1.0F : 0.0F;
+    }
+  }
+  return pattern;
+}
+
+FloatImage scan_pattern(const Rig& rig, int index) {
+  const int lines = rig.projector.lines;
+  const int columns = rig.projector.columns;
+  check(index >= 0 && index < lines + columns, "scan pattern: index out of range");
+  FloatImage pattern(lines, columns);
+  if (index < lines) {
+    std::fill_n(pattern.row(index), columns, 1.0F);
+  } else {
+    for (int l = 0; l < lines; ++l) {
+      pattern.row(l)[index - lines] = 1;
+    }
+  }
+  return pattern;
+}
+
+FloatImage gray_pattern(const Rig& rig, int bits, int lines, int index) {
+  check(bits >= 1 && bits <= 12, "gray pattern: bits out of range");
+  check(lines >= 1 && lines <= rig.projector.lines, "gray pattern: lines out of range");
+  check(index >= 0 && index < 2 * bits, "gray pattern: index out of range");
+  FloatImage pattern(rig.projector.lines, rig.projector.columns);
+  const double first = 0.5 * (rig.projector.lines - lines);
+  for (int l = 0; l < pattern.rows; ++l) {
+    const double y = l - first + 0.5;  // of the line's middle, in lines from the first coded one
+    if (y < 0 || y > lines) {
+      continue;
+    }
+    const auto stripe = static_cast<int>(std::floor(std::ldexp(y / lines, index / 2) + 0.5));
+    const bool light = (stripe % 2 != 0) == (index % 2 == 0);
+    std::fill_n(pattern.row(l), pattern.columns, light ? 1.0F : 0.0F);
+  }
+  return pattern;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,173 @@
+#include "host/structured_light/self_scanner.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "model/cpu_clones.h"
+
+namespace selfproj {
+namespace {
+
+constexpr float kLinesPerUnit = 1.0F / (1U << GrayMatch::kFractionBits);
+
+// What is none becomes NaN by its bits: a choice between two values is control flow to the compiler here, and loops
+// would stay scalar.
+[[gnu::always_inline]] inline float line_of(std::uint16_t word) {
+  constexpr std::uint32_t kNanBits = 0x7FC00000;
+  const std::uint32_t none = word == GrayMatch::kNone ? 1U : 0U;
+  const float line = static_cast<float>(static_cast<std::int32_t>(word)) * kLinesPerUnit;
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(line) | ((0U - none) & kNanBits));
+}
+
+// More than one ambiguous pair.
+[[gnu::always_inline]] inline bool is_unmeasurable(int ambiguous) { return (ambiguous & (ambiguous - 1)) != 0; }
+
+// Of so many neighbours the codes are mostly one, two or three: each code that occurs is looked up for all of them at
+// once, with plain loads, and its words are kept where it is theirs. That is several times as fast as gathering words;
+// random codes, which no surface has, take longer.
+constexpr std::ptrdiff_t kBlock = 64;
+constexpr std::uint16_t kNoCode = 0xFFFF;
+
+[[gnu::always_inline]] inline std::uint16_t ones_where(bool holds) {
+  return static_cast<std::uint16_t>(-static_cast<int>(holds));
+}
+
+[[gnu::always_inline]] inline void look_up_block(const std::uint8_t* __restrict codes,
+                                                 const std::uint8_t* __restrict ambiguous, std::ptrdiff_t at,
+                                                 const MatchRow& row, float* __restrict lines) {
+  alignas(kBlock) std::uint16_t keys[kBlock];
+  alignas(kBlock) std::uint16_t found[kBlock];
+  std::uint16_t code = kNoCode;
+  for (std::ptrdiff_t k = 0; k < kBlock; ++k) {
+    keys[k] = static_cast<std::uint16_t>(codes[at + k] | ones_where(is_unmeasurable(ambiguous[at + k])));
+    found[k] = GrayMatch::kNone;
+    code = std::min(code, keys[k]);
+  }
+  while (code != kNoCode) {
+    const std::uint16_t* __restrict words = row.of(code) + at;
+    std::uint16_t next = kNoCode;
+    for (std::ptrdiff_t k = 0; k < kBlock; ++k) {
+      const std::uint16_t key = keys[k];
+      found[k] = static_cast<std::uint16_t>(found[k] & (words[k] | ones_where(key != code)));
+      next = std::min(next, static_cast<std::uint16_t>(key | ones_where(key <= code)));
+    }
+    code = next;
+  }
+  for (std::ptrdiff_t k = 0; k < kBlock; ++k) {
+    lines[at + k] = line_of(found[k]);
+  }
+}
+
+SELFPROJ_CLONES void look_up(const std::uint8_t* codes, const std::uint8_t* ambiguous, std::ptrdiff_t count,
+                             const MatchRow& row, float* lines) {
+  if (count < kBlock) {
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      lines[i] = line_of(is_unmeasurable(ambiguous[i]) ? GrayMatch::kNone : row.of(codes[i])[i]);
+    }
+    return;
+  }
+  for (std::ptrdiff_t at = 0; at < count; at += kBlock) {
+    look_up_block(codes, ambiguous, std::min(at, count - kBlock), row, lines);  // the last one over what is done
+  }
+}
+
+SELFPROJ_CLONES void subtract_all(const float* __restrict from, const float* __restrict z, std::ptrdiff_t count,
+                                  float* __restrict difference) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    difference[i] = from[i] - z[i];
+  }
+}
+
+}  // namespace
+
+void subtract(const float* from, const float* z, std::ptrdiff_t count, float* difference) {
+  subtract_all(from, z, count, difference);
+}
+
+void look_up_row(const MatchTable& table, int row, const std::uint8_t* codes, const std::uint8_t* ambiguous,
+                 float* lines) {
+  look_up(codes, ambiguous, table.columns(), table.row(row), lines);
+}
+
+SelfScanner::SelfScanner(const Rig& rig, const SelfReference& reference, const MatchTable& table, int threshold,
+                         const DepthLimits& limits)
+    : reference_(&reference),
+      table_(&table),
+      triangulation_(rig, reference.stripes.bits, limits),
+      decoder_({rig.camera.rows, rig.camera.columns, reference.stripes.bits, threshold}),
+      board_codes_(triangulation_.pixels()),
+      board_ambiguous_(triangulation_.pixels()),
+      lines_(static_cast<std::size_t>(rig.camera.columns)),
+      depth_(rig.camera.rows, rig.camera.columns, kNoValue),
+      difference_(depth_),
+      reference_depth_(depth_) {
+  if (table.rows() != rig.camera.rows || table.columns() != rig.camera.columns ||
+      table.bits() != reference.stripes.bits || reference.points.line.rows != rig.camera.rows ||
+      reference.points.line.columns != rig.camera.columns) {
+    throw std::invalid_argument("self scanner: rig, reference and table have different sizes");
+  }
+  for (int r = 0; r < rig.camera.rows; ++r) {
+    triangulation_.depth_of_lines(r, reference.points.line.row(r), reference_depth_.row(r));
+  }
+}
+
+bool SelfScanner::take(const ImageView& image, int pattern, bool good) {
+  if (!decoder_.take(image, pattern, good)) {
+    return false;
+  }
+  match(decoder_.codes().codes8, decoder_.codes().ambiguous8);
+  return true;
+}
+
+void SelfScanner::take_codes(const std::uint16_t* words) {
+  constexpr std::uint8_t kTwoPairs = 3;
+  for (std::size_t i = 0; i < board_codes_.size(); ++i) {
+    const unsigned code = words[i] & ((1U << spec::kCodeCodeBits) - 1);
+    const bool measurable =
+        (words[i] & GrayDecoder::kMeasurable) != 0 && code >> static_cast<unsigned>(table_->bits()) == 0;
+    board_codes_[i] = measurable ? static_cast<std::uint8_t>(code) : std::uint8_t{0};
+    board_ambiguous_[i] = measurable ? std::uint8_t{0} : kTwoPairs;
+  }
+  match(board_codes_.data(), board_ambiguous_.data());
+}
+
+// Row by row, so that what one step leaves is still near when the next one takes it.
+void SelfScanner::match(const std::uint8_t* codes, const std::uint8_t* ambiguous) {
+  codes_ = codes;
+  ambiguous_ = ambiguous;
+  const std::ptrdiff_t columns = depth_.columns;
+  for (int r = 0; r < depth_.rows; ++r) {
+    look_up_row(*table_, r, codes + r * columns, ambiguous + r * columns, lines_.data());
+    triangulation_.depth_of_lines(r, lines_.data(), depth_.row(r));
+    subtract(reference_depth_.row(r), depth_.row(r), columns, difference_.row(r));
+  }
+}
+
+void SelfScanner::newest_lines(int row, float* lines) const {
+  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(row) * depth_.columns;
+  look_up_row(*table_, row, codes_ + first, ambiguous_ + first, lines);
+}
+
+void SelfScanner::explain(std::vector<PointState>& states) const {
+  states.assign(triangulation_.pixels(), PointState::not_measurable);
+  if (codes_ == nullptr) {
+    return;
+  }
+  std::vector<float> lines(static_cast<std::size_t>(depth_.columns));
+  for (int r = 0; r < depth_.rows; ++r) {
+    const std::size_t first = static_cast<std::size_t>(r) * lines.size();
+    newest_lines(r, lines.data());
+    for (std::size_t c = 0; c < lines.size(); ++c) {
+      if (!is_unmeasurable(ambiguous_[first + c]) && reference_->measurable(first + c)) {
+        states[first + c] = triangulation_.explain_line(first + c, lines[c], depth_.values[first + c]);
+      }
+    }
+  }
+}
+
+}  // namespace selfproj

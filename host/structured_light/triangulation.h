@@ -1,0 +1,143 @@
+// From code images to depth: the ray of a camera pixel meets the plane of its code (4.7).
+//
+// Axes and signs are the world's of section 1 of the method: depth is z in mm, NaN where there is none. Pixels count
+// from 0, row by row; code words are those of model/gray_decoder (code in bits 11..0, bit 15 measurable).
+#ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_TRIANGULATION_H
+#define SELFPROJ_HOST_STRUCTURED_LIGHT_TRIANGULATION_H
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <opencv2/core/matx.hpp>
+#include <vector>
+
+#include "host/rig/depth_matrices.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+
+// Why a pixel has no depth; valid where it has one. The first reason that fits counts.
+enum class PointState : std::uint8_t {
+  valid = 0,
+  not_measurable,   // more than one ambiguous pair, or the median found too few neighbours
+  no_line,          // the code belongs to no line of the projector
+  no_intersection,  // the ray meets the plane behind camera or projector, or z would not fall with θ (z0 tan α >= x0)
+  too_coarse,       // one projector line is worth more than max_z_per_line_mm
+  out_of_range,     // z is not between min_z_mm and max_z_mm
+  off_line,         // both axes: the codes of the two axes belong to no common point (max_residual_px)
+};
+inline constexpr int kPointStates = 7;
+
+// What a point must keep to be valid.
+struct DepthLimits {
+  double min_z_mm = 0;
+  double max_z_mm = std::numeric_limits<double>::infinity();
+  double max_z_per_line_mm = std::numeric_limits<double>::infinity();  // |dz| from one projector line to the next
+};
+
+struct Point3f {
+  float x = 0;
+  float y = 0;
+  float z = 0;
+};
+
+// Depth from codes along one axis of the projector, of images of one size.
+class Triangulation {
+ public:
+  Triangulation(const Triangulation&) = delete;
+  Triangulation& operator=(const Triangulation&) = delete;
+  virtual ~Triangulation() = default;
+
+  [[nodiscard]] int rows() const { return rows_; }
+  [[nodiscard]] int columns() const { return columns_; }
+  [[nodiscard]] int bits() const { return bits_; }
+  [[nodiscard]] std::size_t pixels() const { return x_per_z_.size(); }
+
+  // rows() * columns() words to as many depths. Allocates nothing and keeps no state.
+  virtual void depth(const std::uint16_t* codes, float* z) const = 0;
+
+  // Why the pixels of these codes have the depth that `depth` gave them.
+  virtual void explain(const std::uint16_t* codes, const float* z, PointState* states) const = 0;
+
+  // Standard deviation in mm of the error in z of a pixel with depth z that rounding to whole codes causes: that of a
+  // place uniform over the code, 1/√12 of the depth that a code is worth there.
+  [[nodiscard]] virtual double rounding_error(std::size_t pixel, float z) const = 0;
+
+  // The point of pixel i at depth z, on the pixel's ray.
+  [[nodiscard]] Point3f point(std::size_t i, float z) const {
+    const float along = z - origin_.z;
+    return {origin_.x + along * x_per_z_[i], origin_.y + along * y_per_z_[i], z};
+  }
+
+  // The camera's optical centre, and the rays: dx/dz and dy/dz of each pixel's.
+  [[nodiscard]] const Point3f& origin() const { return origin_; }
+  [[nodiscard]] const float* x_per_z() const { return x_per_z_.data(); }
+  [[nodiscard]] const float* y_per_z() const { return y_per_z_.data(); }
+
+ protected:
+  // Throws std::invalid_argument where rows or columns are less than 1, or bits not 1..12.
+  Triangulation(int rows, int columns, int bits);
+
+  void set_origin(const cv::Vec3d& origin);
+  void set_ray(std::size_t i, const cv::Vec3d& direction);  // direction[2] is 1
+
+ private:
+  int rows_, columns_, bits_;
+  Point3f origin_;
+  std::vector<float> x_per_z_, y_per_z_;
+};
+
+// Pinholes: all of (4.7) that does not depend on the code is worked out once. With the ray o + s d, d_z = 1, and the
+// rows t0, t1 of T_P, the plane of the code is (t0 - C t1) . (x, y, z, 1) = 0 and
+//
+//     z = o_z + (C e1 - e0)/(n0 - C n1),   n = t . (d, 0) of the pixel,   e = t . (o, 1)
+//
+// a quotient of two terms linear in C, so no table of planes is needed. |dz/dC| = |e1 n0 - n1 e0| / (n0 - C n1)^2, and
+// the sign of e1 n0 - n1 e0 says whether z falls or grows with C. It changes where the ray passes through the
+// projector's centre (on a rig: z0 tan α = x0); pixels whose sign is not that of the image's centre have no
+// intersection.
+class PlaneTriangulation : public Triangulation {
+ public:
+  // `codes_per_line`: 2^bits / H, what a projector line is worth in codes, for the limit. Throws std::invalid_argument
+  // where a size is out of range, T_C cannot be inverted, the camera does not look along +z everywhere, or
+  // codes_per_line is not > 0.
+  PlaneTriangulation(int rows, int columns, int bits, const DepthMatrices& matrices, const DepthLimits& limits,
+                     double codes_per_line = 1);
+
+  // The size of the rig's camera, and its max_z_per_line_mm in place of that of `limits`. `coded_lines` as above.
+  PlaneTriangulation(const Rig& rig, int bits, DepthLimits limits = {}, int coded_lines = 0);
+
+  void depth(const std::uint16_t* codes, float* z) const override;
+  void explain(const std::uint16_t* codes, const float* z, PointState* states) const override;
+  [[nodiscard]] double rounding_error(std::size_t pixel, float z) const override;
+
+  // Depths of the pixels of one row whose places on the projector are known, as lines of a rig's projector (from 0,
+  // with a fraction; NaN: none), all of whose lines are coded. Allocates nothing.
+  void depth_of_lines(int row, const float* lines, float* z) const;
+
+  // Why a pixel has the depth z of its line; no_line where it has none.
+  [[nodiscard]] PointState explain_line(std::size_t pixel, float line, float z) const;
+
+ private:
+  // Of a pixel, or of a row where it is the same for all its pixels (a camera without rotation about z against the
+  // coded axis, as in both rigs): the denominator is at - slope C, and must be greater than least.
+  struct Terms {
+    double at, slope, least;
+  };
+  [[nodiscard]] Terms terms(const cv::Vec3d& ray) const;
+  [[nodiscard]] PointState explain_code(std::size_t pixel, double code, float z) const;
+
+  cv::Matx<double, 2, 4> projector_;
+  cv::Vec3d center_;
+  double e0_ = 0, e1_ = 0;  // signed so that valid denominators are > 0
+  double codes_per_line_ = 1;
+  double coarse_ = 0;          // codes per line / limit
+  double sign_ = 1;            // of e1 n0 - n1 e0 in the middle of the image
+  double low_ = 0, high_ = 0;  // limits of z
+  bool by_rows_ = false;
+  std::vector<float> at_, slope_, least_;  // of each pixel or of each row
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_TRIANGULATION_H

@@ -1,0 +1,422 @@
+// The Verilated board with the world at its ports: a camera that is never stalled, a bus that may be, a host at the
+// registers, an encoder, two unrelated clocks, and waveforms of a window of time.
+//
+//     BoardDevice<Vboard> board({.bus_period_ps = 8000});
+//     board.on_packet([](std::span<const std::uint8_t> bytes) { ... });
+//     board.write(spec::kRegControl, 1);
+//     board.send(image);            // queues the frame's beats
+//     board.drain();                // runs until all beats are in and no packet is under way
+//
+// Everything random comes from the seed of the options.
+#ifndef SELFPROJ_SIM_BOARD_BOARD_DEVICE_H
+#define SELFPROJ_SIM_BOARD_BOARD_DEVICE_H
+
+#include <verilated.h>
+#include <verilated_fst_c.h>
+
+#include <cstdint>
+#include <cstring>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <random>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/board.h"
+#include "model/column_moments.h"
+#include "model/packet.h"
+#include "sim/board/clocks.h"
+#include "sim/board/coverage.h"
+#include "sim/board/mutant.h"
+
+namespace selfproj {
+
+struct BoardDeviceOptions {
+  std::uint64_t seed = 1;
+  std::uint64_t video_period_ps = 6614;  // 151.2 MHz
+  std::uint64_t bus_period_ps = 8000;    // 125 MHz
+  std::uint64_t bus_phase_ps = 1234;
+  int bus_stall_percent = 0;    // share of bus clocks in which the sink is not ready
+  int video_gap_percent = 0;    // share of video clocks without a beat while beats wait
+  std::string trace_file = {};  // FST; only where the model was built with TRACE
+};
+
+// The answer of a register access.
+struct RegisterAnswer {
+  bool error = false;  // SLVERR
+  std::uint32_t data = 0;
+};
+
+template <class Model>
+class BoardDevice {
+ public:
+  using PacketSink = std::function<void(std::span<const std::uint8_t>)>;
+  // Called before each video clock with its number; may set the encoder's lines.
+  using ClockHook = std::function<void(std::uint64_t clock)>;
+  // Called with every beat the board takes, and the number of the clock.
+  using BeatHook = std::function<void(std::uint64_t clock, const VideoBeat& beat)>;
+
+  explicit BoardDevice(BoardDeviceOptions options = {})
+      : options_(std::move(options)),
+        simulation_([] { return std::make_unique<Simulation>(); }),
+        model_(&simulation_->model),
+        random_(options_.seed),
+        clocks_(options_.video_period_ps, options_.bus_period_ps, options_.bus_phase_ps) {
+    choose_mutant(*model_);
+    model_->clk_i = 0;
+    model_->bus_clk_i = 0;
+    set_encoder(false, false);
+    model_->eval();
+    reset();
+  }
+
+  BoardDevice(const BoardDevice&) = delete;
+  BoardDevice& operator=(const BoardDevice&) = delete;
+  ~BoardDevice() { stop_trace(); }
+
+  // Both resets for eight clocks each; beats still queued are dropped, and clocks are counted from zero again.
+  void reset() {
+    beats_.clear();
+    packet_.clear();
+    model_->rst_i = 1;
+    model_->bus_rst_i = 1;
+    model_->s_axil_awvalid = 0;
+    model_->s_axil_wvalid = 0;
+    model_->s_axil_arvalid = 0;
+    model_->s_axil_bready = 0;
+    model_->s_axil_rready = 0;
+    in_reset_ = true;
+    const std::uint64_t video = video_clocks_ + 8;
+    const std::uint64_t bus = bus_clocks_ + 8;
+    while (video_clocks_ < video || bus_clocks_ < bus) {
+      step();
+    }
+    model_->bus_rst_i = 0;
+    model_->rst_i = 0;
+    in_reset_ = false;
+    reset_clock_ = video_clocks_;
+  }
+
+  void on_packet(PacketSink sink) { sink_ = std::move(sink); }
+  void on_clock(ClockHook hook) { clock_hook_ = std::move(hook); }
+  void on_beat(BeatHook hook) { beat_hook_ = std::move(hook); }
+  void set_encoder(bool a, bool b) {
+    model_->encoder_a_i = a;
+    model_->encoder_b_i = b;
+  }
+  void set_bus_stall_percent(int percent) { options_.bus_stall_percent = percent; }
+  void set_video_gap_percent(int percent) { options_.video_gap_percent = percent; }
+  [[nodiscard]] bool takes_beats() const { return model_->s_axis_tready != 0; }
+  [[nodiscard]] bool projector_trigger() const { return model_->projector_trigger_o != 0; }
+  [[nodiscard]] bool camera_trigger() const { return model_->camera_trigger_o != 0; }
+
+  // Queues one beat, or clocks without one.
+  void send(const VideoBeat& beat) { beats_.push_back({beat, 0}); }
+  void gap(std::uint32_t clocks) {
+    if (clocks != 0) {
+      beats_.push_back({{}, clocks});
+    }
+  }
+
+  // Queues a whole frame; columns are a multiple of 4.
+  void send(const ImageView& image) {
+    for (int row = 0; row < image.rows; ++row) {
+      const std::uint8_t* line = image.pixels + row * image.stride;
+      for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
+        VideoBeat beat;
+        std::memcpy(beat.pixels.data(), line + column, beat.pixels.size());
+        beat.start = row == 0 && column == 0;
+        beat.line_end = column + spec::kPixelsPerBeat == image.columns;
+        send(beat);
+      }
+    }
+  }
+
+  // Beats and gaps that wait.
+  [[nodiscard]] std::size_t queued() const { return beats_.size(); }
+
+  // Runs for so many video clocks.
+  void run(std::uint64_t clocks) {
+    const std::uint64_t end = video_clocks_ + clocks;
+    while (video_clocks_ < end) {
+      step();
+    }
+  }
+
+  // Runs until nothing waits any more: all beats are in, and for `quiet` video clocks no packet beat has come out
+  // although the bus was ready.
+  void drain(std::uint64_t quiet = 400) {
+    while (!beats_.empty()) {
+      step();
+    }
+    idle_since_ = video_clocks_;
+    while (video_clocks_ < idle_since_ + quiet) {
+      step();
+    }
+  }
+
+  // Register accesses. The board goes on meanwhile. A write that is refused throws std::runtime_error, unless the error
+  // is asked for.
+  RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data, unsigned strobe = 0xF) {
+    auto& m = *model_;
+    if (write) {
+      m.s_axil_awvalid = 1;
+      m.s_axil_awaddr = static_cast<std::uint8_t>(address);
+      m.s_axil_wvalid = 1;
+      m.s_axil_wdata = data;
+      m.s_axil_wstrb = static_cast<std::uint8_t>(strobe);
+      m.s_axil_bready = 1;
+    } else {
+      m.s_axil_arvalid = 1;
+      m.s_axil_araddr = static_cast<std::uint8_t>(address);
+      m.s_axil_rready = 1;
+    }
+    access_done_ = false;
+    while (!access_done_) {
+      step();
+    }
+    m.s_axil_bready = 0;
+    m.s_axil_rready = 0;
+    return answer_;
+  }
+  void write(std::uint32_t address, std::uint32_t data) {
+    if (access(true, address, data).error) {
+      throw std::runtime_error("register write refused: address " + std::to_string(address) + ", value " +
+                               std::to_string(data));
+    }
+  }
+  std::uint32_t read(std::uint32_t address) {
+    const RegisterAnswer answer = access(false, address, 0);
+    if (answer.error) {
+      throw std::runtime_error("register read refused: address " + std::to_string(address));
+    }
+    return answer.data;
+  }
+
+  // Writes all settings; they count from the next frame start on (`hold` keeps them together).
+  void write(const BoardSettings& settings) {
+    const std::uint32_t control =
+        (settings.run ? 1U << spec::kRegControlRunLsb : 0U) | (settings.image ? 1U << spec::kRegControlImageLsb : 0U);
+    write(spec::kRegControl, control | 1U << spec::kRegControlHoldLsb);
+    write(spec::kRegSize, static_cast<std::uint32_t>(settings.columns) << spec::kRegSizeColumnsLsb |
+                              static_cast<std::uint32_t>(settings.rows) << spec::kRegSizeRowsLsb);
+    write(spec::kRegMeasure, static_cast<std::uint32_t>(settings.threshold) << spec::kRegMeasureThresholdLsb |
+                                 static_cast<std::uint32_t>(settings.mode) << spec::kRegMeasureModeLsb |
+                                 static_cast<std::uint32_t>(settings.stream) << spec::kRegMeasureStreamLsb);
+    write(spec::kRegTimeout, static_cast<std::uint32_t>(settings.timeout));
+    if (!decodes_) {
+      decodes_ = (read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0;
+    }
+    if (*decodes_) {
+      write(spec::kRegDecode, static_cast<std::uint32_t>(settings.code_threshold) << spec::kRegDecodeThresholdLsb |
+                                  static_cast<std::uint32_t>(settings.code_bits) << spec::kRegDecodeBitsLsb |
+                                  (settings.codes ? 1U << spec::kRegDecodeCodesLsb : 0U) |
+                                  (settings.median ? 1U << spec::kRegDecodeMedianLsb : 0U));
+    } else if (settings.codes) {
+      throw std::runtime_error("this board has no decoder");
+    }
+    write(spec::kRegControl, control);
+  }
+
+  // Video clocks since the last reset.
+  [[nodiscard]] std::uint64_t clock() const { return video_clocks_ - reset_clock_; }
+  [[nodiscard]] std::uint64_t time_ps() const { return now_; }
+  [[nodiscard]] Model& model() { return *model_; }
+
+  // Waveforms from now on, and until now. Only where the model was built with TRACE; else an error.
+  void start_trace() {
+    if constexpr (requires(Model & m, VerilatedFstC * f) { m.trace(f, 1, 0); }) {
+      if (!options_.trace_file.empty() && trace_ == nullptr) {
+        trace_ = std::make_unique<VerilatedFstC>();
+        model_->trace(trace_.get(), 99, 0);
+        trace_->open(options_.trace_file.c_str());
+        if (!trace_->isOpen()) {
+          throw std::runtime_error(options_.trace_file + ": cannot write the waveform");
+        }
+      }
+    } else {
+      throw std::logic_error("this model was built without waveforms");
+    }
+  }
+  void stop_trace() {
+    if (trace_ != nullptr) {
+      trace_->close();
+      trace_.reset();
+    }
+  }
+
+ private:
+  // A clock's fall is evaluated only where somebody looks at it: the waveform, the toggle coverage.
+#ifdef SELFPROJ_COVERAGE
+  static constexpr bool kFallsAreSeen = true;
+#else
+  static constexpr bool kFallsAreSeen = false;
+#endif
+
+  struct QueuedBeat {
+    VideoBeat beat;
+    std::uint32_t gap;  // clocks without a beat; 0: the beat
+  };
+
+  [[nodiscard]] bool chance(int percent) { return percent != 0 && static_cast<int>(random_() % 100U) < percent; }
+
+  // To the next rising edge of a clock, or of both.
+  void step() {
+    auto& m = *model_;
+    const BoardClocks::Edge edge = clocks_.next();
+    now_ = edge.time_ps;
+    if (kFallsAreSeen || trace_ != nullptr) {
+      m.clk_i = 0;
+      m.bus_clk_i = 0;
+      m.eval();
+      dump(now_ - 1);
+    }
+    if (edge.video) {
+      drive_video();
+    }
+    if (edge.bus) {
+      drive_bus();
+    }
+    BoardClocks::raise(m, edge);
+    dump(now_);
+    video_clocks_ += edge.video ? 1 : 0;
+    bus_clocks_ += edge.bus ? 1 : 0;
+  }
+
+  void drive_video() {
+    auto& m = *model_;
+    if (clock_hook_ && !in_reset_) {
+      clock_hook_(clock());
+    }
+    m.s_axis_tvalid = 0;
+    if (beats_.empty() || in_reset_) {
+      return;
+    }
+    QueuedBeat& next = beats_.front();
+    if (next.gap != 0) {
+      if (--next.gap == 0) {
+        beats_.pop_front();
+      }
+      return;
+    }
+    if (chance(options_.video_gap_percent)) {
+      return;
+    }
+    m.s_axis_tvalid = 1;
+    std::uint32_t pixels = 0;
+    for (int i = spec::kPixelsPerBeat - 1; i >= 0; --i) {
+      pixels = pixels << 8U | next.beat.pixels[static_cast<std::size_t>(i)];
+    }
+    m.s_axis_tdata = pixels;
+    m.s_axis_tuser = next.beat.start;
+    m.s_axis_tlast = next.beat.line_end;
+    if (beat_hook_) {
+      beat_hook_(clock(), next.beat);
+    }
+    beats_.pop_front();
+  }
+
+  void drive_bus() {
+    auto& m = *model_;
+    // The values before the edge decide what happens at it.
+    m.m_axis_tready = !chance(options_.bus_stall_percent) && !in_reset_;
+    if (in_reset_) {
+      return;
+    }
+    if (m.m_axis_tvalid != 0 && m.m_axis_tready != 0) {
+      for (int word = 0; word < 4; ++word) {
+        for (int byte = 0; byte < 4; ++byte) {
+          packet_.push_back(static_cast<std::uint8_t>(m.m_axis_tdata[word] >> (8 * byte)));
+        }
+      }
+      if (m.m_axis_tlast != 0) {
+        if (sink_) {
+          sink_(packet_);
+        }
+        packet_.clear();
+      }
+    }
+    if (m.m_axis_tvalid != 0) {
+      idle_since_ = video_clocks_;
+    }
+    // What was taken at the edge before is no longer offered at this one.
+    if (std::exchange(drop_aw_, false)) {
+      m.s_axil_awvalid = 0;
+    }
+    if (std::exchange(drop_w_, false)) {
+      m.s_axil_wvalid = 0;
+    }
+    if (std::exchange(drop_ar_, false)) {
+      m.s_axil_arvalid = 0;
+    }
+    drop_aw_ = m.s_axil_awvalid != 0 && m.s_axil_awready != 0;
+    drop_w_ = m.s_axil_wvalid != 0 && m.s_axil_wready != 0;
+    drop_ar_ = m.s_axil_arvalid != 0 && m.s_axil_arready != 0;
+    if (m.s_axil_bvalid != 0 && m.s_axil_bready != 0) {
+      answer_ = {.error = m.s_axil_bresp != 0, .data = 0};
+      access_done_ = true;
+    }
+    if (m.s_axil_rvalid != 0 && m.s_axil_rready != 0) {
+      answer_ = {.error = m.s_axil_rresp != 0, .data = m.s_axil_rdata};
+      access_done_ = true;
+    }
+  }
+
+  void dump(std::uint64_t time) {
+    if (trace_ != nullptr) {
+      trace_->dump(time);
+    }
+  }
+
+  BoardDeviceOptions options_;
+  struct Simulation {
+    Simulation() { context.traceEverOn(true); }
+    ~Simulation() {
+      model.final();
+      // A model whose names are known to VPI takes them out of the thread's context, which may be that of a device
+      // since gone.
+      Verilated::threadContextp(&context);
+    }
+    Simulation(const Simulation&) = delete;
+    Simulation& operator=(const Simulation&) = delete;
+    VerilatedContext context;
+    Model model{&context};
+#ifdef SELFPROJ_COVERAGE
+    CoverageFile coverage{context};  // after the model, so that it writes before that is gone
+#endif
+  };
+  Reusable<Simulation> simulation_;
+  Model* model_;
+  std::unique_ptr<VerilatedFstC> trace_;
+  std::mt19937_64 random_;
+
+  BoardClocks clocks_;
+  std::uint64_t now_ = 0;
+  std::uint64_t video_clocks_ = 0;
+  std::uint64_t bus_clocks_ = 0;
+  std::uint64_t reset_clock_ = 0;
+  std::uint64_t idle_since_ = 0;
+  bool in_reset_ = false;
+
+  std::deque<QueuedBeat> beats_;
+  std::vector<std::uint8_t> packet_;
+  PacketSink sink_;
+  ClockHook clock_hook_;
+  BeatHook beat_hook_;
+
+  std::optional<bool> decodes_;  // the build has the decoder; nothing before it was asked
+  RegisterAnswer answer_;
+  bool access_done_ = true;
+  bool drop_aw_ = false;
+  bool drop_w_ = false;
+  bool drop_ar_ = false;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_BOARD_BOARD_DEVICE_H

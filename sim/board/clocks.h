@@ -1,0 +1,70 @@
+// Stepping a Verilated model from one rising edge to the next.
+//
+// Verilator's eval() finds out which clocks have risen, and looks again until nothing changes any more; each edge costs
+// two calls, one of them for the fall, at which nothing happens in the circuits. Who steps the clocks knows all that:
+// rise() does what one rising edge needs and nothing else. eval() may be called as well, before, after and in between.
+//
+//     BoardClocks clocks(6614, 8000, 1234);               // periods and phase in ps
+//     const BoardClocks::Edge edge = clocks.next();    // of which clock, and when
+//     ... inputs, from the outputs before the edge ...
+//     clocks.raise(model, edge);
+#ifndef SELFPROJ_SIM_BOARD_CLOCKS_H
+#define SELFPROJ_SIM_BOARD_CLOCKS_H
+
+#include <cstdint>
+
+namespace selfproj {
+
+// The model at a rising edge of those clocks that stand at 1, all of which were 0 since the edge before; inputs may
+// have changed with it. Equal to eval() at the fall and again at the rise. eval() has to have been called once before.
+// Defined for the models that selfproj_verilate() (cmake/Verilated.cmake) was given the CLOCKS of; none of them makes a
+// clock itself.
+template <class Model>
+void rise(Model& model);
+
+// After registers were set from outside, between two edges: all logic behind them follows. Defined for the same models.
+template <class Model>
+void settle(Model& model);
+
+// The board's two unrelated clocks: periods in ps, and by how much the bus clock's first edge is later than one period.
+class BoardClocks {
+ public:
+  struct Edge {
+    bool video;
+    bool bus;
+    std::uint64_t time_ps;
+  };
+
+  BoardClocks(std::uint64_t video_period_ps, std::uint64_t bus_period_ps, std::uint64_t bus_phase_ps)
+      : video_period_(video_period_ps),
+        bus_period_(bus_period_ps),
+        next_video_(video_period_ps),
+        next_bus_(bus_period_ps + bus_phase_ps) {}
+
+  // To the next rising edge of a clock, or of both where they rise together.
+  Edge next() {
+    const Edge edge = {.video = next_video_ <= next_bus_,
+                       .bus = next_bus_ <= next_video_,
+                       .time_ps = next_video_ <= next_bus_ ? next_video_ : next_bus_};
+    next_video_ += edge.video ? video_period_ : 0;
+    next_bus_ += edge.bus ? bus_period_ : 0;
+    return edge;
+  }
+
+  template <class Model>
+  static void raise(Model& model, const Edge& edge) {
+    model.clk_i = edge.video;
+    model.bus_clk_i = edge.bus;
+    rise(model);
+  }
+
+ private:
+  std::uint64_t video_period_;
+  std::uint64_t bus_period_;
+  std::uint64_t next_video_;
+  std::uint64_t next_bus_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_BOARD_CLOCKS_H

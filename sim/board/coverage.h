@@ -1,0 +1,84 @@
+// Coverage of the RTL by a program, in builds with SELFPROJ_COVERAGE (scripts/coverage.sh).
+//
+// Verilated models count in their own memory, which must be alive when the counts are written. In such a build a model
+// is therefore never destroyed but put back for the next test case, and the counts are written when the program ends:
+// to the file that SELFPROJ_COVERAGE_FILE names, with the process number appended. In every other build a test case has
+// a new model.
+#ifndef SELFPROJ_SIM_BOARD_COVERAGE_H
+#define SELFPROJ_SIM_BOARD_COVERAGE_H
+
+#include <memory>
+#include <vector>
+
+#ifdef SELFPROJ_COVERAGE
+#include <unistd.h>
+#include <verilated.h>
+#include <verilated_cov.h>
+
+#include <cstdlib>
+#include <string>
+#endif
+
+namespace selfproj {
+
+#ifdef SELFPROJ_COVERAGE
+
+// Writes the counts of a context when the program ends.
+class CoverageFile {
+ public:
+  explicit CoverageFile(VerilatedContext& context) : context_(context), number_(count_++) {}
+  CoverageFile(const CoverageFile&) = delete;
+  CoverageFile& operator=(const CoverageFile&) = delete;
+  ~CoverageFile() {
+    if (const char* path = std::getenv("SELFPROJ_COVERAGE_FILE"); path != nullptr) {
+      const std::string name = std::string(path) + '.' + std::to_string(getpid()) + '.' + std::to_string(number_);
+      context_.coveragep()->write(name.c_str());
+    }
+  }
+
+ private:
+  inline static int count_ = 0;
+  VerilatedContext& context_;
+  int number_;
+};
+
+#endif
+
+// A T from make() that is given back at the end of its use.
+template <typename T>
+class Reusable {
+ public:
+#ifdef SELFPROJ_COVERAGE
+  template <typename Make>
+  explicit Reusable(Make make) {
+    if (free_.empty()) {
+      all_.push_back(make());
+      free_.push_back(all_.back().get());
+    }
+    object_ = free_.back();
+    free_.pop_back();
+  }
+  ~Reusable() { free_.push_back(object_); }
+#else
+  template <typename Make>
+  explicit Reusable(Make make) : owner_(make()), object_(owner_.get()) {}
+#endif
+  Reusable(const Reusable&) = delete;
+  Reusable& operator=(const Reusable&) = delete;
+
+  T& operator*() const { return *object_; }
+  T* operator->() const { return object_; }
+
+ private:
+#ifdef SELFPROJ_COVERAGE
+  inline static std::vector<std::unique_ptr<T>> all_;
+  inline static std::vector<T*> free_;
+#else
+  std::unique_ptr<T> owner_;
+#endif
+  T* object_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_BOARD_COVERAGE_H

@@ -1,0 +1,62 @@
+// The moments as the HLS kernel computes them: its C simulation, a step a clock.
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "hls/column_moments.h"
+#include "model/packet.h"
+#include "sim/board/hls_streams.h"
+#include "sim/board/moments_engine.h"
+
+namespace selfproj {
+namespace {
+
+class HlsEngine final : public MomentsEngine {
+ public:
+  [[nodiscard]] std::string name() const override { return "hls"; }
+
+  void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Moments> out) override {
+    hls::MomentsSetup setup;
+    setup.columns = settings.columns;
+    setup.rows = settings.rows;
+    setup.mode = static_cast<unsigned>(settings.mode);
+    setup.threshold = settings.threshold;
+    const std::size_t size = moments_payload_bytes(settings.mode, settings.columns);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      push_frame(frames[i], video_);
+      bool more = true;
+      while (more || !video_.empty()) {
+        more = kernel_->step(video_, setup, payload_);
+      }
+      bytes_.clear();
+      hls::AxisBeat<128> beat;
+      while (payload_.read_nb(beat)) {
+        append_beat(beat, bytes_);
+        if (beat.last != (bytes_.size() == size ? 1U : 0U)) {
+          break;
+        }
+      }
+      if (bytes_.size() != size) {
+        throw std::runtime_error("engine hls: frame " + std::to_string(i + 1) + " gave no whole payload");
+      }
+      out[i].resize(settings.columns);
+      unpack_moments(settings.mode, settings.columns, bytes_.data(), out[i].view());
+    }
+  }
+
+ private:
+  std::unique_ptr<hls::ColumnMomentsKernel> kernel_ = std::make_unique<hls::ColumnMomentsKernel>();
+  hls::Stream<hls::AxisBeat<32>> video_;
+  hls::Stream<hls::AxisBeat<128>> payload_;
+  std::vector<std::uint8_t> bytes_;
+};
+
+}  // namespace
+
+std::unique_ptr<MomentsEngine> make_hls_engine() { return std::make_unique<HlsEngine>(); }
+
+}  // namespace selfproj

@@ -1,0 +1,60 @@
+// The moments as the RTL computes them: frames into the Verilated board, packets out of it.
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "Vboard.h"
+#include "model/packet.h"
+#include "sim/board/board_device.h"
+#include "sim/board/moments_engine.h"
+
+namespace selfproj {
+namespace {
+
+class RtlEngine final : public MomentsEngine {
+ public:
+  [[nodiscard]] std::string name() const override { return "rtl"; }
+
+  void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Moments> out) override {
+    BoardDevice<Vboard> board;
+    std::size_t received = 0;
+    std::string problem;
+    board.on_packet([&](std::span<const std::uint8_t> bytes) {
+      PacketView packet;
+      const PacketError error = parse_packet(bytes, packet);
+      if (error != PacketError::none) {
+        problem = std::string("bad packet: ") + to_string(error);
+      } else if (packet.status != 0 || packet.header.lost != 0 || packet.header.sequence != received ||
+                 received == out.size()) {
+        problem = "frame " + std::to_string(received + 1) + " was lost or broken on the board";
+      } else {
+        out[received].resize(settings.columns);
+        unpack_moments(settings.mode, settings.columns, packet.payload.data(), out[received].view());
+        ++received;
+      }
+    });
+    board.write(BoardSettings{
+        .columns = settings.columns, .rows = settings.rows, .mode = settings.mode, .threshold = settings.threshold});
+    // Frames of few rows may not follow each other at once: leave the time two packets need.
+    const auto gap = static_cast<std::uint32_t>(moments_payload_bytes(settings.mode, settings.columns) / 8 + 64);
+    for (const ImageView& frame : frames) {
+      board.send(frame);
+      board.gap(gap);
+      board.drain(gap);
+      if (!problem.empty()) {
+        throw std::runtime_error("engine rtl: " + problem);
+      }
+    }
+    board.drain();
+    if (received != frames.size()) {
+      throw std::runtime_error("engine rtl: " + std::to_string(frames.size() - received) + " frames gave no packet");
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<MomentsEngine> make_rtl_engine() { return std::make_unique<RtlEngine>(); }
+
+}  // namespace selfproj

@@ -1,0 +1,263 @@
+#include "sim/board/shell_blocks.h"
+
+#include <cstddef>
+
+namespace selfproj {
+namespace {
+
+Wide128 words_of(const hls::WideUint<128>& wide) {
+  hls::WideUint<128> rest = wide;
+  Wide128 words{};
+  for (std::uint32_t& word : words) {
+    word = rest.to_uint();
+    rest = rest >> 32;
+  }
+  return words;
+}
+
+hls::WideUint<128> wide_of(const Wide128& words) {
+  hls::WideUint<128> wide = 0;
+  for (std::size_t i = words.size(); i-- > 0;) {
+    wide = (wide << 32) | hls::WideUint<128>(hls::Uint<32>(words[i]));
+  }
+  return wide;
+}
+
+template <class Ram, class Bit, class Address, class Word>
+void connect(Ram& ram, sc_core::sc_signal<bool>& clk, Bit& rd_en, Address& rd_addr, Word& rd_data, Bit& wr_en,
+             Address& wr_addr, Word& wr_data) {
+  ram.clk(clk);
+  ram.rd_en(rd_en);
+  ram.rd_addr(rd_addr);
+  ram.rd_data(rd_data);
+  ram.wr_en(wr_en);
+  ram.wr_addr(wr_addr);
+  ram.wr_data(wr_data);
+}
+
+}  // namespace
+
+// A change of a signal wakes threads and methods in the next delta cycle, and those of them that others wait for write
+// in that one: three are enough.
+void ShellBlock::settle() {
+  constexpr int kDeltas = 3;
+  const bool in_thread = sc_core::sc_get_current_process_handle().valid();
+  for (int i = 0; i < kDeltas; ++i) {
+    if (in_thread) {
+      sc_core::wait(sc_core::SC_ZERO_TIME);
+    } else {
+      sc_core::sc_start(sc_core::SC_ZERO_TIME);
+    }
+  }
+}
+
+void ShellBlock::pass_clock(bool reset) {
+  rst_.write(reset);
+  clk_.write(false);
+  settle();
+  clk_.write(true);
+  settle();
+}
+
+ColumnMomentsBlock::ColumnMomentsBlock(const sc_core::sc_module_name& name) : ShellBlock(name) {
+  shell_.clk_i(clk_);
+  shell_.rst_i(rst_);
+  shell_.beat_valid_i(beat_valid_);
+  shell_.beat_pixels_i(pixels_);
+  shell_.beat_group_i(group_);
+  shell_.beat_row_i(row_);
+  shell_.beat_first_row_i(first_row_);
+  shell_.beat_last_row_i(last_row_);
+  shell_.beat_line_end_i(line_end_);
+  shell_.one_group_i(one_);
+  shell_.two_groups_i(two_);
+  shell_.mode_i(mode_);
+  shell_.threshold_i(threshold_);
+  shell_.break_i(break_);
+  shell_.accept_i(accept_);
+  shell_.moments_valid_o(valid_o_);
+  shell_.moments_data_o(data_o_);
+  shell_.moments_break_o(break_o_);
+  shell_.spoiled_o(spoiled_o_);
+  shell_.m_rd_en_o(m_rd_);
+  shell_.m_rd_addr_o(m_rd_at_);
+  shell_.m_rd_low_i(m_low_in_);
+  shell_.m_rd_high_i(m_high_in_);
+  shell_.m_wr_en_o(m_wr_);
+  shell_.m_wr_addr_o(m_wr_at_);
+  shell_.m_wr_low_o(m_low_out_);
+  shell_.m_wr_high_o(m_high_out_);
+  shell_.a_rd_en_o(a_rd_);
+  shell_.a_rd_addr_o(a_rd_at_);
+  shell_.a_rd_low_i(a_low_in_);
+  shell_.a_rd_high_i(a_high_in_);
+  shell_.a_wr_en_o(a_wr_);
+  shell_.a_wr_addr_o(a_wr_at_);
+  shell_.a_wr_low_o(a_low_out_);
+  shell_.a_wr_high_o(a_high_out_);
+  shell_.line_rd_en_o(line_rd_);
+  shell_.line_rd_addr_o(line_rd_at_);
+  shell_.line_rd_data_i(line_in_);
+  shell_.line_wr_en_o(line_wr_);
+  shell_.line_wr_addr_o(line_wr_at_);
+  shell_.line_wr_data_o(line_out_);
+  connect(m_low_, clk_, m_rd_, m_rd_at_, m_low_in_, m_wr_, m_wr_at_, m_low_out_);
+  connect(m_high_, clk_, m_rd_, m_rd_at_, m_high_in_, m_wr_, m_wr_at_, m_high_out_);
+  connect(a_low_, clk_, a_rd_, a_rd_at_, a_low_in_, a_wr_, a_wr_at_, a_low_out_);
+  connect(a_high_, clk_, a_rd_, a_rd_at_, a_high_in_, a_wr_, a_wr_at_, a_high_out_);
+  connect(line_, clk_, line_rd_, line_rd_at_, line_in_, line_wr_, line_wr_at_, line_out_);
+}
+
+void ColumnMomentsBlock::clock(ColumnMomentsPins& pins) {
+  beat_valid_.write(pins.beat_valid_i != 0);
+  pixels_.write(pins.beat_pixels_i);
+  group_.write(pins.beat_group_i);
+  row_.write(pins.beat_row_i);
+  first_row_.write(pins.beat_first_row_i != 0);
+  last_row_.write(pins.beat_last_row_i != 0);
+  line_end_.write(pins.beat_line_end_i != 0);
+  one_.write(pins.one_group_i != 0);
+  two_.write(pins.two_groups_i != 0);
+  mode_.write(pins.mode_i);
+  threshold_.write(pins.threshold_i);
+  break_.write(pins.break_i != 0);
+  accept_.write(pins.accept_i != 0);
+  pass_clock(pins.rst_i != 0);
+  pins.moments_valid_o = valid_o_.read();
+  if (valid_o_.read()) {
+    pins.moments_data_o = words_of(data_o_.read());
+  }
+  pins.moments_break_o = break_o_.read();
+  pins.spoiled_o = spoiled_o_.read();
+}
+
+GrayDecoderBlock::GrayDecoderBlock(const sc_core::sc_module_name& name) : ShellBlock(name) {
+  shell_.clk_i(clk_);
+  shell_.rst_i(rst_);
+  shell_.take_i(take_);
+  shell_.decode_i(decode_);
+  shell_.bits_i(bits_);
+  shell_.threshold_i(threshold_);
+  shell_.columns_i(columns_);
+  shell_.rows_i(rows_);
+  shell_.beat_valid_i(valid_);
+  shell_.beat_pixels_i(pixels_);
+  shell_.beat_line_start_i(line_start_);
+  shell_.beat_line_end_i(line_end_);
+  shell_.beat_last_row_i(last_row_);
+  shell_.frame_start_i(start_);
+  shell_.break_i(break_);
+  shell_.break_status_i(status_);
+  shell_.pattern_i(pattern_);
+  shell_.mem_read_o(read_);
+  shell_.mem_read_first_o(read_first_);
+  shell_.mem_data_i(data_);
+  shell_.mem_late_i(late_);
+  shell_.mem_write_o(write_);
+  shell_.mem_write_first_o(write_first_);
+  shell_.mem_data_o(data_o_);
+  shell_.mem_end_o(end_);
+  shell_.busy_i(busy_);
+  shell_.codes_valid_o(codes_valid_);
+  shell_.codes_o(codes_);
+  shell_.codes_start_o(codes_start_);
+  shell_.codes_line_start_o(codes_line_start_);
+  shell_.codes_line_end_o(codes_line_end_);
+  shell_.codes_last_row_o(codes_last_row_);
+  shell_.codes_break_o(codes_break_);
+  shell_.codes_status_o(status_o_);
+  shell_.abandoned_o(abandoned_);
+}
+
+void GrayDecoderBlock::clock(GrayDecoderPins& pins) {
+  take_.write(pins.take_i != 0);
+  decode_.write(pins.decode_i != 0);
+  bits_.write(pins.bits_i);
+  threshold_.write(pins.threshold_i);
+  columns_.write(pins.columns_i);
+  rows_.write(pins.rows_i);
+  valid_.write(pins.beat_valid_i != 0);
+  pixels_.write(pins.beat_pixels_i);
+  line_start_.write(pins.beat_line_start_i != 0);
+  line_end_.write(pins.beat_line_end_i != 0);
+  last_row_.write(pins.beat_last_row_i != 0);
+  start_.write(pins.frame_start_i != 0);
+  break_.write(pins.break_i != 0);
+  status_.write(pins.break_status_i);
+  pattern_.write(pins.pattern_i);
+  data_.write(wide_of(pins.mem_data_i));
+  late_.write(pins.mem_late_i != 0);
+  busy_.write(pins.busy_i != 0);
+  pass_clock(pins.rst_i != 0);
+  pins.mem_read_o = read_.read();
+  pins.mem_read_first_o = read_first_.read();
+  pins.mem_write_o = write_.read();
+  pins.mem_write_first_o = write_first_.read();
+  pins.mem_data_o = words_of(data_o_.read());
+  pins.mem_end_o = end_.read();
+  pins.codes_valid_o = codes_valid_.read();
+  pins.codes_o = codes_.read();
+  pins.codes_start_o = codes_start_.read();
+  pins.codes_line_start_o = codes_line_start_.read();
+  pins.codes_line_end_o = codes_line_end_.read();
+  pins.codes_last_row_o = codes_last_row_.read();
+  pins.codes_break_o = codes_break_.read();
+  pins.codes_status_o = static_cast<std::uint8_t>(status_o_.read().to_uint());
+  pins.abandoned_o = abandoned_.read().to_uint();
+}
+
+Median3x3Block::Median3x3Block(const sc_core::sc_module_name& name) : ShellBlock(name) {
+  shell_.clk_i(clk_);
+  shell_.rst_i(rst_);
+  shell_.s_valid_i(valid_);
+  shell_.s_codes_i(codes_);
+  shell_.s_start_i(start_);
+  shell_.s_line_start_i(line_start_);
+  shell_.s_line_end_i(line_end_);
+  shell_.s_last_row_i(last_row_);
+  shell_.s_break_i(break_);
+  shell_.s_status_i(status_);
+  shell_.s_median_i(median_);
+  shell_.busy_o(busy_);
+  shell_.m_valid_o(valid_o_);
+  shell_.m_codes_o(codes_o_);
+  shell_.m_start_o(start_o_);
+  shell_.m_line_start_o(line_start_o_);
+  shell_.m_line_end_o(line_end_o_);
+  shell_.m_break_o(break_o_);
+  shell_.m_status_o(status_o_);
+  shell_.rd_en_o(rd_);
+  shell_.rd_addr_o(rd_at_);
+  shell_.near_rd_data_i(near_in_);
+  shell_.far_rd_data_i(far_in_);
+  shell_.wr_addr_o(wr_at_);
+  shell_.near_wr_en_o(near_wr_);
+  shell_.near_wr_data_o(near_out_);
+  shell_.far_wr_en_o(far_wr_);
+  shell_.far_wr_data_o(far_out_);
+  connect(near_, clk_, rd_, rd_at_, near_in_, near_wr_, wr_at_, near_out_);
+  connect(far_, clk_, rd_, rd_at_, far_in_, far_wr_, wr_at_, far_out_);
+}
+
+void Median3x3Block::clock(Median3x3Pins& pins) {
+  valid_.write(pins.s_valid_i != 0);
+  codes_.write(pins.s_codes_i);
+  start_.write(pins.s_start_i != 0);
+  line_start_.write(pins.s_line_start_i != 0);
+  line_end_.write(pins.s_line_end_i != 0);
+  last_row_.write(pins.s_last_row_i != 0);
+  break_.write(pins.s_break_i != 0);
+  status_.write(pins.s_status_i);
+  median_.write(pins.s_median_i != 0);
+  pass_clock(pins.rst_i != 0);
+  pins.busy_o = busy_.read();
+  pins.m_valid_o = valid_o_.read();
+  pins.m_codes_o = codes_o_.read();
+  pins.m_start_o = start_o_.read();
+  pins.m_line_start_o = line_start_o_.read();
+  pins.m_line_end_o = line_end_o_.read();
+  pins.m_break_o = break_o_.read();
+  pins.m_status_o = static_cast<std::uint8_t>(status_o_.read().to_uint());
+}
+
+}  // namespace selfproj

@@ -1,0 +1,214 @@
+// The SystemC shells with their memories, stepped a clock at a time by whoever has the pins.
+//
+//     ColumnMomentsBlock block("moments");
+//     ColumnMomentsPins pins;
+//     pins.beat_valid_i = 1; ...
+//     block.clock(pins);              // the edge that ends this clock; the outputs are those of the next one
+//
+// A block takes no simulated time: its clock is a signal that changes in delta cycles. clock() may be called from a
+// thread of the kernel that the block belongs to, or from outside while that kernel does not run. Blocks, as all of
+// SystemC, are built before their kernel first runs.
+//
+// Pins have the names of the RTL's ports and the types of a Verilated model.
+#ifndef SELFPROJ_SIM_BOARD_SHELL_BLOCKS_H
+#define SELFPROJ_SIM_BOARD_SHELL_BLOCKS_H
+
+#include <array>
+#include <cstdint>
+#include <systemc>
+
+#include "hls/shells/column_moments_shell.h"
+#include "hls/shells/gray_decoder_shell.h"
+#include "hls/shells/median3x3_shell.h"
+#include "sim/board/shell_ram.h"
+
+namespace selfproj {
+
+using Wide128 = std::array<std::uint32_t, 4>;  // lowest first
+
+struct ColumnMomentsPins {
+  std::uint8_t rst_i = 0;
+  std::uint8_t beat_valid_i = 0;
+  std::uint32_t beat_pixels_i = 0;
+  std::uint16_t beat_group_i = 0;
+  std::uint16_t beat_row_i = 0;
+  std::uint8_t beat_first_row_i = 0;
+  std::uint8_t beat_last_row_i = 0;
+  std::uint8_t beat_line_end_i = 0;
+  std::uint8_t one_group_i = 0;
+  std::uint8_t two_groups_i = 0;
+  std::uint8_t mode_i = 0;
+  std::uint8_t threshold_i = 0;
+  std::uint8_t break_i = 0;
+  std::uint8_t accept_i = 0;
+
+  std::uint8_t moments_valid_o = 0;
+  Wide128 moments_data_o{};
+  std::uint8_t moments_break_o = 0;
+  std::uint8_t spoiled_o = 0;
+};
+
+struct GrayDecoderPins {
+  std::uint8_t rst_i = 0;
+  std::uint8_t take_i = 0;
+  std::uint8_t decode_i = 0;
+  std::uint8_t bits_i = 0;
+  std::uint8_t threshold_i = 0;
+  std::uint16_t columns_i = 0;
+  std::uint16_t rows_i = 0;
+  std::uint8_t beat_valid_i = 0;
+  std::uint32_t beat_pixels_i = 0;
+  std::uint8_t beat_line_start_i = 0;
+  std::uint8_t beat_line_end_i = 0;
+  std::uint8_t beat_last_row_i = 0;
+  std::uint8_t frame_start_i = 0;
+  std::uint8_t break_i = 0;
+  std::uint8_t break_status_i = 0;
+  std::uint16_t pattern_i = 0;
+  Wide128 mem_data_i{};
+  std::uint8_t mem_late_i = 0;
+  std::uint8_t busy_i = 0;
+
+  std::uint8_t mem_read_o = 0;
+  std::uint8_t mem_read_first_o = 0;
+  std::uint8_t mem_write_o = 0;
+  std::uint8_t mem_write_first_o = 0;
+  Wide128 mem_data_o{};
+  std::uint8_t mem_end_o = 0;
+  std::uint8_t codes_valid_o = 0;
+  std::uint64_t codes_o = 0;
+  std::uint8_t codes_start_o = 0;
+  std::uint8_t codes_line_start_o = 0;
+  std::uint8_t codes_line_end_o = 0;
+  std::uint8_t codes_last_row_o = 0;
+  std::uint8_t codes_break_o = 0;
+  std::uint8_t codes_status_o = 0;
+  std::uint32_t abandoned_o = 0;
+};
+
+struct Median3x3Pins {
+  std::uint8_t rst_i = 0;
+  std::uint8_t s_valid_i = 0;
+  std::uint64_t s_codes_i = 0;
+  std::uint8_t s_start_i = 0;
+  std::uint8_t s_line_start_i = 0;
+  std::uint8_t s_line_end_i = 0;
+  std::uint8_t s_last_row_i = 0;
+  std::uint8_t s_break_i = 0;
+  std::uint8_t s_status_i = 0;
+  std::uint8_t s_median_i = 0;
+
+  std::uint8_t busy_o = 0;
+  std::uint8_t m_valid_o = 0;
+  std::uint64_t m_codes_o = 0;
+  std::uint8_t m_start_o = 0;
+  std::uint8_t m_line_start_o = 0;
+  std::uint8_t m_line_end_o = 0;
+  std::uint8_t m_break_o = 0;
+  std::uint8_t m_status_o = 0;
+};
+
+// What the blocks share: clock and reset, and how a clock passes.
+class ShellBlock : public sc_core::sc_module {
+ public:
+  using sc_core::sc_module::sc_module;
+
+ protected:
+  template <typename T>
+  using Signal = sc_core::sc_signal<T>;
+
+  // The inputs have been written; the edge, after which the outputs can be read.
+  void pass_clock(bool reset);
+
+  Signal<bool> clk_{"clk"};
+  Signal<bool> rst_{"rst"};
+
+ private:
+  static void settle();
+};
+
+class ColumnMomentsBlock : public ShellBlock {
+ public:
+  explicit ColumnMomentsBlock(const sc_core::sc_module_name& name);
+  void clock(ColumnMomentsPins& pins);
+
+ private:
+  using Group = hls::Group;
+  static constexpr int kGroupBits = hls::bits_for(spec::kMaxColumns / hls::kLanes - 1);
+
+  hls::ColumnMomentsShell shell_{"shell"};
+  ShellRam<hls::kMBits, kGroupBits> m_low_{"m_low"}, m_high_{"m_high"};
+  ShellRam<hls::kABits, kGroupBits> a_low_{"a_low"}, a_high_{"a_high"};
+  ShellRam<32, kGroupBits> line_{"line"};
+
+  Signal<bool> beat_valid_{"beat_valid"}, first_row_{"first_row"}, last_row_{"last_row"}, line_end_{"line_end"};
+  Signal<bool> one_{"one"}, two_{"two"}, break_{"break_in"}, accept_{"accept"};
+  Signal<hls::Pixels> pixels_{"pixels"};
+  Signal<Group> group_{"group"};
+  Signal<hls::Row> row_{"row"};
+  Signal<hls::ModeBits> mode_{"mode"};
+  Signal<hls::Pixel> threshold_{"threshold"};
+  Signal<bool> valid_o_{"valid_o"}, break_o_{"break_o"}, spoiled_o_{"spoiled_o"};
+  Signal<hls::WideUint<128>> data_o_{"data_o"};
+  Signal<bool> m_rd_{"m_rd"}, m_wr_{"m_wr"}, a_rd_{"a_rd"}, a_wr_{"a_wr"}, line_rd_{"line_rd"}, line_wr_{"line_wr"};
+  Signal<Group> m_rd_at_{"m_rd_at"}, m_wr_at_{"m_wr_at"}, a_rd_at_{"a_rd_at"}, a_wr_at_{"a_wr_at"};
+  Signal<Group> line_rd_at_{"line_rd_at"}, line_wr_at_{"line_wr_at"};
+  Signal<hls::Uint<hls::kMBits>> m_low_out_{"m_low_out"}, m_high_out_{"m_high_out"}, m_low_in_{"m_low_in"};
+  Signal<hls::Uint<hls::kMBits>> m_high_in_{"m_high_in"};
+  Signal<hls::Uint<hls::kABits>> a_low_out_{"a_low_out"}, a_high_out_{"a_high_out"}, a_low_in_{"a_low_in"};
+  Signal<hls::Uint<hls::kABits>> a_high_in_{"a_high_in"};
+  Signal<hls::Pixels> line_out_{"line_out"}, line_in_{"line_in"};
+};
+
+// The memory of the states is behind the pins.
+class GrayDecoderBlock : public ShellBlock {
+ public:
+  explicit GrayDecoderBlock(const sc_core::sc_module_name& name);
+  void clock(GrayDecoderPins& pins);
+
+ private:
+  hls::GrayDecoderShell shell_{"shell"};
+
+  Signal<bool> take_{"take"}, decode_{"decode"}, valid_{"valid"}, line_start_{"line_start"}, line_end_{"line_end"};
+  Signal<bool> last_row_{"last_row"}, start_{"start"}, break_{"break_in"}, late_{"late"}, busy_{"busy"};
+  Signal<hls::PlaneCount> bits_{"bits"};
+  Signal<hls::GrayPixel> threshold_{"threshold"};
+  Signal<hls::Columns> columns_{"columns"};
+  Signal<hls::Row> rows_{"rows"};
+  Signal<hls::Pixels> pixels_{"pixels"};
+  Signal<hls::Status> status_{"status"}, status_o_{"status_o"};
+  Signal<hls::PatternIndex> pattern_{"pattern"};
+  Signal<hls::StateWord> data_{"data"}, data_o_{"data_o"};
+  Signal<bool> read_{"read"}, read_first_{"read_first"}, write_{"write"}, write_first_{"write_first"}, end_{"end"};
+  Signal<bool> codes_valid_{"codes_valid"}, codes_start_{"codes_start"}, codes_line_start_{"codes_line_start"};
+  Signal<bool> codes_line_end_{"codes_line_end"}, codes_last_row_{"codes_last_row"}, codes_break_{"codes_break"};
+  Signal<hls::Uint<64>> codes_{"codes"};
+  Signal<hls::Uint<32>> abandoned_{"abandoned"};
+};
+
+class Median3x3Block : public ShellBlock {
+ public:
+  explicit Median3x3Block(const sc_core::sc_module_name& name);
+  void clock(Median3x3Pins& pins);
+
+ private:
+  static constexpr int kGroupBits = hls::bits_for(spec::kMaxColumns / hls::kCodeLanes - 1);
+  static constexpr int kLineBits = hls::kCodeLanes * hls::kCodeBits;
+
+  hls::Median3x3Shell shell_{"shell"};
+  ShellRam<kLineBits, kGroupBits> near_{"near"}, far_{"far"};
+
+  Signal<bool> valid_{"valid"}, start_{"start"}, line_start_{"line_start"}, line_end_{"line_end"};
+  Signal<bool> last_row_{"last_row"}, break_{"break_in"}, median_{"median"}, busy_{"busy"};
+  Signal<hls::Uint<64>> codes_{"codes"}, codes_o_{"codes_o"};
+  Signal<hls::CodeStatus> status_{"status"}, status_o_{"status_o"};
+  Signal<bool> valid_o_{"valid_o"}, start_o_{"start_o"}, line_start_o_{"line_start_o"}, line_end_o_{"line_end_o"};
+  Signal<bool> break_o_{"break_o"};
+  Signal<bool> rd_{"rd"}, near_wr_{"near_wr"}, far_wr_{"far_wr"};
+  Signal<hls::CodeGroup> rd_at_{"rd_at"}, wr_at_{"wr_at"};
+  Signal<hls::CodeLine> near_out_{"near_out"}, near_in_{"near_in"}, far_out_{"far_out"}, far_in_{"far_in"};
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_BOARD_SHELL_BLOCKS_H

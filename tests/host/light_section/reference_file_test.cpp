@@ -1,0 +1,173 @@
+// References as files: what is written is read back, and whatever is wrong with a file is said in one line.
+#include "host/light_section/reference_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "tests/cli/program.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+template <class Function>
+std::string message_of(Function&& call) {
+  try {
+    call();
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// A reference with odd numbers and gaps.
+ReferenceProfile some_reference(const Rig& rig) {
+  ReferenceProfile reference;
+  reference.resize(rig.camera.columns);
+  for (std::size_t i = 0; i < reference.valid.size(); ++i) {
+    const auto k = static_cast<double>(i);
+    const bool valid = i % 7 != 3;
+    reference.valid[i] = valid ? 1 : 0;
+    reference.tan_theta[i] = valid ? 0.6 + k / 3000 : kNan;
+    reference.z_mm[i] = valid ? 1167 - k / 7 : kNan;
+    reference.offset_px[i] = valid ? -k / 1e4 : kNan;
+  }
+  return reference;
+}
+
+TEST(ReferenceFile, ComesBackToTheLastBit) {
+  const Rig rig = load_rig("light-section");
+  const ReferenceProfile reference = some_reference(rig);
+  const ReferenceProfile read = parse_reference_csv(rig, reference_csv(rig, reference), "r.csv");
+  ASSERT_EQ(read.valid, reference.valid);
+  for (std::size_t i = 0; i < read.valid.size(); ++i) {
+    if (read.valid[i] != 0) {
+      ASSERT_EQ(read.tan_theta[i], reference.tan_theta[i]);
+      ASSERT_EQ(read.z_mm[i], reference.z_mm[i]);
+      ASSERT_EQ(read.offset_px[i], reference.offset_px[i]);
+    } else {
+      ASSERT_TRUE(std::isnan(read.z_mm[i]));
+    }
+  }
+  // Also for the rig that went through its own YAML.
+  EXPECT_NO_THROW(parse_reference_csv(parse_rig(to_yaml(rig), "y"), reference_csv(rig, reference), "r.csv"));
+}
+
+TEST(ReferenceFile, AnotherRigIsRefused) {
+  const Rig rig = load_rig("light-section");
+  const std::string text = reference_csv(rig, some_reference(rig));
+  const auto message = [&](const Rig& other) { return message_of([&] { parse_reference_csv(other, text, "r.csv"); }); };
+  Rig other = rig;
+  other.camera.focal_length_mm = 35;
+  EXPECT_EQ(message(other), "r.csv: was made for another rig: camera.focal_length_mm is 50 there and 35 here");
+  other = rig;
+  other.camera.columns = 1024;
+  EXPECT_EQ(message(other), "r.csv: was made for another rig: camera.columns is 512 there and 1024 here");
+  other = rig;
+  other.projector.tilt_rad += 1e-9;
+  EXPECT_TRUE(contains(message(other), "projector.tilt_rad")) << message(other);
+  other = rig;
+  other.measure.threshold = 7;  // is not geometry
+  EXPECT_EQ(message(other), "no error");
+}
+
+TEST(ReferenceFile, DamageIsSeen) {
+  const Rig rig = load_rig("light-section");
+  const std::string text = reference_csv(rig, some_reference(rig));
+  const auto message = [&](const std::string& damaged) {
+    return message_of([&] { parse_reference_csv(rig, damaged, "r.csv"); });
+  };
+  EXPECT_EQ(message(text), "no error");
+  EXPECT_EQ(message(""), "r.csv: is no reference (selfproj pattern makes them)");
+  EXPECT_EQ(message("frame,column,m0,m1,n\n"), "r.csv: is no reference (selfproj pattern makes them)");
+  EXPECT_EQ(message("# selfproj reference 2\n"), "r.csv: is of version 2; this program reads version 1");
+  // Cut off anywhere it is noticed.
+  for (std::size_t size = 0; size < text.size(); size += 37) {
+    ASSERT_NE(message(text.substr(0, size)), "no error") << size;
+  }
+  ASSERT_NE(message(text.substr(0, text.size() - 1)), "no error");
+  const std::size_t line = text.find("\n9,");
+  EXPECT_TRUE(contains(message(text.substr(0, line + 1)), "is cut off: 8 of 512 columns are there"));
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string result = text;
+    result.replace(result.find(from), from.size(), to);
+    return result;
+  };
+  EXPECT_TRUE(contains(message(replaced("\n9,", "\n10,")), "line 25: is damaged: column 9"))
+      << message(replaced("\n9,", "\n10,"));
+  EXPECT_TRUE(contains(message(replaced("\n9,", "\n9,x")), "is no number"));
+  EXPECT_TRUE(contains(message(replaced("\n9,", "\n9,nan")), "is no number"));
+  EXPECT_TRUE(contains(message(replaced("\n9,", "\n9,1,")), "is damaged: column 9"));
+  EXPECT_TRUE(contains(message(replaced("\n4,,,\n", "\n4,,7,\n")), "'' is no number"));
+  EXPECT_TRUE(contains(message(text + "513,,,\n"), "more than 512 columns"));
+}
+
+TEST(ReferenceFile, FoldersAndPatterns) {
+  const Rig rig = load_rig("light-section");
+  const ScratchFolder folder;
+  const std::string path = folder.path().string();
+  EXPECT_TRUE(contains(message_of([&] { load_reference(rig, path); }), "reference.csv: cannot be read"));
+  write_text(folder / "reference.csv", reference_csv(rig, some_reference(rig)));
+  EXPECT_EQ(load_reference(rig, path).valid, some_reference(rig).valid);
+  EXPECT_EQ(load_reference(rig, path + "/reference.csv").valid, some_reference(rig).valid);
+  FloatImage pattern(rig.projector.lines, rig.projector.columns, 0.25F);
+  write_float_tiff(folder / "pattern.tiff", pattern);
+  EXPECT_EQ(load_pattern(rig, path), pattern);
+  pattern.row(3)[4] = 1.5F;
+  write_float_tiff(folder / "pattern.tiff", pattern);
+  EXPECT_TRUE(contains(message_of([&] { load_pattern(rig, path); }), "not in 0..1"));
+  write_float_tiff(folder / "pattern.tiff", FloatImage(3, 4));
+  EXPECT_TRUE(contains(message_of([&] { load_pattern(rig, path); }), "has 3 x 4 pixels; the rig's projector has 512"));
+}
+
+TEST(CurveFile, Csv) {
+  const ReferenceCurve curve = parse_curve_csv("y_mm,z_mm\r\n-1.5,1100\n0,\n0, 1e3\n2,1000.5", "c.csv");
+  EXPECT_EQ(curve.y_mm, (std::vector<double>{-1.5, 0, 0, 2}));
+  EXPECT_EQ(curve.z_mm[0], 1100);
+  EXPECT_TRUE(std::isnan(curve.z_mm[1]));
+  EXPECT_EQ(curve.z_mm[2], 1000);
+  EXPECT_EQ(curve.z_mm[3], 1000.5);
+  const auto message = [](const std::string& text) { return message_of([&] { parse_curve_csv(text, "c.csv"); }); };
+  EXPECT_EQ(message("y,z\n"), "c.csv: line 1: y_mm,z_mm is expected");
+  EXPECT_EQ(message(""), "c.csv: line 1: y_mm,z_mm is expected");
+  EXPECT_EQ(message("y_mm,z_mm\n0,1000\n"), "c.csv: has less than two points");
+  EXPECT_EQ(message("y_mm,z_mm\n0,1000\n-1,1000\n"), "c.csv: line 3: y falls from 0 to -1");
+  EXPECT_EQ(message("y_mm,z_mm\n0,1000,3\n"), "c.csv: line 2: two numbers are expected: y, z");
+  EXPECT_EQ(message("y_mm,z_mm\n0,12mm\n"), "c.csv: line 2: '12mm' is no number");
+  EXPECT_TRUE(contains(message("y_mm,z_mm\n0,-5\n"), "must be greater than 0"));
+}
+
+TEST(CurveFile, HeightsOfFrames) {
+  const Rig rig = load_rig("light-section");
+  const ScratchFolder folder;
+  const std::string file = (folder / "h.tiff").string();
+  FloatImage heights(3, 512);
+  for (int c = 0; c < 512; ++c) {
+    heights.row(0)[c] = 1;
+    heights.row(1)[c] = 30;
+    heights.row(2)[c] = 2;
+  }
+  heights.row(2)[5] = std::numeric_limits<float>::quiet_NaN();
+  write_float_tiff(file, heights);
+  EXPECT_EQ(load_curve(rig, file, {}).z_mm[4], 1165);  // the median
+  EXPECT_EQ(load_curve(rig, file, 2).z_mm[4], 1137);
+  EXPECT_TRUE(std::isnan(load_curve(rig, file, 3).z_mm[5]));
+  EXPECT_NEAR(load_curve(rig, file, 3).y_mm[0], -255.5 * 0.01 / 50 * 1165, 1e-9);
+  EXPECT_TRUE(contains(message_of([&] { load_curve(rig, file, 4); }), "has no frame 4; it has 3"));
+  write_float_tiff(file, FloatImage(1, 500));
+  EXPECT_TRUE(contains(message_of([&] { load_curve(rig, file, {}); }), "has 500 columns; the rig's camera has 512"));
+  EXPECT_TRUE(contains(message_of([&] { load_curve(rig, (folder / "none.csv").string(), {}); }), "cannot be read"));
+  EXPECT_TRUE(contains(message_of([&] { load_curve(rig, folder.path().string(), {}); }), "is a folder"));
+}
+
+}  // namespace
+}  // namespace selfproj::test

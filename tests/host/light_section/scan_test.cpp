@@ -1,0 +1,168 @@
+// The scan: θ(β) of images that were drawn from the equations.
+#include "host/light_section/scan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "host/light_section/reference.h"
+#include "host/rig/geometry.h"
+#include "host/rig/rig.h"
+#include "tests/host/structured_light/pinhole.h"
+
+namespace selfproj::test {
+namespace {
+
+// z of each camera column: a slope, a wave, a step.
+std::vector<double> surface(const Rig& rig) {
+  std::vector<double> z;
+  for (int i = 0; i < rig.camera.columns; ++i) {
+    z.push_back(1160 - 0.05 * i + 3 * std::sin(i / 20.0) - (i > 300 ? 12 : 0));
+  }
+  return z;
+}
+
+// Adds a line of light, Gaussian across, at the row (from 0) `center` of a column.
+void draw(Image& image, int column, double center, double peak) {
+  for (int r = 0; r < image.rows; ++r) {
+    const double light = peak * std::exp(-0.5 * (r - center) * (r - center) / (1.6 * 1.6));
+    std::uint8_t& pixel = image.pixels[static_cast<std::size_t>(r * image.columns + column)];
+    pixel = static_cast<std::uint8_t>(std::min(255.0, pixel + std::round(light)));
+  }
+}
+
+// What the camera sees of a straight line on the surface: (3.4), the other way round.
+Image view_of(const Rig& rig, const std::vector<double>& z, double line) {
+  Image image{rig.camera.rows, rig.camera.columns, {}};
+  image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 5);
+  const double theta = tan_theta(rig.projector, line);
+  for (int i = 0; i < image.columns; ++i) {
+    const double depth = z[static_cast<std::size_t>(i)];
+    const double x = rig.projector.x_mm - (depth - rig.projector.z_mm) * theta;
+    draw(image, i, camera_sees(rig.camera, {x, 0, depth}).row, 180);
+  }
+  return image;
+}
+
+void expect_found(const Rig& rig, const std::vector<double>& z, const ReferenceProfile& found) {
+  ASSERT_EQ(found.valid_columns(), rig.camera.columns);
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    // The images are rounded to whole grey values, which is some thousandths of a row.
+    ASSERT_NEAR(line_of(rig.projector, found.tan_theta[i]), line_on_middle(rig.projector, z[i]), 0.02) << i;
+    ASSERT_NEAR(found.z_mm[i], z[i], 0.02 * 0.42) << i;
+    ASSERT_EQ(found.offset_px[i], 0);
+  }
+}
+
+TEST(LineScan, FindsTheLightPlaneOfEachColumn) {
+  const Rig rig = load_rig("light-section");
+  const std::vector<double> z = surface(rig);
+  for (const int every : {1, 4}) {
+    LineScan scan(rig, every);
+    std::vector<int> lines = sweep_lines(rig, every);
+    EXPECT_EQ(lines.size(), every == 1 ? 508U : 127U);  // a line of width 5 is whole on 2..509
+    std::reverse(lines.begin(), lines.end());           // in any order
+    for (const int line : lines) {
+      scan.add(line, view_of(rig, z, line).view());
+    }
+    expect_found(rig, z, scan.reference());
+  }
+}
+
+TEST(LineScan, TheBrighterOfTwoCrossingsCounts) {
+  const Rig rig = load_rig("light-section");
+  const std::vector<double> z = surface(rig);
+  LineScan scan(rig);
+  for (const int line : sweep_lines(rig)) {
+    Image image = view_of(rig, z, line);
+    // A faint copy of the line 60 lines before and after it.
+    for (const int ghost : {-60, 60}) {
+      const Image other = view_of(rig, z, line + ghost);
+      for (std::size_t k = 0; k < image.pixels.size(); ++k) {
+        image.pixels[k] = static_cast<std::uint8_t>(std::max<int>(image.pixels[k], other.pixels[k] / 3));
+      }
+    }
+    scan.add(line, image.view());
+  }
+  const ReferenceProfile found = scan.reference();
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    ASSERT_NEAR(line_of(rig.projector, found.tan_theta[i]), line_on_middle(rig.projector, z[i]), 0.05) << i;
+  }
+}
+
+TEST(LineScan, WhereNoLineCrossesThereIsNoReference) {
+  const Rig rig = load_rig("light-section");
+  const std::vector<double> z = surface(rig);
+  LineScan scan(rig);
+  const int from = static_cast<int>(line_on_middle(rig.projector, z[0])) + 1;  // on one side only of column 0
+  for (const int line : sweep_lines(rig)) {
+    Image image = view_of(rig, z, line);
+    for (int r = 0; r < image.rows; ++r) {
+      image.pixels[static_cast<std::size_t>(r * image.columns + 7)] = 5;    // nothing at all in column 7
+      image.pixels[static_cast<std::size_t>(r * image.columns + 9)] = 200;  // too much in column 9
+    }
+    if (line >= from) {
+      scan.add(line, image.view());
+    }
+  }
+  const ReferenceProfile found = scan.reference();
+  EXPECT_EQ(found.valid[0], 0);
+  EXPECT_EQ(found.valid[7], 0);
+  EXPECT_EQ(found.valid[9], 0);
+  EXPECT_TRUE(std::isnan(found.z_mm[7]));
+  EXPECT_EQ(found.valid[200], 1);
+}
+
+TEST(LineScan, AnyShowAndTake) {
+  const Rig rig = load_rig("light-section");
+  const std::vector<double> z = surface(rig);
+  // The line is known again from the pattern alone.
+  const ReferenceProfile found = scan_reference(rig, [&](const FloatImage& pattern) {
+    double light = 0;
+    double sum = 0;
+    for (int r = 0; r < pattern.rows; ++r) {
+      light += static_cast<double>(pattern.row(r)[11]);
+      sum += r * static_cast<double>(pattern.row(r)[11]);
+    }
+    return view_of(rig, z, sum / light);
+  });
+  expect_found(rig, z, found);
+}
+
+TEST(LineScan, ImagesOfAnotherSizeAreRefused) {
+  const Rig rig = load_rig("light-section");
+  const std::vector<std::uint8_t> pixels(100);
+  const ImageView image{pixels.data(), 10, 10, 10};
+  EXPECT_THROW(LineScan(rig).add(0, image), std::invalid_argument);
+  EXPECT_THROW(CentroidMean(rig).add(image), std::invalid_argument);
+}
+
+TEST(CentroidMean, IsTheMeanOfGoodColumns) {
+  const Rig rig = load_rig("light-section");
+  CentroidMean mean(rig);
+  for (int k = 0; k < 4; ++k) {
+    Image image{rig.camera.rows, rig.camera.columns, {}};
+    image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 5);
+    draw(image, 0, 47 + k, 180);  // rows from 0: 48, 49, 50, 51
+    if (k < 2) {
+      draw(image, 1, 50, 180);  // in half of them
+    }
+    if (k < 1) {
+      draw(image, 2, 50, 180);  // in less
+    }
+    mean.add(image.view());
+  }
+  const std::vector<double> centroids = mean.centroids();
+  EXPECT_NEAR(centroids[0], 49.5, 1e-9);
+  EXPECT_NEAR(centroids[1], 51, 1e-9);
+  EXPECT_TRUE(std::isnan(centroids[2]));
+  EXPECT_TRUE(std::isnan(centroids[3]));
+}
+
+}  // namespace
+}  // namespace selfproj::test

@@ -1,0 +1,85 @@
+// Rigs: what is read, what is written, and what is said about a wrong one.
+
+#include "host/rig/rig.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <string>
+
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+std::string with(const std::string& from, const std::string& to) {
+  std::string yaml = to_yaml(load_rig("light-section"));
+  const std::size_t at = yaml.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return yaml.replace(at, from.size(), to);
+}
+
+std::string error_of(const std::string& yaml) {
+  try {
+    parse_rig(yaml, "rig.yaml");
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(Rig, BuiltInOnesHaveTheValuesOfTheThesis) {
+  const Rig a = load_rig("light-section");
+  EXPECT_EQ(a.kind, RigKind::light_section);
+  EXPECT_EQ(a.camera.rows, 96);
+  EXPECT_EQ(a.camera.columns, 512);
+  EXPECT_DOUBLE_EQ(a.camera.pixel_pitch_mm, 0.010);
+  EXPECT_DOUBLE_EQ(a.projector.tilt_rad, 20 * std::numbers::pi / 180);
+  EXPECT_DOUBLE_EQ(a.camera.exposure_s, 90e-6);
+  const Rig b = load_rig("scanner");
+  EXPECT_EQ(b.kind, RigKind::scanner);
+  EXPECT_EQ(b.projector.lines, 768);
+  EXPECT_DOUBLE_EQ(b.plane_z_mm, 550);
+}
+
+TEST(Rig, IsReadBackAsWritten) {
+  for (const std::string& name : built_in_rigs()) {
+    Rig rig = load_rig(name);
+    rig.camera.focal_length_mm = 1.0 / 3;
+    rig.projector.tilt_rad = 0.1234567890123456;
+    rig.name = "a: b # \"c\"";
+    const std::string yaml = to_yaml(rig);
+    const Rig read = parse_rig(yaml, "text");
+    EXPECT_EQ(to_yaml(read), yaml);
+    EXPECT_EQ(read.name, rig.name);
+    EXPECT_EQ(read.camera.focal_length_mm, rig.camera.focal_length_mm);
+    EXPECT_NEAR(read.projector.tilt_rad, rig.projector.tilt_rad, 1e-16);
+  }
+}
+
+TEST(Rig, ErrorsNameFileLineKeyAndReason) {
+  EXPECT_EQ(error_of(with("  focal_length_mm: 50", "  focal_length_mm: -50")),
+            "rig.yaml: line 8: camera.focal_length_mm is -50; it must be greater than 0 and at most 1000000");
+  EXPECT_EQ(error_of(with("  focal_length_mm: 50", "  focal_length_m: 0.05")),
+            "rig.yaml: line 8: camera.focal_length_m: unknown key; the key is focal_length_mm");
+  EXPECT_EQ(error_of(with("  speed_mm_per_s: 1000\n", "")), "rig.yaml: conveyor.speed_mm_per_s is missing");
+  EXPECT_EQ(error_of(with("mode: grey-over", "mode: gray")),
+            "rig.yaml: line 26: measure.mode is 'gray'; one of binary, grey, grey-over is expected");
+  EXPECT_EQ(error_of(with("threshold: 20", "threshold: 256")),
+            "rig.yaml: line 27: measure.threshold is 256; it must be at least 0 and at most 255");
+  EXPECT_EQ(error_of(with("  rows: 96", "  rows: 96.5")),
+            "rig.yaml: line 5: camera.rows is '96.5', not a whole number");
+  EXPECT_EQ(error_of(with("  seed: 1\n", "  seed: 1\nspeed: 3\n")), "rig.yaml: line 42: speed: unknown key");
+  EXPECT_EQ(error_of(with("min_lit_px: 3", "min_lit_px: 30")),
+            "rig.yaml: measure.min_lit_px is 30, more than measure.max_lit_px, 24");
+  EXPECT_EQ(error_of(with("ambient: 8", "ambient: 201")),
+            "rig.yaml: imaging.dark is 2, imaging.ambient 201, imaging.white 200; each may be at most the next");
+  EXPECT_EQ(error_of(with("dark: 2", "dark: 9")),
+            "rig.yaml: imaging.dark is 9, imaging.ambient 8, imaging.white 200; each may be at most the next");
+  EXPECT_EQ(error_of("just text"), "rig.yaml: is no rig: keys and values are expected");
+  EXPECT_EQ(error_of("a: [1"), "rig.yaml: line 1: end of sequence flow not found");
+  EXPECT_THROW(load_rig("no-such-rig"), UserError);
+}
+
+}  // namespace
+}  // namespace selfproj

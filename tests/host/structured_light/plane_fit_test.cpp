@@ -1,0 +1,144 @@
+// Planes seen by the pinholes of a rig and rounded to codes: the plane that comes back, and the residuals that rounding
+// leaves, against their prediction.
+#include "host/structured_light/plane_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/rig/calibration_file.h"
+#include "host/rig/rig.h"
+#include "host/rig/rig_calibration.h"
+#include "host/structured_light/lens_triangulation.h"
+#include "host/structured_light/triangulation.h"
+#include "tests/host/structured_light/pinhole.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::uint16_t kMeasurable = 0x8000;
+constexpr int kBits = 10;
+constexpr double kZ0 = 553;
+constexpr double kA = 0.11;
+constexpr double kB = -0.07;
+
+// A rig of few pixels, all of whose points count.
+Rig small_rig() {
+  Rig rig = load_rig("scanner");
+  rig.camera.rows = 300;
+  rig.camera.columns = 260;
+  rig.measure.max_z_per_line_mm = 1e3;
+  return rig;
+}
+
+// The point of the plane z = kZ0 + kA x + kB y on the ray of pixel i; rows run along x.
+test::Point3 on_plane(const Rig& rig, std::size_t i) {
+  const auto columns = static_cast<std::size_t>(rig.camera.columns);
+  const double scale = rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  const std::size_t row = i / columns;
+  const std::size_t column = i % columns;
+  const double dx = scale * (static_cast<double>(row) - 0.5 * (rig.camera.rows - 1));
+  const double dy = scale * (static_cast<double>(column) - 0.5 * (rig.camera.columns - 1));
+  const double z = kZ0 / (1 - kA * dx - kB * dy);
+  return {dx * z, dy * z, z};
+}
+
+std::uint16_t word(double place, int count) {
+  EXPECT_TRUE(place > -0.5 && place < count - 0.5) << place;
+  return static_cast<std::uint16_t>(std::lround(place)) | kMeasurable;
+}
+
+void expect_plane(const Triangulation& triangulation, const FloatImage& depth) {
+  const PlaneFit fit = fit_plane(triangulation, depth);
+  EXPECT_EQ(fit.points, triangulation.pixels());
+  // Thousands of errors of about 0.5 mm, and rounding of neighbours is not quite independent.
+  EXPECT_NEAR(fit.z0, kZ0, 0.02);
+  EXPECT_NEAR(fit.a, kA, 2e-4);
+  EXPECT_NEAR(fit.b, kB, 2e-4);
+  EXPECT_NEAR(fit.rms, fit.rounding_rms, 0.03 * fit.rounding_rms);
+  // An error uniform over a code ends at √3 standard deviations; codes are coarser at one end of the image.
+  double coarsest = 0;
+  for (std::size_t i = 0; i < depth.values.size(); ++i) {
+    coarsest = std::max(coarsest, triangulation.rounding_error(i, depth.values[i]));
+  }
+  EXPECT_LT(fit.greatest, 1.05 * std::sqrt(3.0) * coarsest);
+  EXPECT_GT(fit.greatest, 0.8 * std::sqrt(3.0) * coarsest);
+}
+
+TEST(PlaneFit, LinesRoundedToCodes) {
+  const Rig rig = small_rig();
+  const PlaneTriangulation triangulation(rig, kBits, {}, 1 << kBits);
+  std::vector<std::uint16_t> codes(triangulation.pixels());
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    const double first = 0.5 * (rig.projector.lines - (1 << kBits));
+    codes[i] = word(test::projector_lights(rig.projector, on_plane(rig, i)).row - first, 1 << kBits);
+  }
+  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  triangulation.depth(codes.data(), depth.values.data());
+  expect_plane(triangulation, depth);
+}
+
+TEST(PlaneFit, CodesOfBothAxes) {
+  const Rig rig = small_rig();
+  LensSettings settings;
+  settings.rows = rig.camera.rows;
+  settings.columns = rig.camera.columns;
+  settings.bits = kBits;
+  settings.row_bits = kBits;
+  settings.rows_are_x = true;
+  const LensTriangulation triangulation(calibration_of(rig), settings);
+  std::vector<std::uint16_t> lines(triangulation.pixels());
+  std::vector<std::uint16_t> columns(triangulation.pixels());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const test::Pixel lit = test::projector_lights(rig.projector, on_plane(rig, i));
+    lines[i] = word(lit.row, rig.projector.lines);
+    columns[i] = word(lit.column, rig.projector.columns);
+  }
+  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  triangulation.depth_of_both(lines.data(), columns.data(), depth.values.data(), nullptr, nullptr);
+  expect_plane(triangulation, depth);
+}
+
+TEST(PlaneFit, ExactPointsLeaveNothing) {
+  const Rig rig = small_rig();
+  const PlaneTriangulation triangulation(rig, kBits);
+  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  std::fill(depth.values.begin(), depth.values.end(), std::numeric_limits<float>::quiet_NaN());
+  std::size_t points = 0;
+  for (std::size_t i = 0; i < depth.values.size(); i += 7, ++points) {
+    depth.values[i] = static_cast<float>(on_plane(rig, i).z);
+  }
+  const PlaneFit fit = fit_plane(triangulation, depth);
+  EXPECT_EQ(fit.points, points);
+  EXPECT_NEAR(fit.z0, kZ0, 1e-5);  // 32-bit depths are rounded to 6e-5 mm
+  EXPECT_NEAR(fit.a, kA, 1e-7);
+  EXPECT_NEAR(fit.b, kB, 1e-7);
+  EXPECT_LT(fit.greatest, 1e-4);
+}
+
+TEST(PlaneFit, NoPlaneInTooFewPoints) {
+  const Rig rig = small_rig();
+  const PlaneTriangulation triangulation(rig, kBits);
+  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  std::fill(depth.values.begin(), depth.values.end(), std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(fit_plane(triangulation, depth).points, 0U);
+  EXPECT_TRUE(std::isnan(fit_plane(triangulation, depth).z0));
+  for (int r = 0; r < rig.camera.rows; ++r) {
+    depth.row(r)[100] = 550;  // at one depth in one column: on a line
+  }
+  const PlaneFit line = fit_plane(triangulation, depth);
+  EXPECT_EQ(line.points, static_cast<std::size_t>(rig.camera.rows));
+  EXPECT_TRUE(std::isnan(line.z0));
+  EXPECT_TRUE(std::isnan(line.rms));
+  EXPECT_THROW(fit_plane(triangulation, FloatImage(3, 3)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace selfproj

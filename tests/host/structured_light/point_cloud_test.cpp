@@ -1,0 +1,123 @@
+// PLY files as they are written and read, and distances against all pairs.
+
+#include "host/structured_light/point_cloud.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "tests/cli/program.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj {
+namespace {
+
+using test::Random;
+
+// Coordinates of few values, so that many are equal.
+std::vector<Point3f> random_points(Random& random, int count) {
+  std::vector<Point3f> points;
+  const int spread = random.between(1, 60);
+  const auto coordinate = [&] { return static_cast<float>(random.between(-spread, spread)) / 4; };
+  for (int i = 0; i < count; ++i) {
+    points.push_back({coordinate(), coordinate(), coordinate()});
+  }
+  return points;
+}
+
+double nearest(const std::vector<Point3f>& points, const Point3f& point) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const Point3f& other : points) {
+    best = std::min(best, std::hypot(static_cast<double>(other.x - point.x), static_cast<double>(other.y - point.y),
+                                     static_cast<double>(other.z - point.z)));
+  }
+  return best;
+}
+
+TEST(NearestPoint, IsTheNearestOfAll) {
+  for (const std::uint64_t seed : test::seeds(200)) {
+    SCOPED_TRACE(test::how_to_repeat(seed));
+    Random random(seed);
+    const std::vector<Point3f> points = random_points(random, random.between(0, 200));
+    const NearestPoint tree(points);
+    for (const Point3f& point : random_points(random, 30)) {
+      const double expected = nearest(points, point);
+      if (std::isinf(expected)) {
+        ASSERT_TRUE(std::isinf(tree.distance(point)));
+      } else {
+        ASSERT_NEAR(tree.distance(point), expected, 1e-5);
+      }
+    }
+  }
+}
+
+TEST(CompareClouds, CountsAndMedianAreThoseOfAllPairs) {
+  const std::vector<Point3f> ours{{0, 0, 0}, {0, 0, 2}, {0, 0, 7}};
+  const std::vector<Point3f> theirs{{0, 0, 0.5F}, {0, 0, 10}};
+  const CloudComparison found = compare_clouds(ours, theirs, 1.0);
+  EXPECT_EQ(found.ours, 3U);
+  EXPECT_EQ(found.theirs, 2U);
+  EXPECT_NEAR(found.median_mm, 1.5, 1e-6);  // 0.5, 1.5, 3
+  EXPECT_NEAR(found.ours_within, 1.0 / 3, 1e-9);
+  EXPECT_NEAR(found.theirs_within, 0.5, 1e-9);
+  EXPECT_TRUE(std::isnan(compare_clouds({}, theirs, 1.0).median_mm));
+}
+
+TEST(Ply, ReadsWhatItWrote) {
+  const test::ScratchFolder folder;
+  Random random(1);
+  const std::vector<Point3f> points = random_points(random, 50);
+  PlyText ply(points.size());
+  for (const Point3f& point : points) {
+    ply.add(point, 1, 2, 3);
+  }
+  test::write_text(folder / "a.ply", ply.file("fifty"));
+  const std::vector<Point3f> found = read_ply((folder / "a.ply").string());
+  ASSERT_EQ(found.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(found[i].x, points[i].x);
+    EXPECT_EQ(found[i].y, points[i].y);
+    EXPECT_EQ(found[i].z, points[i].z);
+  }
+}
+
+TEST(Ply, RefusesWhatItDoesNotUnderstand) {
+  const test::ScratchFolder folder;
+  PlyText ply(1);
+  ply.add({1, 2, 3}, 1, 2, 3);
+  const std::string good = ply.file("one");
+  const auto replaced = [&good](const std::string& from, const std::string& to) {
+    std::string text = good;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"", "no PLY"},
+      {"plx" + good.substr(3), "no PLY"},
+      {replaced("binary_little_endian", "ascii"), "no binary PLY"},
+      {replaced("float y", "double y"), "no binary PLY"},
+      {replaced("float z", "quad z"), "type quad"},
+      {replaced("vertex 1", "vertex 2"), "cut short"},
+      {replaced("vertex 1", "vertex 99999999999999999"), "cut short"},
+      {replaced("element vertex 1", "element face 1"), "no binary PLY"},
+      {good.substr(0, good.size() - 1), "cut short"},
+  };
+  for (const auto& [text, reason] : cases) {
+    test::write_text(folder / "a.ply", text);
+    try {
+      read_ply((folder / "a.ply").string());
+      ADD_FAILURE() << "taken: " << reason;
+    } catch (const UserError& error) {
+      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace selfproj

@@ -1,0 +1,183 @@
+// Gray codes that others have captured (../shared/data, not part of the project): decoding against OpenCV's, points
+// against the owner's cloud. Each test says that it is skipped where its data, or OpenCV's module, is not there.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/io/image_files.h"
+#include "host/report/depth_output.h"
+#include "host/rig/calibration_file.h"
+#include "host/structured_light/fast_decoder.h"
+#include "host/structured_light/lens_triangulation.h"
+#include "host/structured_light/point_cloud.h"
+
+#ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
+#include <opencv2/structured_light/graycodepattern.hpp>
+#endif
+
+namespace selfproj {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path data_folder() { return fs::path(SELFPROJ_SOURCE_DIR) / "../shared/data"; }
+
+std::vector<std::string> files_in(const fs::path& folder, const std::string& extension) {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == extension) {
+      files.push_back(entry.path().string());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// The code words of both axes at two thresholds, of one pass over the images.
+TEST(RealGray, ShellLiesOnTheOwnersCloud) {
+  const fs::path folder = data_folder() / "gray-sltk";
+  if (!fs::exists(folder)) {
+    GTEST_SKIP() << "no " << folder;
+  }
+  constexpr int kBits = 11;
+  const std::array<int, 2> thresholds{3, 5};
+  const std::vector<std::string> files = files_in(folder / "scan_0020", ".jpg");
+  ASSERT_EQ(files.size(), 4U * kBits);
+  const Calibration calibration = read_calibration((folder / "procam_2016_12_09.yaml").string());
+  const GraySettings settings{calibration.camera_rows, calibration.camera_columns, kBits, 0};
+  // [axis][threshold]
+  std::array<std::array<std::vector<std::uint16_t>, 2>, 2> words;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    std::vector<FastGrayDecoder> decoders;
+    for (const int threshold : thresholds) {
+      GraySettings own = settings;
+      own.threshold = threshold;
+      decoders.emplace_back(own);
+    }
+    std::array<Image, 2> pair;
+    for (int pattern = 0; pattern < 2 * kBits; ++pattern) {
+      Image& image = pair[static_cast<std::size_t>(pattern % 2)];
+      image = read_image(files[axis * 2 * kBits + static_cast<std::size_t>(pattern)], Channel::grey);
+      for (FastGrayDecoder& decoder : decoders) {
+        decoder.take(image.view(), pattern, true);
+      }
+    }
+    for (std::size_t i = 0; i < thresholds.size(); ++i) {
+      words[axis][i].resize(pair[0].pixels.size());
+      unambiguous_code_words(decoders[i].codes(), words[axis][i].data());
+    }
+  }
+  std::vector<Point3f> theirs = read_ply((folder / "scan_0020_cloud.ply").string());
+  for (Point3f& point : theirs) {
+    point = {point.x, -point.y, -point.z};  // the owner's axes are OpenGL's
+  }
+  const LensTriangulation triangulation(calibration, {settings.rows, settings.columns, kBits, kBits, 0, 0, 3, {}});
+  FloatImage depth(settings.rows, settings.columns);
+  for (std::size_t i = 0; i < thresholds.size(); ++i) {
+    triangulation.depth_of_both(words[0][i].data(), words[1][i].data(), depth.values.data(), nullptr, nullptr);
+    const CloudComparison found = compare_clouds(points_of(triangulation, depth), theirs, 1.0);
+    std::printf(
+        "threshold %d, no ambiguous pair: %zu points, median distance to the owner's cloud %.3f mm, %.1f %% within 1 "
+        "mm; "
+        "%.1f %% of the owner's %zu points have one of ours within 1 mm\n",
+        thresholds[i], found.ours, found.median_mm, 100 * found.ours_within, 100 * found.theirs_within, found.theirs);
+    EXPECT_LE(found.median_mm, 0.4);
+    EXPECT_GE(found.theirs_within, 0.95);
+    EXPECT_GT(found.ours, 100000U);
+  }
+}
+
+#ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
+
+// OpenCV's pixels are valid where no pair of either axis is ambiguous and the code is one of the projector's. Given one
+// axis only (the other has the one bit that its class asks for at least, of a pair that is there anyway), the pixels
+// where it differs from us in validity are exactly those with one ambiguous pair, and those whose code is none.
+TEST(RealGray, ChessboardDecodesAsWithOpenCv) {
+  const fs::path folder = data_folder() / "gray-kamino-pose0/capture_0";
+  if (!fs::exists(folder)) {
+    GTEST_SKIP() << "no " << folder;
+  }
+  constexpr int kBits = 10;
+  constexpr int kThreshold = 5;
+  const std::vector<std::string> files = files_in(folder, ".png");
+  ASSERT_GE(files.size(), 4U * kBits);
+  for (const int lines : {1024, 768}) {
+    SCOPED_TRACE(lines == 1024 ? "columns" : "rows");
+    std::vector<Image> images;
+    for (std::size_t i = 0; i < 2 * kBits; ++i) {
+      images.push_back(read_image(files[i + (lines == 1024 ? 0U : 2U * kBits)], std::nullopt));
+    }
+    const int rows = images[0].rows;
+    const int columns = images[0].columns;
+    FastGrayDecoder decoder({rows, columns, kBits, kThreshold});
+    std::vector<cv::Mat> mats;
+    for (int i = 0; i < 2 * kBits; ++i) {
+      Image& image = images[static_cast<std::size_t>(i)];
+      decoder.take(image.view(), i, true);
+      mats.emplace_back(rows, columns, CV_8U, image.pixels.data());
+    }
+    mats.push_back(mats[0]);
+    mats.push_back(mats[1]);
+    const auto peer = cv::structured_light::GrayCodePattern::create(lines, 2);
+    ASSERT_EQ(peer->getNumberOfPatternImages(), mats.size());
+    peer->setWhiteThreshold(kThreshold + 1);  // it accepts a difference equal to its threshold, we do not
+    peer->setBlackThreshold(0);
+
+    const CodeImageView codes = decoder.codes();
+    std::size_t equal = 0;
+    std::size_t one = 0;
+    std::size_t one_equal = 0;
+    std::size_t no_line = 0;
+    std::size_t neither = 0;
+    for (int y = 0; y < rows; ++y) {
+      for (int x = 0; x < columns; ++x) {
+        const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
+        const unsigned ambiguous = codes.ambiguous16[i];
+        const bool measurable = (ambiguous & (ambiguous - 1U)) == 0;
+        cv::Point point;
+        const bool valid = !peer->getProjPixel(mats, x, y, point);
+        if (ambiguous == 0 && codes.codes16[i] < lines) {
+          ASSERT_TRUE(valid) << x << ", " << y;
+          ASSERT_EQ(point.x, codes.codes16[i]) << x << ", " << y;
+          ++equal;
+          continue;
+        }
+        ASSERT_FALSE(valid) << x << ", " << y;
+        if (ambiguous == 0) {
+          ++no_line;
+        } else if (measurable) {
+          ++one;
+          one_equal += point.x == codes.codes16[i] ? 1 : 0;
+        } else {
+          ++neither;
+        }
+      }
+    }
+    std::printf(
+        "%d lines, threshold %d: %zu pixels valid in both, all codes equal; valid here only: %zu with one ambiguous "
+        "pair "
+        "(there the sign decides: %zu codes equal), %zu with a code of no line; in neither %zu\n",
+        lines, kThreshold, equal, one, one_equal, no_line, neither);
+    EXPECT_GT(equal, static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns) / 4);
+  }
+}
+
+#else
+
+TEST(RealGray, ChessboardDecodesAsWithOpenCv) {
+  GTEST_SKIP() << "built without OpenCV's structured_light module (libopencv-contrib-dev)";
+}
+
+#endif
+
+}  // namespace
+}  // namespace selfproj

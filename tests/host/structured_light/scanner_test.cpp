@@ -1,0 +1,165 @@
+// The scanner against its steps by the models: decoder, median, triangulation, what moved.
+
+#include "host/structured_light/scanner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <vector>
+
+#include "host/rig/rig.h"
+#include "host/structured_light/triangulation.h"
+#include "model/gray_decoder.h"
+#include "model/median3x3.h"
+#include "tests/support/random_cases.h"
+
+namespace {
+std::size_t allocations = 0;  // since the program began
+}  // namespace
+
+// Not inlined, or the compiler takes malloc and delete for a mismatch.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  void* const memory = std::malloc(size == 0 ? 1 : size);
+  if (memory == nullptr) {
+    throw std::bad_alloc();
+  }
+  return memory;
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
+
+namespace selfproj {
+namespace {
+
+using test::Random;
+
+bool same_bits(const FloatImage& a, const std::vector<float>& b) {
+  return a.values.size() == b.size() && std::memcmp(a.values.data(), b.data(), b.size() * sizeof(float)) == 0;
+}
+
+TEST(Scanner, EqualsItsStepsByTheModels) {
+  for (const std::uint64_t seed : test::seeds(40)) {
+    SCOPED_TRACE(test::how_to_repeat(seed));
+    Random random(seed);
+    Rig rig = load_rig("scanner");
+    rig.camera.rows = random.between(1, 40);
+    rig.camera.columns = random.between(1, 40);
+    const int bits = random.between(1, 10);
+    const int threshold = random.between(0, 30);
+    const PlaneTriangulation triangulation(rig, bits);
+    const bool filter = random.chance(50);
+    const SteadySettings steady = random.chance(50) ? SteadySettings{} : SteadySettings{40, 1};
+    Scanner scanner(triangulation, {threshold, filter, false, 2, steady});
+    SteadyFilter steady_filter(rig.camera.rows, rig.camera.columns, steady);
+    GrayDecoder decoder({rig.camera.rows, rig.camera.columns, bits, threshold});
+    const std::size_t count = triangulation.pixels();
+    std::vector<std::uint16_t> codes(count), filtered(count);
+    std::vector<float> z(count), background(count);
+    std::vector<std::vector<std::uint8_t>> frames(2);
+    bool has_background = false;
+    int images = 0;
+    for (int i = 0; i < 8 * bits; ++i) {
+      auto& pixels = frames[static_cast<std::size_t>(i % 2)];
+      pixels = random.bytes(count);
+      const bool good = !random.chance(3);
+      const int pattern = i % (2 * bits);
+      const ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
+      const bool due = decoder.take(view, pattern, good, codes.data());
+      const std::size_t before = allocations;
+      const bool found = scanner.take(view, pattern, good);
+      ASSERT_EQ(allocations, before) << "the scanner allocates";
+      ASSERT_EQ(found, due);
+      if (!due) {
+        continue;
+      }
+      ++images;
+      if (filter) {
+        median3x3(codes.data(), rig.camera.rows, rig.camera.columns, filtered.data());
+      } else {
+        filtered = codes;
+      }
+      triangulation.depth(filtered.data(), z.data());
+      ASSERT_EQ(scanner.codes(), filtered);
+      ASSERT_TRUE(same_bits(scanner.depth(), z));
+      if (has_background) {
+        const float* candidates = z.data();
+        if (steady_filter.is_on()) {
+          steady_filter.take(z.data(), background.data(), 2);
+          candidates = steady_filter.kept();
+        }
+        const Moved expected = moved(triangulation, candidates, background.data(), 2);
+        ASSERT_EQ(scanner.moved().pixels, expected.pixels);
+        FloatImage difference(rig.camera.rows, rig.camera.columns);
+        scanner.difference(difference);
+        std::int64_t differing = 0;
+        for (const float value : difference.values) {
+          differing += std::isnan(value) ? 0 : 1;
+        }
+        ASSERT_EQ(differing, expected.pixels);
+      } else {
+        ASSERT_EQ(scanner.moved().pixels, 0);
+        scanner.set_background(scanner.depth());
+        background = z;
+        has_background = true;
+      }
+      if (steady_filter.is_on()) {
+        steady_filter.remember(z.data());
+      }
+    }
+    EXPECT_TRUE(images > 0 || !has_background);
+  }
+}
+
+TEST(Scanner, TakesCodesOfTheBoard) {
+  const Rig rig = load_rig("scanner");
+  const PlaneTriangulation triangulation(rig, 8);
+  Scanner scanner(triangulation, {});
+  Random random(1);
+  std::vector<std::uint16_t> codes(triangulation.pixels());
+  for (std::uint16_t& code : codes) {
+    code = static_cast<std::uint16_t>(random.between(0, 255) | (random.chance(80) ? 0x8000 : 0));
+  }
+  scanner.take_codes(codes.data());
+  std::vector<float> z(codes.size());
+  triangulation.depth(codes.data(), z.data());
+  EXPECT_TRUE(same_bits(scanner.depth(), z));
+}
+
+// Strict: a pixel with one ambiguous pair has a code and no depth.
+TEST(Scanner, StrictLeavesOutPixelsWithOneAmbiguousPair) {
+  Rig rig = load_rig("scanner");
+  rig.camera.rows = 1;
+  rig.camera.columns = 3;
+  const PlaneTriangulation triangulation(rig, 3);
+  const std::vector<std::uint8_t> dark{50, 50, 50};
+  const std::vector<std::uint8_t> one_equal{50, 90, 90};  // pixel 0 is ambiguous in the last plane
+  const std::vector<std::uint8_t> two_equal{90, 90, 90};
+  for (const bool strict : {false, true}) {
+    Scanner scanner(triangulation, {5, false, strict, 2});
+    for (int pattern = 0; pattern < 6; ++pattern) {
+      const auto& pixels = pattern % 2 == 1 ? dark : pattern == 4 ? one_equal : two_equal;
+      scanner.take({pixels.data(), 1, 3, 3}, pattern);
+    }
+    EXPECT_EQ((scanner.codes()[0] & 0x8000) == 0, strict);
+    EXPECT_NE(scanner.codes()[1] & 0x8000, 0);
+  }
+}
+
+TEST(Scanner, RefusesWhatIsOutOfRange) {
+  const Rig rig = load_rig("scanner");
+  const PlaneTriangulation triangulation(rig, 8);
+  EXPECT_THROW(Scanner(triangulation, {256, true, false, 5}), std::invalid_argument);
+  EXPECT_THROW(Scanner(triangulation, {5, true, false, -1}), std::invalid_argument);
+  EXPECT_THROW(Scanner(triangulation, {5, true, true, 5}), std::invalid_argument);
+  Scanner scanner(triangulation, {});
+  EXPECT_THROW(scanner.set_background(FloatImage(4, 4)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace selfproj
