@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/driver/device.h"
 #include "host/driver/image_assembler.h"
+#include "host/driver/open_device.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"

@@ -20,7 +20,7 @@
 
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
-#include "host/driver/device.h"
+#include "host/driver/open_device.h"
 #include "host/io/duration_histogram.h"
 #include "host/io/output_file.h"
 #include "host/io/output_folder.h"

@@ -1,8 +1,4 @@
-// The driver: one interface to whatever brings the board's packets, addressed by URI.
-//
-//     ring:NAME   a ring in shared memory, written by a board's driver or by selfproj-sim board   (ring_layout.h)
-//     file:PATH   a recorded stream, a pipe, or a streaming character device such as /dev/xdma0_c2h_0
-//     sim:        inside selfproj-sim only: SimDevice (sim_device.h)
+// The driver: one interface to whatever brings the board's packets. open_device.h opens one by its URI.
 //
 //     const std::unique_ptr<Device> device = open_device("ring:line1");
 //     PacketView packet;
@@ -16,7 +12,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include "host/driver/counters.h"
@@ -75,10 +70,6 @@ class Device {
   // As it was opened: "ring:line1".
   [[nodiscard]] virtual const std::string& uri() const = 0;
 };
-
-// Opens the device. Throws UserError, naming the URI, where it is none of the above or cannot be opened: no such ring
-// or file, no rights, a ring of another layout or specification, a ring that has a reader already.
-std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions& options = {});
 
 }  // namespace selfproj
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "host/driver/device.h"
+#include "host/driver/open_device.h"
 #include "host/io/user_error.h"
 #include "model/packet.h"
 

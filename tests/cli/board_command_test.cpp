@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/driver/device.h"
+#include "host/driver/open_device.h"
 #include "host/driver/ring_list.h"
 #include "host/driver/ring_writer.h"
 #include "host/io/duration_histogram.h"

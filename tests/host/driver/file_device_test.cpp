@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/driver/device.h"
+#include "host/driver/open_device.h"
 #include "host/io/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/host/driver/packets.h"

@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/driver/device.h"
+#include "host/driver/open_device.h"
 #include "host/driver/packet_limits.h"
 #include "host/driver/ring_layout.h"
 #include "host/driver/ring_list.h"

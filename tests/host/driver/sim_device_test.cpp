@@ -7,7 +7,7 @@
 #include <chrono>
 #include <span>
 
-#include "host/driver/device.h"
+#include "host/driver/open_device.h"
 #include "host/driver/packet_limits.h"
 #include "host/io/user_error.h"
 #include "tests/host/driver/packets.h"

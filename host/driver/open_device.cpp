@@ -1,4 +1,4 @@
-#include "host/driver/device.h"
+#include "host/driver/open_device.h"
 
 #include <memory>
 #include <string>

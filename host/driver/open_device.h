@@ -1,0 +1,22 @@
+// Devices by URI:
+//
+//     ring:NAME   a ring in shared memory, written by a board's driver or by selfproj-sim board   (ring_layout.h)
+//     file:PATH   a recorded stream, a pipe, or a streaming character device such as /dev/xdma0_c2h_0
+//     sim:        inside selfproj-sim only: SimDevice (sim_device.h)
+#ifndef SELFPROJ_HOST_DRIVER_OPEN_DEVICE_H
+#define SELFPROJ_HOST_DRIVER_OPEN_DEVICE_H
+
+#include <memory>
+#include <string>
+
+#include "host/driver/device.h"
+
+namespace selfproj {
+
+// Opens the device. Throws UserError, naming the URI, where it is none of the above or cannot be opened: no such ring
+// or file, no rights, a ring of another layout or specification, a ring that has a reader already.
+std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions& options = {});
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_DRIVER_OPEN_DEVICE_H

@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""Holds layers.json against every #include of the sources.
+
+    check_layers.py [ROOT]
+
+Fails, with a line each, on an include that the table does not allow, on a room that the table does not know, on a
+circle between rooms and on a circle between files (a source and its header count as one file).
+"""
+
+import fnmatch
+import json
+import pathlib
+import re
+import sys
+
+INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+
+
+def includes_of(root):
+    """(file, included file) of every include between our own files, both relative to the root."""
+    pairs = []
+    for top in ("model", "hls", "host", "sim"):
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix not in (".h", ".cpp", ".in"):
+                continue
+            name = path.relative_to(root).as_posix()
+            for included in INCLUDE.findall(path.read_text(encoding="utf-8")):
+                if included.split("/")[0] in ("model", "hls", "host", "sim", "tests"):
+                    pairs.append((name, included))
+    return pairs
+
+
+def room_of(name, rooms):
+    """The room that a file is in: the longest of the table's that its folder begins with; none where there is none."""
+    found = [room for room in rooms if name.startswith(room + "/")]
+    return max(found, key=len, default=None)
+
+
+def unit_of(name):
+    """A source and its header are one unit."""
+    return name.rsplit(".", 1)[0]
+
+
+def circles(edges):
+    """A circle through each group of nodes that reach each other, as lists of nodes."""
+    graph = {}
+    for start, end in edges:
+        if start != end:
+            graph.setdefault(start, set()).add(end)
+    found, done = [], set()
+    for start in sorted(graph):
+        stack, before = [start], {start: None}
+        while stack and start not in done:
+            node = stack.pop()
+            for after in sorted(graph.get(node, ())):
+                if after == start:
+                    way = [start]
+                    while node != start:
+                        way.append(node)
+                        node = before[node]
+                    found.append([start] + way[:0:-1] + [start])
+                    done.update(way)
+                    stack = []
+                    break
+                if after not in before:
+                    before[after] = node
+                    stack.append(after)
+    return found
+
+
+def problems(root, table):
+    """What is wrong, a line each."""
+    rooms = table["rooms"]
+    lines = []
+    pairs = includes_of(root)
+    room_edges = set()
+    for name, included in pairs:
+        start, end = room_of(name, rooms), room_of(included, rooms)
+        if start is None:
+            lines.append(f"{name}: its room is not in the table")
+            continue
+        if end != start and end not in rooms[start]:
+            lines.append(f"{name}: {start} may not include {included}")
+        if end is not None:
+            room_edges.add((start, end))
+        for rule in table["apart"]:
+            if (fnmatch.fnmatch(name, rule["from"])
+                    and not any(fnmatch.fnmatch(name, other) for other in rule["except"])
+                    and any(fnmatch.fnmatch(included, other) for other in rule["to"])):
+                lines.append(f"{name}: must not include {included}: {rule['reason']}")
+    for way in circles(room_edges):
+        lines.append("circle between rooms: " + " -> ".join(way))
+    for way in circles({(unit_of(a), unit_of(b)) for a, b in pairs}):
+        lines.append("circle between files: " + " -> ".join(way))
+    for room in circles({(a, b) for a, below in rooms.items() for b in below}):
+        lines.append("circle in the table: " + " -> ".join(room))
+    return lines
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]).resolve()
+    table = json.loads((pathlib.Path(__file__).parent / "layers.json").read_text(encoding="utf-8"))
+    lines = problems(root, table)
+    print("\n".join(lines) if lines else f"{len(includes_of(root))} includes, all of them as the table has it")
+    return 1 if lines else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
