@@ -1,6 +1,6 @@
 # selfproj_verilate(TARGET TOP module PREFIX name [TRACE] [UNCOUNTED] [OPEN file] [CLOCKS port...] [PARAMETERS Name=Value...])
 #
-# Adds the Verilated model of an RTL module to the library TARGET, as class `name` (header name.h). All of rtl/ is given to
+# Adds the Verilated model of an RTL module to the library TARGET, as class `name` (header `name`.h). All of rtl/ is given to
 # Verilator, the package first; what the top does not instantiate is left out. Every model of a program belongs into one
 # library, since each library carries Verilator's runtime.
 #

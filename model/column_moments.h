@@ -1,4 +1,4 @@
-// Column moments of an image: what the circuit sp_moments computes, to the last bit.
+// Column moments of an image: what the circuit sp_column_moments computes, to the last bit.
 //
 // For an image of R rows and C columns, rows ξ = 1..R counted from the top, pixels p(ξ, η) in 0..255 and a threshold T,
 // a pixel is lit where p > T, and a lit pixel has the weight

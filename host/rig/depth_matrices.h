@@ -21,7 +21,7 @@ struct DepthMatrices {
 };
 
 // Those of a rig whose projector shows `bits` pairs coded along its lines, its central H lines to 2^bits codes (all of
-// them where H is 0): code centre Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H - 1)/2) + center_xp.
+// them where H is 0): code centre Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H - 1)/2) + center_xp_mm.
 DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines = 0);
 
 // The matrices of (4.7) of a calibration without its distortion, in its axes: C = projector column (`rows`: row) + 1/2.

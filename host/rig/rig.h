@@ -22,7 +22,7 @@ namespace selfproj {
 enum class RigKind : std::uint8_t { light_section, scanner };
 
 // A pinhole at the origin that looks along z. Pixel (row r, column c) has its centre at
-//     Xc = pixel_pitch (r - (rows - 1)/2),  Yc = pixel_pitch (c - (columns - 1)/2)            (3.3)
+//     Xc = pixel_pitch_mm (r - (rows - 1)/2),  Yc = pixel_pitch_mm (c - (columns - 1)/2)      (3.3)
 struct RigCamera {
   int rows = 0;
   int columns = 0;
@@ -37,8 +37,9 @@ struct RigCamera {
 };
 
 // A pinhole at (x, 0, z), its axis tilted by `tilt` from z towards -x. Line l, column c have their centre at
-//     Xp = center_xp + line_pitch (l - (lines - 1)/2),  Yp = center_yp + column_pitch (c - (columns - 1)/2)
-// where Xp grows with theta = tilt + atan(Xp / focal_length)                                  (3.6, 3.7)
+//     Xp = center_xp_mm + line_pitch_mm (l - (lines - 1)/2)
+//     Yp = center_yp_mm + column_pitch_mm (c - (columns - 1)/2)
+// where Xp grows with theta = tilt + atan(Xp / focal_length_mm)                               (3.6, 3.7)
 // A pitch is negative where lines or columns are counted against Xp or Yp.
 struct RigProjector {
   double x_mm = 0;

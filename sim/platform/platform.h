@@ -1,7 +1,7 @@
 // The platform: a camera with real line and frame timing, a conveyor with its encoder, the board, and a bus, in
 // SystemC.
 //
-//     Platform platform(options, next_frame, [&](std::span<const std::uint8_t> bytes, std::uint64_t time_ps) { ... });
+//     Platform platform(options, frames, packets, expected);  // where frames come from, packets and the model's go
 //     platform.run();
 //
 // SystemC itself does not show through this header.

@@ -163,7 +163,7 @@ std::uint64_t long_of(const svBitVecVal* words) { return std::uint64_t{words[1]}
 }  // namespace
 }  // namespace selfproj
 
-// Called by the modules of sim/shells of the same names, which say what the bits are.
+// Called by the modules of sim/board/shells of the same names, which say what the bits are.
 
 extern "C" void selfproj_shell_column_moments(unsigned flags, unsigned pixels, unsigned group, unsigned row,
                                               unsigned mode, unsigned threshold, unsigned* answer, svBitVecVal* data) {

@@ -1,5 +1,5 @@
-// Camera and projector as pinholes, by vectors and straight from the definitions of host/rig/rig.h: what host/optics is
-// tested against.
+// Camera and projector as pinholes, by vectors and straight from the definitions of host/rig/rig.h:
+// what host/structured_light is tested against.
 #ifndef SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_PINHOLE_H
 #define SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_PINHOLE_H
 
