@@ -35,14 +35,14 @@ struct MomentsOptions {
 
 std::unique_ptr<MomentsEngine> make_moments_engine(const std::string& name) {
   if (name == "model") {
-    return make_model_engine();
+    return make_moments_model_engine();
   }
   if (name == "hls") {
-    return make_hls_engine();
+    return make_moments_hls_engine();
   }
 #ifdef SELFPROJ_HAS_RTL_ENGINE
   if (name == "rtl") {
-    return make_rtl_engine();
+    return make_moments_rtl_engine();
   }
 #endif
   throw UserError("--engine " + name, "this engine is not part of this build");

@@ -35,13 +35,13 @@ class MomentsEngine {
 };
 
 // The bit-exact model.
-std::unique_ptr<MomentsEngine> make_model_engine();
+std::unique_ptr<MomentsEngine> make_moments_model_engine();
 
 // The board's RTL, compiled by Verilator; only where SELFPROJ_HAS_RTL_ENGINE is defined.
-std::unique_ptr<MomentsEngine> make_rtl_engine();
+std::unique_ptr<MomentsEngine> make_moments_rtl_engine();
 
 // The HLS kernel (hls/column_moments.h) with SystemC's integers; in the library selfproj_sim_hls_engine.
-std::unique_ptr<MomentsEngine> make_hls_engine();
+std::unique_ptr<MomentsEngine> make_moments_hls_engine();
 
 }  // namespace selfproj
 

@@ -57,6 +57,6 @@ class HlsEngine final : public MomentsEngine {
 
 }  // namespace
 
-std::unique_ptr<MomentsEngine> make_hls_engine() { return std::make_unique<HlsEngine>(); }
+std::unique_ptr<MomentsEngine> make_moments_hls_engine() { return std::make_unique<HlsEngine>(); }
 
 }  // namespace selfproj

@@ -23,6 +23,6 @@ class ModelEngine final : public MomentsEngine {
 
 }  // namespace
 
-std::unique_ptr<MomentsEngine> make_model_engine() { return std::make_unique<ModelEngine>(); }
+std::unique_ptr<MomentsEngine> make_moments_model_engine() { return std::make_unique<ModelEngine>(); }
 
 }  // namespace selfproj

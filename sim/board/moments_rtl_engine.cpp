@@ -55,6 +55,6 @@ class RtlEngine final : public MomentsEngine {
 
 }  // namespace
 
-std::unique_ptr<MomentsEngine> make_rtl_engine() { return std::make_unique<RtlEngine>(); }
+std::unique_ptr<MomentsEngine> make_moments_rtl_engine() { return std::make_unique<RtlEngine>(); }
 
 }  // namespace selfproj
