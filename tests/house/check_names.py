@@ -83,7 +83,7 @@ class Tree:
         self.words = set()
         self.prefixes = set()  # of names that CMake and shells put together: hls_soak${suffix}
         for name in self.files:
-            if name.startswith("tests/names/") or pathlib.Path(name).suffix not in SOURCE | DATA | {".md"}:
+            if name.startswith("tests/house/") or pathlib.Path(name).suffix not in SOURCE | DATA | {".md"}:
                 continue
             try:
                 text = (root / name).read_text(encoding="utf-8")
