@@ -30,16 +30,16 @@ def functions_of_cpp(text):
     found = []
     start = None
     for number, line in enumerate(lines):
-        indent = len(line) - len(line.lstrip())
         if start is None:
-            if line.endswith("{") and indent <= 4 and not OTHER.match(line) and not line.lstrip().startswith(("//", ":")):
+            if line.endswith("{") and not OTHER.match(line) and not line.lstrip().startswith("//"):
                 first = number
                 while first > 0 and lines[first - 1].strip() and not re.search(r"[;{}>:]$", lines[first - 1].rstrip()):
                     first -= 1
                 head = " ".join(part.strip() for part in lines[first:number + 1])
                 name = NAME.search(head)
-                if name and FUNCTION.search(head) and not OTHER.match(lines[first]):
-                    start = (name.group(1), first, len(lines[first]) - len(lines[first].lstrip()))
+                indent = len(lines[first]) - len(lines[first].lstrip())
+                if name and indent <= 4 and FUNCTION.search(head) and not OTHER.match(lines[first]):
+                    start = (name.group(1), first, indent)
         elif line.rstrip(";") == " " * start[2] + "}":
             found.append((start[0], start[1] + 1, number - start[1] + 1))
             start = None
