@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "host/io/frame_options.h"
-#include "host/io/rigs_built_in.h"
 #include "host/io/user_error.h"
+#include "host/rig/rigs_built_in.h"
 
 namespace selfproj {
 namespace {
