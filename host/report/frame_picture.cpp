@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "host/report/report.h"
 
 namespace selfproj {
 namespace {

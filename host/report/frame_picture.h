@@ -2,11 +2,20 @@
 #ifndef SELFPROJ_HOST_REPORT_FRAME_PICTURE_H
 #define SELFPROJ_HOST_REPORT_FRAME_PICTURE_H
 
+#include <cstddef>
 #include <string>
 
-#include "host/report/report.h"
+#include "host/io/image_files.h"
+#include "model/column_moments.h"
 
 namespace selfproj {
+
+// A camera image, as it came, and the moments of its columns.
+struct CameraPicture {
+  Image image;
+  Moments moments;
+  std::size_t frame = 0;  // from 1
+};
 
 // The image alone as PNG, its rows and columns as they are.
 std::string image_png(const Image& image);

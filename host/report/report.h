@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "host/io/float_image.h"
-#include "host/io/image_files.h"
+#include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
-#include "model/column_moments.h"
 
 namespace selfproj {
 
@@ -30,13 +29,6 @@ struct ReportTable {
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> rows;
   std::string note = {};  // below it
-};
-
-// A camera image, as it came, and the moments of its columns.
-struct CameraPicture {
-  Image image;
-  Moments moments;
-  std::size_t frame = 0;  // from 1
 };
 
 // What the program adds to what was collected. All of it may be missing.

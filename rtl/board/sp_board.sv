@@ -8,7 +8,7 @@
 //
 // Guarantees: every frame start that was accepted gives a moments packet or is counted as lost; packets are whole; the
 // camera is never stalled. No gap is needed between frames of equal settings whose beats are at least those of a packet
-// plus SmallGap (README); below that, losses are counted.
+// plus a small gap (README, Gaps); below that, losses are counted.
 // rst_i and bus_rst_i are synchronous, each to its clock, and given together for at least four clocks of both.
 `default_nettype none
 
