@@ -26,6 +26,7 @@
 #include "sim/scene/projected_light.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
 
 namespace selfproj {
 namespace {

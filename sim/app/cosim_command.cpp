@@ -46,6 +46,7 @@
 #include "sim/platform/platform.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
 
 namespace selfproj {
 namespace {
@@ -139,10 +140,8 @@ Setup scene_setup(const CosimOptions& options) {
     }
     real.imaging.seed = rig.imaging.seed;
   }
-  const auto info = std::find_if(scenes().begin(), scenes().end(),
-                                 [&](const SceneInfo& entry) { return entry.name == options.scene; });
   setup.scene = make_scene(options.scene, real);
-  const std::string reference_name = info->reference.empty() ? info->name : info->reference;
+  const std::string reference_name = find_scene(options.scene).reference_name();
   const RenderOptions render = options_without(options.without);
   const LightSection light = self_projection(rig, real, *make_scene(reference_name, real), render, options.residual);
   const auto mode =

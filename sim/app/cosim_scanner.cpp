@@ -42,6 +42,7 @@
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/scanner_scenes.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
 
 namespace selfproj {
 namespace {
@@ -454,10 +455,8 @@ void run_scanner_cosim(const ScannerCosimOptions& options) {
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   rig.measure.code_threshold = options.threshold.value_or(rig.measure.code_threshold);
   const PlatformOptions platform = scanner_platform(options, rig);
-  const auto info = std::find_if(scanner_scenes().begin(), scanner_scenes().end(),
-                                 [&](const SceneInfo& entry) { return entry.name == options.scene; });
   const std::unique_ptr<Scene> scene = make_scene(options.scene, rig);
-  const std::string reference_name = info->reference.empty() ? info->name : info->reference;
+  const std::string reference_name = find_scene(options.scene).reference_name();
   const std::unique_ptr<Scene> reference = make_scene(reference_name, rig);
   const std::size_t total = frames_of_run(options, static_cast<std::size_t>(scene->frames()));
   const std::vector<std::size_t> pictures = folder ? pictured_frames(options, total) : std::vector<std::size_t>();

@@ -39,6 +39,7 @@
 #include "sim/experiment/structured_light.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
 #include "sim/scene/self_scenes.h"
 
 namespace selfproj {
@@ -205,9 +206,9 @@ void run_self_cosim(const ScannerCosimOptions& options) {
   rig.measure.code_threshold = options.threshold.value_or(rig.measure.code_threshold);
   const PlatformOptions platform = scanner_platform(options, rig);
   const SceneInfo& info = *info_of(options.scene);
-  const std::unique_ptr<Scene> scene = make_self_scene(info.name, rig);
-  const std::string reference_name = info.reference.empty() ? info.name : info.reference;
-  const std::unique_ptr<Scene> reference_scene = make_self_scene(reference_name, rig);
+  const std::unique_ptr<Scene> scene = make_scene(info.name, rig);
+  const std::string reference_name = info.reference_name();
+  const std::unique_ptr<Scene> reference_scene = make_scene(reference_name, rig);
   const std::size_t total = frames_of_run(options, static_cast<std::size_t>(scene->frames()));
   const std::vector<std::size_t> pictures = folder ? pictured_frames(options, total) : std::vector<std::size_t>();
 

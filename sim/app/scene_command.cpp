@@ -29,11 +29,14 @@
 #include "host/io/user_error.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
+#include "sim/scene/height_map.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_info.h"
+#include "sim/scene/scene_list.h"
 
 namespace selfproj {
 namespace {
@@ -72,9 +75,7 @@ RenderOptions render_options(const SceneOptions& options) {
 Rig rig_of(const SceneOptions& options) {
   std::string name = options.rig;
   if (name.empty()) {
-    const auto info = std::find_if(scenes().begin(), scenes().end(),
-                                   [&](const SceneInfo& scene) { return scene.name == options.scene; });
-    name = info == scenes().end() ? scenes().front().rig : info->rig;
+    name = options.scene.empty() ? SceneInfo{}.rig() : find_scene(options.scene).rig();
   }
   Rig rig = load_rig(name);
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
@@ -266,7 +267,7 @@ void render(const SceneOptions& options) {
 void list() {
   fmt::print("{:14} {:>6}  {:14} {:10} {}\n", "scene", "frames", "rig", "reference", "what is to be seen");
   for (const SceneInfo& info : scenes()) {
-    fmt::print("{:14} {:6}  {:14} {:10} {}\n", info.name, info.frames, info.rig,
+    fmt::print("{:14} {:6}  {:14} {:10} {}\n", info.name, info.frames, info.rig(),
                info.reference.empty() ? "-" : info.reference, info.description);
   }
 }

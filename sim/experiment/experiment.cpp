@@ -24,6 +24,7 @@
 #include "sim/scene/marks.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
 
 namespace selfproj {
 namespace {

@@ -23,6 +23,7 @@
 #include "host/structured_light/triangulation.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
+#include "sim/scene/scene_list.h"
 #include "sim/scene/self_scenes.h"
 
 namespace selfproj {
@@ -453,8 +454,8 @@ StructuredLightResult run_moving(const std::string& name, const MovingOptions& o
                                  const ProgressOfImages& progress) {
   const Rig& rig = options.rig;
   const bool mouse = name == "B7";
-  const auto background = make_self_scene(mouse ? "slider" : "block", rig);
-  const auto scene = make_self_scene(mouse ? "mouse" : "hands", rig);
+  const auto background = make_scene(mouse ? "slider" : "block", rig);
+  const auto scene = make_scene(mouse ? "mouse" : "hands", rig);
   const int columns = rig.camera.columns;
   constexpr int kConventionalBits = 8;
   const int start = 2 * kConventionalBits - 2;

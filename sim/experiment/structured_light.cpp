@@ -24,6 +24,7 @@
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/pinhole.h"
+#include "sim/scene/scene_list.h"
 #include "sim/scene/self_scenes.h"
 
 namespace selfproj {
@@ -440,8 +441,8 @@ MatchShares match_shares(const Rig& rig, const SelfReference& reference, const M
 
 StructuredLightResult run_cuboids(const StructuredLightOptions& options, const ProgressOfImages& progress) {
   const Rig& rig = options.rig;
-  const auto reference_scene = make_self_scene("cuboids", rig);
-  const auto part_scene = make_self_scene("cuboids-marked", rig);
+  const auto reference_scene = make_scene("cuboids", rig);
+  const auto part_scene = make_scene("cuboids-marked", rig);
   const std::size_t scan_images = options.gray_scan ? static_cast<std::size_t>(GrayPointScan(rig).count())
                                                     : static_cast<std::size_t>(LinePointScan(rig).count());
   std::size_t all = scan_images + 2 * static_cast<std::size_t>(options.stripes.bits);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <string>
 
 #include "host/io/float_image.h"
@@ -92,6 +93,17 @@ HeightRange HeightMap::part_range(const Box& box) const {
   }
   const bool all_inside = inner.x0 == box.x0 && inner.x1 == box.x1 && inner.y0 == box.y0 && inner.y1 == box.y1;
   return all_inside ? result : HeightRange{std::min(result.low, 0.0), std::max(result.high, 0.0)};
+}
+
+std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig,
+                                        const std::string& source) {
+  if (height_mm.values.empty()) {
+    throw UserError(source, "has no pixels");
+  }
+  if (!(mm_per_pixel > 0) || !std::isfinite(mm_per_pixel)) {
+    throw UserError(source, fmt::format("has a scale of {} mm a pixel; it must be greater than 0", mm_per_pixel));
+  }
+  return std::make_unique<HeightMap>(height_mm, mm_per_pixel, rig, source);
 }
 
 }  // namespace selfproj

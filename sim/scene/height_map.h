@@ -1,7 +1,8 @@
-// A part on the conveyor that is given by a map of its heights: height_map_scene in scene.h says how it lies.
+// A part on the conveyor that is given by a map of its heights.
 #ifndef SELFPROJ_SIM_SCENE_HEIGHT_MAP_H
 #define SELFPROJ_SIM_SCENE_HEIGHT_MAP_H
 
+#include <memory>
 #include <string>
 
 #include "host/io/float_image.h"
@@ -33,6 +34,13 @@ class HeightMap : public ConveyedScene {
   FloatImage heights_;  // without NaN
   MinMaxPyramid ranges_;
 };
+
+// A part from a map of its heights above the plane, mm. The map lies as the measured heights do: its first row comes
+// first under the line (largest x), columns along y; its middle at y = 0. A pixel is a square of side mm_per_pixel with
+// its height at its centre, linear between; the map ends in vertical faces, NaN is bare plane. Throws UserError about
+// `source`: no pixels, a scale that is not positive, heights that are not below the camera and the projector.
+std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig,
+                                        const std::string& source = "height map");
 
 }  // namespace selfproj
 

@@ -395,36 +395,37 @@ class Keys final : public Keyboard {
 
 const std::vector<SceneInfo>& scanner_scenes() {
   static const std::vector<SceneInfo> all{
-      {"desk", "mouse, books and balls, for the background of the fist", "scanner", "", 0},
-      {"fist", "B1: a fist on a slanted circle, 3.5 turns a second, over the desk", "scanner", "desk", 0},
-      {"pool", "still water of 3 cm, 34 x 25 cm", "scanner", "", 0},
-      {"waves", "B2: a body falls into the pool at 1.36 s; its wave at 54 cm/s", "scanner", "pool", 0},
-      {"keyboard", "keys on a pitch of 18 mm", "scanner", "", 0},
-      {"keys", "B3: two fingers tap on keys, 5 times a second each, 10 mm", "scanner", "keyboard", 0},
+      {.name = "desk",
+       .description = "mouse, books and balls, for the background of the fist",
+       .method = SceneMethod::gray_codes,
+       .make = [](const Rig& /*rig*/) -> std::unique_ptr<Scene> { return std::make_unique<Desk>(1); }},
+      {.name = "fist",
+       .description = "B1: a fist on a slanted circle, 3.5 turns a second, over the desk",
+       .method = SceneMethod::gray_codes,
+       .reference = "desk",
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Fist>(rig); }},
+      {.name = "pool",
+       .description = "still water of 3 cm, 34 x 25 cm",
+       .method = SceneMethod::gray_codes,
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Pool>(rig, 1); }},
+      {.name = "waves",
+       .description = "B2: a body falls into the pool at 1.36 s; its wave at 54 cm/s",
+       .method = SceneMethod::gray_codes,
+       .reference = "pool",
+       .analysis = SceneAnalysis::wave_front,
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Waves>(rig); }},
+      {.name = "keyboard",
+       .description = "keys on a pitch of 18 mm",
+       .method = SceneMethod::gray_codes,
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Keyboard>(rig, 1); }},
+      {.name = "keys",
+       .description = "B3: two fingers tap on keys, 5 times a second each, 10 mm",
+       .method = SceneMethod::gray_codes,
+       .reference = "keyboard",
+       .analysis = SceneAnalysis::key_taps,
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Keys>(rig); }},
   };
   return all;
-}
-
-std::unique_ptr<Scene> make_scanner_scene(const std::string& name, const Rig& rig) {
-  if (name == "desk") {
-    return std::make_unique<Desk>(1);
-  }
-  if (name == "fist") {
-    return std::make_unique<Fist>(rig);
-  }
-  if (name == "pool") {
-    return std::make_unique<Pool>(rig, 1);
-  }
-  if (name == "waves") {
-    return std::make_unique<Waves>(rig);
-  }
-  if (name == "keyboard") {
-    return std::make_unique<Keyboard>(rig, 1);
-  }
-  if (name == "keys") {
-    return std::make_unique<Keys>(rig);
-  }
-  return nullptr;
 }
 
 }  // namespace selfproj

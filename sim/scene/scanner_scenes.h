@@ -3,13 +3,12 @@
 #ifndef SELFPROJ_SIM_SCENE_SCANNER_SCENES_H
 #define SELFPROJ_SIM_SCENE_SCANNER_SCENES_H
 
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "host/rig/rig.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_info.h"
 
 namespace selfproj {
 
@@ -38,10 +37,8 @@ struct KeyTaps {
   static constexpr Pixel kSecond{249, 224};
 };
 
-// These scenes in order, all but their numbers of frames; and one of them, for a rig of kind scanner, null where the
-// name is another.
+// These scenes in the order of the list, all but their numbers of frames.
 const std::vector<SceneInfo>& scanner_scenes();
-std::unique_ptr<Scene> make_scanner_scene(const std::string& name, const Rig& rig);
 
 }  // namespace selfproj
 

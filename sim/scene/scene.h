@@ -3,11 +3,7 @@
 #define SELFPROJ_SIM_SCENE_SCENE_H
 
 #include <cstddef>
-#include <memory>
-#include <string>
-#include <vector>
 
-#include "host/io/float_image.h"
 #include "host/rig/rig.h"
 #include "sim/scene/body.h"
 
@@ -91,27 +87,6 @@ class ConveyedScene : public Scene {
   double start_;
   int frames_;
 };
-
-struct SceneInfo {
-  std::string name;
-  std::string description;
-  std::string rig;        // it was made for
-  std::string reference;  // scene that is the good part; empty where it is itself
-  int frames = 0;         // with that rig
-};
-
-// The built-in scenes.
-const std::vector<SceneInfo>& scenes();
-
-// A built-in scene by its name, moving as the rig's conveyor does. Throws UserError naming an unknown one.
-std::unique_ptr<Scene> make_scene(const std::string& name, const Rig& rig);
-
-// A part from a map of its heights above the plane, mm. The map lies as the measured heights do: its first row comes
-// first under the line (largest x), columns along y; its middle at y = 0. A pixel is a square of side mm_per_pixel with
-// its height at its centre, linear between; the map ends in vertical faces, NaN is bare plane. Throws UserError about
-// `source`: no pixels, a scale that is not positive, heights that are not below the camera and the projector.
-std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig,
-                                        const std::string& source = "height map");
 
 }  // namespace selfproj
 

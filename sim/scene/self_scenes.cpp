@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -32,9 +33,11 @@ Overlap overlap(const Box& box, const Box& with) {
 }
 bool contains(const Box& box, double x, double y) { return overlap({x, x, y, y}, box) != Overlap::none; }
 
+enum class Surface : std::uint8_t { good, marked };
+
 class CuboidScene : public Scene {
  public:
-  explicit CuboidScene(bool marked) : marked_(marked) {}
+  explicit CuboidScene(Surface surface) : marked_(surface == Surface::marked) {}
 
   [[nodiscard]] int frames() const override { return 16; }
   [[nodiscard]] double speed() const override { return 0; }
@@ -175,34 +178,45 @@ double Cuboids::distance_from_letter(double x, double y) {
 
 const std::vector<SceneInfo>& self_scenes() {
   static const std::vector<SceneInfo> all{
-      {"cuboids", "B4: cuboids 25 and 109 mm high", "scanner", "", 16},
-      {"cuboids-marked", "B4: the same with a letter A carved 2 mm deep and blocks of 3, 6, 9 mm", "scanner", "cuboids",
-       16},
-      {"slider", "B7: a slider 100 mm high", "scanner", "", 16},
-      {"mouse", "B7: on it a mouse on a plate, 300 mm/s along y", "scanner", "slider", 600},
-      {"block", "B8: a block 109 mm high", "scanner", "", 16},
-      {"hands", "B8: two hands, one over the block, one over the plane, 3 Hz", "scanner", "block", 334},
+      {.name = "cuboids",
+       .description = "B4: cuboids 25 and 109 mm high",
+       .method = SceneMethod::self_projected,
+       .cells_below = 8,
+       .make = [](const Rig& /*rig*/) -> std::unique_ptr<Scene> {
+         return std::make_unique<CuboidScene>(Surface::good);
+       }},
+      {.name = "cuboids-marked",
+       .description = "B4: the same with a letter A carved 2 mm deep and blocks of 3, 6, 9 mm",
+       .method = SceneMethod::self_projected,
+       .reference = "cuboids",
+       .cells_below = 8,
+       .make = [](const Rig& /*rig*/) -> std::unique_ptr<Scene> {
+         return std::make_unique<CuboidScene>(Surface::marked);
+       }},
+      {.name = "slider",
+       .description = "B7: a slider 100 mm high",
+       .method = SceneMethod::self_projected,
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> {
+         return std::make_unique<BlockScene>(rig, MouseRun::kSlider, MouseRun::kSliderHeight);
+       }},
+      {.name = "mouse",
+       .description = "B7: on it a mouse on a plate, 300 mm/s along y",
+       .method = SceneMethod::self_projected,
+       .reference = "slider",
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<MouseScene>(rig); }},
+      {.name = "block",
+       .description = "B8: a block 109 mm high",
+       .method = SceneMethod::self_projected,
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> {
+         return std::make_unique<BlockScene>(rig, TwoHands::kBlock, TwoHands::kBlockHeight);
+       }},
+      {.name = "hands",
+       .description = "B8: two hands, one over the block, one over the plane, 3 Hz",
+       .method = SceneMethod::self_projected,
+       .reference = "block",
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<HandsScene>(rig); }},
   };
   return all;
-}
-
-std::unique_ptr<Scene> make_self_scene(const std::string& name, const Rig& rig) {
-  if (name == "cuboids" || name == "cuboids-marked") {
-    return std::make_unique<CuboidScene>(name == "cuboids-marked");
-  }
-  if (name == "slider") {
-    return std::make_unique<BlockScene>(rig, MouseRun::kSlider, MouseRun::kSliderHeight);
-  }
-  if (name == "mouse") {
-    return std::make_unique<MouseScene>(rig);
-  }
-  if (name == "block") {
-    return std::make_unique<BlockScene>(rig, TwoHands::kBlock, TwoHands::kBlockHeight);
-  }
-  if (name == "hands") {
-    return std::make_unique<HandsScene>(rig);
-  }
-  return nullptr;
 }
 
 }  // namespace selfproj

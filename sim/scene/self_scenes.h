@@ -3,12 +3,11 @@
 #define SELFPROJ_SIM_SCENE_SELF_SCENES_H
 
 #include <array>
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "host/rig/rig.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_info.h"
 
 namespace selfproj {
 
@@ -52,10 +51,8 @@ struct TwoHands {
   static constexpr double kFrequency = 3;
 };
 
-// `cuboids`, `cuboids-marked`, `slider`, `mouse`, `block`, `hands`, for a rig of kind scanner; null where the name is
-// another.
+// These scenes in the order of the list, all but their numbers of frames.
 const std::vector<SceneInfo>& self_scenes();
-std::unique_ptr<Scene> make_self_scene(const std::string& name, const Rig& rig);
 
 }  // namespace selfproj
 

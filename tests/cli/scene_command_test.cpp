@@ -23,6 +23,7 @@
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {

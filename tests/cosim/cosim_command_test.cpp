@@ -18,6 +18,7 @@
 #include "model/packet.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
 #include "tests/cli/program.h"
 #include "tests/support/random_cases.h"
 

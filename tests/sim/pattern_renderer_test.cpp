@@ -18,6 +18,7 @@
 #include "host/io/user_error.h"
 #include "host/rig/rig.h"
 #include "sim/scene/body.h"
+#include "sim/scene/height_map.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 

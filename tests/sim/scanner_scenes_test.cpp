@@ -17,6 +17,7 @@
 #include "sim/scene/pinhole.h"
 #include "sim/scene/ring_wave.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
 
 namespace selfproj {
 namespace {

@@ -15,10 +15,13 @@
 #include "host/io/user_error.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
+#include "sim/scene/height_map.h"
 #include "sim/scene/marks.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/ray.h"
+#include "sim/scene/scene_info.h"
+#include "sim/scene/scene_list.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj {
@@ -53,7 +56,7 @@ FloatImage random_map(Random& random) {
 std::vector<std::unique_ptr<Scene>> all_scenes(const Rig& rig, Random& random) {
   std::vector<std::unique_ptr<Scene>> all;
   for (const SceneInfo& info : scenes()) {
-    all.push_back(make_scene(info.name, load_rig(info.rig)));
+    all.push_back(make_scene(info.name, load_rig(info.rig())));
   }
   all.push_back(height_map_scene(random_map(random), 2.5, rig));
   return all;
@@ -64,9 +67,12 @@ std::vector<std::unique_ptr<Scene>> all_scenes(const Rig& rig, Random& random) {
 TEST(Scene, ListedOnesExistAndNameTheirReference) {
   ASSERT_EQ(scenes().size(), 16U);
   for (const SceneInfo& info : scenes()) {
-    const Rig rig = load_rig(info.rig);
+    const Rig rig = load_rig(info.rig());
     EXPECT_EQ(make_scene(info.name, rig)->frames(), info.frames);
-    EXPECT_TRUE(info.reference.empty() || make_scene(info.reference, rig)) << info.name;
+    const SceneInfo& reference = find_scene(info.reference_name());
+    EXPECT_EQ(reference.method, info.method) << info.name;
+    EXPECT_EQ(reference.cells_below, info.cells_below) << info.name;
+    EXPECT_TRUE(reference.reference.empty()) << info.name << ": a reference has no reference of its own";
   }
   EXPECT_EQ(scenes()[3].name, "stairs-marked");
   EXPECT_EQ(scenes()[3].reference, "stairs");

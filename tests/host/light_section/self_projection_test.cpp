@@ -20,6 +20,7 @@
 #include "host/rig/rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
 
 namespace selfproj::test {
 namespace {

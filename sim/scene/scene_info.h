@@ -1,0 +1,45 @@
+// What is known of a built-in scene: how it is measured, and against what.
+#ifndef SELFPROJ_SIM_SCENE_SCENE_INFO_H
+#define SELFPROJ_SIM_SCENE_SCENE_INFO_H
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "host/rig/rig.h"
+#include "sim/scene/scene.h"
+
+namespace selfproj {
+
+// How a scene is measured.
+enum class SceneMethod : std::uint8_t {
+  light_section,   // by a self-projected line
+  gray_codes,      // by Gray-code patterns, against a background
+  self_projected,  // by Gray-code patterns that are straight on the reference
+};
+
+// What is followed through the depth images of a scene of method gray_codes.
+enum class SceneAnalysis : std::uint8_t {
+  moved_centroid,  // the centroid of what differs from the background
+  wave_front,      // the foremost crest of a ring wave
+  key_taps,        // the depth at two pixels
+};
+
+struct SceneInfo {
+  std::string name;
+  std::string description;
+  SceneMethod method = SceneMethod::light_section;
+  std::string reference = {};  // scene that is the good part or the background; empty where it is itself
+  SceneAnalysis analysis = SceneAnalysis::moved_centroid;
+  int cells_below = 0;  // e of (4.20) with which the thesis measures it; method self_projected
+  std::unique_ptr<Scene> (*make)(const Rig& rig) = nullptr;
+  int frames = 0;  // with its own rig
+
+  // The built-in rig it was made for.
+  [[nodiscard]] const char* rig() const { return method == SceneMethod::light_section ? "light-section" : "scanner"; }
+  [[nodiscard]] const std::string& reference_name() const { return reference.empty() ? name : reference; }
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_SCENE_SCENE_INFO_H

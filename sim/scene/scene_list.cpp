@@ -1,0 +1,55 @@
+#include "sim/scene/scene_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "host/rig/rig.h"
+#include "sim/scene/light_section_scenes.h"
+#include "sim/scene/scanner_scenes.h"
+#include "sim/scene/scene.h"
+#include "sim/scene/scene_info.h"
+#include "sim/scene/self_scenes.h"
+
+namespace selfproj {
+
+const std::vector<SceneInfo>& scenes() {
+  static const std::vector<SceneInfo> all = [] {
+    std::vector<SceneInfo> list;
+    for (const auto* part : {&light_section_scenes(), &scanner_scenes(), &self_scenes()}) {
+      list.insert(list.end(), part->begin(), part->end());
+    }
+    for (SceneInfo& info : list) {
+      info.frames = info.make(load_rig(info.rig()))->frames();
+    }
+    return list;
+  }();
+  return all;
+}
+
+const SceneInfo& find_scene(const std::string& name) {
+  const auto found =
+      std::find_if(scenes().begin(), scenes().end(), [&](const SceneInfo& info) { return info.name == name; });
+  if (found != scenes().end()) {
+    return *found;
+  }
+  std::string names;
+  for (const SceneInfo& info : scenes()) {
+    names += (names.empty() ? "" : ", ") + info.name;
+  }
+  throw UserError(name, fmt::format("is no scene (there are {})", names));
+}
+
+std::unique_ptr<Scene> make_scene(const std::string& name, const Rig& rig) {
+  const SceneInfo& info = find_scene(name);
+  if (info.method != SceneMethod::light_section && rig.kind != RigKind::scanner) {
+    throw UserError(name, fmt::format("is a scene for a rig of kind scanner; {} is none", rig.name));
+  }
+  return info.make(rig);
+}
+
+}  // namespace selfproj
