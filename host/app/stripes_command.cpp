@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -22,9 +21,11 @@
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
 #include "host/light_section/pattern.h"
-#include "host/report/depth_output.h"
 #include "host/report/map_picture.h"
+#include "host/report/match_output.h"
 #include "host/rig/rig.h"
+#include "host/structured_light/depth_run.h"
+#include "host/structured_light/depth_shares.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/point_scan.h"
 #include "host/structured_light/self_reference.h"
@@ -158,19 +159,17 @@ struct MatchOptions {
   std::vector<std::string> images;
 };
 
-void run_match(const MatchOptions& options) {
-  const Rig rig = scanner_rig(options.rig);
-  const SelfReference reference = read_self_reference(rig, options.reference);
-  const int codes = 1 << reference.stripes.bits;
-  const auto patterns = static_cast<std::size_t>(2 * reference.stripes.bits);
+void check_options(const MatchOptions& options, const Rig& rig, int bits) {
+  const int codes = 1 << bits;
   if (options.settings.e < 0 || options.settings.e >= codes) {
     throw UserError("--e", fmt::format("is {}; the reference has {} bits, so that e is 0 to {}", options.settings.e,
-                                       reference.stripes.bits, codes - 1));
+                                       bits, codes - 1));
   }
   if (!(options.settings.line_width > 0) || options.settings.line_width > rig.projector.lines) {
     throw UserError("--line-width", fmt::format("is {}; a' is greater than 0 and at most the projector's {} lines",
                                                 options.settings.line_width, rig.projector.lines));
   }
+  const auto patterns = static_cast<std::size_t>(2 * bits);
   if (options.images.size() < patterns || options.images.size() % 2 != 0) {
     throw UserError("IMAGE", fmt::format("{} images are {}; {} or more are needed, each positive before its negative",
                                          options.images.size(),
@@ -179,71 +178,54 @@ void run_match(const MatchOptions& options) {
   for (const std::string& file : options.images) {
     check_image_file(file);
   }
+}
+
+// Gives the scanner all images, and returns the shares of each depth image. Where there are several, depth and
+// difference of each are written into the folder.
+std::vector<OfImage<DepthShares>> match_images(const MatchOptions& options, const Rig& rig, int bits,
+                                               SelfScanner& scanner, OutputFolder& folder) {
+  const auto patterns = static_cast<std::size_t>(2 * bits);
+  std::array<Image, 2> pair;  // the scanner looks at the positive when its negative comes
+  std::vector<PointState> states;
+  std::vector<OfImage<DepthShares>> all_shares;
+  Progress progress("image", options.images.size());
+  for (std::size_t i = 0; i < options.images.size(); ++i) {
+    Image& image = pair.at(i % 2);
+    image = camera_image(rig, options.images[i], options.channel);
+    if (scanner.take(image.view(), static_cast<int>(i % patterns))) {
+      scanner.explain(states);
+      all_shares.push_back({i / 2, count_states(states)});
+      if (options.images.size() > patterns) {
+        for (const auto& [name, map] : {std::pair{"depth", &scanner.depth()}, {"difference", &scanner.difference()}}) {
+          const std::string file = fmt::format("{}_{:04}.tiff", name, i / 2);
+          folder.append(file, encode_float_tiff(file, *map));
+        }
+      }
+    }
+    progress.update(i + 1);
+  }
+  return all_shares;
+}
+
+void run_match(const MatchOptions& options) {
+  const Rig rig = scanner_rig(options.rig);
+  const SelfReference reference = read_self_reference(rig, options.reference);
+  const int bits = reference.stripes.bits;
+  check_options(options, rig, bits);
   OutputFolder folder(options.out);
   const MatchTable table(rig, reference, options.settings);
   const int threshold = options.threshold >= 0 ? options.threshold : rig.measure.code_threshold;
   SelfScanner scanner(rig, reference, table, threshold);
-  std::array<Image, 2> pair;  // the scanner looks at the positive when its negative comes
-  std::vector<PointState> states;
-  std::string shares = "pair";
-  for (int state = 0; state < kPointStates; ++state) {
-    shares += fmt::format(",{}", name_of(static_cast<PointState>(state)));
-  }
-  shares += '\n';
-  DepthShares newest;
-  std::size_t depth_images = 0;
-  {
-    Progress progress("image", options.images.size());
-    for (std::size_t i = 0; i < options.images.size(); ++i) {
-      Image& image = pair.at(i % 2);
-      image = camera_image(rig, options.images[i], options.channel);
-      if (scanner.take(image.view(), static_cast<int>(i % patterns))) {
-        scanner.explain(states);
-        newest = count_states(states);
-        shares += fmt::format("{},{}\n", i / 2, fmt::join(newest.count, ","));
-        ++depth_images;
-        if (options.images.size() > patterns) {
-          for (const auto& [name, map] :
-               {std::pair{"depth", &scanner.depth()}, {"difference", &scanner.difference()}}) {
-            const std::string file = fmt::format("{}_{:04}.tiff", name, i / 2);
-            folder.append(file, encode_float_tiff(file, *map));
-          }
-        }
-      }
-      progress.update(i + 1);
-    }
-  }
-  const double pitch = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
-  folder.append("depth.tiff", encode_float_tiff("depth.tiff", scanner.depth()));
-  folder.append("depth.png", depth_png(scanner.depth()));
-  folder.append("depth_colour.png", depth_picture(scanner.triangulation(), scanner.depth(), true, "depth z"));
-  folder.append("difference.tiff", encode_float_tiff("difference.tiff", scanner.difference()));
-  folder.append("difference.png", labelled_map_png(scanner.difference(), difference_scale(scanner.difference()),
-                                                   {pitch, pitch}, "difference from the reference, mm"));
-  folder.append("cloud.ply", cloud_ply(scanner.triangulation(), scanner.depth()));
-  folder.append("shares.csv", shares);
-  nlohmann::ordered_json json{{"rig", options.rig},
-                              {"reference", options.reference},
-                              {"bits", reference.stripes.bits},
-                              {"e", options.settings.e},
-                              {"printed_direction", options.settings.printed_direction},
-                              {"printed_window", options.settings.printed_window},
-                              {"threshold", threshold},
-                              {"images", options.images.size()},
-                              {"depth_images", depth_images},
-                              {"codes_without_match", table.missing()},
-                              {"codes_with_several_candidates", table.doubled()}};
-  for (int i = 0; i < kPointStates; ++i) {
-    const auto state = static_cast<PointState>(i);
-    json["newest"][name_of(state)] = newest.of(state);
-  }
-  folder.append("summary.json", json.dump(2) + "\n");
+  const MatchReport report{options.rig,
+                           options.reference,
+                           bits,
+                           options.settings,
+                           threshold,
+                           options.images.size(),
+                           match_images(options, rig, bits, scanner, folder)};
+  write_match(rig, table, scanner, report, folder);
   folder.commit();
-  fmt::print(
-      "{} depth images: {} of {} pixels valid; codes without a match {:.2f} %, with several candidates {:.2f} % "
-      "→ {}\n",
-      depth_images, newest.of(PointState::valid), newest.total(), 100 * table.missing(), 100 * table.doubled(),
-      options.out);
+  fmt::print("{}", match_text(table, report, options.out));
 }
 
 }  // namespace

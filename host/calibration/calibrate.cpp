@@ -16,10 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/calibration/median.h"
 #include "host/io/frame_options.h"
 #include "host/io/stderr_capture.h"
 #include "host/io/user_error.h"
+#include "host/structured_light/median.h"
 
 namespace selfproj {
 namespace {

@@ -74,7 +74,7 @@ std::vector<std::int16_t> decode_axis(Images& images, int bits, int side, int th
       decoder.emplace(GraySettings{image.rows, image.columns, bits, threshold});
       pixels = image.pixels.size();
     }
-    decoder->take(image.view(), i, true);
+    decoder->take(image.view(), i);
   }
   std::vector<std::uint16_t> words(pixels);
   unambiguous_code_words(decoder->codes(), words.data());

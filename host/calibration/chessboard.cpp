@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "host/calibration/median.h"
+#include "host/structured_light/median.h"
 
 namespace selfproj {
 namespace {

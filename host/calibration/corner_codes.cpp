@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "host/calibration/median.h"
+#include "host/structured_light/median.h"
 
 namespace selfproj {
 namespace {

@@ -1,37 +1,33 @@
 #include "host/report/depth_output.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/report/colour_map.h"
 #include "host/report/map_picture.h"
+#include "host/structured_light/median.h"
 #include "host/structured_light/point_cloud.h"
 
 namespace selfproj {
 namespace {
 
-constexpr std::array<const char*, kPointStates> kNames{"valid",      "not_measurable", "no_line", "no_intersection",
-                                                       "too_coarse", "out_of_range",   "off_line"};
-
-double median_of(const FloatImage& depth) {
+// Median of the depths in mm; 1 where there is none.
+float median_depth(const FloatImage& depth) {
   std::vector<float> values;
   std::copy_if(depth.values.begin(), depth.values.end(), std::back_inserter(values),
                [](float value) { return !std::isnan(value); });
-  if (values.empty()) {
-    return 1;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
+  return values.empty() ? 1 : median_of(std::move(values));
 }
 
 double distance(const Point3f& a, const Point3f& b) {
@@ -39,18 +35,6 @@ double distance(const Point3f& a, const Point3f& b) {
 }
 
 }  // namespace
-
-std::size_t DepthShares::total() const { return std::accumulate(count.begin(), count.end(), std::size_t{0}); }
-
-DepthShares count_states(const std::vector<PointState>& states) {
-  DepthShares shares;
-  for (const PointState state : states) {
-    ++shares.count[static_cast<std::size_t>(state)];
-  }
-  return shares;
-}
-
-const char* name_of(PointState state) { return kNames[static_cast<std::size_t>(state)]; }
 
 std::string depth_png(const FloatImage& depth) {
   cv::Mat picture(depth.rows, depth.columns, CV_16UC1);
@@ -69,9 +53,8 @@ std::string depth_png(const FloatImage& depth) {
   return {bytes.begin(), bytes.end()};
 }
 
-std::string depth_picture(const Triangulation& triangulation, const FloatImage& depth, bool rows_are_x,
-                          const std::string& title) {
-  const auto z = static_cast<float>(median_of(depth));
+std::string depth_picture(const Triangulation& triangulation, const FloatImage& depth, const std::string& title) {
+  const float z = median_depth(depth);
   const auto columns = static_cast<std::size_t>(depth.columns);
   const std::size_t row = static_cast<std::size_t>(depth.rows) / 2 - (depth.rows > 1 ? 1 : 0);
   const std::size_t column = columns / 2 - (columns > 1 ? 1 : 0);
@@ -79,6 +62,7 @@ std::string depth_picture(const Triangulation& triangulation, const FloatImage& 
   const Point3f middle = triangulation.point(at, z);
   const double down = depth.rows > 1 ? distance(middle, triangulation.point(at + columns, z)) : 1;
   const double right = columns > 1 ? distance(middle, triangulation.point(at + 1, z)) : 1;
+  const bool rows_are_x = triangulation.rows_are_x();
   const MapPitch pitch{down, right, rows_are_x ? 'x' : 'y', rows_are_x ? 'y' : 'x'};
   return labelled_map_png(depth, height_scale(depth), pitch, title);
 }
@@ -102,6 +86,18 @@ std::string cloud_ply(const Triangulation& triangulation, const FloatImage& dept
     ply.add(point, colour.red, colour.green, colour.blue);
   }
   return ply.file("millimetres, colour by z");
+}
+
+std::string shares_csv(const std::vector<OfImage<DepthShares>>& shares) {
+  std::string text = "pair";
+  for (int state = 0; state < kPointStates; ++state) {
+    text += fmt::format(",{}", name_of(static_cast<PointState>(state)));
+  }
+  text += '\n';
+  for (const OfImage<DepthShares>& image : shares) {
+    fmt::format_to(std::back_inserter(text), "{},{}\n", image.number, fmt::join(image.value.count, ","));
+  }
+  return text;
 }
 
 }  // namespace selfproj

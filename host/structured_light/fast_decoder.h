@@ -49,7 +49,7 @@ class FastGrayDecoder {
   // are only looked at when its negative comes: they must stay as they are until then. Returns true where a new code
   // image is due; it stands in codes() until the next frame is taken. `good` is false for a frame that was flagged.
   // Throws std::invalid_argument where the image has not the size of the settings, or its pointer is null.
-  bool take(const ImageView& image, int pattern, bool good);
+  bool take(const ImageView& image, int pattern, bool good = true);
 
   [[nodiscard]] const GraySettings& settings() const { return settings_; }
   [[nodiscard]] CodeImageView codes() const;

@@ -44,6 +44,8 @@ class LensTriangulation : public Triangulation {
   // With row_bits, that of depth_of_both: the roundings of both axes are independent.
   [[nodiscard]] double rounding_error(std::size_t pixel, float z) const override;
 
+  [[nodiscard]] bool rows_are_x() const override { return settings_.rows_are_x; }
+
   // Both axes: words of the columns' and of the rows' code. `states` and `residual_px` may be null; the residual is NaN
   // where there is no depth.
   void depth_of_both(const std::uint16_t* codes, const std::uint16_t* row_codes, float* z, PointState* states,

@@ -229,9 +229,9 @@ void GrayPointScan::add(const ImageView& image) {
         std::copy_n(image.pixels + r * image.stride, image.columns,
                     positive_.data() + static_cast<std::ptrdiff_t>(r) * image.columns);
       }
-      decoder.take({positive_.data(), image.rows, image.columns, image.columns}, pattern, true);
+      decoder.take({positive_.data(), image.rows, image.columns, image.columns}, pattern);
     } else {
-      decoder.take(image, pattern, true);
+      decoder.take(image, pattern);
     }
   }
   ++next_;

@@ -23,19 +23,22 @@ struct Common {
   float low, high;
 };
 
+enum class Measurable : bool { no, yes };
+
 // One pixel; NaN where not valid, also where the code (C, with its half) is NaN. Written without branches, for the
 // vectorizer.
-[[gnu::always_inline]] inline float depth_of(float code, bool measurable, float at, float slope, float least,
+[[gnu::always_inline]] inline float depth_of(float code, Measurable measurable, float at, float slope, float least,
                                              const Common& k) {
   const float denominator = at - code * slope;
   const float z = k.origin_z + (code * k.e1 - k.e0) / denominator;
-  const bool valid = measurable & (denominator > least) & (z > k.low) & (z < k.high);  // NOLINT: no branches
+  const bool valid =
+      (measurable == Measurable::yes) & (denominator > least) & (z > k.low) & (z < k.high);  // NOLINT: no branches
   return valid ? z : std::numeric_limits<float>::quiet_NaN();
 }
 
 [[gnu::always_inline]] inline float depth_of(std::uint16_t word, float at, float slope, float least, const Common& k) {
   return depth_of(static_cast<float>(static_cast<int>(word & GrayDecoder::kCode)) + 0.5F,
-                  (word & GrayDecoder::kMeasurable) != 0, at, slope, least, k);
+                  Measurable{(word & GrayDecoder::kMeasurable) != 0}, at, slope, least, k);
 }
 
 SELFPROJ_CLONES void depth_of_row(const std::uint16_t* __restrict codes, std::ptrdiff_t count, float at, float slope,
@@ -61,7 +64,7 @@ SELFPROJ_CLONES void depth_of_lines_of_row(const float* __restrict lines, std::p
   const Common k = common;
   const float half = 0.5F * codes_per_line;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    z[i] = depth_of(lines[i] * codes_per_line + half, true, at, slope, least, k);
+    z[i] = depth_of(lines[i] * codes_per_line + half, Measurable::yes, at, slope, least, k);
   }
 }
 
@@ -180,7 +183,8 @@ void PlaneTriangulation::depth_of_lines(int row, const float* lines, float* z) c
   }
   const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns());
   for (std::size_t c = 0; c < static_cast<std::size_t>(columns()); ++c) {
-    z[c] = depth_of((lines[c] + 0.5F) * per_line, true, at_[first + c], slope_[first + c], least_[first + c], common);
+    z[c] = depth_of((lines[c] + 0.5F) * per_line, Measurable::yes, at_[first + c], slope_[first + c], least_[first + c],
+                    common);
   }
 }
 

@@ -69,6 +69,9 @@ class Triangulation {
     return {origin_.x + along * x_per_z_[i], origin_.y + along * y_per_z_[i], z};
   }
 
+  // Whether image rows run along x and columns along y, as a rig's do; else it is the other way round.
+  [[nodiscard]] virtual bool rows_are_x() const = 0;
+
   // The camera's optical centre, and the rays: dx/dz and dy/dz of each pixel's.
   [[nodiscard]] const Point3f& origin() const { return origin_; }
   [[nodiscard]] const float* x_per_z() const { return x_per_z_.data(); }
@@ -110,6 +113,7 @@ class PlaneTriangulation : public Triangulation {
   void depth(const std::uint16_t* codes, float* z) const override;
   void explain(const std::uint16_t* codes, const float* z, PointState* states) const override;
   [[nodiscard]] double rounding_error(std::size_t pixel, float z) const override;
+  [[nodiscard]] bool rows_are_x() const override { return true; }
 
   // Depths of the pixels of one row whose places on the projector are known, as lines of a rig's projector (from 0,
   // with a fraction; NaN: none), all of whose lines are coded. Allocates nothing.

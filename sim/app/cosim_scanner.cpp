@@ -479,8 +479,8 @@ void run_scanner_cosim(const ScannerCosimOptions& options) {
     const FloatImage& depth = measurement.scanner().depth();
     FloatImage moved = depth;
     measurement.scanner().difference(moved);
-    const std::string depth_png = depth_picture(measurement.triangulation(), depth, true, "depth, " + when);
-    const std::string moved_png = depth_picture(measurement.triangulation(), moved, true, "moved, " + when);
+    const std::string depth_png = depth_picture(measurement.triangulation(), depth, "depth, " + when);
+    const std::string moved_png = depth_picture(measurement.triangulation(), moved, "moved, " + when);
     const std::string name = fmt::format("{:05}.", frame);
     folder->append("depth_" + name + "tiff", encode_float_tiff("depth.tiff", depth));
     folder->append("depth_" + name + "png", depth_png);

@@ -240,7 +240,7 @@ void run_self_cosim(const ScannerCosimOptions& options) {
     const double t = (static_cast<double>(first) + static_cast<double>(frame) - 1) / rig.camera.frame_rate_hz;
     const std::string when = fmt::format("frame {}, t = {:.3f} s", frame, t);
     const SelfScanner& scanner = matching.scanner();
-    const std::string depth = depth_picture(scanner.triangulation(), scanner.depth(), true, "depth, " + when);
+    const std::string depth = depth_picture(scanner.triangulation(), scanner.depth(), "depth, " + when);
     const std::string difference = labelled_map_png(scanner.difference(), scale_of(scanner.difference()),
                                                     {pixel, pixel}, "difference from the reference, " + when + ", mm");
     const std::string name = fmt::format("{:05}.", frame);

@@ -1,0 +1,41 @@
+#include "host/io/image_sequence.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/frame_options.h"
+
+namespace selfproj {
+
+ImageSequence::ImageSequence(std::vector<std::string> files, std::optional<Channel> channel)
+    : files_(std::move(files)), channel_(channel) {
+  for (const std::string& file : files_) {
+    check_image_file(file);
+  }
+}
+
+const Image& ImageSequence::first() {
+  first_ = read(0);
+  return *first_;
+}
+
+Image ImageSequence::read(std::size_t i) {
+  if (i == 0 && first_) {
+    Image image = std::move(*first_);
+    first_.reset();
+    return image;
+  }
+  Image image = read_image(files_[i], channel_);
+  if (rows_ == 0) {
+    rows_ = image.rows;
+    columns_ = image.columns;
+  } else {
+    check_same_size(files_[i], image, files_.front(), rows_, columns_);
+  }
+  return image;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,40 @@
+// Image files of one size, read in turn.
+#ifndef SELFPROJ_HOST_IO_IMAGE_SEQUENCE_H
+#define SELFPROJ_HOST_IO_IMAGE_SEQUENCE_H
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/io/image_files.h"
+
+namespace selfproj {
+
+class ImageSequence {
+ public:
+  // Looks at the beginning of every file, so that a wrong name is found before the first image is read. Throws as
+  // check_image_file.
+  ImageSequence(std::vector<std::string> files, std::optional<Channel> channel);
+
+  [[nodiscard]] std::size_t count() const { return files_.size(); }
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+
+  // The first image, to learn the size; read(0) does not read the file again.
+  const Image& first();
+
+  // Image i, from 0. Throws as read_image, and UserError, naming the file, where it has another size than the first
+  // one that was read.
+  Image read(std::size_t i);
+
+ private:
+  std::vector<std::string> files_;
+  std::optional<Channel> channel_;
+  std::optional<Image> first_;
+  int rows_ = 0;
+  int columns_ = 0;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_IO_IMAGE_SEQUENCE_H

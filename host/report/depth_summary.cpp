@@ -1,0 +1,192 @@
+#include "host/report/depth_summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/frame_options.h"
+#include "host/report/depth_output.h"
+
+namespace selfproj {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Numbers that are not finite are null.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json depth_json(const FloatImage& depth) {
+  std::vector<float> values;
+  std::copy_if(depth.values.begin(), depth.values.end(), std::back_inserter(values),
+               [](float value) { return !std::isnan(value); });
+  if (values.empty()) {
+    return nullptr;
+  }
+  std::sort(values.begin(), values.end());
+  return {{"least", values.front()}, {"median", values[values.size() / 2]}, {"greatest", values.back()}};
+}
+
+// Angle between the plane's normal and z.
+double tilt_deg(const PlaneFit& fit) { return std::atan(std::hypot(fit.a, fit.b)) * 180 / std::numbers::pi; }
+
+Json device_json(const std::string& uri, const DeviceCounts& counts) {
+  const Counters& counters = counts.counters;
+  return {{"uri", uri},
+          {"delivered", counters.delivered},
+          {"flagged", counters.flagged},
+          {"lost_board", counters.lost_board},
+          {"lost_ring", counters.lost_ring},
+          {"bad", counters.bad},
+          {"incomplete", counts.incomplete}};
+}
+
+Json plane_json(const PlaneFit& plane) {
+  return {{"points", plane.points},
+          {"z_on_axis_mm", number(plane.z0)},
+          {"z_per_x", number(plane.a)},
+          {"z_per_y", number(plane.b)},
+          {"tilt_deg", number(tilt_deg(plane))},
+          {"residual_rms_mm", number(plane.rms)},
+          {"residual_greatest_mm", number(plane.greatest)},
+          {"rounding_rms_mm", number(plane.rounding_rms)}};
+}
+
+// The newest depth image.
+Json newest_json(const DepthRun& run, const DepthGeometry& geometry) {
+  const std::size_t total = run.shares.total();
+  Json pixels;
+  Json shares;
+  for (int i = 0; i < kPointStates; ++i) {
+    const auto state = static_cast<PointState>(i);
+    pixels[name_of(state)] = run.shares.of(state);
+    shares[name_of(state)] = static_cast<double>(run.shares.of(state)) / static_cast<double>(total);
+  }
+  Json json{{"pixels", total},
+            {"measurable", total - run.shares.of(PointState::not_measurable)},
+            {"by_state", pixels},
+            {"share", shares},
+            {"z_mm", depth_json(run.depth)}};
+  if (geometry.row_bits > 0) {
+    json["median_residual_px"] = number(run.median_residual_px);
+  }
+  if (!run.moved.empty()) {
+    const Moved& moved = run.moved.back().value;
+    json["moved"] = {{"pixels", moved.pixels}, {"x", number(moved.x)}, {"y", number(moved.y)}, {"z", number(moved.z)}};
+  }
+  return json;
+}
+
+std::string summary(const DepthRun& run, const DepthReport& report) {
+  const DepthGeometry& geometry = report.setup.geometry;
+  Json json;
+  json["geometry"] = geometry.rig.empty() ? geometry.calibration : geometry.rig;
+  if (run.device) {
+    json["device"] = device_json(report.device, *run.device);
+  } else {
+    json["images"] = report.images;
+    json["threshold"] = report.setup.scanner.threshold;
+    json["median"] = report.setup.scanner.median;
+    json["strict"] = report.setup.scanner.strict;
+  }
+  json["rows"] = run.depth.rows;
+  json["columns"] = run.depth.columns;
+  json["bits"] = geometry.bits;
+  json["row_bits"] = geometry.row_bits;
+  json["depth_images"] = run.depth_images;
+  json["depth_png_mm_per_unit"] = kDepthUnit;
+  json["newest"] = newest_json(run, geometry);
+  if (report.comparison) {
+    const CloudComparison& comparison = *report.comparison;
+    json["compare"] = {{"file", report.cloud},
+                       {"points", comparison.ours},
+                       {"points_of_file", comparison.theirs},
+                       {"median_mm", number(comparison.median_mm)},
+                       {"points_within_1_mm", number(comparison.ours_within)},
+                       {"points_of_file_within_1_mm", number(comparison.theirs_within)}};
+  }
+  if (report.plane) {
+    json["plane"] = plane_json(*report.plane);
+  }
+  return json.dump(2) + "\n";
+}
+
+// pair,pixels,x,y,z: a line a depth image; nothing but the 0 where nothing moved.
+std::string moved_csv(const std::vector<OfImage<Moved>>& all) {
+  std::string text = "pair,pixels,x,y,z\n";
+  for (const auto& [image, moved] : all) {
+    if (moved.pixels == 0) {
+      fmt::format_to(std::back_inserter(text), "{},0,,,\n", image);
+    } else {
+      fmt::format_to(std::back_inserter(text), "{},{},{:.4f},{:.4f},{:.4f}\n", image, moved.pixels, moved.x, moved.y,
+                     moved.z);
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+void write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder) {
+  const std::string title =
+      fmt::format("depth z, {} of {} pixels", run.shares.of(PointState::valid), run.shares.total());
+  folder.append("depth.tiff", encode_float_tiff("depth.tiff", run.depth));
+  folder.append("depth.png", depth_png(run.depth));
+  folder.append("depth_colour.png", depth_picture(*run.triangulation, run.depth, title));
+  folder.append("cloud.ply", cloud_ply(*run.triangulation, run.depth));
+  folder.append("shares.csv", shares_csv(run.all_shares));
+  if (!run.moved.empty()) {
+    folder.append("moved.csv", moved_csv(run.moved));
+  }
+  if (run.moved_depth) {
+    folder.append("moved.tiff", encode_float_tiff("moved.tiff", *run.moved_depth));
+  }
+  folder.append("summary.json", summary(run, report));
+}
+
+std::string depth_text(const DepthRun& run, const DepthReport& report, const std::string& folder) {
+  std::string shares;
+  for (int i = 0; i < kPointStates; ++i) {
+    const auto state = static_cast<PointState>(i);
+    if (state == PointState::valid || run.shares.of(state) > 0) {
+      shares += (shares.empty() ? "" : ", ") + share_text(run.shares, state);
+    }
+  }
+  const std::string how =
+      report.device.empty() ? fmt::format("threshold {}", report.setup.scanner.threshold) : report.device;
+  std::string text = fmt::format(
+      "{} {} of {}, {} bits, {}: {} → {}\n", run.depth_images, run.depth_images == 1 ? "depth image" : "depth images",
+      size_text(run.depth.rows, run.depth.columns), report.setup.geometry.bits, how, shares, folder);
+  const auto to = std::back_inserter(text);
+  if (report.comparison) {
+    const CloudComparison& comparison = *report.comparison;
+    fmt::format_to(
+        to,
+        "{}: median distance of our {} points to its {}: {:.3f} mm; within 1 mm: {:.1f} % of ours, {:.1f} % of its\n",
+        report.cloud, comparison.ours, comparison.theirs, comparison.median_mm, 100 * comparison.ours_within,
+        100 * comparison.theirs_within);
+  }
+  if (!report.plane) {
+    return text;
+  }
+  const PlaneFit& plane = *report.plane;
+  if (std::isnan(plane.rms)) {
+    fmt::format_to(to, "plane: {} points are too few, or on a line\n", plane.points);
+  } else {
+    fmt::format_to(
+        to,
+        "plane through {} points: z {:.3f} mm on the axis, leaning by {:.3f}°; residuals {:.3f} mm RMS, {:.3f} mm at "
+        "most; rounding to whole codes predicts {:.3f} mm RMS\n",
+        plane.points, plane.z0, tilt_deg(plane), plane.rms, plane.greatest, plane.rounding_rms);
+  }
+  return text;
+}
+
+}  // namespace selfproj

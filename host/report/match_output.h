@@ -1,0 +1,39 @@
+// What `selfproj match` leaves behind and says (host/structured_light/README.md has the files).
+#ifndef SELFPROJ_HOST_REPORT_MATCH_OUTPUT_H
+#define SELFPROJ_HOST_REPORT_MATCH_OUTPUT_H
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/io/output_folder.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/depth_run.h"
+#include "host/structured_light/depth_shares.h"
+#include "host/structured_light/match_table.h"
+#include "host/structured_light/self_scanner.h"
+
+namespace selfproj {
+
+// How it was measured.
+struct MatchReport {
+  std::string rig;        // its name or file
+  std::string reference;  // its folder
+  int bits = 0;           // m of the reference
+  MatchSettings settings;
+  int threshold = 0;                             // of a pair's difference
+  std::size_t images = 0;                        // recorded ones
+  std::vector<OfImage<DepthShares>> all_shares;  // of all depth images, at least one
+};
+
+// Writes pictures, cloud, tables and summary of the scanner's newest depth image, without committing the folder. Throws
+// UserError as OutputFolder.
+void write_match(const Rig& rig, const MatchTable& table, const SelfScanner& scanner, const MatchReport& report,
+                 OutputFolder& folder);
+
+// The same for a reader of the terminal, in one line. `folder` is where the files are.
+std::string match_text(const MatchTable& table, const MatchReport& report, const std::string& folder);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_REPORT_MATCH_OUTPUT_H

@@ -1,0 +1,79 @@
+#include "host/structured_light/depth_geometry.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "host/io/frame_options.h"
+#include "host/io/user_error.h"
+#include "host/rig/calibration_file.h"
+#include "host/rig/rig.h"
+#include "host/rig/rig_calibration.h"
+
+namespace selfproj {
+namespace {
+
+std::unique_ptr<LensTriangulation> with_lens(const std::string& name, const Calibration& calibration,
+                                             const LensSettings& settings) {
+  try {
+    return std::make_unique<LensTriangulation>(calibration, settings);
+  } catch (const std::invalid_argument& error) {
+    throw UserError(name, error.what());
+  }
+}
+
+std::unique_ptr<Triangulation> rig_triangulation(const DepthGeometry& geometry, const ImageSource& source) {
+  Rig rig = load_rig(geometry.rig);
+  check_size("--rig " + geometry.rig, rig.camera.rows, rig.camera.columns, source);
+  if (std::isfinite(geometry.limits.max_z_per_line_mm)) {
+    rig.measure.max_z_per_line_mm = geometry.limits.max_z_per_line_mm;
+  }
+  if (!rig.calibration) {
+    return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits);
+  }
+  LensSettings settings{.rows = source.rows,
+                        .columns = source.columns,
+                        .bits = geometry.bits,
+                        .lines = static_cast<double>(rig.projector.lines),
+                        .limits = geometry.limits,
+                        .rows_are_x = true};
+  settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
+  return with_lens(geometry.rig, calibration_of(rig), settings);
+}
+
+}  // namespace
+
+void check_size(const std::string& geometry, int rows, int columns, const ImageSource& source) {
+  if (source.rows != rows || source.columns != columns) {
+    throw UserError(geometry, fmt::format("is for images of {}, but {} is {}", size_text(rows, columns), source.name,
+                                          size_text(source.rows, source.columns)));
+  }
+}
+
+std::unique_ptr<LensTriangulation> make_lens_triangulation(const DepthGeometry& geometry, const ImageSource& source) {
+  const Calibration calibration = read_calibration(geometry.calibration);
+  if (calibration.camera_rows > 0) {
+    check_size(geometry.calibration, calibration.camera_rows, calibration.camera_columns, source);
+  }
+  return with_lens(geometry.calibration, calibration,
+                   {.rows = source.rows,
+                    .columns = source.columns,
+                    .bits = geometry.bits,
+                    .row_bits = geometry.row_bits,
+                    .lines = geometry.lines,
+                    .row_lines = geometry.row_lines,
+                    .max_residual_px = geometry.max_residual_px,
+                    .limits = geometry.limits});
+}
+
+std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry, const ImageSource& source) {
+  if (geometry.rig.empty()) {
+    return make_lens_triangulation(geometry, source);
+  }
+  return rig_triangulation(geometry, source);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,239 @@
+#include "host/structured_light/depth_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/driver/image_assembler.h"
+#include "host/driver/open_device.h"
+#include "host/io/frame_options.h"
+#include "host/io/progress.h"
+#include "host/io/stop_signal.h"
+#include "host/io/user_error.h"
+#include "host/structured_light/fast_decoder.h"
+#include "host/structured_light/lens_triangulation.h"
+#include "host/structured_light/median.h"
+
+namespace selfproj {
+namespace {
+
+ImageSource source_of(ImageSequence& images) {
+  const Image& first = images.first();
+  return {images.files().front(), first.rows, first.columns};
+}
+
+// Gives the scanner its background, where there is one.
+void set_background(const DepthSetup& setup, const Triangulation& triangulation, Scanner& scanner) {
+  if (setup.background.empty()) {
+    return;
+  }
+  const FloatImage background = read_float_tiff(setup.background);
+  if (background.rows != triangulation.rows() || background.columns != triangulation.columns()) {
+    throw UserError(setup.background,
+                    fmt::format("is {}, but the images are {}", size_text(background.rows, background.columns),
+                                size_text(triangulation.rows(), triangulation.columns())));
+  }
+  scanner.set_background(background);
+}
+
+DepthShares shares_of(const Triangulation& triangulation, const Scanner& scanner, std::vector<PointState>& states) {
+  triangulation.explain(scanner.codes().data(), scanner.depth().values.data(), states.data());
+  return count_states(states);
+}
+
+// Copies what the scanner has of the newest depth image.
+void finish(const Scanner& scanner, DepthRun& run) {
+  run.depth = scanner.depth();
+  if (scanner.has_background()) {
+    run.moved_depth.emplace(run.depth.rows, run.depth.columns);
+    scanner.difference(*run.moved_depth);
+  }
+}
+
+// The words of the code of one axis, from the next 2 bits images.
+class AxisDecoder {
+ public:
+  AxisDecoder(ImageSequence& images, const ScannerSettings& settings)
+      : images_(images), settings_(settings), progress_("image", images.count()) {}
+
+  std::vector<std::uint16_t> words(const Triangulation& triangulation, int bits) {
+    const int rows = triangulation.rows();
+    const int columns = triangulation.columns();
+    FastGrayDecoder decoder({rows, columns, bits, settings_.threshold});
+    for (int pattern = 0; pattern < 2 * bits; ++pattern, ++next_) {
+      Image& image = pair_[next_ % 2];
+      image = images_.read(next_);
+      decoder.take(image.view(), pattern);
+      progress_.update(next_ + 1);
+    }
+    std::vector<std::uint16_t> words(triangulation.pixels());
+    if (settings_.strict) {
+      unambiguous_code_words(decoder.codes(), words.data());
+    } else {
+      code_words(decoder.codes(), words.data());
+    }
+    return words;
+  }
+
+ private:
+  ImageSequence& images_;
+  ScannerSettings settings_;
+  Progress progress_;
+  std::array<Image, 2> pair_;  // the decoder looks at the positive when its negative comes
+  std::size_t next_ = 0;
+};
+
+// The code images of a device, as they come.
+class DeviceScan {
+ public:
+  DeviceScan(const DepthSetup& setup, const std::string& uri)
+      : setup_(setup), uri_(uri), device_(open_device(uri)), assembler_(spec::kKindCodes, 0) {}
+
+  void run(std::size_t count) {
+    using namespace std::chrono_literals;
+    const StopSignal stop;
+    Progress progress("code image", count);
+    PacketView packet;
+    while (!StopSignal::came() && (count == 0 || run_.depth_images < count)) {
+      const Next next = device_->next(packet, 100ms);
+      if (next == Next::end) {
+        break;
+      }
+      if (next == Next::packet && assembler_.add(packet)) {
+        take();
+      }
+      if (scanner_ && progress.due()) {
+        progress.update(run_.depth_images, note());
+      }
+    }
+  }
+
+  DepthRun result() {
+    if (!scanner_) {
+      throw UserError(uri_, "brought no complete code image");
+    }
+    std::vector<PointState> states(run_.triangulation->pixels());
+    run_.shares = shares_of(*run_.triangulation, *scanner_, states);
+    run_.all_shares.push_back({sequence_, run_.shares});
+    run_.device = {device_->counters(), assembler_.incomplete()};
+    finish(*scanner_, run_);
+    return std::move(run_);
+  }
+
+ private:
+  // The code image that the assembler has completed.
+  void take() {
+    const PacketHeader& header = assembler_.header();
+    const ImageSource source{"a code image of " + uri_, header.rows, header.columns};
+    if (!scanner_) {
+      run_.triangulation = make_triangulation(setup_.geometry, source);
+      scanner_.emplace(*run_.triangulation, setup_.scanner);
+      set_background(setup_, *run_.triangulation, *scanner_);
+    }
+    check_size("an earlier code image", run_.triangulation->rows(), run_.triangulation->columns(), source);
+    scanner_->take_codes(assembler_.codes().data());
+    sequence_ = header.sequence;
+    ++run_.depth_images;
+    if (scanner_->has_background()) {
+      run_.moved.push_back({sequence_, scanner_->moved()});
+    }
+  }
+
+  [[nodiscard]] std::string note() const {
+    const Counters counters = device_->counters();
+    std::string note = fmt::format("lost on the board {}, in the ring {}, bad {}, incomplete {}", counters.lost_board,
+                                   counters.lost_ring, counters.bad, assembler_.incomplete());
+    if (scanner_->has_background()) {
+      const Moved& moved = scanner_->moved();
+      note += fmt::format("; {} pixels moved, at {:.1f}, {:.1f}, {:.1f} mm", moved.pixels, moved.x, moved.y, moved.z);
+    }
+    return note;
+  }
+
+  const DepthSetup& setup_;
+  std::string uri_;
+  std::unique_ptr<Device> device_;
+  ImageAssembler assembler_;
+  DepthRun run_;
+  std::optional<Scanner> scanner_;  // from the first code image on, whose size it needs
+  std::uint64_t sequence_ = 0;      // of the newest code image
+};
+
+}  // namespace
+
+DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const TakeDepth& take) {
+  DepthRun run;
+  run.triangulation = make_triangulation(setup.geometry, source_of(images));
+  const Triangulation& triangulation = *run.triangulation;
+  Scanner scanner(triangulation, setup.scanner);
+  set_background(setup, triangulation, scanner);
+  const auto patterns = static_cast<std::size_t>(2 * setup.geometry.bits);
+  std::vector<PointState> states(triangulation.pixels());
+  Progress progress("image", images.count());
+  std::array<Image, 2> pair;  // the scanner looks at the positive when its negative comes
+  std::string note;
+  for (std::size_t i = 0; i < images.count(); ++i) {
+    Image& image = pair[i % 2];
+    image = images.read(i);
+    if (scanner.take(image.view(), static_cast<int>(i % patterns))) {
+      const std::size_t number = i / 2;
+      run.shares = shares_of(triangulation, scanner, states);
+      run.all_shares.push_back({number, run.shares});
+      note = share_text(run.shares, PointState::valid);
+      if (scanner.has_background()) {
+        run.moved.push_back({number, scanner.moved()});
+        note += fmt::format(", {} pixels moved", scanner.moved().pixels);
+      }
+      take(number, scanner.depth());
+      ++run.depth_images;
+    }
+    progress.update(i + 1, note);
+  }
+  finish(scanner, run);
+  return run;
+}
+
+DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images) {
+  DepthRun run;
+  std::unique_ptr<LensTriangulation> triangulation = make_lens_triangulation(setup.geometry, source_of(images));
+  std::vector<std::uint16_t> column_codes;
+  std::vector<std::uint16_t> row_codes;
+  {
+    AxisDecoder decoder(images, setup.scanner);
+    column_codes = decoder.words(*triangulation, setup.geometry.bits);
+    row_codes = decoder.words(*triangulation, setup.geometry.row_bits);
+  }
+  run.depth = FloatImage(triangulation->rows(), triangulation->columns());
+  std::vector<PointState> states(triangulation->pixels());
+  std::vector<float> residuals(triangulation->pixels());
+  triangulation->depth_of_both(column_codes.data(), row_codes.data(), run.depth.values.data(), states.data(),
+                               residuals.data());
+  run.depth_images = 1;
+  run.shares = count_states(states);
+  run.all_shares.push_back({images.count() / 2 - 1, run.shares});
+  residuals.erase(std::remove_if(residuals.begin(), residuals.end(), [](float value) { return std::isnan(value); }),
+                  residuals.end());
+  if (!residuals.empty()) {
+    run.median_residual_px = static_cast<double>(median_of(std::move(residuals)));
+  }
+  run.triangulation = std::move(triangulation);
+  return run;
+}
+
+DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::size_t count) {
+  DeviceScan scan(setup, uri);
+  scan.run(count);
+  return scan.result();
+}
+
+}  // namespace selfproj

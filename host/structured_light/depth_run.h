@@ -1,0 +1,76 @@
+// A run of `selfproj depth`: depth images of recorded images, or of the code images that a board decodes.
+#ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_RUN_H
+#define SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_RUN_H
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/driver/counters.h"
+#include "host/io/float_image.h"
+#include "host/io/image_sequence.h"
+#include "host/structured_light/depth_geometry.h"
+#include "host/structured_light/depth_shares.h"
+#include "host/structured_light/moved.h"
+#include "host/structured_light/scanner.h"
+#include "host/structured_light/triangulation.h"
+
+namespace selfproj {
+
+struct DepthSetup {
+  DepthGeometry geometry;
+  ScannerSettings scanner;
+  std::string background;  // TIFF of depths in mm of what does not move; empty: none
+};
+
+// What is known of one depth image of several. `number` is that of the newest pair, from 0, or of the newest frame.
+template <typename Value>
+struct OfImage {
+  std::uint64_t number = 0;
+  Value value;
+};
+
+struct DeviceCounts {
+  Counters counters;
+  std::uint64_t incomplete = 0;  // code images of which lines are missing
+};
+
+struct DepthRun {
+  std::unique_ptr<Triangulation> triangulation;
+  std::size_t depth_images = 0;
+  FloatImage depth;    // the newest, mm
+  DepthShares shares;  // of the newest
+  // Of all depth images in their order; of a device's of the newest alone, as to explain them takes longer than to
+  // compute them.
+  std::vector<OfImage<DepthShares>> all_shares;
+  // With a background: of all depth images in their order, and the depth of what moved in the newest, mm, NaN
+  // elsewhere.
+  std::vector<OfImage<Moved>> moved;
+  std::optional<FloatImage> moved_depth;
+  double median_residual_px = std::numeric_limits<double>::quiet_NaN();  // both axes: of the pixels with a depth
+  std::optional<DeviceCounts> device;
+};
+
+// Takes each depth image, with the number of its newest pair.
+using TakeDepth = std::function<void(std::size_t pair, const FloatImage& depth)>;
+
+// One coded axis: images pos0 neg0 pos1 neg1 ..., and a depth image after every pair from the m-th on. Shows progress.
+// Throws UserError: what make_triangulation, read_float_tiff and ImageSequence say, or a background of another size.
+DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const TakeDepth& take);
+
+// Both axes: one depth image of 2 bits images of the columns' code and then 2 row_bits images of the rows' code.
+// Shows progress. Throws UserError as make_lens_triangulation and ImageSequence.
+DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images);
+
+// The code images of the device `uri`, until it ends, `count` have come (0: any number), or Ctrl-C. Shows progress.
+// Throws UserError: as depth_of_images, the device cannot be opened, its images change their size, or none is complete.
+DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::size_t count);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_RUN_H

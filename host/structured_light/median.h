@@ -1,0 +1,21 @@
+#ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_MEDIAN_H
+#define SELFPROJ_HOST_STRUCTURED_LIGHT_MEDIAN_H
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace selfproj {
+
+// The median of values, at least one and none of them NaN; of an even number of them the upper of the two in the
+// middle.
+template <typename T>
+T median_of(std::vector<T> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_MEDIAN_H
