@@ -1,211 +1,56 @@
 #include "model/column_moments.h"
 
-#include <algorithm>
-#include <array>
 #include <stdexcept>
 #include <string>
-
-#include "model/cpu_clones.h"
-
-// The compiler vectorizes the loops over columns below, for each instruction set of SELFPROJ_CLONES.
 
 namespace selfproj {
 namespace {
 
-// How the sums are taken. With the running sum S(ξ) = Σ_{k <= ξ} w(k) of a column of R rows, a weight w(k) is in S from
-// row k to row R, so that it enters the sum of all S exactly R + 1 - k times:
-//
-//     Σ_ξ S(ξ) = Σ_k (R + 1 - k) w(k) = (R + 1) M0 - M1        so        M1 = (R + 1) M0 - Σ_ξ S(ξ)
-//
-// which needs additions only. The rows are cut into blocks of L <= kBlockRows rows. Within a block the running sum s
-// starts from 0 again; with B = M0 of all rows above the block, S = B + s, and the block's share is
-//
-//     Σ S = L B + P,        P = Σ s,        s += w and P += s for each row
-//
-// P is at most w_max · L (L + 1) / 2. With L <= 22 this is 253 for w = 1 and 64,515 for w = 255: in mode binary sums of
-// 8 bits are enough, in the grey modes sums of 16 bits, so that one vector instruction adds 64 columns, or 32. They are
-// widened once a block.
-constexpr int kBlockRows = 22;
-static_assert(kBlockRows * (kBlockRows + 1) / 2 <= 255, "the prefix sums of a block must fit in 8 bits");
-static_assert(255 * kBlockRows * (kBlockRows + 1) / 2 <= 65535, "and those of grey weights in 16 bits");
-// In mode binary the share L B + P of a block and M0 itself are taken in 16 bits.
-static_assert(kBlockRows * spec::kMaxRows + 255 <= 65535, "the share of a block must fit in 16 bits");
-
-// A row is read this many columns at a time. The sums of a strip stay in the first-level cache.
-constexpr int kStripColumns = 512;
-
-template <typename T>
-using Strip = std::array<T, kStripColumns>;
-
-struct StripSums {
-  alignas(64) Strip<std::uint32_t> m0;
-  alignas(64) Strip<std::uint32_t> m1;
-  alignas(64) Strip<std::uint32_t> n;
-};
-
-inline std::uint8_t narrow8(int value) { return static_cast<std::uint8_t>(value); }
-inline std::uint16_t narrow16(int value) { return static_cast<std::uint16_t>(value); }
-
-// Asks for a row a little before it is needed. The processor's own prefetch follows one row well, but stops at the end
-// of a page and rests while the sums are widened.
-[[gnu::always_inline]] inline void prefetch_row(const ImageView& strip, int columns, int row) {
-  constexpr int kAhead = 8;
-  constexpr int kCacheLine = 64;
-  if (row + kAhead < strip.rows) {
-    const std::uint8_t* pixels = strip.pixels + (row + kAhead) * strip.stride;
-    for (int i = 0; i < columns; i += kCacheLine) {
-      __builtin_prefetch(pixels + i);
-    }
-  }
-}
-
-// The moments of at most kStripColumns columns in mode binary; n is left alone.
-//
-// `columns` is strip.columns. Where it is a constant the compiler keeps the sums of a block in registers, which makes
-// this twice as fast; so that there is a copy for a full strip, and one for any other, below.
-[[gnu::always_inline]] inline void add_up_binary(const ImageView& strip, int columns, std::uint8_t threshold,
-                                                 StripSums& out) {
-  alignas(64) Strip<std::uint8_t> sum;          // s
-  alignas(64) Strip<std::uint8_t> prefix;       // P
-  alignas(64) Strip<std::uint16_t> share;       // L B + P
-  alignas(64) Strip<std::uint16_t> m0{};        // B
-  alignas(64) Strip<std::uint32_t> all_sums{};  // Σ S
-  for (int above = 0; above < strip.rows; above += kBlockRows) {
-    const int rows = std::min(kBlockRows, strip.rows - above);
-    sum.fill(0);
-    prefix.fill(0);
-    for (int row = above; row < above + rows; ++row) {
-      prefetch_row(strip, columns, row);
-      const std::uint8_t* pixels = strip.pixels + row * strip.stride;
-      for (int i = 0; i < columns; ++i) {
-        sum[i] = narrow8(sum[i] + (pixels[i] > threshold ? 1 : 0));
-        prefix[i] = narrow8(prefix[i] + sum[i]);
-      }
-    }
-    const std::uint16_t factor = narrow16(rows);
-    for (int i = 0; i < columns; ++i) {
-      share[i] = narrow16(factor * m0[i] + prefix[i]);
-      m0[i] = narrow16(m0[i] + sum[i]);
-    }
-    for (int i = 0; i < columns; ++i) {
-      all_sums[i] += share[i];
-    }
-  }
-  const auto factor = static_cast<std::uint32_t>(strip.rows + 1);
-  for (int i = 0; i < columns; ++i) {
-    out.m0[i] = m0[i];
-    out.m1[i] = factor * m0[i] - all_sums[i];
-  }
-}
-
-// The moments of at most kStripColumns columns in a grey mode: a lit pixel weighs its value less `offset`, which is at
-// most the threshold. Loops that mix sums of 8 and of 16 bits are not vectorized well: there is one for each width.
-[[gnu::always_inline]] inline void add_up_grey(const ImageView& strip, int columns, std::uint8_t threshold,
-                                               std::uint8_t offset, StripSums& out) {
-  alignas(64) Strip<std::uint8_t> weight;       // w
-  alignas(64) Strip<std::uint8_t> count;        // lit pixels in the block
-  alignas(64) Strip<std::uint16_t> sum;         // s
-  alignas(64) Strip<std::uint16_t> prefix;      // P
-  alignas(64) Strip<std::uint32_t> m0{};        // B
-  alignas(64) Strip<std::uint32_t> all_sums{};  // Σ S
-  alignas(64) Strip<std::uint16_t> n{};
-  for (int above = 0; above < strip.rows; above += kBlockRows) {
-    const int rows = std::min(kBlockRows, strip.rows - above);
-    count.fill(0);
-    sum.fill(0);
-    prefix.fill(0);
-    for (int row = above; row < above + rows; ++row) {
-      prefetch_row(strip, columns, row);
-      const std::uint8_t* pixels = strip.pixels + row * strip.stride;
-      for (int i = 0; i < columns; ++i) {
-        const std::uint8_t pixel = pixels[i];
-        count[i] = narrow8(count[i] + (pixel > threshold ? 1 : 0));
-        weight[i] = pixel > threshold ? narrow8(pixel - offset) : narrow8(0);
-      }
-      for (int i = 0; i < columns; ++i) {
-        sum[i] = narrow16(sum[i] + weight[i]);
-        prefix[i] = narrow16(prefix[i] + sum[i]);
-      }
-    }
-    const auto factor = static_cast<std::uint32_t>(rows);
-    for (int i = 0; i < columns; ++i) {
-      all_sums[i] += factor * m0[i] + prefix[i];
-      m0[i] += sum[i];
-    }
-    for (int i = 0; i < columns; ++i) {
-      n[i] = narrow16(n[i] + count[i]);
-    }
-  }
-  const auto factor = static_cast<std::uint32_t>(strip.rows + 1);
-  for (int i = 0; i < columns; ++i) {
-    out.m0[i] = m0[i];
-    out.m1[i] = factor * m0[i] - all_sums[i];
-    out.n[i] = n[i];
-  }
-}
-
-SELFPROJ_CLONES void strip_binary(const ImageView& strip, std::uint8_t threshold, StripSums& out) {
-  if (strip.columns == kStripColumns) {
-    add_up_binary(strip, kStripColumns, threshold, out);
-  } else {
-    add_up_binary(strip, strip.columns, threshold, out);
-  }
-}
-
-SELFPROJ_CLONES void strip_grey(const ImageView& strip, std::uint8_t threshold, std::uint8_t offset, StripSums& out) {
-  if (strip.columns == kStripColumns) {
-    add_up_grey(strip, kStripColumns, threshold, offset, out);
-  } else {
-    add_up_grey(strip, strip.columns, threshold, offset, out);
-  }
-}
-
-void check_arguments(const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
-  if (image.rows < 1 || image.rows > spec::kMaxRows) {
-    throw std::invalid_argument("column_moments: rows are not in 1.." + std::to_string(spec::kMaxRows));
-  }
-  if (image.columns < 1) {
-    throw std::invalid_argument("column_moments: columns are less than 1");
-  }
-  if (threshold < 0 || threshold > 255) {
-    throw std::invalid_argument("column_moments: threshold is not in 0..255");
-  }
-  if (mode != Mode::binary && mode != Mode::grey && mode != Mode::grey_over) {
-    throw std::invalid_argument("column_moments: unknown mode");
-  }
-  if (image.pixels == nullptr || out.m0 == nullptr || out.m1 == nullptr || out.n == nullptr) {
-    throw std::invalid_argument("column_moments: null pointer");
-  }
+std::uint32_t weight(Mode mode, int threshold, int pixel) {
+  const int lit = mode == Mode::binary ? 1 : mode == Mode::grey ? pixel : pixel - threshold;
+  return static_cast<std::uint32_t>(pixel > threshold ? lit : 0);
 }
 
 }  // namespace
 
+void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
+  check_column_moments(image, mode, threshold, out);
+  for (int column = 0; column < image.columns; ++column) {
+    std::uint32_t m0 = 0;
+    std::uint32_t m1 = 0;
+    std::uint32_t n = 0;
+    for (int row = 1; row <= image.rows; ++row) {
+      const int pixel = image.pixels[(row - 1) * image.stride + column];
+      const std::uint32_t w = weight(mode, threshold, pixel);
+      m0 += w;
+      m1 += static_cast<std::uint32_t>(row) * w;
+      n += pixel > threshold ? 1 : 0;
+    }
+    out.m0[column] = m0;
+    out.m1[column] = m1;
+    out.n[column] = n;
+  }
+}
+
+void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
+  const auto require = [](bool good, const char* what) {
+    if (!good) {
+      throw std::invalid_argument(std::string("column_moments: ") + what);
+    }
+  };
+  require(image.rows >= 1 && image.rows <= spec::kMaxRows, "rows are not in 1..kMaxRows");
+  require(image.columns >= 1, "columns are less than 1");
+  require(threshold >= 0 && threshold <= 255, "threshold is not in 0..255");
+  require(mode == Mode::binary || mode == Mode::grey || mode == Mode::grey_over, "unknown mode");
+  require(image.pixels != nullptr && out.m0 != nullptr && out.m1 != nullptr && out.n != nullptr, "null pointer");
+}
+
 void Moments::resize(int columns) {
-  const auto size = static_cast<std::size_t>(columns);
-  m0.resize(size);
-  m1.resize(size);
-  n.resize(size);
+  for (auto* values : {&m0, &m1, &n}) {
+    values->resize(static_cast<std::size_t>(columns));
+  }
 }
 
 MomentsView Moments::view() { return {m0.data(), m1.data(), n.data()}; }
-
-void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
-  check_arguments(image, mode, threshold, out);
-  const std::uint8_t level = narrow8(threshold);
-  for (int first = 0; first < image.columns; first += kStripColumns) {
-    const int columns = std::min(kStripColumns, image.columns - first);
-    const ImageView strip = {image.pixels + first, image.rows, columns, image.stride};
-    StripSums sums;  // filled below as far as it is read
-    if (mode == Mode::binary) {
-      strip_binary(strip, level, sums);
-      std::copy_n(sums.m0.data(), columns, out.n + first);
-    } else {
-      strip_grey(strip, level, mode == Mode::grey_over ? level : narrow8(0), sums);
-      std::copy_n(sums.n.data(), columns, out.n + first);
-    }
-    std::copy_n(sums.m0.data(), columns, out.m0 + first);
-    std::copy_n(sums.m1.data(), columns, out.m1 + first);
-  }
-}
 
 }  // namespace selfproj

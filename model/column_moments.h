@@ -1,18 +1,14 @@
-// Column moments of an image: what the circuit sp_column_moments computes, to the last bit.
+// Column moments of an image: their definition, which the circuit sp_column_moments equals to the last bit. Where speed
+// counts the host takes host/light_section/fast_moments.
 //
 // For an image of R rows and C columns, rows ξ = 1..R counted from the top, pixels p(ξ, η) in 0..255 and a threshold T,
-// a pixel is lit where p > T, and a lit pixel has the weight
+// a pixel is lit where p > T; an unlit one has the weight 0, a lit one
 //
-//     binary     w = 1
-//     grey       w = p
-//     grey_over  w = p - T
+//     binary  w = 1        grey  w = p        grey_over  w = p - T
 //
-// and an unlit one 0. The moments of column η are
+// The moments of column η are exact sums:
 //
-//     M0(η) = Σ_ξ w(ξ, η)        M1(η) = Σ_ξ ξ · w(ξ, η)        N(η) = number of lit pixels
-//
-// All sums are exact. Their largest values are those of the number formats of the specification: 255 · 1023 for M0,
-// 255 · 1023 · 1024 / 2 < 2^27 for M1, 1023 for N.
+//     M0(η) = Σ_ξ w(ξ, η)        M1(η) = Σ_ξ ξ · w(ξ, η)        N(η) = number of lit pixels                    (3.1)
 #ifndef SELFPROJ_MODEL_COLUMN_MOMENTS_H
 #define SELFPROJ_MODEL_COLUMN_MOMENTS_H
 
@@ -62,13 +58,14 @@ struct Moments {
 };
 
 // Writes the moments of every column of `image` to the first image.columns entries of the three arrays of `out`, which
-// must not overlap each other or the image.
-//
-// Rows 1..spec::kMaxRows; columns 1 or more, of any number (that the circuit takes multiples of 4 only, and at most
-// spec::kMaxColumns, is the circuit's own rule); threshold 0..255. Throws std::invalid_argument, having written
-// nothing, where one of these is out of range, the mode is none of the three, or a pointer is null.
+// must not overlap each other or the image. Rows 1..spec::kMaxRows; columns 1 or more (that the circuit takes multiples
+// of 4 only, and at most spec::kMaxColumns, is its own rule); threshold 0..255. Throws std::invalid_argument, having
+// written nothing, where one of these is out of range, the mode is none of the three, or a pointer is null.
 // Allocates nothing and keeps no state, so that any number of threads may call it at once.
 void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out);
+
+// Throws std::invalid_argument as column_moments does.
+void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out);
 
 }  // namespace selfproj
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "host/light_section/fast_moments.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/profile.h"
 #include "host/rig/geometry.h"
@@ -19,7 +20,7 @@ void take_moments(const Rig& rig, const ImageView& image, Moments& moments) {
   if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
     throw std::invalid_argument("scan: an image has another size than the camera's");
   }
-  column_moments(image, rig.measure.mode, rig.measure.threshold, moments.view());
+  fast_column_moments(image, rig.measure.mode, rig.measure.threshold, moments.view());
 }
 
 double centroid(const Moments& moments, std::size_t column) {  // (3.2)

@@ -1,12 +1,12 @@
-// How fast the models are, beside how fast this machine reads memory.
+// How fast the host's column moments are, beside how fast this machine reads memory; and the reading of packets.
 //
 //     bench_model [--frames=N] [--benchmark_...]
 //
 // Frames of 96 x 512 pixels lie one after another in a buffer far larger than the caches (N of them, 8000 by default:
 // 393 MB). One thread takes the moments of all of them, in each mode; and reads all of them as fast as it can, in two
 // ways, the faster of which is the ceiling. The measurements are repeated (7 times) in random order; what is compared
-// are medians. Before anything is timed the results are compared with the definition; a difference ends the program
-// with exit status 1.
+// are medians. Before anything is timed the results are compared with the model; a difference ends the program with
+// exit status 1.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -17,11 +17,11 @@
 #include <string>
 #include <vector>
 
+#include "host/light_section/fast_moments.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
 #include "tests/bench/collector.h"
 #include "tests/bench/read_ceiling.h"
-#include "tests/support/reference_moments.h"
 
 namespace selfproj {
 namespace {
@@ -52,11 +52,14 @@ class FrameBuffer {
 
 bool results_are_right(const FrameBuffer& buffer) {
   Moments moments;
+  Moments right;
   moments.resize(kColumns);
+  right.resize(kColumns);
   for (int i = 0; i < std::min(buffer.frames(), 16); ++i) {
     for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
-      column_moments(buffer.frame(i), mode, kThreshold, moments.view());
-      if (test::wrong_columns(buffer.frame(i), mode, kThreshold, moments) != 0) {
+      column_moments(buffer.frame(i), mode, kThreshold, right.view());
+      fast_column_moments(buffer.frame(i), mode, kThreshold, moments.view());
+      if (moments != right) {
         return false;
       }
     }
@@ -75,7 +78,7 @@ void take_moments(benchmark::State& state, const FrameBuffer& buffer, Mode mode,
   const MomentsView out = moments.view();
   for (auto _ : state) {
     for (int i = 0; i < frames; ++i) {
-      column_moments(buffer.frame(i), mode, kThreshold, out);
+      fast_column_moments(buffer.frame(i), mode, kThreshold, out);
       benchmark::ClobberMemory();
     }
   }

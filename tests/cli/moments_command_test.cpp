@@ -18,7 +18,6 @@
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/cli/program.h"
 #include "tests/support/random_cases.h"
-#include "tests/support/reference_moments.h"
 
 namespace selfproj::test {
 namespace {
@@ -40,9 +39,12 @@ std::string expected_csv(const std::vector<cv::Mat>& frames, Mode mode, int thre
   for (std::size_t frame = 0; frame < frames.size(); ++frame) {
     const cv::Mat& image = frames[frame];
     const ImageView view{image.data, image.rows, image.cols, static_cast<std::ptrdiff_t>(image.step[0])};
-    for (int column = 0; column < image.cols; ++column) {
-      const ReferenceMoments sums = reference_moments(view, mode, threshold, column);
-      fmt::format_to(std::back_inserter(csv), "{},{},{},{},{}\n", frame + 1, column + 1, sums.m0, sums.m1, sums.n);
+    Moments moments;
+    moments.resize(image.cols);
+    column_moments(view, mode, threshold, moments.view());
+    for (std::size_t i = 0; i < moments.n.size(); ++i) {
+      fmt::format_to(std::back_inserter(csv), "{},{},{},{},{}\n", frame + 1, i + 1, moments.m0[i], moments.m1[i],
+                     moments.n[i]);
     }
   }
   return csv;

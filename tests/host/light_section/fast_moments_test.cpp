@@ -1,0 +1,208 @@
+// The fast column moments against the model. Integer sums are exact: nothing here has a tolerance.
+#include "host/light_section/fast_moments.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "model/column_moments.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr std::array kModes = {Mode::binary, Mode::grey, Mode::grey_over};
+
+// What stands in output arrays beyond the columns, and must be there afterwards.
+constexpr std::uint32_t kUntouched = 0xDEADBEEF;
+
+// This file is also built for instruction sets that the processor at hand may lack; then nothing is tested.
+class FastMoments : public ::testing::Test {
+ protected:
+  void SetUp() override {
+#ifdef SELFPROJ_TEST_NEEDS
+    if (!__builtin_cpu_supports(SELFPROJ_TEST_NEEDS)) {
+      GTEST_SKIP() << "this processor has no " SELFPROJ_TEST_NEEDS;
+    }
+#endif
+  }
+
+  // The fast moments, having made sure that nothing is written beyond the columns.
+  static Moments moments_of(const ImageView& image, Mode mode, int threshold) {
+    constexpr int kGuard = 64;
+    Moments moments;
+    moments.resize(image.columns + kGuard);
+    for (auto* values : {&moments.m0, &moments.m1, &moments.n}) {
+      std::fill(values->begin(), values->end(), kUntouched);
+    }
+    fast_column_moments(image, mode, threshold, moments.view());
+    for (const auto* values : {&moments.m0, &moments.m1, &moments.n}) {
+      EXPECT_TRUE(std::all_of(values->end() - kGuard, values->end(), [](std::uint32_t v) { return v == kUntouched; }));
+    }
+    moments.resize(image.columns);
+    return moments;
+  }
+
+  static void expect_right(const ImageView& image, Mode mode, int threshold) {
+    Moments right;
+    right.resize(image.columns);
+    column_moments(image, mode, threshold, right.view());
+    ASSERT_TRUE(moments_of(image, mode, threshold) == right)
+        << "rows " << image.rows << ", columns " << image.columns << ", stride " << image.stride << ", mode "
+        << static_cast<int>(mode) << ", threshold " << threshold;
+  }
+};
+
+ImageView view_of(const std::vector<std::uint8_t>& pixels, int rows, int columns) {
+  return {pixels.data(), rows, columns, columns};
+}
+
+std::size_t area(int rows, int columns) { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns); }
+
+// Sizes about the widths of vectors and of strips, and about the height of a block.
+constexpr std::array kColumnEdges = {1, 2, 3, 4, 5, 15, 16, 17, 31, 32, 33, 63, 64, 65, 508, 511, 512, 513, 1024, 1028};
+constexpr std::array kRowEdges = {1, 2, 7, 8, 9, 21, 22, 23, 43, 44, 45, 96, 127, 128, 255, 256};
+
+TEST_F(FastMoments, EqualImagesOfEverySize) {
+  for (const int rows : kRowEdges) {
+    for (const int columns : kColumnEdges) {
+      for (const int value : {0, 100, 101, 255}) {
+        const std::vector<std::uint8_t> pixels(area(rows, columns), static_cast<std::uint8_t>(value));
+        for (const Mode mode : kModes) {
+          expect_right(view_of(pixels, rows, columns), mode, 100);
+          if (HasFatalFailure()) {
+            return;
+          }
+        }
+      }
+    }
+  }
+}
+
+// A single lit pixel in every place of an image of several blocks, and of one of several strips.
+TEST_F(FastMoments, OnePixelEverywhere) {
+  constexpr int kThreshold = 17;
+  constexpr std::uint8_t kValue = 200;
+  for (const auto& [rows, columns] : {std::pair{47, 132}, std::pair{2, 1100}}) {
+    std::vector<std::uint8_t> pixels(area(rows, columns), kThreshold);
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        std::uint8_t& pixel = pixels[area(row, columns) + static_cast<std::size_t>(column)];
+        pixel = kValue;
+        const Mode mode = kModes[static_cast<std::size_t>(row + column) % kModes.size()];
+        expect_right(view_of(pixels, rows, columns), mode, kThreshold);
+        if (HasFatalFailure()) {
+          FAIL() << "row " << row << ", column " << column;
+        }
+        pixel = kThreshold;
+      }
+    }
+  }
+}
+
+// Every pixel value (one a column) under every threshold.
+TEST_F(FastMoments, EveryValueAndThreshold) {
+  constexpr int kRows = 3;
+  constexpr int kColumns = 256;
+  std::vector<std::uint8_t> pixels;
+  for (int i = 0; i < kRows * kColumns; ++i) {
+    pixels.push_back(static_cast<std::uint8_t>(i));
+  }
+  for (int threshold = 0; threshold <= 255; ++threshold) {
+    for (const Mode mode : kModes) {
+      expect_right(view_of(pixels, kRows, kColumns), mode, threshold);
+    }
+  }
+}
+
+// The largest image, as bright as can be: the largest sums of all.
+TEST_F(FastMoments, LargestSums) {
+  const std::vector<std::uint8_t> pixels(area(spec::kMaxRows, spec::kMaxColumns), 255);
+  for (const Mode mode : kModes) {
+    for (const int threshold : {0, 254, 255}) {
+      expect_right(view_of(pixels, spec::kMaxRows, spec::kMaxColumns), mode, threshold);
+    }
+  }
+}
+
+TEST_F(FastMoments, StridesAndAlignments) {
+  constexpr int kRows = 25;
+  Random random(1);
+  const std::vector<std::uint8_t> pixels = random.bytes(64 + area(kRows, 700));
+  for (int offset = 0; offset < 64; ++offset) {
+    for (const int columns : {1, 4, 64, 130, 516}) {
+      for (const int stride : {columns, columns + 1, 640, 700}) {
+        for (const Mode mode : kModes) {
+          expect_right({pixels.data() + offset, kRows, columns, stride}, mode, 128);
+        }
+      }
+      expect_right({pixels.data() + offset + (kRows - 1) * 700, kRows, columns, -700}, Mode::grey, 60);
+      expect_right({pixels.data() + offset, kRows, columns, 0}, Mode::grey_over, 60);
+    }
+  }
+}
+
+// The image ends where its memory ends, so that the address sanitizer sees any access beyond.
+TEST_F(FastMoments, ReadsNothingBeyondTheImage) {
+  for (const int columns : kColumnEdges) {
+    const std::vector<std::uint8_t> pixels(area(9, 2000) + static_cast<std::size_t>(columns), 77);
+    for (const Mode mode : kModes) {
+      expect_right({pixels.data(), 10, columns, 2000}, mode, 76);
+    }
+  }
+}
+
+TEST_F(FastMoments, RandomImages) {
+  for (const std::uint64_t seed : seeds(300)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const int rows = random.between(1, random.chance(10) ? spec::kMaxRows : 120);
+    const int columns = random.between(1, random.chance(10) ? spec::kMaxColumns : 600);
+    const int stride = columns + random.between(0, 40);
+    std::vector<std::uint8_t> pixels = random.bytes(area(rows, stride));
+    if (random.chance(50)) {  // bright images make large sums
+      for (std::uint8_t& pixel : pixels) {
+        pixel |= 0xC0;
+      }
+    }
+    for (const Mode mode : kModes) {
+      expect_right({pixels.data(), rows, columns, stride}, mode, random.chance(50) ? random.between(0, 255) : 0);
+      if (HasFatalFailure()) {
+        return;
+      }
+    }
+  }
+}
+
+TEST_F(FastMoments, RefusesWhatIsOutOfRange) {
+  const std::vector<std::uint8_t> pixels(64, 255);
+  Moments moments;
+  moments.resize(8);
+  const Moments before = moments;
+  const ImageView good = {pixels.data(), 4, 8, 8};
+  const auto refuses = [&](const ImageView& image, int mode, int threshold, const MomentsView& out) {
+    EXPECT_THROW(fast_column_moments(image, static_cast<Mode>(mode), threshold, out), std::invalid_argument);
+    EXPECT_EQ(moments, before);
+  };
+  refuses({pixels.data(), 0, 8, 8}, 0, 128, moments.view());
+  refuses({pixels.data(), -1, 8, 8}, 0, 128, moments.view());
+  refuses({pixels.data(), spec::kMaxRows + 1, 8, 0}, 0, 128, moments.view());
+  refuses({pixels.data(), 4, 0, 8}, 0, 128, moments.view());
+  refuses({pixels.data(), 4, -8, 8}, 0, 128, moments.view());
+  refuses({nullptr, 4, 8, 8}, 0, 128, moments.view());
+  refuses(good, 3, 128, moments.view());
+  refuses(good, 0, -1, moments.view());
+  refuses(good, 0, 256, moments.view());
+  refuses(good, 0, 128, {nullptr, moments.m1.data(), moments.n.data()});
+  refuses(good, 0, 128, {moments.m0.data(), nullptr, moments.n.data()});
+  refuses(good, 0, 128, {moments.m0.data(), moments.m1.data(), nullptr});
+  EXPECT_NO_THROW(fast_column_moments(good, Mode::binary, 128, moments.view()));
+}
+
+}  // namespace
+}  // namespace selfproj::test
