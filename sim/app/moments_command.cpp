@@ -18,8 +18,8 @@
 #include "host/io/user_error.h"
 #include "model/column_moments.h"
 #include "model/spec/generated/selfproj_spec.h"
-#include "sim/app/moments_csv.h"
 #include "sim/board/moments_engine.h"
+#include "sim/experiment/moments_csv.h"
 
 namespace selfproj {
 namespace {

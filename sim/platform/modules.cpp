@@ -224,25 +224,25 @@ void BusSink::hold_up() {
   });
 }
 
-Scoreboard::Scoreboard(const sc_core::sc_module_name& name, const BoardSettings& settings, int patterns,
-                       BoardModel::Sink sink)
+ReferenceModel::ReferenceModel(const sc_core::sc_module_name& name, const BoardSettings& settings, int patterns,
+                               BoardModel::Sink sink)
     : sc_module(name), feed_(std::move(sink), patterns) {
   feed_.write(settings);
   video.bind(*this);
   encoder_pins.bind(*this);
 }
 
-void Scoreboard::promise_video(std::uint64_t clock) {
+void ReferenceModel::promise_video(std::uint64_t clock) {
   video_until_ = clock;
   feed();
 }
 
-void Scoreboard::promise_encoder(std::uint64_t clock) {
+void ReferenceModel::promise_encoder(std::uint64_t clock) {
   encoder_until_ = clock;
   feed();
 }
 
-void Scoreboard::feed() {
+void ReferenceModel::feed() {
   struct To {
     ModelFeed& feed;
     void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) const {

@@ -213,12 +213,13 @@ class BusSink : public GuardedModule, public PacketInterface {
 
 // Feeds the model of the board with what the board sees, and keeps the packets it makes until the board's are compared
 // with them.
-class Scoreboard : public sc_core::sc_module, public VideoInterface, public EncoderInterface {
+class ReferenceModel : public sc_core::sc_module, public VideoInterface, public EncoderInterface {
  public:
   sc_core::sc_export<VideoInterface> video{"video"};
   sc_core::sc_export<EncoderInterface> encoder_pins{"encoder_pins"};
 
-  Scoreboard(const sc_core::sc_module_name& name, const BoardSettings& settings, int patterns, BoardModel::Sink sink);
+  ReferenceModel(const sc_core::sc_module_name& name, const BoardSettings& settings, int patterns,
+                 BoardModel::Sink sink);
 
   void line(const VideoLine& line) override { inputs_.line(line); }
   void promise_video(std::uint64_t clock) override;

@@ -124,9 +124,10 @@ struct Platform::Parts {
     sink.ready(board.bus_ready);
     sink.finished(finished);
     if (expected) {
-      scoreboard = std::make_unique<Scoreboard>("scoreboard", options.settings, options.patterns, std::move(expected));
-      camera.video(scoreboard->video);
-      conveyor.encoder(scoreboard->encoder_pins);
+      reference =
+          std::make_unique<ReferenceModel>("reference", options.settings, options.patterns, std::move(expected));
+      camera.video(reference->video);
+      conveyor.encoder(reference->encoder_pins);
     }
     board.core().write(options.settings);
     if (board.core().clock() > kFirstClock) {
@@ -142,11 +143,11 @@ struct Platform::Parts {
   Conveyor conveyor;
   Board board;
   BusSink sink;
-  std::unique_ptr<Scoreboard> scoreboard;
+  std::unique_ptr<ReferenceModel> reference;
   PlatformReport report;
 };
 
-Platform::Platform(const PlatformOptions& options, FrameSource frames, PacketSink packets, BoardModel::Sink expected) {
+Platform::Platform(const PlatformOptions& options, NextFrame frames, PacketSink packets, BoardModel::Sink expected) {
   check(options);
   parts_ = std::make_unique<Parts>(options, std::move(frames), std::move(packets), std::move(expected));
 }

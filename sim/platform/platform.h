@@ -50,7 +50,7 @@ struct PlatformReport {
 class Platform {
  public:
   // The next frame, of the size in the settings, valid until the next call; nothing: there are no more.
-  using FrameSource = std::function<std::optional<ImageView>()>;
+  using NextFrame = std::function<std::optional<ImageView>()>;
   // A packet, at the time (in ps) its last beat was taken from the bus.
   using PacketSink = std::function<void(std::span<const std::uint8_t> bytes, std::uint64_t time_ps)>;
 
@@ -59,7 +59,7 @@ class Platform {
 
   // `expected`, where given, gets the packets of the model of the board, each before the board's own, with `lost` 0.
   // Throws std::invalid_argument where the options make no sense, UserError where the engine is not in this build.
-  Platform(const PlatformOptions& options, FrameSource frames, PacketSink packets, BoardModel::Sink expected = {});
+  Platform(const PlatformOptions& options, NextFrame frames, PacketSink packets, BoardModel::Sink expected = {});
   Platform(const Platform&) = delete;
   Platform& operator=(const Platform&) = delete;
   ~Platform();

@@ -1,5 +1,5 @@
-#ifndef SELFPROJ_SIM_APP_MOMENTS_CSV_H
-#define SELFPROJ_SIM_APP_MOMENTS_CSV_H
+#ifndef SELFPROJ_SIM_EXPERIMENT_MOMENTS_CSV_H
+#define SELFPROJ_SIM_EXPERIMENT_MOMENTS_CSV_H
 
 #include <cstddef>
 #include <string>
@@ -17,4 +17,4 @@ void append_moments_csv(std::string& csv, std::size_t frame, const Moments& mome
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_SIM_APP_MOMENTS_CSV_H
+#endif  // SELFPROJ_SIM_EXPERIMENT_MOMENTS_CSV_H

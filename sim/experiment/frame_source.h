@@ -1,6 +1,6 @@
 // Where the frames of a co-simulation come from: a scene before the simulated camera, or recorded images.
-#ifndef SELFPROJ_SIM_APP_FRAME_SOURCE_H
-#define SELFPROJ_SIM_APP_FRAME_SOURCE_H
+#ifndef SELFPROJ_SIM_EXPERIMENT_FRAME_SOURCE_H
+#define SELFPROJ_SIM_EXPERIMENT_FRAME_SOURCE_H
 
 #include <cstddef>
 #include <cstdint>
@@ -88,4 +88,4 @@ std::vector<std::string> files_of_pattern(const std::string& option, const std::
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_SIM_APP_FRAME_SOURCE_H
+#endif  // SELFPROJ_SIM_EXPERIMENT_FRAME_SOURCE_H

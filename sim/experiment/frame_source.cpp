@@ -1,4 +1,4 @@
-#include "sim/app/frame_source.h"
+#include "sim/experiment/frame_source.h"
 
 #include <glob.h>
 

@@ -1,4 +1,4 @@
-#include "sim/app/moments_csv.h"
+#include "sim/experiment/moments_csv.h"
 
 #include <fmt/format.h>
 

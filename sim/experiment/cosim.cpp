@@ -1,0 +1,289 @@
+#include "sim/experiment/cosim.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/driver/sim_device.h"
+#include "host/io/image_files.h"
+#include "host/io/output_file.h"
+#include "host/io/output_folder.h"
+#include "host/io/program_main.h"
+#include "host/io/progress.h"
+#include "host/io/user_error.h"
+#include "host/report/report.h"
+#include "model/packet.h"
+#include "sim/experiment/cosim_light_section.h"
+#include "sim/experiment/cosim_measurement.h"
+#include "sim/experiment/cosim_options.h"
+#include "sim/experiment/cosim_result.h"
+#include "sim/experiment/cosim_scanner.h"
+#include "sim/experiment/cosim_self_projected.h"
+#include "sim/experiment/frame_source.h"
+#include "sim/platform/camera_timing.h"
+#include "sim/platform/packet_checker.h"
+#include "sim/platform/platform.h"
+#include "sim/scene/scene_info.h"
+#include "sim/scene/scene_list.h"
+
+namespace selfproj {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::unique_ptr<CosimMeasurement> make_measurement(const CosimOptions& options) {
+  if (!options.frames.empty()) {
+    check_options(options, SceneMethod::light_section);
+    return make_recorded_cosim(options);
+  }
+  const SceneInfo& scene = find_scene(options.scene);
+  check_options(options, scene.method);
+  switch (scene.method) {
+    case SceneMethod::gray_codes:
+      return make_scanner_cosim(options, scene);
+    case SceneMethod::self_projected:
+      return make_self_projected_cosim(options, scene);
+    case SceneMethod::light_section:
+      break;
+  }
+  return make_light_section_cosim(options, scene);
+}
+
+// A waveform file that the simulator writes itself: under another name until it is whole.
+class TraceFile {
+ public:
+  TraceFile(std::string name, std::string part) : name_(std::move(name)), part_(std::move(part)) {
+    if (!name_.empty()) {
+      const OutputFile check(name_);
+      const OutputFile check_part(part_);
+    }
+  }
+  TraceFile(const TraceFile&) = delete;
+  TraceFile& operator=(const TraceFile&) = delete;
+  ~TraceFile() {
+    std::error_code unused;
+    if (!name_.empty() && !done_) {
+      fs::remove(part_, unused);
+      fs::remove(part_ + ".hier", unused);
+    }
+  }
+  void commit() {
+    if (!name_.empty()) {
+      std::error_code error;
+      fs::rename(part_, name_, error);
+      if (error) {
+        throw UserError(name_, error.message());
+      }
+      done_ = true;
+    }
+  }
+
+ private:
+  std::string name_;
+  std::string part_;
+  bool done_ = false;
+};
+
+PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measurement) {
+  PlatformOptions platform = measurement.platform();
+  platform.bus.stall_percent = options.bus_stall;
+  if (!options.trace.empty()) {
+    if (platform.engine != PlatformEngine::rtl) {
+      throw UserError("--trace " + options.trace, "only --engine rtl has waveforms");
+    }
+    const std::size_t total = measurement.source().total();
+    if (options.trace_from > total) {
+      throw UserError(fmt::format("--trace-from {}", options.trace_from), fmt::format("there are {} frames", total));
+    }
+    platform.trace_file = options.trace + ".part";
+    platform.trace_from = options.trace_from;
+  }
+  return platform;
+}
+
+// What was counted must fit together, too.
+void judge_counters(CosimResult& result, std::uint64_t misframed) {
+  const auto must_be = [&](std::uint64_t got, std::uint64_t want, const char* what) {
+    if (got != want) {
+      result.mismatch(fmt::format("{}: {}, expected {}", what, got, want));
+    }
+  };
+  const BoardCounters& board = result.platform.board;
+  must_be(board.frames, result.platform.frames, "frames accepted by the board");
+  must_be(board.broken, 0, "broken frames");
+  must_be(board.stray, 0, "beats outside any frame");
+  must_be(board.lost_moments + board.lost_image + board.lost_codes, result.lost, "packets lost by the board's count");
+  must_be(board.abandoned, 0, "frames abandoned by the decoder");
+  must_be(result.driver.bad, 0, "packets refused by the driver");
+  must_be(result.driver.bytes_discarded, 0, "bytes discarded by the driver");
+  must_be(misframed, 0, "packets whose end is not where their header says");
+  must_be(result.driver.delivered, result.platform.packets, "packets delivered by the driver");
+}
+
+// One run: the platform drives, the driver's packets go to checker, stream and measurement.
+class Run {
+ public:
+  // `stream` and `folder` may be null.
+  Run(CosimMeasurement& measurement, std::string* stream, OutputFolder* folder)
+      : measurement_(measurement), stream_(stream), folder_(folder) {}
+
+  CosimResult operator()(const PlatformOptions& options) {
+    FrameSource& source = measurement_.source();
+    Progress progress("frame", source.total());
+    std::size_t given = 0;
+    Platform platform(
+        options,
+        [&]() -> std::optional<ImageView> {
+          const Image* image = source.next();
+          if (image == nullptr) {
+            return std::nullopt;
+          }
+          measurement_.frame(given++, source.picture());
+          progress.update(given);
+          return image->view();
+        },
+        [&](std::span<const std::uint8_t> bytes, std::uint64_t /*time_ps*/) { receive(bytes); },
+        [&](BoardPacket&& packet) { checker_.expect(std::move(packet)); });
+    platform.run();
+    device_.finish();
+    next_packets();
+    checker_.finish();
+
+    result_.columns = checker_.matched_columns();
+    result_.codes = checker_.matched_codes();
+    result_.mismatches = checker_.mismatches();
+    result_.first_mismatch = checker_.first_mismatch();
+    result_.lost = checker_.lost();
+    result_.platform = platform.report();
+    result_.driver = device_.counters();
+    judge_counters(result_, device_.misframed());
+    measurement_.judge(result_);
+    return result_;
+  }
+
+ private:
+  void receive(std::span<const std::uint8_t> bytes) {
+    for (std::size_t at = 0; at < bytes.size(); at += spec::kPacketBeatBytes) {
+      const bool last = at + spec::kPacketBeatBytes >= bytes.size();
+      if (!device_.push(bytes.subspan(at, last ? bytes.size() - at : spec::kPacketBeatBytes), last)) {
+        throw std::logic_error("the driver's buffer is full");
+      }
+    }
+    next_packets();
+  }
+
+  void next_packets() {
+    PacketView packet;
+    while (device_.next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
+      const std::span<const std::uint8_t> bytes(packet.payload.data() - spec::kHeaderBytes, packet.size);
+      if (checker_.check(bytes) && packet.header.kind == spec::kKindMoments) {
+        ++result_.frames;
+      }
+      if (stream_ != nullptr) {
+        stream_->append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      }
+      measurement_.packet(packet, folder_);
+      device_.release();
+    }
+  }
+
+  CosimMeasurement& measurement_;
+  std::string* stream_;
+  OutputFolder* folder_;
+  PacketChecker checker_;
+  SimDevice device_;
+  CosimResult result_;
+};
+
+std::vector<Fact> counters_of(const CosimMeasurement& measurement, const CosimResult& result) {
+  std::vector<Fact> facts = measurement.counters(result);
+  const auto add = [&](const char* key, const char* label, std::uint64_t value) {
+    facts.push_back({key, label, static_cast<std::int64_t>(value)});
+  };
+  add("matched_columns", "columns of moments equal to the model's", result.columns);
+  add("matched_frames", "frames equal to the model's", result.frames);
+  add("mismatches", "mismatches with the model", result.mismatches);
+  add("delivered", "packets delivered", result.driver.delivered);
+  add("lost_board", "lost on the board", result.lost);
+  add("lost_ring", "lost in the ring", result.driver.lost_ring);
+  add("bad", "bad packets", result.driver.bad);
+  add("resynchronized", "resynchronized", result.driver.resynchronized);
+  return facts;
+}
+
+CosimFacts facts_of(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result) {
+  std::vector<Fact> settings = measurement.settings();
+  settings.push_back({"clocks", "pixel clocks simulated", static_cast<std::int64_t>(result.platform.clocks)});
+  settings.push_back({"bus_stall", "bus not ready", std::int64_t{options.bus_stall}, "%"});
+  return {.title = options.frames.empty() ? "Co-simulation: " + options.scene : "Co-simulation of recorded images",
+          .counters = counters_of(measurement, result),
+          .settings = std::move(settings)};
+}
+
+// What the user sees at the end. Throws CheckFailed where something did not match.
+void print_outcome(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result,
+                   double seconds) {
+  const auto clocks = static_cast<double>(result.platform.clocks);
+  fmt::print("{}", measurement.text());
+  fmt::print("{:.2f} M pixel clocks in {:.1f} s: {:.2f} M clocks/s, 1/{:.0f} of real time\n", clocks * 1e-6, seconds,
+             clocks / seconds * 1e-6, kPixelClockHz * seconds / clocks);
+  if (result.lost != 0) {
+    fmt::print("{} packets lost on the board, all of them counted by it\n", result.lost);
+  }
+  for (const std::string& written : {options.out, options.packets, options.trace}) {
+    if (!written.empty()) {
+      fmt::print("→ {}\n", written);
+    }
+  }
+  fmt::print("matched {}, {} mismatches\n", measurement.matched(result), result.mismatches);
+  if (result.mismatches != 0) {
+    std::fflush(stdout);
+    throw CheckFailed(result.first_mismatch);
+  }
+}
+
+}  // namespace
+
+void run_cosim(const CosimOptions& options) {
+  const std::optional<OutputFile> packets_file =
+      options.packets.empty() ? std::nullopt : std::optional<OutputFile>(options.packets);
+  std::optional<OutputFolder> folder;
+  if (!options.out.empty()) {
+    folder.emplace(options.out);
+  }
+  const std::unique_ptr<CosimMeasurement> measurement = make_measurement(options);
+  const PlatformOptions platform = platform_of(options, *measurement);
+  TraceFile trace(options.trace, platform.trace_file);
+  if (folder) {
+    measurement->choose_pictures();
+  }
+
+  std::string stream;
+  const auto start = std::chrono::steady_clock::now();
+  const CosimResult result = Run(*measurement, packets_file ? &stream : nullptr, folder ? &*folder : nullptr)(platform);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  if (folder) {
+    measurement->write(*folder, facts_of(options, *measurement, result));
+    folder->commit();
+  }
+  if (packets_file) {
+    packets_file->write(stream);
+  }
+  trace.commit();
+  print_outcome(options, *measurement, result, seconds);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,33 @@
+// What a run of a co-simulation was, and what was equal in it.
+#ifndef SELFPROJ_SIM_EXPERIMENT_COSIM_RESULT_H
+#define SELFPROJ_SIM_EXPERIMENT_COSIM_RESULT_H
+
+#include <cstdint>
+#include <string>
+
+#include "host/driver/counters.h"
+#include "sim/platform/platform.h"
+
+namespace selfproj {
+
+struct CosimResult {
+  std::uint64_t columns = 0;     // whose moments matched
+  std::uint64_t codes = 0;       // pixels whose code matched
+  std::uint64_t frames = 0;      // whose packets of moments matched
+  std::uint64_t mismatches = 0;  // packets that did not match, counters that disagree
+  std::uint64_t lost = 0;        // packets lost on the board, all of them counted by it
+  std::string first_mismatch;
+  PlatformReport platform;
+  Counters driver;
+
+  // Counts a mismatch, and keeps what it was if it is the first.
+  void mismatch(const std::string& what) {
+    if (mismatches++ == 0) {
+      first_mismatch = what;
+    }
+  }
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_EXPERIMENT_COSIM_RESULT_H

@@ -1,0 +1,223 @@
+#include "sim/experiment/cosim_scanner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/io/output_folder.h"
+#include "host/report/depth_output.h"
+#include "host/report/map_picture.h"
+#include "host/report/report.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/moved.h"
+#include "host/structured_light/scanner.h"
+#include "host/structured_light/triangulation.h"
+#include "sim/experiment/cosim_measurement.h"
+#include "sim/experiment/cosim_options.h"
+#include "sim/experiment/cosim_result.h"
+#include "sim/experiment/depth_cosim.h"
+#include "sim/experiment/depth_findings.h"
+#include "sim/experiment/motion_analysis.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/scanner_scenes.h"
+#include "sim/scene/scene.h"
+#include "sim/scene/scene_info.h"
+#include "sim/scene/scene_list.h"
+
+namespace selfproj {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// Nothing lies below the plane: what is found deeper than this, mm, for quantization, is a wrong code.
+constexpr double kBelowPlane = 15;
+
+constexpr int kDefaultBits = 8;
+constexpr double kDefaultMinDifference = 10;  // mm, from the background, of what counts as moved
+constexpr SteadySettings kDefaultSteady{10, 6};
+
+// Background less depth where both are.
+FloatImage difference_of(const FloatImage& depth, const FloatImage& background) {
+  FloatImage result = depth;
+  std::transform(background.values.begin(), background.values.end(), depth.values.begin(), result.values.begin(),
+                 [](float before, float now) { return before - now; });
+  return result;
+}
+
+class ScannerCosim final : public DepthCosim {
+ public:
+  ScannerCosim(const CosimOptions& options, const SceneInfo& info, DepthCosimSetup setup, const PatternSet& patterns)
+      : DepthCosim(options, info, std::move(setup), options.no_median ? Median::off : Median::on, patterns),
+        min_difference_(options.min_difference.value_or(kDefaultMinDifference)),
+        steady_{options.max_change.value_or(kDefaultSteady.most_change_mm),
+                options.min_neighbours.value_or(kDefaultSteady.least_neighbours)},
+        triangulation_(rig(), bits(), {0, rig().plane_z_mm + kBelowPlane}),
+        scanner_(triangulation_, {rig().measure.code_threshold, median() == Median::on, false,
+                                  static_cast<float>(min_difference_), steady_}),
+        background_(rig().camera.rows, rig().camera.columns),
+        true_background_(background_),
+        moved_(background_) {
+    measure_background(*find_scene(info.reference_name()).make(rig()), patterns);
+  }
+
+  [[nodiscard]] std::vector<Fact> counters(const CosimResult& result) const override {
+    return {{"depth_images", "depth images", static_cast<std::int64_t>(images())},
+            {"matched_codes", "codes equal to the model's", static_cast<std::int64_t>(result.codes)},
+            {"incomplete", "incomplete code images", static_cast<std::int64_t>(incomplete())}};
+  }
+
+  [[nodiscard]] std::vector<Fact> settings() const override {
+    std::vector<Fact> facts = scene_facts("background");
+    facts.push_back({"threshold", "threshold", std::int64_t{rig().measure.code_threshold}});
+    facts.push_back({"min_difference_mm", "moved: differs by more than", min_difference_, "mm"});
+    facts.push_back({"max_change_mm", "... changes from one depth image to the next by no more than",
+                     static_cast<double>(steady_.most_change_mm), "mm"});
+    facts.push_back({"min_neighbours", "... neighbours that moved, too", std::int64_t{steady_.least_neighbours}});
+    return facts;
+  }
+
+  [[nodiscard]] std::string text() const override {
+    std::string text = run_text(fmt::format("{} bits", bits()));
+    for (const Fact& fact : findings_of(info().analysis, samples_).facts) {
+      text += fmt::format("{}: {:.4g} {}\n", fact.label, std::get<double>(fact.value), fact.unit);
+    }
+    return text + errors_text();
+  }
+
+  [[nodiscard]] std::string matched(const CosimResult& result) const override {
+    return fmt::format("{} codes in {} code images and {} columns in {} frames", result.codes, images(), result.columns,
+                       result.frames);
+  }
+
+ private:
+  void take_codes(const std::uint16_t* codes) override { scanner_.take_codes(codes); }
+  [[nodiscard]] const Triangulation& triangulation() const override { return triangulation_; }
+  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
+
+  void followed() override {
+    DepthSample sample;
+    sample.frame = newest_frame();
+    sample.t = middle_frame() / rig().camera.frame_rate_hz;
+    sample.moved = scanner_.moved();
+    sample.true_moved = moved(triangulation_, truth().values.data(), true_background_.values.data(),
+                              static_cast<float>(min_difference_));
+    if (info().analysis == SceneAnalysis::wave_front) {
+      sample.front = front(sample.t, depth(), background_);
+      sample.true_front = front(sample.t, truth(), true_background_);
+    }
+    if (info().analysis == SceneAnalysis::key_taps) {
+      scanner_.difference(moved_);
+      for (const KeyTaps::Pixel pixel : {KeyTaps::kFirst, KeyTaps::kSecond}) {
+        const bool inside = pixel.row < rig().camera.rows && pixel.column < rig().camera.columns;
+        sample.z.push_back(inside ? static_cast<double>(moved_.row(pixel.row)[pixel.column]) : kNan);
+        sample.true_z.push_back(inside ? static_cast<double>(truth().row(pixel.row)[pixel.column]) : kNan);
+      }
+    }
+    samples_.push_back(std::move(sample));
+  }
+
+  [[nodiscard]] ShownMap shown_map(const std::string& when) const override {
+    FloatImage moved = depth();
+    scanner_.difference(moved);
+    return {.file = "moved",
+            .title = "What moved",
+            .png = depth_picture(triangulation_, moved, "moved, " + when),
+            .note = fmt::format("pixels whose depth differs from the background's by more than {} mm and stays",
+                                min_difference_)};
+  }
+
+  void complete_page(ReportPage& page) override {
+    const DepthFindings found = findings_of(info().analysis, samples_);
+    page.subtitle = subtitle(fmt::format("{} bits", bits()), median() == Median::on ? ", median" : "");
+    page.highlights = found.facts;
+    for (Fact& fact : error_facts()) {
+      page.highlights.push_back(std::move(fact));
+    }
+    page.plots = found.plots;
+  }
+
+  void write_maps(OutputFolder& folder) const override {
+    const FloatImage difference = difference_of(depth(), background_);
+    folder.append("background.tiff", encode_float_tiff("background.tiff", background_));
+    folder.append("difference.tiff", encode_float_tiff("difference.tiff", difference));
+    folder.append("difference.png", labelled_map_png(difference, difference_scale(difference), {1, 1, 'x', 'y'},
+                                                     "background − depth, newest; a pixel is shown as 1 mm"));
+    const DepthFindings found = findings_of(info().analysis, samples_);
+    folder.append(found.table_name, found.table);
+  }
+
+  // A cycle of frames of the reference, decoded by the host, before the run.
+  void measure_background(const Scene& reference, const PatternSet& patterns) {
+    Rig still_rig = rig();
+    ++still_rig.imaging.seed;
+    const PatternRenderer still(still_rig, reference, options_without(options().without));
+    Image positive{background_.rows, background_.columns, std::vector<std::uint8_t>(background_.values.size())};
+    Image negative = positive;
+    for (int k = 0; k < patterns.size(); ++k) {
+      Image& image = k % 2 == 0 ? positive : negative;
+      still.render(k, patterns[k], std::span<std::uint8_t>(image.pixels));
+      scanner_.take(image.view(), k);
+    }
+    background_ = scanner_.depth();
+    scanner_.set_background(background_);
+    still.lit_depth(0, true_background_.values, static_cast<float>(rig().measure.code_threshold));
+    // What the scanner sees nothing of (where a line is worth too much) is not asked of the truth either.
+    for (std::size_t i = 0; i < background_.values.size(); ++i) {
+      if (std::isnan(background_.values[i])) {
+        true_background_.values[i] = std::numeric_limits<float>::quiet_NaN();
+      }
+    }
+  }
+
+  // Only after the ring has come out of the splash, and before it comes to a wall.
+  [[nodiscard]] double front(double t, const FloatImage& depth, const FloatImage& background) const {
+    constexpr double kFrom = 0.08;  // s after the impact
+    constexpr double kTo = 0.17;
+    constexpr double kStep = 3;  // mm
+    constexpr std::size_t kRings = 40;
+    constexpr double kLeast = 0.5;  // mm
+    constexpr double kMost = 10;
+    constexpr double kX = PoolWave::kWidth / 2;
+    constexpr double kY = PoolWave::kLength / 2;
+    if (t - PoolWave::kImpact < kFrom || t - PoolWave::kImpact > kTo) {
+      return kNan;
+    }
+    const RingMeans rings(
+        triangulation_,
+        {PoolWave::kImpactX, PoolWave::kImpactY, PoolWave::kCentreX - kX, PoolWave::kCentreX + kX, -kY, kY}, kStep,
+        kRings);
+    return foremost_crest(rings, rings.means(depth, background, kMost), kLeast);
+  }
+
+  double min_difference_;  // mm
+  SteadySettings steady_;
+  PlaneTriangulation triangulation_;
+  Scanner scanner_;
+  FloatImage background_;
+  FloatImage true_background_;
+  FloatImage moved_;
+  std::vector<DepthSample> samples_;
+};
+
+}  // namespace
+
+std::unique_ptr<CosimMeasurement> make_scanner_cosim(const CosimOptions& options, const SceneInfo& scene) {
+  DepthCosimSetup setup = depth_cosim_setup(options, scene, options.bits.value_or(kDefaultBits));
+  const PatternSet patterns(setup.rig, gray_patterns(setup.rig.projector, setup.bits),
+                            options_without(options.without).projector_blur);
+  return std::make_unique<ScannerCosim>(options, scene, std::move(setup), patterns);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,19 @@
+// What a co-simulation measures by Gray codes: depth images, and in them what moves before a background.
+#ifndef SELFPROJ_SIM_EXPERIMENT_COSIM_SCANNER_H
+#define SELFPROJ_SIM_EXPERIMENT_COSIM_SCANNER_H
+
+#include <memory>
+
+#include "sim/experiment/cosim_measurement.h"
+#include "sim/experiment/cosim_options.h"
+#include "sim/scene/scene_info.h"
+
+namespace selfproj {
+
+// Of a scene of method gray_codes. Options and scene must live as long as the result. Throws UserError about the
+// options.
+std::unique_ptr<CosimMeasurement> make_scanner_cosim(const CosimOptions& options, const SceneInfo& scene);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_EXPERIMENT_COSIM_SCANNER_H

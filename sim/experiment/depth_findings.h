@@ -1,0 +1,37 @@
+// What the depth images of a moving scene say of its motion: facts, plots and a table, beside the truth.
+#ifndef SELFPROJ_SIM_EXPERIMENT_DEPTH_FINDINGS_H
+#define SELFPROJ_SIM_EXPERIMENT_DEPTH_FINDINGS_H
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "host/report/report.h"
+#include "host/structured_light/moved.h"
+#include "sim/scene/scene_info.h"
+
+namespace selfproj {
+
+// What is measured in a depth image and in the truth beside it; lengths in mm, NaN where there is none.
+struct DepthSample {
+  std::size_t frame = 0;  // of this run, from 1: the one that completed the code image
+  double t = 0;           // s, of the frame in the middle of the cycle that the codes are from
+  Moved moved, true_moved;
+  double front = std::numeric_limits<double>::quiet_NaN();  // SceneAnalysis::wave_front
+  double true_front = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> z, true_z;  // SceneAnalysis::key_taps: at the pixels of the keys, of what moved
+};
+
+struct DepthFindings {
+  std::vector<Fact> facts;
+  std::vector<ReportPlot> plots;
+  std::string table_name;
+  std::string table;  // CSV
+};
+
+DepthFindings findings_of(SceneAnalysis analysis, const std::vector<DepthSample>& samples);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_EXPERIMENT_DEPTH_FINDINGS_H
