@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# fpga.sh [table [FAMILY...] | place [--seeds N] | update [--seeds N] | stale]: what the board takes of five FPGA families,
-# and the clock it reaches on an iCE40 HX8K and, with nextpnr-ecp5 (PyPI has it), an LFE5U-85F (default: table). update writes both into constraints/README.md.
+# fpga.sh [table [--module NAME] [FAMILY...] | place [--seeds N] | update [--seeds N] | stale]: what the board, or
+# another module, takes of five FPGA families, and the clock the board reaches on an iCE40 HX8K and, with nextpnr-ecp5
+# (PyPI has it), an LFE5U-85F (default: table). update writes what is stale of both into constraints/README.md.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
