@@ -1,35 +1,18 @@
-// report.html: one file, without anything from elsewhere, that shows an inspection to a human.
+// Pages for a human, each one file without anything from elsewhere: an inspection, moments, an experiment.
 #ifndef SELFPROJ_HOST_REPORT_REPORT_H
 #define SELFPROJ_HOST_REPORT_REPORT_H
 
-#include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "host/io/float_image.h"
+#include "host/report/facts.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
+#include "host/report/page_plot.h"
 
 namespace selfproj {
-
-// A number or word that has a name: in summary.json under `key`, in the report as `label` with its unit.
-struct Fact {
-  std::string key;
-  std::string label;
-  std::variant<std::int64_t, double, std::string> value;
-  std::string unit = {};
-};
-
-// A table: the first column names what the row is about. Cells are plain text.
-struct ReportTable {
-  std::string title;
-  std::vector<std::string> header;
-  std::vector<std::vector<std::string>> rows;
-  std::string note = {};  // below it
-};
 
 // What the program adds to what was collected. All of it may be missing.
 struct ReportParts {
@@ -53,23 +36,6 @@ struct ReportData {
   FloatImage difference;  // mm
   FloatImage y;           // mm, of the same shape
   MapPitch pitch;
-};
-
-// One line of a plot; NaN leaves a gap.
-struct ReportTrace {
-  std::vector<double> x;
-  std::vector<double> y;
-  const char* style = "a";  // "a" or "b"
-  std::string name;
-};
-
-// Traces over one another, with one scale. Left out where there is nothing to draw.
-struct ReportPlot {
-  std::string title;
-  std::string x_label;
-  std::string y_label;
-  std::vector<ReportTrace> traces;
-  double min_span = 1;  // of the vertical scale
 };
 
 struct ReportPicture {

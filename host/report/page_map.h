@@ -1,0 +1,20 @@
+// A map of millimetres on a page.
+#ifndef SELFPROJ_HOST_REPORT_PAGE_MAP_H
+#define SELFPROJ_HOST_REPORT_PAGE_MAP_H
+
+#include <string>
+#include <string_view>
+
+#include "host/io/float_image.h"
+#include "host/report/map_picture.h"
+
+namespace selfproj {
+
+// Appends a map with its scale bars beside and below it, and what its colours mean, as HTML. `title` and `explanation`
+// are HTML.
+void add_map(std::string& html, std::string_view title, std::string_view explanation, const FloatImage& map,
+             const MapScale& scale, const MapPitch& pitch);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_REPORT_PAGE_MAP_H
