@@ -30,7 +30,7 @@ namespace selfproj {
 namespace {
 
 struct CalibrateOptions {
-  std::string board;
+  std::string chessboard;
   std::string projector;
   std::string corners = "homography";
   std::string channel;
@@ -60,18 +60,18 @@ std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report)
 
 void run_calibrate(CalibrateOptions options) {
   constexpr int kMostCorners = 200;
-  const FrameSize corners = size_of_text("--board", options.board, kMostCorners);
+  const FrameSize corners = size_of_text("--board", options.chessboard, kMostCorners);
   if (corners.columns < 3 || corners.rows < 3) {
     throw UserError("--board",
-                    fmt::format("is {}; at least 3 inner corners are needed along both sides", options.board));
+                    fmt::format("is {}; at least 3 inner corners are needed along both sides", options.chessboard));
   }
   const FrameSize projector = size_of_text("--projector", options.projector, 1 << GrayDecoder::kMaxBits);
   if (std::set<std::string>(options.poses.begin(), options.poses.end()).size() != options.poses.size()) {
     throw UserError("POSE", "a folder is there twice");
   }
   CalibrateSettings& settings = options.calibrate;
-  settings.board.columns = corners.columns;
-  settings.board.rows = corners.rows;
+  settings.chessboard.columns = corners.columns;
+  settings.chessboard.rows = corners.rows;
   settings.projector_columns = projector.columns;
   settings.projector_rows = projector.rows;
   settings.corners.method = options.corners == "direct" ? CornerMethod::direct : CornerMethod::homography;
@@ -115,10 +115,10 @@ void add_calibrate_command(CLI::App& app) {
       "calibrate", "Calibrate camera and projector from captures of a chessboard under the patterns of `pattern gray`");
   const auto options = std::make_shared<CalibrateOptions>();
   CalibrateSettings& settings = options->calibrate;
-  command->add_option("--board", options->board, "Inner corners of the board, along both sides")
+  command->add_option("--board", options->chessboard, "Inner corners of the board, along both sides")
       ->type_name("NxM")
       ->required();
-  command->add_option("--square", settings.board.square_mm, "Side of a square")
+  command->add_option("--square", settings.chessboard.square_mm, "Side of a square")
       ->check(CLI::PositiveNumber)
       ->type_name("MM")
       ->required();

@@ -16,7 +16,7 @@ namespace {
 constexpr int kPose = 6;
 constexpr int kDistortion = 5;
 
-// Where the unknowns are: both lenses, the pose between them, the board's poses.
+// Where the unknowns are: both lenses, the pose between them, the chessboard's poses.
 struct Layout {
   int camera_free;     // of the camera's lens
   int projector_free;  // of the projector's
@@ -45,7 +45,7 @@ Bundle moved(const Bundle& from, const cv::Mat1d& change, const Layout& layout) 
   }
   add_pose(to.stereo, change, layout.stereo());
   for (int v = 0; v < layout.views; ++v) {
-    add_pose(to.board[static_cast<std::size_t>(v)], change, layout.view(v));
+    add_pose(to.chessboard[static_cast<std::size_t>(v)], change, layout.view(v));
   }
   return to;
 }
@@ -76,11 +76,11 @@ Linear linearize(const View& view, const Bundle& bundle, std::size_t v) {
   std::vector<cv::Point3d> points;
   points.reserve(view.sights.size());
   for (const Sight& sight : view.sights) {
-    points.push_back(sight.board);
+    points.push_back(sight.chessboard);
   }
   Linear linear;
   cv::Mat derivative;
-  const Pose& pose = bundle.board[v];
+  const Pose& pose = bundle.chessboard[v];
   const std::vector<cv::Point2d> in_camera = project(points, pose, bundle.camera, derivative);
   linear.camera_by_view = derivative.colRange(0, kPose);
   linear.camera_by_lens = derivative.colRange(kLensColumn, kLensColumn + static_cast<int>(kLensParameters));
@@ -216,115 +216,171 @@ cv::Mat1d covariance_of(const cv::Mat1d& normal) {
   return cv::Mat1d(inverse.mul(scale * scale.t()));
 }
 
-double per_direction(double sum, std::size_t sights) { return std::sqrt(sum / (2.0 * static_cast<double>(sights))); }
+// Of both instruments' residuals.
+struct SumsOfSquares {
+  double camera = 0;
+  double projector = 0;
+};
+
+SumsOfSquares sums_of(const std::vector<Linear>& views) {
+  SumsOfSquares sums;
+  for (const Linear& view : views) {
+    sums.camera += squares(view.camera);
+    sums.projector += squares(view.projector);
+  }
+  return sums;
+}
+
+// One over the variance in one direction of residuals whose squares have this sum.
+double weight_of(double sum, std::size_t sights) {
+  constexpr double kLeastNoise = 1e-6;  // pixels, so that exact data have a weight too
+  const double per_direction = std::sqrt(sum / (2.0 * static_cast<double>(sights)));
+  return 1 / std::pow(std::max(kLeastNoise, per_direction), 2);
+}
+
+// The least squares on their way.
+class Solver {
+ public:
+  Solver(const std::vector<View>& views, const Bundle& start, const FreeDistortion& free)
+      : views_(views),
+        layout_{kPinhole + free.camera, kPinhole + free.projector, static_cast<int>(views.size())},
+        bundle_(start) {
+    for (const View& view : views) {
+      sights_ += view.sights.size();
+    }
+    if (!(equations() > layout_.count())) {
+      throw std::invalid_argument("calibration: fewer equations than unknowns");
+    }
+    linear_ = linearize_all(views, start);
+  }
+
+  // Levenberg and Marquardt, until a step gains next to nothing or none gains anything.
+  void minimize() {
+    constexpr int kMostSteps = 200;
+    constexpr double kDone = 1e-12;  // relative change of the sum of squares
+    for (int step = 0; step < kMostSteps; ++step) {
+      weigh();
+      const double cost = cost_of(linear_, weights_);
+      const double gain = improve(cost);
+      if (gain <= kDone * cost) {
+        return;
+      }
+    }
+  }
+
+  [[nodiscard]] BundleResult result() const {
+    BundleResult result;
+    result.bundle = bundle_;
+    add_residuals(result);
+    add_deviations(result);
+    return result;
+  }
+
+ private:
+  static constexpr int kPinhole = 4;  // parameters of a lens before its distortion
+
+  [[nodiscard]] double equations() const { return 4 * static_cast<double>(sights_); }
+
+  // Estimates the noise of both instruments from their residuals as they are now.
+  void weigh() {
+    const SumsOfSquares sums = sums_of(linear_);
+    if (!std::isfinite(sums.camera + sums.projector)) {
+      throw std::runtime_error("calibration: the least squares do not converge");
+    }
+    weights_ = {weight_of(sums.camera, sights_), weight_of(sums.projector, sights_)};
+  }
+
+  // Takes the first step that makes `cost` no greater, with more and more damping, and returns by how much it is less;
+  // -1 where there is no such step.
+  double improve(double cost) {
+    constexpr double kLeastDamping = 1e-12;
+    constexpr double kMostDamping = 1e12;
+    cv::Mat1d normal;
+    cv::Mat1d right;
+    normal_equations(linear_, weights_, layout_, normal, right);
+    const cv::Mat1d scale = scale_of(normal);
+    while (damping_ < kMostDamping) {
+      cv::Mat1d damped(normal.mul(scale * scale.t()));
+      damped.diag() += damping_;
+      cv::Mat1d change;
+      if (cv::solve(damped, right.mul(scale), change, cv::DECOMP_CHOLESKY)) {
+        const Bundle tried = moved(bundle_, cv::Mat1d(change.mul(scale)), layout_);
+        std::vector<Linear> there = linearize_all(views_, tried);
+        const double cost_there = cost_of(there, weights_);
+        if (cost_there <= cost) {
+          bundle_ = tried;
+          linear_ = std::move(there);
+          damping_ = std::max(kLeastDamping, damping_ / 10);
+          return cost - cost_there;
+        }
+      }
+      damping_ *= 10;
+    }
+    return -1;
+  }
+
+  void add_residuals(BundleResult& result) const {
+    SumsOfSquares all;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      const auto count = static_cast<double>(views_[v].sights.size());
+      const double camera = squares(linear_[v].camera);
+      const double projector = squares(linear_[v].projector);
+      result.view_camera_rms.push_back(std::sqrt(camera / count));
+      result.view_projector_rms.push_back(std::sqrt(projector / count));
+      result.camera_residuals.push_back(linear_[v].camera);
+      result.projector_residuals.push_back(linear_[v].projector);
+      all.camera += camera;
+      all.projector += projector;
+    }
+    const auto count = static_cast<double>(sights_);
+    result.camera_rms = std::sqrt(all.camera / count);
+    result.projector_rms = std::sqrt(all.projector / count);
+    result.rms = std::sqrt((all.camera + all.projector) / (2 * count));
+  }
+
+  void add_deviations(BundleResult& result) const {
+    cv::Mat1d normal;
+    cv::Mat1d right;
+    normal_equations(linear_, weights_, layout_, normal, right);
+    // Residuals are smaller than the noise by what the unknowns take up.
+    const cv::Mat1d covariance(covariance_of(normal) * (equations() / (equations() - layout_.count())));
+    const auto of = [&](int i) { return std::sqrt(std::max(0.0, covariance(i, i))); };
+    const auto pose_of = [&](int at) {
+      return Pose{{of(at), of(at + 1), of(at + 2)}, {of(at + 3), of(at + 4), of(at + 5)}};
+    };
+    Bundle& deviation = result.deviation;
+    for (int i = 0; i < layout_.camera_free; ++i) {
+      deviation.camera[static_cast<std::size_t>(i)] = of(i);
+    }
+    for (int i = 0; i < layout_.projector_free; ++i) {
+      deviation.projector[static_cast<std::size_t>(i)] = of(layout_.projector() + i);
+    }
+    deviation.stereo = pose_of(layout_.stereo());
+    for (int v = 0; v < layout_.views; ++v) {
+      deviation.chessboard.push_back(pose_of(layout_.view(v)));
+    }
+    const cv::Vec3d along = cv::normalize(bundle_.stereo.translation);
+    const int t = layout_.stereo() + 3;
+    const cv::Mat1d block = covariance(cv::Rect(t, t, 3, 3));
+    const cv::Matx33d of_translation(block.clone().ptr<double>());
+    result.baseline_deviation = std::sqrt(std::max(0.0, along.dot(of_translation * along)));
+  }
+
+  const std::vector<View>& views_;
+  Layout layout_;
+  std::size_t sights_ = 0;
+  Bundle bundle_;
+  std::vector<Linear> linear_;  // at bundle_
+  Weights weights_;
+  double damping_ = 1e-3;
+};
 
 }  // namespace
 
 BundleResult solve_bundle(const std::vector<View>& views, const Bundle& start, const FreeDistortion& free) {
-  constexpr int kMostSteps = 200;
-  constexpr double kDone = 1e-12;       // relative change of the sum of squares
-  constexpr double kLeastNoise = 1e-6;  // pixels, so that exact data have a weight too
-  constexpr double kWorst = 1e12;       // of the damping
-  constexpr int kPinhole = 4;
-  const Layout layout{kPinhole + free.camera, kPinhole + free.projector, static_cast<int>(views.size())};
-  std::size_t sights = 0;
-  for (const View& view : views) {
-    sights += view.sights.size();
-  }
-  const double equations = 4 * static_cast<double>(sights);
-  if (!(equations > layout.count())) {
-    throw std::invalid_argument("calibration: fewer equations than unknowns");
-  }
-  BundleResult result;
-  result.bundle = start;
-  std::vector<Linear> linear = linearize_all(views, start);
-  Weights weights;
-  cv::Mat1d normal;
-  cv::Mat1d right;
-  double damping = 1e-3;
-  for (int step = 0; step < kMostSteps; ++step) {
-    // Both noises as they are now.
-    double camera = 0;
-    double projector = 0;
-    for (const Linear& view : linear) {
-      camera += squares(view.camera);
-      projector += squares(view.projector);
-    }
-    if (!std::isfinite(camera + projector)) {
-      throw std::runtime_error("calibration: the least squares do not converge");
-    }
-    weights.camera = 1 / std::pow(std::max(kLeastNoise, per_direction(camera, sights)), 2);
-    weights.projector = 1 / std::pow(std::max(kLeastNoise, per_direction(projector, sights)), 2);
-    const double cost = cost_of(linear, weights);
-    normal_equations(linear, weights, layout, normal, right);
-    const cv::Mat1d scale = scale_of(normal);
-    bool better = false;
-    double gain = 0;
-    while (!better && damping < kWorst) {
-      cv::Mat1d damped(normal.mul(scale * scale.t()));
-      damped.diag() += damping;
-      cv::Mat1d change;
-      if (cv::solve(damped, right.mul(scale), change, cv::DECOMP_CHOLESKY)) {
-        const Bundle tried = moved(result.bundle, cv::Mat1d(change.mul(scale)), layout);
-        std::vector<Linear> there = linearize_all(views, tried);
-        const double cost_there = cost_of(there, weights);
-        if (cost_there <= cost) {
-          better = true;
-          gain = cost - cost_there;
-          result.bundle = tried;
-          linear = std::move(there);
-        }
-      }
-      damping = better ? std::max(1e-12, damping / 10) : damping * 10;
-    }
-    if (!better || gain <= kDone * cost) {
-      break;
-    }
-  }
-
-  // Numbers of what is left.
-  double camera = 0;
-  double projector = 0;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const auto count = static_cast<double>(views[v].sights.size());
-    const double camera_view = squares(linear[v].camera);
-    const double projector_view = squares(linear[v].projector);
-    result.view_camera_rms.push_back(std::sqrt(camera_view / count));
-    result.view_projector_rms.push_back(std::sqrt(projector_view / count));
-    result.camera_residuals.push_back(linear[v].camera);
-    result.projector_residuals.push_back(linear[v].projector);
-    camera += camera_view;
-    projector += projector_view;
-  }
-  const auto count = static_cast<double>(sights);
-  result.camera_rms = std::sqrt(camera / count);
-  result.projector_rms = std::sqrt(projector / count);
-  result.rms = std::sqrt((camera + projector) / (2 * count));
-
-  // Residuals are smaller than the noise by what the unknowns take up.
-  normal_equations(linear, weights, layout, normal, right);
-  const cv::Mat1d covariance(covariance_of(normal) * (equations / (equations - layout.count())));
-  Bundle& deviation = result.deviation;
-  const auto of = [&](int i) { return std::sqrt(std::max(0.0, covariance(i, i))); };
-  const auto pose_of = [&](int at) {
-    return Pose{{of(at), of(at + 1), of(at + 2)}, {of(at + 3), of(at + 4), of(at + 5)}};
-  };
-  for (int i = 0; i < layout.camera_free; ++i) {
-    deviation.camera[static_cast<std::size_t>(i)] = of(i);
-  }
-  for (int i = 0; i < layout.projector_free; ++i) {
-    deviation.projector[static_cast<std::size_t>(i)] = of(layout.projector() + i);
-  }
-  deviation.stereo = pose_of(layout.stereo());
-  for (int v = 0; v < layout.views; ++v) {
-    deviation.board.push_back(pose_of(layout.view(v)));
-  }
-  const cv::Vec3d along = cv::normalize(result.bundle.stereo.translation);
-  const int t = layout.stereo() + 3;
-  const cv::Mat1d block = covariance(cv::Rect(t, t, 3, 3));
-  const cv::Matx33d of_translation(block.clone().ptr<double>());
-  result.baseline_deviation = std::sqrt(std::max(0.0, along.dot(of_translation * along)));
-  return result;
+  Solver solver(views, start, free);
+  solver.minimize();
+  return solver.result();
 }
 
 }  // namespace selfproj

@@ -1,4 +1,5 @@
-// Least squares over everything at once: both lenses, the pose between them, and the board's pose in every capture.
+// Least squares over everything at once: both lenses, the pose between them, and the chessboard's pose in every
+// capture.
 #ifndef SELFPROJ_HOST_CALIBRATION_BUNDLE_H
 #define SELFPROJ_HOST_CALIBRATION_BUNDLE_H
 
@@ -10,12 +11,12 @@
 
 namespace selfproj {
 
-// One corner of the board as both see it.
+// One corner of the chessboard as both see it.
 struct Sight {
-  int corner = 0;         // its number on the board
-  cv::Point3d board;      // mm, z = 0
-  cv::Point2d camera;     // column, row
-  cv::Point2d projector;  // column, row
+  int corner = 0;          // its number on the chessboard
+  cv::Point3d chessboard;  // where it is on the chessboard: mm, z = 0
+  cv::Point2d camera;      // column, row
+  cv::Point2d projector;   // column, row
 };
 
 struct View {
@@ -39,8 +40,8 @@ struct Pose {
 
 struct Bundle {
   LensParameters camera{}, projector{};
-  Pose stereo;              // projector from camera
-  std::vector<Pose> board;  // camera from board, one a view
+  Pose stereo;                   // projector from camera
+  std::vector<Pose> chessboard;  // camera from chessboard, one a view
 };
 
 struct BundleResult {

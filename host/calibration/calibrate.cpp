@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -16,8 +15,12 @@
 #include <utility>
 #include <vector>
 
+#include "host/calibration/bundle.h"
+#include "host/calibration/calibration_warnings.h"
+#include "host/calibration/chessboard.h"
+#include "host/calibration/corner_codes.h"
+#include "host/calibration/lens_calibration.h"
 #include "host/io/frame_options.h"
-#include "host/io/stderr_capture.h"
 #include "host/io/user_error.h"
 #include "host/structured_light/median.h"
 
@@ -27,17 +30,11 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// Limits of what is said to be well constrained.
-constexpr int kFewPoses = 3;
-constexpr double kParallel = 15;         // degrees between the most different poses
-constexpr double kPoorFocal = 0.01;      // relative standard deviation
-constexpr double kPoorCentre = 0.01;     // standard deviation, of the image's longer side
-constexpr double kPoorDistortion = 0.5;  // pixels at the outermost corner
-constexpr double kPoorBaseline = 0.005;  // relative
-constexpr double kPoorCoverage = 0.3;
-
-cv::Point3d on_board(const Chessboard& board, int corner) {
-  return {board.square_mm * (corner % board.columns), board.square_mm * (corner / board.columns), 0};  // NOLINT
+// Where a corner is on the chessboard, mm.
+cv::Point3d place_of(const Chessboard& chessboard, int corner) {
+  const int column = corner % chessboard.columns;
+  const int row = corner / chessboard.columns;
+  return {chessboard.square_mm * column, chessboard.square_mm * row, 0};
 }
 
 // Whether going round the corners turns the other way in the projector than in the camera.
@@ -54,91 +51,6 @@ bool is_mirrored(const std::vector<View>& views) {
     }
   }
   return sum < 0;
-}
-
-// Zhang's method for one instrument.
-struct Alone {
-  LensParameters lens{};
-  std::vector<Pose> board;
-  double rms = 0;
-};
-
-int flags_of(int free) {
-  int flags = 0;
-  flags |= free < 1 ? cv::CALIB_FIX_K1 : 0;
-  flags |= free < 2 ? cv::CALIB_FIX_K2 : 0;
-  flags |= free < 4 ? cv::CALIB_ZERO_TANGENT_DIST : 0;
-  flags |= free < 5 ? cv::CALIB_FIX_K3 : 0;
-  return flags;
-}
-
-Alone calibrate_alone(const std::vector<View>& views, cv::Size size, int free, cv::Point2d Sight::*place) {
-  std::vector<std::vector<cv::Point3f>> board;
-  std::vector<std::vector<cv::Point2f>> seen;
-  for (const View& view : views) {
-    board.emplace_back();
-    seen.emplace_back();
-    for (const Sight& sight : view.sights) {
-      board.back().emplace_back(sight.board);
-      seen.back().emplace_back(sight.*place);
-    }
-  }
-  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 200, 1e-10);
-  // Poses that are all parallel say nothing about the focal length, and the closed form may give anything; then the
-  // least squares start from a usual lens.
-  for (const bool guess : {false, true}) {
-    const double usual = 1.2 * std::max(size.width, size.height);
-    cv::Mat matrix = (cv::Mat_<double>(3, 3) << usual, 0, 0.5 * (size.width - 1), 0, usual, 0.5 * (size.height - 1), 0,
-                      0, 1);  // NOLINT: OpenCV's way
-    cv::Mat distortion = cv::Mat::zeros(5, 1, CV_64F);
-    std::vector<cv::Vec3d> rotations;
-    std::vector<cv::Vec3d> translations;
-    Alone result;
-    try {
-      const StderrCapture capture;
-      result.rms = cv::calibrateCamera(board, seen, size, matrix, distortion, rotations, translations,
-                                       flags_of(free) | (guess ? cv::CALIB_USE_INTRINSIC_GUESS : 0), until);
-    } catch (const cv::Exception&) {
-      continue;
-    }
-    result.lens = {matrix.at<double>(0, 0),  matrix.at<double>(1, 1),  matrix.at<double>(0, 2),
-                   matrix.at<double>(1, 2),  distortion.at<double>(0), distortion.at<double>(1),
-                   distortion.at<double>(2), distortion.at<double>(3), distortion.at<double>(4)};
-    for (std::size_t i = 0; i < rotations.size(); ++i) {
-      result.board.push_back({rotations[i], translations[i]});
-    }
-    const bool finite = std::all_of(result.lens.begin(), result.lens.end(), [](double v) { return std::isfinite(v); });
-    constexpr double kSane = 1000;
-    if (finite && result.lens[0] > 0 && result.lens[1] > 0 && result.lens[0] < kSane * usual) {
-      return result;
-    }
-  }
-  throw UserError("calibrate", "the poses do not determine a lens; turn the board more between them");
-}
-
-// Projector from camera: the pose that the boards' poses of both tell, by consensus of the one nearest to all others.
-Pose stereo_start(const Alone& camera, const Alone& projector) {
-  std::vector<Pose> all;
-  for (std::size_t i = 0; i < camera.board.size(); ++i) {
-    cv::Matx33d rc;
-    cv::Matx33d rp;
-    cv::Rodrigues(camera.board[i].rotation, rc);
-    cv::Rodrigues(projector.board[i].rotation, rp);
-    const cv::Matx33d r = rp * rc.t();
-    Pose pose;
-    cv::Rodrigues(r, pose.rotation);
-    pose.translation = projector.board[i].translation - r * camera.board[i].translation;
-    all.push_back(pose);
-  }
-  const auto off = [&](const Pose& pose) {
-    double sum = 0;
-    for (const Pose& other : all) {
-      sum += cv::norm(pose.rotation - other.rotation) +
-             cv::norm(pose.translation - other.translation) / (1 + cv::norm(other.translation));
-    }
-    return sum;
-  };
-  return *std::min_element(all.begin(), all.end(), [&](const Pose& a, const Pose& b) { return off(a) < off(b); });
 }
 
 // Length beyond which a residual is no noise: `factor` standard deviations of one direction, estimated from the median
@@ -189,7 +101,7 @@ class Calibrator {
       solve(index);
     }
     finish(index);
-    warn();
+    report_.warnings = warnings_of(report_);
     return std::move(report_);
   }
 
@@ -211,7 +123,7 @@ class Calibrator {
     for (PoseReport& pose : report_.poses) {
       if (pose.reason.empty() && pose.used() < report_.settings.min_corners) {
         pose.reason = fmt::format("only {} of {} corners can be used; {} are needed", pose.used(),
-                                  report_.settings.board.corners(), report_.settings.min_corners);
+                                  report_.settings.chessboard.corners(), report_.settings.min_corners);
       }
       left += pose.reason.empty() ? 1 : 0;
     }
@@ -244,7 +156,7 @@ class Calibrator {
           const cv::Point2d seen = corner.projector;
           const double row = report_.mirrored ? projector_size_.height - 1 - seen.y : seen.y;
           index.views.back().sights.push_back({static_cast<int>(i),
-                                               on_board(report_.settings.board, static_cast<int>(i)),
+                                               place_of(report_.settings.chessboard, static_cast<int>(i)),
                                                corner.camera,
                                                {seen.x, row}});
         }
@@ -255,11 +167,11 @@ class Calibrator {
 
   void solve(const Index& index) {
     const FreeDistortion& free = report_.settings.free;
-    const Alone camera = calibrate_alone(index.views, camera_size_, free.camera, &Sight::camera);
-    const Alone projector = calibrate_alone(index.views, projector_size_, free.projector, &Sight::projector);
+    const LensCalibration camera = calibrate_lens(index.views, camera_size_, free.camera, &Sight::camera);
+    const LensCalibration projector = calibrate_lens(index.views, projector_size_, free.projector, &Sight::projector);
     report_.camera_alone_rms = camera.rms;
     report_.projector_alone_rms = projector.rms;
-    const Bundle start{camera.lens, projector.lens, stereo_start(camera, projector), camera.board};
+    const Bundle start{camera.lens, projector.lens, stereo_pose(camera, projector), camera.chessboard};
     try {
       report_.bundle = solve_bundle(index.views, start, free);
     } catch (const std::runtime_error& error) {
@@ -319,7 +231,7 @@ class Calibrator {
     for (std::size_t v = 0; v < index.views.size(); ++v) {
       PoseReport& pose = report_.poses[index.pose[v]];
       cv::Matx33d rotation;
-      cv::Rodrigues(found.bundle.board[v].rotation, rotation);
+      cv::Rodrigues(found.bundle.chessboard[v].rotation, rotation);
       normals.emplace_back(rotation(0, 2), rotation(1, 2), rotation(2, 2));
       pose.angle_deg = kDegrees * std::acos(std::min(1.0, std::abs(normals.back()[2])));
       pose.camera_rms = found.view_camera_rms[v];
@@ -334,8 +246,8 @@ class Calibrator {
         }
         in_camera.emplace_back(corner.camera);
         in_projector.emplace_back(corner.projector);
-        distance += (rotation * cv::Vec3d(sight.board.x, sight.board.y, sight.board.z))[2] +
-                    found.bundle.board[v].translation[2];
+        distance += (rotation * cv::Vec3d(sight.chessboard.x, sight.chessboard.y, sight.chessboard.z))[2] +
+                    found.bundle.chessboard[v].translation[2];
       }
     }
     for (const cv::Vec3d& a : normals) {
@@ -347,105 +259,6 @@ class Calibrator {
     report_.mean_distance_mm = distance / static_cast<double>(in_camera.size());
     report_.camera_coverage = hull_share(in_camera, camera_size_);
     report_.projector_coverage = hull_share(in_projector, projector_size_);
-  }
-
-  // Distortion's standard deviation as pixels at the outermost corner.
-  static double distortion_px(const LensParameters& lens, const LensParameters& deviation,
-                              const std::vector<cv::Point2d>& seen) {
-    double greatest = 0;
-    for (const cv::Point2d& p : seen) {
-      greatest = std::max(greatest, std::hypot((p.x - lens[2]) / lens[0], (p.y - lens[3]) / lens[1]));
-    }
-    const double r2 = greatest * greatest;
-    const std::array<double, 5> powers{greatest * r2, greatest * r2 * r2, 3 * r2, 3 * r2, greatest * r2 * r2 * r2};
-    double px = 0;
-    for (std::size_t i = 0; i < powers.size(); ++i) {
-      px = std::max(px, lens[0] * powers[i] * deviation[4 + i]);
-    }
-    return px;
-  }
-
-  // `shown`: the lens in the coordinates of the result, where a mirrored projector's rows count from its first again.
-  void warn_of_lens(const char* name, const LensParameters& lens, const LensParameters& shown,
-                    const LensParameters& deviation, cv::Size size, const std::vector<cv::Point2d>& seen) {
-    std::vector<std::string>& warnings = report_.warnings;
-    const std::array<const char*, 4> names{"fx", "fy", "cx", "cy"};
-    for (std::size_t i = 0; i < 2; ++i) {
-      if (!(deviation[i] <= kPoorFocal * lens[i])) {
-        warnings.push_back(
-            fmt::format("{} {} is {:.1f} px with a standard deviation of {:.2g} px: not constrained to "
-                        "{:g} %",
-                        name, names[i], shown[i], deviation[i], 100 * kPoorFocal));
-      }
-    }
-    const double side = std::max(size.width, size.height);
-    for (std::size_t i = 2; i < names.size(); ++i) {
-      if (!(deviation[i] <= kPoorCentre * side)) {
-        warnings.push_back(
-            fmt::format("{} {} is {:.1f} px with a standard deviation of {:.2g} px: not constrained to "
-                        "{:g} % of the image",
-                        name, names[i], shown[i], deviation[i], 100 * kPoorCentre));
-      }
-    }
-    const double px = distortion_px(lens, deviation, seen);
-    if (!(px <= kPoorDistortion)) {
-      warnings.push_back(
-          fmt::format("{} distortion: a coefficient's standard deviation is worth {:.2g} px at the "
-                      "outermost corner; estimate fewer coefficients or spread the corners wider",
-                      name, px));
-    }
-  }
-
-  void warn() {
-    const BundleResult& found = report_.bundle;
-    std::vector<std::string>& warnings = report_.warnings;
-    if (found.bundle.board.size() < kFewPoses) {
-      warnings.push_back(fmt::format("only {} poses: their noise, rather than the fit's residuals, decides",
-                                     found.bundle.board.size()));
-    }
-    if (report_.greatest_angle_deg < kParallel) {
-      warnings.push_back(
-          fmt::format("all poses are parallel within {:.1f} degrees: focal lengths and distances cannot "
-                      "be told apart well; turn the board by 20 to 45 degrees",
-                      report_.greatest_angle_deg));
-    }
-    std::vector<cv::Point2d> in_camera;
-    std::vector<cv::Point2d> in_projector;
-    for (const PoseReport& pose : report_.poses) {
-      for (const Corner& corner : pose.corners) {
-        if (pose.reason.empty() && corner.used) {
-          in_camera.push_back(corner.camera);
-          in_projector.emplace_back(corner.projector.x, report_.mirrored
-                                                            ? projector_size_.height - 1 - corner.projector.y
-                                                            : corner.projector.y);
-        }
-      }
-    }
-    LensParameters projector = found.bundle.projector;
-    if (report_.mirrored) {
-      projector[1] *= -1;
-      projector[3] = projector_size_.height - 1 - projector[3];
-    }
-    warn_of_lens("camera", found.bundle.camera, found.bundle.camera, found.deviation.camera, camera_size_, in_camera);
-    warn_of_lens("projector", found.bundle.projector, projector, found.deviation.projector, projector_size_,
-                 in_projector);
-    const double baseline = cv::norm(found.bundle.stereo.translation);
-    if (!(found.baseline_deviation <= kPoorBaseline * baseline)) {
-      warnings.push_back(
-          fmt::format("baseline {:.2f} mm with a standard deviation of {:.2g} mm: not constrained to "
-                      "{:g} %",
-                      baseline, found.baseline_deviation, 100 * kPoorBaseline));
-    }
-    const auto coverage = [&](const char* name, double share) {
-      if (share < kPoorCoverage) {
-        warnings.push_back(
-            fmt::format("{}: corners cover only {:.0f} % of the image; beyond them the distortion is "
-                        "a guess",
-                        name, 100 * share));
-      }
-    };
-    coverage("camera", report_.camera_coverage);
-    coverage("projector", report_.projector_coverage);
   }
 
   CalibrationReport report_;
@@ -465,7 +278,7 @@ PoseReport observe_pose(const std::string& name, const Capture& capture, const C
   pose.rows = capture.rows;
   pose.columns = capture.columns;
   pose.decoded_share = static_cast<double>(capture.decoded()) / static_cast<double>(capture.projector_column.size());
-  const FoundChessboard found = find_chessboard(capture.board, settings.board);
+  const FoundChessboard found = find_chessboard(capture.mean, settings.chessboard);
   pose.reason = found.reason;
   for (const cv::Point2d& at : found.corners) {
     const CornerCode code = corner_code(capture, at, found.spacing_px, settings.corners);

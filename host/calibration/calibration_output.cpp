@@ -307,8 +307,8 @@ std::string report_json(const CalibrationReport& report) {
   const CalibrateSettings& settings = report.settings;
   const BundleResult& found = report.bundle;
   Json json;
-  json["settings"] = {{"board", {settings.board.columns, settings.board.rows}},
-                      {"square_mm", settings.board.square_mm},
+  json["settings"] = {{"board", {settings.chessboard.columns, settings.chessboard.rows}},
+                      {"square_mm", settings.chessboard.square_mm},
                       {"corners", method_name(settings.corners.method)},
                       {"window_px", settings.corners.window_px},
                       {"reject", settings.reject},

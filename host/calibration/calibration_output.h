@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "host/calibration/calibrate.h"
+#include "host/calibration/calibration_report.h"
 
 namespace selfproj {
 

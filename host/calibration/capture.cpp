@@ -123,7 +123,7 @@ Capture decode_capture(const std::string& name, const std::vector<std::string>& 
       capture.projector_column[i] = capture.projector_row[i] = Capture::kNone;
     }
   }
-  capture.board = images.stretched();
+  capture.mean = images.stretched();
   return capture;
 }
 

@@ -1,4 +1,4 @@
-// The captures of one pose of the board: images of the whole Gray-code sequence, decoded along both axes.
+// The captures of one pose of the chessboard: images of the whole Gray-code sequence, decoded along both axes.
 #ifndef SELFPROJ_HOST_CALIBRATION_CAPTURE_H
 #define SELFPROJ_HOST_CALIBRATION_CAPTURE_H
 
@@ -26,7 +26,7 @@ struct Capture {
   int rows = 0;  // of the camera
   int columns = 0;
   std::vector<std::int16_t> projector_column, projector_row;  // from 0; both kNone where there is no code
-  Image board;  // the mean of all images, in which the patterns cancel, stretched to 0..255
+  Image mean;  // the mean of all images, in which the patterns cancel, stretched to 0..255
 
   [[nodiscard]] std::size_t decoded() const;
 };

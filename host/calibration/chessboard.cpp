@@ -139,7 +139,7 @@ bool fit(const std::vector<Pixel>& pixels, CornerModel::Parameters& p) {
 
 // Moves each corner to where the model of a corner fits best, in a window that reaches no other corner; one to which it
 // cannot be fitted stays.
-void refine(const cv::Mat& grey, const Chessboard& board, const std::vector<double>& spacing,
+void refine(const cv::Mat& grey, const Chessboard& chessboard, const std::vector<double>& spacing,
             std::vector<cv::Point2f>& corners) {
   using Model = CornerModel;
   constexpr double kShare = 0.4;  // of the spacing: half the window's side
@@ -147,14 +147,14 @@ void refine(const cv::Mat& grey, const Chessboard& board, const std::vector<doub
   constexpr double kFarthest = 0.3;  // of the spacing: what is farther is another thing
   const std::vector<cv::Point2f> found = corners;
   const auto at = [&](int column, int row) {
-    return cv::Point2d(found[static_cast<std::size_t>(std::clamp(row, 0, board.rows - 1) * board.columns +
-                                                      std::clamp(column, 0, board.columns - 1))]);
+    return cv::Point2d(found[static_cast<std::size_t>(std::clamp(row, 0, chessboard.rows - 1) * chessboard.columns +
+                                                      std::clamp(column, 0, chessboard.columns - 1))]);
   };
-  for (int i = 0; i < board.corners(); ++i) {
+  for (int i = 0; i < chessboard.corners(); ++i) {
     const auto index = static_cast<std::size_t>(i);
     const cv::Point2d middle = found[index];
-    const int column = i % board.columns;
-    const int row = i / board.columns;
+    const int column = i % chessboard.columns;
+    const int row = i / chessboard.columns;
     const double half = std::max(kLeast, kShare * spacing[index]);
     const cv::Point2d along = at(column + 1, row) - at(column - 1, row);  // the edges go through the neighbours
     const cv::Point2d down = at(column, row + 1) - at(column, row - 1);
@@ -187,26 +187,27 @@ void refine(const cv::Mat& grey, const Chessboard& board, const std::vector<doub
 
 }  // namespace
 
-FoundChessboard find_chessboard(const Image& image, const Chessboard& board) {
+FoundChessboard find_chessboard(const Image& image, const Chessboard& chessboard) {
   const cv::Mat grey(image.rows, image.columns, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));  // NOLINT
   FoundChessboard found;
   cv::Mat seen;
-  cv::Mat kinds;  // one entry a corner of the board that was found, whatever its size
+  cv::Mat kinds;  // one entry a corner of the chessboard that was found, whatever its size
   const bool any =
-      cv::findChessboardCornersSB(grey, {board.columns, board.rows}, seen,
+      cv::findChessboardCornersSB(grey, {chessboard.columns, chessboard.rows}, seen,
                                   cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY | cv::CALIB_CB_LARGER, kinds);
   if (!any) {
-    found.reason = fmt::format("no board of {} x {} inner corners is seen as a whole", board.columns, board.rows);
+    found.reason =
+        fmt::format("no board of {} x {} inner corners is seen as a whole", chessboard.columns, chessboard.rows);
     return found;
   }
-  if (!(kinds.cols == board.columns && kinds.rows == board.rows)) {
+  if (!(kinds.cols == chessboard.columns && kinds.rows == chessboard.rows)) {
     found.reason = fmt::format("a board of {} x {} inner corners is seen, not one of {} x {}", kinds.cols, kinds.rows,
-                               board.columns, board.rows);
+                               chessboard.columns, chessboard.rows);
     return found;
   }
-  std::vector<cv::Point2f> corners = seen.reshape(2, board.corners());
+  std::vector<cv::Point2f> corners = seen.reshape(2, chessboard.corners());
   const std::vector<double> spacing = spacings(corners);
-  refine(grey, board, spacing, corners);
+  refine(grey, chessboard, spacing, corners);
   found.corners.assign(corners.begin(), corners.end());
   found.spacing_px = median_of(spacing);
   return found;

@@ -10,7 +10,7 @@
 
 namespace selfproj {
 
-// Inner corners along both sides (each at least 3), and the side of a square. Corner i lies on the board at
+// Inner corners along both sides (each at least 3), and the side of a square. Corner i lies on the chessboard at
 // (i mod columns, i / columns) squares.
 struct Chessboard {
   int columns = 0;
@@ -21,14 +21,15 @@ struct Chessboard {
 };
 
 struct FoundChessboard {
-  std::vector<cv::Point2d> corners;  // in pixels (column, row) from 0, sub-pixel; empty where there is no such board
-  std::string reason;                // why it is empty
-  double spacing_px = 0;             // median way from a corner to its nearest neighbour
+  std::vector<cv::Point2d>
+      corners;            // in pixels (column, row) from 0, sub-pixel; empty where there is no such chessboard
+  std::string reason;     // why it is empty
+  double spacing_px = 0;  // median way from a corner to its nearest neighbour
 };
 
-// Finds the corners of the whole board, which may lie in any direction. A board with more corners than asked for is not
-// taken for a part of itself.
-FoundChessboard find_chessboard(const Image& image, const Chessboard& board);
+// Finds the corners of the whole chessboard, which may lie in any direction. A chessboard with more corners than asked
+// for is not taken for a part of itself.
+FoundChessboard find_chessboard(const Image& image, const Chessboard& chessboard);
 
 }  // namespace selfproj
 

@@ -1,4 +1,4 @@
-// Where the projector's image of a board corner is: from the codes that the camera pixels around the corner see.
+// Where the projector's image of a chessboard corner is: from the codes that the camera pixels around the corner see.
 #ifndef SELFPROJ_HOST_CALIBRATION_CORNER_CODES_H
 #define SELFPROJ_HOST_CALIBRATION_CORNER_CODES_H
 

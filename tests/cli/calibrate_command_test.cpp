@@ -1,4 +1,4 @@
-// selfproj calibrate as its user meets it: captures of a small board in, a rig that other commands take out.
+// selfproj calibrate as its user meets it: captures of a small chessboard in, a rig that other commands take out.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@
 #include "host/rig/rig_calibration.h"
 #include "host/structured_light/gray_sequence.h"
 #include "tests/cli/program.h"
-#include "tests/support/board_world.h"
+#include "tests/support/chessboard_world.h"
 
 namespace selfproj::test {
 namespace {
@@ -35,7 +35,7 @@ class CalibrateCommand : public ::testing::Test {
     const GraySequence sequence(world.projector_columns, world.projector_rows);
     std::mt19937_64 random(7);
     for (int p = 0; p < kPoses; ++p) {
-      const BoardImages images(world, world.poses()[static_cast<std::size_t>(p)]);
+      const ChessboardImages images(world, world.poses()[static_cast<std::size_t>(p)]);
       const fs::path pose = *folder_ / fmt::format("pose_{}", p);
       fs::create_directory(pose);
       for (int i = 0; i < sequence.count(); ++i) {
@@ -115,7 +115,7 @@ TEST_F(CalibrateCommand, BothWaysGiveTheTruth) {
   }
 }
 
-// Depth of a pose by the calibration: the board's plane.
+// Depth of a pose by the calibration: the chessboard's plane.
 TEST_F(CalibrateCommand, DepthClosesTheChain) {
   const World world;
   ASSERT_EQ(calibrate(usual("chain", all_poses())).status, 0);
@@ -128,7 +128,7 @@ TEST_F(CalibrateCommand, DepthClosesTheChain) {
   const Outcome outcome = run_program(SELFPROJ_PROGRAM, arguments, folder_->path());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const FloatImage depth = read_float_tiff((*folder_ / "depth" / "depth.tiff").string());
-  const BoardPose pose = world.poses()[1];
+  const ChessboardPose pose = world.poses()[1];
   const cv::Vec3d normal(pose.turn(0, 2), pose.turn(1, 2), pose.turn(2, 2));
   double sum = 0;
   double squares = 0;
@@ -152,10 +152,10 @@ TEST_F(CalibrateCommand, DepthClosesTheChain) {
 }
 
 TEST_F(CalibrateCommand, WhatIsLeftOutIsSaid) {
-  // One pose without a board, one of which only a part is in the projector's light.
+  // One pose without a chessboard, one of which only a part is in the projector's light.
   const World world;
   const GraySequence sequence(world.projector_columns, world.projector_rows);
-  const BoardImages seen(world, world.poses()[2]);
+  const ChessboardImages seen(world, world.poses()[2]);
   std::mt19937_64 random(3);
   fs::create_directory(*folder_ / "empty");
   fs::create_directory(*folder_ / "partly");
@@ -164,7 +164,7 @@ TEST_F(CalibrateCommand, WhatIsLeftOutIsSaid) {
     Image image{world.camera_rows, world.camera_columns, {}};
     image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 20);
     write_text(*folder_ / "empty" / name, encode_png(image));
-    // Behind a screen that keeps the light from three quarters of the board, all but some that is always there.
+    // Behind a screen that keeps the light from three quarters of the chessboard, all but some that is always there.
     std::vector<std::uint8_t> pattern = sequence.image(i);
     for (int p = 0; p < static_cast<int>(pattern.size()); ++p) {
       if (p % world.projector_columns > 35) {
@@ -202,8 +202,9 @@ TEST_F(CalibrateCommand, WrongInputIsOneLine) {
       "calibrate: 0 of 2 poses can be used");
   expect_refused(calibrate({"--board", "2x5", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0"}),
                  "--board: is 2x5");
-  expect_refused(calibrate({"--board", "7x5", "--square", "40", "--projector", "128x128", "--out", "out", "pose_0"}),
-                 "");  // codes mean other pixels, the number of images is the same: too few decode to the board's place
+  expect_refused(
+      calibrate({"--board", "7x5", "--square", "40", "--projector", "128x128", "--out", "out", "pose_0"}),
+      "");  // codes mean other pixels, the number of images is the same: too few decode to the chessboard's place
   expect_refused(calibrate({"--board", "7x5", "--square", "40", "--projector", "256x80", "--out", "out", "pose_0"}),
                  "pose_0: has 30 images; 32 are due for a projector of 256 x 80: 8 pairs for columns, 7 for rows");
   expect_refused(calibrate(usual("out", {"pose_0", "nowhere"})), "nowhere: there is no such folder");

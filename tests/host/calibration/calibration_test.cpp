@@ -19,7 +19,7 @@
 #include "host/calibration/calibrate.h"
 #include "host/calibration/corner_codes.h"
 #include "host/io/user_error.h"
-#include "tests/support/board_world.h"
+#include "tests/support/chessboard_world.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj {
@@ -29,15 +29,15 @@ using test::World;
 
 CalibrateSettings settings_of(const World& world) {
   CalibrateSettings settings;
-  settings.board = {world.board_columns, world.board_rows, world.square};
+  settings.chessboard = {world.chessboard_columns, world.chessboard_rows, world.square};
   settings.projector_columns = world.projector_columns;
   settings.projector_rows = world.projector_rows;
   return settings;
 }
 
 // What would be observed, with normal noise of these standard deviations.
-std::vector<PoseReport> observed(const World& world, const std::vector<test::BoardPose>& poses, double camera_noise,
-                                 double projector_noise, std::uint64_t seed) {
+std::vector<PoseReport> observed(const World& world, const std::vector<test::ChessboardPose>& poses,
+                                 double camera_noise, double projector_noise, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::vector<PoseReport> reports;
@@ -46,8 +46,8 @@ std::vector<PoseReport> observed(const World& world, const std::vector<test::Boa
     report.name = "pose" + std::to_string(p);
     report.rows = world.camera_rows;
     report.columns = world.camera_columns;
-    for (int i = 0; i < world.board_columns * world.board_rows; ++i) {
-      const cv::Vec3d at = poses[p].turn * world.on_board(i) + poses[p].at;
+    for (int i = 0; i < world.chessboard_columns * world.chessboard_rows; ++i) {
+      const cv::Vec3d at = poses[p].turn * world.on_chessboard(i) + poses[p].at;
       const cv::Vec2d camera = world.in_camera(at) + camera_noise * cv::Vec2d(normal(random), normal(random));
       const cv::Vec2d projector = world.in_projector(at) + projector_noise * cv::Vec2d(normal(random), normal(random));
       Corner corner;
@@ -99,7 +99,7 @@ TEST(Calibrate, ExactCornersGiveTheTruth) {
     EXPECT_LT(cv::norm(report.calibration.rotation - world.rotation), 1e-6);
     EXPECT_LT(cv::norm(report.calibration.translation - world.translation), 1e-3);
     for (const PoseReport& pose : report.poses) {
-      EXPECT_EQ(pose.used(), settings.board.corners());
+      EXPECT_EQ(pose.used(), settings.chessboard.corners());
     }
     // The lens of the result maps points as the world does, mirrored or not.
     const cv::Vec3d point(30, -20, 600);
@@ -182,7 +182,7 @@ TEST(Calibrate, LeavesOutPosesAndSaysSo) {
   const CalibrationReport report = calibrate(poses, settings_of(world));
   EXPECT_EQ(report.poses[3].reason, "only 5 of 35 corners can be used; 12 are needed");
   EXPECT_EQ(report.poses[4].reason, "no board");
-  EXPECT_EQ(report.bundle.bundle.board.size(), 6U);
+  EXPECT_EQ(report.bundle.bundle.chessboard.size(), 6U);
 }
 
 std::string error_of(const std::vector<PoseReport>& poses, const CalibrateSettings& settings) {
@@ -227,7 +227,7 @@ TEST(Calibrate, WarnsOfWhatTheDataCannotTell) {
   const CalibrationReport two =
       calibrate(observed(world, {world.poses()[1], world.poses()[4]}, 0.05, 0.1, 1), settings);
   EXPECT_TRUE(warns(two, "only 2 poses"));
-  std::vector<test::BoardPose> parallel;
+  std::vector<test::ChessboardPose> parallel;
   for (const double x : {-40.0, 0.0, 40.0}) {
     parallel.push_back(world.pose(x, 10 + 0.1 * x, 560 + x, test::turn(0.5, 0.5, 0.3 * x)));
   }

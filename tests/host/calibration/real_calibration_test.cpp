@@ -48,7 +48,7 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
     captures.push_back(capture_of(pose, {}));
   }
   CalibrateSettings settings;
-  settings.board = {9, 7, 75};
+  settings.chessboard = {9, 7, 75};
   settings.projector_columns = kSequence.columns();
   settings.projector_rows = kSequence.rows();
   for (const CornerMethod method : {CornerMethod::homography, CornerMethod::direct}) {
@@ -56,7 +56,7 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
     std::vector<PoseReport> poses;
     for (int pose = 0; pose < kPoses; ++pose) {
       poses.push_back(observe_pose(folder_of(pose), captures[static_cast<std::size_t>(pose)], settings));
-      EXPECT_EQ(poses.back().used(), settings.board.corners());
+      EXPECT_EQ(poses.back().used(), settings.chessboard.corners());
     }
     for (const double reject : {0.0, 4.5}) {
       settings.reject = reject;

@@ -1,7 +1,7 @@
 // A camera, a projector and a chessboard between them, by vectors and straight from OpenCV's lens model: what
 // calibration is tested against. Shares no code with host/.
-#ifndef SELFPROJ_TESTS_SUPPORT_BOARD_WORLD_H
-#define SELFPROJ_TESTS_SUPPORT_BOARD_WORLD_H
+#ifndef SELFPROJ_TESTS_SUPPORT_CHESSBOARD_WORLD_H
+#define SELFPROJ_TESTS_SUPPORT_CHESSBOARD_WORLD_H
 
 #include <algorithm>
 #include <array>
@@ -40,8 +40,8 @@ inline cv::Matx33d turn(double x, double y, double z) {
   return rz * ry * rx;
 }
 
-// x_camera = turn x_board + at.
-struct BoardPose {
+// x_camera = turn x_chessboard + at.
+struct ChessboardPose {
   cv::Matx33d turn;
   cv::Vec3d at;
 };
@@ -53,12 +53,12 @@ struct World {
   cv::Vec3d translation{6, -150, 40};
   int camera_columns = 240, camera_rows = 200;
   int projector_columns = 96, projector_rows = 80;
-  bool mirrored = false;                  // the projector counts its rows from below
-  int board_columns = 7, board_rows = 5;  // inner corners
+  bool mirrored = false;                            // the projector counts its rows from below
+  int chessboard_columns = 7, chessboard_rows = 5;  // inner corners
   double square = 40;
 
-  [[nodiscard]] cv::Vec3d on_board(int corner) const {
-    return {square * (corner % board_columns), square * static_cast<double>(corner / board_columns), 0};
+  [[nodiscard]] cv::Vec3d on_chessboard(int corner) const {
+    return {square * (corner % chessboard_columns), square * static_cast<double>(corner / chessboard_columns), 0};
   }
   [[nodiscard]] cv::Vec2d in_camera(const cv::Vec3d& p) const { return camera.pixel(p); }
   [[nodiscard]] cv::Vec2d in_projector(const cv::Vec3d& p) const {
@@ -68,13 +68,13 @@ struct World {
   }
 
   // The board's middle at (x, y, z), turned about its middle.
-  [[nodiscard]] BoardPose pose(double x, double y, double z, const cv::Matx33d& turned) const {
-    const cv::Vec3d middle(0.5 * square * (board_columns - 1), 0.5 * square * (board_rows - 1), 0);
+  [[nodiscard]] ChessboardPose pose(double x, double y, double z, const cv::Matx33d& turned) const {
+    const cv::Vec3d middle(0.5 * square * (chessboard_columns - 1), 0.5 * square * (chessboard_rows - 1), 0);
     return {turned, cv::Vec3d(x, y, z) - turned * middle};
   }
 
-  // Poses in which camera and projector see the board, as different from each other as one would turn it.
-  [[nodiscard]] std::vector<BoardPose> poses() const {
+  // Poses in which camera and projector see the chessboard, as different from each other as one would turn it.
+  [[nodiscard]] std::vector<ChessboardPose> poses() const {
     return {pose(0, 10, 560, turn(0, 0, 0)),     pose(-20, 0, 560, turn(28, 4, 3)),
             pose(20, 5, 570, turn(-26, 0, -4)),  pose(10, 10, 550, turn(3, 27, 2)),
             pose(-10, 0, 560, turn(-4, -28, 5)), pose(0, 12, 590, turn(20, 20, 8)),
@@ -82,12 +82,12 @@ struct World {
   }
 };
 
-// An image of the world's Gray-code sequence: the camera sees the board, white with black squares and a white margin of
-// one square, under a pattern; beyond the board there is nothing. 6 x 6 points over
-// 1.8 x 1.8 pixels each, as a lens would blur. Lenses without distortion.
-class BoardImages {
+// An image of the world's Gray-code sequence: the camera sees the chessboard, white with black squares and a white
+// margin of one square, under a pattern; beyond the chessboard there is nothing. 6 x 6 points over 1.8 x 1.8 pixels
+// each, as a lens would blur. Lenses without distortion.
+class ChessboardImages {
  public:
-  BoardImages(const World& world, const BoardPose& pose) : world_(world) {
+  ChessboardImages(const World& world, const ChessboardPose& pose) : world_(world) {
     constexpr double kBlack = 0.15;
     samples_.resize(static_cast<std::size_t>(world.camera_rows * world.camera_columns * kSide * kSide));
     const cv::Vec3d normal(pose.turn(0, 2), pose.turn(1, 2), pose.turn(2, 2));
@@ -101,8 +101,9 @@ class BoardImages {
                               1);
           const cv::Vec3d p = ray * (normal.dot(pose.at) / normal.dot(ray));
           const cv::Vec3d b = pose.turn.t() * (p - pose.at) * (1 / world.square);
-          const bool outside = b[0] < -2 || b[1] < -2 || b[0] > world.board_columns + 1 || b[1] > world.board_rows + 1;
-          const bool margin = b[0] < -1 || b[1] < -1 || b[0] > world.board_columns || b[1] > world.board_rows;
+          const bool outside =
+              b[0] < -2 || b[1] < -2 || b[0] > world.chessboard_columns + 1 || b[1] > world.chessboard_rows + 1;
+          const bool margin = b[0] < -1 || b[1] < -1 || b[0] > world.chessboard_columns || b[1] > world.chessboard_rows;
           const bool black =
               !margin && (static_cast<int>(std::floor(b[0])) + static_cast<int>(std::floor(b[1]))) % 2 == 0;
           const cv::Vec2d seen = world.in_projector(p);
@@ -151,4 +152,4 @@ class BoardImages {
 
 }  // namespace selfproj::test
 
-#endif  // SELFPROJ_TESTS_SUPPORT_BOARD_WORLD_H
+#endif  // SELFPROJ_TESTS_SUPPORT_CHESSBOARD_WORLD_H

@@ -1,0 +1,66 @@
+// What a calibration is asked for, what it saw, and what it found.
+#ifndef SELFPROJ_HOST_CALIBRATION_CALIBRATION_REPORT_H
+#define SELFPROJ_HOST_CALIBRATION_CALIBRATION_REPORT_H
+
+#include <opencv2/core/matx.hpp>
+#include <opencv2/core/types.hpp>
+#include <string>
+#include <vector>
+
+#include "host/calibration/bundle.h"
+#include "host/calibration/chessboard.h"
+#include "host/calibration/corner_codes.h"
+#include "host/rig/calibration_file.h"
+
+namespace selfproj {
+
+struct CalibrateSettings {
+  Chessboard chessboard;
+  int projector_columns = 0;
+  int projector_rows = 0;
+  CornerSettings corners;
+  int min_corners = 12;  // a pose with fewer usable ones is left out
+  FreeDistortion free;   // each 0, 1, 2, 4 or 5
+  double reject = 4.5;   // corners whose residual is longer than so many standard deviations are left out; 0: none
+};
+
+struct Corner {
+  cv::Point2d camera, projector;  // column, row; projector NaN where it has not been found
+  double sd_px = 0;               // of the projector's, estimated
+  bool used = false;
+  std::string reason;                             // why it is not used
+  cv::Vec2d camera_residual, projector_residual;  // seen less computed, of used ones
+};
+
+// One pose of the chessboard, in the order given.
+struct PoseReport {
+  std::string name;
+  std::string reason;  // why the whole pose is left out; empty where it is used
+  int rows = 0;        // of the camera
+  int columns = 0;
+  double decoded_share = 0;     // of the camera's pixels
+  std::vector<Corner> corners;  // all of the chessboard's, or none where it is not seen
+  double angle_deg = 0;         // between the chessboard's normal and the camera's axis
+  double camera_rms = 0, projector_rms = 0;
+
+  [[nodiscard]] int used() const;
+};
+
+struct CalibrationReport {
+  CalibrateSettings settings;
+  std::vector<PoseReport> poses;
+  Calibration calibration;  // with the sizes of camera and projector
+  // The projector shows its image mirrored (seen from the front, columns run right and rows up, or the reverse): its
+  // fy is then negative.
+  bool mirrored = false;
+  BundleResult bundle;  // of the used poses, in their order; the projector's rows counted from below where mirrored
+  double camera_alone_rms = 0, projector_alone_rms = 0;  // each calibrated without the other
+  double greatest_angle_deg = 0;                         // between two poses' normals
+  double camera_coverage = 0, projector_coverage = 0;    // share of the image within the hull of all used corners
+  double mean_distance_mm = 0;                           // of the used corners along the camera's axis
+  std::vector<std::string> warnings;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_CALIBRATION_CALIBRATION_REPORT_H

@@ -1,0 +1,18 @@
+// What the captures do not tell.
+#ifndef SELFPROJ_HOST_CALIBRATION_CALIBRATION_WARNINGS_H
+#define SELFPROJ_HOST_CALIBRATION_CALIBRATION_WARNINGS_H
+
+#include <string>
+#include <vector>
+
+#include "host/calibration/calibration_report.h"
+
+namespace selfproj {
+
+// One sentence for each number of a finished calibration that the captures do not constrain well (README.md beside this
+// file has the limits), and none where all is well.
+std::vector<std::string> warnings_of(const CalibrationReport& report);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_CALIBRATION_CALIBRATION_WARNINGS_H
