@@ -183,17 +183,7 @@ class Median3x3 {
     }
 
     if (moves) {
-      for (int row = 0; row < 3; ++row) {
-#pragma HLS unroll
-        left_[row] = 0;
-        if (!first) {
-          left_[row] = middle_[kCodeLanes - 1][row];
-        }
-        for (int lane = 0; lane < kCodeLanes; ++lane) {
-#pragma HLS unroll
-          middle_[lane][row] = columns[lane][row];
-        }
-      }
+      shift(columns, first);
       middle_first_ = first;
       middle_last_ = ends_line;
       middle_above_ = two_above;
@@ -248,6 +238,22 @@ class Median3x3 {
     out.start = middle_first_ && !middle_above_;
     out.line_end = middle_last_;
     out.last_row = !middle_below_;
+  }
+
+  // The beat takes the place of the one before, of which its left neighbours are kept.
+  void shift(const Code columns[kCodeLanes][3], bool first) {
+#pragma HLS inline
+    for (int row = 0; row < 3; ++row) {
+#pragma HLS unroll
+      left_[row] = 0;
+      if (!first) {
+        left_[row] = middle_[kCodeLanes - 1][row];
+      }
+      for (int lane = 0; lane < kCodeLanes; ++lane) {
+#pragma HLS unroll
+        middle_[lane][row] = columns[lane][row];
+      }
+    }
   }
 
   void advance(const CodesBeat& in, bool passing, bool ends_line) {

@@ -326,6 +326,16 @@ class Median3x3Shell : public sc_core::sc_module {
       now1_ = (now1_ << kCodeBits) | code_of(word);
     }
 
+    count(group, lines, ends, broken);
+  }
+
+  // Where the image is after this clock: `group` and `lines` are those of the beat, which `ends` it; or it is `broken`.
+  void count(const CodeGroup& group, const Uint<2>& lines, bool ends, bool broken) {
+    const bool valid = s_valid_i.read();
+    const bool line_end = s_line_end_i.read();
+    const bool passing = passing_.read();
+    const CodeGroup pass_group = pass_group_.read();
+    const bool pass_ends = pass_group == last_group_;
     if (ends) {
       passing_.write(true);
     } else if (pass_ends) {

@@ -1,0 +1,109 @@
+// Formats and pure functions of the column moments: what becomes of one pixel, of one sum, of one word. The kernel
+// (column_moments.h) and the SystemC shell (hls/shells/column_moments_shell.h) compute by them.
+#ifndef SELFPROJ_HLS_MOMENTS_ARITHMETIC_H
+#define SELFPROJ_HLS_MOMENTS_ARITHMETIC_H
+
+#include "hls/types.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+// clang-tidy, in this file:
+//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+// NOLINTBEGIN(performance-unnecessary-value-param)
+namespace selfproj {
+namespace hls {
+
+constexpr int kLanes = spec::kPixelsPerBeat;
+static_assert(kLanes == 4, "the payload is cut into beats for four lanes");
+
+// The formats of the sums: they hold the largest values of the specification, so that nothing ever wraps.
+using Pixel = Uint<spec::kPixelBits>;
+using Pixels = Uint<kLanes * spec::kPixelBits>;  // leftmost in the low bits
+using ModeBits = Uint<2>;
+using Columns = Uint<bits_for(spec::kMaxColumns)>;
+using Row = Uint<bits_for(spec::kMaxRows)>;                    // a row, counted from 1, and a number of lit pixels
+using Group = Uint<bits_for(spec::kMaxColumns / kLanes - 1)>;  // four columns, counted from 0
+using Sum0 = Uint<spec::kGreyM0Bits>;
+using Sum1 = Uint<spec::kGreyM1Bits>;
+static_assert(bits_for(spec::kMaxRows) == spec::kGreyNBits, "a number of lit pixels has the bits of a row");
+
+// The weight of a pixel; 0 where it is not lit, and only there.
+inline Pixel weight_of(Pixel pixel, Pixel threshold, ModeBits mode) {
+#pragma HLS inline
+  Pixel weight = 0;
+  if (pixel > threshold) {
+    if (mode == spec::kModeBinary) {
+      weight = 1;
+    } else if (mode == spec::kModeGrey) {
+      weight = pixel;
+    } else {
+      weight = pixel - threshold;
+    }
+  }
+  return weight;
+}
+
+inline Sum0 next_m0(Sum0 m0, Pixel weight) {
+#pragma HLS inline
+  Sum0 next = m0 + weight;
+  return next;
+}
+
+inline Row next_n(Row n, Pixel weight) {
+#pragma HLS inline
+  Row next = n;
+  if (weight != 0) {
+    next = n + 1;
+  }
+  return next;
+}
+
+// What a row adds to A: the M0 before it in the grey modes, the row of a lit pixel in mode binary.
+inline Sum1 addend_of(Sum0 m0_before, Pixel weight, Row row, bool grey) {
+#pragma HLS inline
+  Sum1 addend = 0;
+  if (grey) {
+    addend = m0_before;
+  } else if (weight != 0) {
+    addend = row;
+  }
+  return addend;
+}
+
+// M1 of a column whose last row is the `rows`-th, from M0 with it and M0 and A before it.
+inline Sum1 finished_m1(Row rows, Sum0 m0, Sum0 m0_before, Sum1 a) {
+#pragma HLS inline
+  Uint<spec::kGreyM0Bits + spec::kGreyNBits> product = rows * m0;
+  Sum1 over = a + m0_before;
+  Sum1 m1 = product - over;  // the difference fits: it is M1
+  return m1;
+}
+
+// The payload word of a column in mode binary ...
+inline Uint<spec::kBinaryWordBits> binary_word(Sum0 m0, Sum1 m1) {
+#pragma HLS inline
+  Uint<spec::kBinaryWordBits> word = m0;
+  word = (word << (spec::kBinaryM0Lsb - spec::kBinaryM1Lsb)) | m1;
+  return word;
+}
+
+// ... and in the grey modes.
+inline Uint<spec::kGreyWordBits> grey_word(Sum0 m0, Sum1 m1, Row n) {
+#pragma HLS inline
+  Uint<spec::kGreyWordBits> word = n;
+  word = (word << (spec::kGreyNLsb - spec::kGreyM0Lsb)) | m0;
+  word = (word << (spec::kGreyM0Lsb - spec::kGreyM1Lsb)) | m1;
+  return word;
+}
+static_assert(spec::kBinaryM1Lsb == 0 && spec::kGreyM1Lsb == 0, "M1 has the low bits of its word");
+
+inline Pixel lane_of(Pixels pixels, int lane) {
+#pragma HLS inline
+  Pixel pixel = pixels >> (spec::kPixelBits * lane);
+  return pixel;
+}
+
+}  // namespace hls
+}  // namespace selfproj
+// NOLINTEND(performance-unnecessary-value-param)
+
+#endif  // SELFPROJ_HLS_MOMENTS_ARITHMETIC_H

@@ -1,0 +1,191 @@
+// The drain of ColumnMomentsShell: in the grey modes a frame's last row waits in a line buffer; as its groups are read
+// again, two columns a clock are finished and leave.
+#ifndef SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
+#define SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
+
+#include "hls/shells/moments_sums.h"
+
+// clang-tidy, in this file:
+//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+// NOLINTBEGIN(performance-unnecessary-value-param)
+namespace selfproj {
+namespace hls {
+
+struct MomentsDrain {
+  // What waits in the line buffer
+  Uint<bits_for(spec::kMaxColumns / kLanes)> waiting;  // groups
+  bool ended, break_wait, odd;
+  bool active, was_active;  // now, and in the clock before
+  Group drain_group;
+  Row rows;
+  bool one_row, one_group;
+  bool s1_drain;
+  Group s1_drain_group;
+  // Stages 1 to 3
+  bool d1_break, d2_break, d2_first, d2_valid, d3_pick;
+  Sum0 d2_m0[kLanes];
+  Row d2_n[kLanes];
+  Pixels d2_weights;
+  Sum1 d3_a[kLanes];
+  Sum0 d3_old_m0[2];
+  Sum0 d3_m0[2];
+  Row d3_n[2];
+  // Stages 3 to 11, and 4 to 11
+  bool d_valid[9];
+  bool d_break[9];
+  Uint<64> d_word[8][2];
+
+  void reset() {
+    waiting = 0;
+    ended = false;
+    break_wait = false;
+    odd = false;
+    active = false;
+    was_active = false;
+    drain_group = 0;
+    rows = 0;
+    one_row = false;
+    one_group = false;
+    s1_drain = false;
+    s1_drain_group = 0;
+    d1_break = false;
+    d2_break = false;
+    d2_first = false;
+    d2_valid = false;
+    d3_pick = false;
+    d2_weights = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      d2_m0[lane] = 0;
+      d2_n[lane] = 0;
+      d3_a[lane] = 0;
+    }
+    for (int i = 0; i < 2; ++i) {
+      d3_old_m0[i] = 0;
+      d3_m0[i] = 0;
+      d3_n[i] = 0;
+    }
+    for (int i = 0; i < 9; ++i) {
+      d_valid[i] = false;
+      d_break[i] = false;
+    }
+    for (int i = 0; i < 8; ++i) {
+      d_word[i][0] = 0;
+      d_word[i][1] = 0;
+    }
+  }
+
+  // The end of a clock, stages 11 to 3: two columns at a time. `line`: what the line buffer shows.
+  void finish_words(const MomentsRead& read, const MomentsSums& sums, Pixels line) {
+    for (int i = 7; i > 0; --i) {
+      if (d_valid[i]) {
+        d_word[i][0] = d_word[i - 1][0];
+        d_word[i][1] = d_word[i - 1][1];
+      }
+    }
+    for (int i = 0; i < 2; ++i) {
+      if (d_valid[0]) {
+        Sum1 a = d3_a[i + 2];
+        if (d3_pick) {
+          a = d3_a[i];
+        }
+        d_word[0][i] = grey_word(d3_m0[i], finished_m1(rows, d3_m0[i], d3_old_m0[i], a), d3_n[i]);
+      }
+      if (d2_valid) {
+        Sum0 m0 = d2_m0[i + 2];
+        Row n = d2_n[i + 2];
+        Pixel weight = lane_of(d2_weights, i + 2);
+        if (d2_first) {
+          m0 = d2_m0[i];
+          n = d2_n[i];
+          weight = lane_of(d2_weights, i);
+        }
+        d3_old_m0[i] = m0;
+        d3_m0[i] = next_m0(m0, weight);
+        d3_n[i] = next_n(n, weight);
+      }
+    }
+    for (int i = 8; i > 0; --i) {
+      d_valid[i] = d_valid[i - 1];
+      d_break[i] = d_break[i - 1];
+    }
+    d_valid[0] = d2_valid;
+    d_break[0] = d2_break;
+    d2_break = d1_break;
+    d3_pick = d2_first;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if (d2_first) {
+        d3_a[lane] = read.a[lane];
+        if (one_row) {
+          d3_a[lane] = 0;
+        } else if (one_group) {
+          d3_a[lane] = sums.sum_a[lane];
+        }
+      }
+      if (odd) {
+        d2_m0[lane] = read.m0[lane];
+        d2_n[lane] = read.n[lane];
+        if (one_row) {
+          d2_m0[lane] = 0;
+          d2_n[lane] = 0;
+        } else if (one_group) {
+          d2_m0[lane] = sums.sum_m0[lane];
+          d2_n[lane] = sums.sum_n[lane];
+        }
+      }
+    }
+    if (odd) {
+      d2_weights = line;
+    }
+    d2_valid = odd || d2_first;
+    d2_first = odd;
+  }
+
+  // The end of a clock, after finish_words: what waits, and its reads. `drain`: a group was asked for; `push`: `beat`
+  // goes into the line buffer; `broken`: its frame breaks.
+  void step(bool drain, bool push, bool broken, const MomentsBeat& beat) {
+    was_active = active;
+    const bool last_read = drain && ended && waiting == 1;
+    const bool break_now = break_wait && waiting == 0 && !odd;
+    const bool over = last_read || break_now;
+    d1_break = break_now;
+    odd = drain;
+    if (push && !drain) {
+      waiting = waiting + 1;
+    } else if (!push && drain) {
+      waiting = waiting - 1;
+    }
+    if ((push && beat.line_end) || broken) {
+      ended = true;
+    } else if (over) {
+      ended = false;
+    }
+    if (broken) {
+      break_wait = true;
+    } else if (break_now) {
+      break_wait = false;
+    }
+    if (push) {
+      active = true;
+      rows = beat.row;
+      one_row = beat.first_row;
+      one_group = beat.one_group;
+    } else if (over) {
+      active = false;
+    }
+    s1_drain = drain;
+    if (drain) {
+      s1_drain_group = drain_group;
+    }
+    if (over) {
+      drain_group = 0;
+    } else if (drain) {
+      drain_group = drain_group + 1;
+    }
+  }
+};
+
+}  // namespace hls
+}  // namespace selfproj
+// NOLINTEND(performance-unnecessary-value-param)
+
+#endif  // SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H

@@ -1,0 +1,218 @@
+// The sums of ColumnMomentsShell: beats on their way, what the memories show of four columns, and the registers in
+// which a beat's weights are added to it.
+#ifndef SELFPROJ_HLS_SHELLS_MOMENTS_SUMS_H
+#define SELFPROJ_HLS_SHELLS_MOMENTS_SUMS_H
+
+#include "hls/moments_arithmetic.h"
+
+// clang-tidy, in this file:
+//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+// NOLINTBEGIN(performance-unnecessary-value-param)
+namespace selfproj {
+namespace hls {
+
+constexpr int kMBits = 2 * (spec::kGreyM0Bits + spec::kGreyNBits);  // of two lanes: {N, M0}, {N, M0}
+constexpr int kABits = 2 * spec::kGreyM1Bits;
+
+// A beat, with the weights of its pixels, and where it lies; or none.
+struct MomentsBeat {
+  bool valid;
+  Group group;
+  Row row;
+  bool first_row, last_row, line_end;
+  bool one_group, two_groups;  // a row has no more
+  bool grey;
+  Pixels weights;
+
+  void reset() {
+    valid = false;
+    group = 0;
+    row = 0;
+    first_row = false;
+    last_row = false;
+    line_end = false;
+    one_group = false;
+    two_groups = false;
+    grey = false;
+    weights = 0;
+  }
+
+  // A last row of a grey mode goes to the drain and not to the sums.
+  bool drains() const { return valid && last_row && grey; }
+};
+
+// The sums of four columns as the memories show them, two lanes a word.
+struct MomentsRead {
+  Sum0 m0[kLanes];
+  Row n[kLanes];
+  Sum1 a[kLanes];
+
+  void take(Uint<kMBits> m_low, Uint<kMBits> m_high, Uint<kABits> a_low, Uint<kABits> a_high) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      Uint<kMBits / 2> m = m_low >> (kMBits / 2 * lane);
+      a[lane] = a_low >> (kABits / 2 * lane);
+      if (lane >= 2) {
+        m = m_high >> (kMBits / 2 * (lane - 2));
+        a[lane] = a_high >> (kABits / 2 * (lane - 2));
+      }
+      m0[lane] = m;
+      n[lane] = m >> spec::kGreyM0Bits;
+    }
+  }
+};
+
+// Stages 1 (read), 2 (M) and 3 (A) of what is added up.
+struct MomentsSums {
+  bool s1_add, s1_first, s1_one, s1_two, s1_grey;
+  Group s1_group;
+  Pixels s1_weights;
+  Row s1_row;
+  bool s2_add, s2_first, s2_use_sum, s2_forward, s2_grey;
+  Group s2_group;
+  Row s2_row;
+  Pixel s2_weight[kLanes];
+  Sum0 s2_old_m0[kLanes];
+  Row s2_old_n[kLanes];
+  bool s3_add, s3_use_sum;
+  Group s3_group;
+  Sum1 s3_addend[kLanes];
+  Sum1 s3_old_a[kLanes];
+  Sum0 sum_m0[kLanes];
+  Row sum_n[kLanes];
+  Sum1 sum_a[kLanes];
+
+  void reset() {
+    s1_add = false;
+    s1_first = false;
+    s1_one = false;
+    s1_two = false;
+    s1_grey = false;
+    s1_group = 0;
+    s1_weights = 0;
+    s1_row = 0;
+    s2_add = false;
+    s2_first = false;
+    s2_use_sum = false;
+    s2_forward = false;
+    s2_grey = false;
+    s2_group = 0;
+    s2_row = 0;
+    s3_add = false;
+    s3_use_sum = false;
+    s3_group = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      s2_weight[lane] = 0;
+      s2_old_m0[lane] = 0;
+      s2_old_n[lane] = 0;
+      s3_addend[lane] = 0;
+      s3_old_a[lane] = 0;
+      sum_m0[lane] = 0;
+      sum_n[lane] = 0;
+      sum_a[lane] = 0;
+    }
+  }
+
+  // --- What follows from the registers in their clock ---
+  Sum0 now_m0(int lane) const {
+    Sum0 base = s2_old_m0[lane];
+    if (s2_use_sum) {
+      base = sum_m0[lane];
+    }
+    return base;
+  }
+  Row now_n(int lane) const {
+    Row base = s2_old_n[lane];
+    if (s2_use_sum) {
+      base = sum_n[lane];
+    }
+    return base;
+  }
+  Sum1 now_a(int lane) const {
+    Sum1 base = s3_old_a[lane];
+    if (s3_use_sum) {
+      base = sum_a[lane];
+    }
+    Sum1 next = base + s3_addend[lane];
+    return next;
+  }
+  // A lane of the word that is written: {N, M0}.
+  Uint<kMBits / 2> word_m(int lane) const {
+    Uint<kMBits / 2> word = next_n(now_n(lane), s2_weight[lane]);
+    word = (word << spec::kGreyM0Bits) | next_m0(now_m0(lane), s2_weight[lane]);
+    return word;
+  }
+
+  // The end of a clock: `add`, a beat begins to be added up; `read`, what the memories show.
+  void step(bool add, const MomentsBeat& beat, const MomentsRead& read) {
+    // The beat two clocks ahead had the same address, and its sum is not in the memory yet.
+    const bool forward = s1_two && s2_add && s3_add;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      step_lane(lane, forward, read);
+    }
+    s3_add = s2_add;
+    if (s2_add) {
+      s3_group = s2_group;
+      s3_use_sum = s2_use_sum;
+    }
+    s2_add = s1_add;
+    if (s1_add) {
+      s2_group = s1_group;
+      s2_first = s1_first;
+      s2_use_sum = s1_one && !s1_first;
+      s2_forward = forward;
+      s2_grey = s1_grey;
+      s2_row = s1_row;
+    }
+    s1_add = add;
+    if (add) {
+      s1_group = beat.group;
+      s1_first = beat.first_row;
+      s1_one = beat.one_group;
+      s1_two = beat.two_groups;
+      s1_grey = beat.grey;
+      s1_weights = beat.weights;
+      s1_row = beat.row;
+    }
+  }
+
+  void step_lane(int lane, bool forward, const MomentsRead& read) {
+    const Sum0 m0 = now_m0(lane);
+    const Row n = now_n(lane);
+    const Sum1 next_sum_a = now_a(lane);
+    const Sum0 old_sum_m0 = sum_m0[lane];
+    const Row old_sum_n = sum_n[lane];
+    const Sum1 old_sum_a = sum_a[lane];
+    if (s3_add) {
+      sum_a[lane] = next_sum_a;
+    }
+    if (s2_add) {
+      sum_m0[lane] = next_m0(m0, s2_weight[lane]);
+      sum_n[lane] = next_n(n, s2_weight[lane]);
+      s3_addend[lane] = addend_of(m0, s2_weight[lane], s2_row, s2_grey);
+      s3_old_a[lane] = read.a[lane];
+      if (s2_first) {
+        s3_old_a[lane] = 0;
+      } else if (s2_forward) {
+        s3_old_a[lane] = old_sum_a;
+      }
+    }
+    if (s1_add) {
+      s2_weight[lane] = lane_of(s1_weights, lane);
+      s2_old_m0[lane] = read.m0[lane];
+      s2_old_n[lane] = read.n[lane];
+      if (s1_first) {
+        s2_old_m0[lane] = 0;
+        s2_old_n[lane] = 0;
+      } else if (forward) {
+        s2_old_m0[lane] = old_sum_m0;
+        s2_old_n[lane] = old_sum_n;
+      }
+    }
+  }
+};
+
+}  // namespace hls
+}  // namespace selfproj
+// NOLINTEND(performance-unnecessary-value-param)
+
+#endif  // SELFPROJ_HLS_SHELLS_MOMENTS_SUMS_H
