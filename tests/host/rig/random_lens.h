@@ -1,0 +1,45 @@
+// Lenses at random, and OpenCV's lens model written out: what host/rig/lens is tested against.
+#ifndef SELFPROJ_TESTS_HOST_RIG_RANDOM_LENS_H
+#define SELFPROJ_TESTS_HOST_RIG_RANDOM_LENS_H
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "host/rig/lens.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+
+// Uniform in low..high.
+inline double uniform(Random& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random.between(0, 1 << 30)) / (1 << 30);
+}
+
+// Column and row of the ray (x, y, 1).
+inline std::pair<double, double> distorted(const Lens& lens, double x, double y) {
+  const auto& k = lens.k;
+  const double r2 = x * x + y * y;
+  const double q =
+      (1 + k[0] * r2 + k[1] * r2 * r2 + k[4] * r2 * r2 * r2) / (1 + k[5] * r2 + k[6] * r2 * r2 + k[7] * r2 * r2 * r2);
+  return {lens.fx * (x * q + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x)) + lens.cx,
+          lens.fy * (y * q + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y) + lens.cy};
+}
+
+// Of an image of columns x rows, about whose middle its centre lies; `focal` in pixels.
+inline Lens random_lens(Random& random, double focal, int columns, int rows) {
+  Lens lens{focal * uniform(random, 0.95, 1.05),
+            focal,
+            columns * uniform(random, 0.45, 0.55),
+            rows * uniform(random, 0.45, 0.55),
+            {}};
+  const std::array<double, 8> reach{0.2, 0.15, 0.003, 0.003, 0.1, 0.05, 0.05, 0.02};
+  for (std::size_t i = 0; i < reach.size(); ++i) {
+    lens.k[i] = uniform(random, -reach[i], reach[i]);
+  }
+  return lens;
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_HOST_RIG_RANDOM_LENS_H
