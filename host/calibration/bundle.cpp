@@ -35,7 +35,7 @@ void add_pose(Pose& pose, const cv::Mat1d& change, int at) {
   }
 }
 
-Bundle moved(const Bundle& from, const cv::Mat1d& change, const Layout& layout) {
+Bundle changed(const Bundle& from, const cv::Mat1d& change, const Layout& layout) {
   Bundle to = from;
   for (int i = 0; i < layout.camera_free; ++i) {
     to.camera[static_cast<std::size_t>(i)] += change(i);
@@ -304,7 +304,7 @@ class Solver {
       damped.diag() += damping_;
       cv::Mat1d change;
       if (cv::solve(damped, right.mul(scale), change, cv::DECOMP_CHOLESKY)) {
-        const Bundle tried = moved(bundle_, cv::Mat1d(change.mul(scale)), layout_);
+        const Bundle tried = changed(bundle_, cv::Mat1d(change.mul(scale)), layout_);
         std::vector<Linear> there = linearize_all(views_, tried);
         const double cost_there = cost_of(there, weights_);
         if (cost_there <= cost) {

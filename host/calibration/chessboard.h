@@ -24,7 +24,7 @@ struct FoundChessboard {
   std::vector<cv::Point2d>
       corners;            // in pixels (column, row) from 0, sub-pixel; empty where there is no such chessboard
   std::string reason;     // why it is empty
-  double spacing_px = 0;  // median way from a corner to its nearest neighbour
+  double spacing_px = 0;  // median distance from a corner to its nearest neighbour
 };
 
 // Finds the corners of the whole chessboard, which may lie in any direction. A chessboard with more corners than asked

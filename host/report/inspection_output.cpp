@@ -207,13 +207,13 @@ void write_cloud(const Inspection& inspection, OutputFolder& folder, const MapSc
                   points));
   const std::vector<double> belt = inspection.belt_mm();
   std::size_t at = 0;
-  for (const double way : belt) {
+  for (const double travel : belt) {
     for (int column = 0; column < inspection.columns(); ++column, ++at) {
       if (values.validity[at] != static_cast<std::uint8_t>(Validity::valid)) {
         continue;
       }
       const double difference = -static_cast<double>(values.dz[at]);
-      char* to = append_float(cloud.room(19), static_cast<float>(static_cast<double>(values.x[at]) - way));
+      char* to = append_float(cloud.room(19), static_cast<float>(static_cast<double>(values.x[at]) - travel));
       to = append_float(to, values.y[at]);
       to = append_float(to, values.z[at]);
       to = append_float(to, static_cast<float>(difference));
@@ -243,11 +243,11 @@ std::string summary(const Inspection& inspection, const ReportParts& parts) {
   }
   json["height_mm"] = to_json(statistics(inspection.height()));
   json["difference_mm"] = to_json(statistics(inspection.difference()));
-  const MapPitch way = pitch_of(inspection);
+  const MapPitch pitch = pitch_of(inspection);
   json["belt"] = {{"x_from", inspection.encoder_counts() ? "encoder" : "speed"},
                   {"mm", rounded(inspection.belt_mm().back())},
-                  {"mm_per_frame", rounded(way.row_mm)},
-                  {"mm_per_column", rounded(way.column_mm)}};
+                  {"mm_per_frame", rounded(pitch.row_mm)},
+                  {"mm_per_column", rounded(pitch.column_mm)}};
   json["first_sequence"] = first.sequence;
   json["last_sequence"] = inspection.frame(inspection.frames() - 1).sequence;
   json["mode"] = mode_name(static_cast<Mode>(first.mode));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/core/persistence.hpp>
@@ -33,13 +34,10 @@ class Reader {
     }
   }
 
-  // The numbers of a matrix; `count` of them, or any number where it is 0. Empty where it may be missing and is.
-  std::vector<double> numbers(const std::string& key, std::size_t count, bool may_be_missing = false) const {
+  // The numbers of a matrix; `count` of them, or any number where it is 0.
+  std::vector<double> numbers(const std::string& key, std::size_t count) const {
     const cv::FileNode node = storage_[key];
     if (node.empty()) {
-      if (may_be_missing) {
-        return {};
-      }
       throw UserError(file_, key + " is missing");
     }
     cv::Mat matrix;
@@ -66,10 +64,13 @@ class Reader {
     return values;
   }
 
-  Lens lens(const std::string& name, bool may_be_mirrored) const {
+  // Whether fy may be negative: rows of the image grow upwards where its columns grow to the right.
+  enum class Mirrored : std::uint8_t { no, possible };
+
+  Lens lens(const std::string& name, Mirrored mirrored) const {
     const std::vector<double> m = numbers(name + "_K", 9);
-    if (!(m[0] > 0 && (m[4] > 0 || (may_be_mirrored && m[4] < 0))) || m[1] != 0 || m[3] != 0 || m[6] != 0 ||
-        m[7] != 0 || m[8] != 1) {
+    if (!(m[0] > 0 && (m[4] > 0 || (mirrored == Mirrored::possible && m[4] < 0))) || m[1] != 0 || m[3] != 0 ||
+        m[6] != 0 || m[7] != 0 || m[8] != 1) {
       throw UserError(file_, name + "_K is no camera matrix (fx, 0, cx; 0, fy, cy; 0, 0, 1)");
     }
     const std::vector<double> k = numbers(name + "_kc", 0);
@@ -81,11 +82,12 @@ class Reader {
     return lens;
   }
 
+  // Leaves them as they are where the key is not there.
   void size(const std::string& key, int& columns, int& rows) const {
-    const std::vector<double> values = numbers(key, 2, true);
-    if (values.empty()) {
+    if (storage_[key].empty()) {
       return;
     }
+    const std::vector<double> values = numbers(key, 2);
     constexpr double kMost = 1 << 15;
     if (!std::all_of(values.begin(), values.end(), [](double value) { return value >= 1 && value <= kMost; })) {
       throw UserError(file_, key + " is no size in pixels");
@@ -104,8 +106,8 @@ class Reader {
 Calibration read_calibration(const std::string& file) {
   const Reader reader(file);
   Calibration result;
-  result.camera = reader.lens("cam", false);
-  result.projector = reader.lens("pro", true);
+  result.camera = reader.lens("cam", Reader::Mirrored::no);
+  result.projector = reader.lens("pro", Reader::Mirrored::possible);
   const std::vector<double> r = reader.numbers("R", 9);
   std::copy(r.begin(), r.end(), result.rotation.val);
   constexpr double kNear = 1e-3;
@@ -136,9 +138,9 @@ std::string calibration_yaml(const Calibration& calibration, const CalibrationRm
   lens("cam", calibration.camera_columns, calibration.camera_rows, calibration.camera);
   lens("pro", calibration.projector_columns, calibration.projector_rows, calibration.projector);
   storage << "R" << cv::Mat(calibration.rotation) << "T" << cv::Mat(calibration.translation);
-  const DepthMatrices columns = depth_matrices(calibration, false);
+  const DepthMatrices columns = depth_matrices(calibration, CodedAxis::columns);
   storage << "T_C" << cv::Mat(columns.camera) << "T_P" << cv::Mat(columns.projector);
-  storage << "T_P_rows" << cv::Mat(depth_matrices(calibration, true).projector);
+  storage << "T_P_rows" << cv::Mat(depth_matrices(calibration, CodedAxis::rows).projector);
   storage << "cam_rms" << rms.camera << "pro_rms" << rms.projector << "stereo_rms" << rms.stereo;
   return storage.releaseAndGetString();
 }

@@ -25,7 +25,7 @@ DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines) {
   return {camera_matrix, {code[0], code[1], code[2], code[3], depth[0], depth[1], depth[2], depth[3]}};
 }
 
-DepthMatrices depth_matrices(const Calibration& c, bool rows) {
+DepthMatrices depth_matrices(const Calibration& c, CodedAxis axis) {
   const auto projected = [&](double focal, double centre, int i) {
     cv::Vec4d row;
     for (int k = 0; k < 3; ++k) {
@@ -34,8 +34,8 @@ DepthMatrices depth_matrices(const Calibration& c, bool rows) {
     row[3] = focal * c.translation[i] + centre * c.translation[2];
     return row;
   };
-  const cv::Vec4d code =
-      rows ? projected(c.projector.fy, c.projector.cy + 0.5, 1) : projected(c.projector.fx, c.projector.cx + 0.5, 0);
+  const cv::Vec4d code = axis == CodedAxis::rows ? projected(c.projector.fy, c.projector.cy + 0.5, 1)
+                                                 : projected(c.projector.fx, c.projector.cx + 0.5, 0);
   const cv::Vec4d depth = projected(0, 1, 0);
   return {{c.camera.fx, 0, c.camera.cx, 0, 0, c.camera.fy, c.camera.cy, 0, 0, 0, 1, 0},
           {code[0], code[1], code[2], code[3], depth[0], depth[1], depth[2], depth[3]}};

@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_HOST_RIG_DEPTH_MATRICES_H
 #define SELFPROJ_HOST_RIG_DEPTH_MATRICES_H
 
+#include <cstdint>
 #include <opencv2/core/matx.hpp>
 
 #include "host/rig/calibration.h"
@@ -24,8 +25,11 @@ struct DepthMatrices {
 // them where H is 0): code centre Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H - 1)/2) + center_xp_mm.
 DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines = 0);
 
-// The matrices of (4.7) of a calibration without its distortion, in its axes: C = projector column (`rows`: row) + 1/2.
-DepthMatrices depth_matrices(const Calibration& calibration, bool rows);
+// Along which of its axes the projector counts codes.
+enum class CodedAxis : std::uint8_t { columns, rows };
+
+// The matrices of (4.7) of a calibration without its distortion, in its axes: C = projector column or row + 1/2.
+DepthMatrices depth_matrices(const Calibration& calibration, CodedAxis axis);
 
 }  // namespace selfproj
 

@@ -34,10 +34,10 @@ struct Range {
   bool low_open = false;  // greater than `low`, not equal
   bool zero = true;       // may be 0
 };
-constexpr Range kPositive{0, kFar, true};
-constexpr Range kNotNegative{0, kFar};
-constexpr Range kAny{-kFar, kFar};
-constexpr Range kNotZero{-kFar, kFar, false, false};
+constexpr Range kPositive{.low = 0, .high = kFar, .low_open = true};
+constexpr Range kNotNegative{.low = 0, .high = kFar};
+constexpr Range kAny{.low = -kFar, .high = kFar};
+constexpr Range kNotZero{.low = -kFar, .high = kFar, .zero = false};
 
 const std::vector<std::pair<const char*, Mode>> kModeChoices(kModes.begin(), kModes.end());
 const std::vector<std::pair<const char*, RigKind>> kKinds = {{"light-section", RigKind::light_section},

@@ -19,7 +19,7 @@ struct LensSettings {
   int row_bits = 0;            // of its rows' code; 0 where only the columns are coded
   double lines = 0;            // projector columns that 2^bits codes cover; 0: 2^bits, a code a column
   double row_lines = 0;        // likewise rows
-  double max_residual_px = 3;  // both axes: way from the pixel of the two codes to the ray's image
+  double max_residual_px = 3;  // both axes: distance from the pixel of the two codes to the ray's image
   DepthLimits limits;
   bool rows_are_x = false;  // x and y of points, and columns and rows of the projector, are exchanged
 };

@@ -95,7 +95,7 @@ void MatchSearch::add(const Match& candidate, int cell, std::vector<Match>& matc
   const int codes = 1 << reference_->stripes.bits;
   const double a = settings_.line_width;
   const bool inside = settings_.printed_window
-                          ? candidate.way >= -a * settings_.e && candidate.way < a * (codes - settings_.e)
+                          ? candidate.distance >= -a * settings_.e && candidate.distance < a * (codes - settings_.e)
                           : candidate.steps >= -settings_.e && candidate.steps < codes - settings_.e;
   if (!inside) {
     return;
@@ -110,14 +110,14 @@ void MatchSearch::add(const Match& candidate, int cell, std::vector<Match>& matc
     const double begin = match.line - match.half_width;
     const double end = candidate.line + candidate.half_width;
     const double middle = 0.5 * (begin + end);
-    match.way += middle - match.line;
+    match.distance += middle - match.line;
     match.line = middle;
     match.half_width = 0.5 * (end - begin);
     return;
   }
   const int candidates = match.candidates + 1;
   // The search goes towards the camera: of equals the later one is taken.
-  const bool nearer = settings_.printed_window ? std::abs(candidate.way) <= std::abs(match.way)
+  const bool nearer = settings_.printed_window ? std::abs(candidate.distance) <= std::abs(match.distance)
                                                : std::abs(candidate.steps) <= std::abs(match.steps);
   if (match.candidates == 0 || nearer) {
     match = candidate;

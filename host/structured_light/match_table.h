@@ -27,7 +27,7 @@ struct Match {
   double line = 0;        // middle of the matched cell, projector line from 0
   double half_width = 0;  // of the cell, in lines
   int steps = 0;          // n: by how many cells the match lies towards the camera
-  double way = 0;         // from X_R to the match, in lines
+  double distance = 0;    // from X_R to the match, in lines
   int candidates = 0;     // in the window; 0: there is no match and the rest means nothing
 };
 

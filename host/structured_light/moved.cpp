@@ -38,11 +38,11 @@ SELFPROJ_CLONES void add(const float* __restrict z, const float* __restrict back
       // takes for one, would keep it from vectorizing.
       const auto mask =
           static_cast<std::uint32_t>(-static_cast<std::int32_t>(std::abs(depth - background[i + k]) > least));
-      const auto way = std::bit_cast<float>(std::bit_cast<std::uint32_t>(depth - origin_z) & mask);
+      const auto distance = std::bit_cast<float>(std::bit_cast<std::uint32_t>(depth - origin_z) & mask);
       s.count[k] += std::bit_cast<float>(std::bit_cast<std::uint32_t>(1.0F) & mask);
-      s.z[k] += way;
-      s.x[k] += way * x_per_z[i + k];
-      s.y[k] += way * y_per_z[i + k];
+      s.z[k] += distance;
+      s.x[k] += distance * x_per_z[i + k];
+      s.y[k] += distance * y_per_z[i + k];
     }
   }
   sums = s;
@@ -149,11 +149,11 @@ Moved moved(const Triangulation& triangulation, const float* z, const float* bac
   }
   for (std::ptrdiff_t i = total / kLanes * kLanes; i < total; ++i) {  // what fills no lanes
     if (std::abs(z[i] - background[i]) > least_mm) {
-      const double way = static_cast<double>(z[i]) - static_cast<double>(origin.z);
+      const double distance = static_cast<double>(z[i]) - static_cast<double>(origin.z);
       count += 1;
-      sum_z += way;
-      sum_x += way * static_cast<double>(x_per_z[i]);
-      sum_y += way * static_cast<double>(y_per_z[i]);
+      sum_z += distance;
+      sum_x += distance * static_cast<double>(x_per_z[i]);
+      sum_y += distance * static_cast<double>(y_per_z[i]);
     }
   }
   if (count == 0) {

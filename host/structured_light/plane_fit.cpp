@@ -44,10 +44,10 @@ PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth) 
   cv::Matx22d square;
   cv::Vec2d with_z;
   for_each_point(triangulation, depth, [&](std::size_t, const cv::Vec3d& point) {
-    const cv::Vec3d way = point - mean;
-    const cv::Vec2d across(way[0], way[1]);
+    const cv::Vec3d offset = point - mean;
+    const cv::Vec2d across(offset[0], offset[1]);
     square += across * across.t();
-    with_z += across * way[2];
+    with_z += across * offset[2];
   });
   constexpr double kOnALine = 1e-12;  // of the sum of both extents squared, squared
   if (!(cv::determinant(square) > kOnALine * cv::trace(square) * cv::trace(square))) {

@@ -92,8 +92,8 @@ struct AmbiguousCodes {
 // sees too much of the projector to resolve the finest planes: then the place is in the middle of what the others leave
 // open, which may be `most_open` lines. Anything else gives NaN. In a second step each place is that of the straight
 // plane fitted to those of the neighbourhood, which averages the codes' steps: of the pixels up to `reach` rows and
-// columns away whose places are within `jump` lines a pixel of way from the middle one's; where less than half of them
-// are, the place stays as it is.
+// columns away whose places are within `jump` lines a pixel of distance from the middle one's; where less than half of
+// them are, the place stays as it is.
 FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int most_open = 4, int reach = 2, double jump = 4);
 
 // The same from the images seen under the patterns of GraySequence (columns, then lines, then white and black, which

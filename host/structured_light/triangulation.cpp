@@ -191,12 +191,12 @@ void PlaneTriangulation::depth_of_lines(int row, const float* lines, float* z) c
 PointState PlaneTriangulation::explain_code(std::size_t pixel, double code, float z) const {
   const std::size_t k = by_rows_ ? pixel / static_cast<std::size_t>(columns()) : pixel;
   const double denominator = static_cast<double>(at_[k]) - code * static_cast<double>(slope_[k]);
-  const double way = sign_ * (code * e1_ - e0_) / denominator;
-  const bool out = center_[2] + way <= low_ || center_[2] + way >= high_;
+  const double distance = sign_ * (code * e1_ - e0_) / denominator;
+  const bool out = center_[2] + distance <= low_ || center_[2] + distance >= high_;
   if (!std::isnan(z)) {
     return PointState::valid;
   }
-  if (denominator <= 0 || way <= 0 || std::isinf(least_[k])) {
+  if (denominator <= 0 || distance <= 0 || std::isinf(least_[k])) {
     return PointState::no_intersection;
   }
   return denominator <= static_cast<double>(least_[k]) || !out ? PointState::too_coarse : PointState::out_of_range;
@@ -206,9 +206,9 @@ double PlaneTriangulation::rounding_error(std::size_t pixel, float z) const {
   const std::size_t k = by_rows_ ? pixel / static_cast<std::size_t>(columns()) : pixel;
   const auto at = static_cast<double>(at_[k]);
   const auto slope = static_cast<double>(slope_[k]);
-  const double way = static_cast<double>(z) - center_[2];
+  const double distance = static_cast<double>(z) - center_[2];
   // The code whose plane meets the ray there, with a fraction, and |dz/dC| as above.
-  const double code = (way * at + sign_ * e0_) / (way * slope + sign_ * e1_);
+  const double code = (distance * at + sign_ * e0_) / (distance * slope + sign_ * e1_);
   const double denominator = at - code * slope;
   return std::abs(e1_ * at - slope * e0_) / (denominator * denominator) / std::sqrt(12.0);
 }

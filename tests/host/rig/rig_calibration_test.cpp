@@ -52,14 +52,14 @@ TEST(RigCalibration, MapsPointsAsTheRig) {
       EXPECT_NEAR(lit[0], projector.column, 1e-8);
       EXPECT_NEAR(lit[1], projector.row, 1e-8);
       // The matrices of (4.7).
-      for (const bool rows : {false, true}) {
-        const DepthMatrices m = depth_matrices(c, rows);
+      for (const CodedAxis axis : {CodedAxis::columns, CodedAxis::rows}) {
+        const DepthMatrices m = depth_matrices(c, axis);
         const cv::Vec4d world(at[0], at[1], at[2], 1);
         const cv::Vec3d image = m.camera * world;
         EXPECT_NEAR(image[0] / image[2], camera.column, 1e-9);
         EXPECT_NEAR(image[1] / image[2], camera.row, 1e-9);
         const cv::Vec2d code = m.projector * world;
-        EXPECT_NEAR(code[0] / code[1], (rows ? projector.row : projector.column) + 0.5, 1e-8);
+        EXPECT_NEAR(code[0] / code[1], (axis == CodedAxis::rows ? projector.row : projector.column) + 0.5, 1e-8);
       }
     }
   }

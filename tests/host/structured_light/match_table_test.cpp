@@ -221,7 +221,7 @@ TEST(MatchTable, PrintedWindowMissesAndDoublesCodes) {
     return std::pair(missing / (32 * 16), doubled / (32 * 16));
   };
   EXPECT_EQ(shares({8}), std::pair(0.0, 0.0));
-  const auto [missing, doubled] = shares({8, false, true, 3});
+  const auto [missing, doubled] = shares({.e = 8, .printed_window = true});
   RecordProperty("missing", std::to_string(missing));
   RecordProperty("doubled", std::to_string(doubled));
   EXPECT_GT(missing, 0.02);
@@ -235,7 +235,7 @@ TEST(MatchTable, PrintedDirectionIsRightOnlyWithoutVariationAlongY) {
   const auto difference = [&](const Surface& surface) {
     const SelfReference reference = make_self_reference(rig, test::points_of(rig, surface), {4, 2, StripeCode::cyclic});
     const MatchTable along_ray(rig, reference, {8});
-    const MatchTable along_xp(rig, reference, {8, true, false, 3});
+    const MatchTable along_xp(rig, reference, {.e = 8, .printed_direction = true});
     double sum = 0;
     int count = 0;
     for (int r = 20; r < 100; ++r) {

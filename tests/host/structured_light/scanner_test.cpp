@@ -55,7 +55,8 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
     const PlaneTriangulation triangulation(rig, bits);
     const bool filter = random.chance(50);
     const SteadySettings steady = random.chance(50) ? SteadySettings{} : SteadySettings{40, 1};
-    Scanner scanner(triangulation, {threshold, filter, false, 2, steady});
+    Scanner scanner(triangulation,
+                    {.threshold = threshold, .median = filter, .min_difference_mm = 2, .steady = steady});
     SteadyFilter steady_filter(rig.camera.rows, rig.camera.columns, steady);
     GrayDecoder decoder({rig.camera.rows, rig.camera.columns, bits, threshold});
     const std::size_t count = triangulation.pixels();
@@ -141,7 +142,7 @@ TEST(Scanner, StrictLeavesOutPixelsWithOneAmbiguousPair) {
   const std::vector<std::uint8_t> one_equal{50, 90, 90};  // pixel 0 is ambiguous in the last plane
   const std::vector<std::uint8_t> two_equal{90, 90, 90};
   for (const bool strict : {false, true}) {
-    Scanner scanner(triangulation, {5, false, strict, 2});
+    Scanner scanner(triangulation, {.median = false, .strict = strict});
     for (int pattern = 0; pattern < 6; ++pattern) {
       const auto& pixels = pattern % 2 == 1 ? dark : pattern == 4 ? one_equal : two_equal;
       scanner.take({pixels.data(), 1, 3, 3}, pattern);
@@ -154,9 +155,9 @@ TEST(Scanner, StrictLeavesOutPixelsWithOneAmbiguousPair) {
 TEST(Scanner, RefusesWhatIsOutOfRange) {
   const Rig rig = load_rig("scanner");
   const PlaneTriangulation triangulation(rig, 8);
-  EXPECT_THROW(Scanner(triangulation, {256, true, false, 5}), std::invalid_argument);
-  EXPECT_THROW(Scanner(triangulation, {5, true, false, -1}), std::invalid_argument);
-  EXPECT_THROW(Scanner(triangulation, {5, true, true, 5}), std::invalid_argument);
+  EXPECT_THROW(Scanner(triangulation, {.threshold = 256}), std::invalid_argument);
+  EXPECT_THROW(Scanner(triangulation, {.min_difference_mm = -1}), std::invalid_argument);
+  EXPECT_THROW(Scanner(triangulation, {.median = true, .strict = true}), std::invalid_argument);
   Scanner scanner(triangulation, {});
   EXPECT_THROW(scanner.set_background(FloatImage(4, 4)), std::invalid_argument);
 }
