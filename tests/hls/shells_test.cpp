@@ -15,6 +15,7 @@
 #include "sim/board/shell_blocks.h"
 #include "tests/rtl/blocks/column_moments_bench.h"
 #include "tests/rtl/blocks/gray_bench.h"
+#include "tests/rtl/blocks/gray_frames_bench.h"
 #include "tests/rtl/blocks/median3x3_bench.h"
 #include "tests/support/random_cases.h"
 

@@ -9,6 +9,7 @@
 #include "Vsp_gray_core_small_ports.h"
 #include "Vsp_gray_decoder_ports.h"
 #include "tests/rtl/blocks/gray_bench.h"
+#include "tests/rtl/blocks/gray_frames_bench.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {

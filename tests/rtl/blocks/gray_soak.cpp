@@ -14,6 +14,7 @@
 #include "Vsp_gray_decoder_ports.h"
 #include "tests/rtl/blocks/gray_axi_bench.h"
 #include "tests/rtl/blocks/gray_bench.h"
+#include "tests/rtl/blocks/gray_frames_bench.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
-// Skid buffer, FIFOs and packet arbiter: words in order, none lost or doubled, and the timing that their headers state,
-// clock by clock, with random stalls on both sides.
+// Streams of single words: skid buffer, FIFO and dual-clock FIFO, each clock by clock beside a queue.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -9,28 +9,13 @@
 
 #include "Vsp_async_fifo_ports.h"
 #include "Vsp_fifo_ports.h"
-#include "Vsp_packet_arbiter_ports.h"
-#include "Vsp_packet_fifo_ports.h"
 #include "Vsp_skid_buffer_ports.h"
 #include "tests/rtl/blocks/clocked.h"
+#include "tests/rtl/blocks/streams_bench.h"
 #include "tests/support/random_cases.h"
 
-namespace selfproj::test {
+namespace selfproj::test::streams {
 namespace {
-
-// How eager the two sides are, in percent, changed now and then within a case: stalls come in spells.
-struct Eagerness {
-  int in = 100;
-  int out = 100;
-
-  void maybe_change(Random& random) {
-    constexpr std::array<int, 5> kPercent = {0, 10, 50, 90, 100};
-    if (random.chance(2)) {
-      in = kPercent[static_cast<std::size_t>(random.between(0, 4))];
-      out = kPercent[static_cast<std::size_t>(random.between(0, 4))];
-    }
-  }
-};
 
 // Two words at most: the output register and the spare one behind it.
 TEST(SkidBuffer, IsATwoWordQueueWithRegisteredOutputs) {
@@ -136,73 +121,6 @@ TEST(Fifo, AWordIsAtTheOutputTwoClocksAfterItWasWritten) {
   EXPECT_EQ(fifo->m_data_o, 0xC0FFEEU);
 }
 
-// A number that one clock writes and the other sees two of its edges later, as through a two-flop synchronizer.
-struct Crossing {
-  std::uint64_t meta = 0;
-  std::uint64_t seen = 0;
-  void rise(std::uint64_t value) {
-    seen = meta;
-    meta = value;
-  }
-};
-
-// Steps a model with a write and a read clock to the next rising edge. `set` gives the inputs of a side that rises;
-// `check` looks at the outputs before the edge.
-template <typename Dut, typename Set, typename Check>
-TwoClocks::Rises step(Model<Dut>& model, TwoClocks& clocks, Set set, Check check) {
-  const TwoClocks::Rises rises = clocks.next();
-  if (rises.a) {
-    model->wr_clk_i = 0;
-  }
-  if (rises.b) {
-    model->rd_clk_i = 0;
-  }
-  set(rises);
-  model.eval();
-  check(rises);
-  if (rises.a) {
-    model->wr_clk_i = 1;
-  }
-  if (rises.b) {
-    model->rd_clk_i = 1;
-  }
-  model.eval();
-  return rises;
-}
-
-template <typename Dut>
-void reset_both(Model<Dut>& model, TwoClocks& clocks) {
-  model->wr_clk_i = 1;
-  model->rd_clk_i = 1;
-  model->wr_valid_i = 0;
-  model->rd_ready_i = 0;
-  model->wr_rst_i = 1;
-  model->rd_rst_i = 1;
-  int a = 0;
-  int b = 0;
-  while (a < 4 || b < 4) {
-    const TwoClocks::Rises rises = step(
-        model, clocks, [](auto) {}, [](auto) {});
-    a += rises.a;
-    b += rises.b;
-  }
-  // each side leaves its reset in a clock of its own
-  int left = 0;
-  while (left != 3) {
-    left |= [&] {
-      const TwoClocks::Rises rises = step(
-          model, clocks,
-          [&](TwoClocks::Rises r) {
-            model->wr_rst_i = r.a ? 0 : model->wr_rst_i;
-            model->rd_rst_i = r.b ? 0 : model->rd_rst_i;
-          },
-          [](auto) {});
-      return (rises.a ? 1 : 0) | (rises.b ? 2 : 0);
-    }();
-  }
-  model.outputs_are_known();
-}
-
 // The places, the words, and how long each side takes to see what the other did: exactly, since a simulator has no
 // metastable flops.
 TEST(AsyncFifo, FollowsItsReferenceForAnyTwoClocks) {
@@ -280,194 +198,5 @@ TEST(AsyncFifo, FollowsItsReferenceForAnyTwoClocks) {
   }
 }
 
-// Packets come out whole: nothing of a packet before its last word is in, and all of it without waiting for the writer.
-TEST(PacketFifo, APacketShowsOnlyOnceItIsWhole) {
-  constexpr int kDepth = 16;
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
-    TwoClocks clocks = random_clocks(random);
-    SCOPED_TRACE(clocks.describe());
-    Model<Vsp_packet_fifo> fifo;
-    for (const char* port : {"rd_data_o", "rd_last_o"}) {
-      fifo.valid_when(port, [&] { return fifo->rd_valid_o != 0; });
-    }
-    reset_both(fifo, clocks);
-
-    struct Word {
-      std::uint32_t data;
-      bool last;
-    };
-    std::vector<Word> written;
-    std::vector<std::size_t> packet_ends;  // words written up to each packet's end
-    std::size_t read = 0;
-    std::size_t packets_read = 0;
-    bool in_packet = false;  // a packet has begun to leave
-    int left = 0;            // words of the packet being written
-    int longest = 1;
-    Crossing whole_there;
-    Eagerness eagerness;
-    for (int i = 0; i < 4000; ++i) {
-      eagerness.maybe_change(random);
-      if (random.chance(1)) {
-        longest = random.between(1, kDepth);
-      }
-      bool took = false;
-      const auto rises = step(
-          fifo, clocks,
-          [&](TwoClocks::Rises r) {
-            if (r.a) {
-              // a packet begins only where all of it has room
-              if (left == 0 && random.chance(eagerness.in)) {
-                const int length = random.between(1, longest);
-                left = length <= fifo->wr_free_o ? length : 0;
-              }
-              fifo->wr_valid_i = left > 0 && random.chance(std::max(eagerness.in, 10));
-              fifo->wr_last_i = left == 1;
-              fifo->wr_data_i = static_cast<std::uint32_t>(random.bits());
-            }
-            if (r.b) {
-              fifo->rd_ready_i = random.chance(eagerness.out);
-            }
-          },
-          [&](TwoClocks::Rises r) {
-            if (fifo->rd_valid_o) {
-              ASSERT_LT(packets_read, whole_there.seen) << "a word of a packet that is not whole";
-              ASSERT_LT(read, packet_ends[packets_read]);
-              EXPECT_EQ(fifo->rd_data_o, written[read].data);
-              EXPECT_EQ(fifo->rd_last_o, written[read].last);
-            }
-            if (r.b) {
-              EXPECT_TRUE(fifo->rd_valid_o || !in_packet) << "a gap within a packet";
-              took = fifo->rd_valid_o && fifo->rd_ready_i;
-            }
-          });
-      ASSERT_FALSE(::testing::Test::HasFailure()) << "step " << i;
-      const std::size_t whole_before = packet_ends.size();
-      if (rises.b) {
-        whole_there.rise(whole_before);
-      }
-      if (took) {
-        in_packet = !written[read].last;
-        packets_read += in_packet ? 0 : 1;
-        ++read;
-      }
-      if (rises.a && fifo->wr_valid_i) {
-        written.push_back({fifo->wr_data_i, fifo->wr_last_i != 0});
-        if (--left == 0) {
-          packet_ends.push_back(written.size());
-        }
-      }
-    }
-    EXPECT_GT(packets_read, 20U);
-
-    // The last packet is written to its end and all are read: every place is free again.
-    for (int i = 0; i < 4000; ++i) {
-      const auto rises = step(
-          fifo, clocks,
-          [&](TwoClocks::Rises r) {
-            if (r.a) {
-              fifo->wr_valid_i = left > 0;
-              fifo->wr_last_i = left == 1;
-            }
-            if (r.b) {
-              fifo->rd_ready_i = 1;
-            }
-          },
-          [](TwoClocks::Rises) {});
-      left -= rises.a && fifo->wr_valid_i ? 1 : 0;
-    }
-    EXPECT_FALSE(fifo->rd_valid_o);
-    EXPECT_EQ(fifo->wr_free_o, kDepth);
-  }
-}
-
-// A source of packets for one input of the arbiter: valid stays until its beat is taken.
-struct PacketSource {
-  std::uint32_t tag;
-  std::uint32_t next = 0;  // number of the beat
-  int left = 0;            // beats of the packet
-  bool valid = false;
-
-  void offer(Random& random, int percent) {
-    if (!valid && random.chance(percent)) {
-      valid = true;
-      left = left == 0 ? random.between(1, 6) : left;
-    }
-  }
-  std::uint32_t data() const { return (tag << 28 | next) * 2654435761U; }  // all different, in all bits
-  bool last() const { return left == 1; }
-  void taken() {
-    ++next;
-    --left;
-    valid = false;
-  }
-};
-
-TEST(PacketArbiter, JoinsWholePacketsAndTheFirstStreamGoesFirst) {
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
-    Clocked<Vsp_packet_arbiter> arbiter;
-    for (const char* port : {"m_axis_tdata_o", "m_axis_tlast_o"}) {
-      arbiter.valid_when(port, [&] { return arbiter->m_axis_tvalid_o != 0; });
-    }
-    arbiter->first_valid_i = 0;
-    arbiter->second_valid_i = 0;
-    arbiter->m_axis_tready_i = 0;
-    arbiter.reset();
-    PacketSource first{1};
-    PacketSource second{2};
-    struct Beat {
-      std::uint32_t data;
-      bool last;
-    };
-    std::deque<Beat> expected;  // at most two: what the output registers hold
-    int inside = 0;             // 1, 2: a packet of that stream has begun
-    Eagerness eagerness;
-    int percent_second = 50;
-    int packets = 0;
-    for (int i = 0; i < 2000; ++i) {
-      eagerness.maybe_change(random);
-      percent_second = random.chance(2) ? random.between(0, 100) : percent_second;
-      first.offer(random, eagerness.in);
-      second.offer(random, percent_second);
-      arbiter->first_valid_i = first.valid;
-      arbiter->first_last_i = first.last();
-      arbiter->first_data_i = first.data();
-      arbiter->second_valid_i = second.valid;
-      arbiter->second_last_i = second.last();
-      arbiter->second_data_i = second.data();
-      arbiter->m_axis_tready_i = random.chance(eagerness.out);
-      arbiter.settle();
-
-      ASSERT_EQ(arbiter->m_axis_tvalid_o, !expected.empty());
-      if (!expected.empty()) {
-        ASSERT_EQ(arbiter->m_axis_tdata_o, expected.front().data);
-        ASSERT_EQ(arbiter->m_axis_tlast_o, expected.front().last);
-      }
-      // a beat is taken in every clock in which there is room, from the stream whose packet it is; else the first's
-      // goes first
-      const bool room = expected.size() < 2;
-      const int from = inside != 0 ? inside : first.valid ? 1 : 2;
-      ASSERT_EQ(arbiter->first_valid_i && arbiter->first_ready_o, room && from == 1 && first.valid);
-      ASSERT_EQ(arbiter->second_valid_i && arbiter->second_ready_o, room && from == 2 && second.valid);
-
-      if (!expected.empty() && arbiter->m_axis_tready_i) {
-        expected.pop_front();
-      }
-      PacketSource& source = from == 1 ? first : second;
-      if (room && source.valid) {
-        expected.push_back({source.data(), source.last()});
-        packets += source.last() ? 1 : 0;
-        inside = source.last() ? 0 : from;
-        source.taken();
-      }
-      arbiter.rise();
-    }
-    EXPECT_GT(packets, 50);
-  }
-}
-
 }  // namespace
-}  // namespace selfproj::test
+}  // namespace selfproj::test::streams
