@@ -238,7 +238,7 @@ double weight_of(double sum, std::size_t sights) {
   return 1 / std::pow(std::max(kLeastNoise, per_direction), 2);
 }
 
-// The least squares on their way.
+// Levenberg-Marquardt over the views, with its state.
 class Solver {
  public:
   Solver(const std::vector<View>& views, const Bundle& start, const FreeDistortion& free)
@@ -254,7 +254,7 @@ class Solver {
     linear_ = linearize_all(views, start);
   }
 
-  // Levenberg and Marquardt, until a step gains next to nothing or none gains anything.
+  // Levenberg-Marquardt, until a step gains next to nothing or none gains anything.
   void minimize() {
     constexpr int kMostSteps = 200;
     constexpr double kDone = 1e-12;  // relative change of the sum of squares

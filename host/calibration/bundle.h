@@ -56,9 +56,9 @@ struct BundleResult {
   std::vector<std::vector<cv::Vec2d>> camera_residuals, projector_residuals;
 };
 
-// Levenberg and Marquardt from a start, in which both instruments' residuals weigh by their own variance, estimated
-// with them. Throws std::invalid_argument where there are fewer equations than unknowns, std::runtime_error where the
-// sum of squares is not finite.
+// Levenberg-Marquardt from a start; the residuals of camera and projector each weigh by their own variance, which is
+// estimated with them. Throws std::invalid_argument where there are fewer equations than unknowns, std::runtime_error
+// where the sum of squares is not finite.
 BundleResult solve_bundle(const std::vector<View>& views, const Bundle& start, const FreeDistortion& free);
 
 }  // namespace selfproj

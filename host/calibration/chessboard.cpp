@@ -18,7 +18,7 @@
 namespace selfproj {
 namespace {
 
-// Way from each corner to its nearest neighbour.
+// Distance from each corner to its nearest neighbour.
 std::vector<double> spacings(const std::vector<cv::Point2f>& corners) {
   std::vector<double> nearest;
   nearest.reserve(corners.size());
@@ -92,7 +92,7 @@ double squares(const std::vector<Pixel>& pixels, const CornerModel::Parameters& 
   return sum;
 }
 
-// Levenberg and Marquardt; whether they came to rest.
+// Levenberg-Marquardt; whether it converged.
 bool fit(const std::vector<Pixel>& pixels, CornerModel::Parameters& p) {
   using Model = CornerModel;
   constexpr int kSteps = 40;

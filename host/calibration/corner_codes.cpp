@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kLeastPixels = 25;
 
-// A pixel with a code: its place from the corner in units of the window, so that sums are well scaled.
+// A pixel with a code: its position from the corner in units of the window, so that sums are well scaled.
 struct Sample {
   cv::Vec2d at;
   cv::Vec2d code;
@@ -94,7 +94,7 @@ struct Quadratic {
   }
 };
 
-// Gauss and Newton with Tukey's weights; the code at the corner, where the place is 0.
+// Gauss-Newton with Tukey's weights; the code at the corner, where the place is 0.
 template <class Model>
 CornerCode fit(const std::vector<Sample>& samples, double max_sd_px) {
   constexpr int kSteps = 12;

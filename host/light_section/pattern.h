@@ -12,7 +12,7 @@ namespace selfproj {
 
 // Draws a line of light whose centre is at `line_of_column` (one a projector column; lines from 0, with a fraction; NaN
 // is no light) and whose width is the rig's line_width_px. A pixel's value is the share of it that the line covers, so
-// that the line's light does not depend on its position, and its centre of gravity is exact for a width of a whole
+// that the line's light does not depend on its position, and its centroid is exact for a width of a whole
 // number of lines (else within 1 / (8 width) of a line). Each column is drawn on its own: neighbours are not joined, so
 // that no light bridges gaps or steps. Throws std::invalid_argument where the number of columns is wrong.
 FloatImage draw_pattern(const Rig& rig, std::span<const double> line_of_column);

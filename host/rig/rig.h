@@ -1,10 +1,10 @@
 // A rig: camera, projector, conveyor, and how it is measured and simulated. Read from and written to YAML, with the
-// units in the names of the keys (README.md beside this file lists them).
+// units in the names of the keys (light-section.yaml beside this file shows them all).
 //
 // World frame (method, section 1): origin at the camera's optical centre, z along its optical axis, x the conveying
-// direction. Image row (down) <-> Xc <-> x; image column (right) <-> Yc <-> y. The projector's lines <-> Xp, its
-// columns
-// <-> Yp. Row, line and column numbers count from 0 here.
+// direction. Row, line and column numbers count from 0 here.
+//     image row (down)     <-> Xc <-> x       projector line   <-> Xp
+//     image column (right) <-> Yc <-> y       projector column <-> Yp
 #ifndef SELFPROJ_HOST_RIG_RIG_H
 #define SELFPROJ_HOST_RIG_RIG_H
 

@@ -28,12 +28,12 @@ struct LensSettings {
 // are those of the projector's rows (the rig's lines). Code c is the projector column (c + 1/2) lines/2^bits - 1/2.
 //
 // With a distorting projector the points of a column are no plane, so the depth at which the camera's ray meets them is
-// found by Gauss and Newton: the ray's image in the projector, a curve in z, is brought to the code's column, or, with
-// both axes, as near as possible to the pixel of both codes (least squares). The camera's rays are freed from
-// distortion once.
+// found by Gauss-Newton: the ray's image in the projector, a curve in z, is brought to the code's column, or, with
+// both axes, as near as possible to the pixel of both codes (least squares). The camera's rays are undistorted
+// once.
 class LensTriangulation : public Triangulation {
  public:
-  // Throws std::invalid_argument where a size is out of range, a ray cannot be freed from distortion, or the settings
+  // Throws std::invalid_argument where a size is out of range, a ray cannot be undistorted, or the settings
   // contradict the sizes in the calibration.
   LensTriangulation(const Calibration& calibration, const LensSettings& settings);
 

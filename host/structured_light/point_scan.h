@@ -23,7 +23,7 @@ struct ProjectorPoints {
 };
 
 // One axis of a line scan. The images come in the order of the lines; of each pixel is kept where along the axis it was
-// brightest, as the centre of gravity of the light there, so that memory does not grow with the number of lines.
+// brightest, as the centroid of the light there, so that memory does not grow with the number of lines.
 class AxisScan {
  public:
   // Images of rows x columns. `contrast`: how much brighter, in grey values, than its surroundings along the axis a

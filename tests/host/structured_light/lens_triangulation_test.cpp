@@ -49,7 +49,7 @@ Calibration without_distortion(Calibration calibration) {
   return calibration;
 }
 
-// The ray of a camera pixel, found by bisection-free search: Newton's method with numerical derivatives.
+// The ray of a camera pixel, by fixed-point iteration: distortion is small against the focal length.
 Point3 camera_ray(const Lens& lens, double column, double row) {
   double x = (column - lens.cx) / lens.fx;
   double y = (row - lens.cy) / lens.fy;
