@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,18 +18,15 @@
 #include "host/io/user_error.h"
 #include "host/rig/rig.h"
 #include "sim/scene/chessboard.h"
-#include "sim/scene/parallel.h"
-#include "sim/scene/pattern_renderer.h"
-#include "sim/scene/pinhole.h"
+#include "sim/scene/pattern_set.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_list.h"
+#include "sim/scene/virtual_capture.h"
 
 namespace selfproj {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct CaptureOptions {
   std::string scene;
@@ -46,48 +41,6 @@ struct CaptureOptions {
   int threads = 0;
   std::string out;
 };
-
-Json json_of(Point3 p) { return {p.x, p.y, p.z}; }
-
-// What is known of the rig, by the matrices of the renderer: where the pixels of the optical axes are and what a
-// tangent of one is worth. Pixels are (row, column); rows and lines along x and Xp.
-Json truth_of(const Rig& rig) {
-  const auto pinhole = [](const Pinhole& p, Point3 axis, Point3 row_axis, Point3 column_axis) {
-    const PixelPoint middle = p.project(p.centre() + axis);
-    return Json{{"row_focal_px", p.project(p.centre() + axis + row_axis).row - middle.row},
-                {"column_focal_px", p.project(p.centre() + axis + column_axis).column - middle.column},
-                {"row_centre_px", middle.row},
-                {"column_centre_px", middle.column},
-                {"centre_mm", json_of(p.centre())}};
-  };
-  const Pinhole camera = Pinhole::of_camera(rig.camera);
-  const Pinhole projector = Pinhole::of_projector(rig.projector);
-  const Point3 y{0, 1, 0};
-  const Point3 axis = projector.axis();
-  return {{"camera", pinhole(camera, camera.axis(), {1, 0, 0}, y)},
-          {"projector", pinhole(projector, axis, {axis.z, 0, -axis.x}, y)}};
-}
-
-// Renders a scene under all patterns, `first` being the number of its first frame for the noise.
-void capture(const Rig& rig, const Scene& scene, const CaptureOptions& options,
-             const std::vector<ProjectedLight>& patterns, int first, const std::string& prefix, OutputFolder& out,
-             Progress& progress, std::size_t& done) {
-  RenderOptions render;
-  render.shot_noise = render.read_noise = !options.without_noise;
-  const PatternRenderer renderer(rig, scene, render, options.threads);
-  std::mutex mutex;
-  const auto count = static_cast<int>(patterns.size());
-  const int digits = count > 100 ? 3 : 2;
-  parallel_for(count, options.threads, [&](int i) {
-    Image image{rig.camera.rows, rig.camera.columns, {}};
-    image.pixels.resize(static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns));
-    renderer.render(first + i, patterns[static_cast<std::size_t>(i)], image.pixels);
-    const std::string bytes = encode_png(image);
-    const std::lock_guard lock(mutex);
-    out.append(fmt::format("{}image_{:0{}}.png", prefix, i, digits), bytes);
-    progress.update(++done);
-  });
-}
 
 void run_capture(const CaptureOptions& options) {
   constexpr int kMostCorners = 200;
@@ -107,31 +60,29 @@ void run_capture(const CaptureOptions& options) {
   std::vector<ProjectedLight> patterns;
   patterns.reserve(files.size());
   for (const std::string& file : files) {
-    patterns.push_back(project_image(rig, read_image(file, Channel::grey), true, file));
+    patterns.push_back(project_image(rig, read_image(file, Channel::grey), {}, file));
   }
+  std::optional<Progress> progress;
   std::size_t done = 0;
+  CaptureSettings settings;
+  settings.render.shot_noise = settings.render.read_noise = !options.without_noise;
+  settings.threads = options.threads;
+  settings.done = [&] { progress->update(++done); };
   if (options.board.empty()) {
     const std::unique_ptr<Scene> scene = make_scene(options.scene, rig);
     if (scene->speed() != 0) {
       throw UserError(options.scene, "moves on this rig's conveyor; patterns are captured of what stands still");
     }
-    Progress progress("image", files.size());
-    capture(rig, *scene, options, patterns, 0, "", out, progress, done);
+    progress.emplace("image", files.size());
+    capture_scene(rig, *scene, patterns, settings, out);
   } else {
     const FrameSize corners = size_of_text("--board", options.board, kMostCorners);
     const ChessboardShape shape{corners.columns, corners.rows, options.square_mm};
     const std::vector<ChessboardPlace> places = chessboard_places(rig, shape, options.poses, options.tilt_deg);
-    Json truth = truth_of(rig);
-    Progress progress("image", files.size() * places.size());
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      const ChessboardPlace& place = places[k];
-      truth["poses"].push_back(
-          {{"middle_mm", json_of(place.middle)}, {"right", json_of(place.right)}, {"below", json_of(place.below)}});
-      capture(rig, ChessboardScene(rig, shape, place), options, patterns, static_cast<int>(k * files.size()),
-              fmt::format("pose_{:02}/", k + 1), out, progress, done);
-    }
-    out.append("truth.json", truth.dump(2) + "\n");
+    progress.emplace("image", files.size() * places.size());
+    capture_chessboard(rig, shape, places, patterns, settings, out);
   }
+  progress.reset();
   out.commit();
   fmt::print("{} images of {}, {}, rig {}, seed {} → {}\n", done, size_text(rig.camera.rows, rig.camera.columns),
              options.board.empty() ? "scene " + options.scene

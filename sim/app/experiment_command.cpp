@@ -18,10 +18,12 @@
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"
+#include "sim/experiment/cuboids.h"
 #include "sim/experiment/experiment.h"
 #include "sim/experiment/moving_things.h"
 #include "sim/experiment/structured_light.h"
 #include "sim/scene/renderer.h"
+#include "sim/scene/virtual_scan.h"
 
 namespace selfproj {
 namespace {
@@ -94,18 +96,19 @@ void run_structured_light(const ExperimentArguments& options) {
       }
       progress->update(done);
     };
+    const ScanMethod scan = options.gray_scan ? ScanMethod::gray_codes : ScanMethod::lines;
     if (options.name == "B4") {
-      StructuredLightOptions experiment;
+      CuboidsOptions experiment;
       experiment.rig = rig;
       experiment.render = options_without(options.off);
-      experiment.gray_scan = options.gray_scan;
+      experiment.scan = scan;
       experiment.e = options.e.value_or(experiment.e);
       result = run_cuboids(experiment, show);
     } else {
       MovingOptions experiment;
       experiment.rig = rig;
       experiment.render = options_without(options.off);
-      experiment.gray_scan = options.gray_scan;
+      experiment.scan = scan;
       experiment.e = options.e.value_or(experiment.e);
       result = run_moving(options.name, experiment, show);
     }

@@ -178,7 +178,7 @@ FrameMaker whole_patterns(const SceneOptions& options, const Rig& rig, const Sce
   }
   if (options.patterns.empty()) {
     for (const Image& image : gray_patterns(rig.projector, options.bits > 0 ? options.bits : kDefaultBits)) {
-      light->push_back(project_image(rig, image, render_with.projector_blur));
+      light->push_back(project_image(rig, image, render_with));
     }
   }
   const auto renderer = std::make_shared<PatternRenderer>(rig, scene, render_with, options.threads);

@@ -216,7 +216,7 @@ class ScannerCosim final : public DepthCosim {
 std::unique_ptr<CosimMeasurement> make_scanner_cosim(const CosimOptions& options, const SceneInfo& scene) {
   DepthCosimSetup setup = depth_cosim_setup(options, scene, options.bits.value_or(kDefaultBits));
   const PatternSet patterns(setup.rig, gray_patterns(setup.rig.projector, setup.bits),
-                            options_without(options.without).projector_blur);
+                            options_without(options.without));
   return std::make_unique<ScannerCosim>(options, scene, std::move(setup), patterns);
 }
 

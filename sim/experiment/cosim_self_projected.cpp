@@ -29,11 +29,12 @@
 #include "sim/experiment/cosim_options.h"
 #include "sim/experiment/cosim_result.h"
 #include "sim/experiment/depth_cosim.h"
-#include "sim/experiment/structured_light.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_info.h"
 #include "sim/scene/scene_list.h"
+#include "sim/scene/virtual_capture.h"
+#include "sim/scene/virtual_scan.h"
 
 namespace selfproj {
 namespace {
@@ -238,12 +239,13 @@ std::unique_ptr<CosimMeasurement> make_self_projected_cosim(const CosimOptions& 
   Stripes stripes;
   stripes.bits = setup.bits;
   const SelfReference reference = make_self_reference(
-      rig, scan_points(rig, *reference_scene, options_without(options.without), true, [] {}), stripes);
+      rig, scan_points(rig, *reference_scene, options_without(options.without), ScanMethod::gray_codes, [] {}),
+      stripes);
   std::vector<Image> drawn;
   for (int i = 0; i < 2 * setup.bits; ++i) {
     drawn.push_back(pattern_image(self_projected_pattern(reference, i)));
   }
-  PatternSet patterns(rig, drawn, options_without(options.without).projector_blur);
+  PatternSet patterns(rig, drawn, options_without(options.without));
   return std::make_unique<SelfProjectedCosim>(options, scene, std::move(setup), reference, drawn, std::move(patterns),
                                               cells_below);
 }

@@ -2,7 +2,6 @@
 #ifndef SELFPROJ_SIM_EXPERIMENT_EXPERIMENT_H
 #define SELFPROJ_SIM_EXPERIMENT_EXPERIMENT_H
 
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -10,8 +9,8 @@
 
 #include "host/report/report.h"
 #include "host/rig/rig.h"
-#include "sim/experiment/evaluation.h"
 #include "sim/experiment/light_section.h"
+#include "sim/experiment/section_figures.h"
 #include "sim/scene/renderer.h"
 
 namespace selfproj {
@@ -23,23 +22,6 @@ struct ExperimentOptions {
   bool sources = false;  // also the table of error sources
   int every = 1;         // every so many frames only
   int threads = 0;       // 0: one a core
-};
-
-// What a method found in one mode, against the truth. Lengths in mm, centroids in pixels.
-struct ExperimentFigures {
-  HeightErrors errors;             // without what is within 3 columns of a height step or part edge, in any direction
-  HeightErrors errors_beyond_2;    // the same with 2 columns
-  HeightErrors errors_beyond_1;    // with 1
-  HeightErrors errors_at_edges;    // the same, but with what is near an edge that runs across the belt, along the line
-  CentroidRange range;             // in the frames in which the line lies on the part
-  std::vector<double> steps;       // of A2: mean height of the treads, away from marks and edges
-  std::vector<double> mark_depth;  // of A2: of ○ × ▽
-};
-
-// Self-projection, or the straight line, in each of kAllModes.
-struct MethodFigures {
-  int rows = 0;  // of the camera image
-  std::array<ExperimentFigures, kAllModes.size()> modes;
 };
 
 struct ExperimentResult {

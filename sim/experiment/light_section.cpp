@@ -13,7 +13,6 @@
 #include "host/light_section/pattern.h"
 #include "host/light_section/profile.h"
 #include "host/light_section/reference.h"
-#include "host/light_section/scan.h"
 #include "host/rig/geometry.h"
 #include "host/rig/rig.h"
 #include "model/column_moments.h"
@@ -21,6 +20,7 @@
 #include "sim/scene/parallel.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/virtual_scan.h"
 
 namespace selfproj {
 namespace {
@@ -29,30 +29,6 @@ constexpr double kPixelClock = 151'200'000;  // Hz, of the original
 
 ImageView view_of(const Rig& rig, const std::vector<std::uint8_t>& pixels) {
   return {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
-}
-
-// Centroids, one a column, of the reference part under the pattern, means over 16 frames in the middle of its way; NaN
-// where a column is not lit as the rig asks. The noise is another than that of the measurement. `real` takes the
-// images.
-std::array<std::vector<double>, kAllModes.size()> centroids_of(Rig rig, Rig real, const Scene& scene,
-                                                               const FloatImage& pattern,
-                                                               const RenderOptions& options) {
-  constexpr int kFrames = 16;
-  real.imaging.seed += 1;
-  const Renderer renderer(real, scene, pattern, options);
-  const int first = std::max(0, scene.frames() / 2 - kFrames / 2);
-  std::vector<std::vector<std::uint8_t>> images(kFrames, std::vector<std::uint8_t>(rig.camera.pixels()));
-  parallel_for(kFrames, 0, [&](int i) { renderer.render(first + i, std::span(images[static_cast<std::size_t>(i)])); });
-  std::array<std::vector<double>, kAllModes.size()> result;
-  for (std::size_t m = 0; m < kAllModes.size(); ++m) {
-    rig.measure.mode = kAllModes[m];
-    CentroidMean mean(rig);
-    for (const auto& image : images) {
-      mean.add(view_of(rig, image));
-    }
-    result[m] = mean.centroids();
-  }
-  return result;
 }
 
 // Moments of grey values that are not whole numbers, which no board has: in units of 1 / kFine, with which M1 of 255
@@ -119,7 +95,7 @@ LightSection self_projection(const Rig& rig, const Rig& real, const Scene& refer
   LightSection result{rig, draw_pattern(rig, pattern_of_curve(rig, curve)), {}};
   result.references.fill(reference_of_curve(rig, curve));
   if (residual) {
-    const auto centroids = centroids_of(rig, real, reference, result.pattern, options);
+    const auto centroids = scan_centroids(rig, real, reference, result.pattern, options, kAllModes);
     for (std::size_t m = 0; m < kAllModes.size(); ++m) {
       result.references[m] = without_residual(rig, result.references[m], centroids[m]);
     }
@@ -130,7 +106,7 @@ LightSection self_projection(const Rig& rig, const Rig& real, const Scene& refer
 LightSection straight_line(const Rig& rig, const Scene& reference, const RenderOptions& options, double middle_height) {
   const double line = line_on_middle(rig.projector, rig.plane_z_mm - middle_height);
   LightSection result{rig, draw_straight_line(rig, line), {}};
-  const auto centroids = centroids_of(rig, rig, reference, result.pattern, options);
+  const auto centroids = scan_centroids(rig, rig, reference, result.pattern, options, kAllModes);
   for (std::size_t m = 0; m < kAllModes.size(); ++m) {
     result.references[m] = reference_of_straight_line(rig, line, centroids[m]);
   }

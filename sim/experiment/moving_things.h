@@ -8,6 +8,7 @@
 #include "host/rig/rig.h"
 #include "sim/experiment/structured_light.h"
 #include "sim/scene/renderer.h"
+#include "sim/scene/virtual_scan.h"
 
 namespace selfproj {
 
@@ -17,10 +18,10 @@ namespace selfproj {
 struct MovingOptions {
   Rig rig;
   RenderOptions render;
-  bool gray_scan = false;
-  int e = 0;        // (4.20)
-  int first = 0;    // frame
-  int pairs = 0;    // depth images by each method; 0: all of the scene from `first` on
+  ScanMethod scan = ScanMethod::lines;  // of the reference
+  int e = 0;                            // (4.20)
+  int first = 0;                        // frame
+  int pairs = 0;                        // depth images by each method; 0: all of the scene from `first` on
   int strips = 10;  // pictures of each method, or a few more; at their instants things are also measured at rest
 };
 

@@ -27,7 +27,7 @@ ExperimentOptions every(int frames) {
 TEST(Experiment, MountainIsMeasured) {
   const ExperimentResult result = run("A1", every(200));
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
-  const ExperimentFigures& self = result.self_projected.modes[0];
+  const SectionFigures& self = result.self_projected.modes[0];
   EXPECT_GE(self.errors.points, 5 * 512);
   EXPECT_GE(result.conventional.modes[0].range.greatest, 60);  // what self-projection saves
   EXPECT_GT(self.errors.rms, 0.001);                           // noise is on
@@ -38,7 +38,7 @@ TEST(Experiment, MountainIsMeasured) {
 TEST(Experiment, StairsAndMarksAreMeasured) {
   const ExperimentResult result = run("A2", every(70));
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
-  const ExperimentFigures& self = result.self_projected.modes[0];
+  const SectionFigures& self = result.self_projected.modes[0];
   ASSERT_EQ(self.steps.size(), 3U);
   EXPECT_NEAR(self.steps[1], 39, 0.05);
   EXPECT_GT(self.errors.left_out, 100);

@@ -280,7 +280,7 @@ TEST(PatternRenderer, DepthOfBodiesAndTheirShadows) {
     std::vector<float> z = blank(rig);
     std::vector<float> lit = blank(rig);
     renderer.depth(0, z);
-    renderer.depth(0, lit, true);
+    renderer.lit_depth(0, lit);
     const Point3 projector{rig.projector.x_mm, 0, rig.projector.z_mm};
     // The first point within the radius, by small steps along the line from p to q; 1 where there is none.
     const auto first = [&](Point3 p, Point3 q) {
@@ -399,7 +399,7 @@ TEST(PatternRenderer, RefusesWhatItCannotShow) {
   EXPECT_THROW(PatternRenderer(rig, many), std::invalid_argument);
   EXPECT_THROW(PatternSet(rig, std::vector<Image>{}), std::invalid_argument);
   try {
-    project_image(rig, Image{2, 3, std::vector<std::uint8_t>(6)}, true, "stripes.png");
+    project_image(rig, Image{2, 3, std::vector<std::uint8_t>(6)}, {}, "stripes.png");
     FAIL();
   } catch (const UserError& error) {
     EXPECT_STREQ(error.what(), "stripes.png: has 2 lines of 3 columns; the rig's projector has 96 of 128");

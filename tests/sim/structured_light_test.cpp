@@ -10,16 +10,18 @@
 #include <vector>
 
 #include "host/rig/rig.h"
+#include "sim/experiment/cuboids.h"
 #include "sim/experiment/moving_things.h"
+#include "sim/scene/virtual_scan.h"
 #include "tests/host/light_section/seen_surface.h"
 
 namespace selfproj {
 namespace {
 
 TEST(StructuredLight, CuboidsAreMeasured) {
-  StructuredLightOptions options;
+  CuboidsOptions options;
   options.rig = load_rig("scanner");
-  options.gray_scan = true;
+  options.scan = ScanMethod::gray_codes;
   options.conventional_bits = {4};
   const StructuredLightResult result = run_cuboids(options, [](std::size_t, std::size_t) {});
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
@@ -32,7 +34,7 @@ TEST(StructuredLight, CuboidsAreMeasured) {
 TEST(MovingThings, MouseIsMeasuredInEveryDepthImage) {
   MovingOptions options;
   options.rig = test::coarse_scanner(4);
-  options.gray_scan = true;
+  options.scan = ScanMethod::gray_codes;
   options.e = 2;
   options.first = 230;
   options.pairs = 3;

@@ -1,0 +1,81 @@
+// Streams of depth images of a moving scene, by the self-projected and by the conventional method.
+#ifndef SELFPROJ_SIM_EXPERIMENT_DEPTH_STREAM_H
+#define SELFPROJ_SIM_EXPERIMENT_DEPTH_STREAM_H
+
+#include <functional>
+
+#include "host/io/float_image.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/match_table.h"
+#include "host/structured_light/scanner.h"
+#include "host/structured_light/self_reference.h"
+#include "host/structured_light/self_scanner.h"
+#include "host/structured_light/triangulation.h"
+#include "model/column_moments.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/renderer.h"
+
+namespace selfproj {
+
+// One of the two methods. What it is given must outlive it.
+class DepthStream {
+ public:
+  virtual ~DepthStream() = default;
+  DepthStream() = default;
+  DepthStream(const DepthStream&) = delete;
+  DepthStream& operator=(const DepthStream&) = delete;
+
+  // A frame under a pattern; true where there is a new depth image.
+  [[nodiscard]] virtual bool take(const ImageView& image, int pattern) = 0;
+
+  // The newest, z in mm and how far it is nearer than the reference, NaN where there is none.
+  [[nodiscard]] virtual const FloatImage& depth() const = 0;
+  [[nodiscard]] virtual FloatImage difference() const = 0;
+
+  // m, and the 2 m patterns, light 0..1.
+  [[nodiscard]] virtual int bits() const = 0;
+  [[nodiscard]] virtual FloatImage pattern(int index) const = 0;
+};
+
+class SelfProjectedStream final : public DepthStream {
+ public:
+  SelfProjectedStream(const Rig& rig, const SelfReference& reference, const MatchTable& table);
+  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
+  [[nodiscard]] FloatImage difference() const override { return scanner_.difference(); }
+  [[nodiscard]] int bits() const override { return reference_.stripes.bits; }
+  [[nodiscard]] FloatImage pattern(int index) const override { return self_projected_pattern(reference_, index); }
+
+ private:
+  const SelfReference& reference_;
+  SelfScanner scanner_;
+};
+
+// Codes over the central lines, with the median.
+class ConventionalStream final : public DepthStream {
+ public:
+  ConventionalStream(const Rig& rig, int bits);
+  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
+  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
+  [[nodiscard]] FloatImage difference() const override;
+  [[nodiscard]] int bits() const override { return triangulation_.bits(); }
+  [[nodiscard]] FloatImage pattern(int index) const override;
+
+  // What `difference` is from; needed before it.
+  void set_reference(const FloatImage& depth) { reference_ = depth; }
+
+ private:
+  const Rig& rig_;
+  PlaneTriangulation triangulation_;
+  Scanner scanner_;
+  FloatImage reference_;
+};
+
+// Frames first .. first + count - 1 (an even number) under the stream's patterns, the first under pattern 0. `see` is
+// told the frame after each depth image, `done` is called after each frame.
+void play(const PatternRenderer& renderer, DepthStream& stream, int first, int count,
+          const std::function<void(int frame)>& see, const std::function<void()>& done);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_EXPERIMENT_DEPTH_STREAM_H

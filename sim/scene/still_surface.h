@@ -1,0 +1,80 @@
+// A surface that stands still before camera and projector: traced once, then no more than a look at the pattern for
+// every sub-pixel.
+#ifndef SELFPROJ_SIM_SCENE_STILL_SURFACE_H
+#define SELFPROJ_SIM_SCENE_STILL_SURFACE_H
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "host/rig/rig.h"
+#include "sim/scene/block_grid.h"
+#include "sim/scene/light_spot.h"
+#include "sim/scene/lit_surface.h"
+#include "sim/scene/pinhole.h"
+#include "sim/scene/projected_light.h"
+#include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
+
+namespace selfproj {
+
+// Whether the projector's light falls on what is seen.
+enum class Shade : std::uint8_t { lit, dark };
+
+class StillSurface {
+ public:
+  // A block whose spots lie linearly between those of its corners, or that has one a sub-pixel.
+  struct Block {
+    SpotCorners corners;
+    std::int64_t samples = -1;  // index of the first; -1: linear
+  };
+
+  // Traces the scene's surface as it is at t = 0, by several threads (0: one a core). The scene must live as long.
+  StillSurface(const Rig& rig, const Scene& scene, const RenderOptions& options, int threads);
+
+  [[nodiscard]] const BlockGrid& grid() const { return grid_; }
+  [[nodiscard]] const Pinhole& camera() const { return camera_; }
+  [[nodiscard]] const Pinhole& projector() const { return projector_; }
+  [[nodiscard]] const LitSurface& surface() const { return surface_; }
+  [[nodiscard]] HeightRange heights() const { return heights_; }  // of all of it
+
+  // What the rays through a node and through a pixel's middle meet; indices as the grid's and row by row.
+  [[nodiscard]] const LightSpot& node(std::size_t index) const { return nodes_[index]; }
+  [[nodiscard]] const LightSpot& centre(std::size_t pixel) const { return centres_[pixel]; }
+  [[nodiscard]] const Block& block(std::size_t index) const { return blocks_[index]; }
+
+  // What the ray through sub-pixel (i, j) of a block meets.
+  [[nodiscard]] LightSpot sample(const Block& block, int i, int j) const {
+    if (block.samples >= 0) {
+      return samples_[static_cast<std::size_t>(block.samples + i * kBlockSide + j)];
+    }
+    return between(block.corners, (static_cast<float>(i) + 0.5F) / kBlockSide,
+                   (static_cast<float>(j) + 0.5F) / kBlockSide);
+  }
+
+  // Grey values of a block under a pattern, all of it lit as the surface is, or all in the shadow.
+  void values(const Block& block, const ProjectedLight& pattern, Shade shade, BlockValues& values) const;
+
+  // What a ray meets at a point of anything. `share`: of the projector's full light, as LitSurface::lit_share.
+  [[nodiscard]] LightSpot spot_of(Point3 point, double share, double albedo) const;
+
+ private:
+  [[nodiscard]] LightSpot trace(PixelPoint pixel, HeightRange heights) const;
+  void trace_block(int down, int across, Block& block, std::vector<LightSpot>& samples) const;
+
+  RigImaging imaging_;
+  const Scene& scene_;
+  Pinhole camera_;
+  Pinhole projector_;
+  LitSurface surface_;
+  HeightRange heights_;
+  BlockGrid grid_;
+  std::vector<Block> blocks_;
+  std::vector<LightSpot> samples_;
+  std::vector<LightSpot> nodes_;
+  std::vector<LightSpot> centres_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_SCENE_STILL_SURFACE_H

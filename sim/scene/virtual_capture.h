@@ -1,0 +1,55 @@
+// Images that the simulated camera takes of a scene that stands still, under whole patterns of the projector: handed
+// over one after another, or written into a folder as a real camera would leave them.
+#ifndef SELFPROJ_SIM_SCENE_VIRTUAL_CAPTURE_H
+#define SELFPROJ_SIM_SCENE_VIRTUAL_CAPTURE_H
+
+#include <functional>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/io/output_folder.h"
+#include "host/rig/rig.h"
+#include "sim/scene/chessboard.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/projected_light.h"
+#include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
+
+namespace selfproj {
+
+// A pattern of light 0..1 as the 8-bit image that a projector is given.
+Image pattern_image(const FloatImage& pattern);
+
+// Images of one scene after another: image i is frame first + i (for its noise), under pattern(i).
+struct PatternShots {
+  int count = 0;
+  int first = 0;
+  std::function<Image(int i)> pattern;  // called by several threads at once; projector lines x columns
+};
+
+// Renders them by several threads and hands the images over in their order: take(i, image).
+void take_images(const PatternRenderer& renderer, const PatternShots& shots,
+                 const std::function<void(int i, const ImageView& image)>& take);
+
+// How images are captured into a folder.
+struct CaptureSettings {
+  RenderOptions render;
+  int threads = 0;                     // 0: one a core
+  std::function<void()> done = [] {};  // called after each image, never by two threads at once
+};
+
+// The images of a scene under each of the patterns, frames 0, 1, ... in files image_00.png ..., with three digits
+// for more than 100 patterns. Throws as PatternRenderer.
+void capture_scene(const Rig& rig, const Scene& scene, const std::vector<ProjectedLight>& patterns,
+                   const CaptureSettings& settings, OutputFolder& out);
+
+// The same of a chessboard at each of the places: pose_01/image_00.png ..., and truth.json with the renderer's pinholes
+// of camera and projector (pixels and mm) and the places.
+void capture_chessboard(const Rig& rig, const ChessboardShape& shape, const std::vector<ChessboardPlace>& places,
+                        const std::vector<ProjectedLight>& patterns, const CaptureSettings& settings,
+                        OutputFolder& out);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_SCENE_VIRTUAL_CAPTURE_H
