@@ -25,8 +25,6 @@
 namespace selfproj {
 namespace {
 
-constexpr double kPixelClock = 151'200'000;  // Hz, of the original
-
 ImageView view_of(const Rig& rig, const std::vector<std::uint8_t>& pixels) {
   return {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
 }
@@ -121,12 +119,11 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
     result.frames.push_back(frame);
   }
   const int count = static_cast<int>(result.frames.size());
+  InspectionOptions inspection;
+  inspection.expected_frames = inspection.max_frames = result.frames.size();
   std::vector<DifferentialProfiler> profilers;
   for (const ReferenceProfile& reference : setup.references) {
     profilers.emplace_back(rig, reference);
-    InspectionOptions inspection;
-    inspection.expected_frames = inspection.max_frames = result.frames.size();
-    inspection.pixel_clock_hz = kPixelClock;
     result.by_mode.emplace_back(rig, rig.camera.columns, inspection);
   }
   const Renderer renderer(rig, scene, setup.pattern, options);
@@ -168,7 +165,7 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
       PacketHeader header;
       header.kind = spec::kKindMoments;
       header.sequence = static_cast<std::uint64_t>(number);
-      header.time_stamp = static_cast<std::uint64_t>(std::llround(time * kPixelClock));
+      header.time_stamp = static_cast<std::uint64_t>(std::llround(time * inspection.pixel_clock_hz));
       header.encoder = static_cast<std::uint32_t>(
           std::llround(time * rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count));
       header.columns = static_cast<std::uint16_t>(rig.camera.columns);

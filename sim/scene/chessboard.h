@@ -49,10 +49,10 @@ class ChessboardScene : public Scene {
   double dx_, dy_;  // of z on the plane by x and y
 };
 
-// `count` places of the board in which camera and projector see it whole, with a margin of one square
-// around its squares: the first faces the camera in the middle of what both see of the rig's plane, the others lean by
-// `tilt_deg` in as many directions, further and nearer, and turned and shifted as far as the margin allows so that the
-// corners fill both images. Throws UserError where a place finds no room: a smaller board is needed.
+// `count` places of the board in which camera and projector see it whole, with a margin of one square around its
+// squares: the first faces the camera in the middle of what both see of the rig's plane, the others lean by `tilt_deg`
+// in as many directions, further and nearer, and turned and shifted as far as the margin allows so that the corners
+// fill both images. Throws UserError where a place finds no room: a smaller board is needed.
 std::vector<ChessboardPlace> chessboard_places(const Rig& rig, const ChessboardShape& shape, int count,
                                                double tilt_deg);
 

@@ -1,5 +1,4 @@
-// Rendered images against what optics and statistics say of them. The closed forms are written here once more, in the
-// angles of the method, so that they share nothing with the renderer's matrices and rays.
+// Rendered images against what optics says of them.
 
 #include "sim/scene/renderer.h"
 
@@ -8,99 +7,26 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <memory>
-#include <numeric>
 #include <string>
 #include <vector>
 
 #include "host/io/user_error.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
-#include "sim/scene/parallel.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_list.h"
+#include "tests/sim/level_scene.h"
 
 namespace selfproj {
 namespace {
 
-RenderOptions ideal() { return {false, false, false, false, false, false, false}; }
-
-// A level surface and on it a block that is level too, of a width along x and endless along y.
-class TestScene : public Scene {
- public:
-  double floor = 0;                           // height beside the block
-  double top = 0;                             // height of the block
-  double x0 = 0;                              // the block begins here
-  double x1 = -1;                             // and ends here, at t = 0
-  double fastest = 0;                         // speed of the block along x, mm/s
-  std::function<double(double)> reflectance;  // at x
-
-  [[nodiscard]] int frames() const override { return 1; }
-  [[nodiscard]] double height(double x, double /*y*/, double t) const override {
-    return x >= x0 + fastest * t && x <= x1 + fastest * t ? top : floor;
-  }
-  [[nodiscard]] HeightRange range(const Box& b, double t0, double t1) const override {
-    const bool on = x1 > x0 && b.x1 >= x0 + fastest * t0 && b.x0 <= x1 + fastest * t1;
-    const bool off = !(x1 > x0 && b.x0 >= x0 + fastest * t1 && b.x1 <= x1 + fastest * t0);
-    return {std::min(on ? top : floor, off ? floor : top), std::max(on ? top : floor, off ? floor : top)};
-  }
-  [[nodiscard]] double albedo(double x, double /*y*/, double /*t*/) const override {
-    return reflectance ? reflectance(x) : 1;
-  }
-  [[nodiscard]] bool even_albedo() const override { return !reflectance; }
-  [[nodiscard]] double speed() const override { return fastest; }
-};
-
-struct Frame {
-  int rows, columns;
-  std::vector<float> pixels;
-
-  Frame(const Rig& rig, const Renderer& renderer, int frame)
-      : rows(rig.camera.rows),
-        columns(rig.camera.columns),
-        pixels(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns)) {
-    renderer.render(frame, std::span<float>(pixels));
-  }
-  [[nodiscard]] double at(int row, int column) const {
-    return static_cast<double>(
-        pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)]);
-  }
-  [[nodiscard]] double sum(int column, double background) const {
-    double sum = 0;
-    for (int r = 0; r < rows; ++r) {
-      sum += at(r, column) - background;
-    }
-    return sum;
-  }
-  // The row, from 0, of the centre of a column's light over `background`.
-  [[nodiscard]] double centroid(int column, double background) const {
-    double m1 = 0;
-    for (int r = 0; r < rows; ++r) {
-      m1 += (at(r, column) - background) * r;
-    }
-    return m1 / sum(column, background);
-  }
-};
-
-// tan θ of a projector line (3.6, 3.7).
-double tan_theta(const Rig& rig, double line) {
-  const RigProjector& p = rig.projector;
-  return std::tan(p.tilt_rad +
-                  std::atan((p.center_xp_mm + p.line_pitch_mm * (line - (p.lines - 1) / 2.0)) / p.focal_length_mm));
-}
-
-// The projector line that meets (x, ., z).
-double line_at(const Rig& rig, double x, double z) {
-  const RigProjector& p = rig.projector;
-  const double theta = std::atan2(p.x_mm - x, z - p.z_mm);
-  return (p.focal_length_mm * std::tan(theta - p.tilt_rad) - p.center_xp_mm) / p.line_pitch_mm + (p.lines - 1) / 2.0;
-}
-
-double row_of(const Rig& rig, double tan_alpha) {
-  return tan_alpha * rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm + (rig.camera.rows - 1) / 2.0;
-}
+using test::Frame;
+using test::ideal;
+using test::LevelScene;
+using test::line_at;
+using test::row_of;
+using test::tan_theta;
 
 // ------------------------------------------------------------------ where the line is seen
 
@@ -108,7 +34,7 @@ double row_of(const Rig& rig, double tan_alpha) {
 TEST(Renderer, StraightLineIsSeenWhere34Says) {
   const Rig rig = load_rig("light-section");
   for (const double height : {0.0, 5.0, 21.0, 39.0}) {
-    TestScene scene;
+    LevelScene scene;
     scene.floor = height;
     const double z = rig.plane_z_mm - height;
     for (const double offset : {-6.0, -0.31, 0.0, 4.7}) {
@@ -194,7 +120,7 @@ TEST(Renderer, TriangulatedHeightsAreTheTrueOnes) {
 
 TEST(Renderer, GreyValuesAreThoseOfTheRig) {
   const Rig rig = load_rig("light-section");
-  TestScene scene;
+  LevelScene scene;
   const FloatImage white(512, 512, 1);
   Renderer renderer(rig, scene, white, ideal());
   // seen at the middle: (0, 0, plane), light from (352, 0, 579)
@@ -208,7 +134,7 @@ TEST(Renderer, GreyValuesAreThoseOfTheRig) {
   renderer.set_pattern(white);
   EXPECT_NEAR(Frame(rig, renderer, 0).at(47, 255), 2 + 0.25 * (6 + 192 * cosine), 0.2);
   // twice as far from the projector: a quarter of the light
-  TestScene lower;
+  LevelScene lower;
   Rig raised = rig;
   raised.imaging.ambient = raised.imaging.dark = 0;
   lower.floor = -100;
@@ -221,7 +147,7 @@ TEST(Renderer, GreyValuesAreThoseOfTheRig) {
 
 TEST(Renderer, BlurKeepsTheLightOfALineAndItsPlace) {
   const Rig rig = load_rig("light-section");
-  const TestScene scene;
+  const LevelScene scene;
   const FloatImage line = draw_straight_line(rig, line_at(rig, 0.1, rig.plane_z_mm));
   const Frame sharp(rig, Renderer(rig, scene, line, ideal()), 0);
   const auto variance = [&](const Frame& frame) {
@@ -257,7 +183,7 @@ TEST(Renderer, MotionBlurAveragesOverTheExposure) {
   rig.camera.frame_rate_hz = 1e4;
   const double speed = 1e5;
   const double way = speed * rig.camera.exposure_s;  // 9 mm
-  TestScene scene;
+  LevelScene scene;
   const double height = 2;
   scene.top = height;
   scene.x0 = -1000;
@@ -286,7 +212,7 @@ TEST(Renderer, MotionBlurAveragesOverTheExposure) {
 // edge lands.
 TEST(Renderer, WallThrowsItsShadow) {
   const Rig rig = load_rig("light-section");
-  TestScene scene;
+  LevelScene scene;
   scene.top = 5;
   scene.x0 = 2;
   scene.x1 = 6;
@@ -315,7 +241,7 @@ TEST(Renderer, WallThrowsItsShadow) {
 // The top of a tower hides the plane behind its edge: the border of the reflectances is seen at the edge.
 TEST(Renderer, TowerHidesWhatIsBehind) {
   const Rig rig = load_rig("light-section");
-  TestScene scene;
+  LevelScene scene;
   scene.top = 100;
   scene.x0 = -3;
   scene.x1 = 6;
@@ -374,7 +300,7 @@ TEST(Renderer, TruthOnASlopeLiesOnTheSurface) {
 // Where a wall takes the light with the face that the camera does not see, there is no truth.
 TEST(Renderer, NoTruthInTheShadow) {
   const Rig rig = load_rig("light-section");
-  TestScene scene;
+  LevelScene scene;
   scene.x0 = 2;
   scene.x1 = 6;
   std::vector<float> heights(512);
@@ -386,127 +312,11 @@ TEST(Renderer, NoTruthInTheShadow) {
   }
 }
 
-// ------------------------------------------------------------------ noise
-
-struct Statistics {
-  double mean;
-  double variance;
-};
-
-// Of the difference between noisy frames and the ideal one.
-Statistics noise_of(const Rig& rig, const Scene& scene, const FloatImage& pattern, const RenderOptions& options) {
-  const Frame ideal_frame(rig, Renderer(rig, scene, pattern, ideal()), 0);
-  const Renderer renderer(rig, scene, pattern, options);
-  double sum = 0;
-  double squares = 0;
-  double count = 0;
-  for (int i = 0; i < 2; ++i) {
-    const Frame frame(rig, renderer, i);
-    for (std::size_t k = 0; k < frame.pixels.size(); ++k) {
-      const double difference = static_cast<double>(frame.pixels[k]) - static_cast<double>(ideal_frame.pixels[k]);
-      sum += difference;
-      squares += difference * difference;
-      count += 1;
-    }
-  }
-  return {sum / count, squares / count - sum / count * sum / count};
-}
-
-TEST(Renderer, NoiseHasTheRigsMeanAndVariance) {
-  Rig rig = load_rig("light-section");
-  rig.imaging.ambient = 60;
-  rig.imaging.read_noise = 1.5;
-  const TestScene scene;
-  const FloatImage none(512, 512);
-  const double shot = (60 - 2) / rig.imaging.electrons_per_grey;
-  struct Case {
-    bool shot, read, quantization;
-    double variance;
-  };
-  for (const Case& c : {Case{true, false, false, shot}, Case{false, true, false, 2.25},
-                        Case{true, true, false, shot + 2.25}, Case{true, true, true, shot + 2.25 + 1.0 / 12}}) {
-    RenderOptions options = ideal();
-    options.shot_noise = c.shot;
-    options.read_noise = c.read;
-    options.quantization = c.quantization;
-    const Statistics found = noise_of(rig, scene, none, options);
-    // of 98,304 pixels: five standard deviations
-    EXPECT_NEAR(found.mean, 0, 5 * std::sqrt(c.variance / 98304));
-    EXPECT_NEAR(found.variance / c.variance, 1, 5 * std::sqrt(2.0 / 98304));
-  }
-  // more light, more shot noise
-  RenderOptions options = ideal();
-  options.shot_noise = true;
-  const Statistics lit = noise_of(rig, scene, FloatImage(512, 512, 1), options);
-  const Frame frame(rig, Renderer(rig, scene, FloatImage(512, 512, 1), ideal()), 0);
-  const double mean =
-      std::accumulate(frame.pixels.begin(), frame.pixels.end(), 0.0) / static_cast<double>(frame.pixels.size());
-  EXPECT_NEAR(lit.variance / ((mean - 2) / rig.imaging.electrons_per_grey), 1, 0.03);
-}
-
-TEST(Renderer, EightBitsAreRoundedAndBounded) {
-  Rig rig = load_rig("light-section");
-  rig.imaging.white = 255;
-  rig.imaging.ambient = 250;
-  rig.imaging.read_noise = 20;
-  const TestScene scene;
-  const Renderer renderer(rig, scene, FloatImage(512, 512, 1), {});
-  std::vector<std::uint8_t> bytes(96 * 512);
-  renderer.render(3, bytes);
-  const Frame frame(rig, renderer, 3);
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    ASSERT_EQ(static_cast<float>(bytes[i]), frame.pixels[i]);
-  }
-  EXPECT_EQ(*std::max_element(bytes.begin(), bytes.end()), 255);
-  RenderOptions free;
-  free.quantization = false;
-  const Frame unbounded(rig, Renderer(rig, scene, FloatImage(512, 512, 1), free), 3);
-  EXPECT_GT(*std::max_element(unbounded.pixels.begin(), unbounded.pixels.end()), 260.0F);
-  EXPECT_NE(unbounded.pixels[0], std::nearbyint(unbounded.pixels[0]));
-}
-
-TEST(Renderer, ImagesDependOnSeedAndFrameAloneNotOnOrderOrThreads) {
-  Rig rig = load_rig("light-section");
-  const auto scene = make_scene("stairs-marked", rig);
-  const FloatImage line = draw_straight_line(rig, line_at(rig, 0, rig.plane_z_mm - 39));
-  const Renderer renderer(rig, *scene, line);
-  constexpr int kCount = 6;
-  constexpr int kFirst = 640;
-  std::vector<std::vector<std::uint8_t>> alone(kCount, std::vector<std::uint8_t>(96 * 512));
-  std::vector<std::vector<std::uint8_t>> together = alone;
-  for (int i = kCount - 1; i >= 0; --i) {
-    renderer.render(kFirst + i, alone[static_cast<std::size_t>(i)]);
-  }
-  parallel_for(kCount, 3, [&](int i) { renderer.render(kFirst + i, together[static_cast<std::size_t>(i)]); });
-  EXPECT_EQ(alone, together);
-  EXPECT_NE(alone[0], alone[1]);
-  rig.imaging.seed = 2;
-  std::vector<std::uint8_t> other(96 * 512);
-  Renderer(rig, *scene, line).render(kFirst, other);
-  EXPECT_NE(other, alone[0]);
-}
-
-TEST(ParallelFor, CallsEachOnceAndPassesOnWhatIsThrown) {
-  for (const int threads : {0, 1, 4}) {
-    std::vector<int> calls(1000);
-    parallel_for(1000, threads, [&](int i) { ++calls[static_cast<std::size_t>(i)]; });
-    EXPECT_EQ(calls, std::vector<int>(1000, 1));
-    EXPECT_THROW(parallel_for(100, threads,
-                              [](int i) {
-                                if (i == 7) {
-                                  throw UserError("a", "b");
-                                }
-                              }),
-                 UserError);
-  }
-  parallel_for(0, 2, [](int) { FAIL(); });
-}
-
 // ------------------------------------------------------------------ errors
 
 TEST(Renderer, PatternMustFitTheProjector) {
   const Rig rig = load_rig("light-section");
-  const TestScene scene;
+  const LevelScene scene;
   const auto error_of = [&](const FloatImage& pattern) -> std::string {
     try {
       const Renderer renderer(rig, scene, pattern);

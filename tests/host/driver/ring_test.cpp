@@ -7,41 +7,23 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <atomic>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
-#include <new>
+#include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "host/driver/open_device.h"
 #include "host/driver/packet_limits.h"
 #include "host/driver/ring_layout.h"
-#include "host/driver/ring_list.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
 #include "host/io/user_error.h"
 #include "tests/host/driver/packets.h"
-
-namespace {
-std::atomic<std::uint64_t> allocations{0};
-}
-
-// Counts what is allocated, for the test that nothing is. Kept out of line, so that the compiler does not pair the free
-// below with an operator new that it knows.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size); memory != nullptr) {
-    return memory;
-  }
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "tests/host/driver/ring_fixture.h"
 
 namespace selfproj::test {
 namespace {
@@ -49,59 +31,6 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 using std::chrono::seconds;
-
-constexpr std::uint32_t kSlots = 16;
-
-// A ring name of its own for every test, gone at its end.
-class Ring : public ::testing::Test {
- protected:
-  void SetUp() override { remove_ring(name_); }
-  void TearDown() override { remove_ring(name_); }
-
-  [[nodiscard]] std::unique_ptr<Device> open_ring(DeviceOptions options = {}) const {
-    return open_device("ring:" + name_, options);
-  }
-
-  // A reader that does not mind the board's absence.
-  [[nodiscard]] std::unique_ptr<Device> open_patient() const { return open_ring({.wait_for_board = true}); }
-
-  [[nodiscard]] RingInfo info() const {
-    for (const RingInfo& ring : list_rings()) {
-      if (ring.name == name_) {
-        return ring;
-      }
-    }
-    return {};
-  }
-
-  std::string name_ = "test-" + std::to_string(getpid());
-};
-
-void write(RingWriter& writer, std::uint64_t first, int count) {
-  for (int i = 0; i < count; ++i) {
-    writer.write(moments_packet(first + static_cast<std::uint64_t>(i)));
-  }
-}
-
-// All that is there now.
-std::vector<std::uint64_t> read(Device& device) {
-  std::vector<std::uint64_t> sequences;
-  PacketView packet;
-  while (device.next(packet, nanoseconds(0)) == Next::packet) {
-    EXPECT_TRUE(is_intact(packet));
-    sequences.push_back(packet.header.sequence);
-    device.release();
-  }
-  return sequences;
-}
-
-std::vector<std::uint64_t> range(std::uint64_t first, std::uint64_t last) {
-  std::vector<std::uint64_t> all;
-  for (std::uint64_t i = first; i <= last; ++i) {
-    all.push_back(i);
-  }
-  return all;
-}
 
 TEST_F(Ring, PacketsInOrderManyTimesRound) {
   RingWriter writer(name_, kSlots);
@@ -256,9 +185,9 @@ TEST_F(Ring, ReaderCrashed) {
   EXPECT_EQ(read(*device), range(1, 4)) << "what was held is read once more";
   EXPECT_EQ(info().reader_crashes, 1U);
   EXPECT_EQ(info().readers, 2U);
-  // While nobody reads, what finds the ring full is counted, and the next reader says so.
 }
 
+// While nobody reads, what finds the ring full is counted, and the next reader says so.
 TEST_F(Ring, LossesWhileThereIsNoReaderAreCountedByTheNext) {
   RingWriter writer(name_, kSlots);
   { const auto device = open_ring(); }
@@ -375,138 +304,6 @@ TEST_F(Ring, NoRoomForIt) {
   EXPECT_THROW(RingWriter(name_, 1024), UserError);
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
   EXPECT_EQ(info().name, "") << "nothing half made is left";
-}
-
-// Writer and reader at once, as fast as they can, by each way of waiting. With back pressure nothing may be lost.
-TEST_F(Ring, TwoThreads) {
-  constexpr std::uint64_t kCount = 3000;
-  for (const Wait wait : {Wait::polling, Wait::blocking, Wait::polling_then_blocking}) {
-    RingWriter writer(name_, kSlots);
-    const auto device = open_ring({.wait = wait});
-    std::thread board([&] {
-      for (std::uint64_t i = 0; i < kCount; ++i) {
-        while (writer.unread() >= kSlots) {
-          std::this_thread::yield();
-        }
-        writer.write(moments_packet(i));
-      }
-    });
-    PacketView packet;
-    std::uint64_t expected = 0;
-    while (expected < kCount && device->next(packet, seconds(10)) == Next::packet) {
-      ASSERT_EQ(packet.header.sequence, expected++);
-      ASSERT_TRUE(is_intact(packet));
-      device->release();
-    }
-    board.join();
-    EXPECT_EQ(device->counters(), (Counters{.delivered = kCount}));
-  }
-}
-
-// The same without back pressure and with a reader that dawdles: what is lost is counted to the last packet.
-TEST_F(Ring, TwoThreadsWithLosses) {
-  constexpr std::uint64_t kCount = 50000;
-  const auto device = open_patient();
-  std::thread board([&] {
-    RingWriter writer(name_, kSlots);
-    for (std::uint64_t i = 0; i < kCount; ++i) {
-      writer.write(moments_packet(i, 4));
-    }
-    while (!writer.write(moments_packet(kCount, 4))) {  // so that the last gap is seen
-      std::this_thread::sleep_for(milliseconds(1));
-    }
-  });
-  PacketView packet;
-  Random random(1);
-  std::uint64_t last = 0;
-  while (last < kCount && device->next(packet, seconds(10)) == Next::packet) {
-    ASSERT_TRUE(is_intact(packet));
-    last = packet.header.sequence;
-    if (random.chance(2)) {
-      std::this_thread::sleep_for(std::chrono::microseconds(random.between(1, 300)));
-    }
-  }
-  board.join();
-  const Counters counters = device->counters();
-  EXPECT_EQ(counters.bad, 0U);
-  EXPECT_LE(counters.delivered + counters.missing, kCount + 1);
-  EXPECT_EQ(counters.delivered + counters.lost_ring, kCount + 1 + (counters.lost_ring - counters.missing));
-}
-
-// 10^4 times a reader and a board come and go: what is read is whole, in order, and all that was written.
-TEST_F(Ring, TenThousandStartsAndStops) {
-  Random random(1);
-  auto writer = std::make_unique<RingWriter>(name_, kSlots);
-  PacketView packet;
-  std::uint64_t written = 0;
-  std::uint64_t expected = 0;
-  for (int i = 0; i < 10000; ++i) {
-    const int count = random.between(0, 5);
-    write(*writer, written, count);
-    written += static_cast<std::uint64_t>(count);
-    if (random.chance(20)) {
-      writer.reset();
-      writer = std::make_unique<RingWriter>(name_, kSlots);
-    }
-    const auto device = open_ring();
-    for (int reads = random.between(written - expected > 10 ? 5 : 0, 6);
-         reads > 0 && device->next(packet, nanoseconds(0)) == Next::packet; --reads) {
-      ASSERT_TRUE(is_intact(packet));
-      ASSERT_EQ(packet.header.sequence, expected++) << "start " << i;
-      if (random.chance(50)) {
-        device->release();  // otherwise closed with the packet in hand: it counts as read
-      }
-    }
-    ASSERT_EQ(device->counters().bad + device->counters().lost_ring, 0U);
-  }
-  EXPECT_EQ(info().reader_crashes + info().board_crashes, 0U);
-  EXPECT_EQ(info().readers, 10000U);
-}
-
-// The same while the board writes on in its own time.
-TEST_F(Ring, ReadersComeAndGoWhileTheBoardWrites) {
-  RingWriter writer(name_, kSlots);
-  std::atomic<bool> stop{false};
-  std::thread board([&] {
-    for (std::uint64_t i = 0; !stop; ++i) {
-      writer.write(moments_packet(i));
-    }
-  });
-  std::uint64_t next_sequence = 0;
-  PacketView packet;
-  for (int i = 0; i < 300; ++i) {
-    const auto device = open_ring({.discard_backlog = i % 2 == 0});
-    for (int k = 0; k < 3 && device->next(packet, seconds(10)) == Next::packet; ++k) {
-      EXPECT_TRUE(is_intact(packet));
-      EXPECT_GE(packet.header.sequence, next_sequence);
-      next_sequence = packet.header.sequence + 1;
-      device->release();
-    }
-    EXPECT_EQ(device->counters().delivered, 3U);
-    EXPECT_EQ(device->counters().bad, 0U);
-  }
-  stop = true;
-  board.join();
-  EXPECT_EQ(info().reader_crashes, 0U);
-}
-
-TEST_F(Ring, AllocatesNothingAfterTheStart) {
-  RingWriter writer(name_, kSlots);
-  const auto device = open_patient();
-  const Bytes one = moments_packet(0);
-  const Bytes two = moments_packet(1);
-  PacketView packet;
-  const std::uint64_t before = allocations;
-  for (int i = 0; i < 1000; ++i) {
-    writer.write(one);
-    writer.write(two);
-    device->next(packet, nanoseconds(0));
-    device->next(packet, nanoseconds(0));
-    device->next(packet, nanoseconds(1000));
-    device->release();
-    static_cast<void>(device->counters());
-  }
-  EXPECT_EQ(allocations, before);
 }
 
 }  // namespace

@@ -1,0 +1,77 @@
+// A ring in shared memory for a test, and what is written to it and read from it.
+#ifndef SELFPROJ_TESTS_HOST_DRIVER_RING_FIXTURE_H
+#define SELFPROJ_TESTS_HOST_DRIVER_RING_FIXTURE_H
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/driver/open_device.h"
+#include "host/driver/ring_list.h"
+#include "host/driver/ring_memory.h"
+#include "host/driver/ring_writer.h"
+#include "tests/host/driver/packets.h"
+
+namespace selfproj::test {
+
+inline constexpr std::uint32_t kSlots = 16;
+
+// A ring name of its own for every test, gone at its end.
+class Ring : public ::testing::Test {
+ protected:
+  void SetUp() override { remove_ring(name_); }
+  void TearDown() override { remove_ring(name_); }
+
+  [[nodiscard]] std::unique_ptr<Device> open_ring(DeviceOptions options = {}) const {
+    return open_device("ring:" + name_, options);
+  }
+
+  // A reader that does not mind the board's absence.
+  [[nodiscard]] std::unique_ptr<Device> open_patient() const { return open_ring({.wait_for_board = true}); }
+
+  [[nodiscard]] RingInfo info() const {
+    for (const RingInfo& ring : list_rings()) {
+      if (ring.name == name_) {
+        return ring;
+      }
+    }
+    return {};
+  }
+
+  std::string name_ = "test-" + std::to_string(getpid());
+};
+
+inline void write(RingWriter& writer, std::uint64_t first, int count) {
+  for (int i = 0; i < count; ++i) {
+    writer.write(moments_packet(first + static_cast<std::uint64_t>(i)));
+  }
+}
+
+// All that is there now.
+inline std::vector<std::uint64_t> read(Device& device) {
+  std::vector<std::uint64_t> sequences;
+  PacketView packet;
+  while (device.next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
+    EXPECT_TRUE(is_intact(packet));
+    sequences.push_back(packet.header.sequence);
+    device.release();
+  }
+  return sequences;
+}
+
+inline std::vector<std::uint64_t> range(std::uint64_t first, std::uint64_t last) {
+  std::vector<std::uint64_t> all;
+  for (std::uint64_t i = first; i <= last; ++i) {
+    all.push_back(i);
+  }
+  return all;
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_HOST_DRIVER_RING_FIXTURE_H
