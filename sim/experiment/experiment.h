@@ -1,43 +1,35 @@
-// The experiments A1 and A2 of the thesis in simulation, with their published figures beside the measured ones.
+// The experiments of the thesis by their names: run, printed, written.
 #ifndef SELFPROJ_SIM_EXPERIMENT_EXPERIMENT_H
 #define SELFPROJ_SIM_EXPERIMENT_EXPERIMENT_H
 
-#include <cstddef>
-#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "host/report/report.h"
-#include "host/rig/rig.h"
-#include "sim/experiment/light_section.h"
-#include "sim/experiment/section_figures.h"
-#include "sim/scene/renderer.h"
+#include "sim/scene/virtual_scan.h"
 
 namespace selfproj {
 
+// What a user asks of an experiment.
 struct ExperimentOptions {
-  Rig rig;
-  RenderOptions render;
-  bool residual = true;  // the reference is measured once, and each column's remaining offset kept
+  std::string name;                   // A1, A2, B4, B7, B8
+  std::string rig = {};               // built-in or a file; empty: that of the experiment
+  std::string out = {};               // folder for the report and what it is made of; empty: none
+  std::vector<std::string> off = {};  // names of kDisturbances
+
+  // A1, A2.
+  bool residual = true;  // measure and remove the reference's own
   bool sources = false;  // also the table of error sources
   int every = 1;         // every so many frames only
-  int threads = 0;       // 0: one a core
+
+  // B4, B7, B8.
+  ScanMethod scan = ScanMethod::lines;
+  std::optional<int> e = {};  // of (4.20); nothing: that of the experiment
 };
 
-struct ExperimentResult {
-  std::string name;  // A1, A2
-  MethodFigures self_projected;
-  MethodFigures conventional;
-  Measurement measurement;               // self-projected
-  std::vector<ReportTable> tables;       // published and measured; sources of error
-  std::vector<std::string> not_reached;  // what does not hold of what the project has set itself, a line each
-  std::vector<Fact> conditions;          // of the measurement: line peak, ambient light, noise, ...
-};
-
-// Runs A1 or A2: both methods over all frames. `progress` is told how many frames of how many are done. Throws
-// UserError: an unknown experiment, or what rig and scene say.
-ExperimentResult run_experiment(const std::string& name, const ExperimentOptions& options,
-                                const std::function<void(std::size_t, std::size_t)>& progress);
+// Prints the experiment's tables and writes its files. Throws UserError about options, rig and folder, CheckFailed
+// where a figure that the project has set itself is not reached.
+void run_experiment(const ExperimentOptions& options);
 
 }  // namespace selfproj
 

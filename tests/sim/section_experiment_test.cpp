@@ -1,5 +1,5 @@
 // The experiments on a few of their frames: all figures wanted are reached, and none of them by chance.
-#include "sim/experiment/experiment.h"
+#include "sim/experiment/section_experiment.h"
 
 #include <gtest/gtest.h>
 
@@ -13,19 +13,19 @@
 namespace selfproj {
 namespace {
 
-ExperimentResult run(const std::string& name, const ExperimentOptions& options) {
-  return run_experiment(name, options, [](std::size_t, std::size_t) {});
+SectionResult run(const std::string& name, const SectionOptions& options) {
+  return run_section_experiment(name, options, [](std::size_t, std::size_t) {});
 }
 
-ExperimentOptions every(int frames) {
-  ExperimentOptions options;
+SectionOptions every(int frames) {
+  SectionOptions options;
   options.rig = load_rig("light-section");
   options.every = frames;
   return options;
 }
 
 TEST(Experiment, MountainIsMeasured) {
-  const ExperimentResult result = run("A1", every(200));
+  const SectionResult result = run("A1", every(200));
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
   const SectionFigures& self = result.self_projected.modes[0];
   EXPECT_GE(self.errors.points, 5 * 512);
@@ -36,7 +36,7 @@ TEST(Experiment, MountainIsMeasured) {
 }
 
 TEST(Experiment, StairsAndMarksAreMeasured) {
-  const ExperimentResult result = run("A2", every(70));
+  const SectionResult result = run("A2", every(70));
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
   const SectionFigures& self = result.self_projected.modes[0];
   ASSERT_EQ(self.steps.size(), 3U);
@@ -48,10 +48,10 @@ TEST(Experiment, StairsAndMarksAreMeasured) {
 
 // The checks can fail: with ten times the noise the error is seen.
 TEST(Experiment, NoiseIsSeen) {
-  ExperimentOptions options = every(400);
+  SectionOptions options = every(400);
   options.rig.imaging.read_noise *= 10;
   options.rig.measure.threshold = 100;
-  const ExperimentResult result = run("A1", options);
+  const SectionResult result = run("A1", options);
   EXPECT_GT(result.self_projected.modes[0].errors.rms, 0.01);
   EXPECT_FALSE(result.not_reached.empty());
 }
