@@ -64,8 +64,10 @@ class ScannerCosim final : public DepthCosim {
         steady_{options.max_change.value_or(kDefaultSteady.most_change_mm),
                 options.min_neighbours.value_or(kDefaultSteady.least_neighbours)},
         triangulation_(rig(), bits(), {0, rig().plane_z_mm + kBelowPlane}),
-        scanner_(triangulation_, {rig().measure.code_threshold, median() == Median::on, false,
-                                  static_cast<float>(min_difference_), steady_}),
+        scanner_(triangulation_, {.threshold = rig().measure.code_threshold,
+                                  .median = median() == Median::on,
+                                  .min_difference_mm = static_cast<float>(min_difference_),
+                                  .steady = steady_}),
         background_(rig().camera.rows, rig().camera.columns),
         true_background_(background_),
         moved_(background_) {
