@@ -29,6 +29,13 @@ TABLES = {
     ROOT / "rtl" / "gray" / "README.md": ["gray_memory"],
 }
 
+# Fields of the header that tell of the frame, not of the packet, each with the bits of it that a build has.
+FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits"), ("mode", "ModeBits"),
+                ("threshold", "HeaderThresholdBits"), ("sequence", "HeaderSequenceBits"),
+                ("time_stamp", "HeaderTimeStampBits"), ("encoder", "HeaderEncoderBits"), ("columns", "column_bits"),
+                ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits")]
+REGISTER_WORDS = 32  # places of the register file, of four bytes
+
 
 class SpecError(Exception):
     """The specification contradicts itself."""
@@ -121,7 +128,7 @@ class Spec:
         used = set()
         for reg in self.raw["registers"]:
             reg["offset"] = int(reg["address"], 16)
-            if reg["offset"] % 4 or reg["offset"] in used:
+            if reg["offset"] % 4 or reg["offset"] in used or reg["offset"] >= 4 * REGISTER_WORDS:
                 raise SpecError(f"register {reg['name']}: address {reg['address']} is taken or not aligned")
             used.add(reg["offset"])
             symbolic = {"magic": self.magic, "version": self.version, "hash": self.hash}
@@ -217,6 +224,14 @@ def cpp_header(spec):
     return "\n".join(out) + "\n"
 
 
+def sv_frame_mask():
+    """The function that says which bits of a header are the frame's, in a build of that size."""
+    terms = [f"~({{HeaderBits{{1'b1}}}} << {bits}) << Header{camel(name)}Lsb" for name, bits in FRAME_FIELDS]
+    return ["  // Bits of a header that tell of the frame, where columns have column_bits, rows and lines row_bits",
+            "  function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits);",
+            "    frame_mask = " + " |\n                 ".join(terms) + ";", "  endfunction"]
+
+
 def sv_package(spec):
     out = []
     emit = out.append
@@ -233,6 +248,7 @@ def sv_package(spec):
     emit("")
     for item in spec.raw["modes"]:
         emit(f"  localparam logic [1:0] Mode{camel(item['name'])} = 2'd{item['value']};")
+    emit(f"  localparam int ModeBits = {max(item['value'] for item in spec.raw['modes']).bit_length()};")
     for item in spec.raw["kinds"]:
         emit(f"  localparam logic [7:0] Kind{camel(item['name'])} = 8'd{item['value']};")
     emit("")
@@ -246,7 +262,16 @@ def sv_package(spec):
     emit(f"  localparam logic [31:0] Magic = 32'h{spec.magic:08X};")
     emit(f"  localparam int HeaderBytes = {spec.header_bytes};")
     emit(f"  localparam int TrailerBytes = {spec.trailer_bytes};")
+    emit(f"  localparam int HeaderBits = {8 * spec.header_bytes};")
+    emit(f"  localparam int PacketBeatBits = {8 * spec.sizes['packet_beat_bytes']};")
+    for part, fields in (("Header", spec.header), ("Trailer", spec.trailer)):
+        for field in fields:
+            emit(f"  localparam int {part}{camel(field['name'])}Lsb = {field['lsb']};")
+            emit(f"  localparam int {part}{camel(field['name'])}Bits = {field['bits']};")
     emit("")
+    for item in spec.raw["packet"]["flags"]:
+        emit(f"  localparam int Flag{camel(item['name'])}Bit = {item['value']};")
+    emit(f"  localparam int FlagBits = {1 + max(i['value'] for i in spec.raw['packet']['flags'])};")
     for item in spec.raw["packet"]["status"]:
         emit(f"  localparam int Status{camel(item['name'])}Bit = {item['value']};")
     emit(f"  localparam int StatusBits = {1 + max(i['value'] for i in spec.raw['packet']['status'])};")
@@ -261,6 +286,12 @@ def sv_package(spec):
         for field in reg["fields"]:
             emit(f"  localparam int Reg{camel(reg['name'])}{camel(field['name'])}Lsb = {field['lsb']};")
             emit(f"  localparam int Reg{camel(reg['name'])}{camel(field['name'])}Bits = {field['bits']};")
+    emit("  // Words of the register file's address space in which there is a register")
+    words = sum(1 << reg["offset"] // 4 for reg in spec.raw["registers"])
+    bits = f"{REGISTER_WORDS}'h{words:0{REGISTER_WORDS // 4}X}"
+    emit(f"  localparam logic [{REGISTER_WORDS - 1}:0] RegisterWords = {bits};")
+    emit("")
+    out += sv_frame_mask()
     emit("")
     emit("endpackage")
     return "\n".join(out) + "\n"

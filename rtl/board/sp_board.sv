@@ -1,8 +1,8 @@
 // The board between camera and bus: AXI4-Stream video in, packets out, registers on AXI4-Lite.
 //
-//   video ─▶ sp_frame_tracker ─┬▶ sp_moments_path: sp_column_moments ─▶ sp_packetizer ─▶ sp_packet_fifo ─┐
-//                              ├▶ sp_codes_path: sp_gray_core ──────────▶ sp_packetizer ─▶ sp_packet_fifo ─┤
-//                              ├▶ sp_image_path: sp_image_packer ─────▶ sp_packetizer ─▶ sp_packet_fifo ─┴▶ sp_packet_arbiter ─▶ bus
+//   video ─▶ sp_frame_tracker ─┬▶ sp_moments_path: sp_column_moments ─▶ sp_packet_output ─┐
+//                              ├▶ sp_codes_path: sp_gray_core ────────▶ sp_packet_output ─┤
+//                              ├▶ sp_image_path: sp_image_packer ─────▶ sp_packet_output ─┴▶ sp_packet_merge ─▶ bus
 //   encoder, trigger ──────────┴▶ sp_frame_info (header fields)
 //   AXI4-Lite ─▶ sp_axil_bridge ─▶ sp_registers
 //
@@ -82,23 +82,18 @@ module sp_board #(
   logic                  request, request_write, answer, answer_error;
   logic [7:0]            request_address;
   logic [31:0]           request_data, answer_data;
-  logic                  set_run, set_hold, set_image;
+  logic                  set_run, set_hold, set_image, set_decode, set_median;
   logic [ColumnBits-1:0] set_columns;
   logic [RowBits-1:0]    set_rows;
   logic [1:0]            set_mode;
-  logic [7:0]            set_threshold, set_stream;
-  logic [23:0]           set_timeout, trigger_period, trigger_camera;
-  logic                  trigger_run, trigger_on_frame;
-  logic [7:0]            trigger_last_pattern;
-  logic [15:0]           trigger_width;
-  logic                  frame_open;
-  logic [31:0]           frames, broken, stray, lost_moments, lost_image, encoder_count;
-  logic [15:0]           encoder_errors;
-  logic [63:0]           time_now;
-  logic                  set_decode, set_median;
   logic [3:0]            set_bits;
-  logic [7:0]            set_code_threshold;
-  logic [31:0]           lost_codes, abandoned;
+  logic [7:0]            set_threshold, set_stream, set_code_threshold;
+  logic [23:0]           set_timeout, trigger_period, trigger_camera;
+  logic                  trigger_run, trigger_on_frame, frame_open;
+  logic [7:0]            trigger_last_pattern;
+  logic [15:0]           trigger_width, encoder_errors;
+  logic [31:0]           frames, broken, stray, lost_moments, lost_image, lost_codes, abandoned, encoder_count;
+  logic [63:0]           time_now;
 
   sp_axil_bridge u_bridge (
     .bus_clk_i       (bus_clk_i),
@@ -246,15 +241,8 @@ module sp_board #(
 
   // --- Encoder, trigger, header fields ---
   logic                  captured;
-  logic [15:0]           pattern_now;
-  logic [7:0]            info_stream, info_threshold;
-  logic [63:0]           info_sequence, info_time_stamp;
-  logic [31:0]           info_encoder;
-  logic [15:0]           info_pattern;
-  logic [ColumnBits-1:0] info_columns;
-  logic [RowBits-1:0]    info_rows, info_lines;
-  logic [1:0]            info_mode;
-  logic                  info_stray_before;
+  logic [15:0]           pattern_now, pattern_of_frame;
+  logic [sp_spec_pkg::HeaderBits-1:0] info;
 
   sp_encoder u_encoder (
     .clk_i   (clk_i),
@@ -300,17 +288,8 @@ module sp_board #(
     .time_o        (time_now),
     .frames_o      (frames),
     .captured_o    (captured),
-    .stream_o      (info_stream),
-    .sequence_o    (info_sequence),
-    .time_stamp_o  (info_time_stamp),
-    .encoder_o     (info_encoder),
-    .pattern_o     (info_pattern),
-    .columns_o     (info_columns),
-    .rows_o        (info_rows),
-    .mode_o        (info_mode),
-    .threshold_o   (info_threshold),
-    .lines_o       (info_lines),
-    .stray_before_o(info_stray_before)
+    .pattern_o     (pattern_of_frame),
+    .info_o        (info)
   );
 
   // --- Moments ---
@@ -341,17 +320,7 @@ module sp_board #(
     .break_i            (frame_break),
     .break_in_last_row_i(break_in_last_row),
     .break_status_i     (break_status),
-    .info_stream_i      (info_stream),
-    .info_sequence_i    (info_sequence),
-    .info_time_stamp_i  (info_time_stamp),
-    .info_encoder_i     (info_encoder),
-    .info_pattern_i     (info_pattern),
-    .info_columns_i     (info_columns),
-    .info_rows_i        (info_rows),
-    .info_mode_i        (info_mode),
-    .info_threshold_i   (info_threshold),
-    .info_lines_i       (info_lines),
-    .info_stray_before_i(info_stray_before),
+    .info_i             (info),
     .lost_o             (lost_moments),
     .bus_clk_i          (bus_clk_i),
     .bus_rst_i          (bus_rst_i),
@@ -383,17 +352,7 @@ module sp_board #(
       .beat_line_end_i    (beat_line_end),
       .break_i            (frame_break),
       .break_status_i     (break_status),
-      .info_stream_i      (info_stream),
-      .info_sequence_i    (info_sequence),
-      .info_time_stamp_i  (info_time_stamp),
-      .info_encoder_i     (info_encoder),
-      .info_pattern_i     (info_pattern),
-      .info_columns_i     (info_columns),
-      .info_rows_i        (info_rows),
-      .info_mode_i        (info_mode),
-      .info_threshold_i   (info_threshold),
-      .info_lines_i       (info_lines),
-      .info_stray_before_i(info_stray_before),
+      .info_i             (info),
       .lost_o             (lost_image),
       .bus_clk_i          (bus_clk_i),
       .bus_rst_i          (bus_rst_i),
@@ -404,7 +363,7 @@ module sp_board #(
     );
   end else begin : gen_no_image
     logic unused;
-    assign unused          = ^{image, image_out_ready};
+    assign unused          = ^{image, image_out_ready, beat_line_start};
     assign lost_image      = 32'd0;
     assign image_out_valid = 1'b0;
     assign image_out_last  = 1'b0;
@@ -440,17 +399,8 @@ module sp_board #(
       .frame_start_i      (frame_start),
       .break_i            (frame_break),
       .break_status_i     (break_status),
-      .info_stream_i      (info_stream),
-      .info_sequence_i    (info_sequence),
-      .info_time_stamp_i  (info_time_stamp),
-      .info_encoder_i     (info_encoder),
-      .info_pattern_i     (info_pattern),
-      .info_columns_i     (info_columns),
-      .info_rows_i        (info_rows),
-      .info_mode_i        (info_mode),
-      .info_threshold_i   (info_threshold),
-      .info_lines_i       (info_lines),
-      .info_stray_before_i(info_stray_before),
+      .pattern_i          (pattern_of_frame),
+      .info_i             (info),
       .lost_o             (lost_codes),
       .abandoned_o        (abandoned),
       .bus_clk_i          (bus_clk_i),
@@ -462,7 +412,7 @@ module sp_board #(
     );
   end else begin : gen_no_codes
     logic unused;
-    assign unused          = ^{set_decode, set_median, set_bits, set_code_threshold, rows, codes_out_ready};
+    assign unused          = ^{set_decode, set_median, set_bits, set_code_threshold, rows, pattern_of_frame, codes_out_ready};
     assign lost_codes      = 32'd0;
     assign abandoned       = 32'd0;
     assign codes_out_valid = 1'b0;
@@ -470,65 +420,30 @@ module sp_board #(
     assign codes_out_data  = '0;
   end
 
-  // --- The way out: moments first, then codes, then raw lines ---
-  logic         lines_valid, lines_ready, lines_last;
-  logic [127:0] lines_data;
-
-  if (Codes && Image) begin : gen_lines
-    sp_packet_arbiter #(
-      .Width(128)
-    ) u_line_arbiter (
-      .clk_i          (bus_clk_i),
-      .rst_i          (bus_rst_i),
-      .first_valid_i  (codes_out_valid),
-      .first_ready_o  (codes_out_ready),
-      .first_last_i   (codes_out_last),
-      .first_data_i   (codes_out_data),
-      .second_valid_i (image_out_valid),
-      .second_ready_o (image_out_ready),
-      .second_last_i  (image_out_last),
-      .second_data_i  (image_out_data),
-      .m_axis_tvalid_o(lines_valid),
-      .m_axis_tready_i(lines_ready),
-      .m_axis_tlast_o (lines_last),
-      .m_axis_tdata_o (lines_data)
-    );
-  end else begin : gen_one_kind
-    assign lines_valid     = Codes ? codes_out_valid : image_out_valid;
-    assign lines_last      = Codes ? codes_out_last : image_out_last;
-    assign lines_data      = Codes ? codes_out_data : image_out_data;
-    assign codes_out_ready = lines_ready;
-    assign image_out_ready = lines_ready;
-  end
-
-  if (Codes || Image) begin : gen_arbiter
-    sp_packet_arbiter #(
-      .Width(128)
-    ) u_arbiter (
-      .clk_i          (bus_clk_i),
-      .rst_i          (bus_rst_i),
-      .first_valid_i  (moments_out_valid),
-      .first_ready_o  (moments_out_ready),
-      .first_last_i   (moments_out_last),
-      .first_data_i   (moments_out_data),
-      .second_valid_i (lines_valid),
-      .second_ready_o (lines_ready),
-      .second_last_i  (lines_last),
-      .second_data_i  (lines_data),
-      .m_axis_tvalid_o(m_axis_tvalid),
-      .m_axis_tready_i(m_axis_tready),
-      .m_axis_tlast_o (m_axis_tlast),
-      .m_axis_tdata_o (m_axis_tdata)
-    );
-  end else begin : gen_moments_only
-    logic unused;
-    assign unused            = ^{beat_line_start, lines_valid, lines_last, lines_data};
-    assign lines_ready       = 1'b0;
-    assign m_axis_tvalid     = moments_out_valid;
-    assign m_axis_tlast      = moments_out_last;
-    assign m_axis_tdata      = moments_out_data;
-    assign moments_out_ready = m_axis_tready;
-  end
+  // --- The way out ---
+  sp_packet_merge #(
+    .Image(Image),
+    .Codes(Codes)
+  ) u_merge (
+    .clk_i          (bus_clk_i),
+    .rst_i          (bus_rst_i),
+    .moments_valid_i(moments_out_valid),
+    .moments_ready_o(moments_out_ready),
+    .moments_last_i (moments_out_last),
+    .moments_data_i (moments_out_data),
+    .codes_valid_i  (codes_out_valid),
+    .codes_ready_o  (codes_out_ready),
+    .codes_last_i   (codes_out_last),
+    .codes_data_i   (codes_out_data),
+    .image_valid_i  (image_out_valid),
+    .image_ready_o  (image_out_ready),
+    .image_last_i   (image_out_last),
+    .image_data_i   (image_out_data),
+    .m_valid_o      (m_axis_tvalid),
+    .m_ready_i      (m_axis_tready),
+    .m_last_o       (m_axis_tlast),
+    .m_data_o       (m_axis_tdata)
+  );
 
 endmodule
 

@@ -41,18 +41,8 @@ module sp_codes_path #(
   input  wire logic                  break_i,
   input  wire logic [sp_spec_pkg::StatusBits-1:0]    break_status_i,
 
-  // Header fields of sp_frame_info
-  input  wire logic [7:0]            info_stream_i,
-  input  wire logic [63:0]           info_sequence_i,
-  input  wire logic [63:0]           info_time_stamp_i,
-  input  wire logic [31:0]           info_encoder_i,
-  input  wire logic [15:0]           info_pattern_i,
-  input  wire logic [ColumnBits-1:0] info_columns_i,
-  input  wire logic [RowBits-1:0]    info_rows_i,
-  input  wire logic [1:0]            info_mode_i,
-  input  wire logic [7:0]            info_threshold_i,
-  input  wire logic [RowBits-1:0]    info_lines_i,
-  input  wire logic                  info_stray_before_i,
+  input  wire logic [15:0]           pattern_i,  // of sp_frame_info
+  input  wire logic [sp_spec_pkg::HeaderBits-1:0] info_i,  // of sp_frame_info
 
   output logic      [31:0]           lost_o,
   output logic      [31:0]           abandoned_o,
@@ -106,7 +96,7 @@ module sp_codes_path #(
     .frame_start_i     (frame_start_i),
     .break_i           (break_i),
     .break_status_i    (break_status_i),
-    .pattern_i         (info_pattern_i),
+    .pattern_i         (pattern_i),
     .raw_start_o       (raw_start),
     .codes_valid_o     (codes_valid),
     .codes_o           (codes),
@@ -134,17 +124,12 @@ module sp_codes_path #(
   // --- Header fields, held ---
   logic [6:1]            out_q;      // codes_start, so many clocks ago
   logic [6:1]            begun_q;    // frame_start_i
-  logic                  later_q;    // a later frame has started
-  logic                  later1_q, later2_q, spoiled_q;
-  logic [ColumnBits-1:0] columns_before_q, line_columns, line_columns_q;
-  logic [7:0]            stream_q, threshold_q;
-  logic [63:0]           sequence_q, time_stamp_q;
-  logic [31:0]           encoder_q;
-  logic [15:0]           pattern_q;
-  logic [ColumnBits-1:0] columns_q;
-  logic [RowBits-1:0]    rows_q, lines_q;
-  logic [1:0]            mode_q;
-  logic                  stray_before_q;
+  logic                  later_q;    // a later frame has started than that of the codes before the median
+  logic                  later1_q, later2_q;  // of the codes that the decoder gave, one and two clocks ago
+  logic                  spoiled_q;  // the header's fields are those of a later frame: the frame's packets are dropped
+  logic [ColumnBits-1:0] columns_before_q;  // columns_i, a clock ago
+  logic [ColumnBits-1:0] line_columns, line_columns_q;  // of the frame that the codes are of
+  logic [sp_spec_pkg::HeaderBits-1:0] held_q;  // info_i
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -158,23 +143,17 @@ module sp_codes_path #(
     later1_q <= raw_start ? |begun_q : later_q;
     later2_q <= later1_q;
     if (out_q[2]) spoiled_q <= later2_q;
+  end
 
-    if (out_q[3]) begin
-      stream_q    <= info_stream_i;
-      pattern_q   <= info_pattern_i;
-      mode_q      <= info_mode_i;
-      threshold_q <= info_threshold_i;
-      sequence_q  <= info_sequence_i;
-    end
-    if (out_q[4]) time_stamp_q <= info_time_stamp_i;
-    if (out_q[5]) begin
-      encoder_q <= info_encoder_i;
-      columns_q <= info_columns_i;
-      rows_q    <= info_rows_i;
-    end
-    if (out_q[6]) begin
-      lines_q        <= info_lines_i;
-      stray_before_q <= info_stray_before_i;
+  // A beat of the header is held in the clock after sp_frame_info has it, the half with the sequence, which sp_packetizer reads a
+  // clock before its beat, a clock earlier. The sequence fills a half: fields of 64 bits are aligned.
+  localparam int HalfBits = sp_spec_pkg::PacketBeatBits / 2;
+  localparam logic [sp_spec_pkg::HeaderBits-1:0] FrameBits = sp_spec_pkg::frame_mask(ColumnBits, RowBits);
+  for (genvar half = 0; half < sp_spec_pkg::HeaderBits / HalfBits; half++) begin : gen_half
+    localparam bit HasSequence = half == sp_spec_pkg::HeaderSequenceLsb / HalfBits;
+    always_ff @(posedge clk_i) begin
+      if (out_q[half/2+(HasSequence?2:3)]) held_q[half*HalfBits+:HalfBits] <= info_i[half*HalfBits+:HalfBits] &
+                                                                             FrameBits[half*HalfBits+:HalfBits];
     end
   end
 
@@ -193,9 +172,6 @@ module sp_codes_path #(
   logic [PayloadBits-1:0] line_words;
   logic [RowBits-1:0]     line_row;
   logic [StatusBits-1:0]  line_status;
-  logic [LogDepth:0]      free;
-  logic                   put, put_last;
-  logic [127:0]           put_data;
 
   sp_image_packer #(
     .MaxColumns(MaxColumns),
@@ -224,13 +200,13 @@ module sp_codes_path #(
     .words_break_o    (words_break)
   );
 
-  sp_packetizer #(
+  sp_packet_output #(
     .Kind       (sp_spec_pkg::KindCodes),
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
-  ) u_packetizer (
+  ) u_packets (
     .clk_i          (clk_i),
     .rst_i          (rst_i),
     .start_i        (line_done),
@@ -245,40 +221,14 @@ module sp_codes_path #(
     .payload_valid_i(words_valid),
     .payload_data_i (words_data),
     .payload_break_i(words_break),
-    .stream_i       (stream_q),
-    .sequence_i     (sequence_q),
-    .time_stamp_i   (time_stamp_q),
-    .encoder_i      (encoder_q),
-    .pattern_i      (pattern_q),
-    .columns_i      (columns_q),
-    .rows_i         (rows_q),
-    .mode_i         (mode_q),
-    .threshold_i    (threshold_q),
-    .lines_i        (lines_q),
-    .stray_before_i (stray_before_q),
-    .fifo_free_i    (free),
-    .fifo_valid_o   (put),
-    .fifo_last_o    (put_last),
-    .fifo_data_o    (put_data),
-    .lost_o         (lost_o)
-  );
-
-  sp_packet_fifo #(
-    .Width   (128),
-    .LogDepth(LogDepth)
-  ) u_fifo (
-    .wr_clk_i  (clk_i),
-    .wr_rst_i  (rst_i),
-    .wr_valid_i(put),
-    .wr_last_i (put_last),
-    .wr_data_i (put_data),
-    .wr_free_o (free),
-    .rd_clk_i  (bus_clk_i),
-    .rd_rst_i  (bus_rst_i),
-    .rd_valid_o(m_valid_o),
-    .rd_ready_i(m_ready_i),
-    .rd_last_o (m_last_o),
-    .rd_data_o (m_data_o)
+    .info_i         (held_q),
+    .lost_o         (lost_o),
+    .bus_clk_i      (bus_clk_i),
+    .bus_rst_i      (bus_rst_i),
+    .m_valid_o      (m_valid_o),
+    .m_ready_i      (m_ready_i),
+    .m_last_o       (m_last_o),
+    .m_data_o       (m_data_o)
   );
 
 endmodule

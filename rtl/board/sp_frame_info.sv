@@ -1,13 +1,28 @@
-// What the header says of a frame: sequence, time stamp, encoder count, pattern index, settings.
+// What the header of a packet says of its frame: sequence, time stamp, encoder count, pattern index, settings.
+//
+// info_o is a header in which the other fields are 0; the specification places the fields (sp_spec_pkg).
 //
 // A header of four beats is written at most seven clocks after the event that causes it, while the next frame may already
-// have begun. Each field is therefore captured so late that the header before it is out, and so early that its own is not
-// yet: a header caused by an event of clock e (sp_packetizer) reads its beat i in clock e + 3 + i. The event is one clock after
-// the beat that causes it (a last row's first, a line's last), or in the clock of the next frame's start where that breaks the
-// frame; so a frame that starts in clock c shows in beat i from clock c + 4 + i on.
+// have begun. Each field is therefore taken so late that the header before it is out, and so early that its own is not
+// yet: a header caused by an event of clock e (sp_packetizer) reads its beat b in clock e + 3 + b, and the sequence, which it
+// keeps for the trailer, a clock before its beat. The event is one clock after the beat that causes it (a last row's first, a
+// line's last), or in the clock of the next frame's start where that breaks the frame; so what a frame that starts in clock c
+// has in beat b shows from clock c + 4 + b on:
+//
+//   clk_i           _/1\_/2\_/3\_/4\_/5\_/6\_/7\_/8\_/9\_
+//   frame_start_i   _/ A \___________________/ B \_______     (c = 1)
+//   captured_o      _________/ A \_______________________     the trigger may go on to the next index
+//   pattern_i       _____________< A >___________________
+//   pattern_o       _________________< A                      c + 4, as header beat 0
+//   info_o, beat 0  _________________< A                      c + 4
+//   info_o, beat 1  _____________________< A                  c + 5; so do beats 2 and 3 a clock later each
 //
 // The time stamp is nevertheless that of the frame's first beat at the video input (the counter runs ahead by the
-// delay), and so is the encoder count (sp_encoder is late by the same number of clocks).
+// delay), and so is the encoder count (sp_encoder is late by the same number of clocks). They are known too late for every beat: the
+// time stamp can stand in beat 1 or later, the encoder count in beat 2 or later, the sequence in beat 1 or later.
+//
+// Formats: those of the header; columns and rows have the build's bits, those above are 0. Nothing overflows but by wrapping:
+// time and sequence after 2^64, frames_o after 2^32.
 `default_nettype none
 
 module sp_frame_info #(
@@ -17,6 +32,7 @@ module sp_frame_info #(
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
 
+  // Starts of frames, and the settings in force, of sp_frame_tracker
   input  wire logic                  frame_start_i,
   input  wire logic                  stray_before_i,
   input  wire logic                  take_i,
@@ -32,50 +48,48 @@ module sp_frame_info #(
   output logic [63:0]                time_o,      // clocks since reset, less 6; from the second clock on
   output logic [31:0]                frames_o,    // frames accepted
   output logic                       captured_o,  // the pattern index is captured at the end of the next clock
-  // header beat 0 (the sequence is taken with it)
-  output logic [7:0]                 stream_o,
-  output logic [15:0]                pattern_o,
-  output logic [1:0]                 mode_o,
-  output logic [7:0]                 threshold_o,
-  output logic [63:0]                sequence_o,
-  // header beat 1
-  output logic [63:0]                time_stamp_o,
-  // header beat 2
-  output logic [31:0]                encoder_o,
-  output logic [ColumnBits-1:0]      columns_o,
-  output logic [RowBits-1:0]         rows_o,
-  // header beat 3
-  output logic [RowBits-1:0]         lines_o,     // rows_o, a clock later
-  output logic                       stray_before_o
+  output logic [15:0]                pattern_o,   // the frame's, from its fourth clock on
+  output logic [sp_spec_pkg::HeaderBits-1:0] info_o
 );
+
+  localparam int BeatBits = sp_spec_pkg::PacketBeatBits;
+  // Beats in which the fields stand
+  localparam int StreamBeat = sp_spec_pkg::HeaderStreamLsb / BeatBits;
+  localparam int PatternBeat = sp_spec_pkg::HeaderPatternLsb / BeatBits;
+  localparam int ModeBeat = sp_spec_pkg::HeaderModeLsb / BeatBits;
+  localparam int ThresholdBeat = sp_spec_pkg::HeaderThresholdLsb / BeatBits;
+  localparam int SequenceBeat = sp_spec_pkg::HeaderSequenceLsb / BeatBits;
+  localparam int TimeStampBeat = sp_spec_pkg::HeaderTimeStampLsb / BeatBits;
+  localparam int EncoderBeat = sp_spec_pkg::HeaderEncoderLsb / BeatBits;
+  localparam int ColumnsBeat = sp_spec_pkg::HeaderColumnsLsb / BeatBits;
+  localparam int RowsBeat = sp_spec_pkg::HeaderRowsLsb / BeatBits;
+  localparam int LinesBeat = sp_spec_pkg::HeaderLinesLsb / BeatBits;
+  localparam int FlagsBeat = sp_spec_pkg::HeaderFlagsLsb / BeatBits;
 
   // Clocks from the edge that takes a frame's first beat at the video input to the edge that captures the time.
   localparam logic [63:0] CaptureDelay = 64'd6;
 
-  logic [17:0] events_q;  // {frame_start_i, take_i, stray_before_i}, one to six clocks ago, the latest lowest
-  logic        start2, start3, start4, start5, start6, take3, take5, take6;  // of it, so many clocks ago
-  logic [63:0] accepted;  // frames
-  logic        awake_q;  // a frame started in the last six clocks; else nothing moves but the time
-
-  assign start2 = events_q[5];
-  assign start3 = events_q[8];
-  assign start4 = events_q[11];
-  assign start5 = events_q[14];
-  assign start6 = events_q[17];
-  assign take3  = events_q[7];
-  assign take5  = events_q[13];
-  assign take6  = events_q[16];
+  logic [6:1]  started_q;  // frame_start_i, so many clocks ago
+  logic [6:1]  taken_q;    // take_i
+  logic [6:1]  stray_q;    // stray_before_i
+  logic        awake_q;    // a frame started in the last six clocks; else nothing moves but the time
+  logic [63:0] accepted;   // frames
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      events_q <= '0;
-      awake_q  <= 1'b0;
+      started_q <= '0;
+      taken_q   <= '0;
+      stray_q   <= '0;
+      awake_q   <= 1'b0;
     end else if (frame_start_i || awake_q) begin
-      events_q <= {events_q[14:0], frame_start_i, take_i, stray_before_i};
-      awake_q  <= frame_start_i || (events_q[14:0] & 15'b100_100_100_100_100) != '0;
+      started_q <= {started_q[5:1], frame_start_i};
+      taken_q   <= {taken_q[5:1], take_i};
+      stray_q   <= {stray_q[5:1], stray_before_i};
+      awake_q   <= frame_start_i || started_q[5:1] != '0;
     end
   end
 
+  // --- Counters ---
   sp_counter #(
     .Width     (64),
     .ResetValue(64'd1 - CaptureDelay)  // it tells its count two clocks later, not one
@@ -86,37 +100,113 @@ module sp_frame_info #(
     .count_o(time_o)
   );
 
-  // The first frame has sequence 0: the number of those before it, as it is told in the clock start3.
+  // The first frame has sequence 0: the number of those before it, as it is told three clocks after the start.
   sp_counter #(
     .Width(64)
   ) u_frames (
     .clk_i  (clk_i),
     .rst_i  (rst_i),
-    .inc_i  (start2),
+    .inc_i  (started_q[2]),
     .count_o(accepted)
   );
 
   assign frames_o   = accepted[31:0];
-  assign captured_o = start2;
+  assign captured_o = started_q[2];
+
+  // --- Fields that stand in one clock only ---
+  logic [15:0] pattern;
+  logic [63:0] sequence_number, time_stamp;
+  logic [31:0] encoder;
+
+  sp_header_field #(
+    .Width(16),
+    .Known(3),
+    .Shown(4)
+  ) u_pattern (
+    .clk_i    (clk_i),
+    .started_i(started_q[3]),
+    .value_i  (pattern_i),
+    .value_o  (pattern_o)
+  );
+
+  if (PatternBeat == 0) begin : gen_pattern
+    assign pattern = pattern_o;
+  end else begin : gen_pattern_later
+    sp_header_field #(
+      .Width(16),
+      .Known(4),
+      .Shown(4 + PatternBeat)
+    ) u_later (
+      .clk_i    (clk_i),
+      .started_i(started_q[3+PatternBeat:4]),
+      .value_i  (pattern_o),
+      .value_o  (pattern)
+    );
+  end
+
+  sp_header_field #(
+    .Width(64),
+    .Known(3),
+    .Shown(3 + SequenceBeat)
+  ) u_sequence (
+    .clk_i    (clk_i),
+    .started_i(started_q[2+SequenceBeat:3]),
+    .value_i  (accepted),
+    .value_o  (sequence_number)
+  );
+
+  sp_header_field #(
+    .Width(64),
+    .Known(4),
+    .Shown(4 + TimeStampBeat)
+  ) u_time_stamp (
+    .clk_i    (clk_i),
+    .started_i(started_q[3+TimeStampBeat:4]),
+    .value_i  (time_o),
+    .value_o  (time_stamp)
+  );
+
+  sp_header_field #(
+    .Width(32),
+    .Known(5),
+    .Shown(4 + EncoderBeat)
+  ) u_encoder (
+    .clk_i    (clk_i),
+    .started_i(started_q[3+EncoderBeat:5]),
+    .value_i  (encoder_i),
+    .value_o  (encoder)
+  );
+
+  // --- Settings stand still for seven clocks and more: each is taken where its beat needs it ---
+  logic [7:0]            stream_q, threshold_q;
+  logic [1:0]            mode_q;
+  logic [ColumnBits-1:0] columns_q;
+  logic [RowBits-1:0]    rows_q, lines_q;
+  logic                  stray_before_q;  // of the frame, not of the settings
 
   always_ff @(posedge clk_i) begin
-    if (take3) begin
-      stream_o    <= stream_i;
-      mode_o      <= mode_i;
-      threshold_o <= threshold_i;
-    end
-    if (start3) begin
-      pattern_o  <= pattern_i;
-      sequence_o <= accepted;
-    end
-    if (start4) time_stamp_o <= time_o;
-    if (start5) encoder_o <= encoder_i;
-    if (take5) begin
-      columns_o <= columns_i;
-      rows_o    <= rows_i;
-    end
-    if (take6) lines_o <= rows_o;
-    if (start6) stray_before_o <= events_q[15];
+    if (taken_q[3+StreamBeat]) stream_q <= stream_i;
+    if (taken_q[3+ModeBeat]) mode_q <= mode_i;
+    if (taken_q[3+ThresholdBeat]) threshold_q <= threshold_i;
+    if (taken_q[3+ColumnsBeat]) columns_q <= columns_i;
+    if (taken_q[3+RowsBeat]) rows_q <= rows_i;
+    if (taken_q[3+LinesBeat]) lines_q <= rows_i;
+    if (started_q[3+FlagsBeat]) stray_before_q <= stray_q[3+FlagsBeat];
+  end
+
+  always_comb begin
+    info_o = '0;
+    info_o[sp_spec_pkg::HeaderStreamLsb+:8]              = stream_q;
+    info_o[sp_spec_pkg::HeaderPatternLsb+:16]            = pattern;
+    info_o[sp_spec_pkg::HeaderModeLsb+:2]                = mode_q;
+    info_o[sp_spec_pkg::HeaderThresholdLsb+:8]           = threshold_q;
+    info_o[sp_spec_pkg::HeaderSequenceLsb+:64]           = sequence_number;
+    info_o[sp_spec_pkg::HeaderTimeStampLsb+:64]          = time_stamp;
+    info_o[sp_spec_pkg::HeaderEncoderLsb+:32]            = encoder;
+    info_o[sp_spec_pkg::HeaderColumnsLsb+:ColumnBits]    = columns_q;
+    info_o[sp_spec_pkg::HeaderRowsLsb+:RowBits]          = rows_q;
+    info_o[sp_spec_pkg::HeaderLinesLsb+:RowBits]         = lines_q;
+    info_o[sp_spec_pkg::HeaderFlagsLsb+sp_spec_pkg::FlagStrayBeforeBit] = stray_before_q;
   end
 
 endmodule

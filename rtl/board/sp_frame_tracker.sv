@@ -8,8 +8,22 @@
 // outside any frame are discarded and counted. run_i and hold_i count for a beat at the input as they were a clock before it,
 // timeout_i, for the pause behind the beat, as it is beside it.
 //
-// Timing: outputs are registers, two clocks after the beat at the input. break_o is reported after the beats of the
-// clocks before it and before the beat of its own clock: a frame's start and the break of the frame before it may share a clock.
+// Guarantees: each frame that begins ends well or is told by break_o, once; beats lie inside their frame; both counters wrap.
+// Latency: outputs are registers, two clocks after the beat at the input; a break by a line or a pause comes a clock later, one by
+// the next frame's start in the clock of that start. So break_o comes after the beats of the clocks before it and before the
+// beat of its own clock. Two rows of two groups; then a frame whose first line ends late, in beat 6, and beat 7 without a frame:
+//
+//   clock              0   1   2   3   4   5   6   7   8   9
+//   s_axis_tvalid_i   _/1\_/2\_/3\_/4\_/5\_/6\_/7\____________
+//   s_axis_tuser_i    _/1\_____________/5\____________________
+//   s_axis_tlast_i    _____/2\_____/4\_________/7\____________
+//   stage 1           ----< 1 < 2 < 3 < 4 < 5 < 6 < 7 >-------
+//   open_q            _________/11111111111\___/111\____________   a frame is under way: after its first beat, before its last
+//   frame_start_o     _________/1\_____________/5\____________
+//   take_o            _________/1\____________________________   5 comes too soon for new settings
+//   beat_valid_o      _________/1\_/2\_/3\_/4\_/5\_/6\________
+//   last_row_start_o  _________________/3\____________________
+//   break_o           _________________________________/6\____   long line
 `default_nettype none
 
 module sp_frame_tracker #(
@@ -78,48 +92,16 @@ module sp_frame_tracker #(
 
   assign s_axis_tready_o = 1'b1;
 
-  // --- Settings ---
-  // What is asked of the settings as written, known a clock after the write.
-  logic                 next_one_q, next_two_q, next_three_q, next_one_row_q, next_two_rows_q, next_three_rows_q;
-  logic [GroupBits-1:0] next_groups_m3_q;
-  logic [RowBits-1:0]   next_rows_m2_q;
-  // and of those in force
-  logic [GroupBits-1:0] groups_m3_q;  // groups of a line, less 3
-  logic [RowBits-1:0]   rows_m2_q;
-  logic                 three_q;   // three groups
-  logic                 one_row_q;
-  logic                 second_q;  // a frame's second beat is of its last row
-  logic                 soon_q;    // the first beat of the row after that is
-
-  always_ff @(posedge clk_i) if (hold_i) begin
-    next_one_q        <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(1);
-    next_two_q        <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(2);
-    next_one_row_q    <= rows_i == RowBits'(1);
-    next_two_rows_q   <= rows_i == RowBits'(2);
-    next_three_rows_q <= rows_i == RowBits'(3);
-    next_three_q      <= columns_i[ColumnBits-1:2] == (ColumnBits - 2)'(3);
-    next_groups_m3_q  <= GroupBits'(columns_i[ColumnBits-1:2] - (ColumnBits - 2)'(3));
-    next_rows_m2_q    <= rows_i - RowBits'(2);
-  end
-
-  // --- Stage 1: registers of the beat ---
-  logic        s1_valid_q, s1_start_q, s1_more_q;  // a beat; one with tuser; one without
-  logic        s1_begin_q, s1_take_q;   // one that starts a frame; and takes the settings over
-  logic        s1_last_q;
-  logic [31:0] s1_pixels_q;
-  // Of a frame that starts with it: its line has one group, one or two, three; it has one row, its second beat is of its last, the
-  // first beat of the row after that is; the line ends early or late; the frame goes on
-  logic        s1_one_q, s1_few_q, s1_three_q, s1_one_row_q, s1_second_q, s1_soon_q, s1_odd_q, s1_stays_q;
-  logic        take, one, one_row;  // of a beat with tuser that comes now
-
   // --- Stage 0: what a beat that comes now may do, from run_i and hold_i a clock ago ---
   logic       may_start_q;
   logic       may_take_q;  // but not in the clock after a take-over
-  logic       new_q;       // may_take_q || s1_take_q: a frame that starts now is of the settings as written
-  logic [3:0] took_q;      // a take-over so many clocks ago, and one
+  logic       new_q;       // a frame that starts now is of the settings as written: may_take_q || s1_take_q
+  logic [3:0] took_q;      // a take-over one to four clocks ago, the latest lowest
   logic       in_force_q;  // settings have been taken over: a frame may start without taking them over
+  logic       take;        // a beat comes now that takes the settings over
 
   assign take_o = took_q[0];
+  assign take   = s_axis_tvalid_i && s_axis_tuser_i && may_take_q && !s1_take_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -137,93 +119,132 @@ module sp_frame_tracker #(
     end
   end
 
-  // Into stage 1
-  assign take    = s_axis_tvalid_i && s_axis_tuser_i && may_take_q && !s1_take_q;
-  assign one     = new_q ? next_one_q : one_group_o;
-  assign one_row = new_q ? next_one_row_q : one_row_q;
+  // --- Stage 1: registers of the beat ---
+  logic        s1_valid_q;   // a beat:
+  logic        s1_start_q;   // one with tuser
+  logic        s1_further_q; // one without
+  logic        s1_begin_q;   // one that starts a frame
+  logic        s1_take_q;    // and takes the settings over
+  logic        s1_last_q;    // tlast
+  logic [31:0] s1_pixels_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      s1_valid_q <= 1'b0;
-      s1_start_q <= 1'b0;
-      s1_more_q  <= 1'b0;
-      s1_begin_q <= 1'b0;
-      s1_take_q  <= 1'b0;
+      s1_valid_q   <= 1'b0;
+      s1_start_q   <= 1'b0;
+      s1_further_q <= 1'b0;
+      s1_begin_q   <= 1'b0;
+      s1_take_q    <= 1'b0;
     end else begin
-      s1_valid_q <= s_axis_tvalid_i;
-      s1_start_q <= s_axis_tvalid_i && s_axis_tuser_i;
-      s1_more_q  <= s_axis_tvalid_i && !s_axis_tuser_i;
-      s1_begin_q <= s_axis_tvalid_i && s_axis_tuser_i && may_start_q;
-      s1_take_q  <= take;
+      s1_valid_q   <= s_axis_tvalid_i;
+      s1_start_q   <= s_axis_tvalid_i && s_axis_tuser_i;
+      s1_further_q <= s_axis_tvalid_i && !s_axis_tuser_i;
+      s1_begin_q   <= s_axis_tvalid_i && s_axis_tuser_i && may_start_q;
+      s1_take_q    <= take;
     end
-    s1_pixels_q  <= s_axis_tdata_i;
-    s1_last_q    <= s_axis_tlast_i;
-    if (s_axis_tuser_i) begin
-      s1_one_q     <= one;
-      s1_few_q     <= new_q ? next_one_q || next_two_q : one_group_o || two_groups_o;
-      s1_one_row_q <= one_row;
-      s1_second_q  <= new_q ? (next_one_q ? next_two_rows_q : next_one_row_q) : second_q;
-      s1_soon_q    <= new_q ? (next_one_q ? next_three_rows_q : next_two_rows_q) : soon_q;
-      s1_three_q   <= new_q ? next_three_q : three_q;
-      s1_odd_q     <= s_axis_tlast_i != one;
-      s1_stays_q   <= one ? s_axis_tlast_i && !one_row : !s_axis_tlast_i;
-    end
+    s1_pixels_q <= s_axis_tdata_i;
+    s1_last_q   <= s_axis_tlast_i;
   end
 
   always_ff @(posedge clk_i) begin
     if (s1_take_q) begin
-      image_o      <= image_i;
-      columns_o    <= columns_i;
-      rows_o       <= rows_i;
-      mode_o       <= mode_i;
-      threshold_o  <= threshold_i;
-      stream_o     <= stream_i;
-      one_group_o  <= next_one_q;
-      two_groups_o <= next_two_q;
-      groups_m3_q  <= next_groups_m3_q;
-      rows_m2_q    <= next_rows_m2_q;
-      three_q      <= next_three_q;
-      one_row_q    <= next_one_row_q;
-      second_q     <= next_one_q ? next_two_rows_q : next_one_row_q;
-      soon_q       <= next_one_q ? next_three_rows_q : next_two_rows_q;
+      image_o     <= image_i;
+      mode_o      <= mode_i;
+      threshold_o <= threshold_i;
+      stream_o    <= stream_i;
     end
   end
 
-  // --- Position of the beat in stage 1 ---
-  typedef struct packed {
-    logic               is_first;
-    logic               is_last;
-    logic [RowBits-1:0] number;
-  } row_t;
+  // --- Size: what is asked of it in force, and, with the beat in stage 1, where that is a frame's first (s1_) ---
+  logic                 s1_one_group, s1_three_groups, s1_one_row, s1_next_ends_line, s1_next_in_last_row;
+  logic                 s1_row_after_is_last, s1_wrong_length, s1_goes_on;
+  logic [GroupBits-1:0] groups_less_3;
+  logic [RowBits-1:0]   rows_less_2;
 
-  row_t                 row_q;
-  logic                 open_q;           // a frame is being taken
-  logic                 in_line_q;        // its line has begun
-  logic                 in_last_row_q;    // its last row has begun
-  logic [GroupBits-1:0] group_q;          // the next beat's
-  logic                 group_is_last_q;
-  logic                 timed_out;
+  sp_frame_size #(
+    .GroupBits (GroupBits),
+    .ColumnBits(ColumnBits),
+    .RowBits   (RowBits)
+  ) u_size (
+    .clk_i                    (clk_i),
+    .hold_i                   (hold_i),
+    .columns_i                (columns_i),
+    .rows_i                   (rows_i),
+    .take_i                   (s1_take_q),
+    .columns_o                (columns_o),
+    .rows_o                   (rows_o),
+    .one_group_o              (one_group_o),
+    .two_groups_o             (two_groups_o),
+    .groups_less_3_o          (groups_less_3),
+    .rows_less_2_o            (rows_less_2),
+    .tuser_i                  (s_axis_tuser_i),
+    .tlast_i                  (s_axis_tlast_i),
+    .new_i                    (new_q),
+    .start_one_group_o        (s1_one_group),
+    .start_three_groups_o     (s1_three_groups),
+    .start_one_row_o          (s1_one_row),
+    .start_next_ends_line_o   (s1_next_ends_line),
+    .start_next_in_last_row_o (s1_next_in_last_row),
+    .start_row_after_is_last_o(s1_row_after_is_last),
+    .start_wrong_length_o     (s1_wrong_length),
+    .start_goes_on_o          (s1_goes_on)
+`ifdef FORMAL
+    ,
+    .f_start_i                (s1_start_q),
+    .f_in_force_i             (in_force_q)
+`endif
+  );
 
-  // Whether the group, the row after the next one is the last, known when the one before that came: compared, or, behind a
-  // frame's first beat and a line's last, from the size alone.
-  typedef struct packed {
-    logic compared;
-    logic is_known;
-    logic known;
-  } soon_t;
+  // --- Position of the beat in stage 1, where it is not a frame's first ---
+  logic [GroupBits-1:0] group;
+  logic [RowBits-1:0]   row;
+  logic                 group_is_last, row_is_first, row_is_last;
 
-  soon_t group_soon_q, row_soon_q;
+  sp_frame_position #(
+    .GroupBits(GroupBits),
+    .RowBits  (RowBits)
+  ) u_position (
+    .clk_i                    (clk_i),
+    .beat_i                   (s1_valid_q),
+    .start_i                  (s1_start_q),
+    .start_one_group_i        (s1_one_group),
+    .start_next_ends_line_i   (s1_next_ends_line),
+    .start_three_groups_i     (s1_three_groups),
+    .start_next_in_last_row_i (s1_next_in_last_row),
+    .start_row_after_is_last_i(s1_row_after_is_last),
+    .one_group_i              (one_group_o),
+    .two_groups_i             (two_groups_o),
+    .groups_less_3_i          (groups_less_3),
+    .rows_less_2_i            (rows_less_2),
+    .group_o                  (group),
+    .group_is_last_o          (group_is_last),
+    .row_o                    (row),
+    .row_is_first_o           (row_is_first),
+    .row_is_last_o            (row_is_last)
+`ifdef FORMAL
+    ,
+    .f_open_i                 (open_q && f_ran_q && !rst_i),
+    .f_columns_i              ((GroupBits + 3)'(columns_o)),
+    .f_rows_i                 (rows_o)
+`endif
+  );
 
-  // What a beat with tuser is judged by needs no word of whether it is taken: then nothing of this counts.
-  logic belongs;  // the beat is part of a frame
+  // --- State of the frame. What a beat with tuser is judged by needs no word of whether it is taken: then nothing of this
+  // counts. ---
+  logic open_q;         // a frame is under way: beats without tuser belong to it
+  logic in_line_q;      // its line has begun
+  logic in_last_row_q;  // its last row has begun
+  logic belongs;        // the beat is part of a frame
   logic in_last_row, line_end;
-  logic odd_more, more_stays;  // of a beat without tuser: its line ends early or late; the frame goes on
+  logic wrong_length, goes_on;  // of a beat without tuser: its line ends early or late; the frame goes on
+  logic pause_over, timed_out;  // no beat came for too long; and that ends a frame
 
-  assign in_last_row = s1_start_q ? s1_one_row_q : row_q.is_last;
-  assign belongs     = s1_begin_q || s1_more_q && open_q;
-  assign line_end    = s1_last_q && (s1_start_q ? s1_one_q : group_is_last_q);
-  assign odd_more    = s1_last_q != group_is_last_q;
-  assign more_stays  = group_is_last_q ? s1_last_q && !row_q.is_last : !s1_last_q;
+  assign in_last_row  = s1_start_q ? s1_one_row : row_is_last;
+  assign belongs      = s1_begin_q || s1_further_q && open_q;
+  assign line_end     = s1_last_q && (s1_start_q ? s1_one_group : group_is_last);
+  assign wrong_length = s1_last_q ^ group_is_last;
+  assign goes_on      = group_is_last ? s1_last_q && !row_is_last : !s1_last_q;
+  assign timed_out    = pause_over && open_q && !s1_valid_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -231,7 +252,7 @@ module sp_frame_tracker #(
       in_line_q     <= 1'b0;
       in_last_row_q <= 1'b0;
     end else begin
-      if (s1_valid_q || timed_out_q) open_q <= s1_begin_q && s1_stays_q || s1_more_q && open_q && more_stays;
+      if (s1_valid_q || pause_over) open_q <= s1_begin_q ? s1_goes_on : s1_further_q && open_q && goes_on;
       if (s1_valid_q) begin
         in_line_q     <= !s1_last_q;
         in_last_row_q <= in_last_row;
@@ -239,84 +260,26 @@ module sp_frame_tracker #(
     end
   end
 
-  // Between frames nothing of this counts.
-  always_ff @(posedge clk_i) begin
-    if (s1_valid_q) begin
-      if (s1_start_q) begin
-        group_q             <= GroupBits'(!s1_one_q);
-        group_is_last_q     <= s1_few_q;
-        row_q.number        <= s1_one_q ? RowBits'(2) : RowBits'(1);
-        row_q.is_first      <= !s1_one_q;
-        row_q.is_last       <= s1_second_q;
-        row_soon_q.is_known <= 1'b1;
-        row_soon_q.known    <= s1_soon_q;
-      end else if (group_is_last_q) begin
-        group_q             <= '0;
-        group_is_last_q     <= one_group_o;
-        row_q.number        <= row_q.number + RowBits'(1);
-        row_q.is_first      <= 1'b0;
-        row_q.is_last       <= row_soon_q.is_known ? row_soon_q.known : row_soon_q.compared;
-        row_soon_q.is_known <= 1'b0;
-        row_soon_q.compared <= row_q.number == rows_m2_q;
-      end else begin
-        group_q             <= group_q + GroupBits'(1);
-        group_is_last_q     <= group_soon_q.is_known ? group_soon_q.known : group_soon_q.compared;
-      end
-      group_soon_q.compared <= group_q == groups_m3_q;
-      group_soon_q.is_known <= s1_start_q || group_is_last_q;
-      group_soon_q.known    <= s1_start_q ? s1_three_q : two_groups_o;
-    end
-  end
-
-  // --- Time-out: clocks since the last beat at the input, in two chains, two clocks ahead, one for each register of the
-  // comparison ---
-  typedef struct packed {
-    logic        low_full;
-    logic [3:0]  there;     // so many bits are those of limit_q, six by six
-    logic [11:0] high;
-    logic [11:0] low;
-  } pause_t;
-
-  pause_t      pause_q;
-  logic [23:0] limit_q;       // timeout_i beside the last beat
-  logic        limit_some_q;  // it is not 0, known a clock later
-  logic [1:0]  some_q;        // timeout_i, a clock ago, was not 0, in its halves
-  logic        timed_out_q;
-
-  always_ff @(posedge clk_i) begin
-    some_q <= {timeout_i[23:12] != '0, timeout_i[11:0] != '0};
-    if (s1_valid_q) limit_some_q <= some_q != '0;
-    timed_out_q <= !s1_valid_q && limit_some_q && pause_q.there == '1;
-    if (s_axis_tvalid_i) begin
-      limit_q          <= timeout_i;
-      pause_q.low_full <= 1'b0;
-      pause_q.there    <= '0;
-      pause_q.high     <= '0;
-      pause_q.low      <= 12'd1;
-    end else begin
-      pause_q.low_full <= pause_q.low == 12'hFFE;
-      pause_q.low      <= pause_q.low + 12'd1;
-      if (pause_q.low_full) pause_q.high <= pause_q.high + 12'd1;
-      pause_q.there[0] <= pause_q.low[5:0] == limit_q[5:0];
-      pause_q.there[1] <= pause_q.low[11:6] == limit_q[11:6];
-      pause_q.there[2] <= pause_q.high[5:0] == limit_q[17:12];
-      pause_q.there[3] <= pause_q.high[11:6] == limit_q[23:18];
-    end
-  end
-
-  assign timed_out = timed_out_q && open_q && !s1_valid_q;
+  sp_frame_timeout u_timeout (
+    .clk_i    (clk_i),
+    .beat_i   (s_axis_tvalid_i),
+    .beat1_i  (s1_valid_q),
+    .timeout_i(timeout_i),
+    .expired_o(pause_over)
+  );
 
   // --- Stage 2: outputs ---
-  logic stray_q;
-  logic stray, stray_now_q;  // the beat is discarded while running
-  logic start_breaks;  // a start ends an open frame
-  logic late_break;    // a line or a pause ends it
-  logic late_break_q;
-  logic late_valid_q, late_last_q;  // there was a beat a clock ago, with tlast
+  logic stray_q;              // a beat was discarded since the last frame's start
+  logic stray, stray_now_q;   // the beat is discarded while running; it was, a clock ago
+  logic start_breaks;         // a start ends an open frame
+  logic late_break;           // a line or a pause ends it
+  logic late_break_q;         // it did, a clock ago: break_o comes with the next clock
+  logic late_valid_q;         // there was a beat a clock ago,
+  logic late_last_q;          // with tlast
 
-  assign stray        = run_i && (s1_start_q && !s1_begin_q || s1_more_q && !open_q);
+  assign stray        = run_i && (s1_start_q && !s1_begin_q || s1_further_q && !open_q);
   assign start_breaks = s1_start_q && open_q;
-  assign late_break   = s1_begin_q && s1_odd_q || s1_more_q && open_q && odd_more || timed_out;
+  assign late_break   = s1_begin_q && s1_wrong_length || s1_further_q && open_q && wrong_length || timed_out;
 
   // Reset lasts long enough for these to follow.
   always_ff @(posedge clk_i) begin
@@ -343,17 +306,17 @@ module sp_frame_tracker #(
   // Fields of a beat count with beat_valid_o, those of a break with late_break_q.
   always_ff @(posedge clk_i) begin
     beat_pixels_o     <= s1_pixels_q;
-    beat_group_o      <= s1_start_q ? '0 : group_q;
-    beat_row_o        <= s1_start_q ? RowBits'(1) : row_q.number;
-    beat_first_row_o  <= s1_start_q || row_q.is_first;
+    beat_group_o      <= s1_start_q ? '0 : group;
+    beat_row_o        <= s1_start_q ? RowBits'(1) : row;
+    beat_first_row_o  <= s1_start_q || row_is_first;
     beat_last_row_o   <= in_last_row;
     beat_line_start_o <= s1_start_q || !in_line_q;
     beat_line_end_o   <= line_end;
     late_valid_q      <= s1_valid_q;
     late_last_q       <= s1_last_q;
     if (start_breaks || late_break_q) begin
-      break_in_last_row_o <= in_last_row_q;
-      break_status_o      <= '0;
+      break_in_last_row_o                                <= in_last_row_q;
+      break_status_o                                     <= '0;
       break_status_o[sp_spec_pkg::StatusStartInFrameBit] <= !late_break_q;
       break_status_o[sp_spec_pkg::StatusShortLineBit]    <= late_break_q && late_valid_q && late_last_q;
       break_status_o[sp_spec_pkg::StatusLongLineBit]     <= late_break_q && late_valid_q && !late_last_q;
@@ -396,7 +359,7 @@ module sp_frame_tracker #(
   logic [3:1]            f_hold_q;  // so many clocks ago
   always_ff @(posedge clk_i) begin
     {f_columns_before_q, f_rows_before_q, f_after_reset_q} <= {columns_i, rows_i, rst_i};
-    f_hold_q <= rst_i ? 3'b111 : {f_hold_q[2:1], hold_i};
+    f_hold_q                                               <= rst_i ? 3'b111 : {f_hold_q[2:1], hold_i};
   end
   always_comb begin
     if (f_after_reset_q || rst_i) assume (hold_i);
@@ -440,9 +403,9 @@ module sp_frame_tracker #(
     if (rst_i) {f_started_q, f_good_q, f_broken_q, f_counting_q} <= '0;
     else begin
       f_counting_q <= break_o;
-      f_started_q <= f_started_q + 4'(s1_begin_q);
-      f_good_q    <= f_good_q + 4'(f_frame_end);
-      f_broken_q  <= f_broken_q + 4'(break_o);
+      f_started_q  <= f_started_q + 4'(s1_begin_q);
+      f_good_q     <= f_good_q + 4'(f_frame_end);
+      f_broken_q   <= f_broken_q + 4'(break_o);
     end
   end
   always_comb if (f_ran_q && !rst_i) begin
@@ -457,58 +420,18 @@ module sp_frame_tracker #(
     assert (new_q == (may_take_q || s1_take_q));
     if (may_take_q) assert (f_since_q >= 3'd5);
     if (s1_take_q) assert (f_since_q >= 3'd6);
-    assert (s1_valid_q == (s1_start_q || s1_more_q) && !(s1_start_q && s1_more_q));
+    assert (s1_valid_q == (s1_start_q || s1_further_q) && !(s1_start_q && s1_further_q));
     // A break is of one frame: the late ones and that of a start never meet.
     assert (!(late_break_q && start_breaks));
     if (late_break_q) assert (!open_q);
   end
 
-  // Rule 4: beats of a frame lie inside it: rows 1 to rows_o, groups below columns_o / 4.
+  // Rule 4: beats of a frame lie inside it: rows 1 to rows_o, groups below columns_o / 4 (sp_frame_position).
   always_comb if (f_ran_q && !rst_i) begin
     if (in_force_q) assert (f_columns_q == columns_o && f_rows_q == rows_o);
-    if (open_q) begin
-      assert (row_q.number >= RowBits'(1) && row_q.number <= rows_o);
-      assert (row_q.is_first == (row_q.number == RowBits'(1)));
-      assert (row_q.is_last == (row_q.number == rows_o));
-      assert ((ColumnBits)'(group_q) < columns_o >> 2);
-      assert (group_is_last_q == ((ColumnBits)'(group_q) == (columns_o >> 2) - ColumnBits'(1)));
-      if (!group_is_last_q) begin
-        assert ((group_soon_q.is_known ? group_soon_q.known : group_soon_q.compared) ==
-                ((ColumnBits)'(group_q) + ColumnBits'(2) == columns_o >> 2));
-      end
-      if (!row_q.is_last) begin
-        assert ((row_soon_q.is_known ? row_soon_q.known : row_soon_q.compared) == (row_q.number + RowBits'(1) == rows_o));
-      end
-    end
-    if (s1_start_q) begin
-      assert (s1_one_q == (s1_take_q ? next_one_q : one_group_o) && s1_one_row_q == (s1_take_q ? next_one_row_q : one_row_q));
-      assert (s1_few_q == (s1_take_q ? next_one_q || next_two_q : one_group_o || two_groups_o));
-      assert (s1_second_q == (s1_take_q ? (next_one_q ? next_two_rows_q : next_one_row_q) : second_q));
-      assert (s1_soon_q == (s1_take_q ? (next_one_q ? next_three_rows_q : next_two_rows_q) : soon_q));
-      assert (s1_three_q == (s1_take_q ? next_three_q : three_q));
-      assert (s1_odd_q == (s1_last_q != s1_one_q) && s1_stays_q == (s1_one_q ? s1_last_q && !s1_one_row_q : !s1_last_q));
-    end
-    if (!hold_i || !f_hold_q[1] || !f_hold_q[2]) begin
-      assert (next_one_q == (columns_i == ColumnBits'(4)));
-      assert (next_two_q == (columns_i == ColumnBits'(8)));
-      assert (next_one_row_q == (rows_i == RowBits'(1)));
-      assert (next_two_rows_q == (rows_i == RowBits'(2)));
-      assert (next_three_q == (columns_i == ColumnBits'(12)));
-      assert (next_three_rows_q == (rows_i == RowBits'(3)));
-      assert (next_groups_m3_q == GroupBits'((columns_i >> 2) - ColumnBits'(3)));
-      assert (next_rows_m2_q == rows_i - RowBits'(2));
-    end
     if (in_force_q) begin
       assert (columns_o[1:0] == 2'd0 && columns_o != '0 && columns_o <= ColumnBits'(MaxColumns));
       assert (rows_o != '0 && rows_o <= RowBits'(MaxRows));
-      assert (one_group_o == (columns_o == ColumnBits'(4)));
-      assert (two_groups_o == (columns_o == ColumnBits'(8)));
-      assert (one_row_q == (rows_o == RowBits'(1)));
-      assert (second_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(2) : RowBits'(1))));
-      assert (soon_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(3) : RowBits'(2))));
-      assert (three_q == (columns_o == ColumnBits'(12)));
-      assert (rows_m2_q == rows_o - RowBits'(2));
-      assert (groups_m3_q == GroupBits'((columns_o >> 2) - ColumnBits'(3)));
     end
     cover (f_frame_end && rows_o == RowBits'(2) && columns_o == ColumnBits'(8));
   end

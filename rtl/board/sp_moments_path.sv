@@ -1,7 +1,7 @@
 // From beats to moments packets: the sums, their packets, and the packet FIFO into the bus clock.
 //
-// Guarantees: every frame start gives a packet or is counted in lost_o; packets come out whole. The times and the overflow
-// rule are those of sp_column_moments, sp_packetizer and sp_packet_fifo, which this module only connects.
+// Guarantees: every frame start gives a packet or is counted in lost_o; packets come out whole. Latency, formats and overflow
+// rule are those of sp_column_moments and sp_packet_output, which this module only connects.
 `default_nettype none
 
 module sp_moments_path #(
@@ -36,18 +36,7 @@ module sp_moments_path #(
   input  wire logic                  break_in_last_row_i,
   input  wire logic [sp_spec_pkg::StatusBits-1:0]    break_status_i,
 
-  // Header fields of sp_frame_info
-  input  wire logic [7:0]            info_stream_i,
-  input  wire logic [63:0]           info_sequence_i,
-  input  wire logic [63:0]           info_time_stamp_i,
-  input  wire logic [31:0]           info_encoder_i,
-  input  wire logic [15:0]           info_pattern_i,
-  input  wire logic [ColumnBits-1:0] info_columns_i,
-  input  wire logic [RowBits-1:0]    info_rows_i,
-  input  wire logic [1:0]            info_mode_i,
-  input  wire logic [7:0]            info_threshold_i,
-  input  wire logic [RowBits-1:0]    info_lines_i,
-  input  wire logic                  info_stray_before_i,
+  input  wire logic [sp_spec_pkg::HeaderBits-1:0] info_i,  // of sp_frame_info
 
   output logic      [31:0]           lost_o,
 
@@ -67,9 +56,6 @@ module sp_moments_path #(
   logic [127:0]           words_data;
   logic [PayloadBits-1:0] payload_beats, payload_beats_q;
   logic                   last_row_start_q;
-  logic [LogDepth:0]      free;
-  logic                   put, put_last;
-  logic [127:0]           put_data;
 
   // Four columns a beat in mode binary, two in the grey modes
   assign payload_beats = Grey && mode_i != sp_spec_pkg::ModeBinary ? PayloadBits'({groups_i, 1'b0}) :
@@ -107,13 +93,13 @@ module sp_moments_path #(
     .spoiled_o       (spoiled)
   );
 
-  sp_packetizer #(
+  sp_packet_output #(
     .Kind       (sp_spec_pkg::KindMoments),
     .ColumnBits (ColumnBits),
     .RowBits    (RowBits),
     .PayloadBits(PayloadBits),
     .LogDepth   (LogDepth)
-  ) u_packetizer (
+  ) u_packets (
     .clk_i          (clk_i),
     .rst_i          (rst_i),
     .start_i        (last_row_start_q),
@@ -128,40 +114,14 @@ module sp_moments_path #(
     .payload_valid_i(words_valid),
     .payload_data_i (words_data),
     .payload_break_i(words_break),
-    .stream_i       (info_stream_i),
-    .sequence_i     (info_sequence_i),
-    .time_stamp_i   (info_time_stamp_i),
-    .encoder_i      (info_encoder_i),
-    .pattern_i      (info_pattern_i),
-    .columns_i      (info_columns_i),
-    .rows_i         (info_rows_i),
-    .mode_i         (info_mode_i),
-    .threshold_i    (info_threshold_i),
-    .lines_i        (info_lines_i),
-    .stray_before_i (info_stray_before_i),
-    .fifo_free_i    (free),
-    .fifo_valid_o   (put),
-    .fifo_last_o    (put_last),
-    .fifo_data_o    (put_data),
-    .lost_o         (lost_o)
-  );
-
-  sp_packet_fifo #(
-    .Width   (128),
-    .LogDepth(LogDepth)
-  ) u_fifo (
-    .wr_clk_i  (clk_i),
-    .wr_rst_i  (rst_i),
-    .wr_valid_i(put),
-    .wr_last_i (put_last),
-    .wr_data_i (put_data),
-    .wr_free_o (free),
-    .rd_clk_i  (bus_clk_i),
-    .rd_rst_i  (bus_rst_i),
-    .rd_valid_o(m_valid_o),
-    .rd_ready_i(m_ready_i),
-    .rd_last_o (m_last_o),
-    .rd_data_o (m_data_o)
+    .info_i         (info_i),
+    .lost_o         (lost_o),
+    .bus_clk_i      (bus_clk_i),
+    .bus_rst_i      (bus_rst_i),
+    .m_valid_o      (m_valid_o),
+    .m_ready_i      (m_ready_i),
+    .m_last_o       (m_last_o),
+    .m_data_o       (m_data_o)
   );
 
 endmodule

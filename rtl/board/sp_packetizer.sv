@@ -1,16 +1,29 @@
 // Builds packets: header, payload beats as they come, trailer with the check word; decides at the start of each whether its
-// FIFO has room for all of it.
+// FIFO has room for all of it. The specification says where in header and trailer the fields stand (sp_spec_pkg).
 //
 // start_i asks for a packet with payload_beats_i beats of payload, a break without break_later_i for an empty one (a frame that
-// broke before its header left). Where the FIFO cannot take all of it, or the packet before is not finished, the packet is
-// dropped and counted; the count is in every later header. Each such request is thus delivered or counted.
+// broke before its header left). Overflow: where the FIFO cannot take all of it, or the packet before is not finished, the packet
+// is dropped and counted; the count, which wraps, is in every later header. Each such request is thus delivered or counted.
 // Once begun a packet is always completed: where the payload ends early (payload_break_i) zeros fill it up. The trailer has
 // the status given with the request or, while the packet is under way, with a break and break_later_i.
 //
-// Timing, in clocks from the request (e): decision in e + 2, accept_o from e + 3 on until the next decision about
-// a start_i, header beats at the FIFO in e + 4 .. e + 7. Payload beats may come from e + 7 on, any number of clocks apart, and
-// reach the FIFO one clock later. The packetizer is busy until seven clocks after its last payload beat.
-// The two requests never come in one clock, and a later break before the next request (sp_frame_tracker sees to it).
+// Latency: the decision two clocks after the request, the header's beats four to seven clocks after it, a payload beat one
+// clock after it came, the trailer's beat four clocks after the last payload beat came. A packet of two payload beats, requested in
+// clock 0, with a gap before the second:
+//
+//   clock             0   1   2   3   4   5   6   7   8   9  10  11  12  13  14  15  16
+//   start_i          _/1\_______________________________________________________________
+//   fifo_free_i      -----< F >---------------------------------------------------------  counts here
+//   decision         _________/1\_______________________________________________________  take; spoiled_i counts here
+//   accept_o         -------------/1111111111111111111111111111111111111111111111111111111  to the next decision about a start
+//   info_i, beat     -------------<0 ><1 ><2 ><3 >---------------------------------------  the sequence a clock before its beat
+//   payload_valid_i  _____________________________/1\_____/2\___________________________  from clock 7 on
+//   fifo_valid_o     _________________/H0\/H1\/H2\/H3\/1 \____/2 \________/T \____________
+//   state            -------------<H0><H1><H2><H3><Payload   ><Trailer   ><Settle    >---
+//   busy             _____________/111111111111111111111111111111111111111111111111111\___
+//
+// So the packetizer is busy until seven clocks after its last payload beat. The two requests never come in one clock, and a later
+// break before the next request (sp_frame_tracker sees to it).
 `default_nettype none
 
 module sp_packetizer #(
@@ -39,18 +52,8 @@ module sp_packetizer #(
   input  wire logic [127:0]           payload_data_i,
   input  wire logic                   payload_break_i,  // no more will come, after payload_valid_i of the same clock
 
-  // Header fields: see sp_frame_info for when they are read
-  input  wire logic [7:0]             stream_i,
-  input  wire logic [63:0]            sequence_i,
-  input  wire logic [63:0]            time_stamp_i,
-  input  wire logic [31:0]            encoder_i,
-  input  wire logic [15:0]            pattern_i,
-  input  wire logic [ColumnBits-1:0]  columns_i,
-  input  wire logic [RowBits-1:0]     rows_i,
-  input  wire logic [1:0]             mode_i,
-  input  wire logic [7:0]             threshold_i,
-  input  wire logic [RowBits-1:0]     lines_i,
-  input  wire logic                   stray_before_i,
+  // Fields of the header that tell of the frame: see sp_frame_info for when each beat of them is read
+  input  wire logic [sp_spec_pkg::HeaderBits-1:0] info_i,
 
   // FIFO
   input  wire logic [LogDepth:0]      fifo_free_i,
@@ -66,6 +69,38 @@ module sp_packetizer #(
   localparam int CountBits = LogDepth + 1 > PayloadBits + 1 ? LogDepth + 1 : PayloadBits + 1;
   localparam bit PerLine = Kind != sp_spec_pkg::KindMoments;
 
+  // --- Places of the fields: the beat of the header, and the lowest bit in it ---
+  localparam int HeaderBits = sp_spec_pkg::HeaderBits;
+  localparam int BeatBits = sp_spec_pkg::PacketBeatBits;
+  localparam int SequenceBeat = sp_spec_pkg::HeaderSequenceLsb / BeatBits;
+  localparam int SequenceAt = sp_spec_pkg::HeaderSequenceLsb % BeatBits;
+  localparam int LostBeat = sp_spec_pkg::HeaderLostLsb / BeatBits;
+  localparam int LostAt = sp_spec_pkg::HeaderLostLsb % BeatBits;
+  localparam int SizeBeat = sp_spec_pkg::HeaderPayloadSizeLsb / BeatBits;
+  localparam int SizeAt = sp_spec_pkg::HeaderPayloadSizeLsb % BeatBits;
+  localparam int LineBeat = sp_spec_pkg::HeaderFirstLineLsb / BeatBits;
+  localparam int LineAt = sp_spec_pkg::HeaderFirstLineLsb % BeatBits;
+
+  // The bits that are taken from info_i: a packet of a line has its own number of lines, and the sequence is kept for the trailer.
+  localparam logic [HeaderBits-1:0] FrameBits = sp_spec_pkg::frame_mask(ColumnBits, RowBits) &
+    ~(~({HeaderBits{1'b1}} << 64) << sp_spec_pkg::HeaderSequenceLsb) &
+    ~(~({HeaderBits{1'b1}} << (PerLine ? 16 : 0)) << sp_spec_pkg::HeaderLinesLsb);
+  // What all packets have in common
+  localparam logic [HeaderBits-1:0] Common =
+    HeaderBits'(sp_spec_pkg::Magic) << sp_spec_pkg::HeaderMagicLsb |
+    HeaderBits'(sp_spec_pkg::SpecHash) << sp_spec_pkg::HeaderSpecHashLsb |
+    HeaderBits'(sp_spec_pkg::SpecVersion) << sp_spec_pkg::HeaderVersionLsb |
+    HeaderBits'(Kind) << sp_spec_pkg::HeaderKindLsb |
+    HeaderBits'(1) << (PerLine ? sp_spec_pkg::HeaderLinesLsb : sp_spec_pkg::HeaderFirstLineLsb);
+
+`ifndef SYNTHESIS
+  initial begin
+    if (sp_spec_pkg::HeaderBytes != 64 || sp_spec_pkg::TrailerBytes != 16) $fatal(1, "sp_packetizer: made for 4 beats and 1");
+    if (SequenceBeat < 1) $fatal(1, "sp_packetizer: the sequence is not known for the header's first beat");
+    if (LostBeat < 1 || LostBeat > 2) $fatal(1, "sp_packetizer: the count of lost packets is right in beats 1 and 2 only");
+  end
+`endif
+
   // --- Requests on their way to the decision, and what the block is about ---
   localparam int StateBits = 12;
 
@@ -75,7 +110,7 @@ module sp_packetizer #(
     logic                 lost_now;  // counted late enough for the header of a packet decided on the clock before
     logic                 valid;     // a beat is at the FIFO
     logic                 last;      // the packet's last
-    logic                 numbered;  // the beat now made has the sequence number: the header's second, the trailer
+    logic                 numbered;  // the beat now made has the sequence: that of the header which has it, the trailer
     logic                 busy;      // a packet is under way:
     logic [StateBits-1:0] state;     // then one bit is set, see below
   } control_t;
@@ -85,13 +120,14 @@ module sp_packetizer #(
 
   control_t               q;
   logic                   asked, awake;
-  logic [PayloadBits-1:0] payload1_q, payload2_q;
-  logic                   one2_q;  // payload2_q is 1
-  logic [RowBits-1:0]     line1_q, line2_q;
-  logic [CountBits-1:0]   need1_q;
-  logic                   room, room2_q;
+  logic [PayloadBits-1:0] payload1_q, payload2_q;  // payload beats asked for: a clock ago, two clocks ago
+  logic                   one2_q;                  // payload2_q is 1
+  logic [RowBits-1:0]     line1_q, line2_q;        // line_i beside them
+  logic [CountBits-1:0]   need1_q;                 // places of the FIFO that the packet needs
+  logic                   room, room2_q;           // it has them
   logic [CountBits-1:0]   unused_room;
-  logic [StatusBits-1:0]  status1_q, status2_q, status3_q;
+  logic [StatusBits-1:0]  status1_q, status2_q;    // status beside them
+  logic [StatusBits-1:0]  status3_q;               // that of a later break, for the packet under way
 
   assign asked = start_i || break_i;
   // Asleep nothing below moves.
@@ -128,16 +164,16 @@ module sp_packetizer #(
   localparam int Trailer = 6;    // 3 bits: the check word is complete in the third clock
   localparam int Settle = 9;     // 3 bits: until fifo_free_i counts this packet
 
-  logic [PayloadBits-1:0] left_q;          // payload beats to come
-  logic                   one_left_q;
+  logic [PayloadBits-1:0] left_q;          // payload beats to come; in the header, all
+  logic                   one_left_q;      // left_q is 1
   logic                   empty_q;         // no payload
-  logic                   one_q;           // one beat of it
-  logic [PayloadBits-1:0] payload_q;       // payload beats of this packet
-  logic [RowBits-1:0]     line_q;
-  logic [63:0]            sequence_q;
-  logic [StatusBits-1:0]  status_q;
-  logic [31:0]            check_q;
-  logic                   take, take_empty, put_payload, all_put;
+  logic [RowBits-1:0]     line_q;          // of a packet of a line, that line
+  logic [63:0]            sequence_q;      // kept from the header for the trailer
+  logic [StatusBits-1:0]  status_q;        // for the trailer
+  logic [31:0]            check_q;         // check word of the beats up to the one at the FIFO
+  logic                   take, take_empty;  // a packet with payload, one without, is decided and begins
+  logic                   put_payload;       // the beat now made is of the payload
+  logic                   all_put;           // and its last
 
   assign take        = q.asked[Start2] && room2_q && !spoiled_i && !q.busy;
   assign take_empty  = q.asked[BreakFirst2] && room2_q && !q.busy;
@@ -160,7 +196,7 @@ module sp_packetizer #(
                      (q.state[Fill] || q.state[Payload] && payload_break_i) && !all_put,
                      q.state[Header+3] && !empty_q || q.state[Payload] && !payload_break_i && !all_put,
                      q.state[Header+:3], take || take_empty};
-      q.numbered <= q.state[Header] || q.state[Header+3] && empty_q || all_put || q.state[Trailer+:2] != '0;
+      q.numbered <= q.state[Header+SequenceBeat-1] || q.state[Header+3] && empty_q || all_put || q.state[Trailer+:2] != '0;
     end
   end
 
@@ -173,13 +209,17 @@ module sp_packetizer #(
   always_ff @(posedge clk_i) begin
     if (q.awake) begin
       if (!q.busy) begin
-        empty_q   <= q.asked[BreakFirst2];
-        one_q     <= one2_q;
-        payload_q <= payload2_q;
-        line_q    <= line2_q;
-        status_q  <= status2_q;
-      end else if (q.asked[BreakLater3] && accept_o) begin
-        status_q <= status3_q;
+        empty_q    <= q.asked[BreakFirst2];
+        left_q     <= payload2_q;
+        one_left_q <= one2_q;
+        line_q     <= line2_q;
+        status_q   <= status2_q;
+      end else begin
+        if (put_payload) begin
+          left_q     <= left_q - PayloadBits'(1);
+          one_left_q <= left_q == PayloadBits'(2);
+        end
+        if (q.asked[BreakLater3] && accept_o) status_q <= status3_q;
       end
     end
   end
@@ -208,14 +248,7 @@ module sp_packetizer #(
 
   always_ff @(posedge clk_i) begin
     if (q.busy) begin
-      if (q.state[Header]) begin
-        sequence_q <= sequence_i;
-        left_q     <= payload_q;
-        one_left_q <= one_q;
-      end else if (put_payload) begin
-        left_q     <= left_q - PayloadBits'(1);
-        one_left_q <= left_q == PayloadBits'(2);
-      end
+      if (q.state[Header+SequenceBeat-1]) sequence_q <= info_i[sp_spec_pkg::HeaderSequenceLsb+:64];
       if (q.state[Header]) begin
         check_q <= sp_spec_pkg::CheckInit;
       end else if (fifo_valid_o || q.state[Trailer+1]) begin
@@ -225,28 +258,33 @@ module sp_packetizer #(
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    if (q.busy) begin
-      fifo_data_o <= beat_if(q.state[Payload], payload_data_i) |
-                     beat_if(q.state[Header], {threshold_i, 6'd0, mode_i, pattern_i, stream_i, Kind, sp_spec_pkg::SpecVersion,
-                                               sp_spec_pkg::SpecHash, sp_spec_pkg::Magic}) |
-                     beat_if(q.state[Header+1], {time_stamp_i, 64'd0}) |
-                     beat_if(q.state[Header+2], {32'(payload_q) << $clog2(sp_spec_pkg::PacketBeatBytes), 16'(rows_i),
-                                                 16'(columns_i), lost_o, encoder_i}) |
-                     beat_if(q.state[Header+3], {64'd0, 31'd0, stray_before_i, PerLine ? 16'd1 : 16'(lines_i),
-                                                 PerLine ? 16'(line_q) : 16'd1}) |
-                     beat_if(q.numbered, {64'd0, sequence_q}) |
-                     beat_if(q.state[Trailer+:3] != '0, {32'd0, 32'(status_q), 64'd0}) |
-                     beat_if(q.state[Trailer+2], {check_q, 96'd0});
-    end
+  // The header, but for its sequence
+  logic [HeaderBits-1:0] header;
+  for (genvar beat = 0; beat < HeaderBits / BeatBits; beat++) begin : gen_beat
+    assign header[beat*BeatBits+:BeatBits] =
+      info_i[beat*BeatBits+:BeatBits] & FrameBits[beat*BeatBits+:BeatBits] | Common[beat*BeatBits+:BeatBits] |
+      beat_if(beat == LostBeat, 128'(lost_o) << LostAt) |
+      beat_if(beat == SizeBeat, 128'(left_q) << (SizeAt + $clog2(sp_spec_pkg::PacketBeatBytes))) |
+      beat_if(beat == LineBeat && PerLine, 128'(line_q) << LineAt);
   end
 
-  if (PerLine) begin : gen_line
-    logic unused;
-    assign unused = ^lines_i;
-  end else begin : gen_frame
-    logic unused;
-    assign unused = ^line_q;
+  logic [127:0] sequence_word;  // the sequence where the beat now made has it
+  if (SequenceAt == sp_spec_pkg::TrailerSequenceLsb) begin : gen_same_place
+    assign sequence_word = 128'(sequence_q) << SequenceAt;
+  end else begin : gen_two_places
+    assign sequence_word = q.state[Header+SequenceBeat] ? 128'(sequence_q) << SequenceAt :
+                                                          128'(sequence_q) << sp_spec_pkg::TrailerSequenceLsb;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (q.busy) begin
+      fifo_data_o <= beat_if(q.state[Header], header[0+:128]) | beat_if(q.state[Header+1], header[128+:128]) |
+                     beat_if(q.state[Header+2], header[256+:128]) | beat_if(q.state[Header+3], header[384+:128]) |
+                     beat_if(q.numbered, sequence_word) |
+                     beat_if(q.state[Payload], payload_data_i) |
+                     beat_if(q.state[Trailer+:3] != '0, 128'(status_q) << sp_spec_pkg::TrailerStatusLsb) |
+                     beat_if(q.state[Trailer+2], 128'(check_q) << sp_spec_pkg::TrailerCheckLsb);
+    end
   end
 
 `ifdef FORMAL
@@ -277,8 +315,8 @@ module sp_packetizer #(
     if (rst_i) {f_asked_q, f_taken_q, f_counting_q} <= '0;
     else begin
       f_counting_q <= q.lost_now;
-      f_asked_q <= f_asked_q + 4'(start_i || break_i && !break_later_i);
-      f_taken_q <= f_taken_q + 4'(take || take_empty);
+      f_asked_q    <= f_asked_q + 4'(start_i || break_i && !break_later_i);
+      f_taken_q    <= f_taken_q + 4'(take || take_empty);
     end
   end
 
@@ -314,14 +352,14 @@ module sp_packetizer #(
     // Asleep nothing is asked or under way.
     if (!q.awake) assert (q.asked == '0 && !q.busy && q.lost_now == '0 && !fifo_valid_o);
     assert ($countones(q.state) == 32'(q.busy));
-    assert (q.numbered == (q.state[Header+1] || q.state[Trailer+:3] != '0));
+    assert (q.numbered == (q.state[Header+SequenceBeat] || q.state[Trailer+:3] != '0));
     if (!q.busy) assert (f_left_q == '0 && !fifo_valid_o);
     if (q.state[Header+:4] != '0) begin
-      assert (f_after == FLeftBits'(payload_q) + FLeftBits'(Overhead) - FLeftBits'(q.state[Header+1]) - FLeftBits'({q.state[Header+2], 1'b0}) -
+      assert (f_after == FLeftBits'(left_q) + FLeftBits'(Overhead) - FLeftBits'(q.state[Header+1]) -
+              FLeftBits'({q.state[Header+2], 1'b0}) -
               FLeftBits'({q.state[Header+3], q.state[Header+3]}));
-      assert (empty_q == (payload_q == '0));
-      if (!empty_q) assert (one_q == (payload_q == PayloadBits'(1)));
-      if (!q.state[Header]) assert (left_q == payload_q && one_left_q == (left_q == PayloadBits'(1)));
+      assert (empty_q == (left_q == '0));
+      if (!empty_q) assert (one_left_q == (left_q == PayloadBits'(1)));
     end
     if (q.state[Payload] || q.state[Fill]) begin
       assert (f_after == FLeftBits'(left_q) + FLeftBits'(1));

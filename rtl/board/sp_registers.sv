@@ -1,8 +1,16 @@
-// Register file, video clock: addresses, fields and reset values are those of the specification.
+// Register file, video clock: addresses, places of fields and reset values are those of the specification (sp_spec_pkg).
 //
-// request_i lasts one clock; answer_o comes five clocks later, when a write has taken effect, with error_o where the address
-// is not a register, a read-only register is written, or a value is outside what this build can do (the register then keeps its
-// value). hold_o is high during every write. The words of a request stand still until its answer.
+// Guarantees: request_i lasts one clock; answer_o comes five clocks later, when a write has taken effect, with error_o where the
+// address is not a register, a read-only register is written, or a value is outside what this build can do (the register then
+// keeps its value). Bits that belong to no field are ignored, but in size, where they must be 0. hold_o is high during every write.
+// The words of a request stand still until its answer. One request at a time; nothing overflows.
+//
+//   clock       0   1   2   3   4   5   6
+//   request_i  _/1\_______________________   write_i, address_i, data_i stand until the answer
+//   hit_q      ---------<   >-------------   the register that is asked for
+//   put_q      _____________/1\___________   a write: that register takes data_i
+//   settings   -----------------<new         so from the clock before the answer on
+//   answer_o   _____________________/1\___   with error_o, and data_o of a read
 `default_nettype none
 
 module sp_registers #(
@@ -64,15 +72,29 @@ module sp_registers #(
   input  wire logic [15:0]            encoder_errors_i
 );
 
-  localparam int SpecColumns = 32'(sp_spec_pkg::RegSizeReset[11:0]);
-  localparam int SpecRows = 32'(sp_spec_pkg::RegSizeReset[25:16]);
+  localparam int SizeColumnsLsb = sp_spec_pkg::RegSizeColumnsLsb, SizeColumnsBits = sp_spec_pkg::RegSizeColumnsBits;
+  localparam int SizeRowsLsb = sp_spec_pkg::RegSizeRowsLsb, SizeRowsBits = sp_spec_pkg::RegSizeRowsBits;
+  localparam int ModeLsb = sp_spec_pkg::RegMeasureModeLsb, ModeBits = sp_spec_pkg::RegMeasureModeBits;
+  localparam int DecodeBitsLsb = sp_spec_pkg::RegDecodeBitsLsb, DecodeBitsBits = sp_spec_pkg::RegDecodeBitsBits;
+  // Each of the two with the bits of no field above it, which must be 0
+  localparam int SizeColumnsSpan = (SizeColumnsLsb < SizeRowsLsb ? SizeRowsLsb : 32) - SizeColumnsLsb;
+  localparam int SizeRowsSpan = (SizeRowsLsb < SizeColumnsLsb ? SizeColumnsLsb : 32) - SizeRowsLsb;
+
+  localparam int SpecColumns = 32'(sp_spec_pkg::RegSizeReset[SizeColumnsLsb+:SizeColumnsBits]);
+  localparam int SpecRows = 32'(sp_spec_pkg::RegSizeReset[SizeRowsLsb+:SizeRowsBits]);
   localparam logic [ColumnBits-1:0] ResetColumns = ColumnBits'(SpecColumns < MaxColumns ? SpecColumns : MaxColumns);
   localparam logic [RowBits-1:0] ResetRows = RowBits'(SpecRows < MaxRows ? SpecRows : MaxRows);
 
   // --- Request, two clocks later: its register, one of 32, and what its data is good for. The request's words stay until
   // the answer. ---
   localparam int Words = 32;
-  localparam logic [7:0] LastRegister = Codes ? sp_spec_pkg::RegAbandoned : sp_spec_pkg::RegEncoderErrors;
+  // The registers that this build has, by words
+  localparam logic [Words-1:0] CodesWords = Words'(1) << sp_spec_pkg::RegDecode / 4 |
+                                            Words'(1) << sp_spec_pkg::RegLostCodes / 4 |
+                                            Words'(1) << sp_spec_pkg::RegAbandoned / 4;
+  localparam logic [Words-1:0] Present = sp_spec_pkg::RegisterWords & ~(Codes ? {Words{1'b0}} : CodesWords);
+  localparam bit NoHoles = (Present & (Present + Words'(1))) == '0;  // between them: then their end says it all
+  localparam logic [7:0] LastRegister = 8'(4 * ($clog2({1'b0, Present} + (Words + 1)'(1)) - 1));
 
   logic [4:0]       asked_q;    // the request, one to five clocks ago, the latest lowest
   logic             there_q;    // a register that this build has
@@ -85,6 +107,15 @@ module sp_registers #(
   logic             hold_q;     // asked for
   logic             pending_q;  // settings written and not taken over
   logic             rst_q;      // a clock ago
+
+  // What this build can do
+  localparam logic [31:0] Capability = 32'(MaxColumns) << sp_spec_pkg::RegCapabilityMaxColumnsLsb |
+                                       32'(MaxRows) << sp_spec_pkg::RegCapabilityMaxRowsLsb |
+                                       32'(Grey) << sp_spec_pkg::RegCapabilityGreyLsb |
+                                       32'(Image) << sp_spec_pkg::RegCapabilityImageLsb |
+                                       32'(Codes) << sp_spec_pkg::RegCapabilityCodesLsb |
+                                       32'(Codes && Median) << sp_spec_pkg::RegCapabilityMedianLsb |
+                                       32'(Codes ? MaxBits : 0) << sp_spec_pkg::RegCapabilityCodeBitsLsb;
 
   // Writes, a clock later still
   localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3, WriteTimeout = 4, WriteTrigger = 5,
@@ -148,7 +179,10 @@ module sp_registers #(
           stream_o    <= data_i[sp_spec_pkg::RegMeasureStreamLsb+:8];
         end
       end
-      if (put_q[WriteTimeout]) timeout_o <= rst_q ? sp_spec_pkg::RegTimeoutReset[23:0] : data_i[23:0];
+      if (put_q[WriteTimeout]) begin
+        timeout_o <= rst_q ? sp_spec_pkg::RegTimeoutReset[sp_spec_pkg::RegTimeoutClocksLsb+:24] :
+                     data_i[sp_spec_pkg::RegTimeoutClocksLsb+:24];
+      end
       if (put_q[WriteTrigger]) begin
         if (rst_q) begin
           trigger_run_o          <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlRunLsb];
@@ -160,9 +194,18 @@ module sp_registers #(
           trigger_last_pattern_o <= data_i[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
         end
       end
-      if (put_q[WritePeriod]) trigger_period_o <= rst_q ? sp_spec_pkg::RegTriggerPeriodReset[23:0] : data_i[23:0];
-      if (put_q[WriteCamera]) trigger_camera_o <= rst_q ? sp_spec_pkg::RegTriggerCameraReset[23:0] : data_i[23:0];
-      if (put_q[WriteWidth]) trigger_width_o <= rst_q ? sp_spec_pkg::RegTriggerWidthReset[15:0] : data_i[15:0];
+      if (put_q[WritePeriod]) begin
+        trigger_period_o <= rst_q ? sp_spec_pkg::RegTriggerPeriodReset[sp_spec_pkg::RegTriggerPeriodClocksLsb+:24] :
+                            data_i[sp_spec_pkg::RegTriggerPeriodClocksLsb+:24];
+      end
+      if (put_q[WriteCamera]) begin
+        trigger_camera_o <= rst_q ? sp_spec_pkg::RegTriggerCameraReset[sp_spec_pkg::RegTriggerCameraClocksLsb+:24] :
+                            data_i[sp_spec_pkg::RegTriggerCameraClocksLsb+:24];
+      end
+      if (put_q[WriteWidth]) begin
+        trigger_width_o <= rst_q ? sp_spec_pkg::RegTriggerWidthReset[sp_spec_pkg::RegTriggerWidthClocksLsb+:16] :
+                           data_i[sp_spec_pkg::RegTriggerWidthClocksLsb+:16];
+      end
     end
   end
 
@@ -171,6 +214,7 @@ module sp_registers #(
   logic [31:0] set_q, moving_q;  // of four pairs each
   logic [31:0] time_high_q;
   logic [31:0] control_word, size_word, measure_word, trigger_word, status_word, decode_word;
+  logic [31:0] timeout_word, period_word, camera_word, width_word, errors_word;
 
   assign control_word = 32'(run_o) << sp_spec_pkg::RegControlRunLsb | 32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
                         32'(image_o) << sp_spec_pkg::RegControlImageLsb;
@@ -180,6 +224,11 @@ module sp_registers #(
   assign trigger_word = 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
                         32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
                         32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb;
+  assign timeout_word = 32'(timeout_o) << sp_spec_pkg::RegTimeoutClocksLsb;
+  assign period_word  = 32'(trigger_period_o) << sp_spec_pkg::RegTriggerPeriodClocksLsb;
+  assign camera_word  = 32'(trigger_camera_o) << sp_spec_pkg::RegTriggerCameraClocksLsb;
+  assign width_word   = 32'(trigger_width_o) << sp_spec_pkg::RegTriggerWidthClocksLsb;
+  assign errors_word  = 32'(encoder_errors_i) << sp_spec_pkg::RegEncoderErrorsCountLsb;
   assign status_word  = 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
                         32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb;
   assign decode_word  = 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |
@@ -199,30 +248,35 @@ module sp_registers #(
 
   always_ff @(posedge clk_i) begin
     if (asked_q[0]) begin
-      there_q        <= address_i[1:0] == 2'd0 && address_i <= LastRegister;
-      hit_q          <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
-      size_good_q    <= data_i[1:0] == 2'd0 && data_i[15:0] != 16'd0 && data_i[15:0] <= 16'(MaxColumns) &&
-                        data_i[31:16] != 16'd0 && data_i[31:16] <= 16'(MaxRows);
-      measure_good_q <= data_i[9:8] == sp_spec_pkg::ModeBinary || Grey && data_i[9:8] != 2'd3;
-      image_good_q   <= Image || !image_wanted;
-      period_good_q  <= data_i[23:0] != 24'd0;
-      decode_good_q  <= Codes && data_i[11:8] != 4'd0 && data_i[11:8] <= 4'(MaxBits) && (Median || !data_i[17]);
+      there_q <= address_i[1:0] == 2'd0 && address_i <= LastRegister && (NoHoles || Present[address_i[6:2]]);
+      hit_q   <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
+      size_good_q    <= data_i[SizeColumnsLsb+:2] == 2'd0 && data_i[SizeColumnsLsb+:SizeColumnsSpan] != '0 &&
+                        data_i[SizeColumnsLsb+:SizeColumnsSpan] <= SizeColumnsSpan'(MaxColumns) &&
+                        data_i[SizeRowsLsb+:SizeRowsSpan] != '0 &&
+                        data_i[SizeRowsLsb+:SizeRowsSpan] <= SizeRowsSpan'(MaxRows);
+      measure_good_q <= data_i[ModeLsb+:ModeBits] == sp_spec_pkg::ModeBinary ||
+                        Grey && data_i[ModeLsb+:ModeBits] <= sp_spec_pkg::ModeGreyOver;
+      image_good_q  <= Image || !image_wanted;
+      period_good_q <= data_i[sp_spec_pkg::RegTriggerPeriodClocksLsb+:24] != 24'd0;
+      decode_good_q  <= Codes && data_i[DecodeBitsLsb+:DecodeBitsBits] != '0 &&
+                        data_i[DecodeBitsLsb+:DecodeBitsBits] <= DecodeBitsBits'(MaxBits) &&
+                        (Median || !data_i[sp_spec_pkg::RegDecodeMedianLsb]);
     end
     if (asked_q[1]) begin
       read_good_q <= there_q && !write_i;
       fixed_q     <= word_if(hit_q[sp_spec_pkg::RegId/4], sp_spec_pkg::Magic) |
-                     word_if(hit_q[sp_spec_pkg::RegVersion/4], {16'd0, sp_spec_pkg::SpecVersion}) |
+                     word_if(hit_q[sp_spec_pkg::RegVersion/4],
+                             32'(sp_spec_pkg::SpecVersion) << sp_spec_pkg::RegVersionVersionLsb) |
                      word_if(hit_q[sp_spec_pkg::RegSpecHash/4], sp_spec_pkg::SpecHash) |
-                     word_if(hit_q[sp_spec_pkg::RegCapability/4], {Codes ? 4'(MaxBits) : 4'd0, 2'd0, Codes && Median, Codes,
-                                                                   Image, Grey, 10'(MaxRows), 12'(MaxColumns)});
+                     word_if(hit_q[sp_spec_pkg::RegCapability/4], Capability);
       control_q   <= word_if(hit_q[sp_spec_pkg::RegControl/4], control_word) |
                      word_if(hit_q[sp_spec_pkg::RegTriggerControl/4], trigger_word);
       size_q      <= word_if(hit_q[sp_spec_pkg::RegSize/4], size_word) |
                      word_if(hit_q[sp_spec_pkg::RegMeasure/4], measure_word);
-      period_q    <= word_if(hit_q[sp_spec_pkg::RegTriggerPeriod/4], 32'(trigger_period_o)) |
-                     word_if(hit_q[sp_spec_pkg::RegTriggerCamera/4], 32'(trigger_camera_o));
-      width_q     <= word_if(hit_q[sp_spec_pkg::RegTimeout/4], 32'(timeout_o)) |
-                     word_if(hit_q[sp_spec_pkg::RegTriggerWidth/4], 32'(trigger_width_o));
+      period_q    <= word_if(hit_q[sp_spec_pkg::RegTriggerPeriod/4], period_word) |
+                     word_if(hit_q[sp_spec_pkg::RegTriggerCamera/4], camera_word);
+      width_q     <= word_if(hit_q[sp_spec_pkg::RegTimeout/4], timeout_word) |
+                     word_if(hit_q[sp_spec_pkg::RegTriggerWidth/4], width_word);
       frames_q    <= word_if(hit_q[sp_spec_pkg::RegStatus/4], status_word) |
                      word_if(hit_q[sp_spec_pkg::RegFrames/4], frames_i);
       broken_q    <= word_if(hit_q[sp_spec_pkg::RegBroken/4], broken_i) |
@@ -234,7 +288,7 @@ module sp_registers #(
       time_q      <= word_if(hit_q[sp_spec_pkg::RegTimeLow/4], time_i[31:0]) |
                      word_if(hit_q[sp_spec_pkg::RegTimeHigh/4], time_high_q);
       encoder_q   <= word_if(hit_q[sp_spec_pkg::RegEncoder/4], encoder_i) |
-                     word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], 32'(encoder_errors_i));
+                     word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], errors_word);
       decode_q    <= word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word);
     end
     if (asked_q[2]) begin

@@ -15,6 +15,7 @@ package sp_spec_pkg;
   localparam logic [1:0] ModeBinary = 2'd0;
   localparam logic [1:0] ModeGrey = 2'd1;
   localparam logic [1:0] ModeGreyOver = 2'd2;
+  localparam int ModeBits = 2;
   localparam logic [7:0] KindMoments = 8'd1;
   localparam logic [7:0] KindCodes = 8'd2;
   localparam logic [7:0] KindImage = 8'd3;
@@ -40,7 +41,55 @@ package sp_spec_pkg;
   localparam logic [31:0] Magic = 32'h50464C53;
   localparam int HeaderBytes = 64;
   localparam int TrailerBytes = 16;
+  localparam int HeaderBits = 512;
+  localparam int PacketBeatBits = 128;
+  localparam int HeaderMagicLsb = 0;
+  localparam int HeaderMagicBits = 32;
+  localparam int HeaderSpecHashLsb = 32;
+  localparam int HeaderSpecHashBits = 32;
+  localparam int HeaderVersionLsb = 64;
+  localparam int HeaderVersionBits = 16;
+  localparam int HeaderKindLsb = 80;
+  localparam int HeaderKindBits = 8;
+  localparam int HeaderStreamLsb = 88;
+  localparam int HeaderStreamBits = 8;
+  localparam int HeaderPatternLsb = 96;
+  localparam int HeaderPatternBits = 16;
+  localparam int HeaderModeLsb = 112;
+  localparam int HeaderModeBits = 8;
+  localparam int HeaderThresholdLsb = 120;
+  localparam int HeaderThresholdBits = 8;
+  localparam int HeaderSequenceLsb = 128;
+  localparam int HeaderSequenceBits = 64;
+  localparam int HeaderTimeStampLsb = 192;
+  localparam int HeaderTimeStampBits = 64;
+  localparam int HeaderEncoderLsb = 256;
+  localparam int HeaderEncoderBits = 32;
+  localparam int HeaderLostLsb = 288;
+  localparam int HeaderLostBits = 32;
+  localparam int HeaderColumnsLsb = 320;
+  localparam int HeaderColumnsBits = 16;
+  localparam int HeaderRowsLsb = 336;
+  localparam int HeaderRowsBits = 16;
+  localparam int HeaderPayloadSizeLsb = 352;
+  localparam int HeaderPayloadSizeBits = 32;
+  localparam int HeaderFirstLineLsb = 384;
+  localparam int HeaderFirstLineBits = 16;
+  localparam int HeaderLinesLsb = 400;
+  localparam int HeaderLinesBits = 16;
+  localparam int HeaderFlagsLsb = 416;
+  localparam int HeaderFlagsBits = 8;
+  localparam int HeaderReservedLsb = 424;
+  localparam int HeaderReservedBits = 88;
+  localparam int TrailerSequenceLsb = 0;
+  localparam int TrailerSequenceBits = 64;
+  localparam int TrailerStatusLsb = 64;
+  localparam int TrailerStatusBits = 32;
+  localparam int TrailerCheckLsb = 96;
+  localparam int TrailerCheckBits = 32;
 
+  localparam int FlagStrayBeforeBit = 0;
+  localparam int FlagBits = 1;
   localparam int StatusShortLineBit = 0;
   localparam int StatusLongLineBit = 1;
   localparam int StatusStartInFrameBit = 2;
@@ -169,5 +218,22 @@ package sp_spec_pkg;
   localparam logic [7:0] RegAbandoned = 8'h60;
   localparam int RegAbandonedCountLsb = 0;
   localparam int RegAbandonedCountBits = 32;
+  // Words of the register file's address space in which there is a register
+  localparam logic [31:0] RegisterWords = 32'h01FFFFFF;
+
+  // Bits of a header that tell of the frame, where columns have column_bits, rows and lines row_bits
+  function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits);
+    frame_mask = ~({HeaderBits{1'b1}} << HeaderStreamBits) << HeaderStreamLsb |
+                 ~({HeaderBits{1'b1}} << HeaderPatternBits) << HeaderPatternLsb |
+                 ~({HeaderBits{1'b1}} << ModeBits) << HeaderModeLsb |
+                 ~({HeaderBits{1'b1}} << HeaderThresholdBits) << HeaderThresholdLsb |
+                 ~({HeaderBits{1'b1}} << HeaderSequenceBits) << HeaderSequenceLsb |
+                 ~({HeaderBits{1'b1}} << HeaderTimeStampBits) << HeaderTimeStampLsb |
+                 ~({HeaderBits{1'b1}} << HeaderEncoderBits) << HeaderEncoderLsb |
+                 ~({HeaderBits{1'b1}} << column_bits) << HeaderColumnsLsb |
+                 ~({HeaderBits{1'b1}} << row_bits) << HeaderRowsLsb |
+                 ~({HeaderBits{1'b1}} << row_bits) << HeaderLinesLsb |
+                 ~({HeaderBits{1'b1}} << FlagBits) << HeaderFlagsLsb;
+  endfunction
 
 endpackage

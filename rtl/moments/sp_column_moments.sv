@@ -133,7 +133,7 @@ module sp_column_moments #(
   logic                   draining;
   logic [4*LaneMBits-1:0] raw_m, sum_m;
   logic [4*LaneABits-1:0] raw_a, sum_a;
-  logic                   sum_m_soon, sum_a_soon;
+  logic                   sum_m_comes, sum_a_comes;
 
   assign s4_drain_row = s4_last_row && s4_grey;
   // A first row needs no read and may pass a drain; any other row meets one only after a change of size: see spoiled_o.
@@ -185,8 +185,8 @@ module sp_column_moments #(
     .raw_a_o      (raw_a),
     .sum_m_o      (sum_m),
     .sum_a_o      (sum_a),
-    .sum_m_soon_o (sum_m_soon),
-    .sum_a_soon_o (sum_a_soon)
+    .sum_m_comes_o (sum_m_comes),
+    .sum_a_comes_o (sum_a_comes)
   );
 
   // --- Mode binary: the sums of the last row, as they come; in a grey build a clock later, put together from their halves ---
@@ -276,8 +276,8 @@ module sp_column_moments #(
       .raw_a_i         (raw_a),
       .sum_m_i         (sum_m),
       .sum_a_i         (sum_a),
-      .sum_m_soon_i    (sum_m_soon),
-      .sum_a_soon_i    (sum_a_soon),
+      .sum_m_comes_i    (sum_m_comes),
+      .sum_a_comes_i    (sum_a_comes),
       .valid_o         (drain_valid),
       .data_o          (drain_data),
       .break_o         (drain_break)
@@ -304,7 +304,7 @@ module sp_column_moments #(
     assign moments_data_o  = direct_data;
     assign moments_break_o = direct_break_q[DirectEnd];
     logic unused;
-    assign unused = ^{s4_line_end, no_direct_q, raw_m, raw_a, sum_m_soon, sum_a_soon, s1_mode_q};
+    assign unused = ^{s4_line_end, no_direct_q, raw_m, raw_a, sum_m_comes, sum_a_comes, s1_mode_q};
   end
 
 `ifdef FORMAL

@@ -8,10 +8,18 @@
 // A grey build keeps M0 and A in two halves with a carry between them that the next addition takes up, so that none is a chain
 // of more than half the bits: {high, carry, low}, of the value (high + carry) << width of low | low.
 //
-// Timing, in clocks after a beat is taken (add_i, stage 0): sums of M0, N are at sum_m_o in stage 3, of A at
-// sum_a_o in stage 4. Raw memory words are at raw_m_o in stage 1 and raw_a_o in stage 2. The sums never wrap: widths follow
-// from MaxRows. Guarantees every distance of two beats of one column, from the very next clock on (images of 4 columns
-// have all their beats in one address): the last sum is taken past the memory.
+// Guarantees: sums are right at every distance of two beats of one column, from the very next clock on (images of 4 columns
+// have all their beats in one address): a sum that the memory does not have yet is taken past it. They never wrap: widths follow
+// from MaxRows. Latency, in clocks after a beat is taken (stage 0):
+//
+//   stage            0   1   2   3   4
+//   add_i           _/1\_______________   M's word is read
+//   raw_m_o         -----< M >---------   A's word is read
+//   sum_m_comes_o   _________/1\_______   M is added up, and written
+//   raw_a_o         ---------< A >-----
+//   sum_m_o         -------------< M >-
+//   sum_a_comes_o   _____________/1\___   A is added up, and written
+//   sum_a_o         -----------------< A
 `default_nettype none
 
 module sp_moment_sums #(
@@ -46,17 +54,19 @@ module sp_moment_sums #(
   output logic [4*LaneABits-1:0]        raw_a_o,
   output logic [4*LaneMBits-1:0]        sum_m_o,
   output logic [4*LaneABits-1:0]        sum_a_o,
-  output logic                          sum_m_soon_o,  // in the next clock sum_m_o is of a beat in stage 3, for that clock only
-  output logic                          sum_a_soon_o   // in the next clock sum_a_o is of a beat in stage 4
+  output logic                          sum_m_comes_o,  // in the next clock sum_m_o is of a beat in stage 3, for that clock only
+  output logic                          sum_a_comes_o   // in the next clock sum_a_o is of a beat in stage 4
 );
 
   // Stage 1: the M word is read, and A's read begins
-  logic                    s1_add_q, s1_drain_q, s1_first_q, s1_next_q, s1_last_q, s1_grey_q;
+  logic                    s1_add_q, s1_drain_q, s1_first_q, s1_grey_q;
+  logic                    s1_onto_new_q;   // the beat adds to the sum now being made, of the beat a clock before it
+  logic                    s1_onto_last_q;  // or to the last sum made, of the beat two clocks before it
   logic [GroupBits-1:0]    s1_group_q, s1_drain_group_q;
   logic [4*WeightBits-1:0] s1_weights_q;
   logic [RowBits-1:0]      s1_row_q;
   // Stage 2: M is summed and written
-  logic                    s2_add_q, s2_first_q, s2_next_q, s2_last_q, s2_grey_q;
+  logic                    s2_add_q, s2_first_q, s2_onto_new_q, s2_onto_last_q, s2_grey_q;
   logic [GroupBits-1:0]    s2_group_q;
   logic [RowBits-1:0]      s2_row_q;
   // Stage 3: A is summed and written
@@ -65,9 +75,9 @@ module sp_moment_sums #(
   logic [4*LaneMBits-1:0]  sum_m;
   logic [4*LaneABits-1:0]  sum_a;
 
-  // Where the sum that a beat adds to is not readable yet, its own stages have it. s1_next_q: it is the sum now being made, of
-  // the beat a clock ahead in an image of one group. s1_last_q: it is the last sum made, of the beat two clocks ahead, in an
-  // image of one group with a gap before the beat, or of two groups without a gap, since groups alternate.
+  // Where the sum that a beat adds to is not readable yet, its own stages have it. s1_onto_new_q: in an image of one group, where
+  // a beat came a clock before. s1_onto_last_q: in an image of one group with a gap of a clock before the beat, or of two groups
+  // without a gap, since groups alternate.
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       s1_add_q   <= 1'b0;
@@ -81,22 +91,22 @@ module sp_moment_sums #(
       s3_add_q   <= s2_add_q;
     end
   end
-  assign sum_m_soon_o = s2_add_q;
-  assign sum_a_soon_o = s3_add_q;
+  assign sum_m_comes_o = s2_add_q;
+  assign sum_a_comes_o = s3_add_q;
 
   always_ff @(posedge clk_i) begin
     s1_drain_group_q <= drain_group_i;
     s1_group_q       <= group_i;
     s1_first_q       <= first_row_i;
-    s1_next_q        <= one_group_i && s1_add_q;
-    s1_last_q        <= s2_add_q && (s1_add_q ? two_groups_i : one_group_i);
+    s1_onto_new_q    <= one_group_i && s1_add_q;
+    s1_onto_last_q   <= s2_add_q && (s1_add_q ? two_groups_i : one_group_i);
     s1_grey_q        <= grey_i;
     s1_weights_q     <= weights_i;
     s1_row_q         <= row_i;
     s2_group_q       <= s1_group_q;
     s2_first_q       <= s1_first_q;
-    s2_next_q        <= s1_next_q;
-    s2_last_q        <= s1_last_q;
+    s2_onto_new_q    <= s1_onto_new_q;
+    s2_onto_last_q   <= s1_onto_last_q;
     s2_grey_q        <= s1_grey_q;
     s2_row_q         <= s1_row_q;
     s3_group_q       <= s2_group_q;
@@ -107,8 +117,8 @@ module sp_moment_sums #(
     logic [LaneABits-1:0] s3_old_a_q, next_a, sum_a_q;
 
     always_ff @(posedge clk_i) begin
-      s2_old_m_q <= s1_first_q ? '0 : s1_next_q ? next_m : s1_last_q ? sum_m_q : raw_m_o[lane*LaneMBits+:LaneMBits];
-      s3_old_a_q <= s2_first_q ? '0 : s2_next_q ? next_a : s2_last_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
+      s2_old_m_q <= s1_first_q ? '0 : s1_onto_new_q ? next_m : s1_onto_last_q ? sum_m_q : raw_m_o[lane*LaneMBits+:LaneMBits];
+      s3_old_a_q <= s2_first_q ? '0 : s2_onto_new_q ? next_a : s2_onto_last_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
       sum_m_q    <= next_m;
       sum_a_q    <= next_a;
     end
@@ -170,7 +180,7 @@ module sp_moment_sums #(
   end
 
   // A word holds two lanes. It is read and written in one clock only where the read word goes unused: in the first row, in
-  // images of one group, and in images of two groups without a gap (s1_last_q).
+  // images of one group, and in images of two groups without a gap (s1_onto_last_q).
   for (genvar pair = 0; pair < 2; pair++) begin : gen_pair
     sp_ram #(
       .Width   (2 * LaneMBits),

@@ -85,9 +85,9 @@ void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
   count(top + "u_info.u_frames", 64, counts.frames);
   count(top + "u_tracker.u_broken", 32, counts.broken);
   count(top + "u_tracker.u_stray", 32, counts.stray);
-  count(top + "u_moments_path.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindMoments));
-  count(top + "gen_image.u_image_path.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindImage));
-  count(top + "gen_codes.u_codes_path.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindCodes));
+  count(top + "u_moments_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindMoments));
+  count(top + "gen_image.u_image_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindImage));
+  count(top + "gen_codes.u_codes_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindCodes));
   Register abandoned(top + "gen_codes.u_codes_path.u_core.u_decoder.abandoned_o");
   abandoned.set((abandoned.get() + counts.abandoned) & 0xFFFF'FFFFU);
   settle(model);

@@ -1,0 +1,61 @@
+// Tells that no beat came for too long.
+//
+// Guarantees: where the last beat at the input is in clock 0 and none comes in the timeout_i clocks after it, expired_o is high in
+// the second clock after those, and in no other. The caller leaves it out of account where a beat has come by then. timeout_i
+// counts as it is beside the last beat; where it was 0 expired_o stays low. After 2^24 clocks without a beat the count wraps: by
+// then the frame is over.
+//
+//   clock         0   1   2  ...  n  n+1 n+2      n = timeout_i of clock 0
+//   beat_i       _/1\______ ... ___________
+//   count        ---< 1 < 2  ... < n >------
+//   equal        ---------- ... -----<all>--
+//   expired_o    __________ ... ________/1\
+//
+// The count stands in two chains of 12 bits, and is compared in four pieces, each a register, to be quick.
+`default_nettype none
+
+module sp_frame_timeout (
+  input  wire logic        clk_i,
+
+  input  wire logic        beat_i,     // a beat is at the input
+  input  wire logic        beat1_i,    // so it was a clock ago
+  input  wire logic [23:0] timeout_i,  // clocks; 0: never
+  output logic             expired_o
+);
+
+  typedef struct packed {
+    logic        low_full;  // low is all ones: high takes a step with the next clock
+    logic [3:0]  equal;     // these six bits are those of limit_q, a clock ago
+    logic [11:0] high;
+    logic [11:0] low;
+  } pause_t;
+
+  pause_t      pause_q;       // clocks since the last beat
+  logic [23:0] limit_q;       // timeout_i beside the last beat
+  logic        limit_some_q;  // it is not 0, known a clock later
+  logic [1:0]  some_q;        // timeout_i, a clock ago, was not 0, in its halves
+
+  always_ff @(posedge clk_i) begin
+    some_q <= {timeout_i[23:12] != '0, timeout_i[11:0] != '0};
+    if (beat1_i) limit_some_q <= some_q != '0;
+    expired_o <= !beat1_i && limit_some_q && pause_q.equal == '1;
+    if (beat_i) begin
+      limit_q          <= timeout_i;
+      pause_q.low_full <= 1'b0;
+      pause_q.equal    <= '0;
+      pause_q.high     <= '0;
+      pause_q.low      <= 12'd1;
+    end else begin
+      pause_q.low_full <= pause_q.low == 12'hFFE;
+      pause_q.low      <= pause_q.low + 12'd1;
+      if (pause_q.low_full) pause_q.high <= pause_q.high + 12'd1;
+      pause_q.equal[0] <= pause_q.low[5:0] == limit_q[5:0];
+      pause_q.equal[1] <= pause_q.low[11:6] == limit_q[11:6];
+      pause_q.equal[2] <= pause_q.high[5:0] == limit_q[17:12];
+      pause_q.equal[3] <= pause_q.high[11:6] == limit_q[23:18];
+    end
+  end
+
+endmodule
+
+`default_nettype wire

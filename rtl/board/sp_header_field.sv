@@ -1,0 +1,39 @@
+// A field of the header of packets: taken in the clock in which it is known, handed on until the header before it is out.
+//
+// Guarantees: value_o is that of a frame from Shown clocks after the frame's start until Shown clocks after the next one's, however
+// close the two are. One register for each clock between Known and Shown.
+`default_nettype none
+
+module sp_header_field #(
+  parameter int Width = 16,
+  parameter int Known = 3,  // clocks after the frame's start
+  parameter int Shown = 4   // likewise; more than Known
+) (
+  input  wire logic                 clk_i,
+
+  input  wire logic [Shown-1:Known] started_i,  // a frame started so many clocks ago
+  input  wire logic [Width-1:0]     value_i,    // of the frame that started Known clocks ago
+  output logic      [Width-1:0]     value_o
+);
+
+`ifndef SYNTHESIS
+  initial if (Shown <= Known) begin
+    $fatal(1, "sp_header_field: known %0d clocks after the start, too late to show after %0d", Known, Shown);
+  end
+`endif
+
+  logic [(Shown-Known)*Width-1:0] value_q;  // taken Known clocks after the start, Known + 1, ...; the earliest lowest
+
+  for (genvar k = Known; k < Shown; k++) begin : gen_stage
+    if (k == Known) begin : gen_take
+      always_ff @(posedge clk_i) if (started_i[k]) value_q[0+:Width] <= value_i;
+    end else begin : gen_hand_on
+      always_ff @(posedge clk_i) if (started_i[k]) value_q[(k-Known)*Width+:Width] <= value_q[(k-Known-1)*Width+:Width];
+    end
+  end
+
+  assign value_o = value_q[(Shown-1-Known)*Width+:Width];
+
+endmodule
+
+`default_nettype wire
