@@ -142,11 +142,7 @@ void BoardModel::send_codes(int row, int columns, std::uint32_t status) {
   packet.header.lines = 1;
   packet.payload.resize(codes_line_payload_bytes(settings_.columns));
   packet.header.payload_size = static_cast<std::uint32_t>(packet.payload.size());
-  for (int column = 0; column < columns; ++column) {
-    const std::uint16_t word = line[column];
-    packet.payload[2 * static_cast<std::size_t>(column)] = static_cast<std::uint8_t>(word);
-    packet.payload[2 * static_cast<std::size_t>(column) + 1] = static_cast<std::uint8_t>(word >> 8U);
-  }
+  pack_codes(columns, line, packet.payload.data());
   sink_(std::move(packet));
 }
 

@@ -22,6 +22,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "model/code_word.h"
 #include "model/column_moments.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -40,8 +41,8 @@ struct GraySettings {
 class GrayDecoder {
  public:
   static constexpr int kMaxBits = spec::kCodeCodeBits;
-  static constexpr std::uint16_t kCode = (1U << kMaxBits) - 1;  // the bits of a word that hold the code
-  static constexpr std::uint16_t kMeasurable = std::uint16_t{1} << spec::kCodeMeasurableLsb;
+  static constexpr std::uint16_t kCode = kCodeMask;
+  static constexpr std::uint16_t kMeasurable = kCodeMeasurable;
 
   // Waits for plane 0. Throws std::invalid_argument where a setting is out of range.
   explicit GrayDecoder(const GraySettings& settings);

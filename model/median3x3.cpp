@@ -5,16 +5,9 @@
 #include <cstddef>
 #include <stdexcept>
 
-#include "model/spec/generated/selfproj_spec.h"
+#include "model/code_word.h"
 
 namespace selfproj {
-namespace {
-
-constexpr std::uint16_t kMeasurable = std::uint16_t{1} << spec::kCodeMeasurableLsb;
-constexpr std::uint16_t kCode = (std::uint16_t{1} << spec::kCodeCodeBits) - 1;
-
-}  // namespace
-
 void median3x3(const std::uint16_t* codes, int rows, int columns, std::uint16_t* out) {
   if (rows < 1 || columns < 1) {
     throw std::invalid_argument("median3x3: rows or columns are less than 1");
@@ -31,8 +24,8 @@ void median3x3(const std::uint16_t* codes, int rows, int columns, std::uint16_t*
         for (int c = std::max(column - 1, 0); c <= std::min(column + 1, columns - 1); ++c) {
           const std::uint16_t word = codes[static_cast<std::ptrdiff_t>(r) * columns + c];
           ++existing;
-          if ((word & kMeasurable) != 0) {
-            values[static_cast<std::size_t>(measurable)] = word & kCode;
+          if (is_measurable(word)) {
+            values[static_cast<std::size_t>(measurable)] = word & kCodeMask;
             ++measurable;
           }
         }
@@ -42,7 +35,7 @@ void median3x3(const std::uint16_t* codes, int rows, int columns, std::uint16_t*
       if (2 * measurable > existing) {
         const auto middle = values.begin() + (measurable - 1) / 2;
         std::nth_element(values.begin(), middle, values.begin() + measurable);
-        result = static_cast<std::uint16_t>(*middle | kMeasurable);
+        result = static_cast<std::uint16_t>(*middle | kCodeMeasurable);
       }
     }
   }

@@ -5,71 +5,18 @@
 #include <bit>
 #include <cstring>
 #include <stdexcept>
-#include <string>
 
 #include "model/cpu_clones.h"
+#include "model/little_endian.h"
 
 namespace selfproj {
 namespace {
 
 constexpr std::size_t kBeatBytes = spec::kPacketBeatBytes;
 
-// Reads and writes unsigned integers in little-endian order at any address.
-template <typename T>
-inline T load(const std::uint8_t* bytes) {
-  if constexpr (std::endian::native == std::endian::little) {
-    T value;
-    std::memcpy(&value, bytes, sizeof value);
-    return value;
-  } else {
-    T value = 0;
-    for (std::size_t i = 0; i < sizeof value; ++i) {
-      value = static_cast<T>(value | static_cast<T>(bytes[i]) << (8 * i));
-    }
-    return value;
-  }
-}
-
-template <typename T>
-inline void store(std::uint8_t* bytes, T value) {
-  if constexpr (std::endian::native == std::endian::little) {
-    std::memcpy(bytes, &value, sizeof value);
-  } else {
-    for (std::size_t i = 0; i < sizeof value; ++i) {
-      bytes[i] = static_cast<std::uint8_t>(value >> (8 * i));
-    }
-  }
-}
-
-constexpr std::uint32_t ones32(int bits) { return (std::uint32_t{1} << bits) - 1; }
-constexpr std::uint64_t ones64(int bits) { return (std::uint64_t{1} << bits) - 1; }
-
-constexpr std::size_t whole_beats(std::size_t bytes) { return (bytes + kBeatBytes - 1) / kBeatBytes * kBeatBytes; }
-
-constexpr std::size_t kBinaryBytes = spec::kBinaryWordBits / 8;
-constexpr std::size_t kGreyBytes = spec::kGreyWordBits / 8;
-constexpr std::size_t kCodeBytes = spec::kCodeWordBits / 8;
-constexpr std::size_t kPixelBytes = spec::kPixelBits / 8;
-
-bool known(Mode mode) { return mode == Mode::binary || mode == Mode::grey || mode == Mode::grey_over; }
-
-std::size_t moments_bytes(Mode mode, std::size_t columns) {
-  return whole_beats(columns * (mode == Mode::binary ? kBinaryBytes : kGreyBytes));
-}
-
-std::size_t checked(int columns) {
-  if (columns < 0) {
-    throw std::invalid_argument("packet: columns are negative");
-  }
-  return static_cast<std::size_t>(columns);
-}
-
-std::size_t checked(Mode mode, int columns) {
-  if (!known(mode)) {
-    throw std::invalid_argument("packet: unknown mode");
-  }
-  return checked(columns);
-}
+constexpr std::array<std::uint8_t, 4> kMagicBytes{spec::kMagic & 0xFFU, spec::kMagic >> 8U & 0xFFU,
+                                                  spec::kMagic >> 16U & 0xFFU, spec::kMagic >> 24U & 0xFFU};
+static_assert(spec::kHeaderMagic == 0, "a packet begins with the magic number");
 
 // The check word is a polynomial over GF(2) modulo P: after k beats c is x^k c0 + Σ x^(k-1-i) f_i, where f_i is beat i
 // folded to 32 bits. Up to 32 beats the sum fits in 64 bits as it is, and is reduced only then, with tables: one beat
@@ -103,8 +50,9 @@ SELFPROJ_CLONES std::uint64_t sum_of_beats(const std::uint8_t* bytes, int count)
   std::array<std::uint32_t, kBeatsAtOnce> folded;
   for (int i = 0; i < count; ++i) {
     const std::uint8_t* beat = bytes + i * kBeat;
-    folded[i] = load<std::uint32_t>(beat) ^ std::rotl(load<std::uint32_t>(beat + 4), 8) ^
-                std::rotl(load<std::uint32_t>(beat + 8), 16) ^ std::rotl(load<std::uint32_t>(beat + 12), 24);
+    folded[i] = load_little_endian<std::uint32_t>(beat) ^ std::rotl(load_little_endian<std::uint32_t>(beat + 4), 8) ^
+                std::rotl(load_little_endian<std::uint32_t>(beat + 8), 16) ^
+                std::rotl(load_little_endian<std::uint32_t>(beat + 12), 24);
   }
   std::uint64_t sum = 0;
   for (int i = 0; i < count; ++i) {
@@ -128,7 +76,7 @@ std::uint32_t check_of(const std::uint8_t* packet, std::size_t size) {
   const std::uint8_t* last = packet + size - spec::kTrailerBytes;
   std::array<std::uint8_t, spec::kTrailerBytes> trailer;
   std::copy_n(last, trailer.size(), trailer.data());
-  store(trailer.data() + spec::kTrailerCheck, std::uint32_t{0});
+  store_little_endian(trailer.data() + spec::kTrailerCheck, std::uint32_t{0});
   return check_beats(check_beats(spec::kCheckInit, packet, last), trailer.data(), trailer.data() + trailer.size());
 }
 
@@ -136,43 +84,53 @@ PacketHeader read_header(const std::uint8_t* bytes) {
   PacketHeader header;
   header.kind = bytes[spec::kHeaderKind];
   header.stream = bytes[spec::kHeaderStream];
-  header.lost = load<std::uint32_t>(bytes + spec::kHeaderLost);
-  header.sequence = load<std::uint64_t>(bytes + spec::kHeaderSequence);
-  header.time_stamp = load<std::uint64_t>(bytes + spec::kHeaderTimeStamp);
-  header.encoder = load<std::uint32_t>(bytes + spec::kHeaderEncoder);
-  header.payload_size = load<std::uint32_t>(bytes + spec::kHeaderPayloadSize);
-  header.columns = load<std::uint16_t>(bytes + spec::kHeaderColumns);
-  header.rows = load<std::uint16_t>(bytes + spec::kHeaderRows);
-  header.pattern = load<std::uint16_t>(bytes + spec::kHeaderPattern);
+  header.lost = load_little_endian<std::uint32_t>(bytes + spec::kHeaderLost);
+  header.sequence = load_little_endian<std::uint64_t>(bytes + spec::kHeaderSequence);
+  header.time_stamp = load_little_endian<std::uint64_t>(bytes + spec::kHeaderTimeStamp);
+  header.encoder = load_little_endian<std::uint32_t>(bytes + spec::kHeaderEncoder);
+  header.payload_size = load_little_endian<std::uint32_t>(bytes + spec::kHeaderPayloadSize);
+  header.columns = load_little_endian<std::uint16_t>(bytes + spec::kHeaderColumns);
+  header.rows = load_little_endian<std::uint16_t>(bytes + spec::kHeaderRows);
+  header.pattern = load_little_endian<std::uint16_t>(bytes + spec::kHeaderPattern);
   header.mode = bytes[spec::kHeaderMode];
   header.threshold = bytes[spec::kHeaderThreshold];
-  header.first_line = load<std::uint16_t>(bytes + spec::kHeaderFirstLine);
-  header.lines = load<std::uint16_t>(bytes + spec::kHeaderLines);
+  header.first_line = load_little_endian<std::uint16_t>(bytes + spec::kHeaderFirstLine);
+  header.lines = load_little_endian<std::uint16_t>(bytes + spec::kHeaderLines);
   header.flags = bytes[spec::kHeaderFlags];
   return header;
 }
 
-// Writes all 64 bytes; `bytes` are 0 at first, so that the reserved ones are too.
-void write_header(const PacketHeader& header, std::uint32_t payload_size, std::uint8_t* bytes) {
-  store(bytes + spec::kHeaderMagic, spec::kMagic);
-  store(bytes + spec::kHeaderSpecHash, spec::kHash);
-  store(bytes + spec::kHeaderVersion, spec::kVersion);
-  store(bytes + spec::kHeaderKind, header.kind);
-  store(bytes + spec::kHeaderStream, header.stream);
-  store(bytes + spec::kHeaderLost, header.lost);
-  store(bytes + spec::kHeaderSequence, header.sequence);
-  store(bytes + spec::kHeaderTimeStamp, header.time_stamp);
-  store(bytes + spec::kHeaderEncoder, header.encoder);
-  store(bytes + spec::kHeaderPayloadSize, payload_size);
-  store(bytes + spec::kHeaderColumns, header.columns);
-  store(bytes + spec::kHeaderRows, header.rows);
-  store(bytes + spec::kHeaderPattern, header.pattern);
-  store(bytes + spec::kHeaderMode, header.mode);
-  store(bytes + spec::kHeaderThreshold, header.threshold);
-  store(bytes + spec::kHeaderFirstLine, header.first_line);
-  store(bytes + spec::kHeaderLines, header.lines);
-  store(bytes + spec::kHeaderFlags, header.flags);
+// Writes all fields but the reserved one.
+void write_header(const PacketHeader& header, std::uint32_t payload_size, std::uint32_t spec_hash,
+                  std::uint8_t* bytes) {
+  store_little_endian(bytes + spec::kHeaderMagic, spec::kMagic);
+  store_little_endian(bytes + spec::kHeaderSpecHash, spec_hash);
+  store_little_endian(bytes + spec::kHeaderVersion, spec::kVersion);
+  store_little_endian(bytes + spec::kHeaderKind, header.kind);
+  store_little_endian(bytes + spec::kHeaderStream, header.stream);
+  store_little_endian(bytes + spec::kHeaderLost, header.lost);
+  store_little_endian(bytes + spec::kHeaderSequence, header.sequence);
+  store_little_endian(bytes + spec::kHeaderTimeStamp, header.time_stamp);
+  store_little_endian(bytes + spec::kHeaderEncoder, header.encoder);
+  store_little_endian(bytes + spec::kHeaderPayloadSize, payload_size);
+  store_little_endian(bytes + spec::kHeaderColumns, header.columns);
+  store_little_endian(bytes + spec::kHeaderRows, header.rows);
+  store_little_endian(bytes + spec::kHeaderPattern, header.pattern);
+  store_little_endian(bytes + spec::kHeaderMode, header.mode);
+  store_little_endian(bytes + spec::kHeaderThreshold, header.threshold);
+  store_little_endian(bytes + spec::kHeaderFirstLine, header.first_line);
+  store_little_endian(bytes + spec::kHeaderLines, header.lines);
+  store_little_endian(bytes + spec::kHeaderFlags, header.flags);
 }
+
+// Writing fields needs all of header and trailer.
+void check_whole(std::span<const std::uint8_t> packet) {
+  if (packet.size() < packet_bytes(0)) {
+    throw std::invalid_argument("packet: shorter than header and trailer");
+  }
+}
+
+std::uint8_t* trailer_of(std::span<std::uint8_t> packet) { return packet.data() + packet.size() - spec::kTrailerBytes; }
 
 // Whether the lines in the payload are lines of the frame.
 bool lines_in_frame(const PacketHeader& header) {
@@ -181,7 +139,7 @@ bool lines_in_frame(const PacketHeader& header) {
 
 // Whether mode, columns, rows and lines can occur. The lines count only where the payload has lines.
 bool geometry_is_right(const PacketHeader& header) {
-  if (!known(static_cast<Mode>(header.mode)) || header.columns < 1 || header.columns > spec::kMaxColumns ||
+  if (!is_known(static_cast<Mode>(header.mode)) || header.columns < 1 || header.columns > spec::kMaxColumns ||
       header.columns % spec::kPixelsPerBeat != 0 || header.rows < 1 || header.rows > spec::kMaxRows) {
     return false;
   }
@@ -190,26 +148,25 @@ bool geometry_is_right(const PacketHeader& header) {
 
 // The payload that kind, mode, columns and lines imply, in bytes. Kind and geometry are right.
 std::size_t implied_payload_bytes(const PacketHeader& header) {
-  const std::size_t columns = header.columns;
   switch (header.kind) {
     case spec::kKindMoments:
-      return moments_bytes(static_cast<Mode>(header.mode), columns);
+      return moments_payload_bytes(static_cast<Mode>(header.mode), header.columns);
     case spec::kKindCodes:
-      return header.lines * whole_beats(columns * kCodeBytes);
+      return header.lines * codes_line_payload_bytes(header.columns);
     default:
-      return header.lines * whole_beats(columns * kPixelBytes);
+      return header.lines * image_line_payload_bytes(header.columns);
   }
 }
 
 // Judges 64 bytes of header; `header` is what they say.
 PacketError judge_header(const std::uint8_t* bytes, const PacketHeader& header) {
-  if (load<std::uint32_t>(bytes + spec::kHeaderMagic) != spec::kMagic) {
+  if (load_little_endian<std::uint32_t>(bytes + spec::kHeaderMagic) != spec::kMagic) {
     return PacketError::magic;
   }
-  if (load<std::uint32_t>(bytes + spec::kHeaderSpecHash) != spec::kHash) {
+  if (load_little_endian<std::uint32_t>(bytes + spec::kHeaderSpecHash) != spec::kHash) {
     return PacketError::hash;
   }
-  if (load<std::uint16_t>(bytes + spec::kHeaderVersion) != spec::kVersion) {
+  if (load_little_endian<std::uint16_t>(bytes + spec::kHeaderVersion) != spec::kVersion) {
     return PacketError::version;
   }
   if (header.kind != spec::kKindMoments && header.kind != spec::kKindCodes && header.kind != spec::kKindImage) {
@@ -259,58 +216,6 @@ const char* to_string(PacketError error) {
   return "unknown";
 }
 
-std::size_t moments_payload_bytes(Mode mode, int columns) { return moments_bytes(mode, checked(mode, columns)); }
-
-std::size_t image_line_payload_bytes(int columns) { return whole_beats(checked(columns) * kPixelBytes); }
-
-std::size_t codes_line_payload_bytes(int columns) { return whole_beats(checked(columns) * kCodeBytes); }
-
-void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload) {
-  const std::size_t count = checked(mode, columns);
-  const std::uint32_t* m0 = moments.m0;
-  const std::uint32_t* m1 = moments.m1;
-  const std::uint32_t* n = moments.n;
-  std::uint8_t* __restrict words = payload;
-  std::size_t used = 0;
-  if (mode == Mode::binary) {
-    for (std::size_t i = 0; i < count; ++i) {
-      store(words + i * kBinaryBytes, (m1[i] & ones32(spec::kBinaryM1Bits)) << spec::kBinaryM1Lsb |
-                                          (m0[i] & ones32(spec::kBinaryM0Bits)) << spec::kBinaryM0Lsb);
-    }
-    used = count * kBinaryBytes;
-  } else {
-    for (std::size_t i = 0; i < count; ++i) {
-      store(words + i * kGreyBytes, (m1[i] & ones64(spec::kGreyM1Bits)) << spec::kGreyM1Lsb |
-                                        (m0[i] & ones64(spec::kGreyM0Bits)) << spec::kGreyM0Lsb |
-                                        (n[i] & ones64(spec::kGreyNBits)) << spec::kGreyNLsb);
-    }
-    used = count * kGreyBytes;
-  }
-  std::fill(payload + used, payload + moments_bytes(mode, count), std::uint8_t{0});
-}
-
-void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out) {
-  const std::size_t count = checked(mode, columns);
-  std::uint32_t* __restrict m0 = out.m0;
-  std::uint32_t* __restrict m1 = out.m1;
-  std::uint32_t* __restrict n = out.n;
-  if (mode == Mode::binary) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto word = load<std::uint32_t>(payload + i * kBinaryBytes);
-      m1[i] = word >> spec::kBinaryM1Lsb & ones32(spec::kBinaryM1Bits);
-      m0[i] = word >> spec::kBinaryM0Lsb & ones32(spec::kBinaryM0Bits);
-      n[i] = m0[i];
-    }
-  } else {
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto word = load<std::uint64_t>(payload + i * kGreyBytes);
-      m1[i] = static_cast<std::uint32_t>(word >> spec::kGreyM1Lsb & ones64(spec::kGreyM1Bits));
-      m0[i] = static_cast<std::uint32_t>(word >> spec::kGreyM0Lsb & ones64(spec::kGreyM0Bits));
-      n[i] = static_cast<std::uint32_t>(word >> spec::kGreyNLsb & ones64(spec::kGreyNBits));
-    }
-  }
-}
-
 std::uint32_t check_word(std::span<const std::uint8_t> packet) {
   if (packet.empty() || packet.size() % kBeatBytes != 0) {
     throw std::invalid_argument("packet: not a whole number of beats");
@@ -324,15 +229,15 @@ void append_packet(const PacketHeader& header, std::span<const std::uint8_t> pay
     throw std::invalid_argument("packet: the payload is not a whole number of beats, or 4 GiB or more");
   }
   const std::size_t begin = out.size();
-  const std::size_t size = spec::kHeaderBytes + payload.size() + spec::kTrailerBytes;
+  const std::size_t size = packet_bytes(payload.size());
   out.resize(begin + size);
   std::uint8_t* packet = out.data() + begin;
-  write_header(header, static_cast<std::uint32_t>(payload.size()), packet);
+  write_header(header, static_cast<std::uint32_t>(payload.size()), spec::kHash, packet);  // the rest is 0
   std::copy(payload.begin(), payload.end(), packet + spec::kHeaderBytes);
   std::uint8_t* trailer = packet + spec::kHeaderBytes + payload.size();
-  store(trailer + spec::kTrailerSequence, header.sequence);
-  store(trailer + spec::kTrailerStatus, status);
-  store(trailer + spec::kTrailerCheck, check_of(packet, size));
+  store_little_endian(trailer + spec::kTrailerSequence, header.sequence);
+  store_little_endian(trailer + spec::kTrailerStatus, status);
+  store_little_endian(trailer + spec::kTrailerCheck, check_of(packet, size));
 }
 
 PacketError parse_packet(std::span<const std::uint8_t> bytes, PacketView& out) {
@@ -344,23 +249,77 @@ PacketError parse_packet(std::span<const std::uint8_t> bytes, PacketView& out) {
   if (error != PacketError::none) {
     return error;
   }
-  const std::size_t size = spec::kHeaderBytes + header.payload_size + spec::kTrailerBytes;
+  const std::size_t size = packet_bytes(header.payload_size);
   if (bytes.size() < size) {
     return PacketError::too_short;
   }
   const std::uint8_t* trailer = bytes.data() + size - spec::kTrailerBytes;
-  if (load<std::uint64_t>(trailer + spec::kTrailerSequence) != header.sequence) {
+  if (load_little_endian<std::uint64_t>(trailer + spec::kTrailerSequence) != header.sequence) {
     return PacketError::sequence;
   }
-  if (load<std::uint32_t>(trailer + spec::kTrailerCheck) != check_of(bytes.data(), size)) {
+  if (load_little_endian<std::uint32_t>(trailer + spec::kTrailerCheck) != check_of(bytes.data(), size)) {
     return PacketError::check;
   }
-  const auto status = load<std::uint32_t>(trailer + spec::kTrailerStatus);
+  const auto status = load_little_endian<std::uint32_t>(trailer + spec::kTrailerStatus);
   if (header.payload_size == 0 && status == 0) {
     return PacketError::empty;
   }
   out = {header, bytes.subspan(spec::kHeaderBytes, header.payload_size), status, size};
   return PacketError::none;
+}
+
+bool begins_like_packet(std::span<const std::uint8_t> bytes) {
+  return std::equal(bytes.begin(),
+                    bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), kMagicBytes.size())),
+                    kMagicBytes.begin());
+}
+
+std::size_t find_packet_start(std::span<const std::uint8_t> bytes, std::size_t from) {
+  for (std::size_t at = from; at < bytes.size(); ++at) {
+    const void* found = std::memchr(bytes.data() + at, kMagicBytes[0], bytes.size() - at);
+    if (found == nullptr) {
+      break;
+    }
+    at = static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - bytes.data());
+    if (begins_like_packet(bytes.subspan(at))) {
+      return at;
+    }
+  }
+  return bytes.size();
+}
+
+std::optional<std::size_t> announced_packet_bytes(std::span<const std::uint8_t> packet) {
+  if (packet.size() < spec::kHeaderBytes) {
+    return std::nullopt;
+  }
+  return packet_bytes(load_little_endian<std::uint32_t>(packet.data() + spec::kHeaderPayloadSize));
+}
+
+std::span<const std::uint8_t> payload_of(std::span<const std::uint8_t> packet) {
+  check_whole(packet);
+  return packet.subspan(spec::kHeaderBytes, packet.size() - packet_bytes(0));
+}
+
+void stamp_packet(std::span<std::uint8_t> packet, const PacketStamp& stamp) {
+  check_whole(packet);
+  std::uint8_t* header = packet.data();
+  store_little_endian(header + spec::kHeaderSequence, stamp.sequence);
+  store_little_endian(header + spec::kHeaderTimeStamp, stamp.time_stamp);
+  store_little_endian(header + spec::kHeaderEncoder, stamp.encoder);
+  store_little_endian(header + spec::kHeaderLost, stamp.lost);
+  store_little_endian(trailer_of(packet) + spec::kTrailerSequence, stamp.sequence);
+  seal_packet(packet);
+}
+
+void replace_header(std::span<std::uint8_t> packet, const PacketHeader& header, std::uint32_t spec_hash) {
+  check_whole(packet);
+  write_header(header, header.payload_size, spec_hash, packet.data());
+  seal_packet(packet);
+}
+
+void seal_packet(std::span<std::uint8_t> packet) {
+  const std::uint32_t check = check_word(packet);
+  store_little_endian(trailer_of(packet) + spec::kTrailerCheck, check);
 }
 
 }  // namespace selfproj

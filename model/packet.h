@@ -7,12 +7,14 @@
 #ifndef SELFPROJ_MODEL_PACKET_H
 #define SELFPROJ_MODEL_PACKET_H
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "model/column_moments.h"
+#include "model/packet_payload.h"
 #include "model/spec/generated/selfproj_spec.h"
 
 namespace selfproj {
@@ -36,6 +38,11 @@ struct PacketHeader {
   std::uint8_t flags = 0;          // spec::kFlag...
 
   bool operator==(const PacketHeader&) const = default;
+
+  // Whether both are of one frame of one life of the board.
+  [[nodiscard]] bool same_frame(const PacketHeader& other) const {
+    return sequence == other.sequence && time_stamp == other.time_stamp;
+  }
 };
 
 // A packet that was found right, in the bytes it was found in.
@@ -44,7 +51,24 @@ struct PacketView {
   std::span<const std::uint8_t> payload;  // points into the bytes given to parse_packet
   std::uint32_t status = 0;               // 0 = good, else spec::kStatus...
   std::size_t size = 0;                   // bytes of the whole packet: where the next one begins
+
+  // The whole packet, header and trailer included.
+  [[nodiscard]] std::span<const std::uint8_t> bytes() const { return {payload.data() - spec::kHeaderBytes, size}; }
 };
+
+// Bytes of a whole packet with so many bytes of payload.
+constexpr std::size_t packet_bytes(std::size_t payload_bytes) {
+  return spec::kHeaderBytes + payload_bytes + spec::kTrailerBytes;
+}
+
+// The largest packet a board sends: moments of the widest image in a grey mode; images and codes, of which a packet
+// holds one line, are smaller. The format could also say many lines: such a packet is refused by those who wait for
+// its end, so that a damaged length is noticed within this many bytes.
+inline constexpr std::size_t kLargestPacketBytes =
+    packet_bytes(std::max(std::size_t{spec::kMaxColumns} * spec::kGreyWordBits,
+                          std::size_t{spec::kMaxColumns} * spec::kCodeWordBits) /
+                 8);
+static_assert(kLargestPacketBytes % spec::kPacketBeatBytes == 0);
 
 // What is wrong with a packet. The length of the header is looked at first, then the rest in the order of the list, and
 // the length of the packet before its trailer.
@@ -66,23 +90,6 @@ enum class PacketError : std::uint8_t {
 // A name for messages, as in the list above; "unknown" for any other value.
 const char* to_string(PacketError error);
 
-// Bytes of the moments of `columns` >= 0 columns: 4 a column in mode binary, 8 in the grey modes, and zeros up to a
-// multiple of 16. Throws std::invalid_argument where columns are negative or the mode is none of the three.
-std::size_t moments_payload_bytes(Mode mode, int columns);
-
-// Bytes of one line of a raw image: one a pixel, and zeros up to a multiple of 16. Throws as above.
-std::size_t image_line_payload_bytes(int columns);
-
-// Bytes of one line of a code image: 2 a pixel, and zeros up to a multiple of 16. Throws as above.
-std::size_t codes_line_payload_bytes(int columns);
-
-// Writes the moments of `columns` columns as payload words, moments_payload_bytes(mode, columns) bytes. In mode binary
-// n is not read. A value wider than its field loses its high bits; column_moments never gives one.
-void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload);
-
-// The reverse. In mode binary n becomes m0. Bits of the words that belong to no field are not looked at.
-void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out);
-
 // The check word of a whole packet of at least one beat, the trailer being its last 16 bytes; the check field itself
 // counts as 0, whatever stands there. Throws std::invalid_argument where the size is 0 or not a multiple of 16.
 //
@@ -99,6 +106,39 @@ void append_packet(const PacketHeader& header, std::span<const std::uint8_t> pay
 // Looks for a packet at the beginning of `bytes`, which may hold more than it. Never reads outside them; allocates and
 // throws nothing. `out` is written only where the answer is PacketError::none.
 PacketError parse_packet(std::span<const std::uint8_t> bytes, PacketView& out);
+
+// Whether `bytes` begin as every packet does, as far as there are any.
+bool begins_like_packet(std::span<const std::uint8_t> bytes);
+
+// The first place in `bytes`, from `from` on, where a packet may begin: from there on they begin like one. All of them
+// where there is none.
+std::size_t find_packet_start(std::span<const std::uint8_t> bytes, std::size_t from);
+
+// Bytes of the whole packet, as its header says, which need not be right; nothing while the header is not complete.
+std::optional<std::size_t> announced_packet_bytes(std::span<const std::uint8_t> packet);
+
+// The payload in the bytes of a whole packet, which is not judged. Throws std::invalid_argument where they are fewer
+// than header and trailer have.
+std::span<const std::uint8_t> payload_of(std::span<const std::uint8_t> packet);
+
+// What a recorded packet says anew when it is sent again.
+struct PacketStamp {
+  std::uint64_t sequence = 0;
+  std::uint64_t time_stamp = 0;
+  std::uint32_t encoder = 0;
+  std::uint32_t lost = 0;
+};
+
+// Writes these fields into a whole packet, and makes its check word right. Throws std::invalid_argument where the bytes
+// are no whole number of beats, or fewer than header and trailer have.
+void stamp_packet(std::span<std::uint8_t> packet, const PacketStamp& stamp);
+
+// Writes the header, with its payload_size and the hash of a specification, over that of a packet, and makes the check
+// word right: for tests of packets that are wrong elsewhere. Throws as above.
+void replace_header(std::span<std::uint8_t> packet, const PacketHeader& header, std::uint32_t spec_hash = spec::kHash);
+
+// Makes the check word of a whole packet right. Throws as check_word().
+void seal_packet(std::span<std::uint8_t> packet);
 
 }  // namespace selfproj
 

@@ -28,7 +28,7 @@ bool ImageAssembler::add(const PacketView& packet) {
   if (header.kind != kind_ || header.stream != stream_) {
     return false;
   }
-  const bool same_frame = seen_ && header.sequence == header_.sequence && header.time_stamp == header_.time_stamp;
+  const bool same_frame = seen_ && header.same_frame(header_);
   if (!same_frame) {
     incomplete_ += open_ ? 1 : 0;
     header_ = header;
@@ -59,9 +59,7 @@ bool ImageAssembler::add(const PacketView& packet) {
     if (kind_ == spec::kKindImage) {
       std::copy_n(bytes, columns, pixels_.begin() + static_cast<std::ptrdiff_t>(first));
     } else {
-      for (std::size_t i = 0; i < columns; ++i) {
-        codes_[first + i] = static_cast<std::uint16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8U);
-      }
+      unpack_codes(header.columns, bytes, codes_.data() + first);
     }
   }
   next_line_ += header.lines;

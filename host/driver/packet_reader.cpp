@@ -1,14 +1,12 @@
 #include "host/driver/packet_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
 
 #include "host/driver/counters.h"
-#include "host/driver/packet_limits.h"
 #include "model/packet.h"
 
 namespace selfproj {
@@ -16,51 +14,15 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-constexpr std::array<std::uint8_t, 4> kMagicBytes{spec::kMagic & 0xFFU, spec::kMagic >> 8U & 0xFFU,
-                                                  spec::kMagic >> 16U & 0xFFU, spec::kMagic >> 24U & 0xFFU};
-
-// Whether `bytes` begin like the magic number, as far as there are any.
-bool begins_like_magic(Bytes bytes) {
-  return std::equal(bytes.begin(),
-                    bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), kMagicBytes.size())),
-                    kMagicBytes.begin());
-}
-
-// Bytes up to the first place, from 1 on, where a packet may begin, or all of them.
-std::size_t up_to_magic(Bytes bytes) {
-  for (std::size_t at = 1; at < bytes.size(); ++at) {
-    const void* found = std::memchr(bytes.data() + at, kMagicBytes[0], bytes.size() - at);
-    if (found == nullptr) {
-      break;
-    }
-    at = static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - bytes.data());
-    if (begins_like_magic(bytes.subspan(at))) {
-      return at;
-    }
-  }
-  return bytes.size();
-}
-
-std::size_t payload_size(Bytes header) {
-  std::uint32_t size = 0;
-  for (std::size_t i = 0; i < sizeof size; ++i) {
-    size |= std::uint32_t{header[spec::kHeaderPayloadSize + i]} << (8 * i);
-  }
-  return size;
-}
-
 // As parse_packet, but no more bytes are asked for where those there already show that this is no packet, or none that
 // a board sends.
 PacketError judge(Bytes bytes, PacketView& packet) {
-  if (!begins_like_magic(bytes)) {
+  if (!begins_like_packet(bytes)) {
     return PacketError::magic;
   }
   const PacketError error = parse_packet(bytes.first(std::min(bytes.size(), kLargestPacketBytes)), packet);
-  if (error == PacketError::too_short && bytes.size() >= spec::kHeaderBytes &&
-      spec::kHeaderBytes + payload_size(bytes) + spec::kTrailerBytes > kLargestPacketBytes) {
-    return PacketError::size;
-  }
-  return error;
+  const bool endless = error == PacketError::too_short && announced_packet_bytes(bytes) > kLargestPacketBytes;
+  return endless ? PacketError::size : error;
 }
 
 }  // namespace
@@ -105,9 +67,9 @@ bool PacketStreamReader::next(PacketView& packet) {
     if (error == PacketError::too_short && !finished_) {
       return false;
     }
-    counters_.bad += due_ || (error != PacketError::magic && bytes.size() >= kMagicBytes.size()) ? 1 : 0;
+    counters_.bad += due_ || (error != PacketError::magic && bytes.size() >= sizeof spec::kMagic) ? 1 : 0;
     counters_.other_spec += error == PacketError::hash || error == PacketError::version ? 1 : 0;
-    discard(up_to_magic(bytes));
+    discard(find_packet_start(bytes, 1));
   }
   return false;
 }

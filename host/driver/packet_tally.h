@@ -28,10 +28,7 @@ class PacketTally {
 
   // The newest packet of a stream and kind.
   struct Newest {
-    std::uint64_t sequence = 0;
-    std::uint64_t time_stamp = 0;
-    std::uint32_t lost = 0;
-    std::uint16_t first_line = 0;
+    PacketHeader header = {};
     bool known = false;  // there is one
     bool reset = false;  // none since the board was reset
   };

@@ -18,11 +18,11 @@
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "host/driver/device.h"
-#include "host/driver/packet_limits.h"
 #include "host/driver/packet_tally.h"
 #include "host/driver/ring_layout.h"
 #include "host/driver/ring_memory.h"
 #include "host/io/user_error.h"
+#include "model/packet.h"
 
 namespace selfproj {
 namespace {

@@ -14,8 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "host/driver/packet_limits.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "model/packet.h"
 
 namespace selfproj::ring {
 

@@ -15,9 +15,9 @@
 #include <string>
 
 #include "host/driver/clock.h"
-#include "host/driver/packet_limits.h"
 #include "host/driver/ring_layout.h"
 #include "host/io/user_error.h"
+#include "model/packet.h"
 
 namespace selfproj {
 

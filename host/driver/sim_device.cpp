@@ -9,18 +9,6 @@
 #include "host/driver/clock.h"
 
 namespace selfproj {
-namespace {
-
-// What the header at the beginning of `packet` says about its size.
-std::size_t announced_bytes(std::span<const std::uint8_t> packet) {
-  std::size_t payload = 0;
-  for (std::size_t i = 0; i < sizeof(std::uint32_t); ++i) {
-    payload |= std::size_t{packet[spec::kHeaderPayloadSize + i]} << (8 * i);
-  }
-  return spec::kHeaderBytes + payload + spec::kTrailerBytes;
-}
-
-}  // namespace
 
 SimDevice::SimDevice(std::size_t buffer_bytes) : reader_(counters_, buffer_bytes), tally_(counters_) {}
 
@@ -37,8 +25,8 @@ bool SimDevice::push(std::span<const std::uint8_t> bytes, bool last) {
   since_last_ += bytes.size();
   if (last) {
     arrival_ns_ = now_ns();
-    const bool whole = since_last_ >= spec::kHeaderBytes && since_last_ <= reader_.held() &&
-                       announced_bytes(reader_.newest(since_last_)) == since_last_;
+    const bool whole =
+        since_last_ <= reader_.held() && announced_packet_bytes(reader_.newest(since_last_)) == since_last_;
     misframed_ += whole ? 0 : 1;
     since_last_ = 0;
   }

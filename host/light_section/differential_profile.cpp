@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <stdexcept>
 
 #include "host/io/float_image.h"
 #include "host/rig/geometry.h"
 #include "model/cpu_clones.h"
-#include "model/spec/generated/selfproj_spec.h"
+#include "model/moments_words.h"
 
 // The compiler vectorizes the loops over columns for each instruction set of SELFPROJ_CLONES. No multiplication is
 // fused with an addition, -std=c++20 being ISO's, so that all give the same bits.
@@ -28,17 +26,6 @@ struct StripMoments {
   alignas(64) std::array<std::int32_t, kStrip> m1;
   alignas(64) std::array<std::int32_t, kStrip> n;
 };
-
-constexpr std::uint32_t ones32(int bits) { return (std::uint32_t{1} << bits) - 1; }
-constexpr std::uint64_t ones64(int bits) { return (std::uint64_t{1} << bits) - 1; }
-
-template <typename T>
-inline T load(const std::uint8_t* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof value);
-  return value;
-}
-static_assert(std::endian::native == std::endian::little, "payload words are read as they lie");
 
 }  // namespace
 
@@ -137,27 +124,25 @@ constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t
   }
 }
 
-SELFPROJ_CLONES void strip_binary(const std::uint8_t* payload, int columns, const ProfileTables& tables,
+SELFPROJ_CLONES void strip_binary(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
                                   const ProfileView& out) {
   StripMoments moments;
-  for (int i = 0; i < columns; ++i) {
-    const auto word = load<std::uint32_t>(payload + i * (spec::kBinaryWordBits / 8));
-    moments.m1[i] = static_cast<std::int32_t>(word >> spec::kBinaryM1Lsb & ones32(spec::kBinaryM1Bits));
-    moments.m0[i] = static_cast<std::int32_t>(word >> spec::kBinaryM0Lsb & ones32(spec::kBinaryM0Bits));
-    moments.n[i] = moments.m0[i];
-  }
+  for_each_binary_word(payload, first, columns, [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    moments.m0[i] = static_cast<std::int32_t>(m0);
+    moments.m1[i] = static_cast<std::int32_t>(m1);
+    moments.n[i] = static_cast<std::int32_t>(n);
+  });
   triangulate(moments, columns, tables, out);
 }
 
-SELFPROJ_CLONES void strip_grey(const std::uint8_t* payload, int columns, const ProfileTables& tables,
+SELFPROJ_CLONES void strip_grey(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
                                 const ProfileView& out) {
   StripMoments moments;
-  for (int i = 0; i < columns; ++i) {
-    const auto word = load<std::uint64_t>(payload + i * (spec::kGreyWordBits / 8));
-    moments.m1[i] = static_cast<std::int32_t>(word >> spec::kGreyM1Lsb & ones64(spec::kGreyM1Bits));
-    moments.m0[i] = static_cast<std::int32_t>(word >> spec::kGreyM0Lsb & ones64(spec::kGreyM0Bits));
-    moments.n[i] = static_cast<std::int32_t>(word >> spec::kGreyNLsb & ones64(spec::kGreyNBits));
-  }
+  for_each_grey_word(payload, first, columns, [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    moments.m0[i] = static_cast<std::int32_t>(m0);
+    moments.m1[i] = static_cast<std::int32_t>(m1);
+    moments.n[i] = static_cast<std::int32_t>(n);
+  });
   triangulate(moments, columns, tables, out);
 }
 
@@ -233,9 +218,9 @@ void DifferentialProfiler::profile(Mode mode, const std::uint8_t* payload, const
     const ProfileView strip = from_column(out, first);
     const ProfileTables tables = tables_from(first);
     if (mode == Mode::binary) {
-      strip_binary(payload + first * (spec::kBinaryWordBits / 8), count, tables, strip);
+      strip_binary(payload, first, count, tables, strip);
     } else {
-      strip_grey(payload + first * (spec::kGreyWordBits / 8), count, tables, strip);
+      strip_grey(payload, first, count, tables, strip);
     }
   }
 }

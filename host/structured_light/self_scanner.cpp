@@ -127,9 +127,8 @@ bool SelfScanner::take(const ImageView& image, int pattern, bool good) {
 void SelfScanner::take_codes(const std::uint16_t* words) {
   constexpr std::uint8_t kTwoPairs = 3;
   for (std::size_t i = 0; i < board_codes_.size(); ++i) {
-    const unsigned code = words[i] & ((1U << spec::kCodeCodeBits) - 1);
-    const bool measurable =
-        (words[i] & GrayDecoder::kMeasurable) != 0 && code >> static_cast<unsigned>(table_->bits()) == 0;
+    const unsigned code = code_of(words[i]);
+    const bool measurable = is_measurable(words[i]) && code >> static_cast<unsigned>(table_->bits()) == 0;
     board_codes_[i] = measurable ? static_cast<std::uint8_t>(code) : std::uint8_t{0};
     board_ambiguous_[i] = measurable ? std::uint8_t{0} : kTwoPairs;
   }

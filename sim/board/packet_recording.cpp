@@ -17,18 +17,6 @@
 #include "model/packet.h"
 
 namespace selfproj {
-namespace {
-
-// Little endian, on every machine.
-template <typename T>
-void store(std::uint8_t* bytes, T value) {
-  for (std::size_t i = 0; i < sizeof value; ++i) {
-    bytes[i] = static_cast<std::uint8_t>(value >> (8 * i));
-  }
-}
-
-}  // namespace
-
 void PacketRecording::add(const PacketHeader& header, std::span<const std::uint8_t> packet) {
   if (frames_.empty() || frames_.back().sequence != header.sequence) {
     frames_.push_back({header.sequence, header.encoder, packets_.size(), 0});
@@ -53,13 +41,8 @@ void PacketRecording::stamp(std::size_t packet, std::uint64_t frame, double cloc
   const std::uint32_t encoder = frames_[static_cast<std::size_t>(frame % frames_.size())].encoder +
                                 static_cast<std::uint32_t>(loops) * way_of_loop;
 
-  std::uint8_t* trailer = room + recorded.size - spec::kTrailerBytes;
-  store(room + spec::kHeaderSequence, frame);
-  store(room + spec::kHeaderTimeStamp, static_cast<std::uint64_t>(static_cast<double>(frame) * clocks_per_frame));
-  store(room + spec::kHeaderEncoder, encoder);
-  store(room + spec::kHeaderLost, std::uint32_t{0});
-  store(trailer + spec::kTrailerSequence, frame);
-  store(trailer + spec::kTrailerCheck, check_word({room, recorded.size}));
+  const auto time_stamp = static_cast<std::uint64_t>(static_cast<double>(frame) * clocks_per_frame);
+  stamp_packet({room, recorded.size}, {.sequence = frame, .time_stamp = time_stamp, .encoder = encoder, .lost = 0});
 }
 
 PacketRecording read_recording(const std::string& file, Counters& counters) {
@@ -68,7 +51,7 @@ PacketRecording read_recording(const std::string& file, Counters& counters) {
   PacketView packet;
   for (Next next = Next::timeout; next != Next::end; next = device->next(packet, std::chrono::seconds(1))) {
     if (next == Next::packet) {
-      recording.add(packet.header, {packet.payload.data() - spec::kHeaderBytes, packet.size});
+      recording.add(packet.header, packet.bytes());
     }
   }
   counters = device->counters();

@@ -118,7 +118,7 @@ void work(benchmark::State& state, const DifferentialProfiler& profiler, const P
   for (auto _ : state) {
     for (int i = 0; i < packets.count; ++i) {
       PacketView view;
-      view.payload = packets.packet(i).subspan(spec::kHeaderBytes);
+      view.payload = payload_of(packets.packet(i));
       if (what != Work::profile && parse_packet(packets.packet(i), view) != PacketError::none) {
         state.SkipWithError("a packet is bad");
         return;

@@ -114,19 +114,6 @@ void append_good_packet(std::uint8_t shape, std::uint8_t lost, std::uint64_t seq
   stream.good.push_back({begin, stream.bytes.size()});
 }
 
-// The last 16 bytes of stream become a trailer whose check word is right for a packet that began at `begin`, so that
-// judgement must come from everything else.
-void make_check_right(Stream& stream, std::size_t begin) {
-  const std::size_t size = stream.bytes.size() - begin;
-  if (size == 0 || size % spec::kPacketBeatBytes != 0) {
-    return;
-  }
-  const std::uint32_t check = check_word(std::span(stream.bytes).subspan(begin));
-  for (std::size_t i = 0; i < 4; ++i) {
-    stream.bytes[stream.bytes.size() - 4 + i] = static_cast<std::uint8_t>(check >> 8 * i);
-  }
-}
-
 void build(Input& input, Stream& stream) {
   stream.clear();
   std::uint64_t sequence = 0;
@@ -165,7 +152,8 @@ void build(Input& input, Stream& stream) {
           const Stretch last = stream.good.back();
           stream.bytes[last.begin + input.byte() % spec::kHeaderBytes] ^= input.byte();
           stream.touched(last.begin, last.end);
-          make_check_right(stream, last.begin);
+          // Judgement must come from everything else.
+          seal_packet(std::span(stream.bytes).subspan(last.begin));
         }
         break;
       }
@@ -210,12 +198,11 @@ void Reader::read(const Bytes& stream, std::size_t largest, std::uint32_t random
       require(end >= packet.size, "a packet of bytes that have not come");
       const std::size_t begin = end - packet.size;
       require(given.empty() || begin >= given.back().end, "a byte was given twice");
-      const std::uint8_t* bytes = packet.payload.data() - spec::kHeaderBytes;
-      require(std::equal(bytes, bytes + packet.size, stream.begin() + static_cast<std::ptrdiff_t>(begin)),
+      const std::span<const std::uint8_t> bytes = packet.bytes();
+      require(std::equal(bytes.begin(), bytes.end(), stream.begin() + static_cast<std::ptrdiff_t>(begin)),
               "not the bytes of the stream");
       PacketView again;
-      require(parse_packet({bytes, packet.size}, again) == PacketError::none && again.header == packet.header,
-              "not a good packet");
+      require(parse_packet(bytes, again) == PacketError::none && again.header == packet.header, "not a good packet");
       given.push_back({begin, end});
       tally.accept(packet.header);
     }

@@ -12,102 +12,18 @@
 #include <vector>
 
 #include "tests/support/random_cases.h"
+#include "tests/unit/packets.h"
 
 namespace selfproj::test {
 namespace {
-
-using Bytes = std::vector<std::uint8_t>;
-
-constexpr std::size_t kBeat = spec::kPacketBeatBytes;
-
-// A header with a different value in every field, fit for a payload of the kind.
-PacketHeader header_of(std::uint8_t kind, Mode mode, int columns) {
-  PacketHeader header;
-  header.kind = kind;
-  header.stream = 0x21;
-  header.lost = 0x31323334;
-  header.sequence = 0x4142434445464748;
-  header.time_stamp = 0x5152535455565758;
-  header.encoder = 0xF1F2F3F4;
-  header.columns = static_cast<std::uint16_t>(columns);
-  header.rows = 96;
-  header.pattern = 0x6162;
-  header.mode = static_cast<std::uint8_t>(mode);
-  header.threshold = 0x71;
-  header.first_line = 7;
-  header.lines = 1;
-  header.flags = spec::kFlagStrayBefore;
-  return header;
-}
-
-std::size_t payload_bytes_of(const PacketHeader& header) {
-  switch (header.kind) {
-    case spec::kKindMoments:
-      return moments_payload_bytes(static_cast<Mode>(header.mode), header.columns);
-    case spec::kKindCodes:
-      return codes_line_payload_bytes(header.columns);
-    default:
-      return image_line_payload_bytes(header.columns);
-  }
-}
-
-// A good packet with a random payload.
-Bytes packet_of(PacketHeader header, std::uint64_t seed = 1) {
-  Bytes packet;
-  append_packet(header, Random(seed).bytes(payload_bytes_of(header)), 0, packet);
-  return packet;
-}
-
-// One of each kind and format.
-std::vector<Bytes> packets_of_all_kinds(int columns) {
-  std::vector<Bytes> packets;
-  packets.push_back(packet_of(header_of(spec::kKindMoments, Mode::binary, columns)));
-  packets.push_back(packet_of(header_of(spec::kKindMoments, Mode::grey, columns)));
-  packets.push_back(packet_of(header_of(spec::kKindMoments, Mode::grey_over, columns)));
-  packets.push_back(packet_of(header_of(spec::kKindCodes, Mode::binary, columns)));
-  packets.push_back(packet_of(header_of(spec::kKindImage, Mode::binary, columns)));
-  return packets;
-}
-
-PacketError verdict(const Bytes& bytes) {
-  PacketView view;
-  return parse_packet(bytes, view);
-}
 
 // The packet with another value in `bytes` bytes at `offset`, and the check word made right again.
 Bytes forged(Bytes packet, std::size_t offset, std::size_t bytes, std::uint64_t value) {
   for (std::size_t i = 0; i < bytes; ++i) {
     packet[offset + i] = static_cast<std::uint8_t>(value >> (8 * i));
   }
-  const std::uint32_t check = check_word(packet);
-  for (std::size_t i = 0; i < 4; ++i) {
-    packet[packet.size() - spec::kTrailerBytes + spec::kTrailerCheck + i] = static_cast<std::uint8_t>(check >> (8 * i));
-  }
+  seal_packet(packet);
   return packet;
-}
-
-// The check word as the specification's prose has it, one bit at a time.
-std::uint32_t plain_check_word(const Bytes& packet) {
-  std::uint32_t c = spec::kCheckInit;
-  for (std::size_t at = 0; at < packet.size(); at += kBeat) {
-    const bool out = (c & 0x80000000U) != 0;
-    c <<= 1;
-    if (out) {
-      c ^= spec::kCheckPolynomial;
-    }
-    for (std::size_t i = 0; i < kBeat; ++i) {
-      if (at + i >= packet.size() - 4) {
-        break;  // the check field counts as 0
-      }
-      for (std::size_t bit = 0; bit < 8; ++bit) {
-        if ((packet[at + i] >> bit & 1) != 0) {
-          const std::size_t place = 8 * (i % 4) + bit;          // in the word
-          c ^= std::uint32_t{1} << ((place + i / 4 * 8) % 32);  // word k is rotated left by 8 k
-        }
-      }
-    }
-  }
-  return c;
 }
 
 TEST(Packet, RoundTrip) {
@@ -348,80 +264,6 @@ TEST(Packet, RefusesHalfBeats) {
   Bytes out = {1, 2, 3};
   EXPECT_THROW(append_packet({}, Bytes(8), 0, out), std::invalid_argument);
   EXPECT_EQ(out, (Bytes{1, 2, 3}));
-}
-
-TEST(Packet, PayloadSizes) {
-  EXPECT_EQ(moments_payload_bytes(Mode::binary, 512), 2048U);
-  EXPECT_EQ(moments_payload_bytes(Mode::grey, 512), 4096U);
-  EXPECT_EQ(moments_payload_bytes(Mode::grey_over, 4), 32U);
-  EXPECT_EQ(moments_payload_bytes(Mode::binary, 5), 32U);
-  EXPECT_EQ(image_line_payload_bytes(512), 512U);
-  EXPECT_EQ(image_line_payload_bytes(4), 16U);
-  EXPECT_EQ(image_line_payload_bytes(20), 32U);
-  EXPECT_EQ(codes_line_payload_bytes(512), 1024U);
-  EXPECT_EQ(codes_line_payload_bytes(12), 32U);
-  EXPECT_EQ(moments_payload_bytes(Mode::binary, 0), 0U);
-  EXPECT_THROW(moments_payload_bytes(Mode::binary, -1), std::invalid_argument);
-  EXPECT_THROW(moments_payload_bytes(static_cast<Mode>(3), 4), std::invalid_argument);
-  EXPECT_THROW(image_line_payload_bytes(-1), std::invalid_argument);
-  EXPECT_THROW(codes_line_payload_bytes(-1), std::invalid_argument);
-}
-
-TEST(PayloadWords, RoundTripUpToTheLargest) {
-  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
-    const bool binary = mode == Mode::binary;
-    for (const std::uint64_t seed : seeds(50)) {
-      SCOPED_TRACE(how_to_repeat(seed));
-      Random random(seed);
-      const int columns = random.between(1, 600);
-      Moments moments;
-      moments.resize(columns);
-      const auto fill = [&](std::vector<std::uint32_t>& values, std::uint64_t largest) {
-        for (std::uint32_t& value : values) {
-          value = static_cast<std::uint32_t>(random.chance(20) ? largest : random.bits() % (largest + 1));
-        }
-      };
-      fill(moments.m0, binary ? spec::kBinaryM0Max : spec::kGreyM0Max);
-      fill(moments.m1, binary ? spec::kBinaryM1Max : spec::kGreyM1Max);
-      fill(moments.n, spec::kGreyNMax);
-      if (binary) {
-        moments.n = moments.m0;
-      }
-      Bytes payload(moments_payload_bytes(mode, columns) + 16, 0xEE);
-      pack_moments(mode, columns, moments.view(), payload.data() + 1);  // at any address
-      EXPECT_EQ(payload.front(), 0xEE);
-      EXPECT_TRUE(std::all_of(payload.end() - 15, payload.end(), [](std::uint8_t b) { return b == 0xEE; }));
-      const std::size_t word = (binary ? spec::kBinaryWordBits : spec::kGreyWordBits) / 8;
-      EXPECT_TRUE(std::all_of(payload.begin() + 1 + static_cast<std::ptrdiff_t>(word) * columns, payload.end() - 15,
-                              [](std::uint8_t b) { return b == 0; }));
-      Moments found;
-      found.resize(columns);
-      unpack_moments(mode, columns, payload.data() + 1, found.view());
-      ASSERT_EQ(found, moments);
-    }
-  }
-}
-
-// One column each with a single field at its largest: the words of the specification, byte for byte.
-TEST(PayloadWords, FieldsAtTheirBits) {
-  const auto word_of = [](Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
-    std::array<std::uint8_t, kBeat> bytes{};
-    pack_moments(mode, 1, {&m0, &m1, &n}, bytes.data());
-    std::uint64_t word = 0;
-    for (std::size_t i = 0; i < 8; ++i) {
-      word |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
-    }
-    return word;
-  };
-  EXPECT_EQ(word_of(Mode::binary, 0, 0xFFFFF, 0), 0x00000000000FFFFFU);
-  EXPECT_EQ(word_of(Mode::binary, 0xFFF, 0, 0), 0x00000000FFF00000U);
-  EXPECT_EQ(word_of(Mode::grey, 0, 0x7FFFFFF, 0), 0x0000000007FFFFFFU);
-  EXPECT_EQ(word_of(Mode::grey, 0x3FFFF, 0, 0), 0x00001FFFF8000000U);
-  EXPECT_EQ(word_of(Mode::grey_over, 0, 0, 0x3FF), 0x007FE00000000000U);
-  // What is too wide for its field does not spill into the next.
-  EXPECT_EQ(word_of(Mode::binary, 0, 0xFFFFFFFF, 0), 0x00000000000FFFFFU);
-  EXPECT_EQ(word_of(Mode::grey, 0xFFFFFFFF, 0, 0), 0x00001FFFF8000000U);
-  EXPECT_EQ(word_of(Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);
 }
 
 TEST(PacketErrorNames, AreDistinct) {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/driver/packet_limits.h"
+#include "model/packet.h"
 #include "tests/host/driver/packets.h"
 #include "tests/support/random_cases.h"
 
@@ -165,10 +165,11 @@ TEST(PacketStreamReader, AnyDamagedPayloadLength) {
   const Bytes before = moments_packet(0);
   for (const std::uint32_t size : {0U, 1U, 16U, 112U, 144U, 4096U, 16384U, 16400U, 0x7FFFFFFFU, 0xFFFFFFFFU}) {
     Bytes stream = before;
-    append(stream, moments_packet(1));
-    for (std::size_t i = 0; i < 4; ++i) {
-      stream[before.size() + spec::kHeaderPayloadSize + i] = static_cast<std::uint8_t>(size >> 8 * i);
-    }
+    Bytes damaged = moments_packet(1);
+    PacketHeader header = moments_header(1);
+    header.payload_size = size;
+    replace_header(damaged, header);
+    append(stream, damaged);
     append(stream, moments_stream(2, 2));
     const Outcome result = run(stream);
     EXPECT_EQ(result.given, (Sequences{0, 2, 3})) << size;
@@ -217,7 +218,7 @@ TEST(PacketStreamReader, WholePacketInsideADamagedOne) {
 TEST(PacketStreamReader, AnotherSpecification) {
   Bytes stream = moments_packet(0);
   Bytes other = moments_packet(1);
-  other[spec::kHeaderSpecHash] ^= 0x55;
+  replace_header(other, moments_header(1), spec::kHash ^ 0x55);
   append(stream, other);
   append(stream, moments_packet(2));
   const Outcome result = run(stream);

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <set>
+#include <stdexcept>
+#include <string>
 
 #include "tests/host/driver/packets.h"
 
@@ -109,6 +112,24 @@ TEST(PacketTally, SameSequenceAtAnotherTimeIsARestart) {
   EXPECT_TRUE(tally.accept(header));
   EXPECT_EQ(counters.restarts, 1U);
   EXPECT_EQ(counters.repeated, 0U);
+}
+
+TEST(Counters, EachHasOneNameOfItsOwn) {
+  Counters counters;
+  std::set<std::string> keys;
+  std::set<std::string> labels;
+  for (const CounterName& name : kCounterNames) {
+    ++(counters.*name.field);
+    keys.insert(name.key);
+    labels.insert(name.label);
+    EXPECT_EQ(&name_of(name.field), &name);
+  }
+  EXPECT_EQ(keys.size(), kCounterNames.size());
+  EXPECT_EQ(labels.size(), kCounterNames.size());
+  EXPECT_EQ(counters, (Counters{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}));
+  EXPECT_EQ(counters_text({.lost_board = 3, .missing = 4}, {&Counters::missing, &Counters::lost_board}),
+            "missing frames 4, lost on the board 3");
+  EXPECT_THROW(name_of(nullptr), std::invalid_argument);
 }
 
 }  // namespace

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "host/driver/open_device.h"
-#include "host/driver/packet_limits.h"
 #include "host/driver/ring_layout.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"

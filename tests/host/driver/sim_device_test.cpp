@@ -8,8 +8,8 @@
 #include <span>
 
 #include "host/driver/open_device.h"
-#include "host/driver/packet_limits.h"
 #include "host/io/user_error.h"
+#include "model/packet.h"
 #include "tests/host/driver/packets.h"
 
 namespace selfproj::test {

@@ -1,0 +1,50 @@
+// The words of a packet of moments, unpacked inside the caller's loop: for code that goes on with them at once.
+// model/packet_payload.h has the same as functions.
+#ifndef SELFPROJ_MODEL_MOMENTS_WORDS_H
+#define SELFPROJ_MODEL_MOMENTS_WORDS_H
+
+#include <cstddef>
+#include <cstdint>
+
+#include "model/little_endian.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+
+// A field of `bits` bits from bit `lsb` on.
+template <typename Word>
+[[gnu::always_inline]] constexpr Word field_of(Word word, int lsb, int bits) {
+  return word >> static_cast<unsigned>(lsb) & ((Word{1} << static_cast<unsigned>(bits)) - 1);
+}
+
+// Calls take(i, m0, m1, n) with the moments of column first + i, i = 0..columns - 1, of a payload in mode binary, all
+// unsigned 32-bit integers; n is m0. Bits of the words that belong to no field are not looked at.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_binary_word(const std::uint8_t* payload, int first, int columns,
+                                                        const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kBinaryWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
+    const std::uint32_t m0 = field_of(word, spec::kBinaryM0Lsb, spec::kBinaryM0Bits);
+    take(i, m0, field_of(word, spec::kBinaryM1Lsb, spec::kBinaryM1Bits), m0);
+  }
+}
+
+// The same of a payload in a grey mode.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_grey_word(const std::uint8_t* payload, int first, int columns,
+                                                      const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kGreyWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
+    take(i, static_cast<std::uint32_t>(field_of(word, spec::kGreyM0Lsb, spec::kGreyM0Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kGreyM1Lsb, spec::kGreyM1Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kGreyNLsb, spec::kGreyNBits)));
+  }
+}
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_MODEL_MOMENTS_WORDS_H

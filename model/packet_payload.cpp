@@ -1,0 +1,107 @@
+#include "model/packet_payload.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "model/little_endian.h"
+#include "model/moments_words.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::size_t kBeatBytes = spec::kPacketBeatBytes;
+constexpr std::size_t kBinaryBytes = spec::kBinaryWordBits / 8;
+constexpr std::size_t kGreyBytes = spec::kGreyWordBits / 8;
+constexpr std::size_t kCodeBytes = spec::kCodeWordBits / 8;
+constexpr std::size_t kPixelBytes = spec::kPixelBits / 8;
+
+constexpr std::uint32_t ones32(int bits) { return (std::uint32_t{1} << bits) - 1; }
+constexpr std::uint64_t ones64(int bits) { return (std::uint64_t{1} << bits) - 1; }
+
+constexpr std::size_t whole_beats(std::size_t bytes) { return (bytes + kBeatBytes - 1) / kBeatBytes * kBeatBytes; }
+
+std::size_t moments_bytes(Mode mode, std::size_t columns) {
+  return whole_beats(columns * (mode == Mode::binary ? kBinaryBytes : kGreyBytes));
+}
+
+std::size_t checked(int columns) {
+  if (columns < 0) {
+    throw std::invalid_argument("packet: columns are negative");
+  }
+  return static_cast<std::size_t>(columns);
+}
+
+std::size_t checked(Mode mode, int columns) {
+  if (!is_known(mode)) {
+    throw std::invalid_argument("packet: unknown mode");
+  }
+  return checked(columns);
+}
+
+}  // namespace
+
+bool is_known(Mode mode) { return mode == Mode::binary || mode == Mode::grey || mode == Mode::grey_over; }
+
+std::size_t moments_payload_bytes(Mode mode, int columns) { return moments_bytes(mode, checked(mode, columns)); }
+
+std::size_t image_line_payload_bytes(int columns) { return whole_beats(checked(columns) * kPixelBytes); }
+
+std::size_t codes_line_payload_bytes(int columns) { return whole_beats(checked(columns) * kCodeBytes); }
+
+void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload) {
+  const std::size_t count = checked(mode, columns);
+  const std::uint32_t* m0 = moments.m0;
+  const std::uint32_t* m1 = moments.m1;
+  const std::uint32_t* n = moments.n;
+  std::uint8_t* __restrict words = payload;
+  std::size_t used = 0;
+  if (mode == Mode::binary) {
+    for (std::size_t i = 0; i < count; ++i) {
+      store_little_endian(words + i * kBinaryBytes, (m1[i] & ones32(spec::kBinaryM1Bits)) << spec::kBinaryM1Lsb |
+                                                        (m0[i] & ones32(spec::kBinaryM0Bits)) << spec::kBinaryM0Lsb);
+    }
+    used = count * kBinaryBytes;
+  } else {
+    for (std::size_t i = 0; i < count; ++i) {
+      store_little_endian(words + i * kGreyBytes, (m1[i] & ones64(spec::kGreyM1Bits)) << spec::kGreyM1Lsb |
+                                                      (m0[i] & ones64(spec::kGreyM0Bits)) << spec::kGreyM0Lsb |
+                                                      (n[i] & ones64(spec::kGreyNBits)) << spec::kGreyNLsb);
+    }
+    used = count * kGreyBytes;
+  }
+  std::fill(payload + used, payload + moments_bytes(mode, count), std::uint8_t{0});
+}
+
+void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out) {
+  checked(mode, columns);
+  std::uint32_t* __restrict to_m0 = out.m0;
+  std::uint32_t* __restrict to_m1 = out.m1;
+  std::uint32_t* __restrict to_n = out.n;
+  const auto store = [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    to_m0[i] = m0;
+    to_m1[i] = m1;
+    to_n[i] = n;
+  };
+  if (mode == Mode::binary) {
+    for_each_binary_word(payload, 0, columns, store);
+  } else {
+    for_each_grey_word(payload, 0, columns, store);
+  }
+}
+
+void pack_codes(int columns, const std::uint16_t* codes, std::uint8_t* payload) {
+  const std::size_t count = checked(columns);
+  for (std::size_t i = 0; i < count; ++i) {
+    store_little_endian(payload + i * kCodeBytes, codes[i]);
+  }
+}
+
+void unpack_codes(int columns, const std::uint8_t* payload, std::uint16_t* codes) {
+  const std::size_t count = checked(columns);
+  for (std::size_t i = 0; i < count; ++i) {
+    codes[i] = load_little_endian<std::uint16_t>(payload + i * kCodeBytes);
+  }
+}
+
+}  // namespace selfproj

@@ -1,0 +1,106 @@
+// Payloads: words at their bits, there and back.
+#include "model/packet_payload.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "tests/support/random_cases.h"
+#include "tests/unit/packets.h"
+
+namespace selfproj::test {
+namespace {
+
+TEST(PayloadWords, Sizes) {
+  EXPECT_EQ(moments_payload_bytes(Mode::binary, 512), 2048U);
+  EXPECT_EQ(moments_payload_bytes(Mode::grey, 512), 4096U);
+  EXPECT_EQ(moments_payload_bytes(Mode::grey_over, 4), 32U);
+  EXPECT_EQ(moments_payload_bytes(Mode::binary, 5), 32U);
+  EXPECT_EQ(image_line_payload_bytes(512), 512U);
+  EXPECT_EQ(image_line_payload_bytes(4), 16U);
+  EXPECT_EQ(image_line_payload_bytes(20), 32U);
+  EXPECT_EQ(codes_line_payload_bytes(512), 1024U);
+  EXPECT_EQ(codes_line_payload_bytes(12), 32U);
+  EXPECT_EQ(moments_payload_bytes(Mode::binary, 0), 0U);
+  EXPECT_THROW(moments_payload_bytes(Mode::binary, -1), std::invalid_argument);
+  EXPECT_THROW(moments_payload_bytes(static_cast<Mode>(3), 4), std::invalid_argument);
+  EXPECT_THROW(image_line_payload_bytes(-1), std::invalid_argument);
+  EXPECT_THROW(codes_line_payload_bytes(-1), std::invalid_argument);
+}
+
+TEST(PayloadWords, RoundTripUpToTheLargest) {
+  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+    const bool binary = mode == Mode::binary;
+    for (const std::uint64_t seed : seeds(50)) {
+      SCOPED_TRACE(how_to_repeat(seed));
+      Random random(seed);
+      const int columns = random.between(1, 600);
+      Moments moments;
+      moments.resize(columns);
+      const auto fill = [&](std::vector<std::uint32_t>& values, std::uint64_t largest) {
+        for (std::uint32_t& value : values) {
+          value = static_cast<std::uint32_t>(random.chance(20) ? largest : random.bits() % (largest + 1));
+        }
+      };
+      fill(moments.m0, binary ? spec::kBinaryM0Max : spec::kGreyM0Max);
+      fill(moments.m1, binary ? spec::kBinaryM1Max : spec::kGreyM1Max);
+      fill(moments.n, spec::kGreyNMax);
+      if (binary) {
+        moments.n = moments.m0;
+      }
+      Bytes payload(moments_payload_bytes(mode, columns) + 16, 0xEE);
+      pack_moments(mode, columns, moments.view(), payload.data() + 1);  // at any address
+      EXPECT_EQ(payload.front(), 0xEE);
+      EXPECT_TRUE(std::all_of(payload.end() - 15, payload.end(), [](std::uint8_t b) { return b == 0xEE; }));
+      const std::size_t word = (binary ? spec::kBinaryWordBits : spec::kGreyWordBits) / 8;
+      EXPECT_TRUE(std::all_of(payload.begin() + 1 + static_cast<std::ptrdiff_t>(word) * columns, payload.end() - 15,
+                              [](std::uint8_t b) { return b == 0; }));
+      Moments found;
+      found.resize(columns);
+      unpack_moments(mode, columns, payload.data() + 1, found.view());
+      ASSERT_EQ(found, moments);
+    }
+  }
+}
+
+// One column each with a single field at its largest: the words of the specification, byte for byte.
+TEST(PayloadWords, FieldsAtTheirBits) {
+  const auto word_of = [](Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
+    std::array<std::uint8_t, kBeat> bytes{};
+    pack_moments(mode, 1, {&m0, &m1, &n}, bytes.data());
+    std::uint64_t word = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+      word |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
+    }
+    return word;
+  };
+  EXPECT_EQ(word_of(Mode::binary, 0, 0xFFFFF, 0), 0x00000000000FFFFFU);
+  EXPECT_EQ(word_of(Mode::binary, 0xFFF, 0, 0), 0x00000000FFF00000U);
+  EXPECT_EQ(word_of(Mode::grey, 0, 0x7FFFFFF, 0), 0x0000000007FFFFFFU);
+  EXPECT_EQ(word_of(Mode::grey, 0x3FFFF, 0, 0), 0x00001FFFF8000000U);
+  EXPECT_EQ(word_of(Mode::grey_over, 0, 0, 0x3FF), 0x007FE00000000000U);
+  // What is too wide for its field does not spill into the next.
+  EXPECT_EQ(word_of(Mode::binary, 0, 0xFFFFFFFF, 0), 0x00000000000FFFFFU);
+  EXPECT_EQ(word_of(Mode::grey, 0xFFFFFFFF, 0, 0), 0x00001FFFF8000000U);
+  EXPECT_EQ(word_of(Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);
+}
+
+TEST(PayloadWords, CodesAreWordsOfTwoBytesLowByteFirst) {
+  const std::vector<std::uint16_t> codes = {0x8123, 0x0456, 0xFFFF, 0x0001, 0x8FFE};
+  Bytes payload(codes_line_payload_bytes(4) + 2, 0xEE);
+  pack_codes(5, codes.data(), payload.data());
+  EXPECT_EQ(payload, (Bytes{0x23, 0x81, 0x56, 0x04, 0xFF, 0xFF, 0x01, 0x00, 0xFE, 0x8F, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE,
+                            0xEE, 0xEE, 0xEE}));
+  std::vector<std::uint16_t> back(6, 7);
+  unpack_codes(5, payload.data(), back.data());
+  EXPECT_EQ(back, (std::vector<std::uint16_t>{0x8123, 0x0456, 0xFFFF, 0x0001, 0x8FFE, 7}));
+  EXPECT_THROW(pack_codes(-1, codes.data(), payload.data()), std::invalid_argument);
+  EXPECT_THROW(unpack_codes(-1, payload.data(), back.data()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace selfproj::test
