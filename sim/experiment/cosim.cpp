@@ -23,8 +23,10 @@
 #include "host/io/program_main.h"
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
+#include "host/report/counter_facts.h"
 #include "host/report/report.h"
 #include "model/packet.h"
+#include "sim/board/packet_judge.h"
 #include "sim/experiment/cosim_light_section.h"
 #include "sim/experiment/cosim_measurement.h"
 #include "sim/experiment/cosim_options.h"
@@ -32,8 +34,6 @@
 #include "sim/experiment/cosim_scanner.h"
 #include "sim/experiment/cosim_self_projected.h"
 #include "sim/experiment/frame_source.h"
-#include "sim/platform/camera_timing.h"
-#include "sim/platform/packet_checker.h"
 #include "sim/platform/platform.h"
 #include "sim/scene/scene_info.h"
 #include "sim/scene/scene_list.h"
@@ -132,7 +132,7 @@ void judge_counters(CosimResult& result, std::uint64_t misframed) {
   must_be(result.driver.delivered, result.platform.packets, "packets delivered by the driver");
 }
 
-// One run: the platform drives, the driver's packets go to checker, stream and measurement.
+// One run: the platform drives, the driver's packets go to judge, stream and measurement.
 class Run {
  public:
   // `stream` and `folder` may be null.
@@ -155,17 +155,17 @@ class Run {
           return image->view();
         },
         [&](std::span<const std::uint8_t> bytes, std::uint64_t /*time_ps*/) { receive(bytes); },
-        [&](BoardPacket&& packet) { checker_.expect(std::move(packet)); });
+        [&](BoardPacket&& packet) { judge_.expect(std::move(packet)); });
     platform.run();
     device_.finish();
     next_packets();
-    checker_.finish();
+    judge_.finish();
 
-    result_.columns = checker_.matched_columns();
-    result_.codes = checker_.matched_codes();
-    result_.mismatches = checker_.mismatches();
-    result_.first_mismatch = checker_.first_mismatch();
-    result_.lost = checker_.lost();
+    result_.columns = judge_.matched_columns();
+    result_.codes = judge_.matched_codes();
+    result_.mismatches = judge_.mismatches();
+    result_.first_mismatch = judge_.first_mismatch();
+    result_.lost = judge_.lost();
     result_.platform = platform.report();
     result_.driver = device_.counters();
     judge_counters(result_, device_.misframed());
@@ -187,8 +187,8 @@ class Run {
   void next_packets() {
     PacketView packet;
     while (device_.next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
-      const std::span<const std::uint8_t> bytes(packet.payload.data() - spec::kHeaderBytes, packet.size);
-      if (checker_.check(bytes) && packet.header.kind == spec::kKindMoments) {
+      const std::span<const std::uint8_t> bytes = packet.bytes();
+      if (judge_.judge(bytes) && packet.header.kind == spec::kKindMoments) {
         ++result_.frames;
       }
       if (stream_ != nullptr) {
@@ -202,7 +202,7 @@ class Run {
   CosimMeasurement& measurement_;
   std::string* stream_;
   OutputFolder* folder_;
-  PacketChecker checker_;
+  PacketJudge judge_;
   SimDevice device_;
   CosimResult result_;
 };
@@ -215,11 +215,11 @@ std::vector<Fact> counters_of(const CosimMeasurement& measurement, const CosimRe
   add("matched_columns", "columns of moments equal to the model's", result.columns);
   add("matched_frames", "frames equal to the model's", result.frames);
   add("mismatches", "mismatches with the model", result.mismatches);
-  add("delivered", "packets delivered", result.driver.delivered);
-  add("lost_board", "lost on the board", result.lost);
-  add("lost_ring", "lost in the ring", result.driver.lost_ring);
-  add("bad", "bad packets", result.driver.bad);
-  add("resynchronized", "resynchronized", result.driver.resynchronized);
+  facts.push_back(counter_fact(&Counters::delivered, result.driver.delivered));
+  facts.push_back(counter_fact(&Counters::lost_board, result.lost));  // those at the end, too
+  facts.push_back(counter_fact(&Counters::lost_ring, result.driver.lost_ring));
+  facts.push_back(counter_fact(&Counters::bad, result.driver.bad));
+  facts.push_back(counter_fact(&Counters::resynchronized, result.driver.resynchronized));
   return facts;
 }
 
@@ -238,7 +238,7 @@ void print_outcome(const CosimOptions& options, const CosimMeasurement& measurem
   const auto clocks = static_cast<double>(result.platform.clocks);
   fmt::print("{}", measurement.text());
   fmt::print("{:.2f} M pixel clocks in {:.1f} s: {:.2f} M clocks/s, 1/{:.0f} of real time\n", clocks * 1e-6, seconds,
-             clocks / seconds * 1e-6, kPixelClockHz * seconds / clocks);
+             clocks / seconds * 1e-6, seconds / result.platform.seconds);
   if (result.lost != 0) {
     fmt::print("{} packets lost on the board, all of them counted by it\n", result.lost);
   }

@@ -8,6 +8,7 @@
 // and of real time.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -18,9 +19,11 @@
 
 #include "Vboard.h"
 #include "model/board.h"
+#include "model/packet.h"
+#include "model/pixel_clock.h"
 #include "sim/board/board_device.h"
 #include "sim/board/clocks.h"
-#include "sim/platform/packet_checker.h"
+#include "sim/board/packet_judge.h"
 #include "sim/platform/platform.h"
 #include "tests/bench/collector.h"
 
@@ -90,7 +93,7 @@ class Plain {
 
  private:
   selfproj::BoardDevice<Vboard> device_;
-  selfproj::BoardClocks clocks_{selfproj::kPixelClockPs, 8000, 1234};
+  selfproj::BoardClocks clocks_{selfproj::pixel_clock_period_ps(selfproj::kDefaultPixelClockHz), 8000, 1234};
 };
 
 // Runs the platform over some frames.
@@ -103,20 +106,20 @@ std::uint64_t run_platform(PlatformEngine engine, const std::vector<std::uint8_t
   options.encoder_steps_per_s = kBeltStepsPerS;
   int left = kFrames;
   const ImageView view{.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns};
-  selfproj::PacketChecker checker;
+  selfproj::PacketJudge judge;
   Platform platform(
       options, [&]() -> std::optional<ImageView> { return left-- > 0 ? std::optional(view) : std::nullopt; },
       [&](std::span<const std::uint8_t> bytes, std::uint64_t) {
         packet(bytes);
         if (compare) {
-          checker.check(bytes);
+          judge.judge(bytes);
         }
       },
-      compare ? selfproj::BoardModel::Sink([&](selfproj::BoardPacket&& made) { checker.expect(std::move(made)); })
+      compare ? selfproj::BoardModel::Sink([&](selfproj::BoardPacket&& made) { judge.expect(std::move(made)); })
               : selfproj::BoardModel::Sink());
   platform.run();
-  if (checker.mismatches() != 0) {
-    throw std::runtime_error(checker.first_mismatch());
+  if (judge.mismatches() != 0) {
+    throw std::runtime_error(judge.first_mismatch());
   }
   return platform.report().clocks;
 }
@@ -133,11 +136,14 @@ bool are_equal(const std::vector<std::uint8_t>& pixels, const CameraTiming& timi
     });
   }
   std::vector<std::uint8_t> platform;
-  run_platform(PlatformEngine::rtl, pixels, true, [&](std::span<const std::uint8_t> bytes) {
-    platform.assign(bytes.begin() + selfproj::spec::kHeaderBytes, bytes.end() - selfproj::spec::kTrailerBytes);
-  });
-  return plain.size() >= selfproj::spec::kHeaderBytes + platform.size() && !platform.empty() &&
-         std::memcmp(plain.data() + selfproj::spec::kHeaderBytes, platform.data(), platform.size()) == 0;
+  run_platform(PlatformEngine::rtl, pixels, true,
+               [&](std::span<const std::uint8_t> bytes) { platform.assign(bytes.begin(), bytes.end()); });
+  if (platform.empty() || plain.size() < platform.size()) {
+    return false;
+  }
+  const auto a = selfproj::payload_of(std::span(plain).first(platform.size()));
+  const auto b = selfproj::payload_of(platform);
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
 int run(int argc, char** argv) {
@@ -183,7 +189,7 @@ int run(int argc, char** argv) {
     const auto print = [&](const char* name, const char* what) {
       if (const double rate = collector.median(name); rate > 0) {
         std::printf("%-36s %6.2f M clocks/s: %4.0f %% of the plain loop's, 1/%.0f of real time\n", what, rate * 1e-6,
-                    100 * rate / plain, selfproj::kPixelClockHz / rate);
+                    100 * rate / plain, selfproj::kDefaultPixelClockHz / rate);
       }
     };
     std::printf("\n");

@@ -12,7 +12,7 @@
 
 #include "host/io/user_error.h"
 #include "model/packet.h"
-#include "sim/platform/packet_checker.h"
+#include "sim/board/packet_judge.h"
 #include "tests/rtl/board/frames.h"
 #include "tests/support/random_cases.h"
 
@@ -26,6 +26,8 @@
 namespace selfproj::test {
 namespace {
 
+constexpr std::uint64_t kClockPs = pixel_clock_period_ps(kDefaultPixelClockHz);
+
 struct Arrival {
   std::vector<std::uint8_t> bytes;
   std::uint64_t time_ps;
@@ -35,7 +37,7 @@ struct Arrival {
 // A run of the platform over frames in memory.
 struct Played {
   std::vector<Arrival> arrivals;
-  PacketChecker checker;
+  PacketJudge judge;
   PlatformReport report;
   CameraTiming timing;
 
@@ -58,25 +60,25 @@ Played run(const PlatformOptions& options, const std::vector<TestImage>& frames)
       },
       [&](std::span<const std::uint8_t> bytes, std::uint64_t time_ps) {
         played.arrivals.push_back({{bytes.begin(), bytes.end()}, time_ps});
-        played.checker.check(bytes);
+        played.judge.judge(bytes);
       },
-      [&](BoardPacket&& packet) { played.checker.expect(std::move(packet)); });
+      [&](BoardPacket&& packet) { played.judge.expect(std::move(packet)); });
   platform.run();
-  played.checker.finish();
+  played.judge.finish();
   played.report = platform.report();
   played.timing = platform.timing();
   return played;
 }
 
 void expect_all_right(const Played& run) {
-  EXPECT_EQ(run.checker.mismatches(), 0U) << run.checker.first_mismatch();
-  EXPECT_EQ(run.checker.matched(), run.arrivals.size());
+  EXPECT_EQ(run.judge.mismatches(), 0U) << run.judge.first_mismatch();
+  EXPECT_EQ(run.judge.matched(), run.arrivals.size());
   EXPECT_EQ(run.report.packets, run.arrivals.size());
   EXPECT_EQ(run.report.board.frames, run.report.frames);
   EXPECT_EQ(run.report.board.broken, 0U);
   EXPECT_EQ(run.report.board.stray, 0U);
-  EXPECT_EQ(run.report.board.lost_moments, run.checker.lost(spec::kKindMoments));
-  EXPECT_EQ(run.report.board.lost_image, run.checker.lost(spec::kKindImage));
+  EXPECT_EQ(run.report.board.lost_moments, run.judge.of(spec::kKindMoments).lost);
+  EXPECT_EQ(run.report.board.lost_image, run.judge.of(spec::kKindImage).lost);
 }
 
 std::vector<TestImage> random_images(Random& random, int count, int rows, int columns) {
@@ -103,6 +105,14 @@ PlatformOptions random_options(Random& random) {
   return options;
 }
 
+TEST(CameraTiming, OfOtherPixelClocks) {
+  EXPECT_EQ(pixel_clock_period_ps(151.2e6), 6614U);
+  EXPECT_EQ(pixel_clock_period_ps(125e6), 8000U);
+  EXPECT_EQ(camera_timing(64, 512, 10000, 125e6).frame_clocks, 12500U);
+  EXPECT_EQ(camera_timing(96, 512, 10000, 125e6).frame_clocks, 96U * 132U) << "no faster than the lines allow";
+  EXPECT_THROW(camera_timing(64, 512, 126e6, 125e6), std::invalid_argument);
+}
+
 TEST(CameraTiming, OfRigA) {
   const CameraTiming timing = camera_timing(96, 512, 10000);
   EXPECT_EQ(timing.frame_clocks, 15120U);
@@ -111,7 +121,7 @@ TEST(CameraTiming, OfRigA) {
 }
 
 TEST(CameraTiming, AFrameRateTooHighIsAsFastAsPossible) {
-  const CameraTiming timing = camera_timing(480, 640, 10000, 4);
+  const CameraTiming timing = camera_timing(480, 640, 10000, kDefaultPixelClockHz, 4);
   EXPECT_EQ(timing.line_clocks, 164U);
   EXPECT_EQ(timing.frame_clocks, 480U * 164U);
 }
@@ -133,58 +143,29 @@ std::vector<PlatformEngine> engines() {
 #endif
 }
 
-// What the checker lets pass and what not.
-TEST(PacketChecker, FindsEveryChangedByteAndCountsWhatIsMissing) {
-  PacketHeader header;
-  header.kind = spec::kKindMoments;
-  header.columns = 8;
-  header.rows = 4;
-  header.payload_size = 32;
-  header.first_line = 1;
-  header.lines = 4;
-  const auto packet = [&](std::uint64_t sequence, std::uint32_t lost) {
-    header.sequence = sequence;
-    header.lost = lost;
-    std::vector<std::uint8_t> bytes;
-    append_packet(header, std::vector<std::uint8_t>(32, 3), 0, bytes);
-    return bytes;
-  };
-  const auto expecting = [&](std::uint64_t count) {
-    PacketChecker checker;
-    for (std::uint64_t sequence = 0; sequence < count; ++sequence) {
-      header.sequence = sequence;
-      header.lost = 0;
-      checker.expect({header, std::vector<std::uint8_t>(32, 3), 0});
-    }
-    return checker;
-  };
-  const std::vector<std::uint8_t> right = packet(0, 0);
-  EXPECT_TRUE(expecting(1).check(right));
-  for (std::size_t i = 0; i < right.size(); ++i) {
-    std::vector<std::uint8_t> wrong = right;
-    wrong[i] ^= 1U;
-    EXPECT_FALSE(expecting(1).check(wrong)) << "byte " << i;
-  }
-  // A right packet that is not the model's.
-  header.encoder = 1;
-  const std::vector<std::uint8_t> other = packet(0, 0);
-  header.encoder = 0;
-  PacketChecker checker = expecting(1);
-  EXPECT_FALSE(checker.check(other));
-  EXPECT_NE(checker.first_mismatch().find("frame 1"), std::string::npos);
-
-  PacketChecker losing = expecting(4);
-  EXPECT_TRUE(losing.check(packet(1, 1)));
-  EXPECT_FALSE(losing.check(packet(2, 0)));  // lost, and not counted
-  EXPECT_FALSE(losing.check(packet(2, 1)));  // once more
-  losing.finish();
-  EXPECT_EQ(losing.matched(), 1U);
-  EXPECT_EQ(losing.matched_columns(), 8U);
-  EXPECT_EQ(losing.mismatches(), 2U);
-  EXPECT_EQ(losing.lost(), 2U);
-}
-
 class EveryEngine : public ::testing::TestWithParam<PlatformEngine> {};
+
+// At another pixel clock a second has other clocks: those of a frame, and of a step of the encoder.
+TEST_P(EveryEngine, ABoardOfAnotherPixelClock) {
+  Random random(4);
+  PlatformOptions options{.engine = GetParam(), .settings = {.rows = 64, .mode = Mode::binary, .threshold = 100}};
+  options.pixel_clock_hz = 125e6;
+  options.encoder_steps_per_s = 100000;
+  const Played got = run(options, random_images(random, 5, 64, 512));
+  expect_all_right(got);
+  ASSERT_EQ(got.arrivals.size(), 5U);
+  for (std::size_t i = 0; i < 5; ++i) {
+    PacketView packet;
+    ASSERT_EQ(parse_packet(got.arrivals[i].bytes, packet), PacketError::none);
+    EXPECT_EQ(packet.header.time_stamp, Platform::kFirstClock + i * 12500);
+    EXPECT_NEAR(packet.header.encoder, 10.0 * static_cast<double>(i), 1);
+    const std::uint64_t last_beat = (packet.header.time_stamp + 63 * 195 + 127) * 8000;
+    EXPECT_GT(got.arrivals[i].time_ps, last_beat);
+    EXPECT_LT(got.arrivals[i].time_ps, last_beat + 700 * 8000);
+  }
+  options.pixel_clock_hz = 0;
+  EXPECT_THROW(run(options, {}), std::invalid_argument);
+}
 
 TEST_P(EveryEngine, FramesComeAtTheirTimeWithTheBeltsWay) {
   Random random(3);
@@ -200,9 +181,9 @@ TEST_P(EveryEngine, FramesComeAtTheirTimeWithTheBeltsWay) {
     EXPECT_EQ(packet.header.time_stamp, Platform::kFirstClock + i * 15120);
     EXPECT_EQ(packet.header.encoder, i * 10);
     // Out within the blank clocks at the end of the frame and the first of the next one.
-    const std::uint64_t last_beat = (packet.header.time_stamp + 95 * 157 + 127) * kPixelClockPs;
+    const std::uint64_t last_beat = (packet.header.time_stamp + 95 * 157 + 127) * kClockPs;
     EXPECT_GT(got.arrivals[i].time_ps, last_beat);
-    EXPECT_LT(got.arrivals[i].time_ps, last_beat + 700 * kPixelClockPs);
+    EXPECT_LT(got.arrivals[i].time_ps, last_beat + 700 * kClockPs);
   }
 }
 
@@ -317,7 +298,7 @@ TEST(Platform, ModelInPlaceOfTheRtl) {
       worst = std::max(worst, static_cast<std::uint64_t>(std::abs(difference)));
     }
   }
-  EXPECT_LE(worst, 4 * kPixelClockPs);
+  EXPECT_LE(worst, 4 * kClockPs);
 }
 
 // The platform does to the board what a plain loop does: same beats at the same clocks, same packets at the same time.

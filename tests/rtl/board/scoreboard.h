@@ -5,25 +5,23 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "model/board.h"
 #include "model/packet.h"
 #include "sim/board/board_device.h"
+#include "sim/board/packet_judge.h"
 
 namespace selfproj::test {
 
 // Beats of a packet with so many bytes of payload.
 inline std::size_t packet_beats(std::size_t payload_bytes) {
-  return (spec::kHeaderBytes + spec::kTrailerBytes + payload_bytes) / spec::kPacketBeatBytes;
+  return packet_bytes(payload_bytes) / spec::kPacketBeatBytes;
 }
 
 // What the board's counters have counted before a run.
@@ -64,7 +62,12 @@ class Scoreboard {
   }
 
   // The board's counters stand so much higher than the model's. Before the first frame.
-  void counted_before(BoardCounts counts) { before_ = std::move(counts); }
+  void counted_before(BoardCounts counts) {
+    before_ = std::move(counts);
+    for (const auto& [kind, count] : before_.lost) {
+      judge_.lost_before(kind, count);
+    }
+  }
   [[nodiscard]] const BoardCounts& counted_before() const { return before_; }
 
   // Both forget everything, in the middle of whatever they were doing.
@@ -72,7 +75,7 @@ class Scoreboard {
     before_ = {};
     device_.reset();
     model_ = BoardModel([this](BoardPacket&& packet) { expect(std::move(packet)); }, median_built_);
-    streams_.clear();
+    judge_ = {};
     on_frame_ = false;
     pattern_ = 0;
     encoder_ = 0;
@@ -105,14 +108,11 @@ class Scoreboard {
   void finish() {
     turn_encoder(0);
     device_.drain();
-    for (auto& [kind, stream] : streams_) {
-      stream.lost += static_cast<std::uint32_t>(stream.expected.size());
-      stream.expected.clear();
-    }
-    EXPECT_EQ(device_.read(spec::kRegLostMoments), lost_in_all(spec::kKindMoments));
-    EXPECT_EQ(device_.read(spec::kRegLostImage), lost_in_all(spec::kKindImage));
+    judge_.finish();
+    EXPECT_EQ(device_.read(spec::kRegLostMoments), judge_.lost_in_all(spec::kKindMoments));
+    EXPECT_EQ(device_.read(spec::kRegLostImage), judge_.lost_in_all(spec::kKindImage));
     if ((device_.read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0) {
-      EXPECT_EQ(device_.read(spec::kRegLostCodes), lost_in_all(spec::kKindCodes));
+      EXPECT_EQ(device_.read(spec::kRegLostCodes), judge_.lost_in_all(spec::kKindCodes));
       EXPECT_EQ(device_.read(spec::kRegAbandoned), before_.abandoned + static_cast<std::uint32_t>(model_.abandoned()));
     }
     EXPECT_EQ(device_.read(spec::kRegFrames), static_cast<std::uint32_t>(before_.frames + model_.frames()));
@@ -122,31 +122,20 @@ class Scoreboard {
     EXPECT_EQ(device_.read(spec::kRegEncoderErrors), 0U);
   }
 
-  [[nodiscard]] std::uint64_t delivered(std::uint8_t kind) { return streams_[kind].delivered; }
-  [[nodiscard]] std::uint64_t lost(std::uint8_t kind) { return streams_[kind].lost; }
-  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+  [[nodiscard]] std::uint64_t delivered(std::uint8_t kind) const { return judge_.of(kind).matched; }
+  [[nodiscard]] std::uint64_t lost(std::uint8_t kind) const { return judge_.of(kind).lost; }
+  [[nodiscard]] std::uint64_t bytes() const { return judge_.matched_bytes(); }
   // Header and status of the last packet of the kind that came out.
-  [[nodiscard]] const PacketHeader& last_header(std::uint8_t kind) { return streams_[kind].last_header; }
-  [[nodiscard]] std::uint32_t last_status(std::uint8_t kind) { return streams_[kind].last_status; }
-  [[nodiscard]] const std::map<std::uint32_t, std::uint64_t>& by_status() const { return by_status_; }
+  [[nodiscard]] const PacketHeader& last_header(std::uint8_t kind) const { return judge_.of(kind).last_header; }
+  [[nodiscard]] std::uint32_t last_status(std::uint8_t kind) const { return judge_.of(kind).last_status; }
+  [[nodiscard]] const std::map<std::uint32_t, std::uint64_t>& by_status() const { return judge_.by_status(); }
 
  private:
-  struct Stream {
-    std::deque<BoardPacket> expected;
-    std::uint32_t lost = 0;
-    std::uint64_t delivered = 0;
-    PacketHeader last_header;
-    std::uint32_t last_status = 0;
-  };
-
   void expect(BoardPacket&& packet) {
     packet.header.sequence += before_.frames;
     packet.header.time_stamp += before_.clocks;
-    streams_[packet.header.kind].expected.push_back(std::move(packet));
+    judge_.expect(std::move(packet));
   }
-
-  // As the board counts it: with what was lost before the run.
-  [[nodiscard]] std::uint32_t lost_in_all(std::uint8_t kind) { return before_.lost[kind] + streams_[kind].lost; }
 
   void before_clock(std::uint64_t clock) {
     if (clock != 0) {
@@ -166,47 +155,14 @@ class Scoreboard {
   }
 
   void receive(std::span<const std::uint8_t> bytes) {
-    PacketView view;
-    const PacketError error = parse_packet(bytes, view);
-    ASSERT_EQ(error, PacketError::none) << to_string(error) << ", " << bytes.size() << " bytes";
-    ASSERT_EQ(view.size, bytes.size());
-    Stream& stream = streams_[view.header.kind];
-    const auto same = [&](const BoardPacket& p) {
-      return p.header.sequence == view.header.sequence && p.header.first_line == view.header.first_line;
-    };
-    while (!stream.expected.empty() && !same(stream.expected.front())) {
-      ++stream.lost;
-      stream.expected.pop_front();
-    }
-    ASSERT_FALSE(stream.expected.empty()) << "packet of frame " << view.header.sequence << ", line "
-                                          << view.header.first_line << " was not to be expected";
-    BoardPacket packet = std::move(stream.expected.front());
-    stream.expected.pop_front();
-    packet.header.lost = lost_in_all(view.header.kind);
-    want_.clear();
-    append_packet(packet.header, packet.payload, packet.status, want_);
-    if (!std::equal(want_.begin(), want_.end(), bytes.begin(), bytes.end())) {
-      const auto at = std::mismatch(want_.begin(), want_.end(), bytes.begin(), bytes.end()).second - bytes.begin();
-      FAIL() << "frame " << view.header.sequence << " (" << view.header.columns << " x " << view.header.rows
-             << ", mode " << int{view.header.mode} << "), kind " << int{view.header.kind} << ", status " << view.status
-             << " expected " << packet.status << ", size " << bytes.size() << " expected " << want_.size()
-             << ": first difference at byte " << at << "; lost " << view.header.lost << " expected "
-             << packet.header.lost;
-    }
-    ++stream.delivered;
-    stream.last_header = view.header;
-    stream.last_status = view.status;
-    ++by_status_[view.status];
-    bytes_ += bytes.size();
+    const std::uint64_t before = judge_.mismatches();
+    ASSERT_TRUE(judge_.judge(bytes)) << (before == 0 ? judge_.first_mismatch() : "the next mismatch after the first");
   }
 
   BoardDevice<Model> device_;
   bool median_built_;
   BoardModel model_;
-  std::map<std::uint8_t, Stream> streams_;
-  std::map<std::uint32_t, std::uint64_t> by_status_;
-  std::vector<std::uint8_t> want_;
-  std::uint64_t bytes_ = 0;
+  PacketJudge judge_;
 
   bool on_frame_ = false;
   std::uint16_t pattern_ = 0;
