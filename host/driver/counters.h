@@ -2,7 +2,11 @@
 #ifndef SELFPROJ_HOST_DRIVER_COUNTERS_H
 #define SELFPROJ_HOST_DRIVER_COUNTERS_H
 
+#include <array>
 #include <cstdint>
+#include <initializer_list>
+#include <stdexcept>
+#include <string>
 
 namespace selfproj {
 
@@ -24,6 +28,44 @@ struct Counters {
 
   bool operator==(const Counters&) const = default;
 };
+
+// The names of a counter: its key in JSON, which is that of the field, and its label in reports and on terminals.
+struct CounterName {
+  std::uint64_t Counters::*field;
+  const char* key;
+  const char* label;
+};
+
+// Each counter once, in the order of the fields.
+inline constexpr std::array<CounterName, 13> kCounterNames = {{
+    {&Counters::delivered, "delivered", "packets delivered"},
+    {&Counters::flagged, "flagged", "packets flagged by the board"},
+    {&Counters::lost_board, "lost_board", "lost on the board"},
+    {&Counters::lost_ring, "lost_ring", "lost in the ring"},
+    {&Counters::missing, "missing", "missing frames"},
+    {&Counters::bad, "bad", "bad packets"},
+    {&Counters::other_spec, "other_spec", "packets of another specification"},
+    {&Counters::resynchronized, "resynchronized", "resynchronized"},
+    {&Counters::bytes_discarded, "bytes_discarded", "bytes discarded"},
+    {&Counters::repeated, "repeated", "repeated packets"},
+    {&Counters::restarts, "restarts", "restarts of the board"},
+    {&Counters::reattached, "reattached", "changes of writer or ring"},
+    {&Counters::read_errors, "read_errors", "errors of the device"},
+}};
+static_assert(sizeof(Counters) == kCounterNames.size() * sizeof(std::uint64_t), "a counter has no name");
+
+// The names of one of them, as in name_of(&Counters::bad). Throws std::invalid_argument where there is none.
+constexpr const CounterName& name_of(std::uint64_t Counters::*field) {
+  for (const CounterName& name : kCounterNames) {
+    if (name.field == field) {
+      return name;
+    }
+  }
+  throw std::invalid_argument("no such counter");
+}
+
+// Some of them on a line: "lost on the board 0, missing frames 2".
+std::string counters_text(const Counters& counters, std::initializer_list<std::uint64_t Counters::*> which);
 
 }  // namespace selfproj
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "host/driver/counters.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/report/depth_output.h"
@@ -38,14 +39,12 @@ Json depth_json(const FloatImage& depth) {
 double tilt_deg(const PlaneFit& fit) { return std::atan(std::hypot(fit.a, fit.b)) * 180 / std::numbers::pi; }
 
 Json device_json(const std::string& uri, const DeviceCounts& counts) {
-  const Counters& counters = counts.counters;
-  return {{"uri", uri},
-          {"delivered", counters.delivered},
-          {"flagged", counters.flagged},
-          {"lost_board", counters.lost_board},
-          {"lost_ring", counters.lost_ring},
-          {"bad", counters.bad},
-          {"incomplete", counts.incomplete}};
+  Json json = {{"uri", uri}};
+  for (const CounterName& name : kCounterNames) {
+    json[name.key] = counts.counters.*name.field;
+  }
+  json["incomplete"] = counts.incomplete;
+  return json;
 }
 
 Json plane_json(const PlaneFit& plane) {

@@ -151,8 +151,8 @@ class DeviceScan {
 
   [[nodiscard]] std::string note() const {
     const Counters counters = device_->counters();
-    std::string note = fmt::format("lost on the board {}, in the ring {}, bad {}, incomplete {}", counters.lost_board,
-                                   counters.lost_ring, counters.bad, assembler_.incomplete());
+    std::string note = counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::bad});
+    note += fmt::format(", incomplete code images {}", assembler_.incomplete());
     if (scanner_->has_background()) {
       const Moved& moved = scanner_->moved();
       note += fmt::format("; {} pixels moved, at {:.1f}, {:.1f}, {:.1f} mm", moved.pixels, moved.x, moved.y, moved.z);

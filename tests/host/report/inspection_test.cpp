@@ -109,7 +109,7 @@ class WrittenInspection : public ::testing::Test {
     OutputFolder output(scratch_ / "out");
     ReportParts parts;
     parts.title = "A <test> & more";
-    parts.counters = {{"lost_on_board", "lost on the board", std::int64_t{1234567}}};
+    parts.counters = {{"lost_board", "lost on the board", std::int64_t{1234567}}};
     parts.settings = {{"scene", "scene", std::string("stairs")}, {"gain", "gain", 1.5, "dB"}};
     parts.tables = {{"Published and measured", {"what", "published", "measured"}, {{"step", "30.12", "30.01"}}}};
     parts.camera = camera_picture();
@@ -242,7 +242,7 @@ TEST_F(WrittenInspection, SummaryCounts) {
   for (const char* reason : {"unlit", "too_few", "too_wide", "cut_off", "no_reference", "out_of_range"}) {
     EXPECT_EQ(json["column_count"][reason], 1) << reason;
   }
-  EXPECT_EQ(json["counters"]["lost_on_board"], 1234567);
+  EXPECT_EQ(json["counters"]["lost_board"], 1234567);
   EXPECT_EQ(json["settings"]["scene"], "stairs");
   EXPECT_DOUBLE_EQ(json["settings"]["gain"], 1.5);
   EXPECT_EQ(json["belt"]["x_from"], "encoder");
