@@ -32,9 +32,11 @@
 #include "host/light_section/inspection.h"
 #include "host/light_section/reference.h"
 #include "host/light_section/reference_file.h"
+#include "host/report/counter_facts.h"
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"
+#include "model/pixel_clock.h"
 
 namespace selfproj {
 namespace {
@@ -52,6 +54,7 @@ struct InspectOptions {
   bool wait_for_board = false;
   bool newest = false;
   bool check = false;
+  std::optional<double> pixel_clock_hz;  // empty: the rig's
 };
 
 const std::array<std::pair<const char*, Wait>, 3> kWaits{
@@ -87,37 +90,27 @@ std::string delay_text(const DurationHistogram& delay) {
                      time_text(delay.percentile_ns(0.99)), time_text(delay.longest_ns()));
 }
 
-std::string counters_text(const Counters& counters) {
-  return fmt::format("lost on the board {}, in the ring {}, missing {}, bad {}", counters.lost_board,
-                     counters.lost_ring, counters.missing, counters.bad);
+// What is shown of the driver's counters while packets come.
+std::string losses_text(const Counters& counters) {
+  return counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::missing, &Counters::bad});
 }
 
-std::vector<Fact> facts(const Work& work, const Counters& counters) {
+// The counts of the inspection, then those of the driver.
+std::vector<Fact> facts_of(const Work& work, const Counters& counters) {
   const auto number = [](std::uint64_t value) { return static_cast<std::int64_t>(value); };
   const auto microseconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-3; };
-  return {
-      {"profiles", "profiles", number(work.profiles)},
-      {"points", "valid points", number(work.points)},
-      {"frames_per_second", "frames a second", work.rate()},
-      {"delay_p50_us", "delay, median", microseconds(work.delay.percentile_ns(0.5)), "µs"},
-      {"delay_p99_us", "delay, 99 %", microseconds(work.delay.percentile_ns(0.99)), "µs"},
-      {"delay_max_us", "delay, longest", microseconds(work.delay.longest_ns()), "µs"},
-      {"broken_frames", "frames flagged by the board", number(work.broken)},
-      {"other_size", "frames of another size", number(work.other_size)},
-      {"other_packets", "packets of images and codes", number(work.not_moments)},
-      {"packets", "packets", number(counters.delivered)},
-      {"lost_on_board", "packets lost on the board", number(counters.lost_board)},
-      {"lost_in_ring", "packets lost in the ring", number(counters.lost_ring)},
-      {"missing_frames", "missing frames", number(counters.missing)},
-      {"bad_packets", "bad packets", number(counters.bad)},
-      {"other_specification", "packets of another specification", number(counters.other_spec)},
-      {"resynchronized", "resynchronized", number(counters.resynchronized)},
-      {"bytes_discarded", "bytes discarded", number(counters.bytes_discarded)},
-      {"repeated_packets", "repeated packets", number(counters.repeated)},
-      {"board_restarts", "restarts of the board", number(counters.restarts)},
-      {"reattached", "changes of writer or ring", number(counters.reattached)},
-      {"read_errors", "errors of the device", number(counters.read_errors)},
-  };
+  std::vector<Fact> facts = {{"profiles", "profiles", number(work.profiles)},
+                             {"points", "valid points", number(work.points)},
+                             {"frames_per_second", "frames a second", work.rate()},
+                             {"delay_p50_us", "delay, median", microseconds(work.delay.percentile_ns(0.5)), "µs"},
+                             {"delay_p99_us", "delay, 99 %", microseconds(work.delay.percentile_ns(0.99)), "µs"},
+                             {"delay_max_us", "delay, longest", microseconds(work.delay.longest_ns()), "µs"},
+                             {"broken_frames", "frames flagged by the board", number(work.broken)},
+                             {"other_size", "frames of another size", number(work.other_size)},
+                             {"other_packets", "packets of images and codes", number(work.not_moments)}};
+  const std::vector<Fact> driver = counter_facts(counters);
+  facts.insert(facts.end(), driver.begin(), driver.end());
+  return facts;
 }
 
 std::string json_text(const std::vector<Fact>& facts) {
@@ -134,35 +127,167 @@ ReferenceProfile plane_reference(const Rig& rig) {
   return reference_of_curve(rig, curve_of_heights(rig, heights));
 }
 
-// One packet into a profile, which stays in `profile`; false where it is none.
-bool take(const PacketView& packet, const Rig& rig, const DifferentialProfiler& profiler, const std::string& uri,
-          Profile& profile, Work& work) {
-  const PacketHeader& header = packet.header;
-  if (header.kind != spec::kKindMoments) {
-    ++work.not_moments;
-    return false;
-  }
-  if (header.columns != rig.camera.columns || header.rows != rig.camera.rows) {
-    if (work.profiles == 0) {
-      throw UserError(uri, fmt::format("its frames are {} x {} pixels, those of the rig {} x {}", header.columns,
-                                       header.rows, rig.camera.columns, rig.camera.rows));
-    }
-    ++work.other_size;
-    return false;
-  }
-  if (packet.status != 0) {
-    ++work.broken;
-    return false;
-  }
-  profiler.profile(static_cast<Mode>(header.mode), packet.payload.data(), profile.view());
-  return true;
-}
-
-void run_inspect(const InspectOptions& options) {
-  const Rig rig = load_rig(options.rig);
+// The rig of the options, with the pixel clock of theirs.
+Rig rig_of(const InspectOptions& options) {
+  Rig rig = load_rig(options.rig);
   if (rig.kind != RigKind::light_section) {
     throw UserError(options.rig, "is no rig for light section");
   }
+  if (options.pixel_clock_hz) {
+    rig.board = RigBoard{.pixel_clock_hz = *options.pixel_clock_hz};
+  }
+  return rig;
+}
+
+std::unique_ptr<Device> open(const InspectOptions& options) {
+  const Wait wait = std::find_if(kWaits.begin(), kWaits.end(), [&](const auto& entry) {
+                      return entry.first == options.wait;
+                    })->second;
+  return open_device(options.device,
+                     {.wait = wait, .wait_for_board = options.wait_for_board, .discard_backlog = options.newest});
+}
+
+// Packets of a device into profiles, until there are enough, the time is up, or no more come.
+class InspectionLoop {
+ public:
+  // Ctrl-C ends it while there is a StopSignal. Keeps the profiles in `inspection` where there is one. All but the
+  // options must outlive it.
+  InspectionLoop(const InspectOptions& options, const Rig& rig, const DifferentialProfiler& profiler,
+                 Inspection* inspection)
+      : rig_(rig),
+        profiler_(profiler),
+        inspection_(inspection),
+        most_(options.count > 0 ? options.count : std::numeric_limits<std::uint64_t>::max()),
+        time_ns_(options.seconds > 0 ? static_cast<std::int64_t>(options.seconds * 1e9)
+                                     : std::numeric_limits<std::int64_t>::max()) {
+    profile_.resize(profiler.columns());
+  }
+
+  void run(Device& device) {
+    constexpr auto kPatience = std::chrono::milliseconds(50);  // so that Ctrl-C and the end of the time are noticed
+    StatusLine status;
+    next_show_ = now_ns() + kShowNs;
+    PacketView packet;
+    for (Next next = Next::timeout; next != Next::end && work_.profiles < most_ && !StopSignal::came();) {
+      next = device.next(packet, kPatience);
+      const std::int64_t now = next == Next::packet ? take(packet, device) : now_ns();
+      if (work_.first_ns != 0 && now - work_.first_ns >= time_ns_) {
+        break;
+      }
+      if (now >= next_show_) {
+        show(status, device, now);
+      }
+    }
+    status.show("");
+  }
+
+  [[nodiscard]] const Work& work() const { return work_; }
+
+ private:
+  static constexpr std::int64_t kShowNs = 200'000'000;
+
+  // Takes the packet and gives it back to the device. When that was done.
+  std::int64_t take(const PacketView& packet, Device& device) {
+    work_.first_ns = work_.first_ns == 0 ? device.arrival_ns() : work_.first_ns;
+    const bool made = make_profile(packet, device.uri());
+    const std::int64_t now = now_ns();
+    if (made) {
+      work_.first_done_ns = work_.profiles == 0 ? now : work_.first_done_ns;
+      work_.last_done_ns = now;
+      work_.delay.add(now - device.arrival_ns());
+      ++work_.profiles;
+      work_.points += static_cast<std::uint64_t>(std::count(profile_.validity.begin(), profile_.validity.end(), 0));
+      if (inspection_ != nullptr) {
+        inspection_->add(packet.header, packet.payload, profile_.view());
+      }
+    }
+    device.release();
+    return now;
+  }
+
+  // The packet's profile, which stays in profile_; false where it is none.
+  bool make_profile(const PacketView& packet, const std::string& uri) {
+    const PacketHeader& header = packet.header;
+    if (header.kind != spec::kKindMoments) {
+      ++work_.not_moments;
+      return false;
+    }
+    if (header.columns != rig_.camera.columns || header.rows != rig_.camera.rows) {
+      if (work_.profiles == 0) {
+        throw UserError(uri, fmt::format("its frames are {} x {} pixels, those of the rig {} x {}", header.columns,
+                                         header.rows, rig_.camera.columns, rig_.camera.rows));
+      }
+      ++work_.other_size;
+      return false;
+    }
+    if (packet.status != 0) {
+      ++work_.broken;
+      return false;
+    }
+    profiler_.profile(static_cast<Mode>(header.mode), packet.payload.data(), profile_.view());
+    return true;
+  }
+
+  void show(StatusLine& status, const Device& device, std::int64_t now) {
+    if (status.visible()) {
+      const double rate =
+          static_cast<double>(work_.profiles - profiles_shown_) * 1e9 / static_cast<double>(now - next_show_ + kShowNs);
+      status.show(fmt::format("{} frames, {:.0f}/s, {}, {}", work_.profiles, rate, losses_text(device.counters()),
+                              delay_text(work_.delay)));
+    }
+    profiles_shown_ = work_.profiles;
+    next_show_ = now + kShowNs;
+  }
+
+  const Rig& rig_;
+  const DifferentialProfiler& profiler_;
+  Inspection* inspection_;
+  std::uint64_t most_;
+  std::int64_t time_ns_;
+  Profile profile_;
+  Work work_;
+  std::int64_t next_show_ = 0;
+  std::uint64_t profiles_shown_ = 0;
+};
+
+void write_outputs(const InspectOptions& options, const Inspection& inspection, const std::vector<Fact>& facts,
+                   OutputFolder& folder) {
+  ReportParts parts;
+  parts.title = "Inspection of " + options.device;
+  parts.counters = facts;
+  parts.settings = {{"device", "device", options.device},
+                    {"reference", "reference", options.reference.empty() ? "plane" : options.reference},
+                    {"wait", "waiting", options.wait}};
+  write_inspection(inspection, folder, parts);
+  folder.commit();
+}
+
+void print_outcome(const InspectOptions& options, const Work& work, const Counters& counters,
+                   const Inspection* inspection) {
+  fmt::print("{} profiles, {:.0f} frames/s, {}, {}, {}\n", work.profiles, work.rate(), losses_text(counters),
+             counters_text(counters, {&Counters::resynchronized, &Counters::repeated, &Counters::restarts}),
+             delay_text(work.delay));
+  if (inspection != nullptr) {
+    fmt::print("{} frames{} → {}\n", inspection->frames(),
+               inspection->frames_not_kept() > 0 ? fmt::format(" (of {}, --keep {})", work.profiles, options.keep)
+                                                 : std::string(),
+               inspection->frames() > 0 ? options.out : "nothing written");
+  }
+}
+
+// Throws CheckFailed where anything was lost, bad or missing.
+void check(const InspectOptions& options, const Work& work, const Counters& counters) {
+  const std::uint64_t faults = counters.lost_board + counters.lost_ring + counters.missing + counters.bad +
+                               counters.repeated + counters.restarts + counters.read_errors + work.broken +
+                               work.other_size;
+  if (faults > 0 || work.profiles == 0 || (options.count > 0 && work.profiles < options.count)) {
+    throw CheckFailed(fmt::format("--check: {} profiles{}, {} faults", work.profiles,
+                                  options.count > 0 ? fmt::format(" of {}", options.count) : std::string(), faults));
+  }
+}
+
+void run_inspect(const InspectOptions& options) {
+  const Rig rig = rig_of(options);
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(options.out);
@@ -174,12 +299,9 @@ void run_inspect(const InspectOptions& options) {
   if (!(options.seconds >= 0) || options.seconds > 1e9) {
     throw UserError("--seconds", "a number from 0 to 1e9 is needed");
   }
-
   const ReferenceProfile reference =
       options.reference.empty() ? plane_reference(rig) : load_reference(rig, options.reference);
   const DifferentialProfiler profiler(rig, reference);
-  Profile profile;
-  profile.resize(profiler.columns());
   std::optional<Inspection> inspection;
   if (folder) {
     const std::uint64_t expected = options.count > 0 ? std::min(options.count, options.keep) : options.keep;
@@ -187,93 +309,24 @@ void run_inspect(const InspectOptions& options) {
                        InspectionOptions{.expected_frames = static_cast<std::size_t>(expected),
                                          .max_frames = static_cast<std::size_t>(options.keep)});
   }
+  Inspection* const kept = inspection ? &*inspection : nullptr;
 
-  const Wait wait = std::find_if(kWaits.begin(), kWaits.end(), [&](const auto& entry) {
-                      return entry.first == options.wait;
-                    })->second;
-  const std::unique_ptr<Device> device = open_device(
-      options.device, {.wait = wait, .wait_for_board = options.wait_for_board, .discard_backlog = options.newest});
+  InspectionLoop loop(options, rig, profiler, kept);
+  const std::unique_ptr<Device> device = open(options);
   const StopSignal stop;
-  StatusLine status;
-  Work work;
-
-  constexpr std::int64_t kShowNs = 200'000'000;
-  constexpr auto kPatience = std::chrono::milliseconds(50);  // so that Ctrl-C and the end of the time are noticed
-  const std::uint64_t most = options.count > 0 ? options.count : std::numeric_limits<std::uint64_t>::max();
-  const std::int64_t time_ns =
-      options.seconds > 0 ? static_cast<std::int64_t>(options.seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
-  std::int64_t next_show = now_ns() + kShowNs;
-  std::uint64_t profiles_shown = 0;
-  PacketView packet;
-  for (Next next = Next::timeout; next != Next::end && work.profiles < most && !StopSignal::came();) {
-    next = device->next(packet, kPatience);
-    std::int64_t now = 0;
-    if (next == Next::packet) {
-      work.first_ns = work.first_ns == 0 ? device->arrival_ns() : work.first_ns;
-      const bool made = take(packet, rig, profiler, device->uri(), profile, work);
-      now = now_ns();
-      if (made) {
-        work.first_done_ns = work.profiles == 0 ? now : work.first_done_ns;
-        work.last_done_ns = now;
-        work.delay.add(now - device->arrival_ns());
-        ++work.profiles;
-        work.points += static_cast<std::uint64_t>(std::count(profile.validity.begin(), profile.validity.end(), 0));
-        if (inspection) {
-          inspection->add(packet.header, packet.payload, profile.view());
-        }
-      }
-      device->release();
-    } else {
-      now = now_ns();
-    }
-    if (work.first_ns != 0 && now - work.first_ns >= time_ns) {
-      break;
-    }
-    if (now >= next_show) {
-      if (status.visible()) {
-        const double rate =
-            static_cast<double>(work.profiles - profiles_shown) * 1e9 / static_cast<double>(now - next_show + kShowNs);
-        status.show(fmt::format("{} frames, {:.0f}/s, {}, {}", work.profiles, rate, counters_text(device->counters()),
-                                delay_text(work.delay)));
-      }
-      profiles_shown = work.profiles;
-      next_show = now + kShowNs;
-    }
-  }
-  status.show("");
+  loop.run(*device);
 
   const Counters counters = device->counters();
-  const std::vector<Fact> all = facts(work, counters);
-  if (inspection && inspection->frames() > 0) {
-    ReportParts parts;
-    parts.title = "Inspection of " + options.device;
-    parts.counters = all;
-    parts.settings = {{"device", "device", options.device},
-                      {"reference", "reference", options.reference.empty() ? "plane" : options.reference},
-                      {"wait", "waiting", options.wait}};
-    write_inspection(*inspection, *folder, parts);
-    folder->commit();
+  const std::vector<Fact> facts = facts_of(loop.work(), counters);
+  if (kept != nullptr && kept->frames() > 0) {
+    write_outputs(options, *kept, facts, *folder);
   }
   if (json) {
-    json->write(json_text(all));
+    json->write(json_text(facts));
   }
-  fmt::print("{} profiles, {:.0f} frames/s, {}, resynchronized {}, repeated {}, restarts {}, {}\n", work.profiles,
-             work.rate(), counters_text(counters), counters.resynchronized, counters.repeated, counters.restarts,
-             delay_text(work.delay));
-  if (inspection) {
-    fmt::print("{} frames{} → {}\n", inspection->frames(),
-               inspection->frames_not_kept() > 0 ? fmt::format(" (of {}, --keep {})", work.profiles, options.keep)
-                                                 : std::string(),
-               inspection->frames() > 0 ? options.out : "nothing written");
-  }
+  print_outcome(options, loop.work(), counters, kept);
   if (options.check) {
-    const std::uint64_t faults = counters.lost_board + counters.lost_ring + counters.missing + counters.bad +
-                                 counters.repeated + counters.restarts + counters.read_errors + work.broken +
-                                 work.other_size;
-    if (faults > 0 || work.profiles == 0 || (options.count > 0 && work.profiles < options.count)) {
-      throw CheckFailed(fmt::format("--check: {} profiles{}, {} faults", work.profiles,
-                                    options.count > 0 ? fmt::format(" of {}", options.count) : std::string(), faults));
-    }
+    check(options, loop.work(), counters);
   }
 }
 
@@ -291,6 +344,12 @@ void add_inspect_command(CLI::App& app) {
           "--reference", options->reference,
           "What the projected pattern was made for: the folder that `selfproj pattern` wrote; else the empty plane")
       ->type_name("DIR");
+  command
+      ->add_option("--pixel-clock-hz", options->pixel_clock_hz,
+                   fmt::format("Of the board, in which its time stamps count [the rig's; without one {:.0f}]",
+                               kDefaultPixelClockHz))
+      ->check(CLI::Range(kLeastPixelClockHz, kMostPixelClockHz))
+      ->type_name("HZ");
   command->add_option("--out", options->out, "Folder for tables, cloud, images and report")->type_name("DIR");
   command->add_option("--keep", options->keep, "Frames kept for --out; those that follow are only counted")
       ->check(CLI::Range(1, 10'000'000))

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "model/pixel_clock.h"
+
 namespace selfproj {
 
 Inspection::Inspection(const Rig& rig, int columns, const InspectionOptions& options)
@@ -95,8 +97,8 @@ std::vector<double> Inspection::belt_mm() const {
       // Differences modulo 2^32 and 2^64, so that counters may wrap.
       step = by_encoder ? static_cast<std::int32_t>(frames_[i].encoder - frames_[i - 1].encoder) *
                               rig_.conveyor.encoder_mm_per_count
-                        : static_cast<double>(frames_[i].time_stamp - frames_[i - 1].time_stamp) /
-                              options_.pixel_clock_hz * rig_.conveyor.speed_mm_per_s;
+                        : seconds_of_clocks(frames_[i].time_stamp - frames_[i - 1].time_stamp, rig_.pixel_clock_hz()) *
+                              rig_.conveyor.speed_mm_per_s;
     }
     position += i > 0 ? step : 0;
     belt.push_back(position);

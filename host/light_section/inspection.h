@@ -17,9 +17,8 @@
 namespace selfproj {
 
 struct InspectionOptions {
-  std::size_t expected_frames = 0;      // room is made for so many at once; more may come
-  std::size_t max_frames = 20000;       // those after it are counted and not kept (a frame of 512 columns takes 18 kB)
-  double pixel_clock_hz = 151'200'000;  // of the board: what one tick of a packet's time stamp is worth
+  std::size_t expected_frames = 0;  // room is made for so many at once; more may come
+  std::size_t max_frames = 20000;   // those after it are counted and not kept (a frame of 512 columns takes 18 kB)
 };
 
 class Inspection {
@@ -58,8 +57,8 @@ class Inspection {
   [[nodiscard]] int columns() const { return columns_; }
 
   // How far the belt has moved from the first frame to frame `index` (from 0), in mm: by the encoder where it has
-  // counted, else by the rig's speed and the time stamps. Where the board was restarted in between the belt is taken to
-  // have moved on as before.
+  // counted, else by the rig's speed and the time stamps, which count its pixel clock. Where the board was restarted in
+  // between the belt is taken to have moved on as before.
   [[nodiscard]] std::vector<double> belt_mm() const;
 
   // Whether the encoder has counted.

@@ -18,6 +18,7 @@
 #include "host/io/frame_options.h"
 #include "host/io/user_error.h"
 #include "host/rig/rigs_built_in.h"
+#include "model/pixel_clock.h"
 
 namespace selfproj {
 namespace {
@@ -103,6 +104,11 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.number("speed_mm_per_s", rig.conveyor.speed_mm_per_s, 1, kNotNegative);
   v.number("encoder_mm_per_count", rig.conveyor.encoder_mm_per_count, 1, kPositive);
   v.end();
+  if (v.has_any({"board"}, rig.board)) {
+    v.begin("board");
+    v.number("pixel_clock_hz", rig.board->pixel_clock_hz, 1, {kLeastPixelClockHz, kMostPixelClockHz});
+    v.end();
+  }
   v.begin("measure");
   v.choice("mode", rig.measure.mode, kModeChoices);
   v.integer("threshold", rig.measure.threshold, 0, 255);

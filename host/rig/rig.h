@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "model/column_moments.h"
+#include "model/pixel_clock.h"
 
 namespace selfproj {
 
@@ -57,6 +58,10 @@ struct RigProjector {
 struct RigConveyor {
   double speed_mm_per_s = 0;        // along +x
   double encoder_mm_per_count = 0;  // way of the belt for one count of the encoder
+};
+
+struct RigBoard {
+  double pixel_clock_hz = kDefaultPixelClockHz;  // clocks of its time stamps a second
 };
 
 struct RigMeasure {
@@ -104,9 +109,13 @@ struct Rig {
   RigCamera camera;
   RigProjector projector;
   RigConveyor conveyor;
+  std::optional<RigBoard> board;  // where the rig says what it is
   RigMeasure measure;
   RigImaging imaging;
   std::optional<RigCalibration> calibration;  // camera and projector above are then the pinholes nearest to it
+
+  // Of the board, the default one where the rig says nothing.
+  [[nodiscard]] double pixel_clock_hz() const { return board.value_or(RigBoard{}).pixel_clock_hz; }
 };
 
 // Names of the built-in rigs: light-section (rig A), scanner (rig B).

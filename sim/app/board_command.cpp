@@ -27,8 +27,8 @@
 #include "host/io/stop_signal.h"
 #include "host/io/user_error.h"
 #include "model/column_moments.h"
+#include "model/pixel_clock.h"
 #include "sim/board/packet_recording.h"
-#include "sim/platform/camera_timing.h"
 
 namespace selfproj {
 namespace {
@@ -45,6 +45,7 @@ struct BoardOptions {
   std::string ring;
   std::string record;
   double rate = kDefaultRate;
+  double pixel_clock_hz = kDefaultPixelClockHz;
   std::uint64_t count = 0;
   double seconds = 0;
   bool loop = false;
@@ -88,6 +89,11 @@ PacketRecording source_of(const BoardOptions& options) {
   return recording;
 }
 
+// Of the time stamps that are written anew.
+double clocks_per_frame(const BoardOptions& options) {
+  return options.pixel_clock_hz / (options.rate > 0 ? options.rate : kDefaultRate);
+}
+
 // How many frames are to be played; the largest number where there is no end.
 std::uint64_t frames_to_play(const BoardOptions& options, const PacketRecording& source) {
   if (options.count > 0) {
@@ -111,7 +117,7 @@ void record(const BoardOptions& options, const PacketRecording& source) {
   if (bytes > kMostBytes) {
     throw UserError("--record " + options.record, "would be more than 4 GB; --count or --seconds says how much");
   }
-  const double clocks = kPixelClockHz / (options.rate > 0 ? options.rate : kDefaultRate);
+  const double clocks = clocks_per_frame(options);
   std::string stream;
   stream.reserve(static_cast<std::size_t>(bytes));
   Progress progress("frame", static_cast<std::size_t>(frames));
@@ -143,7 +149,7 @@ void play(const BoardOptions& options, const PacketRecording& source) {
 
   const std::uint64_t frames = frames_to_play(options, source);
   const double period = options.rate > 0 ? static_cast<double>(kSecondNs) / options.rate : 0;
-  const double clocks = kPixelClockHz / (options.rate > 0 ? options.rate : kDefaultRate);
+  const double clocks = clocks_per_frame(options);
   const std::int64_t start = now_ns();
   const std::int64_t end = options.seconds > 0 ? start + std::llround(options.seconds * kSecondNs)
                                                : std::numeric_limits<std::int64_t>::max();
@@ -237,6 +243,10 @@ void add_board_command(CLI::App& app) {
       ->type_name("FILE");
   command->add_option("--rate", options->rate, "Frames a second; 0 is as fast as it can, whether read or not")
       ->type_name("FPS")
+      ->capture_default_str();
+  command->add_option("--pixel-clock-hz", options->pixel_clock_hz, "Of the board, in which its time stamps count")
+      ->check(CLI::Range(kLeastPixelClockHz, kMostPixelClockHz))
+      ->type_name("HZ")
       ->capture_default_str();
   command->add_option("--count", options->count, "Frames to play; without it, all of the source once")->type_name("N");
   command->add_option("--seconds", options->seconds, "How long to play, again and again")->type_name("S");

@@ -30,6 +30,7 @@
 #include "model/board.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
+#include "model/pixel_clock.h"
 #include "sim/board/clocks.h"
 #include "sim/board/coverage.h"
 #include "sim/board/mutant.h"
@@ -38,8 +39,8 @@ namespace selfproj {
 
 struct BoardDeviceOptions {
   std::uint64_t seed = 1;
-  std::uint64_t video_period_ps = 6614;  // 151.2 MHz
-  std::uint64_t bus_period_ps = 8000;    // 125 MHz
+  std::uint64_t video_period_ps = pixel_clock_period_ps(kDefaultPixelClockHz);
+  std::uint64_t bus_period_ps = 8000;  // 125 MHz
   std::uint64_t bus_phase_ps = 1234;
   int bus_stall_percent = 0;    // share of bus clocks in which the sink is not ready
   int video_gap_percent = 0;    // share of video clocks without a beat while beats wait

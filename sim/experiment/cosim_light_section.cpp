@@ -221,9 +221,10 @@ class LightSectionCosim final : public CosimMeasurement {
                          .mode = rig.measure.mode,
                          .threshold = rig.measure.threshold};
     platform.frame_rate_hz = rig.camera.frame_rate_hz;
+    platform.pixel_clock_hz = rig.pixel_clock_hz();
     if (rig.conveyor.encoder_mm_per_count > 0 && setup_.profiler != nullptr) {
       platform.encoder_steps_per_s = rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count;
-      if (platform.encoder_steps_per_s > kPixelClockHz / 4) {
+      if (platform.encoder_steps_per_s > platform.pixel_clock_hz / 4) {
         throw UserError("--rig " + rig.name, "the encoder turns too fast for the board");
       }
     }
@@ -326,10 +327,10 @@ class LightSectionCosim final : public CosimMeasurement {
 
  private:
   [[nodiscard]] CameraTiming timing() const {
-    return camera_timing(setup_.source->rows(), columns_, setup_.rig.camera.frame_rate_hz);
+    return camera_timing(setup_.source->rows(), columns_, setup_.rig.camera.frame_rate_hz, setup_.rig.pixel_clock_hz());
   }
-  [[nodiscard]] static double rate(const CameraTiming& timing) {
-    return kPixelClockHz / static_cast<double>(timing.frame_clocks);
+  [[nodiscard]] double rate(const CameraTiming& timing) const {
+    return setup_.rig.pixel_clock_hz() / static_cast<double>(timing.frame_clocks);
   }
 
   const CosimOptions& options_;

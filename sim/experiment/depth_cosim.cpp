@@ -109,6 +109,7 @@ PlatformOptions DepthCosim::platform() const {
                        .code_bits = setup_.bits,
                        .code_threshold = setup_.rig.measure.code_threshold};
   platform.frame_rate_hz = setup_.rig.camera.frame_rate_hz;
+  platform.pixel_clock_hz = setup_.rig.pixel_clock_hz();
   platform.patterns = 2 * setup_.bits;
   platform.seed = static_cast<std::uint64_t>(setup_.rig.imaging.seed);
   return platform;

@@ -165,7 +165,7 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
       PacketHeader header;
       header.kind = spec::kKindMoments;
       header.sequence = static_cast<std::uint64_t>(number);
-      header.time_stamp = static_cast<std::uint64_t>(std::llround(time * inspection.pixel_clock_hz));
+      header.time_stamp = static_cast<std::uint64_t>(std::llround(time * rig.pixel_clock_hz()));
       header.encoder = static_cast<std::uint32_t>(
           std::llround(time * rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count));
       header.columns = static_cast<std::uint16_t>(rig.camera.columns);

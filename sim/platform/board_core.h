@@ -12,6 +12,7 @@
 #include <string>
 
 #include "model/board.h"
+#include "model/pixel_clock.h"
 
 namespace selfproj {
 
@@ -25,6 +26,7 @@ struct BusOptions {
 };
 
 struct BoardCoreOptions {
+  double pixel_clock_hz = kDefaultPixelClockHz;
   BusOptions bus = {};
   std::uint64_t seed = 1;  // of the stalls
   int patterns = 1;        // the sequencer counts frames modulo this

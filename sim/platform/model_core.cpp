@@ -12,8 +12,8 @@
 
 #include "model/board.h"
 #include "model/packet.h"
+#include "model/pixel_clock.h"
 #include "sim/platform/board_core.h"
-#include "sim/platform/camera_timing.h"
 #include "sim/platform/model_feed.h"
 
 namespace selfproj {
@@ -22,7 +22,8 @@ namespace {
 class ModelCore final : public BoardCore {
  public:
   explicit ModelCore(const BoardCoreOptions& options)
-      : bus_period_(static_cast<double>(options.bus.period_ps)),
+      : clock_ps_(pixel_clock_period_ps(options.pixel_clock_hz)),
+        bus_period_(static_cast<double>(options.bus.period_ps)),
         stall_percent_(options.bus.stall_percent),
         feed_([this](BoardPacket&& packet) { take(packet); }, options.patterns) {}
 
@@ -69,7 +70,7 @@ class ModelCore final : public BoardCore {
 
   static constexpr std::uint64_t kWriteClocks = 200;
 
-  static double time_ps(std::uint64_t clock) { return static_cast<double>(clock * kPixelClockPs); }
+  [[nodiscard]] double time_ps(std::uint64_t clock) const { return static_cast<double>(clock * clock_ps_); }
 
   // Clocks from the last beat of a frame until the whole packet is in its FIFO and seen from the bus.
   static double latency(const PacketHeader& header) {
@@ -81,7 +82,7 @@ class ModelCore final : public BoardCore {
   void take(const BoardPacket& packet) {
     Waiting next;
     append_packet(packet.header, packet.payload, packet.status, next.bytes);
-    next.ready_ps = time_ps(feed_.clock()) + latency(packet.header) * static_cast<double>(kPixelClockPs);
+    next.ready_ps = time_ps(feed_.clock()) + latency(packet.header) * static_cast<double>(clock_ps_);
     next.beats = static_cast<double>(next.bytes.size()) / static_cast<double>(spec::kPacketBeatBytes);
     waiting_.push_back(std::move(next));
   }
@@ -112,6 +113,7 @@ class ModelCore final : public BoardCore {
     bus_ps_ = std::max(bus_ps_, end);
   }
 
+  std::uint64_t clock_ps_;
   double bus_period_;
   int stall_percent_;
   ModelFeed feed_;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/io/user_error.h"
+#include "model/pixel_clock.h"
 #include "sim/platform/modules.h"
 
 // The library has a main function that calls this one. The programs have their own.
@@ -52,12 +53,12 @@ class Kernel {
   std::unique_ptr<sc_core::sc_simcontext> kernel_ = std::make_unique<sc_core::sc_simcontext>();
 };
 
-double clocks_a_step(double steps_per_s) {
+double clocks_a_step(double steps_per_s, double pixel_clock_hz) {
   if (steps_per_s == 0) {
     return 0;
   }
   constexpr double kFewest = 4;
-  const double clocks = kPixelClockHz / steps_per_s;
+  const double clocks = pixel_clock_hz / steps_per_s;
   if (!(clocks >= kFewest)) {
     throw std::invalid_argument("the encoder turns too fast for the board");
   }
@@ -65,6 +66,9 @@ double clocks_a_step(double steps_per_s) {
 }
 
 void check(const PlatformOptions& options) {
+  if (!(options.pixel_clock_hz >= kLeastPixelClockHz && options.pixel_clock_hz <= kMostPixelClockHz)) {
+    throw std::invalid_argument("no board has this pixel clock");
+  }
   constexpr int kMostStalls = 95;
   const BusOptions& bus = options.bus;
   if (bus.period_ps == 0 || bus.stall_percent < 0 || bus.stall_percent > kMostStalls || bus.hold_ups_a_second < 0 ||
@@ -88,6 +92,7 @@ void check(const PlatformOptions& options) {
 
 std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const CameraTiming& timing) {
   const BoardCoreOptions core{
+      .pixel_clock_hz = options.pixel_clock_hz,
       .bus = options.bus,
       .seed = options.seed,
       .patterns = options.patterns,
@@ -109,10 +114,12 @@ std::unique_ptr<BoardCore> make_core(const PlatformOptions& options, const Camer
 struct Platform::Parts {
   Parts(const PlatformOptions& options, Camera::Source frames, BusSink::Receiver packets, BoardModel::Sink expected)
       : kernel(options.engine == PlatformEngine::hls),
-        timing(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz)),
-        period(sc_core::sc_time::from_value(kPixelClockPs)),
+        pixel_clock_hz(options.pixel_clock_hz),
+        timing(camera_timing(options.settings.rows, options.settings.columns, options.frame_rate_hz,
+                             options.pixel_clock_hz)),
+        period(sc_core::sc_time::from_value(pixel_clock_period_ps(options.pixel_clock_hz))),
         camera("camera", timing, kFirstClock, period, std::move(frames)),
-        conveyor("conveyor", clocks_a_step(options.encoder_steps_per_s), kFirstClock, period),
+        conveyor("conveyor", clocks_a_step(options.encoder_steps_per_s, options.pixel_clock_hz), kFirstClock, period),
         board("board", make_core(options, timing)),
         sink("bus_sink", options.bus, options.seed, period, std::move(packets)) {
     tlm::tlm_global_quantum::instance().set(time_of_clock(options.quantum_lines * timing.line_clocks, period));
@@ -136,6 +143,7 @@ struct Platform::Parts {
   }
 
   Kernel kernel;
+  double pixel_clock_hz;
   CameraTiming timing;
   sc_core::sc_time period;
   sc_core::sc_signal<bool> finished{"camera_finished"};
@@ -166,6 +174,7 @@ void Platform::run() {
   parts.report = {.frames = parts.camera.frames(),
                   .packets = parts.sink.packets(),
                   .clocks = parts.board.core().clock(),
+                  .seconds = seconds_of_clocks(parts.board.core().clock(), parts.pixel_clock_hz),
                   .hold_ups = parts.sink.hold_ups(),
                   .board = parts.board.core().counters()};
 }

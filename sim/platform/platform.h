@@ -17,6 +17,7 @@
 
 #include "model/board.h"
 #include "model/column_moments.h"
+#include "model/pixel_clock.h"
 #include "sim/platform/board_core.h"
 #include "sim/platform/camera_timing.h"
 
@@ -28,6 +29,7 @@ struct PlatformOptions {
   PlatformEngine engine = PlatformEngine::rtl;
   BoardSettings settings = {};  // columns and rows are those of the frames
   double frame_rate_hz = 10000;
+  double pixel_clock_hz = kDefaultPixelClockHz;
   int patterns = 1;                // 1..256: frame k carries the pattern index k mod patterns (sequencer on_frame)
   double encoder_steps_per_s = 0;  // at most a quarter of the pixel clock; 0: no encoder
   BusOptions bus = {};
@@ -42,6 +44,7 @@ struct PlatformReport {
   std::uint64_t frames = 0;   // that the camera gave
   std::uint64_t packets = 0;  // that the bus took
   std::uint64_t clocks = 0;   // pixel clocks the board ran
+  double seconds = 0;         // what they last
   std::uint64_t hold_ups = 0;
   BoardCounters board;
 };

@@ -14,9 +14,9 @@
 #include "Vboard_scanner.h"
 #include "Vboard_scanner_hls.h"
 #include "Vboard_traced.h"
+#include "model/pixel_clock.h"
 #include "sim/board/board_device.h"
 #include "sim/platform/board_core.h"
-#include "sim/platform/camera_timing.h"
 #include "sim/platform/shell_slot.h"
 
 namespace selfproj {
@@ -27,7 +27,7 @@ class RtlCore : public BoardCore {
  public:
   explicit RtlCore(const BoardCoreOptions& options)
       : device_({.seed = options.seed,
-                 .video_period_ps = kPixelClockPs,
+                 .video_period_ps = pixel_clock_period_ps(options.pixel_clock_hz),
                  .bus_period_ps = options.bus.period_ps,
                  .bus_phase_ps = options.bus.phase_ps,
                  .bus_stall_percent = options.bus.stall_percent,

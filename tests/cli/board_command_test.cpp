@@ -6,10 +6,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <future>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -133,7 +135,7 @@ TEST_F(Board, MovingLineIsWhereItShouldBe) {
     recording.play(frame, 1, [&](std::size_t size, const auto& stamp) {
       std::vector<std::uint8_t> room(size);
       stamp(room.data());
-      unpack_moments(Mode::grey_over, 32, room.data() + spec::kHeaderBytes, moments.view());
+      unpack_moments(Mode::grey_over, 32, payload_of(room).data(), moments.view());
     });
     for (std::size_t column = 0; column < 32; ++column) {
       const double phase = static_cast<double>(column) / 32 + static_cast<double>(frame) / 8;
@@ -155,8 +157,8 @@ TEST_F(Board, EveryFrameBecomesAProfile) {
   const auto counts = json("counts.json");
   EXPECT_EQ(counts["profiles"], 2000);
   EXPECT_GT(counts["points"], 2000 * 400);
-  for (const char* none : {"lost_on_board", "lost_in_ring", "missing_frames", "bad_packets", "repeated_packets",
-                           "board_restarts", "bytes_discarded", "resynchronized"}) {
+  for (const char* none : {"lost_board", "lost_ring", "missing", "bad", "flagged", "other_spec", "repeated", "restarts",
+                           "reattached", "read_errors", "bytes_discarded", "resynchronized"}) {
     EXPECT_EQ(counts[none], 0) << none;
   }
   EXPECT_GT(counts["delay_p50_us"], 0);
@@ -207,10 +209,10 @@ TEST_F(Board, WhatIsLostIsCounted) {
   EXPECT_EQ(other.get().status, 0);
   EXPECT_EQ(inspected.status, 0) << inspected.err;
   const auto counts = json("counts.json");
-  EXPECT_EQ(counts["profiles"].get<int>() + counts["lost_in_ring"].get<int>(), 100000);
-  EXPECT_GT(counts["lost_in_ring"], 0);
-  EXPECT_LE(counts["missing_frames"], counts["lost_in_ring"]);
-  EXPECT_EQ(counts["bad_packets"], 0);
+  EXPECT_EQ(counts["profiles"].get<int>() + counts["lost_ring"].get<int>(), 100000);
+  EXPECT_GT(counts["lost_ring"], 0);
+  EXPECT_LE(counts["missing"], counts["lost_ring"]);
+  EXPECT_EQ(counts["bad"], 0);
 }
 
 TEST_F(Board, CheckFailsWhereSomethingIsMissing) {
@@ -221,13 +223,59 @@ TEST_F(Board, CheckFailsWhereSomethingIsMissing) {
   const Words words{"inspect", "--device", "file:cut.slfp", "--json", "counts.json"};
   EXPECT_EQ(host(words).status, 0);
   EXPECT_EQ(json("counts.json")["profiles"], 19);
-  EXPECT_EQ(json("counts.json")["bad_packets"], 1);
-  EXPECT_EQ(json("counts.json")["missing_frames"], 1);
+  EXPECT_EQ(json("counts.json")["bad"], 1);
+  EXPECT_EQ(json("counts.json")["missing"], 1);
   Words checked = words;
   checked.emplace_back("--check");
   const Outcome outcome = host(checked);
   EXPECT_EQ(outcome.status, 1);
   EXPECT_NE(outcome.err.find("--check: 19 profiles, 2 faults"), std::string::npos) << outcome.err;
+}
+
+// A board of 125 MHz without an encoder: where the belt was follows from its time stamps, and from what a clock of it
+// lasts. 10,000 frames a second at 1 m/s are 0.1 mm a frame; a line that stands still is always the same point.
+TEST_F(Board, TimeStampsOfAnotherPixelClock) {
+  ASSERT_EQ(board({"--line", "512x96", "--line-frames", "1", "--count", "5", "--pixel-clock-hz", "125e6", "--record",
+                   "line.slfp"})
+                .status,
+            0);
+  const std::string stream = read_text(folder_ / "line.slfp");
+  const std::vector<std::uint8_t> bytes(stream.begin(), stream.end());
+  PacketView last;
+  ASSERT_EQ(parse_packet(std::span(bytes).last(bytes.size() / 5), last), PacketError::none);
+  ASSERT_EQ(last.header.time_stamp, 4U * 12500U);
+  ASSERT_EQ(last.header.encoder, 0U);
+  std::string yaml = to_yaml(load_rig("light-section"));
+  yaml.insert(yaml.find("measure:\n"), "board:\n  pixel_clock_hz: 125e6\n");
+  write_text(folder_ / "rig.yaml", yaml);
+
+  // mm in x from a point of the first frame to the same of the last, in cloud.ply
+  const auto way = [&](const Words& more) {
+    Words words{"inspect", "--device", "file:line.slfp", "--out", "results"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = host(words);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const std::string cloud = read_text(folder_ / "results" / "cloud.ply");
+    const std::size_t points = cloud.find("end_header\n") + std::strlen("end_header\n");
+    constexpr std::size_t kPointBytes = 4 * sizeof(float) + 3;  // x y z difference, red green blue
+    const std::size_t frame = (cloud.size() - points) / 5;      // bytes: all five have the same points
+    EXPECT_EQ(frame % kPointBytes, 0U);
+    const auto x_at = [&](std::size_t at) {
+      float x = 0;
+      std::memcpy(&x, cloud.data() + at, sizeof x);
+      return static_cast<double>(x);
+    };
+    const double moved = std::abs(x_at(points + 4 * frame) - x_at(points));
+    EXPECT_NEAR(json("results/summary.json")["belt"]["mm"].get<double>(), moved, 2e-4);
+    return moved;
+  };
+  EXPECT_NEAR(way({"--rig", "rig.yaml"}), 0.4, 2e-4);
+  EXPECT_NEAR(way({"--pixel-clock-hz", "125e6"}), 0.4, 2e-4);
+  EXPECT_NEAR(way({"--rig", "rig.yaml", "--pixel-clock-hz", "250e6"}), 0.2, 2e-4) << "the option counts, not the rig";
+  EXPECT_NEAR(way({}), 0.4 * 125 / 151.2, 2e-4) << "as if it were a board of 151.2 MHz";
+  const Outcome wrong = host({"inspect", "--device", "file:line.slfp", "--pixel-clock-hz", "0"});
+  EXPECT_NE(wrong.status, 0);
+  EXPECT_NE(wrong.err.find("--pixel-clock-hz"), std::string::npos) << wrong.err;
 }
 
 TEST_F(Board, WritesTheOutputsOfAnInspection) {

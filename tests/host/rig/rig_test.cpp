@@ -57,6 +57,31 @@ TEST(Rig, IsReadBackAsWritten) {
   }
 }
 
+// The section is optional: without it the pixel clock is the default one, and no section is written.
+TEST(Rig, PixelClockIsThatOfTheBoard) {
+  for (const std::string& name : built_in_rigs()) {
+    const Rig rig = load_rig(name);
+    EXPECT_FALSE(rig.board);
+    EXPECT_EQ(rig.pixel_clock_hz(), kDefaultPixelClockHz);
+    EXPECT_EQ(to_yaml(rig).find("board"), std::string::npos);
+  }
+  const std::string yaml = with("measure:\n", "board:\n  pixel_clock_hz: 125000000\nmeasure:\n");
+  const Rig rig = parse_rig(yaml, "rig.yaml");
+  EXPECT_EQ(rig.pixel_clock_hz(), 125e6);
+  EXPECT_EQ(to_yaml(rig), yaml);
+  EXPECT_EQ(parse_rig(to_yaml(rig), "text").pixel_clock_hz(), 125e6);
+  const auto error_with = [](const std::string& section) {
+    return error_of(with("measure:\n", section + "measure:\n"));
+  };
+  EXPECT_EQ(error_with("board:\n  pixel_clock_hz: 0\n"),
+            "rig.yaml: line 26: board.pixel_clock_hz is 0; it must be at least 1000 and at most 10000000000");
+  EXPECT_EQ(error_with("board:\n  pixel_clock_hz: fast\n"),
+            "rig.yaml: line 26: board.pixel_clock_hz is 'fast', not a number");
+  EXPECT_EQ(error_with("board:\n  pixel_clock_mhz: 125\n"),
+            "rig.yaml: line 26: board.pixel_clock_mhz: unknown key; the key is pixel_clock_hz");
+  EXPECT_EQ(error_with("board:\n  name: x\n"), "rig.yaml: board.pixel_clock_hz is missing");
+}
+
 TEST(Rig, ErrorsNameFileLineKeyAndReason) {
   EXPECT_EQ(error_of(with("  focal_length_mm: 50", "  focal_length_mm: -50")),
             "rig.yaml: line 8: camera.focal_length_mm is -50; it must be greater than 0 and at most 1000000");
