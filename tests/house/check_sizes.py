@@ -4,8 +4,7 @@
     check_sizes.py [ROOT]
 
 Functions of C++ are found by the format of clang-format: one begins with a line that ends in `{` and ends with a `}` in
-the same column. Functions called add_..._command are left out: they are tables of options. What is still too long stands
-in too_long.txt, beside this file: one `FILE` or `FILE FUNCTION` a line. A line that no longer holds is an error too.
+the same column. Functions called add_..._command are left out: they are tables of options.
 """
 
 import ast
@@ -52,19 +51,10 @@ def functions_of_python(text):
     return [(node.name, node.lineno, node.end_lineno - node.lineno + 1) for node in nodes]
 
 
-def known(root):
-    """The lines of too_long.txt: a set of `FILE` and `FILE FUNCTION`."""
-    path = root / "tests/house/too_long.txt"
-    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-    return {line.strip() for line in lines if line.strip() and not line.startswith("#")}
-
-
 def problems(root):
-    waiting = known(root)
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True,
                             check=True).stdout.splitlines()
     lines = []
-    too_long = set()
     for name in sorted(set(listed)):
         path = root / name
         if path.suffix not in SOURCES or "/generated/" in name or not path.is_file():
@@ -72,19 +62,13 @@ def problems(root):
         text = path.read_text(encoding="utf-8")
         count = text.count("\n")
         if count > MOST_LINES:
-            too_long.add(name)
-            if name not in waiting:
-                lines.append(f"{name}: {count} lines, {MOST_LINES} at most")
+            lines.append(f"{name}: {count} lines, {MOST_LINES} at most")
         functions = functions_of_cpp(text) if path.suffix in (".h", ".cpp") else []
         if path.suffix == ".py":
             functions = functions_of_python(text)
         for function, at, size in functions:
-            long = size > MOST_LINES_OF_FUNCTION and not re.fullmatch(r"add_\w+_command", function)
-            if long and f"{name} {function}" not in waiting:
+            if size > MOST_LINES_OF_FUNCTION and not re.fullmatch(r"add_\w+_command", function):
                 lines.append(f"{name}:{at}: {function} has {size} lines, {MOST_LINES_OF_FUNCTION} at most")
-            if long:
-                too_long.add(f"{name} {function}")
-    lines += [f"tests/house/too_long.txt: {entry} is not too long" for entry in sorted(waiting - too_long)]
     return lines
 
 
