@@ -22,7 +22,9 @@ constexpr double seconds_of_clocks(std::uint64_t clocks, double pixel_clock_hz) 
 
 // The period, to the nearest picosecond: 6614 of the default.
 constexpr std::uint64_t pixel_clock_period_ps(double pixel_clock_hz) {
-  return static_cast<std::uint64_t>(1e12 / pixel_clock_hz + 0.5);
+  const double period = 1e12 / pixel_clock_hz;
+  const auto whole = static_cast<std::uint64_t>(period);
+  return whole + (period - static_cast<double>(whole) >= 0.5 ? 1 : 0);
 }
 
 }  // namespace selfproj

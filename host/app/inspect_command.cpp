@@ -11,11 +11,9 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "host/driver/clock.h"
@@ -33,6 +31,7 @@
 #include "host/light_section/reference.h"
 #include "host/light_section/reference_file.h"
 #include "host/report/counter_facts.h"
+#include "host/report/facts_json.h"
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"
@@ -113,13 +112,7 @@ std::vector<Fact> facts_of(const Work& work, const Counters& counters) {
   return facts;
 }
 
-std::string json_text(const std::vector<Fact>& facts) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  for (const Fact& fact : facts) {
-    std::visit([&](const auto& value) { json[fact.key] = value; }, fact.value);
-  }
-  return json.dump(2) + "\n";
-}
+std::string json_text(const std::vector<Fact>& facts) { return facts_json(facts).dump(2) + "\n"; }
 
 // The rig's empty table or conveyor.
 ReferenceProfile plane_reference(const Rig& rig) {

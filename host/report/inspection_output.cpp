@@ -13,7 +13,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "host/io/float_image.h"
@@ -21,6 +20,7 @@
 #include "host/io/user_error.h"
 #include "host/light_section/profile.h"
 #include "host/report/colour_map.h"
+#include "host/report/facts_json.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
 #include "host/report/number_text.h"
@@ -120,14 +120,6 @@ nlohmann::ordered_json to_json(const Statistics& s) {
     return nullptr;
   }
   return {{"min", rounded(s.least)}, {"max", rounded(s.greatest)}, {"mean", rounded(s.mean)}, {"rms", rounded(s.rms)}};
-}
-
-nlohmann::ordered_json to_json(const std::vector<Fact>& facts) {
-  nlohmann::ordered_json result = nlohmann::ordered_json::object();
-  for (const Fact& fact : facts) {
-    std::visit([&](const auto& value) { result[fact.key] = value; }, fact.value);
-  }
-  return result;
 }
 
 MapPitch pitch_of(const Inspection& inspection) {
@@ -252,8 +244,8 @@ std::string summary(const Inspection& inspection, const ReportParts& parts) {
   json["last_sequence"] = inspection.frame(inspection.frames() - 1).sequence;
   json["mode"] = mode_name(static_cast<Mode>(first.mode));
   json["threshold"] = first.threshold;
-  json["counters"] = to_json(parts.counters);
-  json["settings"] = to_json(parts.settings);
+  json["counters"] = facts_json(parts.counters);
+  json["settings"] = facts_json(parts.settings);
   json["rig"] = {{"name", rig.name}, {"yaml", to_yaml(rig)}};
   for (const ReportTable& table : parts.tables) {
     json["tables"].push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}});

@@ -10,11 +10,11 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "host/io/user_error.h"
 #include "host/report/depth_output.h"
+#include "host/report/facts_json.h"
 #include "host/report/frame_picture.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -62,12 +62,9 @@ std::size_t frames_of_cycles(const CosimOptions& options, const Scene& scene, in
 std::string summary_json(const ReportPage& page) {
   nlohmann::ordered_json json;
   json["title"] = page.title;
-  for (const auto& [name, facts] : {std::pair("measured", &page.highlights), std::pair("counters", &page.counters),
-                                    std::pair("settings", &page.settings)}) {
-    for (const Fact& fact : *facts) {
-      std::visit([&, key = name](const auto& value) { json[key][fact.key] = value; }, fact.value);
-    }
-  }
+  json["measured"] = facts_json(page.highlights);
+  json["counters"] = facts_json(page.counters);
+  json["settings"] = facts_json(page.settings);
   return json.dump(2) + "\n";
 }
 

@@ -19,7 +19,7 @@
 namespace selfproj {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{:.4f}", value) : ""; }
 
@@ -37,8 +37,8 @@ std::vector<double> times(const std::vector<DepthSample>& samples) {
 
 // Of the measured centroid from the true one, mm.
 struct Distances {
-  double rms = kNan;
-  double greatest = kNan;
+  double rms = kNone;
+  double greatest = kNone;
 };
 
 Distances centroid_distances(const std::vector<DepthSample>& samples) {

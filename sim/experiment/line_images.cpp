@@ -10,12 +10,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/output_folder.h"
+#include "host/report/facts_json.h"
 #include "host/report/report.h"
 #include "sim/experiment/cosim_measurement.h"
 
@@ -50,11 +50,8 @@ std::string LineImages::summary(const CosimFacts& facts) const {
   json["columns"] = columns_;
   json["mode"] = mode_name(measure_.mode);
   json["threshold"] = measure_.threshold;
-  for (const auto& [name, list] : {std::pair("counters", &facts.counters), std::pair("settings", &facts.settings)}) {
-    for (const Fact& fact : *list) {
-      std::visit([&, key = name](const auto& value) { json[key][fact.key] = value; }, fact.value);
-    }
-  }
+  json["counters"] = facts_json(facts.counters);
+  json["settings"] = facts_json(facts.settings);
   return json.dump(2) + "\n";
 }
 

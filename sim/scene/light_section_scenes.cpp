@@ -82,13 +82,13 @@ class Mountain : public Prism {
   }
 };
 
-enum class Surface : std::uint8_t { good, marked };
+enum class TreadSurface : std::uint8_t { good, marked };
 
 // Experiment A2: three treads side by side across y, with vertical faces, and on request a mark carved into each.
 class Stairs : public Prism {
  public:
-  Stairs(const Rig& rig, Surface surface)
-      : Prism(rig, kTreadWidth * std::size(kTreads)), marked_(surface == Surface::marked) {}
+  Stairs(const Rig& rig, TreadSurface surface)
+      : Prism(rig, kTreadWidth * std::size(kTreads)), marked_(surface == TreadSurface::marked) {}
 
  protected:
   [[nodiscard]] double top(double x, double y) const override {
@@ -161,11 +161,15 @@ const std::vector<SceneInfo>& light_section_scenes() {
        .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Mountain>(rig); }},
       {.name = "stairs",
        .description = "A2: treads 30, 39, 21 mm high, 35 mm wide each, side by side",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Stairs>(rig, Surface::good); }},
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> {
+         return std::make_unique<Stairs>(rig, TreadSurface::good);
+       }},
       {.name = "stairs-marked",
        .description = "A2: the same with a circle, a cross and a triangle carved 1 mm deep",
        .reference = "stairs",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Stairs>(rig, Surface::marked); }},
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> {
+         return std::make_unique<Stairs>(rig, TreadSurface::marked);
+       }},
   };
   return all;
 }

@@ -33,11 +33,11 @@ Overlap overlap(const Box& box, const Box& with) {
 }
 bool contains(const Box& box, double x, double y) { return overlap({x, x, y, y}, box) != Overlap::none; }
 
-enum class Surface : std::uint8_t { good, marked };
+enum class CuboidSurface : std::uint8_t { good, marked };
 
 class CuboidScene : public Scene {
  public:
-  explicit CuboidScene(Surface surface) : marked_(surface == Surface::marked) {}
+  explicit CuboidScene(CuboidSurface surface) : marked_(surface == CuboidSurface::marked) {}
 
   [[nodiscard]] int frames() const override { return 16; }
   [[nodiscard]] double speed() const override { return 0; }
@@ -183,7 +183,7 @@ const std::vector<SceneInfo>& self_scenes() {
        .method = SceneMethod::self_projected,
        .cells_below = 8,
        .make = [](const Rig& /*rig*/) -> std::unique_ptr<Scene> {
-         return std::make_unique<CuboidScene>(Surface::good);
+         return std::make_unique<CuboidScene>(CuboidSurface::good);
        }},
       {.name = "cuboids-marked",
        .description = "B4: the same with a letter A carved 2 mm deep and blocks of 3, 6, 9 mm",
@@ -191,7 +191,7 @@ const std::vector<SceneInfo>& self_scenes() {
        .reference = "cuboids",
        .cells_below = 8,
        .make = [](const Rig& /*rig*/) -> std::unique_ptr<Scene> {
-         return std::make_unique<CuboidScene>(Surface::marked);
+         return std::make_unique<CuboidScene>(CuboidSurface::marked);
        }},
       {.name = "slider",
        .description = "B7: a slider 100 mm high",
