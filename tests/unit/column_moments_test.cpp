@@ -8,10 +8,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "tests/support/moments_refusals.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -210,30 +210,7 @@ TEST(ColumnMoments, PartsOfRandomImages) {
   }
 }
 
-TEST(ColumnMoments, RefusesWhatIsOutOfRange) {
-  const std::vector<std::uint8_t> pixels(64, 255);
-  Moments moments;
-  moments.resize(8);
-  const Moments before = moments;
-  const ImageView good = {pixels.data(), 4, 8, 8};
-  const auto refuses = [&](const ImageView& image, int mode, int threshold, const MomentsView& out) {
-    EXPECT_THROW(column_moments(image, static_cast<Mode>(mode), threshold, out), std::invalid_argument);
-    EXPECT_EQ(moments, before);
-  };
-  refuses({pixels.data(), 0, 8, 8}, 0, 128, moments.view());
-  refuses({pixels.data(), -1, 8, 8}, 0, 128, moments.view());
-  refuses({pixels.data(), spec::kMaxRows + 1, 8, 0}, 0, 128, moments.view());
-  refuses({pixels.data(), 4, 0, 8}, 0, 128, moments.view());
-  refuses({pixels.data(), 4, -8, 8}, 0, 128, moments.view());
-  refuses({nullptr, 4, 8, 8}, 0, 128, moments.view());
-  refuses(good, 3, 128, moments.view());
-  refuses(good, 0, -1, moments.view());
-  refuses(good, 0, 256, moments.view());
-  refuses(good, 0, 128, {nullptr, moments.m1.data(), moments.n.data()});
-  refuses(good, 0, 128, {moments.m0.data(), nullptr, moments.n.data()});
-  refuses(good, 0, 128, {moments.m0.data(), moments.m1.data(), nullptr});
-  EXPECT_NO_THROW(column_moments(good, Mode::binary, 128, moments.view()));
-}
+TEST(ColumnMoments, RefusesWhatIsOutOfRange) { expect_refusals_of_moments(column_moments); }
 
 }  // namespace
 }  // namespace selfproj::test

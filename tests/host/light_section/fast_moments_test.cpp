@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "model/column_moments.h"
+#include "tests/support/moments_refusals.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -179,30 +179,7 @@ TEST_F(FastMoments, RandomImages) {
   }
 }
 
-TEST_F(FastMoments, RefusesWhatIsOutOfRange) {
-  const std::vector<std::uint8_t> pixels(64, 255);
-  Moments moments;
-  moments.resize(8);
-  const Moments before = moments;
-  const ImageView good = {pixels.data(), 4, 8, 8};
-  const auto refuses = [&](const ImageView& image, int mode, int threshold, const MomentsView& out) {
-    EXPECT_THROW(fast_column_moments(image, static_cast<Mode>(mode), threshold, out), std::invalid_argument);
-    EXPECT_EQ(moments, before);
-  };
-  refuses({pixels.data(), 0, 8, 8}, 0, 128, moments.view());
-  refuses({pixels.data(), -1, 8, 8}, 0, 128, moments.view());
-  refuses({pixels.data(), spec::kMaxRows + 1, 8, 0}, 0, 128, moments.view());
-  refuses({pixels.data(), 4, 0, 8}, 0, 128, moments.view());
-  refuses({pixels.data(), 4, -8, 8}, 0, 128, moments.view());
-  refuses({nullptr, 4, 8, 8}, 0, 128, moments.view());
-  refuses(good, 3, 128, moments.view());
-  refuses(good, 0, -1, moments.view());
-  refuses(good, 0, 256, moments.view());
-  refuses(good, 0, 128, {nullptr, moments.m1.data(), moments.n.data()});
-  refuses(good, 0, 128, {moments.m0.data(), nullptr, moments.n.data()});
-  refuses(good, 0, 128, {moments.m0.data(), moments.m1.data(), nullptr});
-  EXPECT_NO_THROW(fast_column_moments(good, Mode::binary, 128, moments.view()));
-}
+TEST_F(FastMoments, RefusesWhatIsOutOfRange) { expect_refusals_of_moments(fast_column_moments); }
 
 }  // namespace
 }  // namespace selfproj::test
