@@ -1,5 +1,5 @@
-// The packet: what the board sends for a frame or for a line of an image. The layout is that of model/spec; the tables
-// are in README.md beside this file.
+// The packet: what the board sends for a frame or for a line of an image. The layout is that of model/spec;
+// docs/packet-reference.md has its tables.
 //
 //     header, 64 bytes | payload, a multiple of 16 bytes, possibly 0 | trailer, 16 bytes
 //

@@ -1,5 +1,5 @@
-// Payloads: what they hold, how large they are, packed and unpacked. The formats are those of model/spec; their table
-// is in README.md beside this file.
+// Payloads: what they hold, how large they are, packed and unpacked. The formats are those of model/spec;
+// docs/packet-reference.md has their table.
 #ifndef SELFPROJ_MODEL_PACKET_PAYLOAD_H
 #define SELFPROJ_MODEL_PACKET_PAYLOAD_H
 

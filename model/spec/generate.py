@@ -4,10 +4,10 @@
     generate.py            write the files
     generate.py --check    write nothing; exit 1 and name each file that differs
 
-Outputs: the C++ header (C++14), the SystemVerilog package, and the tables between the markers
+Outputs: the C++ header (C++14), the SystemVerilog package, and the tables (tables.py) between the markers
 `<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown files listed in TABLES.
-Standard library only. Every number format is proved here: the largest value that can occur, from the sizes,
-is computed and must fit its field; a format that does not fit is an error and nothing is written.
+Standard library only. Every number format is proved here: the largest value that can occur is computed from the sizes
+and must fit its field. Where one does not fit, the generator says so and writes nothing.
 """
 
 import argparse
@@ -18,14 +18,16 @@ import operator
 import pathlib
 import sys
 
+import tables
+
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 SPEC = HERE / "selfproj.json"
 HEADER = HERE / "generated" / "selfproj_spec.h"
 PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
 TABLES = {
-    ROOT / "model" / "README.md": ["formats", "packet"],
-    ROOT / "rtl" / "board" / "README.md": ["registers"],
+    ROOT / "docs" / "packet-reference.md": ["formats", "header", "trailer", "values", "check", "reader"],
+    ROOT / "docs" / "register-reference.md": ["registers", "fields"],
     ROOT / "rtl" / "gray" / "README.md": ["gray_memory"],
 }
 
@@ -34,6 +36,7 @@ FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits")
                 ("threshold", "HeaderThresholdBits"), ("sequence", "HeaderSequenceBits"),
                 ("time_stamp", "HeaderTimeStampBits"), ("encoder", "HeaderEncoderBits"), ("columns", "column_bits"),
                 ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits")]
+PROSE = ("description", "effect")  # keys that say something to the reader and bind no program
 REGISTER_WORDS = 32  # places of the register file, of four bytes
 
 
@@ -44,9 +47,19 @@ class SpecError(Exception):
 def without_descriptions(node):
     """The part of the specification that binds two programs: all of it but the prose."""
     if isinstance(node, dict):
-        return {k: without_descriptions(v) for k, v in node.items() if k != "description"}
+        return {k: without_descriptions(v) for k, v in node.items() if k not in PROSE}
     if isinstance(node, list):
         return [without_descriptions(v) for v in node]
+    return node
+
+
+def with_whole_descriptions(node):
+    """The same tree, with descriptions that stand in pieces, one a line of the file, put together."""
+    if isinstance(node, dict):
+        return {k: "".join(v) if k in PROSE and isinstance(v, list) else with_whole_descriptions(v)
+                for k, v in node.items()}
+    if isinstance(node, list):
+        return [with_whole_descriptions(v) for v in node]
     return node
 
 
@@ -82,7 +95,7 @@ class Spec:
     """The specification with everything derived from it."""
 
     def __init__(self, path):
-        self.raw = json.loads(path.read_text())
+        self.raw = with_whole_descriptions(json.loads(path.read_text(encoding="utf-8")))
         self.hash = spec_hash(self.raw)
         self.version = self.raw["version"]["major"] << 8 | self.raw["version"]["minor"]
         self.sizes = {s["name"]: s["value"] for s in self.raw["sizes"]}
@@ -207,10 +220,10 @@ def cpp_header(spec):
     emit(f"constexpr std::uint32_t kCheckInit = {spec.raw['packet']['check']['init']}U;")
     emit(f"constexpr std::uint32_t kCheckPolynomial = {spec.raw['packet']['check']['polynomial']}U;")
     emit("")
-    emit("// Registers: byte addresses, reset values, fields")
+    emit("// Registers: byte addresses, reset values, fields. docs/register-reference.md says what they do.")
     for reg in spec.raw["registers"]:
         name = f"kReg{camel(reg['name'])}"
-        emit(f"constexpr std::uint32_t {name} = 0x{reg['offset']:02X};  // {reg['access']}: {reg['description']}")
+        emit(f"constexpr std::uint32_t {name} = 0x{reg['offset']:02X};  // {reg['access']}")
         emit(f"constexpr std::uint32_t {name}Reset = {hex32(reg['reset_value'])}U;")
         for field in reg["fields"]:
             field_name = name + camel(field["name"])
@@ -227,7 +240,7 @@ def cpp_header(spec):
 def sv_frame_mask():
     """The function that says which bits of a header are the frame's, in a build of that size."""
     terms = [f"~({{HeaderBits{{1'b1}}}} << {bits}) << Header{camel(name)}Lsb" for name, bits in FRAME_FIELDS]
-    return ["  // Bits of a header that tell of the frame, where columns have column_bits, rows and lines row_bits",
+    return ["  // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits",
             "  function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits);",
             "    frame_mask = " + " |\n                 ".join(terms) + ";", "  endfunction"]
 
@@ -297,84 +310,6 @@ def sv_package(spec):
     return "\n".join(out) + "\n"
 
 
-def bit_range(lsb, bits):
-    return str(lsb) if bits == 1 else f"{lsb + bits - 1}..{lsb}"
-
-
-def table_formats(spec):
-    out = [f"Largest image: {spec.sizes['max_columns']} columns, {spec.sizes['max_rows']} rows; pixels 0..255.",
-           "", "| word | field | bits | largest value | proof that it fits |", "|---|---|---|---|---|"]
-    for fmt in spec.raw["formats"]:
-        for field in fmt["fields"]:
-            out.append(f"| {fmt['name']}, {fmt['word_bits']} bits | {field['name']}: {field['description']} | "
-                       f"{bit_range(field['lsb'], field['bits'])} | {field['max'].replace('*', ' · ')} | "
-                       f"{field['max_value']:,} < 2^{field['bits']} = {1 << field['bits']:,} |")
-    return out
-
-
-def table_packet(spec):
-    packet = spec.raw["packet"]
-    out = [f"Specification version {spec.version >> 8}.{spec.version & 255}, hash `{hex32(spec.hash)}`. Little endian.",
-           "", "| part | byte | bits | field | meaning |", "|---|---|---|---|---|"]
-    for part, fields in (("header", spec.header), ("trailer", spec.trailer)):
-        for field in fields:
-            out.append(f"| {part} | {field['lsb'] // 8} | {field['bits']} | {field['name']} | {field['description']} |")
-    out += ["", "| kind | name | payload |", "|---|---|---|"]
-    out += [f"| {k['value']} | {k['name']} | {k['description']} |" for k in spec.raw["kinds"]]
-    out += ["", "| status bit | name | meaning |", "|---|---|---|"]
-    out += [f"| {s['value']} | {s['name']} | {s['description']} |" for s in packet["status"]]
-    out += ["", f"Check word: c starts at {packet['check']['init']}, P = {packet['check']['polynomial']}. "
-            + packet["check"]["description"]]
-    return out
-
-
-def table_registers(spec):
-    out = ["| address | register | access | reset | fields | meaning |", "|---|---|---|---|---|---|"]
-    for reg in spec.raw["registers"]:
-        fields = ", ".join(f"{f['name']} {bit_range(f['lsb'], f['bits'])}" for f in reg["fields"])
-        access = reg["access"] + (", setting" if reg.get("setting") else "")
-        reset = "of the build" if reg["name"] == "capability" else hex32(reg["reset_value"])
-        out.append(f"| 0x{reg['offset']:02X} | {reg['name']} | {access} | {reset} | {fields} | {reg['description']} |")
-    return out
-
-
-# Block RAM of parts: name, blocks, and the shapes (depth, width) of one block with one port that reads and one that
-# writes, from the makers' data sheets.
-RAMB16 = [(512, 36), (1024, 18), (2048, 9), (4096, 4), (8192, 2), (16384, 1)]
-RAMB36 = [(512, 72), (1024, 36), (2048, 18), (4096, 9), (8192, 4), (16384, 2), (32768, 1)]
-EBR18 = [(512, 36), (1024, 18), (2048, 9), (4096, 4), (8192, 2), (16384, 1)]
-M10K = [(256, 40), (512, 20), (1024, 10), (2048, 5), (4096, 2), (8192, 1)]
-PARTS = [
-    ("XC3S5000", "Spartan-3", 104, RAMB16),
-    ("LFE5U-85", "ECP5", 208, EBR18),
-    ("5CSEBA6", "Cyclone V", 557, M10K),
-    ("XC7A100T", "Artix-7", 135, RAMB36),
-    ("XC7A200T", "Artix-7", 365, RAMB36),
-    ("XC7K325T", "Kintex-7", 445, RAMB36),
-    ("XCKU060", "Kintex UltraScale", 1080, RAMB36),
-]
-GRAY_IMAGES = [(128, 128, 4), (256, 256, 4), (256, 256, 8), (512, 96, 8), (512, 384, 4), (512, 512, 4), (512, 512, 8),
-               (640, 480, 8), (640, 480, 12), (1024, 768, 10), (1280, 1023, 10), (2048, 1023, 12)]
-
-
-def table_gray_memory(spec):
-    lanes = spec.sizes["pixels_per_beat"]
-    out = ["| image | m | bits a pixel | word | words | kbit | " + " | ".join(f"{p[0]} ({p[1]}, {p[2]})" for p in PARTS)
-           + " |", "|---|---:|---:|---:|---:|---:|" + "---:|" * len(PARTS)]
-    for columns, rows, bits in GRAY_IMAGES:
-        state = spec.sizes["pixel_bits"] + 2 * bits
-        words = columns * rows // lanes
-        bank = 1 << max(11, (words - 1).bit_length() - 5 if words > 1 << 16 else 0)  # BankBits of sp_gray_memory
-        banks = [min(bank, words - at) for at in range(0, words, bank)]
-        cells = []
-        for _, _, blocks, shapes in PARTS:
-            needed = sum(min(-(-lanes * state // width) * -(-length // depth) for depth, width in shapes) for length in banks)
-            cells.append(f"{needed:,}" if needed <= blocks else "–")
-        out.append(f"| {columns} × {rows} | {bits} | {state} | {lanes * state} | {words:,} | "
-                   f"{words * lanes * state / 1024:,.0f} | " + " | ".join(cells) + " |")
-    return out
-
-
 def with_table(path, text, name, lines):
     begin, end = f"<!-- BEGIN GENERATED {name} -->", f"<!-- END GENERATED {name} -->"
     if text.count(begin) != 1 or text.count(end) != 1:
@@ -386,12 +321,10 @@ def with_table(path, text, name, lines):
 
 def outputs(spec):
     files = {HEADER: cpp_header(spec), PACKAGE: sv_package(spec)}
-    makers = {"formats": table_formats, "packet": table_packet, "registers": table_registers,
-              "gray_memory": table_gray_memory}
     for path, names in TABLES.items():
-        text = path.read_text()
+        text = path.read_text(encoding="utf-8")
         for name in names:
-            text = with_table(path, text, name, makers[name](spec))
+            text = with_table(path, text, name, tables.MAKERS[name](spec))
         files[path] = text
     return files
 
@@ -408,7 +341,7 @@ def main():
         return 2
     stale = 0
     for path, text in files.items():
-        if path.exists() and path.read_text() == text:
+        if path.exists() and path.read_text(encoding="utf-8") == text:
             continue
         stale += 1
         if arguments.check:
@@ -416,7 +349,7 @@ def main():
                   "run model/spec/generate.py", file=sys.stderr)
         else:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
+            path.write_text(text, encoding="utf-8")
     return 1 if stale and arguments.check else 0
 
 

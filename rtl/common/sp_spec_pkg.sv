@@ -221,7 +221,7 @@ package sp_spec_pkg;
   // Words of the register file's address space in which there is a register
   localparam logic [31:0] RegisterWords = 32'h01FFFFFF;
 
-  // Bits of a header that tell of the frame, where columns have column_bits, rows and lines row_bits
+  // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits
   function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits);
     frame_mask = ~({HeaderBits{1'b1}} << HeaderStreamBits) << HeaderStreamLsb |
                  ~({HeaderBits{1'b1}} << HeaderPatternBits) << HeaderPatternLsb |

@@ -50,7 +50,20 @@ class GeneratorTest(unittest.TestCase):
         self.assertEqual(status, 1)
         self.assertIn("selfproj_spec.h differs", messages)
         self.assertIn("sp_spec_pkg.sv differs", messages)
-        self.assertIn("README.md differs", messages)
+        self.assertIn("packet-reference.md differs", messages)
+        self.assertIn("register-reference.md differs", messages)
+
+    def test_prose_in_pieces_is_put_together(self):
+        status, messages = self.check(lambda spec: spec["modes"][0].update(description=["a lit pixel ", "weighs 1"]))
+        self.assertEqual((status, messages), (0, ""))
+
+    def test_effect_does_not_change_the_hash(self):
+        def change(spec):
+            named(spec["registers"], "control")["fields"][0]["effect"] = "some day"
+        status, messages = self.check(change)
+        self.assertEqual(status, 1)
+        self.assertEqual(messages.count("\n"), 1)
+        self.assertIn("register-reference.md differs", messages)
 
     def test_prose_does_not_change_the_hash(self):
         status, messages = self.check(lambda spec: named(spec["modes"], "grey").update(description="other words"))
