@@ -8,7 +8,8 @@ import unittest
 import check_layers
 
 TABLE = {
-    "rooms": {"model": [], "host/io": ["model"], "host/rig": ["host/io", "model"], "sim/scene": ["host/rig", "host/io"]},
+    "rooms": {"model": [], "host/io": ["model"], "host/rig": ["host/io", "model"],
+              "sim/scene": ["host/rig", "host/io"]},
     "apart": [{"from": "sim/scene/*", "except": ["sim/scene/virtual_*"], "to": ["host/rig/lens*"], "reason": "apart"}],
 }
 GOOD = {

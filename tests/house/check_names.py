@@ -7,30 +7,26 @@ Looked at: Markdown, and the comments of C++, SystemVerilog, Python, shell, CMak
 * A path (host/io/files.h, ../rtl/README.md, sim/board/) must be a tracked file or folder: from the root, from the file
   that names it, or, for a bare file name such as files.h, anywhere.
 * A name (snake_case, camelCase, call(), Class::member, --option) must stand somewhere outside comments. Symbols of
-  equations, which begin with a single letter (x_camera), and names with a place holder in capitals (depth_KKKK) are let by.
+  equations, which begin with a single letter (x_camera), and names with a placeholder in capitals (depth_KKKK) pass.
 external.txt beside this file lists the names of others (tools, standards); one that nobody speaks of is an error, too.
 """
 
 import pathlib
 import re
-import subprocess
 import sys
 
-SOURCE = {".h", ".cpp", ".in", ".sv", ".v", ".vh", ".vlt", ".py", ".sh", ".cmake", ".tcl", ".txt", ".xdc", ".ucf", ".lpf",
-          ".pcf"}
+import documents
+
+SOURCE = {".h", ".cpp", ".in", ".sv", ".v", ".vh", ".vlt", ".py", ".sh", ".cmake", ".tcl", ".txt", ".xdc", ".ucf",
+          ".lpf", ".pcf"}
 DATA = {".json", ".yaml", ".yml", ".clang-tidy", ".clang-format", ".gitignore", ""}
 SLASH = {".h", ".cpp", ".in", ".sv", ".v", ".vh", ".vlt"}
 
 PATH = re.compile(r"(?<![\w./$}{*~%>-])((?:\.\./)*[A-Za-z_][\w.-]*(?:/[\w.*{},-]+)+/?"
                   r"|(?:\.\./)+[A-Za-z_][\w.-]*\w"
                   r"|[A-Za-z_][\w-]*\.(?:h|cpp|sv|vh|vlt|py|sh|md|cmake|tcl))(?![\w/*])")
-NAME = re.compile(r"(?<![\w/.$-])(--[a-z][a-z0-9-]+|[A-Za-z_][A-Za-z0-9_]*(?:(?:::|\.)[A-Za-z_][A-Za-z0-9_]*)*(?:\(\))?)(?![\w/*]|\.\.\.)")
-
-
-def tracked(root):
-    out = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True,
-                         check=True)
-    return sorted({name for name in out.stdout.splitlines() if (root / name).is_file()})
+NAME = re.compile(r"(?<![\w/.$-])(--[a-z][a-z0-9-]+"
+                  r"|[A-Za-z_][A-Za-z0-9_]*(?:(?:::|\.)[A-Za-z_][A-Za-z0-9_]*)*(?:\(\))?)(?![\w/*]|\.\.\.)")
 
 
 def split(name, text):
@@ -73,7 +69,7 @@ def is_identifier(word):
 class Tree:
     def __init__(self, root):
         self.root = root
-        self.files = tracked(root)
+        self.files = documents.tracked(root)
         self.known_paths = set(self.files)
         for name in self.files:
             self.known_paths.update(parent.as_posix() for parent in pathlib.PurePath(name).parents)
@@ -149,10 +145,9 @@ def problems(root, external):
 
 def main():
     here = pathlib.Path(__file__).parent
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else here.parents[1]).resolve()
-    listed = (here / "external.txt").read_text(encoding="utf-8").splitlines() if (here / "external.txt").exists() else []
-    external = {line.split("#")[0].strip() for line in listed} - {""}
-    lines = problems(root, external)
+    root = documents.read_root(sys.argv, __file__)
+    external = {line.split("#")[0].strip() for line in (here / "external.txt").read_text(encoding="utf-8").splitlines()}
+    lines = problems(root, external - {""})
     print("\n".join(lines) if lines else "every file and name that is spoken of is there")
     return 1 if lines else 0
 

@@ -9,12 +9,14 @@ import unittest
 import check_names
 
 GOOD = {
-    "README.md": "`host/io/files.h` has `read_file`; see [below](host/README.md), host/ and `--out`, f_R and depth_KKKK.png.\n",
+    "README.md": "`host/io/files.h` has `read_file`; see [below](host/README.md), host/ and `--out`, f_R and "
+                 "depth_KKKK.png.\n",
     "host/README.md": "`files.h`, ../README.md, `io/`\n",
     "host/io/files.h": "// What host/io/files is for: read_file() (README.md); vendor_name is somebody else's.\n"
                        "int read_file(const char* name);  // as Reader::next does\n",
     "host/io/reader.cpp": 'struct Reader { int next(); };\nconst char* option = "--out // host/none.h";\n',
-    "rtl/sp_one.sv": "// sp_one: valid_q rises with start_i\nmodule sp_one(input wire start_i); reg valid_q; endmodule\n",
+    "rtl/sp_one.sv": "// sp_one: valid_q rises with start_i\n"
+                     "module sp_one(input wire start_i); reg valid_q; endmodule\n",
     "scripts/run.sh": "# runs rtl/sp_one.sv\necho hls${x}\n",
 }
 

@@ -1,26 +1,19 @@
 #!/usr/bin/env python3
 """Planted faults: files and functions that are one line too long, in a tree of its own."""
 
-import pathlib
-import subprocess
-import tempfile
 import unittest
 
 import check_sizes
+import planted
 
 
 def body(lines, indent=2):
     return "".join(" " * indent + f"work({i});\n" for i in range(lines))
 
 
-def problems_of(**files):
-    with tempfile.TemporaryDirectory() as folder:
-        root = pathlib.Path(folder)
-        subprocess.run(["git", "init", "-q", folder], check=True)
-        for name, text in files.items():
-            (root / name).parent.mkdir(parents=True, exist_ok=True)
-            (root / name).write_text(text, encoding="utf-8")
-        return check_sizes.problems(root)
+def problems_of(later=(), **files):
+    with planted.tree(files) as root:
+        return check_sizes.problems(root, frozenset(later))
 
 
 class CheckSizes(unittest.TestCase):
@@ -55,6 +48,22 @@ class CheckSizes(unittest.TestCase):
 
     def test_python(self):
         self.expect(["f has 81 lines, 80 at most"], "a.py", "def f():\n" + "    pass\n" * 80)
+
+    def test_lines(self):
+        self.expect([], "a.cpp", "/" * 118 + " a\n")
+        self.expect(["121 characters, 120 at most"], "a.cpp", "/" * 119 + " a\n")
+        self.expect(["101 characters, 100 at most"], "rtl/a.sv", "/" * 99 + " a\n")
+        self.expect([], "a.cpp", "ä" * 118 + " a\n")
+        self.assertEqual(problems_of(later=["a.cpp"], **{"a.cpp": "/" * 119 + " a\n"}), [])
+
+    def test_lines_that_cannot_be_wrapped(self):
+        self.expect([], "a.md", "| a | " + "b" * 120 + " |\n")
+        self.expect([], "a.md", "  [a](" + "b" * 120 + ")\n")
+        self.expect(["125 characters, 120 at most"], "a.md", "a [a](" + "b" * 118 + ")\n")
+        self.expect([], "a.md", "<!-- BEGIN GENERATED x -->\n" + "a " * 70 + "\n<!-- END GENERATED x -->\n")
+        self.expect(["140 characters, 120 at most"], "a.md",
+                    "<!-- BEGIN GENERATED x -->\n<!-- END GENERATED x -->\n" + "a " * 70 + "\n")
+        self.expect([], "a.json", '{"a": "' + "b " * 70 + '"}\n')
 
 
 if __name__ == "__main__":

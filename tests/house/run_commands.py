@@ -1,0 +1,183 @@
+#!/usr/bin/env python3
+"""Runs the command lines of the documents and looks up what those that are not run name.
+
+    run_commands.py BUILD PROGRAMS [DOCUMENT...]
+
+BUILD is the folder of a build, for the names of its tests. PROGRAMS is the folder of selfproj and selfproj-sim. The
+blocks `sh` of a document that have no comment `not run` (check_commands.py) are run one after another, each by bash
+-eu, in one empty folder, in which build/bin is PROGRAMS; PROGRAMS is on the PATH, too. For every command line, run or
+not, it checks that the options of our programs stand in their --help, that ctest finds tests by its -R and -L, and
+that the test of `run by` exists.
+"""
+
+import functools
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+import documents
+
+LONGEST = 120  # seconds that one block may take
+
+
+class Checker:
+    def __init__(self, root, build, programs):
+        self.root, self.build, self.programs = root, build, programs
+
+    @functools.cached_property
+    def tests(self):
+        """{name of a test: its labels}"""
+        out = subprocess.run(["ctest", "--test-dir", str(self.build), "--show-only=json-v1"], capture_output=True,
+                             text=True, check=True).stdout
+        found = {}
+        for test in json.loads(out)["tests"]:
+            labels = [p["value"] for p in test.get("properties", []) if p["name"] == "LABELS"]
+            found[test["name"]] = sum(labels, [])
+        return found
+
+    @functools.lru_cache(maxsize=None)
+    def help_of(self, program, *commands):
+        run = subprocess.run([str(self.programs / program), *commands, "--help"], capture_output=True, text=True)
+        return run.stdout if run.returncode == 0 else None
+
+    def help_for(self, words):
+        """(the commands that a line of one of our programs names, their help); the help is None where it knows none."""
+        program = pathlib.PurePosixPath(words[0]).name
+        commands = []
+        text = self.help_of(program)
+        while text and "Subcommands:" in text and len(commands) + 1 < len(words):
+            known = re.findall(r"^  ([a-z][\w-]*)", text.split("Subcommands:")[1], re.MULTILINE)
+            word = words[len(commands) + 1]
+            if word not in known:
+                if commands or word.startswith("-") or word.isupper():
+                    break
+                return [*commands, word], None
+            commands.append(word)
+            text = self.help_of(program, *commands)
+        return commands, text
+
+    def problems_of_command(self, words):
+        if words[0] in documents.PROGRAMS:
+            commands, text = self.help_for(words)
+            if text is None:
+                yield f"{words[0]} has no command {' '.join(commands)}"
+                return
+            known = set(re.findall(r"--[a-z][\w-]*", text)) | {"--help", "--version"}
+            for option in documents.options_of(words):
+                if option not in known:
+                    yield f"{' '.join([words[0], *commands])} has no option {option}"
+        elif words[0] == "ctest":
+            yield from self.problems_of_patterns(words)
+        elif re.match(r"build/(?!bin/)", words[0]):
+            name = pathlib.PurePosixPath(words[0]).name
+            if not any(re.search(rf"\b{re.escape(re.sub(r'_[a-z]+$', '', name))}", text) for text in self.cmake_lists):
+                yield f"nothing builds {words[0]}"
+
+    @functools.cached_property
+    def cmake_lists(self):
+        return [(self.root / name).read_text(encoding="utf-8") for name in documents.tracked(self.root)
+                if name.endswith("CMakeLists.txt")]
+
+    def problems_of_patterns(self, words):
+        for option, value in zip(words, words[1:]):
+            if value.isupper():
+                continue
+            if option in ("-R", "--tests-regex") and not any(re.search(value, name) for name in self.tests):
+                yield f"no test has a name like {value}"
+            if option in ("-L", "--label-regex") and not any(re.search(value, one) for labels in self.tests.values()
+                                                             for one in labels):
+                yield f"no test has a label like {value}"
+
+    def problems_of_lines(self, page):
+        for block in page.blocks:
+            for kind, text in block.marks:
+                _, _, by = text.partition("; run by ")
+                if kind == "not run" and by and by not in self.tests:
+                    yield f"{page.name}:{block.line - 2}: no test {by}"
+            if block.language == "sh":
+                for offset, line in documents.script_lines(block.text):
+                    for words in documents.simple_commands(line):
+                        for problem in self.problems_of_command(words):
+                            yield f"{page.name}:{block.line + offset}: {problem}"
+        for line, span in page.spans():
+            words = documents.words_of(span)
+            if words and documents.is_ours(words):
+                for problem in self.problems_of_command(words):
+                    yield f"{page.name}:{line}: {problem}"
+
+    def shortened(self, line, option):
+        """A line with an option added, or in place of its own, where its program knows it."""
+        name, _, value = option.partition(" ")
+        for words in documents.simple_commands(line):
+            if words[0] in documents.PROGRAMS and name in (self.help_for(words)[1] or ""):
+                own = re.compile(rf"{name}(=|\s+)[^\s-]\S*" if value else rf"{name}\b")
+                if own.search(line):
+                    return own.sub(option, line)
+                command = re.escape(" ".join(words[:2]))
+                return re.sub(rf"({command}\b)", rf"\1 {option}", line, count=1)
+        return line
+
+    def script(self, block):
+        """What bash runs of a block, or None; lines of ctest and cmake are looked up and not run."""
+        if block.language != "sh" or any(kind == "not run" for kind, _ in block.marks):
+            return None
+        lines = []
+        for _, line in documents.script_lines(block.text):
+            for kind, text in block.marks:
+                line = self.shortened(line, text)
+            if not any(words[0] in ("ctest", "cmake") for words in documents.simple_commands(line)):
+                lines.append(line)
+        return "\n".join(lines) + "\n" if any(not line.lstrip().startswith("#") for line in lines) else None
+
+    def run(self, page):
+        """Runs the blocks of a document; gives its problems."""
+        scripts = [(block, text) for block in page.blocks if (text := self.script(block))]
+        if not scripts:
+            return
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "build").mkdir()
+            (pathlib.Path(folder) / "build/bin").symlink_to(self.programs)
+            environment = {**os.environ, "PATH": f"{self.programs}:{os.environ['PATH']}"}
+            for block, text in scripts:
+                start = time.monotonic()
+                try:
+                    done = subprocess.run(["bash", "-eu", "-o", "pipefail", "-c", text], cwd=folder, env=environment,
+                                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                          text=True, errors="replace", timeout=LONGEST)
+                except subprocess.TimeoutExpired:
+                    yield f"{page.name}:{block.line}: takes longer than {LONGEST} s"
+                    return
+                print(f"{page.name}:{block.line}: {time.monotonic() - start:.1f} s")
+                if done.returncode != 0:
+                    yield f"{page.name}:{block.line}: exit status {done.returncode} of\n{text}{done.stdout}"
+                    return
+
+
+def problems(root, build, programs, names=()):
+    checker = Checker(root, build, programs)
+    lines = []
+    for page in documents.all_documents(root):
+        if not names or page.name in names:
+            lines += checker.problems_of_lines(page)
+            lines += checker.run(page)
+    return lines
+
+
+def main():
+    if len(sys.argv) < 3:
+        print("usage: run_commands.py BUILD PROGRAMS [DOCUMENT...]", file=sys.stderr)
+        return 2
+    root = pathlib.Path(__file__).resolve().parents[2]
+    build, programs = (pathlib.Path(name).resolve() for name in sys.argv[1:3])
+    lines = problems(root, build, programs, sys.argv[3:])
+    print("\n".join(lines) if lines else "every command line of the documents does what it should")
+    return 1 if lines else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
