@@ -124,7 +124,7 @@ void BoardModel::start_decoding(std::uint64_t clock) {
   }
 }
 
-// The packet of a line of codes, of which `columns` are there; zeros for the rest.
+// The packet of a line of codes, of which the first `columns` are known; the rest are zeros.
 void BoardModel::send_codes(int row, int columns, std::uint32_t status) {
   const auto line_size = static_cast<std::size_t>(settings_.columns);
   const auto first = static_cast<std::size_t>(std::max(row - 1, 0));  // of the lines that count
@@ -146,8 +146,8 @@ void BoardModel::send_codes(int row, int columns, std::uint32_t status) {
   sink_(std::move(packet));
 }
 
-// A line of codes. Where the median is built it is that before the line that ended; one that broke gives of that line
-// what has a right neighbour, if anything.
+// A line of codes. If the median is built, this is the line before the one that ended. If the latter broke, only those
+// pixels are sent whose right neighbours have come.
 void BoardModel::end_code_line(std::uint32_t status) {
   if (!due_) {
     return;
@@ -165,7 +165,7 @@ void BoardModel::end_code_line(std::uint32_t status) {
   }
 }
 
-// A line of the raw image; a broken one is filled up with zeros.
+// A line of the raw image; a broken line is filled up with zeros.
 void BoardModel::end_line(std::uint32_t status) {
   end_code_line(status);
   if (!settings_.image) {
@@ -181,8 +181,8 @@ void BoardModel::end_line(std::uint32_t status) {
   sink_(std::move(packet));
 }
 
-// The moments. A frame that broke before its last row gives an empty packet; one that broke in its last row keeps the
-// columns that were complete, and zeros for the rest.
+// The moments. A frame that broke before its last row gives an empty packet. One that broke in its last row keeps the
+// complete columns, followed by zeros.
 void BoardModel::end_frame(std::uint32_t status) {
   open_ = false;
   if (status != 0) {

@@ -1,8 +1,8 @@
 // The board's behaviour on a stream of video beats: which packets it makes of good and of broken frames.
 //
-// The model of what rtl/board does, without its clock-by-clock timing: it gives every packet the board would send if no
-// FIFO were ever full. What a full FIFO does to them is only that some are missing, whole, and counted in the field
-// `lost` of the later ones.
+// This models what rtl/board does, without its clock-by-clock timing. It gives every packet that the board would send
+// if no FIFO were ever full. A full FIFO only removes whole packets, and the field `lost` of the later ones counts
+// them.
 #ifndef SELFPROJ_MODEL_BOARD_H
 #define SELFPROJ_MODEL_BOARD_H
 
@@ -17,21 +17,21 @@
 
 namespace selfproj {
 
-// The settings of the register file that decide about packets.
+// The settings of the register file that determine the packets.
 struct BoardSettings {
-  bool run = true;     // frame starts are accepted
-  bool image = false;  // raw-image packets too
+  bool run = true;     // the board accepts frame starts
+  bool image = false;  // the board also sends raw-image packets
   int columns = 512;   // a multiple of 4, from 4 up to the build's maximum
   int rows = 96;       // from 1 up to the build's maximum
   Mode mode = Mode::binary;
   int threshold = 128;     // 0..255
   int stream = 0;          // 0..255
-  bool codes = false;      // decode Gray codes and send them
-  bool median = false;     // through the 3 x 3 median
+  bool codes = false;      // the board decodes Gray codes and sends them
+  bool median = false;     // the codes pass through the 3 x 3 median
   int code_bits = 8;       // m, 1..12
   int code_threshold = 5;  // 0..255
-  int timeout =
-      0;  // clocks without a beat that end an open frame; 0 = never. Valid at once, not from a frame start on.
+  // Clocks without a beat after which an open frame ends; 0 = never. A new value counts at once.
+  int timeout = 0;
 };
 
 // One beat of the camera: four pixels, leftmost first.
@@ -41,14 +41,14 @@ struct VideoBeat {
   bool line_end = false;  // tlast: last beat of a line
 };
 
-// What the board reads at its other inputs at a frame's first beat.
+// What the board reads at its other inputs at the first beat of a frame.
 struct BoardInputs {
   std::uint64_t clock = 0;    // pixel clocks since reset
   std::uint32_t encoder = 0;  // count, two's complement
-  std::uint16_t pattern = 0;  // index
+  std::uint16_t pattern = 0;  // index of the projected pattern
 };
 
-// A packet but for the field `lost` of its header, which is 0.
+// A packet without the field `lost` of its header, which is 0 here.
 struct BoardPacket {
   PacketHeader header;
   std::vector<std::uint8_t> payload;
@@ -59,23 +59,25 @@ class BoardModel {
  public:
   using Sink = std::function<void(BoardPacket&&)>;
 
-  // Packets go to `sink`, those of each kind in the board's order. It must not call back into the model.
+  // The model hands packets to `sink`; those of each kind come in the board's order. The sink must not call back into
+  // the model.
   //
-  // `median_built`: the median is part of the build, so that codes leave a line later whether it is wanted or not.
+  // `median_built`: the build contains the median. Codes then leave one line later, whether or not the median is used.
   explicit BoardModel(Sink sink, bool median_built = true) : sink_(std::move(sink)), median_built_(median_built) {}
 
-  // Settings as written to the registers: they come into force at the next frame start that may take them over (not
-  // within kTakeDistance clocks of the last take-over). `run` counts at once, `timeout` from the next beat on.
+  // Settings as written to the registers. They come into force at the next frame start that may take them over, which
+  // is one that is at least kTakeDistance clocks after the last take-over. `run` counts at once, `timeout` from the
+  // next beat.
   void write(const BoardSettings& settings) { written_ = settings; }
 
-  // A beat at clock inputs.clock, later than every clock given before. Encoder and pattern are read only where
-  // beat.start is set.
+  // A beat at clock inputs.clock, which must be later than all clocks given before. Encoder and pattern are read only
+  // if beat.start is set.
   void beat(const BoardInputs& inputs, const VideoBeat& beat);
 
-  // No beat has come up to and with this clock.
+  // Says that no beat has come up to and including this clock.
   void idle(std::uint64_t clock);
 
-  // Counters, as in the registers of the same names.
+  // Counters, equal to the registers of the same names.
   [[nodiscard]] std::uint64_t frames() const { return next_sequence_; }
   [[nodiscard]] std::uint64_t broken() const { return broken_; }
   [[nodiscard]] std::uint64_t stray() const { return stray_; }
@@ -84,9 +86,10 @@ class BoardModel {
 
   static constexpr std::uint64_t kTakeDistance = 7;
 
-  // A frame that starts less than so many clocks after the last beat of one of fewer beats is not the next one to the
-  // decoder (rtl/gray/README.md), and neither is one whose codes are due up to kMedianClocks + columns / 4 clocks after
-  // the last beat of the frame with codes before it, where the median is built.
+  // Two frames are not consecutive for the decoder if the later one starts less than kDecodeDistance clocks after the
+  // last beat of one with fewer beats (rtl/gray/README.md). If the median is built, the same holds for a frame whose
+  // codes are due no later than kMedianClocks + columns / 4 clocks after the last beat of the previous frame with
+  // codes.
   static constexpr std::uint64_t kDecodeDistance = 6;
   static constexpr std::uint64_t kMedianClocks = 3;
 
@@ -108,24 +111,24 @@ class BoardModel {
 
   bool open_ = false;            // a frame is being taken
   bool stray_seen_ = false;      // beats were discarded since the last frame start
-  bool stray_before_ = false;    // ... before the open frame
-  BoardInputs inputs_;           // at the open frame's start
+  bool stray_before_ = false;    // beats were discarded before the open frame
+  BoardInputs inputs_;           // inputs at the start of the open frame
   std::uint64_t last_beat_ = 0;  // clock of the last beat of any kind
-  int timeout_ = 0;              // after it
-  int row_ = 0;                  // of the next beat, from 0
-  int column_ = 0;               // of its first pixel, from 0
+  int timeout_ = 0;              // timeout in force after that beat
+  int row_ = 0;                  // row of the next beat, from 0
+  int column_ = 0;               // column of the next beat's first pixel, from 0
   std::vector<std::uint8_t> pixels_;
   std::uint64_t next_sequence_ = 0;
   std::uint64_t broken_ = 0;
   std::uint64_t stray_ = 0;
 
   GrayDecoder decoder_{{.rows = 1, .columns = spec::kPixelsPerBeat}};
-  bool due_ = false;                   // the open frame's codes are sent
-  std::vector<std::uint16_t> codes_;   // of it
+  bool due_ = false;                   // the board sends codes for the open frame
+  std::vector<std::uint16_t> codes_;   // codes of the open frame
   std::uint64_t last_frame_beat_ = 0;  // clock of the last beat within a frame
-  std::uint64_t frame_beats_ = 0;      // of the open or last frame; 0 = there was none
-  std::uint64_t last_codes_ = 0;       // clock of the last beat of the last frame with codes, where it was good
-  int last_codes_columns_ = -1;        // of that frame; -1 = none
+  std::uint64_t frame_beats_ = 0;      // beats of the open or last frame; 0 = there was none
+  std::uint64_t last_codes_ = 0;       // clock of the last beat of the last good frame with codes
+  int last_codes_columns_ = -1;        // columns of that frame; -1 = there was none
   std::uint64_t abandoned_ = 0;
 };
 

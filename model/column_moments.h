@@ -1,8 +1,8 @@
-// Column moments of an image: their definition, which the circuit sp_column_moments equals to the last bit. Where speed
-// counts the host takes host/light_section/fast_moments.
+// Column moments of an image: the definition, which the circuit sp_column_moments equals to the last bit. Where speed
+// counts, the host uses host/light_section/fast_moments.
 //
-// For an image of R rows and C columns, rows ξ = 1..R counted from the top, pixels p(ξ, η) in 0..255 and a threshold T,
-// a pixel is lit where p > T; an unlit one has the weight 0, a lit one
+// An image has R rows and C columns, rows ξ = 1..R counted from the top, and pixels p(ξ, η) in 0..255. A pixel is lit
+// if p > T, T being the threshold. An unlit pixel has the weight 0, and a lit one has
 //
 //     binary  w = 1        grey  w = p        grey_over  w = p - T
 //
@@ -27,15 +27,15 @@ enum class Mode : std::uint8_t {
   grey_over = spec::kModeGreyOver,
 };
 
-// An image that someone else holds: pixel (row r, column c), both from 0, is pixels[r * stride + c].
+// An image that someone else owns: pixel (row r, column c), both from 0, is pixels[r * stride + c].
 struct ImageView {
-  const std::uint8_t* pixels = nullptr;  // of the upper left pixel; no alignment is needed
+  const std::uint8_t* pixels = nullptr;  // the upper left pixel; needs no alignment
   int rows = 0;
   int columns = 0;
-  std::ptrdiff_t stride = 0;  // pixels from one row to the next; any sign, so that an image may be upside down
+  std::ptrdiff_t stride = 0;  // distance in pixels from one row to the next; negative for an image that is upside down
 };
 
-// Where moments are put or taken from: three arrays of one entry a column, which someone else holds.
+// Moments that someone else owns: three arrays with one entry for each column.
 struct MomentsView {
   std::uint32_t* m0 = nullptr;  // 0th moments
   std::uint32_t* m1 = nullptr;  // 1st moments, rows counted from 1
@@ -57,14 +57,14 @@ struct Moments {
   bool operator==(const Moments&) const = default;
 };
 
-// Writes the moments of every column of `image` to the first image.columns entries of the three arrays of `out`, which
-// must not overlap each other or the image. Rows 1..spec::kMaxRows; columns 1 or more (that the circuit takes multiples
-// of 4 only, and at most spec::kMaxColumns, is its own rule); threshold 0..255. Throws std::invalid_argument, having
-// written nothing, where one of these is out of range, the mode is none of the three, or a pointer is null.
-// Allocates nothing and keeps no state, so that any number of threads may call it at once.
+// Writes the moments of every column of `image` to the first image.columns entries of the arrays of `out`, which must
+// not overlap each other or the image. Rows 1..spec::kMaxRows; columns 1 or more (the circuit takes only multiples of 4
+// up to spec::kMaxColumns); threshold 0..255. If one of these is out of range, the mode is unknown, or a pointer is
+// null, throws std::invalid_argument and writes nothing. Allocates nothing and keeps no state; any number of threads
+// may call it at once.
 void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out);
 
-// Throws std::invalid_argument as column_moments does.
+// Throws std::invalid_argument under the conditions of column_moments.
 void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out);
 
 }  // namespace selfproj

@@ -1,8 +1,8 @@
-// SELFPROJ_CLONES before a function compiles it once for each of several instruction sets; the program takes the best
-// when it starts. What such a function calls must be inlined into it ([[gnu::always_inline]]) to gain from that.
+// A function marked SELFPROJ_CLONES is compiled once for each of several instruction sets, and the program takes the
+// best one when it starts. Functions that it calls gain from this only if they are inlined ([[gnu::always_inline]]).
 //
-// On x86-64 that is AVX-512, AVX2 and any processor. Elsewhere, and with other compilers than g++ 12 and later, it is
-// nothing. Tests define the macro as nothing themselves, to reach each instruction set alone.
+// The sets are AVX-512, AVX2 and plain x86-64. On other machines, and with compilers other than g++ 12 and later, the
+// macro is empty. Tests define it as empty themselves to reach each instruction set alone.
 #ifndef SELFPROJ_MODEL_CPU_CLONES_H
 #define SELFPROJ_MODEL_CPU_CLONES_H
 

@@ -57,7 +57,7 @@ bool GrayDecoder::begin(int pattern) {
 
 void GrayDecoder::pixels(int row, int column, int count, const std::uint8_t* values, std::uint16_t* codes) {
   const auto bits = static_cast<unsigned>(settings_.bits);
-  const unsigned weight = 1U << (bits - 1 - static_cast<unsigned>(plane_));  // of the plane in the code
+  const unsigned weight = 1U << (bits - 1 - static_cast<unsigned>(plane_));  // weight of the plane in the code
   Pixel* state = pixels_.data() + static_cast<std::ptrdiff_t>(row) * settings_.columns + column;
   for (int i = 0; i < count; ++i) {
     Pixel& pixel = state[i];
@@ -67,7 +67,7 @@ void GrayDecoder::pixels(int row, int column, int count, const std::uint8_t* val
       const int difference = pixel.positive - values[i];
       const bool lit = difference > settings_.threshold;
       const bool ambiguous = !lit && difference >= -settings_.threshold;
-      const bool above = plane_ != 0 && (pixel.planes & (weight << 1)) != 0;  // B of the plane before
+      const bool above = plane_ != 0 && (pixel.planes & (weight << 1)) != 0;  // B of the previous plane
       pixel.planes = static_cast<std::uint16_t>((pixel.planes & ~weight) | (lit != above ? weight : 0U));
       pixel.ambiguous = static_cast<std::uint16_t>((pixel.ambiguous & ~weight) | (ambiguous ? weight : 0U));
       if (due_) {

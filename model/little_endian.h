@@ -9,7 +9,7 @@
 
 namespace selfproj {
 
-// The integer in the sizeof(T) bytes from `bytes` on.
+// Reads the integer from the sizeof(T) bytes at `bytes`.
 template <typename T>
 [[gnu::always_inline]] inline T load_little_endian(const std::uint8_t* bytes) {
   T value = 0;
@@ -23,7 +23,7 @@ template <typename T>
   return value;
 }
 
-// Writes it there.
+// Writes the integer to the sizeof(T) bytes at `bytes`.
 template <typename T>
 [[gnu::always_inline]] inline void store_little_endian(std::uint8_t* bytes, T value) {
   if constexpr (std::endian::native == std::endian::little) {

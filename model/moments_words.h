@@ -1,4 +1,4 @@
-// The words of a packet of moments, unpacked inside the caller's loop: for code that goes on with them at once.
+// The words of a moments packet, unpacked inside the caller's loop, for code that processes them at once.
 // model/packet_payload.h has the same as functions.
 #ifndef SELFPROJ_MODEL_MOMENTS_WORDS_H
 #define SELFPROJ_MODEL_MOMENTS_WORDS_H
@@ -11,14 +11,14 @@
 
 namespace selfproj {
 
-// A field of `bits` bits from bit `lsb` on.
+// A field of `bits` bits that begins at bit `lsb`.
 template <typename Word>
 [[gnu::always_inline]] constexpr Word field_of(Word word, int lsb, int bits) {
   return word >> static_cast<unsigned>(lsb) & ((Word{1} << static_cast<unsigned>(bits)) - 1);
 }
 
-// Calls take(i, m0, m1, n) with the moments of column first + i, i = 0..columns - 1, of a payload in mode binary, all
-// unsigned 32-bit integers; n is m0. Bits of the words that belong to no field are not looked at.
+// Calls take(i, m0, m1, n) with the moments of column first + i, i = 0..columns - 1, of a payload in mode binary. All
+// are unsigned 32-bit integers, and n is m0. Ignores bits that belong to no field.
 template <typename Take>
 [[gnu::always_inline]] inline void for_each_binary_word(const std::uint8_t* payload, int first, int columns,
                                                         const Take& take) {
@@ -31,7 +31,7 @@ template <typename Take>
   }
 }
 
-// The same of a payload in a grey mode.
+// The same for a payload in a grey mode.
 template <typename Take>
 [[gnu::always_inline]] inline void for_each_grey_word(const std::uint8_t* payload, int first, int columns,
                                                       const Take& take) {

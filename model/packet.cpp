@@ -18,9 +18,9 @@ constexpr std::array<std::uint8_t, 4> kMagicBytes{spec::kMagic & 0xFFU, spec::kM
                                                   spec::kMagic >> 16U & 0xFFU, spec::kMagic >> 24U & 0xFFU};
 static_assert(spec::kHeaderMagic == 0, "a packet begins with the magic number");
 
-// The check word is a polynomial over GF(2) modulo P: after k beats c is x^k c0 + Σ x^(k-1-i) f_i, where f_i is beat i
-// folded to 32 bits. Up to 32 beats the sum fits in 64 bits as it is, and is reduced only then, with tables: one beat
-// does not wait for another, and the compiler takes several at once.
+// The check word is a polynomial over GF(2) modulo P. After k beats c is x^k c0 + Σ x^(k-1-i) f_i, where f_i is beat i
+// folded to 32 bits. The sum of up to 32 beats fits in 64 bits and is reduced only then, with tables. Beats thus do not
+// wait for each other, and the compiler processes several at once.
 constexpr int kBeatsAtOnce = 32;
 constexpr std::ptrdiff_t kBeat = 16;
 static_assert(kBeat == spec::kPacketBeatBytes);
@@ -29,7 +29,7 @@ static_assert(kBeat == spec::kPacketBeatBytes);
 constexpr std::array<std::array<std::uint32_t, 256>, 4> kReduction = [] {
   std::array<std::array<std::uint32_t, 256>, 4> table{};
   for (std::uint32_t value = 0; value < 256; ++value) {
-    std::uint32_t power = value << 24;  // value x^24, and on from there
+    std::uint32_t power = value << 24;  // value x^24, then on from there
     for (int bit = 8; bit < 40; ++bit) {
       power = (power << 1) ^ ((power >> 31) != 0 ? spec::kCheckPolynomial : 0);
       if (bit % 8 == 7) {
@@ -61,7 +61,7 @@ SELFPROJ_CLONES std::uint64_t sum_of_beats(const std::uint8_t* bytes, int count)
   return sum;
 }
 
-// The share of the beats from `bytes` to `end` in a check word that is `check` before them.
+// Continues the check word `check` with the beats from `bytes` to `end`.
 std::uint32_t check_beats(std::uint32_t check, const std::uint8_t* bytes, const std::uint8_t* end) {
   while (bytes != end) {
     const int count = static_cast<int>(std::min<std::ptrdiff_t>(kBeatsAtOnce, (end - bytes) / kBeat));
@@ -71,7 +71,7 @@ std::uint32_t check_beats(std::uint32_t check, const std::uint8_t* bytes, const 
   return check;
 }
 
-// What check_word gives, for a packet whose size is known to be right.
+// The check word of a packet whose size is known to be right.
 std::uint32_t check_of(const std::uint8_t* packet, std::size_t size) {
   const std::uint8_t* last = packet + size - spec::kTrailerBytes;
   std::array<std::uint8_t, spec::kTrailerBytes> trailer;
@@ -123,7 +123,7 @@ void write_header(const PacketHeader& header, std::uint32_t payload_size, std::u
   store_little_endian(bytes + spec::kHeaderFlags, header.flags);
 }
 
-// Writing fields needs all of header and trailer.
+// Throws unless there is room for header and trailer.
 void check_whole(std::span<const std::uint8_t> packet) {
   if (packet.size() < packet_bytes(0)) {
     throw std::invalid_argument("packet: shorter than header and trailer");
@@ -132,12 +132,12 @@ void check_whole(std::span<const std::uint8_t> packet) {
 
 std::uint8_t* trailer_of(std::span<std::uint8_t> packet) { return packet.data() + packet.size() - spec::kTrailerBytes; }
 
-// Whether the lines in the payload are lines of the frame.
+// Whether the lines in the payload are within the frame.
 bool lines_in_frame(const PacketHeader& header) {
   return header.lines >= 1 && header.first_line >= 1 && header.first_line + header.lines - 1 <= header.rows;
 }
 
-// Whether mode, columns, rows and lines can occur. The lines count only where the payload has lines.
+// Whether mode, columns, rows and lines are possible. Lines matter only if the payload has lines.
 bool geometry_is_right(const PacketHeader& header) {
   if (!is_known(static_cast<Mode>(header.mode)) || header.columns < 1 || header.columns > spec::kMaxColumns ||
       header.columns % spec::kPixelsPerBeat != 0 || header.rows < 1 || header.rows > spec::kMaxRows) {
@@ -146,7 +146,7 @@ bool geometry_is_right(const PacketHeader& header) {
   return header.kind == spec::kKindMoments || header.payload_size == 0 || lines_in_frame(header);
 }
 
-// The payload that kind, mode, columns and lines imply, in bytes. Kind and geometry are right.
+// The bytes of payload that kind, mode, columns and lines imply. Kind and geometry must be right.
 std::size_t implied_payload_bytes(const PacketHeader& header) {
   switch (header.kind) {
     case spec::kKindMoments:
@@ -158,7 +158,7 @@ std::size_t implied_payload_bytes(const PacketHeader& header) {
   }
 }
 
-// Judges 64 bytes of header; `header` is what they say.
+// Judges 64 bytes of header; `header` holds their values.
 PacketError judge_header(const std::uint8_t* bytes, const PacketHeader& header) {
   if (load_little_endian<std::uint32_t>(bytes + spec::kHeaderMagic) != spec::kMagic) {
     return PacketError::magic;

@@ -1,5 +1,5 @@
-// Payloads: what they hold, how large they are, packed and unpacked. The formats are those of model/spec;
-// docs/packet-reference.md has their table.
+// Payloads: their contents, sizes, packing and unpacking. The formats are those of model/spec; docs/packet-reference.md
+// has their table.
 #ifndef SELFPROJ_MODEL_PACKET_PAYLOAD_H
 #define SELFPROJ_MODEL_PACKET_PAYLOAD_H
 
@@ -10,31 +10,31 @@
 
 namespace selfproj {
 
-// Whether the value is one of Mode's.
+// Whether the value is one of the three modes.
 bool is_known(Mode mode);
 
-// Bytes of the moments of `columns` >= 0 columns: 4 a column in mode binary, 8 in the grey modes, and zeros up to a
-// multiple of 16. Throws std::invalid_argument where columns are negative or the mode is none of the three.
+// Bytes of the moments of `columns` >= 0 columns: 4 for each column in mode binary, 8 in the grey modes, filled up with
+// zeros to a multiple of 16. Throws std::invalid_argument if columns are negative or the mode is unknown.
 std::size_t moments_payload_bytes(Mode mode, int columns);
 
-// Bytes of one line of a raw image: one a pixel, and zeros up to a multiple of 16. Throws as above.
+// Bytes of one line of a raw image: 1 for each pixel, filled up with zeros to a multiple of 16. Throws as above.
 std::size_t image_line_payload_bytes(int columns);
 
-// Bytes of one line of a code image: 2 a pixel, and zeros up to a multiple of 16. Throws as above.
+// Bytes of one line of a code image: 2 for each pixel, filled up with zeros to a multiple of 16. Throws as above.
 std::size_t codes_line_payload_bytes(int columns);
 
-// Writes the moments of `columns` columns as payload words, moments_payload_bytes(mode, columns) bytes. In mode binary
-// n is not read. A value wider than its field loses its high bits; column_moments never gives one.
+// Writes the moments of `columns` columns as payload words, moments_payload_bytes(mode, columns) bytes. Ignores n in
+// mode binary. A value wider than its field loses its high bits; column_moments never gives one.
 void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8_t* payload);
 
-// The reverse. In mode binary n becomes m0. Bits of the words that belong to no field are not looked at.
+// Reads the moments back. In mode binary n becomes m0. Ignores bits that belong to no field.
 void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out);
 
-// Writes the first `columns` words of a line of a code image (model/code_word.h): two bytes each, nothing behind them.
-// Throws as above.
+// Writes the first `columns` words of a line of a code image (model/code_word.h), two bytes each, without the zeros
+// that follow. Throws as above.
 void pack_codes(int columns, const std::uint16_t* codes, std::uint8_t* payload);
 
-// The reverse.
+// Reads them back.
 void unpack_codes(int columns, const std::uint8_t* payload, std::uint16_t* codes);
 
 }  // namespace selfproj

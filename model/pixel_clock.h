@@ -6,21 +6,21 @@
 
 namespace selfproj {
 
-// Of a board of which nothing else is known: that of rig A's camera, four pixels a clock, 15,120 clocks a frame at
-// 10,000 frames a second. Neither the registers nor the packets tell it; a rig may (board.pixel_clock_hz), and the
-// programs have an option for it.
+// The pixel clock of a board about which nothing else is known: that of rig A's camera, with four pixels a clock and
+// 15,120 clocks a frame at 10,000 frames a second. Neither the registers nor the packets contain it. A rig may
+// (board.pixel_clock_hz), and the programs have an option for it.
 inline constexpr double kDefaultPixelClockHz = 151.2e6;
 
-// What a pixel clock may be, in Hz.
+// The range of pixel clocks, in Hz.
 inline constexpr double kLeastPixelClockHz = 1e3;
 inline constexpr double kMostPixelClockHz = 1e10;
 
-// Seconds that so many clocks take: a difference of time stamps, say.
+// The seconds that this many clocks take, for example a difference of time stamps.
 constexpr double seconds_of_clocks(std::uint64_t clocks, double pixel_clock_hz) {
   return static_cast<double>(clocks) / pixel_clock_hz;
 }
 
-// The period, to the nearest picosecond: 6614 of the default.
+// The period, rounded to a picosecond: 6614 for the default.
 constexpr std::uint64_t pixel_clock_period_ps(double pixel_clock_hz) {
   const double period = 1e12 / pixel_clock_hz;
   const auto whole = static_cast<std::uint64_t>(period);

@@ -11,14 +11,14 @@
 #include "model/cpu_clones.h"
 #include "model/moments_words.h"
 
-// The compiler vectorizes the loops over columns for each instruction set of SELFPROJ_CLONES. No multiplication is
-// fused with an addition, -std=c++20 being ISO's, so that all give the same bits.
+// The compiler vectorizes the loops over columns for each instruction set of SELFPROJ_CLONES. -std=c++20 (ISO, without
+// extensions) keeps it from fusing multiplications with additions, so that all sets give the same bits.
 
 namespace selfproj {
 namespace {
 
-// Columns that are worked on at a time, in steps that each keep to one width of numbers. What is in between, 3 KiB,
-// stays in the first-level cache beside the tables and the profile (with 512 columns at a time it did not).
+// The kernel processes this many columns at a time, in steps that each keep to one width of numbers. The intermediate
+// results, 3 KiB, stay in the first-level cache beside the tables and the profile. With 512 columns they did not.
 constexpr int kStrip = 128;
 
 struct StripMoments {
@@ -29,7 +29,7 @@ struct StripMoments {
 
 }  // namespace
 
-// What the kernel reads, of the strip's first column on.
+// What the kernel reads, from the strip's first column on.
 struct ProfileTables {
   const float* tan_theta;
   const float* tan_beta;
@@ -52,8 +52,8 @@ namespace {
 
 constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t>(validity); }
 
-// The compiler believes __restrict of parameters only, also of functions that it inlines. `reciprocal` is
-// 1 / (tan α + tan θ): a division takes as long as all the rest of a column.
+// The compiler honours __restrict only on parameters, also of functions that it inlines. `reciprocal` is 1 / (tan α +
+// tan θ): one division takes as long as all the rest of a column.
 [[gnu::always_inline]] inline void shape_of(const float* __restrict tan_alpha, const float* __restrict reciprocal,
                                             int columns, const float* __restrict numerator,
                                             const float* __restrict tan_beta, float* __restrict x, float* __restrict y,
@@ -79,7 +79,7 @@ constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t
   }
 }
 
-// `columns` <= kStrip columns.
+// Takes `columns` <= kStrip columns.
 [[gnu::always_inline]] inline void triangulate(const StripMoments& moments, int columns, const ProfileTables& tables,
                                                const ProfileView& out) {
   alignas(64) std::array<std::int32_t, kStrip> state;
@@ -93,7 +93,7 @@ constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t
   for (int i = 0; i < columns; ++i) {
     const std::int32_t n = moments.n[i];
     const std::int32_t m0 = moments.m0[i];
-    const float c = static_cast<float>(moments.m1[i]) / static_cast<float>(m0);  // (3.2); 0/0 is thrown away
+    const float c = static_cast<float>(moments.m1[i]) / static_cast<float>(m0);  // (3.2); a result of 0/0 is discarded
     const float tan_alpha = (c - t.middle_row) * t.tan_alpha_per_row;            // (3.3), (3.6)
     const float sum = tan_alpha + tan_theta[i];
     // z falls with θ at the rate (x0 - z0 tan α) / (tan α + tan θ)², which must be more than 0 and, for one line of
@@ -113,7 +113,7 @@ constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t
     state[i] = s;
     centroid[i] = s == code(Validity::valid) ? c : kNoValue;
     tangent[i] = s == code(Validity::valid) ? tan_alpha : kNoValue;
-    reciprocal[i] = 1.0F / (s == code(Validity::valid) ? sum : kNoValue);  // so that all that follows is NaN
+    reciprocal[i] = 1.0F / (s == code(Validity::valid) ? sum : kNoValue);  // makes all that follows NaN
   }
   shape_of(tangent.data(), reciprocal.data(), columns, t.numerator, t.tan_beta, out.x, out.y, out.z);
   difference_of(tangent.data(), reciprocal.data(), columns, t.z_r, t.tan_alpha_r, t.tan_theta, t.tan_beta, out.dx,

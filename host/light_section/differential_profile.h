@@ -1,4 +1,4 @@
-// Centroids, shape and difference from the reference, of the moments of one frame.
+// Centroids, shape and difference from the reference, from the moments of one frame.
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_DIFFERENTIAL_PROFILE_H
 #define SELFPROJ_HOST_LIGHT_SECTION_DIFFERENTIAL_PROFILE_H
 
@@ -12,44 +12,44 @@
 
 namespace selfproj {
 
-struct ProfileTables;  // inside
+struct ProfileTables;  // defined in the .cpp file
 
-// What is the same for all frames, worked out once. With tan α of the column's centroid C = M1/M0 (3.2, 3.3, 3.6), and
-// of the reference's row, tan α_r (0 in a perfect self-projection):
+// Holds what is the same for all frames. With tan α of the column's centroid C = M1/M0 (3.2, 3.3, 3.6), and tan α_r of
+// the reference's row (0 in a perfect self-projection):
 //
 //     z = z_r (tan α_r + tan θ) / (tan α + tan θ),   x = z tan α,   y = z tan β         (3.10 = 3.11; 3.4)
 //     k' = z_r (tan α_r - tan α) / (tan α + tan θ)
 //     (Δx, Δy, Δz) = k' (-tan θ, tan β, 1)                                              (3.12 corrected)
 //
-// which for α_r = 0 is (3.13) corrected, with k = -k'. So one class serves self-projection, with and without a
-// residual, and the conventional straight line: they differ in the ReferenceProfile only.
+// For α_r = 0 this is (3.13), corrected, with k = -k'. One class thus serves self-projection, with or without a
+// residual, and the conventional straight line; only the ReferenceProfile differs.
 //
-// Numbers are 32-bit floats. The centroid is then within 4e-6 of a row of the exact one in images of 96 rows (half a
-// unit in the last place of M1, M0 and the quotient each), x, y, z within two or three units in their last place (0.12
-// µm at z = 1167), and the differences, which are not taken from z but from k', within 1e-6 of their own value and 4e-6
-// of a row's worth: nothing beside the camera's noise of some 0.01 rows.
+// Numbers are 32-bit floats. In images of 96 rows the centroid is within 4e-6 of a row of the exact one (half a unit in
+// the last place of M1, M0 and the quotient each). x, y, z are within two or three units in their last place (0.12 µm
+// at z = 1167). The differences come from k' and not from z, and are within 1e-6 of their own value plus 4e-6 of a
+// row's worth. The camera's noise is some 0.01 rows.
 class DifferentialProfiler {
  public:
-  // Throws std::invalid_argument where the reference has other columns than the rig.
+  // Throws std::invalid_argument if the reference has another number of columns than the rig.
   DifferentialProfiler(const Rig& rig, const ReferenceProfile& reference);
 
   [[nodiscard]] int columns() const { return static_cast<int>(tan_theta_.size()); }
 
-  // The profile of the moments in the payload of a packet of kind moments (model/packet.h) of columns() columns, in
-  // this mode. `out` has columns() entries in each of its arrays, which do not overlap; what is not valid becomes NaN,
-  // with the first reason of Validity that fits. A column is cut_off where line_is_cut_off says so. It is out_of_range
-  // where the light plane is not before the camera's ray, z0 tan α < x0 does not hold, or one projector line is worth
-  // more than max_z_per_line_mm. Allocates nothing and keeps no state: any number of threads may call it at once.
-  // Unknown modes count as grey.
+  // Computes the profile from the payload of a moments packet (model/packet.h) in this mode, with columns() columns.
+  // `out` has columns() entries in each of its arrays, which must not overlap. Invalid entries become NaN, with the
+  // first reason of Validity that applies. A column is cut_off if line_is_cut_off says so. It is out_of_range if the
+  // light plane is not before the camera's ray, z0 tan α < x0 does not hold, or one projector line is worth more than
+  // max_z_per_line_mm. Allocates nothing and keeps no state; any number of threads may call it at once. Unknown modes
+  // count as grey.
   void profile(Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
 
-  // The same of moments, which are only read, and are as large as column_moments gives them (below 2^31).
+  // The same from moments, which are only read, and are as column_moments gives them (below 2^31).
   void profile(const MomentsView& moments, const ProfileView& out) const;
 
  private:
   [[nodiscard]] ProfileTables tables_from(int first) const;
 
-  // Of the rig.
+  // Of the rig:
   float middle_row_;
   float tan_alpha_per_row_;
   float projector_x_;
@@ -58,7 +58,7 @@ class DifferentialProfiler {
   float rows_;
   std::int32_t min_lit_;
   std::int32_t max_lit_;
-  // Of each column.
+  // Of each column:
   std::vector<float> tan_theta_;
   std::vector<float> tan_beta_;
   std::vector<float> tan_alpha_r_;

@@ -7,31 +7,31 @@
 #include "model/cpu_clones.h"
 #include "model/spec/generated/selfproj_spec.h"
 
-// The compiler vectorizes the loops over columns below, for each instruction set of SELFPROJ_CLONES.
+// The compiler vectorizes the loops over columns below for each instruction set of SELFPROJ_CLONES.
 
 namespace selfproj {
 namespace {
 
-// How the sums are taken. With the running sum S(ξ) = Σ_{k <= ξ} w(k) of a column of R rows, a weight w(k) is in S from
-// row k to row R, so that it enters the sum of all S exactly R + 1 - k times:
+// How the sums are computed. With the running sum S(ξ) = Σ_{k <= ξ} w(k) of a column of R rows, a weight w(k) is in S
+// from row k to row R. It thus enters the sum of all S exactly R + 1 - k times:
 //
 //     Σ_ξ S(ξ) = Σ_k (R + 1 - k) w(k) = (R + 1) M0 - M1        so        M1 = (R + 1) M0 - Σ_ξ S(ξ)
 //
-// which needs additions only. The rows are cut into blocks of L <= kBlockRows rows. Within a block the running sum s
-// starts from 0 again; with B = M0 of all rows above the block, S = B + s, and the block's share is
+// This needs additions only. The rows are cut into blocks of L <= kBlockRows rows. Within a block the running sum s
+// starts from 0 again. With B = M0 of all rows above the block, S = B + s, and the block contributes
 //
 //     Σ S = L B + P,        P = Σ s,        s += w and P += s for each row
 //
-// P is at most w_max · L (L + 1) / 2. With L <= 22 this is 253 for w = 1 and 64,515 for w = 255: in mode binary sums of
-// 8 bits are enough, in the grey modes sums of 16 bits, so that one vector instruction adds 64 columns, or 32. They are
-// widened once a block.
+// P is at most w_max · L (L + 1) / 2. With L <= 22 this is 253 for w = 1 and 64,515 for w = 255. So sums of 8 bits are
+// enough in mode binary, and sums of 16 bits in the grey modes; one AVX-512 instruction adds 64 or 32 columns. The sums
+// are widened once for each block.
 constexpr int kBlockRows = 22;
 static_assert(kBlockRows * (kBlockRows + 1) / 2 <= 255, "the prefix sums of a block must fit in 8 bits");
 static_assert(255 * kBlockRows * (kBlockRows + 1) / 2 <= 65535, "and those of grey weights in 16 bits");
-// In mode binary the share L B + P of a block and M0 itself are taken in 16 bits.
+// In mode binary the contribution L B + P of a block and M0 itself have 16 bits.
 static_assert(kBlockRows * spec::kMaxRows + 255 <= 65535, "the share of a block must fit in 16 bits");
 
-// A row is read this many columns at a time. The sums of a strip stay in the first-level cache.
+// Columns that are processed at a time. The sums of such a strip stay in the first-level cache.
 constexpr int kStripColumns = 512;
 
 template <typename T>
@@ -46,8 +46,8 @@ struct StripSums {
 inline std::uint8_t narrow8(int value) { return static_cast<std::uint8_t>(value); }
 inline std::uint16_t narrow16(int value) { return static_cast<std::uint16_t>(value); }
 
-// Asks for a row a little before it is needed. The processor's own prefetch follows one row well, but stops at the end
-// of a page and rests while the sums are widened.
+// Prefetches a row a little before it is needed. The processor's own prefetch follows one row well, but stops at the
+// end of a page and pauses while the sums are widened.
 [[gnu::always_inline]] inline void prefetch_row(const ImageView& strip, int columns, int row) {
   constexpr int kAhead = 8;
   constexpr int kCacheLine = 64;
@@ -59,10 +59,10 @@ inline std::uint16_t narrow16(int value) { return static_cast<std::uint16_t>(val
   }
 }
 
-// The moments of at most kStripColumns columns in mode binary; n is left alone.
+// The moments of at most kStripColumns columns in mode binary; does not touch n.
 //
-// `columns` is strip.columns. Where it is a constant the compiler keeps the sums of a block in registers, which makes
-// this twice as fast; so that there is a copy for a full strip, and one for any other, below.
+// `columns` is strip.columns. If it is a constant, the compiler keeps the sums of a block in registers, which is twice
+// as fast. Below there is therefore one copy for a full strip and one for any other.
 [[gnu::always_inline]] inline void add_up_binary(const ImageView& strip, int columns, std::uint8_t threshold,
                                                  StripSums& out) {
   alignas(64) Strip<std::uint8_t> sum;          // s
@@ -99,7 +99,7 @@ inline std::uint16_t narrow16(int value) { return static_cast<std::uint16_t>(val
 }
 
 // The moments of at most kStripColumns columns in a grey mode: a lit pixel weighs its value less `offset`, which is at
-// most the threshold. Loops that mix sums of 8 and of 16 bits are not vectorized well: there is one for each width.
+// most the threshold. Loops that mix sums of 8 and 16 bits do not vectorize well, so there is one loop for each width.
 [[gnu::always_inline]] inline void add_up_grey(const ImageView& strip, int columns, std::uint8_t threshold,
                                                std::uint8_t offset, StripSums& out) {
   alignas(64) Strip<std::uint8_t> weight;       // w

@@ -6,9 +6,9 @@
 
 namespace selfproj {
 
-// Writes the same moments as column_moments, for the same arguments, and throws where that throws. The image is read
-// once. Fastest where image.columns is a multiple of 512.
-// Allocates nothing and keeps no state, so that any number of threads may call it at once.
+// Writes the same moments as column_moments for the same arguments, and throws whenever that throws. Reads the image
+// once. Fastest if image.columns is a multiple of 512. Allocates nothing and keeps no state, so any number of threads
+// may call it at once.
 void fast_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out);
 
 }  // namespace selfproj

@@ -94,7 +94,7 @@ std::vector<double> Inspection::belt_mm() const {
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const bool restarted = i > 0 && frames_[i].time_stamp < frames_[i - 1].time_stamp;
     if (i > 0 && !restarted) {
-      // Differences modulo 2^32 and 2^64, so that counters may wrap.
+      // Differences modulo 2^32 and 2^64, because counters may wrap.
       step = by_encoder ? static_cast<std::int32_t>(frames_[i].encoder - frames_[i - 1].encoder) *
                               rig_.conveyor.encoder_mm_per_count
                         : seconds_of_clocks(frames_[i].time_stamp - frames_[i - 1].time_stamp, rig_.pixel_clock_hz()) *

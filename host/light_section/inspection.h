@@ -1,4 +1,4 @@
-// The frames of an inspection, collected as they come: moments and profile of every column, and where the belt was.
+// Collects the frames of an inspection as they come: moments and profile of every column, and where the belt was.
 // host/report/inspection_output.h writes them as tables, cloud, images and report.
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_INSPECTION_H
 #define SELFPROJ_HOST_LIGHT_SECTION_INSPECTION_H
@@ -17,8 +17,8 @@
 namespace selfproj {
 
 struct InspectionOptions {
-  std::size_t expected_frames = 0;  // room is made for so many at once; more may come
-  std::size_t max_frames = 20000;   // those after it are counted and not kept (a frame of 512 columns takes 18 kB)
+  std::size_t expected_frames = 0;  // reserves room for this many frames; more may come
+  std::size_t max_frames = 20000;   // frames after these are only counted (512 columns take 18 kB a frame)
 };
 
 class Inspection {
@@ -32,23 +32,24 @@ class Inspection {
     std::uint8_t threshold = 0;
   };
 
-  // One entry a column, frame after frame. Profiles in mm; where validity is not Validity::valid they have no meaning.
+  // One entry for each column, frame after frame. Profiles are in mm, and without meaning unless validity is
+  // Validity::valid.
   struct Values {
     std::vector<std::uint32_t> m0, m1, n;
     std::vector<float> x, y, z, dx, dy, dz;
-    std::vector<std::uint8_t> validity;  // a Validity each
+    std::vector<std::uint8_t> validity;  // a Validity for each column
   };
 
-  // Profiles of columns > 0 columns, measured with the rig.
+  // For profiles of `columns` > 0 columns, measured with this rig.
   Inspection(const Rig& rig, int columns, const InspectionOptions& options = {});
 
-  // Takes a frame: the header of its packet, its moments as numbers or as the packet's payload, its profile, all of
-  // `columns` columns. Allocates nothing while there are no more frames than expected_frames. Throws
-  // std::invalid_argument where the header or the payload has another width.
+  // Adds a frame: the header of its packet, its moments as numbers or as the packet's payload, and its profile, all
+  // with `columns` columns. Allocates nothing while there are no more frames than expected_frames. Throws
+  // std::invalid_argument if the header or the payload has another width.
   void add(const PacketHeader& header, const MomentsView& moments, const ProfileView& profile);
   void add(const PacketHeader& header, std::span<const std::uint8_t> payload, const ProfileView& profile);
 
-  // Frames kept, and those that came after max_frames.
+  // Frames kept, and frames that came after max_frames.
   [[nodiscard]] std::size_t frames() const { return frames_.size(); }
   [[nodiscard]] std::size_t frames_not_kept() const { return not_kept_; }
   [[nodiscard]] const Frame& frame(std::size_t index) const { return frames_.at(index); }  // from 0
@@ -56,31 +57,31 @@ class Inspection {
   [[nodiscard]] const Rig& rig() const { return rig_; }
   [[nodiscard]] int columns() const { return columns_; }
 
-  // How far the belt has moved from the first frame to frame `index` (from 0), in mm: by the encoder where it has
-  // counted, else by the rig's speed and the time stamps, which count its pixel clock. Where the board was restarted in
-  // between the belt is taken to have moved on as before.
+  // How far the belt has moved from the first frame to frame `index` (from 0), in mm: by the encoder if it has counted,
+  // else by the rig's speed and the time stamps, which count its pixel clock. If the board was restarted in between,
+  // the belt is assumed to have moved on as before.
   [[nodiscard]] std::vector<double> belt_mm() const;
 
   // Whether the encoder has counted.
   [[nodiscard]] bool encoder_counts() const;
 
-  // The belt's way from frame to frame, mm, on average; of a single frame what the rig's speed gives, 0 where the belt
-  // stands. And from column to column on the plane, mm.
+  // The mean distance in mm between frames along the belt. For a single frame it is what the rig's speed gives, and 0
+  // if the belt stands still. The second function gives the distance between columns on the plane, mm.
   [[nodiscard]] double frame_spacing_mm() const;
   [[nodiscard]] double column_spacing_mm() const;
 
-  // Height (plane_z - z) and difference (-dz) in mm, rows = frames, columns = image columns, NaN where there is no
+  // Height (plane_z - z) and difference (-dz) in mm; rows are frames, columns are image columns. NaN if there is no
   // point. Both are positive towards the camera.
   [[nodiscard]] FloatImage height() const;
   [[nodiscard]] FloatImage difference() const;
 
-  // Centroids (rows from 1), x (not carried back by the belt) and y in mm, likewise.
+  // Centroids (rows from 1), and x (not carried back by the belt) and y in mm, in the same layout.
   [[nodiscard]] FloatImage centroid() const;
   [[nodiscard]] FloatImage x() const;
   [[nodiscard]] FloatImage y() const;
 
  private:
-  // Makes room for one more frame. False where it is not to be kept.
+  // Makes room for one more frame. Returns false if the frame is not to be kept.
   bool begin_frame(const PacketHeader& header);
   void add_profile(const ProfileView& profile);
   [[nodiscard]] FloatImage map(const std::vector<float>& values, double offset, double factor) const;

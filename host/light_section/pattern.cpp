@@ -22,7 +22,7 @@ FloatImage draw_pattern(const Rig& rig, std::span<const double> line_of_column) 
   const double half = 0.5 * rig.measure.line_width_px;
   for (int c = 0; c < pattern.columns; ++c) {
     const double center = line_of_column[static_cast<std::size_t>(c)];
-    if (!(center + half > -0.5 && center - half < pattern.rows - 0.5)) {  // NaN too
+    if (!(center + half > -0.5 && center - half < pattern.rows - 0.5)) {  // true for NaN, too
       continue;
     }
     const int first = std::max(0, static_cast<int>(std::floor(center - half + 0.5)));

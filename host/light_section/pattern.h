@@ -1,4 +1,4 @@
-// Patterns for the projector: images of its lines x columns, 0 dark to 1 full light.
+// Patterns for the projector: images of its lines x columns, from 0 (dark) to 1 (full light).
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_PATTERN_H
 #define SELFPROJ_HOST_LIGHT_SECTION_PATTERN_H
 
@@ -10,18 +10,18 @@
 
 namespace selfproj {
 
-// Draws a line of light whose centre is at `line_of_column` (one a projector column; lines from 0, with a fraction; NaN
-// is no light) and whose width is the rig's line_width_px. A pixel's value is the share of it that the line covers, so
-// that the line's light does not depend on its position, and its centroid is exact for a width of a whole
-// number of lines (else within 1 / (8 width) of a line). Each column is drawn on its own: neighbours are not joined, so
-// that no light bridges gaps or steps. Throws std::invalid_argument where the number of columns is wrong.
+// Draws a line of light. `line_of_column` has its centre for each projector column (lines from 0, with a fraction; NaN
+// for no light). Its width is the rig's line_width_px. A pixel's value is the share of it that the line covers, so the
+// line's light does not depend on its position. Its centroid is exact if the width is a whole number of lines, else
+// within 1 / (8 width) of a line. Each column is drawn on its own, so no light bridges gaps or steps. Throws
+// std::invalid_argument if the number of columns is wrong.
 FloatImage draw_pattern(const Rig& rig, std::span<const double> line_of_column);
 
-// The straight line of the conventional method, and of the scan.
+// The straight line of the conventional method and of the scan.
 FloatImage draw_straight_line(const Rig& rig, double line);
 
-// The pattern as bytes of a PNG file of 8 bits, for projectors: 0..255, rounded. Throws std::invalid_argument for a
-// pattern without pixels.
+// The pattern as an 8-bit PNG file for projectors: 0..255, rounded. Throws std::invalid_argument for a pattern without
+// pixels.
 std::string encode_pattern_png(const FloatImage& pattern);
 
 }  // namespace selfproj

@@ -28,7 +28,7 @@ void write(cv::Mat& image, const std::string& text, int x, int y) {
   cv::putText(image, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.4, kInk, 1, cv::LINE_AA);
 }
 
-// A step of 1, 2 or 5 times a power of ten, at most about six of them in `span`.
+// A step of 1, 2 or 5 times a power of ten, so that there are at most about six in `span`.
 double grid_step(double span) {
   const double power = std::pow(10, std::floor(std::log10(span / 6)));
   for (const double factor : {1.0, 2.0, 5.0}) {

@@ -10,8 +10,8 @@
 
 namespace selfproj {
 
-// PNG bytes: the pattern as the projector shows it, and under it the reference's height (plane_z - z) over the camera's
-// columns, with gaps where a column has none. `reference` may have no columns: then there is the pattern only.
+// PNG bytes: the pattern as the projector shows it, and below it the reference's height (plane_z - z) over the camera's
+// columns, with gaps at columns without a reference. If `reference` has no columns, only the pattern is drawn.
 std::string draw_preview(const Rig& rig, const FloatImage& pattern, const ReferenceProfile& reference);
 
 }  // namespace selfproj

@@ -1,4 +1,4 @@
-// The profile of one frame: what triangulation makes of the moments of its columns.
+// The profile of one frame: the result of triangulating the moments of its columns.
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_PROFILE_H
 #define SELFPROJ_HOST_LIGHT_SECTION_PROFILE_H
 
@@ -8,31 +8,31 @@
 
 namespace selfproj {
 
-// Why a column has no point; valid where it has one.
+// Why a column has no point, or valid if it has one.
 enum class Validity : std::uint8_t {
   valid = 0,
-  unlit,         // no pixel over the threshold
+  unlit,         // no pixel is over the threshold
   too_few,       // fewer lit pixels than the rig's min_lit_px
-  too_wide,      // more than max_lit_px
-  cut_off,       // the line reaches the image's first or last row, and may go on beyond it: see line_is_cut_off
+  too_wide,      // more lit pixels than the rig's max_lit_px
+  cut_off,       // the line reaches the image's first or last row and may continue beyond it: see line_is_cut_off
   no_reference,  // the reference has no point in this column
-  out_of_range,  // triangulation is not possible there (section 1 of the method)
+  out_of_range,  // triangulation is impossible there (section 1 of the method)
 };
 
-// Whether a line of n lit pixels around the centroid (rows from 1) reaches the first or the last of `rows` rows, so
-// that a part of it may lie outside the image, and its centroid is not where the line is. Moments do not say which rows
-// were lit, but a line is about as long to both sides of its centroid, and so begins at centroid - n / 2 (row r covers
-// r - 1/2 to r + 1/2). For lit rows without a gap that is exact in mode binary. In the grey modes the centroid of a
-// line lies within half a row of their middle, so that a line which leaves the second row free may be called cut off,
-// and one that is cut off is always found as long as its centroid is within one row of their middle.
+// Whether a line of n lit pixels around the centroid (rows from 1) reaches the first or the last of `rows` rows. Part
+// of it may then lie outside the image, and its centroid is not where the line is. Moments do not say which rows were
+// lit, but a line is about equally long on both sides of its centroid, and so begins at centroid - n / 2 (row r covers
+// r - 1/2 to r + 1/2). In mode binary this is exact for lit rows without a gap. In the grey modes the centroid may
+// differ from their middle by half a row, so a line that leaves only the outermost row free may be called cut off. A
+// line that is cut off is always found if its centroid is within one row of their middle.
 [[gnu::always_inline]] inline bool line_is_cut_off(float centroid, float n, float rows) {
   const float half = 0.5F * n;
-  // Both are worked out, so that a loop has no branch.
+  // Computes both conditions, so that a loop has no branch.
   return static_cast<int>(centroid - half < 1.5F) + static_cast<int>(centroid + half > rows - 0.5F) != 0;
 }
 
-// Where a profile is put: arrays of one entry a column, which someone else holds. Millimetres, camera's frame. Entries
-// of columns that are not valid are NaN.
+// Where a profile goes: arrays with one entry for each column, owned by someone else. Millimetres in the camera's
+// frame. Entries of invalid columns are NaN.
 struct ProfileView {
   float* centroid = nullptr;  // C = M1/M0, rows from 1 (3.2)
   float* x = nullptr;         // shape (3.10, 3.11), x not carried back by the belt
@@ -41,10 +41,10 @@ struct ProfileView {
   float* dx = nullptr;  // difference from the reference (3.13); dz < 0 is nearer to the camera
   float* dy = nullptr;
   float* dz = nullptr;
-  std::uint8_t* validity = nullptr;  // a Validity each
+  std::uint8_t* validity = nullptr;  // a Validity for each column
 };
 
-// The profile of one frame, held.
+// A profile that owns its arrays.
 struct Profile {
   std::vector<float> centroid, x, y, z, dx, dy, dz;
   std::vector<std::uint8_t> validity;

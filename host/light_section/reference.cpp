@@ -13,7 +13,7 @@
 namespace selfproj {
 namespace {
 
-// Millimetres: a wall that begins where a surface ends does not hide that end.
+// Millimetres. A wall that begins where a surface ends does not hide that end.
 constexpr double kTouch = 1e-6;
 
 void expect_columns(const Rig& rig, std::size_t given) {
@@ -27,7 +27,7 @@ struct Point {
   double z;
 };
 
-// Two neighbours of a curve.
+// The straight piece between two neighbours of a curve.
 struct Join {
   Point a;
   Point b;
@@ -58,7 +58,7 @@ bool crossing(const Join& join, double p, double q, double r, Point& at) {
   return true;
 }
 
-// Whether something of the curve lies between (0, viewpoint_z) and the point, seen along x.
+// Whether a part of the curve lies between (0, viewpoint_z) and the point, seen along x.
 bool hidden(const std::vector<Join>& joins, double viewpoint_z, const Point& point) {
   const double depth = point.z - viewpoint_z;
   for (const Join& join : joins) {
@@ -70,13 +70,13 @@ bool hidden(const std::vector<Join>& joins, double viewpoint_z, const Point& poi
   return false;
 }
 
-// Whether a line of the pattern with this centre is whole in the projector's image.
+// Whether a pattern line with this centre lies completely in the projector's image.
 bool in_image(const Rig& rig, double line) {
   const double half = 0.5 * rig.measure.line_width_px;
   return line - half >= -0.5 && line + half <= rig.projector.lines - 0.5;
 }
 
-// What the next line of the projector is worth in z at Xc = 0, mm: the derivative of (3.4).
+// The change of z from one projector line to the next at Xc = 0, mm: the derivative of (3.4).
 double z_per_line(const Rig& rig, double tan_theta) {
   const double cosine = std::cos(std::atan(tan_theta) - rig.projector.tilt_rad);
   const double step = std::abs(rig.projector.line_pitch_mm) * (1 + tan_theta * tan_theta) * cosine * cosine /
@@ -119,8 +119,8 @@ ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& refere
     const auto i = static_cast<std::size_t>(column);
     return reference.valid[i] != 0 ? reference.z_mm[i] : kUnknown;
   };
-  // On from the column `border` by the slope of the last `kBeyond` columns, which `inward` points to; NaN where one of
-  // these two is not valid.
+  // Continues from the column `border` with the slope of the last `kBeyond` columns, in the direction against `inward`;
+  // NaN if one of these two columns is invalid.
   constexpr int kBeyond = 8;
   const auto beyond = [&](int border, int inward, int steps) {
     return columns <= kBeyond ? kUnknown
@@ -141,7 +141,7 @@ ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve)
   reference.resize(rig.camera.columns);
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
     const double tangent = tan_beta(rig.camera, static_cast<double>(i));
-    const Join* seen = nullptr;  // y = z tan β, the nearest one; where a surface ends at a wall, the surface
+    const Join* seen = nullptr;  // the nearest one with y = z tan β; if a surface ends at a wall, the surface
     Point nearest{0, std::numeric_limits<double>::infinity()};
     for (const Join& join : joins) {
       Point at{};
@@ -203,7 +203,7 @@ std::vector<double> pattern_of_curve(const Rig& rig, const ReferenceCurve& curve
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double yp =
         projector.center_yp_mm + projector.column_pitch_mm * (static_cast<double>(i) - 0.5 * (projector.columns - 1));
-    // The column's points of the plane x = 0: y fp = Yp ((z - z0) cos θ0 + x0 sin θ0).
+    // The points of the plane x = 0 that the column lights: y fp = Yp ((z - z0) cos θ0 + x0 sin θ0).
     const double slope = yp * std::cos(projector.tilt_rad);
     const double level = yp * projector_depth(projector, 0);
     double nearest = std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// The reference of a self-projected measurement: for each camera column where its light plane is, and what it meets.
+// The reference of a self-projected measurement: for each camera column its light plane, and what the plane meets.
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_REFERENCE_H
 #define SELFPROJ_HOST_LIGHT_SECTION_REFERENCE_H
 
@@ -13,23 +13,23 @@
 namespace selfproj {
 
 // The section of a reference part with the plane x = 0: points (0, y, z) in the camera's frame, mm. Neighbours are
-// joined by straight lines, but for two cases: a NaN among them is a gap without surface; and where the join is steeper
-// than kSteepest it is a wall, which hides what is behind it but carries neither light nor reference.
+// joined by straight lines, with two exceptions. A NaN between them is a gap without surface. A join steeper than
+// kSteepest is a wall, which hides what is behind it but carries neither light nor reference.
 struct ReferenceCurve {
   std::vector<double> y_mm;
   std::vector<double> z_mm;
 };
 
-// |dz / dy| from which on a join is a wall: 72 degrees. A line of light on such a wall would lie along the image column
-// for as many rows as the wall is high, and has no centroid worth the name.
+// The slope |dz / dy| above which a join is a wall: 72 degrees. A line of light on such a wall would run along the
+// image column for as many rows as the wall is high, and would have no usable centroid.
 inline constexpr double kSteepest = 3;
 
-// One entry a camera column.
+// One entry for each camera column.
 struct ReferenceProfile {
-  std::vector<double> tan_theta;  // of the light plane that the column sees
-  std::vector<double> z_mm;       // of the reference surface where that plane meets it in this column
-  std::vector<double> offset_px;  // the row where it does, less the middle row: 0 for a perfect self-projection, the
-                                  // residual where one was measured, the line's whole way for a straight line
+  std::vector<double> tan_theta;  // the light plane that the column sees
+  std::vector<double> z_mm;       // z of the reference surface where that plane meets it in this column
+  std::vector<double> offset_px;  // row of that point less the middle row: 0 for a perfect self-projection, the
+                                  // measured residual, or the whole distance of a straight line
   std::vector<std::uint8_t> valid;
 
   void resize(int columns) {
@@ -44,36 +44,36 @@ struct ReferenceProfile {
   bool operator==(const ReferenceProfile&) const = default;
 };
 
-// The curve of heights (plane_z - z, mm) given for every camera column, NaN where there is none: column η sees the
-// point with y = z tan β(η). Throws std::invalid_argument where there are not as many as the rig has columns.
+// The curve of heights (plane_z - z, mm) given for every camera column, NaN if there is none: column η sees the point
+// with y = z tan β(η). Throws std::invalid_argument unless there are as many as the rig has columns.
 ReferenceCurve curve_of_heights(const Rig& rig, std::span<const double> height_mm);
 
-// The curve of a measured reference, continued by 8 columns on both sides of the image with the slope of the last 8, so
-// that its pattern does not end where the camera's view does: lens blur would dim the columns at the border.
+// The curve of a measured reference. It continues by 8 columns on both sides of the image with the slope of the last 8,
+// so that its pattern does not end where the camera's view ends; lens blur would dim the columns at the border.
 ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& reference);
 
-// The reference that a column sees when the pattern of `curve` is projected onto `curve`: the surface nearest to the
-// camera along tan β, with tan θ = x0 / (z - z0) (3.8) and offset 0. Not valid where there is no surface, a wall is
-// nearer, the projector's light does not get to (another part of the curve shades it, as if the part did not change
-// along x, or it is outside the projector's image), or one projector line is worth more than the rig's
+// The reference that each column sees when the pattern of `curve` is projected onto `curve`: the surface nearest to the
+// camera along tan β, with tan θ = x0 / (z - z0) (3.8) and offset 0. A column is invalid if there is no surface, a wall
+// is nearer, the projector's light does not reach it (another part of the curve shades it, assuming that the part does
+// not change along x, or it is outside the projector's image), or one projector line is worth more than
 // max_z_per_line_mm.
 ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve);
 
-// For the conventional method, a straight line at the projector line `line`: the same tan θ for every column, and where
-// the line meets the reference: at `centroid` (C, rows from 1, one a camera column, NaN where there is none), from
-// which z follows by (3.4). Throws std::invalid_argument where the number of centroids is wrong.
+// The reference of the conventional method, a straight line at the projector line `line`. tan θ is the same for every
+// column. The line meets the reference at `centroid` (C, rows from 1, one for each camera column, NaN if there is
+// none), and z follows by (3.4). Throws std::invalid_argument if the number of centroids is wrong.
 ReferenceProfile reference_of_straight_line(const Rig& rig, double line, std::span<const double> centroid);
 
 // The reference with its residual taken out. `centroid` (as above) is where the pattern was seen when it was projected
-// onto the reference part itself: where that is not the middle row, the light plane of the column is a little off, and
-// what is known of it is that it meets the reference (at z_mm) there:
+// onto the reference part itself. If that is not the middle row, the light plane of the column is a little off. It must
+// meet the reference (at z_mm) at that row:
 //     tan θ = (x0 - x) / (z_r - z0),   x = z_r tan α(C)
-// Columns without a centroid become invalid. Throws std::invalid_argument where the number of centroids is wrong.
+// Columns without a centroid become invalid. Throws std::invalid_argument if the number of centroids is wrong.
 ReferenceProfile without_residual(const Rig& rig, const ReferenceProfile& reference, std::span<const double> centroid);
 
-// Line of the projector image, from 0 and with a fraction, for each of its columns, NaN where there is no light: the
-// curve's pattern by (3.9). At a step of the curve a column lights the surface nearest to the camera that both
-// projector and camera see, and none where that is a wall: the line has a gap there, and a jump, and no bridge between.
+// The curve's pattern by (3.9): for each projector column the line of the projector image, from 0 with a fraction, NaN
+// for no light. At a step of the curve a column lights the surface nearest to the camera that both projector and camera
+// see, and nothing if that is a wall. The line then has a gap and a jump, and nothing bridges it.
 std::vector<double> pattern_of_curve(const Rig& rig, const ReferenceCurve& curve);
 
 }  // namespace selfproj

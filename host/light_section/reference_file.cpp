@@ -41,14 +41,14 @@ std::string read_file(const std::string& file) {
   return text;
 }
 
-// The lines of a text, and errors that name them.
+// Splits a text into lines, and makes errors that name them.
 class Lines {
  public:
   Lines(std::string text, std::string source) : held_(std::move(text)), text_(held_), source_(std::move(source)) {}
   Lines(const Lines&) = delete;
   Lines& operator=(const Lines&) = delete;
 
-  // The next line without its end; none after the last one. A file cut off within a line is damaged.
+  // The next line without its end; nothing after the last one. A file that ends within a line is damaged.
   std::optional<std::string_view> next() {
     if (text_.empty()) {
       return std::nullopt;
@@ -74,7 +74,7 @@ class Lines {
 
  private:
   std::string held_;
-  std::string_view text_;  // of it, what is left
+  std::string_view text_;  // what is left of the text
   std::string source_;
   int number_ = 0;
 };
@@ -133,7 +133,7 @@ std::vector<double> heights_of(const Rig& rig, const std::string& file, std::opt
 }  // namespace
 
 ReferenceCurve parse_curve_csv(const std::string& text, const std::string& source) {
-  Lines lines(text.ends_with('\n') ? text : text + '\n', source);  // tables of users end as they like
+  Lines lines(text.ends_with('\n') ? text : text + '\n', source);  // a user's table need not end with a newline
   const auto first = lines.next();
   if (!first || *first != "y_mm,z_mm") {
     throw UserError(source, "line 1: y_mm,z_mm is expected");

@@ -15,7 +15,7 @@
 namespace selfproj {
 namespace {
 
-// Takes the moments of an image as the board would; throws for another size than the camera's.
+// Takes the moments of an image as the board would; throws unless it has the camera's size.
 void take_moments(const Rig& rig, const ImageView& image, Moments& moments) {
   if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
     throw std::invalid_argument("scan: an image has another size than the camera's");
@@ -27,7 +27,7 @@ double centroid(const Moments& moments, std::size_t column) {  // (3.2)
   return static_cast<double>(moments.m1[column]) / moments.m0[column];
 }
 
-// Whether the column has a centroid by the rig's rules for lit pixels, and all of the line is in the image.
+// Whether the column has a centroid by the rig's rules for lit pixels, and the whole line is in the image.
 bool has_centroid(const Rig& rig, const Moments& moments, std::size_t column) {
   const auto n = static_cast<int>(moments.n[column]);
   return n >= rig.measure.min_lit_px && n <= rig.measure.max_lit_px && moments.m0[column] > 0 &&
@@ -78,7 +78,7 @@ ReferenceProfile LineScan::reference() const {
     reference.tan_theta[i] = reference.z_mm[i] = reference.offset_px[i] = kUnknown;
     std::vector<Sighting> seen = sightings_[i];
     std::sort(seen.begin(), seen.end(), [](const Sighting& a, const Sighting& b) { return a.line < b.line; });
-    // A run is a piece of the sweep in which the rows grow or fall steadily: one surface.
+    // A run is a piece of the sweep in which the rows grow or fall steadily, and stands for one surface.
     double most_light = 0;
     std::size_t begin = 0;
     for (std::size_t end = 1; end <= seen.size(); ++end) {

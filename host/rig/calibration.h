@@ -8,15 +8,15 @@
 
 namespace selfproj {
 
-// In the camera's frame, in mm: x_projector = R x_camera + T. A projector that shows its image mirrored has a negative
-// fy: the camera sees its rows grow upwards where its columns grow to the right.
+// In the camera's frame and in mm, x_projector = R x_camera + T. A projector that shows its image mirrored has a
+// negative fy: the camera sees the projector's rows grow upwards if its columns grow to the right.
 struct Calibration {
   Lens camera;
   Lens projector;
   cv::Matx33d rotation = cv::Matx33d::eye();      // R
   cv::Vec3d translation;                          // T
-  int camera_columns = 0, camera_rows = 0;        // 0: not in the file
-  int projector_columns = 0, projector_rows = 0;  // likewise
+  int camera_columns = 0, camera_rows = 0;        // 0 if the file does not say
+  int projector_columns = 0, projector_rows = 0;  // 0 if the file does not say
 };
 
 }  // namespace selfproj

@@ -34,7 +34,7 @@ class Reader {
     }
   }
 
-  // The numbers of a matrix; `count` of them, or any number where it is 0.
+  // The numbers of a matrix; there must be `count` of them unless it is 0.
   std::vector<double> numbers(const std::string& key, std::size_t count) const {
     const cv::FileNode node = storage_[key];
     if (node.empty()) {
@@ -64,7 +64,7 @@ class Reader {
     return values;
   }
 
-  // Whether fy may be negative: rows of the image grow upwards where its columns grow to the right.
+  // Whether fy may be negative, because the image's rows grow upwards if its columns grow to the right.
   enum class Mirrored : std::uint8_t { no, possible };
 
   Lens lens(const std::string& name, Mirrored mirrored) const {
@@ -82,7 +82,7 @@ class Reader {
     return lens;
   }
 
-  // Leaves them as they are where the key is not there.
+  // Leaves both unchanged if the key is absent.
   void size(const std::string& key, int& columns, int& rows) const {
     if (storage_[key].empty()) {
       return;

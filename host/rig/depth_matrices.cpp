@@ -12,12 +12,12 @@ DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines) {
   const cv::Matx34d camera_matrix(0, focal, 0.5 * (camera.columns - 1), 0,  //
                                   focal, 0, 0.5 * (camera.rows - 1), 0,     //
                                   0, 0, 1, 0);
-  // Depth along the projector's axis and way across it of (x, y, z, 1): Xp = fp side / depth.
+  // Depth along the projector's axis and offset across it, of (x, y, z, 1): Xp = fp side / depth.
   const double sine = std::sin(projector.tilt_rad);
   const double cosine = std::cos(projector.tilt_rad);
   const cv::Vec4d depth(-sine, 0, cosine, sine * projector.x_mm - cosine * projector.z_mm);
   const cv::Vec4d side(-cosine, 0, -sine, cosine * projector.x_mm + sine * projector.z_mm);
-  // C = (line + 1/2) 2^m / H, line = (H - 1)/2 + (Xp - center)/pitch, counted from the first of the H.
+  // C = (line + 1/2) 2^m / H with line = (H - 1)/2 + (Xp - center)/pitch, counted from the first of the H lines.
   const int lines = coded_lines > 0 ? coded_lines : projector.lines;
   const double codes_per_line = std::ldexp(1.0, bits) / lines;
   const cv::Vec4d code = codes_per_line * ((0.5 * lines - projector.center_xp_mm / projector.line_pitch_mm) * depth +

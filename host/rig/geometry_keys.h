@@ -29,7 +29,7 @@ inline std::vector<std::pair<std::string, double>> geometry_of(const Rig& rig) {
           {"projector.center_yp_mm", rig.projector.center_yp_mm}};
 }
 
-// Numbers are written so that they read back to the same value; a rig that went through its YAML may differ in the last
+// Numbers are written so that they read back to the same value. A rig that went through its YAML may differ in the last
 // digit.
 inline bool same_geometry(double a, double b) { return std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b)); }
 

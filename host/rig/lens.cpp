@@ -35,7 +35,7 @@ std::optional<cv::Vec2d> Lens::ray(const cv::Vec2d& pixel) const {
   for (int step = 0; step < kSteps; ++step) {
     cv::Matx22d derivative;
     const cv::Vec2d off = this->pixel(ray, derivative) - pixel;
-    // Beyond the place where the image folds over there is another ray of the same pixel: not that of a lens.
+    // Beyond the place where the image folds over, another ray falls on the same pixel; a real lens has none there.
     if (!(cv::determinant(derivative) * fx * fy > 0)) {
       return std::nullopt;
     }

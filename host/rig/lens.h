@@ -8,13 +8,11 @@
 
 namespace selfproj {
 
-// Focal lengths and centre in pixels, pixel centres being integers from 0, and the coefficients k1, k2, p1, p2, k3, k4,
-// k5, k6 of OpenCV:
+// Focal lengths and centre are in pixels; pixel centres are integers from 0. The coefficients k1, k2, p1, p2, k3, k4,
+// k5, k6 are those of OpenCV. The ray (x, y, 1) falls on pixel column fx x' + cx, row fy y' + cy, where
 //
 //     x' = x q + 2 p1 x y + p2 (r² + 2 x²)      q = (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶)
 //     y' = y q + p1 (r² + 2 y²) + 2 p2 x y      r² = x² + y²
-//
-// of the ray (x, y, 1), and pixel column fx x' + cx, row fy y' + cy.
 struct Lens {
   double fx = 1;
   double fy = 1;
@@ -22,13 +20,13 @@ struct Lens {
   double cy = 0;
   std::array<double, 8> k{};
 
-  // Pixel (column, row) of the ray (x, y, 1).
+  // The pixel (column, row) of the ray (x, y, 1).
   [[nodiscard]] cv::Vec2d pixel(const cv::Vec2d& ray) const;
 
-  // The same and its derivative by x and y.
+  // The same, and its derivative by x and y.
   [[nodiscard]] cv::Vec2d pixel(const cv::Vec2d& ray, cv::Matx22d& derivative) const;
 
-  // The ray (x, y, 1) of a pixel, to 1e-9 pixels; nothing where the lens maps no ray near the middle there.
+  // The ray (x, y, 1) of a pixel, to 1e-9 pixels; nothing if the lens maps no ray near the middle to this pixel.
   [[nodiscard]] std::optional<cv::Vec2d> ray(const cv::Vec2d& pixel) const;
 };
 

@@ -28,12 +28,12 @@ constexpr double kMmPerUm = 1e-3;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kFar = 1e6;  // mm: larger than any machine
 
-// What a number may be.
+// The range of a number.
 struct Range {
   double low;
   double high;
   bool low_open = false;  // greater than `low`, not equal
-  bool zero = true;       // may be 0
+  bool zero = true;       // 0 is allowed
 };
 constexpr Range kPositive{.low = 0, .high = kFar, .low_open = true};
 constexpr Range kNotNegative{.low = 0, .high = kFar};
@@ -59,7 +59,7 @@ void visit_lens(const char* section, LensT& lens, Range focal, Visitor& v) {
   v.end();
 }
 
-// The sections of a calibrated rig: all there, or none.
+// The sections of a calibrated rig: all are present, or none.
 template <class CalibrationT, class Visitor>
 void visit_calibration(CalibrationT& calibration, Visitor& v) {
   visit_lens("camera_lens", calibration.camera, kPositive, v);
@@ -74,7 +74,7 @@ void visit_calibration(CalibrationT& calibration, Visitor& v) {
   v.end();
 }
 
-// The keys of a rig, in their order, each once, for reader and writer. Struct<RigT> is Rig or const Rig.
+// The keys of a rig in their order, for reader and writer alike. Struct<RigT> is Rig or const Rig.
 template <class RigT, class Visitor>
 void visit_rig(RigT& rig, Visitor& v) {
   v.text("name", rig.name);
@@ -133,7 +133,7 @@ void visit_rig(RigT& rig, Visitor& v) {
   }
 }
 
-// Fills a rig from a YAML document.
+// Reads a rig from a YAML document.
 class Reader {
  public:
   Reader(std::string source, const YAML::Node& root) : source_(std::move(source)) { enter({}, root); }
@@ -183,7 +183,7 @@ class Reader {
 
   void integer64(const char* key, std::int64_t& value) { value = as<std::int64_t>(key, "a whole number"); }
 
-  // Whether one of these keys is there; then the value is made.
+  // Returns whether one of these keys is present, and if so creates the value.
   template <class T>
   bool has_any(std::initializer_list<const char*> keys, std::optional<T>& value) {
     const YAML::Node& node = levels_.back().node;
@@ -201,7 +201,7 @@ class Reader {
     enter(path(key), node);
   }
 
-  // Every key that nobody has asked for is one that does not exist.
+  // Throws for any key that nobody has asked for, since it does not exist.
   void end() {
     const Level& level = levels_.back();
     std::set<std::string> seen;
@@ -209,7 +209,7 @@ class Reader {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
       if (level.asked.count(key) == 0) {
         std::string wanted;
-        for (const std::string& name : level.asked) {  // the same quantity in another unit?
+        for (const std::string& name : level.asked) {  // perhaps the same quantity in another unit
           if (name.substr(0, name.rfind('_')) == key.substr(0, key.rfind('_'))) {
             wanted = fmt::format("; the key is {}", name);
           }
@@ -244,7 +244,7 @@ class Reader {
     throw UserError(source_, fmt::format("line {}: {} {}", node.Mark().line + 1, path(key), reason));
   }
 
-  // A missing key may stand there in another unit: what else does `end` not know?
+  // If the key is missing but present in another unit, the error names the latter, which `end` would call unknown.
   YAML::Node find(const char* key) {
     Level& level = levels_.back();
     level.asked.insert(key);
@@ -291,7 +291,7 @@ class Reader {
 class Writer {
  public:
   void text(const char* key, const std::string& value) {
-    YAML::Emitter quoted;  // a name may need quotes
+    YAML::Emitter quoted;  // quotes the name if it needs quotes
     quoted << value;
     line(key, quoted.c_str());
   }

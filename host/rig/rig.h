@@ -1,5 +1,5 @@
-// A rig: camera, projector, conveyor, and how it is measured and simulated. Read from and written to YAML, with the
-// units in the names of the keys (light-section.yaml beside this file shows them all).
+// A rig: camera, projector, conveyor, and how it is measured and simulated. Rigs are read from YAML and written to it,
+// with the units in the names of the keys (light-section.yaml beside this file shows them all).
 //
 // World frame (method, section 1): origin at the camera's optical centre, z along its optical axis, x the conveying
 // direction. Row, line and column numbers count from 0 here.
@@ -37,11 +37,12 @@ struct RigCamera {
   }
 };
 
-// A pinhole at (x, 0, z), its axis tilted by `tilt` from z towards -x. Line l, column c have their centre at
+// A pinhole at (x, 0, z) whose axis is tilted by `tilt` from z towards -x. Line l, column c have their centre at
 //     Xp = center_xp_mm + line_pitch_mm (l - (lines - 1)/2)
 //     Yp = center_yp_mm + column_pitch_mm (c - (columns - 1)/2)
-// where Xp grows with theta = tilt + atan(Xp / focal_length_mm)                               (3.6, 3.7)
-// A pitch is negative where lines or columns are counted against Xp or Yp.
+// where Xp grows with theta = tilt + atan(Xp / focal_length_mm) (3.6, 3.7)
+//
+// A pitch is negative if lines or columns count against Xp or Yp.
 struct RigProjector {
   double x_mm = 0;
   double z_mm = 0;
@@ -57,44 +58,44 @@ struct RigProjector {
 
 struct RigConveyor {
   double speed_mm_per_s = 0;        // along +x
-  double encoder_mm_per_count = 0;  // way of the belt for one count of the encoder
+  double encoder_mm_per_count = 0;  // mm the belt moves for each count of the encoder
 };
 
 struct RigBoard {
-  double pixel_clock_hz = kDefaultPixelClockHz;  // clocks of its time stamps a second
+  double pixel_clock_hz = kDefaultPixelClockHz;  // the clock that its time stamps count
 };
 
 struct RigMeasure {
   Mode mode = Mode::grey_over;
-  int threshold = 0;             // of the light section: a pixel is lit where it is greater
-  int min_lit_px = 0;            // fewer lit pixels in a column: invalid
-  int max_lit_px = 0;            // more lit pixels in a column: invalid
-  double line_width_px = 0;      // of a projected line, across it, in projector lines
-  int code_threshold = 0;        // of the Gray-code binarization (4.15)
-  double max_z_per_line_mm = 0;  // where one projector line is worth more in z, a point is invalid
+  int threshold = 0;             // light section: a pixel is lit if it is greater than this
+  int min_lit_px = 0;            // a column with fewer lit pixels is invalid
+  int max_lit_px = 0;            // a column with more lit pixels is invalid
+  double line_width_px = 0;      // width of a projected line, in projector lines
+  int code_threshold = 0;        // threshold of the Gray-code binarization (4.15)
+  double max_z_per_line_mm = 0;  // a point is invalid if one projector line is worth more in z
 };
 
-// What only the simulation needs: light and noise. Grey values are those of the 8-bit image.
+// Light and noise, which only the simulation needs. Grey values are those of the 8-bit image.
 struct RigImaging {
-  double white = 0;               // of a white surface, fully lit and facing the projector's light
-  double ambient = 0;             // of a white surface without projector light
-  double dark = 0;                // of no light at all
+  double white = 0;               // grey of a white surface, fully lit and facing the projector's light
+  double ambient = 0;             // grey of a white surface without projector light
+  double dark = 0;                // grey without any light
   double camera_blur_px = 0;      // standard deviation of the camera lens's Gaussian blur
-  double projector_blur_px = 0;   // likewise the projector's, in its own lines and columns
+  double projector_blur_px = 0;   // the same for the projector, in its own lines and columns
   double electrons_per_grey = 0;  // electrons that raise the grey value by one: shot noise
   double read_noise = 0;          // standard deviation, in grey values
   std::int64_t seed = 0;
 };
 
-// A lens as OpenCV has it (host/rig/lens.h): pixels; x along columns, y along rows or lines.
+// A lens as OpenCV describes it (host/rig/lens.h), in pixels: x along columns, y along rows or lines.
 struct RigLens {
-  double fx_px = 0, fy_px = 0;  // the projector's are negative where it counts against its axes
+  double fx_px = 0, fy_px = 0;  // negative for a projector that counts against its axes
   double cx_px = 0, cy_px = 0;
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
 };
 
 // The full model of a calibrated rig, in the calibration's axes: x along the camera's columns, y along its rows, z
-// along its optical axis; x_projector = R x_camera + T. R is a rotation about the vector `rotation`, by its length.
+// along its optical axis. x_projector = R x_camera + T. R rotates about the vector rotation_rad by its length.
 struct RigCalibration {
   RigLens camera;
   RigLens projector;
@@ -105,30 +106,31 @@ struct RigCalibration {
 struct Rig {
   std::string name;
   RigKind kind = RigKind::light_section;
-  double plane_z_mm = 0;  // of the conveyor or table
+  double plane_z_mm = 0;  // z of the conveyor or table
   RigCamera camera;
   RigProjector projector;
   RigConveyor conveyor;
-  std::optional<RigBoard> board;  // where the rig says what it is
+  std::optional<RigBoard> board;  // absent if the rig does not say
   RigMeasure measure;
   RigImaging imaging;
-  std::optional<RigCalibration> calibration;  // camera and projector above are then the pinholes nearest to it
+  std::optional<RigCalibration> calibration;  // if present, camera and projector above are the pinholes nearest to it
 
-  // Of the board, the default one where the rig says nothing.
+  // The board's pixel clock; the default one if the rig does not say.
   [[nodiscard]] double pixel_clock_hz() const { return board.value_or(RigBoard{}).pixel_clock_hz; }
 };
 
 // Names of the built-in rigs: light-section (rig A), scanner (rig B).
 const std::vector<std::string>& built_in_rigs();
 
-// A built-in rig by its name, or the rig of a YAML file. Throws UserError, naming file, line, key and reason:
-// unreadable or no YAML, a key missing, unknown (another unit, say), doubled, no number, or out of its range.
+// A built-in rig by its name, or the rig of a YAML file. Throws UserError with file, line, key and reason if the file
+// is unreadable or no YAML, or a key is missing, unknown (for example in another unit), doubled, no number, or out of
+// range.
 Rig load_rig(const std::string& name_or_file);
 
-// The same from text; `source` names it in errors.
+// The same from a text; errors name `source`.
 Rig parse_rig(const std::string& yaml, const std::string& source);
 
-// The rig as YAML that parse_rig reads back to equal values.
+// The rig as YAML, which parse_rig reads back to equal values.
 std::string to_yaml(const Rig& rig);
 
 }  // namespace selfproj

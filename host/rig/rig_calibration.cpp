@@ -36,7 +36,7 @@ cv::Matx33d matrix_of(const std::array<double, 3>& r) {
   return cv::Matx33d::eye() + a * cross + b * (cross * cross);
 }
 
-// By the quaternion (w, v), v = axis sin(angle/2), from the column of 4 q q^T whose diagonal is greatest.
+// Through the quaternion (w, v), v = axis sin(angle/2), from the column of 4 q q^T with the greatest diagonal entry.
 std::array<double, 3> vector_of(const cv::Matx33d& m) {
   const cv::Matx44d squares(1 + m(0, 0) + m(1, 1) + m(2, 2), m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1),
                             m(2, 1) - m(1, 2), 1 + m(0, 0) - m(1, 1) - m(2, 2), m(0, 1) + m(1, 0), m(0, 2) + m(2, 0),
@@ -78,7 +78,7 @@ Calibration calibration_of(const Rig& rig) {
                       0.5 * (projector.columns - 1) - projector.center_yp_mm / projector.column_pitch_mm,
                       0.5 * (projector.lines - 1) - projector.center_xp_mm / projector.line_pitch_mm,
                       {}};
-  // The axis is (0, -sin, cos) here; Yp is x, and Xp is the other way than the second row.
+  // The projector's axis is (0, -sin, cos) in these axes; Yp is x, and Xp runs against the second row.
   const double sine = std::sin(projector.tilt_rad);
   const double cosine = std::cos(projector.tilt_rad);
   result.rotation = {1, 0, 0, 0, cosine, sine, 0, -sine, cosine};
@@ -96,7 +96,7 @@ Rig rig_of(const Calibration& c, const Rig& like) {
   if (c.camera_rows == 0 || c.projector_rows == 0) {
     throw std::invalid_argument("the calibration does not say the sizes of its images");
   }
-  constexpr double kAlong = 0.7;  // of the cosine between projector's and camera's columns
+  constexpr double kAlong = 0.7;  // least cosine between the projector's and the camera's columns
   const double along = c.rotation(0, 0);
   if (std::abs(along) < kAlong) {
     throw std::invalid_argument(
@@ -155,7 +155,7 @@ double pinhole_error(const Rig& rig, double z_mm) {
     if (!inside) {
       continue;
     }
-    // z of the pinholes' ray in the plane of the line: y' = flat z of both.
+    // z of the pinholes' ray in the plane of the line; y' = flat z holds for both.
     const double line = (seen[1] - pinholes.projector.cy) / pinholes.projector.fy;
     const cv::Vec3d direction((pixel[0] - pinholes.camera.cx) / pinholes.camera.fx,
                               (pixel[1] - pinholes.camera.cy) / pinholes.camera.fy, 1);

@@ -9,25 +9,24 @@
 
 namespace selfproj {
 
-// The rig's full model where it is calibrated, else its two pinholes, in the axes of a calibration: x along the
-// camera's columns (the rig's y), y along its rows (the rig's x). That is a mirror image of the rig's frame, so the
-// projector of a rig whose pitches are positive has a negative fy: its lines are counted upwards.
+// The rig's full model if it is calibrated, else its two pinholes. The axes are those of a calibration: x along the
+// camera's columns (the rig's y), y along its rows (the rig's x). This mirrors the rig's frame, so the projector of a
+// rig with positive pitches has a negative fy: its lines count upwards.
 Calibration calibration_of(const Rig& rig);
 
-// The same calibration with x and y exchanged in camera, projector and space: rows take the place of columns. Twice is
-// the calibration itself.
+// The same calibration with x and y exchanged in camera, projector and space: rows take the place of columns. Doing it
+// twice gives the original calibration.
 Calibration with_axes_exchanged(const Calibration& calibration);
 
-// A rig with this calibration as its full model: `like` with the sizes of the calibration's images, and with the
-// pinholes of (3.4) that are nearest to it. They keep the pixel pitch and the projector's focal length of `like`; what
-// they cannot have is left out: distortion, the camera's principal point, the projector's place along y and its turns
-// other than the tilt.
-// Throws std::invalid_argument where the calibration has no sizes, the projector's columns do not lie along the
-// camera's, or it does not stand beside the camera in the direction of growing rows.
+// A rig with this calibration as its full model. It is `like` with the sizes of the calibration's images, and with the
+// pinholes of (3.4) that are nearest to the calibration. These keep the pixel pitch and the projector's focal length of
+// `like`. They cannot have distortion, a principal point of the camera, a projector place along y, or turns other than
+// the tilt, so these are left out. Throws std::invalid_argument if the calibration has no sizes, the projector's
+// columns do not lie along the camera's, or it does not stand beside the camera in the direction of growing rows.
 Rig rig_of(const Calibration& calibration, const Rig& like);
 
 // How far the rig's pinholes are from its full model: the greatest error in z, mm, of triangulation by (3.4) over
-// points of the plane at `z_mm` that camera and projector both see on a 9 x 9 grid of camera pixels; NaN where there is
+// points of the plane at `z_mm` that both camera and projector see, on a 9 x 9 grid of camera pixels; NaN if there is
 // none.
 double pinhole_error(const Rig& rig, double z_mm);
 
