@@ -16,10 +16,10 @@ namespace {
 constexpr int kPose = 6;
 constexpr int kDistortion = 5;
 
-// Where the unknowns are: both lenses, the pose between them, the chessboard's poses.
+// The positions of the unknowns: both lenses, the pose between them, the chessboard's poses.
 struct Layout {
-  int camera_free;     // of the camera's lens
-  int projector_free;  // of the projector's
+  int camera_free;     // free coefficients of the camera's lens
+  int projector_free;  // free coefficients of the projector's
   int views;
 
   [[nodiscard]] int projector() const { return camera_free; }
@@ -50,22 +50,22 @@ Bundle changed(const Bundle& from, const cv::Mat1d& change, const Layout& layout
   return to;
 }
 
-// Pixels of points, and derivatives in OpenCV's order: rotation 3, translation 3, focal lengths 2, centre 2,
+// Pixels of points, with derivatives in OpenCV's order: rotation 3, translation 3, focal lengths 2, centre 2,
 // distortion 5.
 std::vector<cv::Point2d> project(const std::vector<cv::Point3d>& points, const Pose& pose, const LensParameters& lens,
                                  cv::Mat& derivative) {
   const cv::Matx33d matrix(lens[0], 0, lens[2], 0, lens[1], lens[3], 0, 0, 1);
   const cv::Vec<double, kDistortion> distortion(lens[4], lens[5], lens[6], lens[7], lens[8]);
   std::vector<cv::Point2d> pixels;
-  derivative.release();  // what was taken of it before stays as it is
+  derivative.release();  // parts taken of it before stay valid
   cv::projectPoints(points, pose.rotation, pose.translation, matrix, distortion, pixels, derivative);
   return pixels;
 }
 
-// Columns of OpenCV's derivatives of a lens, in the order of LensParameters: they follow each other.
+// The column of OpenCV's derivatives at which those of a lens begin, in the order of LensParameters.
 constexpr int kLensColumn = 6;
 
-// Residuals and derivatives of one view; rows 2i, 2i + 1 of sight i.
+// Residuals and derivatives of one view; rows 2i and 2i + 1 belong to sight i.
 struct Linear {
   std::vector<cv::Vec2d> camera, projector;  // residuals
   cv::Mat1d camera_by_lens, camera_by_view;
@@ -126,7 +126,7 @@ double squares(const std::vector<cv::Vec2d>& residuals) {
   return sum;
 }
 
-// Weights of a residual: one over its variance in one direction.
+// Weights of the residuals: one over their variance in one direction.
 struct Weights {
   double camera = 1;
   double projector = 1;
@@ -191,7 +191,7 @@ std::vector<Linear> linearize_all(const std::vector<View>& views, const Bundle& 
   return result;
 }
 
-// The unknowns have units of pixels, radians and mm: they are scaled by the normal matrix's diagonal.
+// The unknowns have units of pixels, radians and mm, so they are scaled by the normal matrix's diagonal.
 cv::Mat1d scale_of(const cv::Mat1d& normal) {
   cv::Mat1d scale(normal.rows, 1);
   for (int i = 0; i < normal.rows; ++i) {
@@ -200,9 +200,9 @@ cv::Mat1d scale_of(const cv::Mat1d& normal) {
   return scale;
 }
 
-// Inverse of the normal matrix; directions in which it vanishes have an infinite variance.
+// The inverse of the normal matrix. Directions in which it vanishes have infinite variance.
 cv::Mat1d covariance_of(const cv::Mat1d& normal) {
-  constexpr double kNothing = 1e-13;  // of an eigenvalue of the scaled matrix, against the greatest
+  constexpr double kNothing = 1e-13;  // eigenvalue of the scaled matrix that counts as 0, relative to the greatest
   const cv::Mat1d scale = scale_of(normal);
   const cv::Mat1d scaled(normal.mul(scale * scale.t()));
   cv::Mat1d values;
@@ -216,7 +216,7 @@ cv::Mat1d covariance_of(const cv::Mat1d& normal) {
   return cv::Mat1d(inverse.mul(scale * scale.t()));
 }
 
-// Of both instruments' residuals.
+// Of the residuals of camera and projector.
 struct SumsOfSquares {
   double camera = 0;
   double projector = 0;
@@ -231,9 +231,9 @@ SumsOfSquares sums_of(const std::vector<Linear>& views) {
   return sums;
 }
 
-// One over the variance in one direction of residuals whose squares have this sum.
+// One over the variance in one direction of residuals with this sum of squares.
 double weight_of(double sum, std::size_t sights) {
-  constexpr double kLeastNoise = 1e-6;  // pixels, so that exact data have a weight too
+  constexpr double kLeastNoise = 1e-6;  // pixels, so that exact data have a finite weight
   const double per_direction = std::sqrt(sum / (2.0 * static_cast<double>(sights)));
   return 1 / std::pow(std::max(kLeastNoise, per_direction), 2);
 }
@@ -254,7 +254,7 @@ class Solver {
     linear_ = linearize_all(views, start);
   }
 
-  // Levenberg-Marquardt, until a step gains next to nothing or none gains anything.
+  // Runs Levenberg-Marquardt until a step gains next to nothing or no step gains anything.
   void minimize() {
     constexpr int kMostSteps = 200;
     constexpr double kDone = 1e-12;  // relative change of the sum of squares
@@ -281,7 +281,7 @@ class Solver {
 
   [[nodiscard]] double equations() const { return 4 * static_cast<double>(sights_); }
 
-  // Estimates the noise of both instruments from their residuals as they are now.
+  // Estimates the noise of camera and projector from their current residuals.
   void weigh() {
     const SumsOfSquares sums = sums_of(linear_);
     if (!std::isfinite(sums.camera + sums.projector)) {
@@ -290,8 +290,8 @@ class Solver {
     weights_ = {weight_of(sums.camera, sights_), weight_of(sums.projector, sights_)};
   }
 
-  // Takes the first step that makes `cost` no greater, with more and more damping, and returns by how much it is less;
-  // -1 where there is no such step.
+  // Takes the first step that does not increase `cost`, with more and more damping. Returns by how much the cost falls,
+  // or -1 if there is no such step.
   double improve(double cost) {
     constexpr double kLeastDamping = 1e-12;
     constexpr double kMostDamping = 1e12;
@@ -342,7 +342,7 @@ class Solver {
     cv::Mat1d normal;
     cv::Mat1d right;
     normal_equations(linear_, weights_, layout_, normal, right);
-    // Residuals are smaller than the noise by what the unknowns take up.
+    // Residuals are smaller than the noise, because the unknowns absorb part of it.
     const cv::Mat1d covariance(covariance_of(normal) * (equations() / (equations() - layout_.count())));
     const auto of = [&](int i) { return std::sqrt(std::max(0.0, covariance(i, i))); };
     const auto pose_of = [&](int at) {
@@ -370,7 +370,7 @@ class Solver {
   Layout layout_;
   std::size_t sights_ = 0;
   Bundle bundle_;
-  std::vector<Linear> linear_;  // at bundle_
+  std::vector<Linear> linear_;  // linearized at bundle_
   Weights weights_;
   double damping_ = 1e-3;
 };

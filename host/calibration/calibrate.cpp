@@ -30,14 +30,14 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// Where a corner is on the chessboard, mm.
+// The place of a corner on the chessboard, mm.
 cv::Point3d place_of(const Chessboard& chessboard, int corner) {
   const int column = corner % chessboard.columns;
   const int row = corner / chessboard.columns;
   return {chessboard.square_mm * column, chessboard.square_mm * row, 0};
 }
 
-// Whether going round the corners turns the other way in the projector than in the camera.
+// Whether the corners turn the other way round in the projector than in the camera.
 bool is_mirrored(const std::vector<View>& views) {
   double sum = 0;
   for (const View& view : views) {
@@ -53,10 +53,10 @@ bool is_mirrored(const std::vector<View>& views) {
   return sum < 0;
 }
 
-// Length beyond which a residual is no noise: `factor` standard deviations of one direction, estimated from the median
-// length. Not less than a hundredth of a pixel, so that exact data lose nothing.
+// The length above which a residual is no noise: `factor` standard deviations of one direction, estimated from the
+// median length. At least a hundredth of a pixel, so that exact data lose nothing.
 double limit_of(const std::vector<std::vector<cv::Vec2d>>& residuals, double factor) {
-  constexpr double kPerMedian = 0.8493;  // of Rayleigh's distribution: 1/sqrt(2 ln 2)
+  constexpr double kPerMedian = 0.8493;  // for Rayleigh's distribution: 1/sqrt(2 ln 2)
   constexpr double kLeast = 0.01;
   std::vector<double> lengths;
   for (const auto& view : residuals) {
@@ -75,10 +75,10 @@ double hull_share(const std::vector<cv::Point2f>& points, cv::Size size) {
 
 Lens lens_of(const LensParameters& p) { return {p[0], p[1], p[2], p[3], {p[4], p[5], p[6], p[7], p[8], 0, 0, 0}}; }
 
-// What is needed to go through poses and corners together with the views made of them.
+// Connects poses and corners with the views made of them.
 struct Index {
   std::vector<View> views;
-  std::vector<std::size_t> pose;  // of each view
+  std::vector<std::size_t> pose;  // pose of each view
 };
 
 class Calibrator {
@@ -181,7 +181,7 @@ class Calibrator {
     }
   }
 
-  // Takes out what is too far off in the camera or in the projector; whether there was anything.
+  // Removes corners that are too far off in the camera or in the projector. Returns whether there were any.
   bool reject(const Index& index) {
     const BundleResult& found = report_.bundle;
     const double camera_limit = limit_of(found.camera_residuals, report_.settings.reject);

@@ -10,12 +10,12 @@
 
 namespace selfproj {
 
-// Finds the chessboard in a capture and its corners in the projector. Does not throw for what it does not find.
+// Finds the chessboard in a capture and its corners in the projector. What it does not find is no error.
 PoseReport observe_pose(const std::string& name, const Capture& capture, const CalibrateSettings& settings);
 
-// Zhang's method for camera and projector, then both with the pose between them by least squares over everything, from
-// which corners with too long residuals are taken out until none is left. Throws UserError where fewer than two poses
-// can be used (naming each pose's reason), images differ in size, or nothing converges.
+// Zhang's method for camera and projector, then least squares over everything, including the pose between them. Corners
+// with too long residuals are removed until none is left. Throws UserError if fewer than two poses can be used (with
+// the reason for each pose), if images differ in size, or if nothing converges.
 CalibrationReport calibrate(std::vector<PoseReport> poses, const CalibrateSettings& settings);
 
 }  // namespace selfproj

@@ -57,7 +57,7 @@ std::string png_of(const cv::Mat& picture) {
   return {bytes.begin(), bytes.end()};
 }
 
-// Camera or projector, for what is done to both alike.
+// Camera or projector, for code that treats both alike.
 struct Instrument {
   const char* name;
   cv::Point2d Corner::*place;
@@ -104,7 +104,7 @@ int tallest(const std::array<Instrument, 2>& both) {
   return height;
 }
 
-// The value v so that `share` of the numbers are at most v.
+// The value that `share` of the numbers do not exceed.
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) {
     return 0;
@@ -114,7 +114,7 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(i)];
 }
 
-// 1, 2 or 5 times a power of ten, at most `limit`.
+// The greatest of 1, 2 or 5 times a power of ten that is at most `limit`.
 double round_step(double limit) {
   const double power = std::pow(10, std::floor(std::log10(limit)));
   for (const double factor : {5.0, 2.0}) {
@@ -165,7 +165,7 @@ void draw_scatter(cv::Mat& picture, const CalibrationReport& report, const Instr
 }
 
 void draw_arrows(cv::Mat& picture, const CalibrationReport& report, const Instrument& what, int left, int top) {
-  constexpr double kLongest = 30;  // of the picture, for the 98 % quantile
+  constexpr double kLongest = 30;  // length in the picture of the 98 % quantile
   std::vector<double> lengths;
   for_each_used(report, [&](std::size_t, const Corner& c) { lengths.push_back(cv::norm(c.*what.residual)); });
   const Frame frame = frame_of(what, left, top);
@@ -209,7 +209,7 @@ Json lens_json(const LensParameters& value, const LensParameters& deviation, int
   return json;
 }
 
-// As the camera sees it: of a mirrored projector the rows are counted from its first again.
+// The lens as the camera sees it: rows of a mirrored projector count from its first row again.
 LensParameters projector_lens(const CalibrationReport& report) {
   const Lens& l = report.calibration.projector;
   return {l.fx, l.fy, l.cx, l.cy, l.k[0], l.k[1], l.k[2], l.k[3], l.k[4]};

@@ -1,4 +1,4 @@
-// What a calibration is asked for, what it saw, and what it found.
+// The settings of a calibration, its observations, and its result.
 #ifndef SELFPROJ_HOST_CALIBRATION_CALIBRATION_REPORT_H
 #define SELFPROJ_HOST_CALIBRATION_CALIBRATION_REPORT_H
 
@@ -19,28 +19,28 @@ struct CalibrateSettings {
   int projector_columns = 0;
   int projector_rows = 0;
   CornerSettings corners;
-  int min_corners = 12;  // a pose with fewer usable ones is left out
-  FreeDistortion free;   // each 0, 1, 2, 4 or 5
-  double reject = 4.5;   // corners whose residual is longer than so many standard deviations are left out; 0: none
+  int min_corners = 12;  // a pose with fewer usable corners is left out
+  FreeDistortion free;   // 0, 1, 2, 4 or 5 for each lens
+  double reject = 4.5;   // corners with residuals above this many standard deviations are left out; 0: none
 };
 
 struct Corner {
-  cv::Point2d camera, projector;  // column, row; projector NaN where it has not been found
-  double sd_px = 0;               // of the projector's, estimated
+  cv::Point2d camera, projector;  // column, row; projector NaN if it was not found
+  double sd_px = 0;               // estimated for the projector
   bool used = false;
   std::string reason;                             // why it is not used
-  cv::Vec2d camera_residual, projector_residual;  // seen less computed, of used ones
+  cv::Vec2d camera_residual, projector_residual;  // seen less computed, of used corners
 };
 
-// One pose of the chessboard, in the order given.
+// One pose of the chessboard, in the given order.
 struct PoseReport {
   std::string name;
-  std::string reason;  // why the whole pose is left out; empty where it is used
-  int rows = 0;        // of the camera
+  std::string reason;  // why the whole pose is left out; empty if it is used
+  int rows = 0;        // rows of the camera
   int columns = 0;
-  double decoded_share = 0;     // of the camera's pixels
-  std::vector<Corner> corners;  // all of the chessboard's, or none where it is not seen
-  double angle_deg = 0;         // between the chessboard's normal and the camera's axis
+  double decoded_share = 0;     // share of the camera's pixels that have a code
+  std::vector<Corner> corners;  // all of the chessboard's corners, or none if it was not seen
+  double angle_deg = 0;         // angle between the chessboard's normal and the camera's axis
   double camera_rms = 0, projector_rms = 0;
 
   [[nodiscard]] int used() const;
@@ -50,14 +50,14 @@ struct CalibrationReport {
   CalibrateSettings settings;
   std::vector<PoseReport> poses;
   Calibration calibration;  // with the sizes of camera and projector
-  // The projector shows its image mirrored (seen from the front, columns run right and rows up, or the reverse): its
-  // fy is then negative.
+  // The projector shows its image mirrored (seen from the front, columns run right and rows up, or the reverse). Its fy
+  // is then negative.
   bool mirrored = false;
-  BundleResult bundle;  // of the used poses, in their order; the projector's rows counted from below where mirrored
-  double camera_alone_rms = 0, projector_alone_rms = 0;  // each calibrated without the other
+  BundleResult bundle;  // of the used poses, in order; if mirrored, the projector's rows count from below
+  double camera_alone_rms = 0, projector_alone_rms = 0;  // each lens calibrated without the other
   double greatest_angle_deg = 0;                         // between two poses' normals
   double camera_coverage = 0, projector_coverage = 0;    // share of the image within the hull of all used corners
-  double mean_distance_mm = 0;                           // of the used corners along the camera's axis
+  double mean_distance_mm = 0;                           // of the used corners, along the camera's axis
   std::vector<std::string> warnings;
 };
 

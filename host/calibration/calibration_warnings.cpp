@@ -13,7 +13,7 @@
 namespace selfproj {
 namespace {
 
-// Limits of what is said to be well constrained.
+// Limits within which a number counts as well constrained.
 constexpr int kFewPoses = 3;
 constexpr double kParallel = 15;         // degrees between the most different poses
 constexpr double kPoorFocal = 0.01;      // relative standard deviation
@@ -22,8 +22,8 @@ constexpr double kPoorDistortion = 0.5;  // pixels at the outermost corner
 constexpr double kPoorBaseline = 0.005;  // relative
 constexpr double kPoorCoverage = 0.3;
 
-// A lens as the least squares have it, and the used corners in its image. Of a mirrored projector rows count from below
-// in both.
+// A lens from the least squares, and the used corners in its image. Rows of a mirrored projector count from below in
+// both.
 struct EstimatedLens {
   const char* name;
   LensParameters parameters, deviation;
@@ -32,7 +32,7 @@ struct EstimatedLens {
   std::vector<cv::Point2d> corners;
 };
 
-// The greatest effect of a distortion coefficient's standard deviation, in pixels at the outermost corner.
+// The greatest effect in pixels, at the outermost corner, of a distortion coefficient's standard deviation.
 double distortion_px(const EstimatedLens& lens) {
   const LensParameters& p = lens.parameters;
   double greatest = 0;

@@ -1,4 +1,4 @@
-// What the captures do not tell.
+// What the captures do not determine.
 #ifndef SELFPROJ_HOST_CALIBRATION_CALIBRATION_WARNINGS_H
 #define SELFPROJ_HOST_CALIBRATION_CALIBRATION_WARNINGS_H
 
@@ -9,8 +9,8 @@
 
 namespace selfproj {
 
-// One sentence for each number of a finished calibration that the captures do not constrain well (README.md beside this
-// file has the limits), and none where all is well.
+// One sentence for each number of a finished calibration that the captures do not constrain well. The limits are in
+// docs/calibration.md. Empty if all is well.
 std::vector<std::string> warnings_of(const CalibrationReport& report);
 
 }  // namespace selfproj

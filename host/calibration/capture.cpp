@@ -18,7 +18,7 @@
 namespace selfproj {
 namespace {
 
-// Images of one size in turn, of which the sum is kept.
+// Reads images of one size in turn and keeps their sum.
 class Images {
  public:
   Images(const std::vector<std::string>& files, std::optional<Channel> channel) : files_(files), channel_(channel) {}
@@ -64,7 +64,7 @@ class Images {
   int columns_ = 0;
 };
 
-// The codes along one axis, from its pairs of images; kNone where a pair is ambiguous or the code is none of `side`.
+// The codes along one axis from its pairs of images; kNone if a pair is ambiguous or the code is not within `side`.
 std::vector<std::int16_t> decode_axis(Images& images, int bits, int side, int threshold) {
   std::optional<FastGrayDecoder> decoder;
   std::size_t pixels = 0;

@@ -34,12 +34,12 @@ std::vector<double> spacings(const std::vector<cv::Point2f>& corners) {
   return nearest;
 }
 
-// What a corner looks like: two edges that cross, both blurred alike, under light that may fall off across the window,
+// The image of a corner: two crossing edges, equally blurred, under light that may fall off across the window,
 //
 //     I(x, y) = (a + b x + c y) (1 + d erf(u / (s sqrt 2)) erf(v / (s sqrt 2)))
 //
-// u and v being the distances of (x, y) from the edges, which go through (x0, y0), with normals at the angles t1 and
-// t2.
+// where u and v are the distances of (x, y) from the edges. The edges go through (x0, y0) and have normals at the
+// angles t1 and t2.
 struct CornerModel {
   static constexpr int kParameters = 9;
   // x0, y0, t1, t2, s, a, b, c, d
@@ -47,7 +47,7 @@ struct CornerModel {
                        kContrast = 8;
   using Parameters = cv::Vec<double, kParameters>;
 
-  // Grey value at (x, y) from the window's middle, and its derivatives.
+  // Grey value at (x, y) from the window's middle, and its derivatives by the parameters.
   static double value(const Parameters& p, double x, double y, Parameters& d) {
     const double c1 = std::cos(p[kAngle1]);
     const double s1 = std::sin(p[kAngle1]);
@@ -92,7 +92,7 @@ double squares(const std::vector<Pixel>& pixels, const CornerModel::Parameters& 
   return sum;
 }
 
-// Levenberg-Marquardt; whether it converged.
+// Levenberg-Marquardt; returns whether it converged.
 bool fit(const std::vector<Pixel>& pixels, CornerModel::Parameters& p) {
   using Model = CornerModel;
   constexpr int kSteps = 40;
@@ -137,14 +137,14 @@ bool fit(const std::vector<Pixel>& pixels, CornerModel::Parameters& p) {
   return false;
 }
 
-// Moves each corner to where the model of a corner fits best, in a window that reaches no other corner; one to which it
-// cannot be fitted stays.
+// Moves each corner to where the model of a corner fits best, in a window that reaches no other corner. A corner
+// without a fit stays.
 void refine(const cv::Mat& grey, const Chessboard& chessboard, const std::vector<double>& spacing,
             std::vector<cv::Point2f>& corners) {
   using Model = CornerModel;
-  constexpr double kShare = 0.4;  // of the spacing: half the window's side
+  constexpr double kShare = 0.4;  // half the window's side, in parts of the spacing
   constexpr double kLeast = 3;
-  constexpr double kFarthest = 0.3;  // of the spacing: what is farther is another thing
+  constexpr double kFarthest = 0.3;  // in parts of the spacing; whatever is farther away is something else
   const std::vector<cv::Point2f> found = corners;
   const auto at = [&](int column, int row) {
     return cv::Point2d(found[static_cast<std::size_t>(std::clamp(row, 0, chessboard.rows - 1) * chessboard.columns +
@@ -191,7 +191,7 @@ FoundChessboard find_chessboard(const Image& image, const Chessboard& chessboard
   const cv::Mat grey(image.rows, image.columns, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));  // NOLINT
   FoundChessboard found;
   cv::Mat seen;
-  cv::Mat kinds;  // one entry a corner of the chessboard that was found, whatever its size
+  cv::Mat kinds;  // one entry for each corner of the chessboard found, whatever its size
   const bool any =
       cv::findChessboardCornersSB(grey, {chessboard.columns, chessboard.rows}, seen,
                                   cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY | cv::CALIB_CB_LARGER, kinds);

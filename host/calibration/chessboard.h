@@ -10,8 +10,8 @@
 
 namespace selfproj {
 
-// Inner corners along both sides (each at least 3), and the side of a square. Corner i lies on the chessboard at
-// (i mod columns, i / columns) squares.
+// Inner corners along both sides (at least 3 each), and the side of a square. Corner i is at (i mod columns, i /
+// columns) squares.
 struct Chessboard {
   int columns = 0;
   int rows = 0;
@@ -27,8 +27,8 @@ struct FoundChessboard {
   double spacing_px = 0;  // median distance from a corner to its nearest neighbour
 };
 
-// Finds the corners of the whole chessboard, which may lie in any direction. A chessboard with more corners than asked
-// for is not taken for a part of itself.
+// Finds the corners of the whole chessboard, in any orientation. A chessboard with more corners than asked for is not
+// taken for a part of itself.
 FoundChessboard find_chessboard(const Image& image, const Chessboard& chessboard);
 
 }  // namespace selfproj

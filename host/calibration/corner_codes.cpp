@@ -16,13 +16,13 @@ namespace {
 
 constexpr int kLeastPixels = 25;
 
-// A pixel with a code: its position from the corner in units of the window, so that sums are well scaled.
+// A pixel with a code. Its position is relative to the corner, in units of the window, so that sums are well scaled.
 struct Sample {
   cv::Vec2d at;
   cv::Vec2d code;
 };
 
-// Models of the code as a function of the place. Parameters are linear about a start; `value` gives the code and its
+// Models of the code as a function of the place. Parameters are linear about a start. `value` gives the code and its
 // derivatives by the parameters.
 struct Homography {
   static constexpr int kParameters = 8;
@@ -38,7 +38,7 @@ struct Homography {
     return code;
   }
 
-  // By consensus: a first map that wrong codes do not pull.
+  // A first map by consensus, which wrong codes do not affect.
   static bool start(const std::vector<Sample>& samples, Parameters& h) {
     constexpr double kConsensus = 3;  // projector pixels
     std::vector<cv::Point2d> from;
@@ -78,7 +78,7 @@ struct Quadratic {
     return code;
   }
 
-  // The median code, from which the weights of the first step are wide.
+  // Starts with the median code; the weights of the first step are wide around it.
   static bool start(const std::vector<Sample>& samples, Parameters& a) {
     a = Parameters::all(0);
     for (int axis = 0; axis < 2; ++axis) {
@@ -94,11 +94,11 @@ struct Quadratic {
   }
 };
 
-// Gauss-Newton with Tukey's weights; the code at the corner, where the place is 0.
+// Gauss-Newton with Tukey's weights. Gives the code at the corner, where the place is 0.
 template <class Model>
 CornerCode fit(const std::vector<Sample>& samples, double max_sd_px) {
   constexpr int kSteps = 12;
-  constexpr double kTukey = 4.685;     // of standard deviations, beyond which a sample does not count
+  constexpr double kTukey = 4.685;     // standard deviations above which a sample does not count
   constexpr double kLeastScale = 0.3;  // projector pixels: a code is rounded to a whole one
   constexpr double kPerMedian = 0.85;  // standard deviation of one direction for a median length of 1
   constexpr int kSize = Model::kParameters;

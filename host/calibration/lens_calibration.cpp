@@ -36,7 +36,7 @@ LensCalibration calibrate_lens(const std::vector<View>& views, cv::Size size, in
     }
   }
   const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 200, 1e-10);
-  // Poses that are all parallel say nothing about the focal length, and the closed form may give anything; then the
+  // Parallel poses say nothing about the focal length, and the closed form may then give anything. In this case the
   // least squares start from a usual lens.
   for (const bool guess : {false, true}) {
     const double usual = 1.2 * std::max(size.width, size.height);

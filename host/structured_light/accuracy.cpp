@@ -8,10 +8,10 @@
 namespace selfproj {
 namespace {
 
-// geometry.h counts rows from 1.
+// Here rows count from 0, in geometry.h from 1.
 double alpha_of(const Rig& rig, double row) { return tan_alpha(rig.camera, row + 1); }
 
-// tan θ of the light that meets the point.
+// tan θ of the light that hits the point.
 double theta_at(const Rig& rig, const SeenPoint& point) {
   return (rig.projector.x_mm - point.z * alpha_of(rig, point.row)) / (point.z - rig.projector.z_mm);
 }
@@ -57,7 +57,7 @@ DepthRange range_of_lines(const Rig& rig, const SeenPoint& reference, double bel
 }
 
 DepthRange range_of_cells(const Rig& rig, const SeenPoint& reference, int width, int bits, int e) {
-  // On the plane z = z_R a camera row and the projector line that it sees.
+  // The projector line that a camera row sees on the plane z = z_R.
   const auto line_of_row = [&](double row) {
     return line_of(rig.projector,
                    (rig.projector.x_mm - reference.z * alpha_of(rig, row)) / (reference.z - rig.projector.z_mm));
@@ -66,7 +66,7 @@ DepthRange range_of_cells(const Rig& rig, const SeenPoint& reference, int width,
   const int own = cell_of_row(reference.row, rig.camera.rows, width);
   const auto row_of_cell = [&](int cell) { return middle + static_cast<double>(cell) * width; };  // its first edge
   const int codes = 1 << bits;
-  // n grows as the rows of the cells fall.
+  // n grows as the row of the cell falls.
   const double upper = line_of_row(row_of_cell(own - (codes - e - 1)));
   const double lower = line_of_row(row_of_cell(own + e + 1));
   return {depth_of_line(rig, reference.row, upper), depth_of_line(rig, reference.row, lower)};

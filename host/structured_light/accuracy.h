@@ -20,35 +20,35 @@ struct PointError {
   double z = 0;
 };
 
-// What errors of ΔXp and ΔXc, mm on the image planes, change at a point: the two terms of (4.21) to (4.23), with their
-// signs. The first is that of the projector, the second that of the camera. In (4.21) tan α / Xc is read as 1 / fc; as
-// printed it is singular at Xc = 0. The second term is that at fixed y/z: Δy as if the column were exact.
+// How errors ΔXp and ΔXc, in mm on the image planes, change a point: the two terms of (4.21) to (4.23), with their
+// signs. The first term is the projector's, the second the camera's. In (4.21) tan α / Xc is read as 1 / fc; as printed
+// it is singular at Xc = 0. The second term holds at fixed y/z: Δy as if the column were exact.
 struct ErrorTerms {
   PointError projector;
   PointError camera;
 };
 ErrorTerms error_terms(const Rig& rig, const SeenPoint& point, double delta_xp_mm, double delta_xc_mm);
 
-// |Δz| of half a pixel of each, added by magnitude, as the published figures are.
+//Δz| of half a pixel of each, added by magnitude as in the published figures.
 double half_pixel_error(const Rig& rig, const SeenPoint& point);
 
 // (4.26): Δz for small α, β, θ - θ0, both terms.
 ErrorTerms approximate_error(const Rig& rig, double delta_xp_mm, double delta_xc_mm);
 
-// (4.27) to (4.33), with the window of (4.20) as printed: z from `low` (θ_max) to `high` (θ_min) for projector lines
-// X_R - below <= line < X_R + above, where the reference is at the point. Corrected: z falls with θ, so that z_min
-// belongs to θ_max.
+// (4.27) to (4.33) with the window of (4.20) as printed: z from `low` (θ_max) to `high` (θ_min) for projector lines X_R
+// - below <= line < X_R + above, if the reference is at the point. Corrected: z falls with θ, so z_min belongs to
+// θ_max.
 struct DepthRange {
   double low = 0;
   double high = 0;
 };
 DepthRange range_of_lines(const Rig& rig, const SeenPoint& reference, double below, double above);
 
-// The same with the window in cells, -e <= n < 2^m - e, where the reference is a plane z = const about the point: the
-// cells of camera rows `width` wide are followed along the pixel's ray. Both ends are those of whole cells.
+// The same with the window in cells, -e <= n < 2^m - e, if the reference is a plane z = const about the point. The
+// cells, camera rows `width` wide, are followed along the pixel's ray. Both ends are those of whole cells.
 DepthRange range_of_cells(const Rig& rig, const SeenPoint& reference, int width, int bits, int e);
 
-// z at which a pixel of this row sees a projector line (4.8).
+// The z at which a pixel of this row sees a projector line (4.8).
 double depth_of_line(const Rig& rig, double row, double line);
 
 }  // namespace selfproj

@@ -5,7 +5,7 @@
 
 namespace selfproj {
 
-// Throws std::invalid_argument(reason) where `holds` is false: what a caller must keep, not what a user gets wrong.
+// Throws std::invalid_argument(reason) unless `holds`: for duties of a caller, not for errors of a user.
 inline void check(bool holds, const char* reason) {
   if (!holds) {
     throw std::invalid_argument(reason);

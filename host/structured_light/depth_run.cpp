@@ -32,7 +32,7 @@ ImageSource source_of(ImageSequence& images) {
   return {images.files().front(), first.rows, first.columns};
 }
 
-// Gives the scanner its background, where there is one.
+// Gives the scanner its background, if there is one.
 void set_background(const DepthSetup& setup, const Triangulation& triangulation, Scanner& scanner) {
   if (setup.background.empty()) {
     return;
@@ -51,7 +51,7 @@ DepthShares shares_of(const Triangulation& triangulation, const Scanner& scanner
   return count_states(states);
 }
 
-// Copies what the scanner has of the newest depth image.
+// Copies the scanner's newest depth image.
 void finish(const Scanner& scanner, DepthRun& run) {
   run.depth = scanner.depth();
   if (scanner.has_background()) {
@@ -60,7 +60,7 @@ void finish(const Scanner& scanner, DepthRun& run) {
   }
 }
 
-// The words of the code of one axis, from the next 2 bits images.
+// Reads the next 2 bits images and makes the words of one axis' code.
 class AxisDecoder {
  public:
   AxisDecoder(ImageSequence& images, const ScannerSettings& settings)
@@ -89,11 +89,11 @@ class AxisDecoder {
   ImageSequence& images_;
   ScannerSettings settings_;
   Progress progress_;
-  std::array<Image, 2> pair_;  // the decoder looks at the positive when its negative comes
+  std::array<Image, 2> pair_;  // the decoder reads the positive when its negative comes
   std::size_t next_ = 0;
 };
 
-// The code images of a device, as they come.
+// The code images of a device as they come.
 class DeviceScan {
  public:
   DeviceScan(const DepthSetup& setup, const std::string& uri)
@@ -131,7 +131,7 @@ class DeviceScan {
   }
 
  private:
-  // The code image that the assembler has completed.
+  // Takes the code image that the assembler has completed.
   void take() {
     const PacketHeader& header = assembler_.header();
     const ImageSource source{"a code image of " + uri_, header.rows, header.columns};
@@ -165,8 +165,8 @@ class DeviceScan {
   std::unique_ptr<Device> device_;
   ImageAssembler assembler_;
   DepthRun run_;
-  std::optional<Scanner> scanner_;  // from the first code image on, whose size it needs
-  std::uint64_t sequence_ = 0;      // of the newest code image
+  std::optional<Scanner> scanner_;  // made with the first code image, whose size it needs
+  std::uint64_t sequence_ = 0;      // sequence of the newest code image
 };
 
 }  // namespace
@@ -180,7 +180,7 @@ DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const T
   const auto patterns = static_cast<std::size_t>(2 * setup.geometry.bits);
   std::vector<PointState> states(triangulation.pixels());
   Progress progress("image", images.count());
-  std::array<Image, 2> pair;  // the scanner looks at the positive when its negative comes
+  std::array<Image, 2> pair;  // the scanner reads the positive when its negative comes
   std::string note;
   for (std::size_t i = 0; i < images.count(); ++i) {
     Image& image = pair[i % 2];

@@ -1,4 +1,4 @@
-// A run of `selfproj depth`: depth images of recorded images, or of the code images that a board decodes.
+// A run of `selfproj depth`: depth images from recorded images, or from the code images that a board decodes.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_RUN_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_DEPTH_RUN_H
 
@@ -25,10 +25,10 @@ namespace selfproj {
 struct DepthSetup {
   DepthGeometry geometry;
   ScannerSettings scanner;
-  std::string background;  // TIFF of depths in mm of what does not move; empty: none
+  std::string background;  // TIFF of the depths in mm of what does not move; empty: none
 };
 
-// What is known of one depth image of several. `number` is that of the newest pair, from 0, or of the newest frame.
+// A value of one depth image among several. `number` is that of the newest pair, from 0, or of the newest frame.
 template <typename Value>
 struct OfImage {
   std::uint64_t number = 0;
@@ -37,38 +37,37 @@ struct OfImage {
 
 struct DeviceCounts {
   Counters counters;
-  std::uint64_t incomplete = 0;  // code images of which lines are missing
+  std::uint64_t incomplete = 0;  // code images with lines missing
 };
 
 struct DepthRun {
   std::unique_ptr<Triangulation> triangulation;
   std::size_t depth_images = 0;
   FloatImage depth;    // the newest, mm
-  DepthShares shares;  // of the newest
-  // Of all depth images in their order; of a device's of the newest alone, as to explain them takes longer than to
-  // compute them.
+  DepthShares shares;  // shares of the newest
+  // Of all depth images in order. From a device only of the newest, because explaining takes longer than computing.
   std::vector<OfImage<DepthShares>> all_shares;
-  // With a background: of all depth images in their order, and the depth of what moved in the newest, mm, NaN
-  // elsewhere.
+  // With a background: of all depth images in order, and the depth in mm of what moved in the newest, NaN elsewhere.
   std::vector<OfImage<Moved>> moved;
   std::optional<FloatImage> moved_depth;
-  double median_residual_px = std::numeric_limits<double>::quiet_NaN();  // both axes: of the pixels with a depth
+  double median_residual_px = std::numeric_limits<double>::quiet_NaN();  // both axes: over the pixels with a depth
   std::optional<DeviceCounts> device;
 };
 
-// Takes each depth image, with the number of its newest pair.
+// Receives each depth image with the number of its newest pair.
 using TakeDepth = std::function<void(std::size_t pair, const FloatImage& depth)>;
 
 // One coded axis: images pos0 neg0 pos1 neg1 ..., and a depth image after every pair from the m-th on. Shows progress.
-// Throws UserError: what make_triangulation, read_float_tiff and ImageSequence say, or a background of another size.
+// Throws UserError as make_triangulation, read_float_tiff and ImageSequence do, and for a background of another size.
 DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const TakeDepth& take);
 
-// Both axes: one depth image of 2 bits images of the columns' code and then 2 row_bits images of the rows' code.
-// Shows progress. Throws UserError as make_lens_triangulation and ImageSequence.
+// Both axes: one depth image from 2 bits images of the columns' code, followed by 2 row_bits images of the rows' code.
+// Shows progress. Throws UserError as make_lens_triangulation and ImageSequence do.
 DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images);
 
-// The code images of the device `uri`, until it ends, `count` have come (0: any number), or Ctrl-C. Shows progress.
-// Throws UserError: as depth_of_images, the device cannot be opened, its images change their size, or none is complete.
+// Code images from the device `uri`, until it ends, `count` have come (0: any number), or Ctrl-C. Shows progress.
+// Throws UserError as depth_of_images does, and if the device cannot be opened, its images change size, or none is
+// complete.
 DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::size_t count);
 
 }  // namespace selfproj

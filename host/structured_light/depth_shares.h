@@ -11,7 +11,7 @@
 
 namespace selfproj {
 
-// Number of pixels of each state.
+// The number of pixels in each state.
 struct DepthShares {
   std::array<std::size_t, kPointStates> count{};
 
@@ -20,10 +20,10 @@ struct DepthShares {
 };
 DepthShares count_states(const std::vector<PointState>& states);
 
-// "valid", "not_measurable", ...: as in summary.json.
+// The name used in summary.json: "valid", "not_measurable", ...
 const char* name_of(PointState state);
 
-// "44.37 % valid".
+// Text such as "44.37 % valid".
 std::string share_text(const DepthShares& shares, PointState state);
 
 }  // namespace selfproj

@@ -9,19 +9,19 @@
 #include "host/structured_light/check.h"
 #include "model/cpu_clones.h"
 
-// The compiler vectorizes the loops over pixels below; all their values have the width of a code, so that a vector
-// instruction does 64 pixels (AVX-512, m <= 8). Steps that change the width have loops of their own.
+// The compiler vectorizes the loops over pixels below. All their values have the width of a code, so that one vector
+// instruction handles 64 pixels (AVX-512, m <= 8). Steps that change the width have loops of their own.
 
 namespace selfproj {
 namespace {
 
 // --- decoder ---
 
-// A pair of plane p, of pixels first..last-1. `bit` is the plane's weight in the code, `above` the same where there is
-// a plane before, else 0.
+// Decodes a pair of plane p for pixels first..last-1. `bit` is the plane's weight in the code. `above` is the same if
+// there is a previous plane, else 0.
 //
-// With the saturated differences d+ = max(I+ - I-, 0) and d- = max(I- - I+, 0):  G = d+ > T, ambiguous = both <= T.
-// (4.15)
+// With the saturated differences d+ = max(I+ - I-, 0) and d- = max(I- - I+, 0): G = d+ > T, ambiguous = both <= T
+// (4.15).
 template <class T>
 struct Pair {
   const std::uint8_t* __restrict positive;
@@ -43,7 +43,7 @@ template <class T>
   const T lit = up > p.threshold ? static_cast<T>(~T{0}) : T{0};
   const T clear = down > p.threshold ? T{0} : static_cast<T>(~T{0});
   const T code = p.codes[i];
-  // B_p = B_{p-1} xor G (4.17): the plane above stands one bit higher in the code.
+  // B_p = B_{p-1} xor G (4.17): the previous plane is one bit higher in the code.
   const T value = static_cast<T>((code >> 1U) & p.above) ^ lit;
   p.codes[i] = static_cast<T>((code & ~p.bit) | (value & p.bit));
   p.ambiguous[i] = static_cast<T>((p.ambiguous[i] & ~p.bit) | (clear & ~lit & p.bit));
@@ -62,8 +62,8 @@ SELFPROJ_CLONES void update_words(const Pair<std::uint16_t>& pair, std::ptrdiff_
 void update_run(const Pair<std::uint8_t>& pair, std::ptrdiff_t count) { update_bytes(pair, count); }
 void update_run(const Pair<std::uint16_t>& pair, std::ptrdiff_t count) { update_words(pair, count); }
 
-// Rows that follow each other without a gap are done as one long row. What is left of them in the cache from the last
-// update is met again first, as every update runs against the direction of the one before.
+// Rows that follow each other without a gap are processed as one long row. Every update runs against the direction of
+// the one before, so that it first meets what the cache still holds.
 template <class T>
 void update_image(const ImageView& positive, const ImageView& negative, Pair<T> pair, bool downwards) {
   constexpr std::ptrdiff_t kRun = 1 << 14;  // pixels
@@ -108,22 +108,22 @@ SELFPROJ_CLONES void words_of_words(const std::uint16_t* codes, const std::uint1
 
 // --- median ---
 
-// How the median is taken. A code that is not measurable becomes the greatest value of its type; of nine values in
+// How the median works. A code that is not measurable becomes the greatest value of its type. Of nine values in
 // ascending order the measurable ones are then the first k (a measurable code of that value is the same number), and
 // their lower median is number (k - 1) / 2 from 0. The three values of each column of the neighbourhood are sorted once
-// for the three pixels that look at them, l <= m <= h; sorting the three l, the three m and the three h gives a square
+// for the three pixels that use them, l <= m <= h. Sorting the three l, the three m and the three h gives a square
 //
 //     l0 <= l1 <= l2
 //     ^     ^     ^          (columns ascend too)
 //     m0 <= m1 <= m2
 //     h0 <= h1 <= h2
 //
-// in which, with p = max(l1, m0) and s0 <= s1 <= s2 the sorted p, l2, h0, the smallest values are
+// In it, with p = max(l1, m0) and s0 <= s1 <= s2 the sorted p, l2, h0, the smallest values are
 //
 //     number 0: l0     1: min(l1, m0)     2: s0     3: min(s1, m1)     4: median of l2, m1, h0
 //
-// Number 2: of what remains without l0 and min(l1, m0), each value has one of p, l2, h0 below it or is one. Number 3:
-// likewise with s0 taken away, for m1 >= p, m2 >= l2, m1, and h1 >= h0, m1.
+// Number 2: each value that remains without l0 and min(l1, m0) is one of p, l2, h0 or has one of them below it. Number
+// 3: the same with s0 taken away, because m1 >= p, m2 >= l2, m1, and h1 >= h0, m1.
 
 template <class T>
 [[gnu::always_inline]] inline T lesser(T a, T b) {
@@ -146,24 +146,24 @@ template <class T>
   return greater(lesser(a, b), lesser(greater(a, b), c));
 }
 
-// `a` where `first`, else `b`, without a branch, which would keep the compiler from vectorizing.
+// `a` if `first`, else `b`. A branch would keep the compiler from vectorizing.
 template <class T>
 [[gnu::always_inline]] inline T choose(bool first, T a, T b) {
   const auto mask = static_cast<T>(-static_cast<int>(first));
   return static_cast<T>((a & mask) | (b & static_cast<T>(~mask)));
 }
 
-// The lines of scratch memory: all have a value more on either side.
+// The lines of scratch memory. All have one more value on either side.
 template <class T>
 struct Lines {
-  std::array<T*, 3> keys;   // code or greatest value, of three rows
-  std::array<T*, 3> flags;  // 1 where measurable
+  std::array<T*, 3> keys;   // code, or greatest value, of three rows
+  std::array<T*, 3> flags;  // 1 if measurable
   T* low;                   // sorted by columns
   T* middle;
   T* high;
-  T* count;  // of measurable values in a column
+  T* count;  // measurable values in a column
   T* result;
-  T* total;  // of measurable values in the neighbourhood
+  T* total;  // measurable values in the neighbourhood
 };
 constexpr std::ptrdiff_t kLines = 12;
 constexpr std::ptrdiff_t kMargin = 64;  // entries before and after a line
@@ -179,7 +179,7 @@ template <class T>
   }
 }
 
-// Three loops: with all four results in one, the compiler gives up proving that no two arrays overlap.
+// Three loops: if one loop made all four results, the compiler could not prove that no two arrays overlap.
 template <class T>
 [[gnu::always_inline]] inline void sort_columns(const Lines<T>& lines, std::ptrdiff_t columns) {
   const T* __restrict k0 = lines.keys[0];

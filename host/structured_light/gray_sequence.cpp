@@ -21,7 +21,7 @@ int checked(int side) {
 
 int bits_for(int values) { return std::max(1, static_cast<int>(std::bit_width(static_cast<unsigned>(values - 1)))); }
 
-// What plane i of `bits`, positive or negative, shows at place v of the coded axis.
+// The value that plane i of `bits`, positive or negative, shows at place v of the coded axis.
 std::uint8_t value(int v, int bits, int plane, bool negative) {
   const auto code = static_cast<unsigned>(v);
   const bool bit = (((code ^ (code >> 1U)) >> static_cast<unsigned>(bits - 1 - plane)) & 1U) != 0;

@@ -40,8 +40,8 @@ LensTriangulation::LensTriangulation(const Calibration& calibration, const LensS
       set_ray(i, {(*ray)[0], (*ray)[1], 1});
     }
   }
-  // Which way the projector column moves with z along the middle ray: towards the column of the point at infinity,
-  // from that of the camera's own centre. Undistorted: d/dz of (A_x z + T_x)/(A_z z + T_z).
+  // The direction in which the projector column moves with z along the middle ray: from the column of the camera's own
+  // centre towards that of the point at infinity. Undistorted: d/dz of (A_x z + T_x)/(A_z z + T_z).
   const std::size_t middle =
       (static_cast<std::size_t>(settings.rows) / 2) * static_cast<std::size_t>(settings.columns) +
       static_cast<std::size_t>(settings.columns) / 2;
@@ -88,7 +88,7 @@ LensTriangulation::Found LensTriangulation::solve(std::size_t pixel, std::uint16
   const Point3f one = point(pixel, 1);
   const cv::Vec3d ray = calibration_.rotation * cv::Vec3d(static_cast<double>(one.x), static_cast<double>(one.y), 1);
   const cv::Vec3d& t = calibration_.translation;
-  // A first z by the plane of the column at this row.
+  // A first z from the plane of the column at this row.
   const std::optional<cv::Vec2d> flat = lens.ray({column, row});
   if (!flat) {
     return fails(PointState::no_intersection);

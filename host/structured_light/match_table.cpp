@@ -14,7 +14,7 @@
 namespace selfproj {
 namespace {
 
-constexpr int kSteps = 4;     // of the walk, a line
+constexpr int kSteps = 4;     // steps of the walk for each line
 constexpr double kGap = 2.5;  // lines between pieces of one place
 
 void check_all(const Rig& rig, const SelfReference& reference, const MatchSettings& settings) {
@@ -26,9 +26,9 @@ void check_all(const Rig& rig, const SelfReference& reference, const MatchSettin
         "match: the reference is for another rig");
 }
 
-constexpr int kNoCell = std::numeric_limits<int>::min();  // beside the projector's image
+constexpr int kNoCell = std::numeric_limits<int>::min();  // outside the projector's image
 
-// The middle of a step, steps from the first line's edge on.
+// The middle of a step. Steps count from the edge of the first line.
 double line_at(int step) { return (step + 0.5) / kSteps - 0.5; }
 
 }  // namespace
@@ -61,7 +61,7 @@ int MatchSearch::cell_on(const Path& path, int step) const {
                       static_cast<std::size_t>(step / kSteps)];
 }
 
-// From the first step on at which the ray meets the light before the camera.
+// The first step at which the ray meets the light in front of the camera.
 int MatchSearch::first_step(double alpha) const {
   const RigProjector& projector = rig_->projector;
   const auto meets = [&](double tangent) {
@@ -71,7 +71,7 @@ int MatchSearch::first_step(double alpha) const {
   return static_cast<int>(at - tan_theta_.begin());
 }
 
-// Straight, so two of its points tell all of it.
+// The line is straight, so two of its points determine it.
 MatchSearch::Path MatchSearch::epipolar_line(double alpha, double beta) const {
   const RigProjector& p = rig_->projector;
   const auto point = [&](double z, double& line, double& column) {
@@ -103,8 +103,8 @@ void MatchSearch::add(const Match& candidate, int cell, std::vector<Match>& matc
   const auto period = static_cast<int>(codes_.size());
   const int code = codes_[static_cast<std::size_t>(((cell % period) + period) % period)];
   Match& match = matches[static_cast<std::size_t>(code)];
-  // The edge between two cells goes by whole projector pixels, and along a slanted line one may cross it to and fro:
-  // the pieces are one place.
+  // The edge between two cells follows whole projector pixels. A slanted line may cross it to and fro; the pieces are
+  // one place.
   const double gap = candidate.line - candidate.half_width - match.line - match.half_width;
   if (match.candidates > 0 && match.steps == candidate.steps && gap < kGap) {
     const double begin = match.line - match.half_width;
@@ -116,7 +116,7 @@ void MatchSearch::add(const Match& candidate, int cell, std::vector<Match>& matc
     return;
   }
   const int candidates = match.candidates + 1;
-  // The search goes towards the camera: of equals the later one is taken.
+  // The search goes towards the camera, so of equals the later one is taken.
   const bool nearer = settings_.printed_window ? std::abs(candidate.distance) <= std::abs(match.distance)
                                                : std::abs(candidate.steps) <= std::abs(match.steps);
   if (match.candidates == 0 || nearer) {

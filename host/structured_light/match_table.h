@@ -1,5 +1,5 @@
-// Neighbourhood search (4.19, 4.20), worked out before the first frame: of every camera pixel and code the projector
-// line that is matched.
+// Neighbourhood search (4.19, 4.20), computed before the first frame: the projector line that is matched with each
+// camera pixel and code.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_MATCH_TABLE_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_MATCH_TABLE_H
 
@@ -16,39 +16,40 @@ namespace selfproj {
 struct MatchSettings {
   int e = 0;  // cells below the reference that are searched, 0..2^m - 1
 
-  // Where the text is followed as printed; both are wrong for references that vary (README.md beside this file).
-  bool printed_direction = false;  // (4.19): along Xp at constant Yp, in place of the pixel's epipolar line
-  bool printed_window = false;     // (4.20): -a' e <= line - X_R < a' (2^m - e), in place of cells of the reference
-  double line_width = 3;           // a', projector lines, > 0; for the printed window alone
+  // The printed forms of the text, both wrong for references that vary (docs/structured-light.md).
+  bool printed_direction = false;  // (4.19): search along Xp at constant Yp, not along the pixel's epipolar line
+  bool printed_window = false;     // (4.20): -a' e <= line - X_R < a' (2^m - e), not counted in cells of the reference
+  double line_width = 3;           // a' > 0, in projector lines; for the printed window only
 };
 
-// What was found of one pixel and code.
+// The match of one pixel and code.
 struct Match {
-  double line = 0;        // middle of the matched cell, projector line from 0
-  double half_width = 0;  // of the cell, in lines
-  int steps = 0;          // n: by how many cells the match lies towards the camera
-  double distance = 0;    // from X_R to the match, in lines
-  int candidates = 0;     // in the window; 0: there is no match and the rest means nothing
+  double line = 0;        // middle of the matched cell, a projector line from 0
+  double half_width = 0;  // half the width of the cell, in lines
+  int steps = 0;          // n: how many cells the match lies towards the camera
+  double distance = 0;    // distance from X_R to the match, in lines
+  int candidates = 0;     // candidates in the window; if 0, there is no match and the rest is meaningless
 };
 
-// The search itself, a pixel at a time. A camera pixel at row r, whose own cell is k = ⌊Xc / (a δc)⌋, has its
-// correspondences on its epipolar line in the projector image, a straight line; along it the cells K of the reference
-// (of f_R at the nearest projector pixel, in steps of a quarter of a line) make runs, and a run with
+// The search itself, one pixel at a time. A camera pixel at row r has its own cell k = ⌊Xc / (a δc)⌋. Its
+// correspondences lie on its epipolar line in the projector image, a straight line. Along this line the cells K of the
+// reference (of f_R at the nearest projector pixel, in steps of a quarter of a line) form runs; pieces less than 2.5
+// lines apart are one run. A run with
 //     n = k - K,   -e <= n < 2^m - e
-// is a candidate for the code of cell K (pieces less than 2.5 lines apart are one run). Of several the one with the
-// smallest |n| is taken (printed window: nearest to X_R), then that nearer to the camera. Its place is the middle of
-// the run, which has the reference's own fractions of a cell. Nothing is matched at pixels that the reference does not
-// show (A_R = 0), and where z does not fall with θ (z0 tan α >= x0).
+// is a candidate for the code of cell K. Of several the one with the smallest |n| is taken (printed window: the one
+// nearest to X_R), and of equals the one nearer to the camera. Its place is the middle of the run, which has the
+// reference's own fractions of a cell. Nothing is matched at pixels that the reference does not show (A_R = 0), or if z
+// does not fall with θ (z0 tan α >= x0).
 class MatchSearch {
  public:
-  // Rig and reference must outlive the search. Throws std::invalid_argument where a setting is out of range or the
+  // Rig and reference must outlive the search. Throws std::invalid_argument if a setting is out of range or the
   // reference has not the rig's sizes.
   MatchSearch(const Rig& rig, const SelfReference& reference, const MatchSettings& settings);
 
-  // Whether anything is matched at this pixel.
+  // Whether anything can be matched at this pixel.
   [[nodiscard]] bool can_find(int row, int column) const;
 
-  // `matches` gets 2^m entries, one a code.
+  // `matches` gets 2^m entries, one for each code.
   void find(int row, int column, std::vector<Match>& matches) const;
 
  private:
@@ -65,18 +66,18 @@ class MatchSearch {
   const Rig* rig_;
   const SelfReference* reference_;
   MatchSettings settings_;
-  std::vector<int> cells_;  // of the projector pixels, column by column: the search goes along the lines
-  std::vector<int> codes_;  // of the cells of a period
+  std::vector<int> cells_;  // cells of the projector pixels, column by column, because the search goes along the lines
+  std::vector<int> codes_;  // codes of the cells of a period
   std::vector<double> tan_theta_;
 };
 
-// The words of a row of the camera image, those of a code side by side by columns. Codes lie in planes by n, by how
-// many cells they are nearer to the camera than the reference (modulo 2^m; so it is with the cyclic code, with the
-// reflected one the order means nothing): what is looked up of a surface near the reference is then one run over rows,
-// which the processor reads ahead, and not a piece of every code in turn.
+// The words of one row of the camera image; those of one code lie side by side, column by column. The codes are ordered
+// in planes by n, how many cells a match is nearer to the camera than the reference (modulo 2^m). What is looked up for
+// a surface near the reference is thus one run over rows, which the processor reads ahead. With the reflected code this
+// order has no meaning.
 struct MatchRow {
-  const std::uint16_t* first;  // of plane 0
-  std::ptrdiff_t plane;        // words from a plane to the next one
+  const std::uint16_t* first;  // the first word of plane 0
+  std::ptrdiff_t plane;        // words from one plane to the next
   unsigned own;                // plane of code 0
   unsigned mask;               // 2^m - 1
 
@@ -88,7 +89,7 @@ struct MatchRow {
 
 class MatchTable {
  public:
-  // Searches all pixels. Throws as MatchSearch.
+  // Searches all pixels. Throws as MatchSearch does.
   MatchTable(const Rig& rig, const SelfReference& reference, const MatchSettings& settings);
 
   [[nodiscard]] int rows() const { return rows_; }
@@ -105,10 +106,10 @@ class MatchTable {
             static_cast<unsigned>(own_[static_cast<std::size_t>(row)]), (1U << static_cast<unsigned>(bits_)) - 1};
   }
 
-  // The table as the circuit has it: pixel by pixel, 2^m words each.
+  // The table as the circuit has it: 2^m words for each pixel, one pixel after another.
   [[nodiscard]] std::vector<std::uint16_t> by_pixels() const;
 
-  // Of the pixels at which something can be matched, the share of codes without a match, and of codes with more than
+  // Over the pixels at which something can be matched: the share of codes without a match, and of codes with more than
   // one candidate, 0..1.
   [[nodiscard]] double missing() const { return missing_; }
   [[nodiscard]] double doubled() const { return doubled_; }

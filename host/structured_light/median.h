@@ -7,8 +7,7 @@
 
 namespace selfproj {
 
-// The median of values, at least one and none of them NaN; of an even number of them the upper of the two in the
-// middle.
+// The median of one or more values, none of them NaN; the upper of the two middle values if their number is even.
 template <typename T>
 T median_of(std::vector<T> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -14,11 +14,11 @@
 namespace selfproj {
 namespace {
 
-// So many that the compiler keeps the loop over them, and vectorizes it.
+// Enough for the compiler to keep the loop over them and vectorize it.
 constexpr std::ptrdiff_t kLanes = 64;
-constexpr std::ptrdiff_t kRun = kLanes * 16;  // pixels whose sums are floats: 16 a lane
+constexpr std::ptrdiff_t kRun = kLanes * 16;  // pixels whose sums are floats: 16 for each lane
 
-// Sums over the pixels that moved: of ones, of z - o_z, and of the same times the ray's slopes.
+// Sums over the pixels that moved: of 1, of z - o_z, and of the latter times the ray's slopes.
 struct Sums {
   float count[kLanes] = {};
   float z[kLanes] = {};
@@ -26,7 +26,7 @@ struct Sums {
   float y[kLanes] = {};
 };
 
-// Whole lanes only.
+// Handles whole lanes only.
 SELFPROJ_CLONES void add(const float* __restrict z, const float* __restrict background, const float* __restrict x_per_z,
                          const float* __restrict y_per_z, std::ptrdiff_t count, float origin_z, float least,
                          Sums& sums) {
@@ -34,8 +34,8 @@ SELFPROJ_CLONES void add(const float* __restrict z, const float* __restrict back
   for (std::ptrdiff_t i = 0; i < count; i += kLanes) {
     for (std::ptrdiff_t k = 0; k < kLanes; ++k) {
       const float depth = z[i + k];
-      // NaN on either side compares false, and must not meet a product with 0. Masks: a branch, or what the compiler
-      // takes for one, would keep it from vectorizing.
+      // NaN on either side compares false, and must not enter a product with 0. Masks are used, because a branch, or
+      // what the compiler takes for one, would keep it from vectorizing.
       const auto mask =
           static_cast<std::uint32_t>(-static_cast<std::int32_t>(std::abs(depth - background[i + k]) > least));
       const auto distance = std::bit_cast<float>(std::bit_cast<std::uint32_t>(depth - origin_z) & mask);
@@ -48,7 +48,7 @@ SELFPROJ_CLONES void add(const float* __restrict z, const float* __restrict back
   sums = s;
 }
 
-// `z` where it holds, else NaN; a choice would keep the compiler from vectorizing.
+// `z` if it holds, else NaN. A conditional would keep the compiler from vectorizing.
 [[gnu::always_inline]] inline float where(bool holds, float z) {
   constexpr std::uint32_t kNanBits = 0x7FC00000;
   const auto none = static_cast<std::uint32_t>(static_cast<std::int32_t>(holds) - 1);
@@ -69,7 +69,7 @@ SELFPROJ_CLONES void keep_steady(const float* __restrict z, const float* __restr
   }
 }
 
-// `pitch` from a row to the next; one pixel all round is there.
+// `pitch` is the distance between rows. There is one pixel of margin on all sides.
 SELFPROJ_CLONES void keep_supported(const float* __restrict kept, std::ptrdiff_t pitch, std::ptrdiff_t count,
                                     float most, std::int32_t least, float* __restrict out) {
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -147,7 +147,7 @@ Moved moved(const Triangulation& triangulation, const float* z, const float* bac
     add(z + at, background + at, x_per_z + at, y_per_z + at, run, origin.z, least_mm, sums);
     take(sums);
   }
-  for (std::ptrdiff_t i = total / kLanes * kLanes; i < total; ++i) {  // what fills no lanes
+  for (std::ptrdiff_t i = total / kLanes * kLanes; i < total; ++i) {  // pixels that fill no lanes
     if (std::abs(z[i] - background[i]) > least_mm) {
       const double distance = static_cast<double>(z[i]) - static_cast<double>(origin.z);
       count += 1;

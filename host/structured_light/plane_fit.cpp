@@ -40,7 +40,7 @@ PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth) 
   }
   const auto count = static_cast<double>(fit.points);
   mean /= count;
-  // About the mean, so that the normal equations of a, b are well scaled and z0 stands apart.
+  // Relative to the mean, so that the normal equations of a, b are well scaled and z0 separates.
   cv::Matx22d square;
   cv::Vec2d with_z;
   for_each_point(triangulation, depth, [&](std::size_t, const cv::Vec3d& point) {

@@ -41,7 +41,7 @@ constexpr double kNoDistance = std::numeric_limits<double>::quiet_NaN();
 
 float along(const Point3f& point, int axis) { return axis == 0 ? point.x : axis == 1 ? point.y : point.z; }
 
-// Where the vertices of a PLY file are.
+// Where the vertices are in a PLY file.
 struct PlyLayout {
   std::size_t header = 0;  // bytes
   std::size_t count = 0;

@@ -14,9 +14,9 @@
 namespace selfproj {
 namespace {
 
-constexpr float kApart = 4;  // lines between two places of light
+constexpr float kApart = 4;  // lines between two separate places of light
 
-// The points of which both coordinates are known.
+// Keeps the points of which both coordinates are known.
 ProjectorPoints both(FloatImage line, FloatImage column) {
   for (std::size_t i = 0; i < line.values.size(); ++i) {
     if (std::isnan(line.values[i]) || std::isnan(column.values[i])) {
@@ -45,7 +45,7 @@ void AxisScan::add(const ImageView& image) {
     to = std::copy_n(image.pixels + r * image.stride, columns_, to);
   }
   ++lines_;
-  // Lines less than kReach from the ends are not looked at: their light is not whole.
+  // Lines less than kReach from the ends are skipped, because their light is not whole.
   if (lines_ >= kRing) {
     look_at(lines_ - 1 - kReach);
   }
@@ -71,7 +71,7 @@ void AxisScan::weigh(int line, std::size_t pixel) {
   if (contrast <= static_cast<float>(contrast_)) {
     return;
   }
-  // What is above a quarter of the peak, and above the noise, next to it without a gap.
+  // The neighbouring values above a quarter of the peak and above the noise, without a gap.
   const float least = ground + std::max(0.25F * contrast, 3.0F);
   float light = 0;
   float moment = 0;
@@ -84,7 +84,7 @@ void AxisScan::weigh(int line, std::size_t pixel) {
       light += over;
       moment += over * static_cast<float>(k);
     }
-    return false;  // no end of it
+    return false;  // no end of it was found
   };
   const bool whole_right = walk(1);
   const bool whole_left = walk(-1);
@@ -92,7 +92,7 @@ void AxisScan::weigh(int line, std::size_t pixel) {
     return;
   }
   const float place = static_cast<float>(line) + moment / light;
-  const bool apart = std::abs(place - place_[pixel]) > kApart;  // NaN is not
+  const bool apart = std::abs(place - place_[pixel]) > kApart;  // false for NaN
   if (contrast > best_[pixel]) {
     if (apart) {
       second_[pixel] = best_[pixel];
@@ -131,15 +131,15 @@ ProjectorPoints LinePointScan::points() { return both(line_axis_.coordinates(), 
 
 namespace {
 
-// The code without what follows the planes `above` (a mask): reflected codes change in one plane only, so that the two
-// codes that differ in plane `bit` alone are mirror images about the edge between them.
+// The code without what follows the planes `above` (a mask). Reflected codes change in one plane only, so two codes
+// that differ in plane `bit` alone are mirror images about the edge between them.
 float place_of_code(unsigned code, unsigned ambiguous, int most_open) {
   if (ambiguous == 0) {
     return static_cast<float>(code);
   }
   const unsigned top = std::bit_floor(ambiguous);
   const unsigned below = top - 1;
-  // The finest planes, all of them from `top` on: 2 top codes are left open, of which the middle is taken.
+  // All of the finest planes from `top` on are ambiguous: 2 top codes are left open, and their middle is taken.
   if (ambiguous == (top | below)) {
     if (2 * top > static_cast<unsigned>(most_open)) {
       return kNoValue;
@@ -150,8 +150,8 @@ float place_of_code(unsigned code, unsigned ambiguous, int most_open) {
   if (ambiguous != top) {
     return kNoValue;
   }
-  // One plane alone. Taken for 0 the bits of the code from there on have the parity of the planes above; the other
-  // choice turns all of them. An edge lies between neighbours only.
+  // One plane alone is ambiguous. If it is taken for 0, the bits of the code from there on have the parity of the
+  // planes above. The other choice inverts all of them. An edge lies only between neighbouring codes.
   const unsigned other = code ^ (top | below);
   const int apart = std::abs(static_cast<int>(code) - static_cast<int>(other));
   return apart == 1 ? 0.5F * static_cast<float>(code + other) : kNoValue;

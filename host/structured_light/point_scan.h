@@ -1,5 +1,5 @@
-// Which point of the projector each pixel of the camera sees, from a scan: one straight line of light at a time along
-// each axis, or Gray codes along both. Whoever shows the patterns and takes the images looks on.
+// Finds which projector point each camera pixel sees, from a scan: one straight line of light at a time along each
+// axis, or Gray codes along both. The caller shows the patterns and takes the images.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_POINT_SCAN_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_POINT_SCAN_H
 
@@ -15,32 +15,33 @@
 
 namespace selfproj {
 
-// Of each camera pixel the point of the projector that lights what it sees: line and column, from 0 with a fraction,
-// both NaN where there is none.
+// For each camera pixel the projector point that lights what it sees: line and column, from 0 with a fraction, both NaN
+// if there is none.
 struct ProjectorPoints {
   FloatImage line;
   FloatImage column;
 };
 
-// One axis of a line scan. The images come in the order of the lines; of each pixel is kept where along the axis it was
-// brightest, as the centroid of the light there, so that memory does not grow with the number of lines.
+// One axis of a line scan. The images come in the order of the lines. For each pixel it keeps the place along the axis
+// where the pixel was brightest, as the centroid of the light there; memory thus does not grow with the number of
+// lines.
 class AxisScan {
  public:
-  // Images of rows x columns. `contrast`: how much brighter, in grey values, than its surroundings along the axis a
-  // pixel must become. Throws std::invalid_argument where a size is less than 1.
+  // Images of rows x columns. `contrast`: by how many grey values a pixel must become brighter than its surroundings
+  // along the axis. Throws std::invalid_argument if a size is less than 1.
   AxisScan(int rows, int columns, int contrast);
 
-  // The image under the next line, 0 first. Throws std::invalid_argument for another size.
+  // Adds the image under the next line, beginning with line 0. Throws std::invalid_argument for another size.
   void add(const ImageView& image);
 
-  // The coordinate of each pixel, NaN where the contrast is not reached, where light lies at the end of the axis and
-  // is not whole, or where two places more than four lines apart are lit alike (the dimmer one by more than half as
-  // much): a pixel that sees both sides of a step.
+  // The coordinate of each pixel. NaN if the contrast is not reached, if the light lies at the end of the axis and is
+  // not whole, or if two places more than four lines apart are lit alike (the dimmer by more than half as much): such a
+  // pixel sees both sides of a step.
   [[nodiscard]] FloatImage coordinates();
 
  private:
-  // The light of one pixel spreads over no more than so many lines to either side. On rig B a pixel sees 1.2 to 3.4
-  // lines, and a lens's blur of half a pixel adds 1.5 times as much.
+  // The light of one pixel spreads over no more than this many lines to either side. On rig B a pixel sees 1.2 to 3.4
+  // lines, and a lens blur of half a pixel adds 1.5 times as much.
   static constexpr int kReach = 10;
   static constexpr int kRing = 2 * kReach + 1;
 
@@ -53,18 +54,18 @@ class AxisScan {
   int rows_, columns_;
   std::size_t pixels_;
   int contrast_;
-  int lines_ = 0;                             // that came
+  int lines_ = 0;                             // lines that have come
   std::vector<std::uint8_t> ring_;            // the newest kRing images
-  std::vector<std::uint8_t> look_;            // a pixel is worth a look where it is brighter
-  std::vector<float> best_, place_, second_;  // contrast, coordinate; contrast of another place
+  std::vector<std::uint8_t> look_;            // only pixels brighter than this need a look
+  std::vector<float> best_, place_, second_;  // contrast and coordinate; contrast of another place
 };
 
-// Both axes: the lines' images first, then the columns'. Throws as AxisScan.
+// Both axes: first the images of the lines, then those of the columns. Throws as AxisScan does.
 class LinePointScan {
  public:
   explicit LinePointScan(const Rig& rig);
 
-  // All images that come: one under each line, then one under each column of the projector.
+  // The number of images: one under each line, then one under each column of the projector.
   [[nodiscard]] int count() const { return lines_ + columns_; }
 
   void add(const ImageView& image);
@@ -77,37 +78,36 @@ class LinePointScan {
   AxisScan line_axis_, column_axis_;
 };
 
-// Codes along one axis in which some planes of some pixels are ambiguous: of plane p of m bit m - 1 - p, as the Gray
-// decoder keeps them.
+// Codes along one axis, with planes that are ambiguous in some pixels. Plane p of m has bit m - 1 - p, as in the Gray
+// decoder.
 struct AmbiguousCodes {
   int rows = 0;
   int columns = 0;
   int bits = 0;
-  std::vector<std::uint16_t> codes;      // ambiguous planes taken for 0 (4.17)
-  std::vector<std::uint16_t> ambiguous;  // planes
+  std::vector<std::uint16_t> codes;      // codes with ambiguous planes taken for 0 (4.17)
+  std::vector<std::uint16_t> ambiguous;  // ambiguous planes
 };
 
-// Coordinates from Gray codes of which each counts one line. A plane is ambiguous where an edge of it passes through
-// the pixel, and then no other plane is: the place is between the two codes that differ in that plane. Or the pixel
-// sees too much of the projector to resolve the finest planes: then the place is in the middle of what the others leave
-// open, which may be `most_open` lines. Anything else gives NaN. In a second step each place is that of the straight
-// plane fitted to those of the neighbourhood, which averages the codes' steps: of the pixels up to `reach` rows and
-// columns away whose places are within `jump` lines a pixel of distance from the middle one's; where less than half of
-// them are, the place stays as it is.
+// Coordinates from Gray codes that count single lines. If an edge of a plane passes through the pixel, this plane alone
+// is ambiguous, and the place is between the two codes that differ in that plane. If the pixel sees too much of the
+// projector to resolve the finest planes, the place is the middle of what the others leave open, at most `most_open`
+// lines. Anything else gives NaN. In a second step each place is replaced by that of the plane fitted to its
+// neighbourhood, which averages the steps of the codes. The fit uses pixels up to `reach` rows and columns away whose
+// places are within `jump` lines for each pixel of distance. If these are fewer than half, the place stays.
 FloatImage coordinates_of_codes(const AmbiguousCodes& codes, int most_open = 4, int reach = 2, double jump = 4);
 
-// The same from the images seen under the patterns of GraySequence (columns, then lines, then white and black, which
-// are not needed): 42 of them on rig B in place of 1792.
+// The same from the images seen under the patterns of GraySequence: columns, lines, and finally white and black, which
+// are not needed. On rig B these are 42 images instead of 1792.
 class GrayPointScan {
  public:
   explicit GrayPointScan(const Rig& rig);
 
   [[nodiscard]] int count() const { return sequence_.count(); }
 
-  // The next image. Throws std::invalid_argument for another size, or where there are more.
+  // Adds the next image. Throws std::invalid_argument for another size, or for one image too many.
   void add(const ImageView& image);
 
-  // Coordinates as of coordinates_of_codes, where both axes have one.
+  // Coordinates as coordinates_of_codes gives them, for pixels that have both.
   [[nodiscard]] ProjectorPoints points() const;
 
  private:

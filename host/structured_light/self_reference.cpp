@@ -59,7 +59,7 @@ void invert(SelfReference& reference) {
     return Corner{static_cast<double>(line.row(r)[c]), static_cast<double>(column.row(r)[c]), static_cast<double>(r),
                   static_cast<double>(c)};
   };
-  const auto together = [](const Corner& a, const Corner& b) {  // NaN is not
+  const auto together = [](const Corner& a, const Corner& b) {  // false for NaN
     return std::abs(a.line - b.line) <= kJump && std::abs(a.column - b.column) <= kJump;
   };
   for (int r = 0; r + 1 < line.rows; ++r) {
@@ -77,9 +77,9 @@ void invert(SelfReference& reference) {
   }
 }
 
-// Gives every pixel that is not `seen` a value that goes over smoothly into those of the pixels that are: the solution
-// of Laplace's equation between them, level across the image's border. From averages over larger and larger squares
-// first, which are then relaxed.
+// Gives every pixel that is not `seen` a value that continues smoothly from those that are: the solution of Laplace's
+// equation between them, level across the image's border. It starts from averages over larger and larger squares and
+// relaxes them.
 void fill_smoothly(FloatImage& image, const std::vector<std::uint8_t>& seen) {
   constexpr int kSweeps = 200;
   constexpr float kOver = 1.7F;  // over-relaxation
@@ -99,7 +99,7 @@ void fill_smoothly(FloatImage& image, const std::vector<std::uint8_t>& seen) {
     for (int r = 0; r < fine.sum.rows; ++r) {
       for (int c = 0; c < fine.sum.columns; ++c) {
         const float count = fine.count.row(r)[c];
-        if (count > 0) {  // each square counts alike
+        if (count > 0) {  // each square has the same weight
           coarse.sum.row(r / 2)[c / 2] += fine.sum.row(r)[c] / count;
           coarse.count.row(r / 2)[c / 2] += 1;
         }
@@ -141,7 +141,7 @@ void fill_smoothly(FloatImage& image, const std::vector<std::uint8_t>& seen) {
   }
 }
 
-// The depth of the reference along the projector's rays is continued; from it follows where the camera would see the
+// Continues the depth of the reference along the projector's rays. From it follows where the camera would see the
 // light.
 void fill_in(const Rig& rig, SelfReference& reference) {
   check(std::find(reference.seen.begin(), reference.seen.end(), 1) != reference.seen.end(),
@@ -248,7 +248,7 @@ FloatImage gray_pattern(const Rig& rig, int bits, int lines, int index) {
   FloatImage pattern(rig.projector.lines, rig.projector.columns);
   const double first = 0.5 * (rig.projector.lines - lines);
   for (int l = 0; l < pattern.rows; ++l) {
-    const double y = l - first + 0.5;  // of the line's middle, in lines from the first coded one
+    const double y = l - first + 0.5;  // middle of the line, in lines from the first coded one
     if (y < 0 || y > lines) {
       continue;
     }

@@ -1,4 +1,4 @@
-// What self-projected structured light knows of its reference before the first frame, and the patterns made of it.
+// What self-projected structured light knows of its reference before the first frame, and the patterns made from it.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_SELF_REFERENCE_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_SELF_REFERENCE_H
 
@@ -16,41 +16,42 @@ namespace selfproj {
 // Camera images have the rig's camera's rows x columns, projector images its lines x columns; coordinates count from 0.
 struct SelfReference {
   Stripes stripes;
-  ProjectorPoints points;  // X_R: the projector point that each camera pixel sees on the reference; A_R: where there is
-                           // one (both coordinates or neither)
+  ProjectorPoints points;  // X_R: the projector point that each camera pixel sees on the reference; A_R says where
+                           // there is one (both coordinates or neither)
   FloatImage row;          // f_R: the camera point that each projector pixel lights on the reference (4.12); everywhere
   FloatImage column;
-  std::vector<std::uint8_t> seen;  // of each projector pixel: 1 where the camera sees that, 0 where f_R is filled in
+  std::vector<std::uint8_t> seen;  // for each projector pixel: 1 if the camera sees it, 0 if f_R is filled in
 
   // A_R of a camera pixel.
   [[nodiscard]] bool measurable(std::size_t pixel) const;
 
-  // ⌊Xc(f_R) / (a δc)⌋ of a projector pixel: the cell of the reference that its light belongs to.
+  // ⌊Xc(f_R) / (a δc)⌋ of a projector pixel: the cell of the reference to which its light belongs.
   [[nodiscard]] int cell(int line, int projector_column) const;
 
-  int camera_rows = 0;  // what Xc is counted in
+  int camera_rows = 0;  // the size in which Xc is counted
 };
 
-// Makes f_R of X_R. Between the four pixels of a square of the camera image that lie on one surface (no two of them
+// Inverts X_R to f_R. Between the four pixels of a square of the camera image that lie on one surface (no two of them
 // more than `jump` = 8 lines or columns apart), f_R is the inverse of X_R, linear in each of two triangles. Elsewhere,
-// in shadows, and where the camera does not see, it is filled in, so that every projector pixel has a cell: the depth z
-// of the reference, as the projector sees it, is continued smoothly (Laplace's equation, level across the border of the
-// projector's image), and f_R is where the camera would see that surface, also beyond its image. A plane that faces the
-// camera goes on as that plane; the cells of neighbours follow each other without a gap.
-// Throws std::invalid_argument where sizes are not the rig's, the stripes are out of range, or no pixel is seen.
+// in shadows and where the camera does not see, it is filled in, so that every projector pixel has a cell. For this the
+// depth z of the reference, as the projector sees it, is continued smoothly (Laplace's equation, level across the
+// border of the projector's image), and f_R is where the camera would see that surface, even beyond its image. A plane
+// that faces the camera continues as that plane, and neighbouring cells follow each other without a gap. Throws
+// std::invalid_argument if sizes are not the rig's, the stripes are out of range, or no pixel is seen.
 SelfReference make_self_reference(const Rig& rig, const ProjectorPoints& points, const Stripes& stripes);
 
-// Throws std::invalid_argument where the stripes are out of range.
+// Throws std::invalid_argument if the stripes are out of range.
 void check_stripes(const Stripes& stripes);
 
-// Self-projected pattern i (0..2m - 1; even: positive of plane i / 2, odd: its negative) of (4.13): light 0 or 1.
+// Self-projected pattern i of (4.13), 0..2m - 1: even for the positive of plane i / 2, odd for its negative. Light 0 or
+// 1.
 FloatImage self_projected_pattern(const SelfReference& reference, int index);
 
-// Pattern i of a line scan: line i of the projector's lines, then, from i = lines on, of its columns.
+// Pattern i of a line scan: first the projector's lines, then, from i = lines on, its columns.
 FloatImage scan_pattern(const Rig& rig, int index);
 
 // Pattern i of the conventional method (4.1): stripes along the projector's lines, 2^bits codes over the central
-// `lines` lines (as many as the projector has, or fewer); dark, in positives and negatives, beyond them.
+// `lines` lines, which may be all. Beyond them positives and negatives are dark.
 FloatImage gray_pattern(const Rig& rig, int bits, int lines, int index);
 
 }  // namespace selfproj

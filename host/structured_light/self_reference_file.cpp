@@ -61,7 +61,7 @@ FloatImage read_map(const std::string& folder, const std::string& name, int rows
   return image;
 }
 
-// The scalar under a key. Throws UserError where there is none.
+// The scalar under a key. Throws UserError if there is none.
 template <class T>
 T value_of(const YAML::Node& node, const std::string& file, const std::string& key) {
   const YAML::Node value = node[key];

@@ -19,12 +19,12 @@
 
 namespace selfproj {
 
-// Adds all files to the folder; nothing is committed. Throws UserError.
+// Adds all files to the folder, which the caller must commit. Throws UserError.
 void write_self_reference(const Rig& rig, const SelfReference& reference, OutputFolder& folder);
 
-// Reads such a folder back (reference.yaml, X_R, f_R and f_r_seen). Throws UserError, naming file and reason: no
-// folder, a file missing, damaged or of another size, another version, made for a rig of another geometry, stripes out
-// of range, a value of f_R that is no number.
+// Reads such a folder back (reference.yaml, X_R, f_R and f_r_seen). Throws UserError with file and reason if there is
+// no folder, a file is missing, damaged, of another size or version, or made for a rig of another geometry, the stripes
+// are out of range, or a value of f_R is no number.
 SelfReference read_self_reference(const Rig& rig, const std::string& folder);
 
 }  // namespace selfproj

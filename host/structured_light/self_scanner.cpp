@@ -15,8 +15,8 @@ namespace {
 
 constexpr float kLinesPerUnit = 1.0F / (1U << GrayMatch::kFractionBits);
 
-// What is none becomes NaN by its bits: a choice between two values is control flow to the compiler here, and loops
-// would stay scalar.
+// The word for no match becomes NaN through its bits. The compiler treats a choice between two values as control flow,
+// and the loops would stay scalar.
 [[gnu::always_inline]] inline float line_of(std::uint16_t word) {
   constexpr std::uint32_t kNanBits = 0x7FC00000;
   const std::uint32_t none = word == GrayMatch::kNone ? 1U : 0U;
@@ -24,12 +24,12 @@ constexpr float kLinesPerUnit = 1.0F / (1U << GrayMatch::kFractionBits);
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(line) | ((0U - none) & kNanBits));
 }
 
-// More than one ambiguous pair.
+// Whether more than one pair is ambiguous.
 [[gnu::always_inline]] inline bool is_unmeasurable(int ambiguous) { return (ambiguous & (ambiguous - 1)) != 0; }
 
-// Of so many neighbours the codes are mostly one, two or three: each code that occurs is looked up for all of them at
-// once, with plain loads, and its words are kept where it is theirs. That is several times as fast as gathering words;
-// random codes, which no surface has, take longer.
+// Neighbours mostly share one, two or three codes. Each code that occurs is looked up for all of them at once with
+// plain loads, and the words are kept for the pixels that have this code. This is several times as fast as gathering
+// words. Random codes, which no surface has, take longer.
 constexpr std::ptrdiff_t kBlock = 64;
 constexpr std::uint16_t kNoCode = 0xFFFF;
 
@@ -72,7 +72,7 @@ SELFPROJ_CLONES void look_up(const std::uint8_t* codes, const std::uint8_t* ambi
     return;
   }
   for (std::ptrdiff_t at = 0; at < count; at += kBlock) {
-    look_up_block(codes, ambiguous, std::min(at, count - kBlock), row, lines);  // the last one over what is done
+    look_up_block(codes, ambiguous, std::min(at, count - kBlock), row, lines);  // the last block may overlap others
   }
 }
 
@@ -135,7 +135,7 @@ void SelfScanner::take_codes(const std::uint16_t* words) {
   match(board_codes_.data(), board_ambiguous_.data());
 }
 
-// Row by row, so that what one step leaves is still near when the next one takes it.
+// Processes row by row, so that the results of one step are still in the cache for the next.
 void SelfScanner::match(const std::uint8_t* codes, const std::uint8_t* ambiguous) {
   codes_ = codes;
   ambiguous_ = ambiguous;

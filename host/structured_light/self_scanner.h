@@ -16,35 +16,34 @@
 
 namespace selfproj {
 
-// Projector lines of the pixels of one row (model/gray_match), NaN where nothing is matched: `codes` and `ambiguous` as
-// of CodeImageView, table.columns() of each. Allocates nothing.
+// The projector lines of the pixels of one row (model/gray_match), NaN if nothing is matched. `codes` and `ambiguous`
+// are those of CodeImageView, table.columns() each. Allocates nothing.
 void look_up_row(const MatchTable& table, int row, const std::uint8_t* codes, const std::uint8_t* ambiguous,
                  float* lines);
 
-// from - z of `count` pixels, NaN where one of them is.
+// Computes from - z for `count` pixels, NaN if either is NaN.
 void subtract(const float* from, const float* z, std::ptrdiff_t count, float* difference);
 
 class SelfScanner {
  public:
-  // `threshold`: θ_b of (4.15). Everything is allocated here; the table must outlive the scanner. Throws
-  // std::invalid_argument where a size or setting does not fit.
+  // `threshold`: θ_b of (4.15). Allocates everything here; the table must outlive the scanner. Throws
+  // std::invalid_argument if a size or setting does not fit.
   SelfScanner(const Rig& rig, const SelfReference& reference, const MatchTable& table, int threshold,
               const DepthLimits& limits = {});
 
-  // Takes a frame with its pattern index, by the rules of FastGrayDecoder, and returns true where there is a new depth
-  // image: codes (4.15 to 4.18), match (4.19, 4.20), triangulation (4.8), difference. `good` is false for a frame that
-  // was flagged.
+  // Takes a frame with its pattern index, by the rules of FastGrayDecoder. Returns true if there is a new depth image:
+  // codes (4.15 to 4.18), match (4.19, 4.20), triangulation (4.8), difference. `good` is false for a flagged frame.
   bool take(const ImageView& image, int pattern, bool good = true);
 
-  // Takes a code image decoded elsewhere (on the board), rows x columns words. Codes of more than m bits are not
-  // measurable.
+  // Takes a code image that was decoded elsewhere (on the board), rows x columns words. Codes of more than m bits are
+  // not measurable.
   void take_codes(const std::uint16_t* words);
 
-  // The newest depth image, mm, NaN where there is none, and z_R - z, mm, positive towards the camera.
+  // The newest depth image in mm, NaN for pixels without depth, and z_R - z in mm, positive towards the camera.
   [[nodiscard]] const FloatImage& depth() const { return depth_; }
   [[nodiscard]] const FloatImage& difference() const { return difference_; }
 
-  // What was matched in a row of the newest image, as of look_up_row; at least one must have come.
+  // The matches in a row of the newest image, as look_up_row gives them. At least one image must have come.
   void newest_lines(int row, float* lines) const;
 
   // Depth of the reference, from X_R.
@@ -52,8 +51,8 @@ class SelfScanner {
 
   [[nodiscard]] const PlaneTriangulation& triangulation() const { return triangulation_; }
 
-  // Why the pixels have the newest depth: not_measurable by the pair or the reference, no_line where no cell of the
-  // reference is in the window.
+  // The state of each pixel of the newest depth image: not_measurable because of the pair or the reference, no_line if
+  // no cell of the reference is in the window.
   void explain(std::vector<PointState>& states) const;
 
  private:
@@ -63,10 +62,10 @@ class SelfScanner {
   const MatchTable* table_;
   PlaneTriangulation triangulation_;
   FastGrayDecoder decoder_;
-  std::vector<std::uint8_t> board_codes_, board_ambiguous_;  // of take_codes
-  const std::uint8_t* codes_ = nullptr;                      // newest
+  std::vector<std::uint8_t> board_codes_, board_ambiguous_;  // from take_codes
+  const std::uint8_t* codes_ = nullptr;                      // newest codes
   const std::uint8_t* ambiguous_ = nullptr;
-  std::vector<float> lines_;  // of one row
+  std::vector<float> lines_;  // lines of one row
   FloatImage depth_, difference_, reference_depth_;
 };
 

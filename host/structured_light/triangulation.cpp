@@ -25,7 +25,7 @@ struct Common {
 
 enum class Measurable : bool { no, yes };
 
-// One pixel; NaN where not valid, also where the code (C, with its half) is NaN. Written without branches, for the
+// One pixel. NaN if not valid, also if the code (C, with its half) is NaN. Written without branches, for the
 // vectorizer.
 [[gnu::always_inline]] inline float depth_of(float code, Measurable measurable, float at, float slope, float least,
                                              const Common& k) {
@@ -72,7 +72,7 @@ cv::Vec3d row_of(const cv::Matx<double, 2, 4>& matrix, int row) {
   return {matrix(row, 0), matrix(row, 1), matrix(row, 2)};
 }
 
-// Rays of a pixel of T_C, z part 1.
+// The ray of a pixel by T_C, scaled to z = 1.
 cv::Vec3d ray_of(const cv::Matx33d& inverse, double row, double column) {
   const cv::Vec3d ray = inverse * cv::Vec3d(column, row, 1);
   check(ray[2] > 0, "triangulation: the camera does not look along z");
@@ -116,7 +116,7 @@ PlaneTriangulation::PlaneTriangulation(int rows, int columns, int bits, const De
   const cv::Vec3d middle = ray_of(inverse, 0.5 * (rows - 1), 0.5 * (columns - 1));
   sign_ = e1_ * row_of(projector_, 0).dot(middle) - e0_ * row_of(projector_, 1).dot(middle) < 0 ? -1 : 1;
 
-  // Whether the terms are those of the row: rays of a pinhole are linear in the column, so its ends tell.
+  // Whether the terms hold for the whole row: rays of a pinhole are linear in the column, so the row's ends decide.
   const auto equal = [](double a, double b) { return std::abs(a - b) <= 1e-12 * (std::abs(a) + std::abs(b)); };
   by_rows_ = true;
   for (int r = 0; r < rows && by_rows_; ++r) {
@@ -148,7 +148,7 @@ PlaneTriangulation::PlaneTriangulation(const Rig& rig, int bits, DepthLimits lim
           }(),
           std::ldexp(1.0, bits) / (coded_lines > 0 ? coded_lines : rig.projector.lines)) {}
 
-// H_P = (e1 n0 - n1 e0) / (n0 - C n1): before the projector, both have one sign, which `sign_` makes positive.
+// H_P = (e1 n0 - n1 e0) / (n0 - C n1). In front of the projector both have one sign, which `sign_` makes positive.
 PlaneTriangulation::Terms PlaneTriangulation::terms(const cv::Vec3d& ray) const {
   const double n0 = row_of(projector_, 0).dot(ray);
   const double n1 = row_of(projector_, 1).dot(ray);
@@ -207,7 +207,7 @@ double PlaneTriangulation::rounding_error(std::size_t pixel, float z) const {
   const auto at = static_cast<double>(at_[k]);
   const auto slope = static_cast<double>(slope_[k]);
   const double distance = static_cast<double>(z) - center_[2];
-  // The code whose plane meets the ray there, with a fraction, and |dz/dC| as above.
+  // The code, with a fraction, whose plane meets the ray there, and |dz/dC| as above.
   const double code = (distance * at + sign_ * e0_) / (distance * slope + sign_ * e1_);
   const double denominator = at - code * slope;
   return std::abs(e1_ * at - slope * e0_) / (denominator * denominator) / std::sqrt(12.0);

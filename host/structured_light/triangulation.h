@@ -1,7 +1,7 @@
 // From code images to depth: the ray of a camera pixel meets the plane of its code (4.7).
 //
-// Axes and signs are the world's of section 1 of the method: depth is z in mm, NaN where there is none. Pixels count
-// from 0, row by row; code words are those of model/gray_decoder (code in bits 11..0, bit 15 measurable).
+// Axes and signs are those of the world in section 1 of the method. Depth is z in mm, NaN if there is none. Pixels
+// count from 0, row by row. Code words are those of model/gray_decoder (code in bits 11..0, bit 15 measurable).
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_TRIANGULATION_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_TRIANGULATION_H
 
@@ -16,10 +16,10 @@
 
 namespace selfproj {
 
-// Why a pixel has no depth; valid where it has one. The first reason that fits counts.
+// Why a pixel has no depth, or valid if it has one. The first reason that applies counts.
 enum class PointState : std::uint8_t {
   valid = 0,
-  not_measurable,   // more than one ambiguous pair, or the median found too few neighbours
+  not_measurable,   // more than one ambiguous pair, or too few neighbours for the median
   no_line,          // the code belongs to no line of the projector
   no_intersection,  // the ray meets the plane behind camera or projector, or z would not fall with θ (z0 tan α >= x0)
   too_coarse,       // one projector line is worth more than max_z_per_line_mm
@@ -28,11 +28,11 @@ enum class PointState : std::uint8_t {
 };
 inline constexpr int kPointStates = 7;
 
-// What a point must keep to be valid.
+// The limits within which a point is valid.
 struct DepthLimits {
   double min_z_mm = 0;
   double max_z_mm = std::numeric_limits<double>::infinity();
-  double max_z_per_line_mm = std::numeric_limits<double>::infinity();  // |dz| from one projector line to the next
+  double max_z_per_line_mm = std::numeric_limits<double>::infinity();  // greatest |dz| from one line to the next
 };
 
 struct Point3f {
@@ -41,7 +41,7 @@ struct Point3f {
   float z = 0;
 };
 
-// Depth from codes along one axis of the projector, of images of one size.
+// Depth from codes along one axis of the projector, for images of one size.
 class Triangulation {
  public:
   Triangulation(const Triangulation&) = delete;
@@ -53,14 +53,14 @@ class Triangulation {
   [[nodiscard]] int bits() const { return bits_; }
   [[nodiscard]] std::size_t pixels() const { return x_per_z_.size(); }
 
-  // rows() * columns() words to as many depths. Allocates nothing and keeps no state.
+  // Converts rows() * columns() words to as many depths. Allocates nothing and keeps no state.
   virtual void depth(const std::uint16_t* codes, float* z) const = 0;
 
-  // Why the pixels of these codes have the depth that `depth` gave them.
+  // The state of each pixel, given its code and the depth that `depth` gave it.
   virtual void explain(const std::uint16_t* codes, const float* z, PointState* states) const = 0;
 
-  // Standard deviation in mm of the error in z of a pixel with depth z that rounding to whole codes causes: that of a
-  // place uniform over the code, 1/√12 of the depth that a code is worth there.
+  // Standard deviation in mm of the error in z that rounding to whole codes causes at a pixel with depth z. The place
+  // is uniform over the code, so it is 1/√12 of the depth that a code is worth there.
   [[nodiscard]] virtual double rounding_error(std::size_t pixel, float z) const = 0;
 
   // The point of pixel i at depth z, on the pixel's ray.
@@ -69,20 +69,20 @@ class Triangulation {
     return {origin_.x + along * x_per_z_[i], origin_.y + along * y_per_z_[i], z};
   }
 
-  // Whether image rows run along x and columns along y, as a rig's do; else it is the other way round.
+  // Whether image rows run along x and columns along y, as in a rig; otherwise it is the other way round.
   [[nodiscard]] virtual bool rows_are_x() const = 0;
 
-  // The camera's optical centre, and the rays: dx/dz and dy/dz of each pixel's.
+  // The camera's optical centre, and dx/dz and dy/dz of each pixel's ray.
   [[nodiscard]] const Point3f& origin() const { return origin_; }
   [[nodiscard]] const float* x_per_z() const { return x_per_z_.data(); }
   [[nodiscard]] const float* y_per_z() const { return y_per_z_.data(); }
 
  protected:
-  // Throws std::invalid_argument where rows or columns are less than 1, or bits not 1..12.
+  // Throws std::invalid_argument if rows or columns are less than 1, or bits are not 1..12.
   Triangulation(int rows, int columns, int bits);
 
   void set_origin(const cv::Vec3d& origin);
-  void set_ray(std::size_t i, const cv::Vec3d& direction);  // direction[2] is 1
+  void set_ray(std::size_t i, const cv::Vec3d& direction);  // direction[2] must be 1
 
  private:
   int rows_, columns_, bits_;
@@ -90,24 +90,24 @@ class Triangulation {
   std::vector<float> x_per_z_, y_per_z_;
 };
 
-// Pinholes: all of (4.7) that does not depend on the code is worked out once. With the ray o + s d, d_z = 1, and the
-// rows t0, t1 of T_P, the plane of the code is (t0 - C t1) . (x, y, z, 1) = 0 and
+// Pinholes: everything in (4.7) that does not depend on the code is computed once. With the ray o + s d, d_z = 1, and
+// the rows t0, t1 of T_P, the plane of the code is (t0 - C t1) . (x, y, z, 1) = 0, and
 //
 //     z = o_z + (C e1 - e0)/(n0 - C n1),   n = t . (d, 0) of the pixel,   e = t . (o, 1)
 //
-// a quotient of two terms linear in C, so no table of planes is needed. |dz/dC| = |e1 n0 - n1 e0| / (n0 - C n1)^2, and
-// the sign of e1 n0 - n1 e0 says whether z falls or grows with C. It changes where the ray passes through the
-// projector's centre (on a rig: z0 tan α = x0); pixels whose sign is not that of the image's centre have no
-// intersection.
+// This is a quotient of two terms linear in C, so no table of planes is needed. |dz/dC| = |e1 n0 - n1 e0| / (n0 - C
+// n1)^2, and the sign of e1 n0 - n1 e0 says whether z falls or grows with C. The sign changes where the ray passes
+// through the projector's centre (on a rig: z0 tan α = x0). Pixels whose sign differs from that of the image's centre
+// have no intersection.
 class PlaneTriangulation : public Triangulation {
  public:
-  // `codes_per_line`: 2^bits / H, what a projector line is worth in codes, for the limit. Throws std::invalid_argument
-  // where a size is out of range, T_C cannot be inverted, the camera does not look along +z everywhere, or
-  // codes_per_line is not > 0.
+  // `codes_per_line` is 2^bits / H, what a projector line is worth in codes, for the limit. Throws
+  // std::invalid_argument if a size is out of range, T_C cannot be inverted, the camera does not look along +z
+  // everywhere, or codes_per_line is not > 0.
   PlaneTriangulation(int rows, int columns, int bits, const DepthMatrices& matrices, const DepthLimits& limits,
                      double codes_per_line = 1);
 
-  // The size of the rig's camera, and its max_z_per_line_mm in place of that of `limits`. `coded_lines` as above.
+  // Uses the size of the rig's camera, and its max_z_per_line_mm instead of that of `limits`. `coded_lines` as above.
   PlaneTriangulation(const Rig& rig, int bits, DepthLimits limits = {}, int coded_lines = 0);
 
   void depth(const std::uint16_t* codes, float* z) const override;
@@ -115,16 +115,16 @@ class PlaneTriangulation : public Triangulation {
   [[nodiscard]] double rounding_error(std::size_t pixel, float z) const override;
   [[nodiscard]] bool rows_are_x() const override { return true; }
 
-  // Depths of the pixels of one row whose places on the projector are known, as lines of a rig's projector (from 0,
-  // with a fraction; NaN: none), all of whose lines are coded. Allocates nothing.
+  // Depths of the pixels of one row whose places on the projector are known as lines of a rig's projector (from 0, with
+  // a fraction; NaN: none). All lines must be coded. Allocates nothing.
   void depth_of_lines(int row, const float* lines, float* z) const;
 
-  // Why a pixel has the depth z of its line; no_line where it has none.
+  // Why a pixel has the depth z of its line; no_line if it has no line.
   [[nodiscard]] PointState explain_line(std::size_t pixel, float line, float z) const;
 
  private:
-  // Of a pixel, or of a row where it is the same for all its pixels (a camera without rotation about z against the
-  // coded axis, as in both rigs): the denominator is at - slope C, and must be greater than least.
+  // Terms of a pixel, or of a row if they are the same for all its pixels (a camera that is not rotated about z against
+  // the coded axis, as in both rigs). The denominator is at - slope C, and must be greater than least.
   struct Terms {
     double at, slope, least;
   };
@@ -135,11 +135,11 @@ class PlaneTriangulation : public Triangulation {
   cv::Vec3d center_;
   double e0_ = 0, e1_ = 0;  // signed so that valid denominators are > 0
   double codes_per_line_ = 1;
-  double coarse_ = 0;          // codes per line / limit
-  double sign_ = 1;            // of e1 n0 - n1 e0 in the middle of the image
+  double coarse_ = 0;          // codes for each line / limit
+  double sign_ = 1;            // sign of e1 n0 - n1 e0 in the middle of the image
   double low_ = 0, high_ = 0;  // limits of z
   bool by_rows_ = false;
-  std::vector<float> at_, slope_, least_;  // of each pixel or of each row
+  std::vector<float> at_, slope_, least_;  // one entry for each pixel or for each row
 };
 
 }  // namespace selfproj
