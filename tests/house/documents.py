@@ -198,7 +198,7 @@ def is_ours(words):
     first = words[0].removeprefix("./")
     return (first in PROGRAMS or first in ("ctest", "cmake", "vitis_hls")
             or re.match(r"^(scripts|hls|model|tests|constraints)/[\w/-]+\.(sh|py)$", first) is not None
-            or re.match(r"^build/[\w./-]+$", first) is not None
+            or re.match(r"^build/\w+/tests/[\w./-]+$", first) is not None
             or (first.startswith("python3") and len(words) > 1 and "/" in words[1]))
 
 

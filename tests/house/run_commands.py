@@ -73,7 +73,7 @@ class Checker:
                     yield f"{' '.join([words[0], *commands])} has no option {option}"
         elif words[0] == "ctest":
             yield from self.problems_of_patterns(words)
-        elif re.match(r"build/(?!bin/)", words[0]):
+        elif re.match(r"(\./)?build/\w+/tests/", words[0]):
             name = pathlib.PurePosixPath(words[0]).name
             if not any(re.search(rf"\b{re.escape(re.sub(r'_[a-z]+$', '', name))}", text) for text in self.cmake_lists):
                 yield f"nothing builds {words[0]}"
