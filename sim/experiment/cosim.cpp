@@ -22,8 +22,10 @@
 #include "host/io/output_folder.h"
 #include "host/io/program_main.h"
 #include "host/io/progress.h"
+#include "host/io/results_file.h"
 #include "host/io/user_error.h"
 #include "host/report/counter_facts.h"
+#include "host/report/facts_json.h"
 #include "host/report/report.h"
 #include "model/packet.h"
 #include "sim/board/packet_judge.h"
@@ -232,6 +234,19 @@ CosimFacts facts_of(const CosimOptions& options, const CosimMeasurement& measure
           .settings = std::move(settings)};
 }
 
+// cosim_SCENE, cosim_SCENE_ENGINE where the engine is not the RTL; of recorded images nothing is kept.
+void keep_results(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result) {
+  if (options.frames.empty()) {
+    const CosimFacts facts = facts_of(options, measurement, result);
+    write_results("cosim_" + options.scene + (options.engine == "rtl" ? "" : "_" + options.engine),
+                  "Co-simulation of the scene " + options.scene + ", every packet compared with the model",
+                  {{"matched", measurement.matched(result)},
+                   {"counters", facts_json(facts.counters)},
+                   {"findings", facts_json(measurement.findings())},
+                   {"settings", facts_json(facts.settings)}});
+  }
+}
+
 // What the user sees at the end. Throws CheckFailed where something did not match.
 void print_outcome(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result,
                    double seconds) {
@@ -283,6 +298,7 @@ void run_cosim(const CosimOptions& options) {
     packets_file->write(stream);
   }
   trace.commit();
+  keep_results(options, *measurement, result);
   print_outcome(options, *measurement, result, seconds);
 }
 

@@ -53,6 +53,9 @@ class CosimMeasurement {
   [[nodiscard]] virtual std::vector<Fact> counters(const CosimResult& /*result*/) const { return {}; }
   [[nodiscard]] virtual std::vector<Fact> settings() const = 0;
 
+  // What was found, where there is a truth to compare with.
+  [[nodiscard]] virtual std::vector<Fact> findings() const { return {}; }
+
   // Writes tables, pictures and page, without committing the folder.
   virtual void write(OutputFolder& folder, const CosimFacts& facts) = 0;
 

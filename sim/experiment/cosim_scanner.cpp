@@ -90,6 +90,14 @@ class ScannerCosim final : public DepthCosim {
     return facts;
   }
 
+  [[nodiscard]] std::vector<Fact> findings() const override {
+    std::vector<Fact> facts = findings_of(info().analysis, samples_).facts;
+    for (Fact& fact : error_facts()) {
+      facts.push_back(std::move(fact));
+    }
+    return facts;
+  }
+
   [[nodiscard]] std::string text() const override {
     std::string text = run_text(fmt::format("{} bits", bits()));
     for (const Fact& fact : findings_of(info().analysis, samples_).facts) {
@@ -143,10 +151,7 @@ class ScannerCosim final : public DepthCosim {
   void complete_page(ReportPage& page) override {
     const DepthFindings found = findings_of(info().analysis, samples_);
     page.subtitle = subtitle(fmt::format("{} bits", bits()), median() == Median::on ? ", median" : "");
-    page.highlights = found.facts;
-    for (Fact& fact : error_facts()) {
-      page.highlights.push_back(std::move(fact));
-    }
+    page.highlights = findings();
     page.plots = found.plots;
   }
 

@@ -180,6 +180,8 @@ class SelfProjectedCosim final : public DepthCosim {
     return facts;
   }
 
+  [[nodiscard]] std::vector<Fact> findings() const override { return error_facts(); }
+
   [[nodiscard]] std::string text() const override { return run_text(method()) + errors_text(); }
 
   [[nodiscard]] std::string matched(const CosimResult& result) const override {

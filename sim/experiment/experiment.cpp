@@ -14,6 +14,7 @@
 #include "host/io/output_folder.h"
 #include "host/io/program_main.h"
 #include "host/io/progress.h"
+#include "host/io/results_file.h"
 #include "host/io/user_error.h"
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
@@ -52,6 +53,19 @@ void print(const ReportTable& table) {
     fmt::print("{}\n", line);
   }
   fmt::print("\n");
+}
+
+// The tables and what is not reached, as results/experiment_NAME.json; with --sources and --gray-scan under a name of
+// their own.
+void keep_results(const ExperimentOptions& options, const std::vector<ReportTable>& tables,
+                  const std::vector<std::string>& not_reached) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const ReportTable& table : tables) {
+    all.push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}, {"note", table.note}});
+  }
+  write_results("experiment_" + options.name + (options.sources ? "_sources" : "") +
+                    (options.scan == ScanMethod::gray_codes ? "_gray_scan" : ""),
+                "Experiment " + options.name + " in simulation", {{"tables", all}, {"not_reached", not_reached}});
 }
 
 // A line on the terminal that counts images or frames.
@@ -97,6 +111,7 @@ std::vector<std::string> run_structured_light(const ExperimentOptions& options, 
   for (const ReportTable& table : result.tables) {
     print(table);
   }
+  keep_results(options, result.tables, result.not_reached);
   if (folder) {
     folder->append("depth.tiff", encode_float_tiff("depth.tiff", result.depth));
     folder->append("difference.tiff", encode_float_tiff("difference.tiff", result.difference));
@@ -125,6 +140,7 @@ std::vector<std::string> run_light_section(const ExperimentOptions& options, std
   for (const ReportTable& table : result.tables) {
     print(table);
   }
+  keep_results(options, result.tables, result.not_reached);
   if (folder) {
     ReportParts parts;
     parts.title = "Experiment " + result.name;

@@ -6,8 +6,8 @@
 // memory 256 pairs (134 MB) come one after another, and the share of the read ceiling is that of the images' bytes
 // alone. A depth image is the whole: a new pair decoded, median, triangulation on the rig `scanner`. Before anything is
 // timed the results are compared with the models, and the depths with (4.7) in double precision; a difference ends the
-// program with exit status 1. Where OpenCV's structured_light module was there at build time its GrayCodePattern is
-// timed on the same images: every pixel's code from the 16 images, which is what it offers for a new code image.
+// program with exit status 1. bench_opencv compares the decoder with
+// OpenCV.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -25,10 +25,6 @@
 #include "model/median3x3.h"
 #include "tests/bench/collector.h"
 #include "tests/bench/read_ceiling.h"
-
-#ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
-#include <opencv2/structured_light/graycodepattern.hpp>
-#endif
 
 namespace selfproj {
 namespace {
@@ -209,61 +205,44 @@ void depth(benchmark::State& state, const std::uint8_t* images, int pairs) {
   set_counters(state, 1);
 }
 
-#ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
-// 8 bits along one axis; the other axis has the least that the class takes, one bit, whose images are the same again.
-void opencv(benchmark::State& state, const std::uint8_t* images) {
-  const auto pattern = cv::structured_light::GrayCodePattern::create(1 << kBits, 2);
-  std::vector<cv::Mat> mats;
-  for (int i = 0; i < static_cast<int>(pattern->getNumberOfPatternImages()); ++i) {
-    const auto* pixels = images + static_cast<std::size_t>(i % (2 * kBits)) * kImageBytes;
-    mats.emplace_back(kSide, kSide, CV_8U, const_cast<std::uint8_t*>(pixels));  // NOLINT: OpenCV only reads
-  }
-  std::int64_t sum = 0;
-  for (auto _ : state) {
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x) {
-        cv::Point point;
-        if (!pattern->getProjPixel(mats, x, y, point)) {
-          sum += point.x;
-        }
-      }
-    }
-    benchmark::DoNotOptimize(sum);
-  }
-  set_counters(state, 1);
-}
-#endif
-
-void print_ratios(const bench::Collector& collector) {
+nlohmann::ordered_json print_ratios(const bench::Collector& collector) {
+  nlohmann::ordered_json results;
   const double ceiling = bench::read_ceiling(collector);
+  results["read_ceiling_gb_per_s"] = ceiling * 1e-9;
   const double bytes = 2.0 * kImageBytes;
   const double cache = collector.median("decode/cache");
   const double memory = collector.median("decode/memory");
+  const double filtered = collector.median("median/cache");
   if (ceiling > 0 && cache > 0 && memory > 0) {
     std::printf("decode, 512 x 512, m = 8: %.0f updates/s in cache; %.0f from memory, %.1f %% of the read ceiling\n",
                 cache / bytes, memory / bytes, 100 * memory / ceiling);
-    std::printf("median: %.0f images/s\n", collector.median("median/cache") / bytes);
+    std::printf("median: %.0f images/s\n", filtered / bytes);
+    results["decode"] = {
+        {"cache_per_s", cache / bytes}, {"memory_per_s", memory / bytes}, {"share_of_read_ceiling", memory / ceiling}};
   }
-  const double filtered = collector.median("median/cache");
   const double triangulated = collector.median("triangulation/cache");
   const double whole = collector.median("depth/cache");
-  if (cache > 0 && filtered > 0 && triangulated > 0 && whole > 0) {
+  const double streamed = collector.median("depth/memory");
+  if (ceiling > 0 && cache > 0 && filtered > 0 && triangulated > 0 && whole > 0 && streamed > 0) {
     const double steps = 1 / cache + 1 / filtered + 1 / triangulated;
+    const auto step = [&](const char* name, double rate) {
+      return nlohmann::ordered_json{{"name", name}, {"per_s", rate / bytes}, {"share", 1 / rate / steps}};
+    };
+    const double moved = collector.median("moved/cache") / bytes;
     std::printf("triangulation: %.0f images/s\n", triangulated / bytes);
     std::printf("depth image, all steps: %.0f images/s in cache, %.0f from memory, %.1f %% of the read ceiling\n",
-                whole / bytes, collector.median("depth/memory") / bytes,
-                ceiling > 0 ? 100 * collector.median("depth/memory") / ceiling : 0);
+                whole / bytes, streamed / bytes, 100 * streamed / ceiling);
     std::printf("  of its time: decoding %.0f %%, median %.0f %%, triangulation %.0f %%\n", 100 / cache / steps,
                 100 / filtered / steps, 100 / triangulated / steps);
-    std::printf("what moved: %.0f images/s\n", collector.median("moved/cache") / bytes);
+    std::printf("what moved: %.0f images/s\n", moved);
+    results["depth"] = {
+        {"cache_per_s", whole / bytes},
+        {"memory_per_s", streamed / bytes},
+        {"share_of_read_ceiling", streamed / ceiling},
+        {"steps", {step("decoding", cache), step("3 × 3 median", filtered), step("triangulation", triangulated)}}};
+    results["moved_per_s"] = moved;
   }
-  const double peer = collector.median("opencv/cache");
-  if (peer > 0) {
-    std::printf("OpenCV GrayCodePattern: %.1f code images/s; the fast decoder is %.0f times as fast\n", peer / bytes,
-                cache / peer);
-  } else {
-    std::printf("OpenCV GrayCodePattern: skipped (built without OpenCV's structured_light module)\n");
-  }
+  return results;
 }
 
 int run(int argc, char** argv) {
@@ -290,10 +269,9 @@ int run(int argc, char** argv) {
   add("moved/cache", [data](benchmark::State& state) { find_moved(state, data); });
   add("depth/cache", [data](benchmark::State& state) { depth(state, data, 1); });
   add("depth/memory", [data](benchmark::State& state) { depth(state, data, kImages / 2); });
-#ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
-  add("opencv/cache", [data](benchmark::State& state) { opencv(state, data); });
-#endif
-  return bench::run_registered("bytes_per_second", print_ratios);
+  return bench::run_registered(
+      {"bench_gray", "Gray decoding and depth images on the host, 512 x 512, m = 8, one core", "bytes_per_second"},
+      print_ratios);
 }
 
 }  // namespace

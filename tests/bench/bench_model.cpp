@@ -129,16 +129,22 @@ void parse_and_unpack(benchmark::State& state, const std::vector<std::uint8_t>& 
   set_counters(state, 1, packet.size());
 }
 
-void print_ratios(const Collector& collector) {
+nlohmann::ordered_json print_ratios(const Collector& collector) {
+  nlohmann::ordered_json results;
   const double ceiling = bench::read_ceiling(collector);
+  results["read_ceiling_gb_per_s"] = ceiling * 1e-9;
   for (const char* mode : {"binary", "grey", "grey_over"}) {
     const double memory = collector.median(std::string("moments/memory/") + mode);
     const double cache = collector.median(std::string("moments/cache/") + mode);
     if (ceiling > 0 && memory > 0 && cache > 0) {
       std::printf("moments %-9s: %7.0f frames/s from memory, %5.1f %% of the read ceiling; %7.0f frames/s in cache\n",
                   mode, memory / kFrameBytes, 100 * memory / ceiling, cache / kFrameBytes);
+      results[mode] = {{"memory_per_s", memory / kFrameBytes},
+                       {"share_of_read_ceiling", memory / ceiling},
+                       {"cache_per_s", cache / kFrameBytes}};
     }
   }
+  return results;
 }
 
 int run(int argc, char** argv) {
@@ -186,7 +192,8 @@ int run(int argc, char** argv) {
   benchmark::RegisterBenchmark("packet/parse_and_unpack/grey",
                                [&](benchmark::State& state) { parse_and_unpack(state, grey); });
 
-  return bench::run_registered("bytes_per_second", print_ratios);
+  return bench::run_registered(
+      {"bench_model", "Column moments on the host, frames of 96 x 512, one core", "bytes_per_second"}, print_ratios);
 }
 
 }  // namespace

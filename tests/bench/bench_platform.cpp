@@ -181,22 +181,29 @@ int run(int argc, char** argv) {
   platform("compared/rtl", PlatformEngine::rtl, true);
   platform("platform/model", PlatformEngine::model, false);
 
-  return selfproj::bench::run_registered("items_per_second", [](const Collector& collector) {
+  const selfproj::bench::About about{"bench_platform", "The platform in SystemC beside the same board in a plain loop",
+                                     "items_per_second"};
+  return selfproj::bench::run_registered(about, [](const Collector& collector) {
+    nlohmann::ordered_json results;
     const double plain = collector.median("plain/rtl");
     if (plain <= 0) {
-      return;
+      return results;
     }
-    const auto print = [&](const char* name, const char* what) {
+    const auto print = [&](const char* name, const char* key, const char* what) {
       if (const double rate = collector.median(name); rate > 0) {
         std::printf("%-36s %6.2f M clocks/s: %4.0f %% of the plain loop's, 1/%.0f of real time\n", what, rate * 1e-6,
                     100 * rate / plain, selfproj::kDefaultPixelClockHz / rate);
+        results[key] = {{"clocks_per_s", rate},
+                        {"share_of_plain_loop", rate / plain},
+                        {"slower_than_real_time", selfproj::kDefaultPixelClockHz / rate}};
       }
     };
     std::printf("\n");
-    print("plain/rtl", "board in a plain loop");
-    print("platform/rtl", "platform, engine rtl");
-    print("compared/rtl", "... and compared with the model");
-    print("platform/model", "platform, engine model");
+    print("plain/rtl", "plain", "board in a plain loop");
+    print("platform/rtl", "platform", "platform, engine rtl");
+    print("compared/rtl", "compared", "... and compared with the model");
+    print("platform/model", "model", "platform, engine model");
+    return results;
   });
 }
 

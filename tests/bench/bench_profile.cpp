@@ -196,7 +196,10 @@ int run(int argc, char** argv) {
     benchmark::RegisterBenchmark(("ceiling/" + name).c_str(),
                                  [&set = packets](benchmark::State& state) { ceiling(state, set); });
   }
-  return bench::run_registered("items_per_second", [&](const Collector& collector) {
+  const bench::About about{"bench_profile", "Packet to differential profile, 512 columns, one core",
+                           "items_per_second"};
+  return bench::run_registered(about, [&](const Collector& collector) {
+    nlohmann::ordered_json results;
     std::printf("\nprofiles/s, one core, packet to differential profile (medians)\n");
     for (const auto& [name, packets] : cases) {
       const double both = collector.median("both/" + name);
@@ -204,8 +207,12 @@ int run(int argc, char** argv) {
       if (both > 0 && most > 0) {
         std::printf("%-16s: %8.0f profiles/s, %4.1f %% of reading the packets and writing the profiles alone\n",
                     name.c_str(), both, 100 * both / most);
+        const std::size_t slash = name.find('/');
+        results[name.substr(0, slash)][name.substr(slash + 1)] = {{"profiles_per_s", both},
+                                                                  {"share_of_reading_and_writing", both / most}};
       }
     }
+    return results;
   });
 }
 

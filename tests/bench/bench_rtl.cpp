@@ -215,9 +215,9 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-void print_share(const Pairs& pairs, const char* build) {
+nlohmann::ordered_json print_share(const Pairs& pairs, const char* build) {
   if (pairs.core.empty()) {
-    return;  // left out by --benchmark_filter
+    return {};  // left out by --benchmark_filter
   }
   std::vector<double> shares;
   for (std::size_t i = 0; i < pairs.core.size(); ++i) {
@@ -235,6 +235,14 @@ void print_share(const Pairs& pairs, const char* build) {
   const double board = rate(pairs.board, 0.1);
   std::printf("          fastest tenth of the frames: core %.1f M; board %.1f M, %.0f %%, %.0f %%\n", core,
               both * board, 100 * both * board / core, 100 * board / core);
+  return {{"core_clocks_per_s", 1e6 * rate(pairs.core, 0.5)},
+          {"board_clocks_per_s", 1e6 * both * rate(pairs.board, 0.5)},
+          {"share", both * video},
+          {"share_of_video_clocks", video},
+          {"fastest_tenth",
+           {{"core_clocks_per_s", 1e6 * core},
+            {"board_clocks_per_s", 1e6 * both * board},
+            {"share", both * board / core}}}};
 }
 
 int run(int argc, char** argv) {
@@ -256,12 +264,19 @@ int run(int argc, char** argv) {
   benchmark::RegisterBenchmark("turns/default",
                                [&](benchmark::State& s) { take_turns<Vcore, Vboard>(s, beats, standard); });
 
-  return selfproj::bench::run_registered("items_per_second", [&](const Collector& /*collector*/) {
+  const selfproj::bench::About about{"bench_rtl", "Verilated circuits: the moments core, and the board beside it",
+                                     "items_per_second"};
+  return selfproj::bench::run_registered(about, [&](const Collector& /*collector*/) {
     std::printf(
         "\noriginal: 512 columns, 127 rows, binary build; default: 2048 columns, 1023 rows, grey and raw images; "
         "both run mode binary\n");
-    print_share(original, "original");
-    print_share(standard, "default");
+    nlohmann::ordered_json results;
+    for (const auto& [build, pairs] : {std::pair{"original", &original}, {"default", &standard}}) {
+      if (const nlohmann::ordered_json share = print_share(*pairs, build); !share.empty()) {
+        results[build] = share;
+      }
+    }
+    return results;
   });
 }
 

@@ -1,4 +1,5 @@
-// What the benchmarks share: a reporter that keeps the rates, so that ratios can be printed at the end.
+// What the benchmarks share: a reporter that keeps the rates, so that ratios can be printed at the end and written as
+// results (host/io/results_file.h).
 #ifndef SELFPROJ_TESTS_BENCH_COLLECTOR_H
 #define SELFPROJ_TESTS_BENCH_COLLECTOR_H
 
@@ -11,6 +12,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "host/io/results_file.h"
 
 namespace selfproj::bench {
 
@@ -69,14 +72,24 @@ class Collector : public benchmark::ConsoleReporter {
   bool failed_ = false;
 };
 
-// Runs what has been registered and keeps `rate` of it; then `print` gets the collector, unless one has failed. The
-// exit status of the program.
+// What a benchmark measures.
+struct About {
+  const char* name;  // of its file in results/
+  const char* text;
+  const char* rate;  // that counts: "bytes_per_second" or "items_per_second"
+};
+
+// Runs what has been registered; then `print` gets the collector, prints ratios and returns the results as JSON, unless
+// a benchmark has failed. The exit status of the program.
 template <typename Print>
-int run_registered(const char* rate, const Print& print) {
-  Collector collector(rate);
+int run_registered(const About& about, const Print& print) {
+  Collector collector(about.rate);
   benchmark::RunSpecifiedBenchmarks(&collector);
   if (!collector.failed()) {
-    print(collector);
+    const nlohmann::ordered_json results = print(collector);
+    if (!results.empty()) {  // left out by --benchmark_filter
+      write_results(about.name, about.text, results);
+    }
   }
   benchmark::Shutdown();
   return collector.failed() ? 1 : 0;

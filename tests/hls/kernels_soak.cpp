@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "host/io/results_file.h"
 #include "tests/hls/gray_kernel_bench.h"
 #include "tests/hls/moments_bench.h"
 
@@ -19,6 +20,8 @@ namespace {
 std::uint64_t g_frames = 100'000;
 std::uint64_t g_pixels = 10'000'000;
 std::uint64_t g_seed = 1;
+
+nlohmann::ordered_json g_results;
 
 }  // namespace
 
@@ -40,6 +43,7 @@ TEST(HlsSoak, EveryMomentEqualsTheModel) {
   }
   std::printf("matched the payload of %llu frames, %llu beats of 16 bytes, 0 mismatches\n",
               static_cast<unsigned long long>(frames), static_cast<unsigned long long>(beats));
+  g_results["moments"] = {{"frames", frames}, {"beats", beats}, {"mismatches", 0}};
 }
 
 TEST(HlsSoak, EveryCodeEqualsTheModel) {
@@ -55,6 +59,7 @@ TEST(HlsSoak, EveryCodeEqualsTheModel) {
     pixels += bench.pixels();
   }
   std::printf("matched %llu decoded pixels, 0 mismatches\n", static_cast<unsigned long long>(pixels));
+  g_results["codes"] = {{"pixels", pixels}, {"mismatches", 0}};
 }
 
 }  // namespace
@@ -71,5 +76,16 @@ int main(int argc, char** argv) {
   if (argc > 3) {
     g_seed = std::strtoull(argv[3], nullptr, 10);
   }
-  return RUN_ALL_TESTS();
+  const int status = RUN_ALL_TESTS();
+  if (status == 0 && g_results.size() == 2) {
+#ifdef SELFPROJ_HLS_VENDOR_TYPES
+    const char* name = "hls_soak_ap";
+    const char* about = "The HLS kernels with the vendor's integers against the model";
+#else
+    const char* name = "hls_soak";
+    const char* about = "The HLS kernels with SystemC's integers against the model";
+#endif
+    selfproj::write_results(name, about, g_results);
+  }
+  return status;
 }

@@ -12,6 +12,7 @@
 
 #include "Vsp_gray_core_ports.h"
 #include "Vsp_gray_decoder_ports.h"
+#include "host/io/results_file.h"
 #include "tests/rtl/blocks/gray_axi_bench.h"
 #include "tests/rtl/blocks/gray_bench.h"
 #include "tests/rtl/blocks/gray_frames_bench.h"
@@ -62,6 +63,13 @@ TEST(Soak, EveryCodeEqualsTheModel) {
       static_cast<unsigned long long>(flagged), static_cast<unsigned long long>(late),
       static_cast<unsigned long long>(external.pixels), static_cast<unsigned long long>(external.lates),
       static_cast<unsigned long long>(external.frames));
+  write_results(
+      "gray_soak", "The Gray decoder's RTL against the model, random sequences, every code",
+      {{"pixels", on_chip + flagged + external.pixels},
+       {"mismatches", 0},
+       {"on_chip", {{"pixels", on_chip}}},
+       {"late_words", {{"pixels", flagged}, {"words", late}}},
+       {"external", {{"pixels", external.pixels}, {"frames", external.frames}, {"abandoned", external.lates}}}});
 }
 
 }  // namespace

@@ -1,0 +1,377 @@
+#!/usr/bin/env python3
+"""results.py: figures as data (results/*.json), and the tables of the documents that are made of them.
+
+    results.py update [ROOT]     rewrites the tables and figures in all Markdown files
+    results.py check [ROOT]      exit status 1 where one differs from what results/ says, or is typed a second time
+    results.py record NAME --about TEXT --command TEXT KEY=VALUE...     writes a result, for shell scripts
+
+Programs write a result where the environment variable SELFPROJ_RESULTS names a folder: C++ by host/io/results_file.h,
+Python by write() below. Both give the same envelope: about, command, date, commit, machine, results.
+
+results/tables.toml defines the tables. In a document a table stands between two comments, and so does a figure within
+a sentence, which is named by a reference as in a cell:
+
+    <!-- table NAME -->               <!-- =bench_gray/decode/cache_per_s:,.0f -->38,834<!-- end -->
+    ...
+    <!-- end -->
+
+A cell is a text with references in braces. NAME/KEY/KEY:FORMAT is a value of results/NAME.json in Python's format; M
+before the format shows millions, % a percentage. Of a table that a program wrote (header, rows) the keys are the names
+of a row and of a column. NAME/KEY >= NUMBER is a goal: it shows the sign and the number, and the column `met` follows
+from it. In a table with `each`, /KEY is a value of the row's own object and @ is its name. Standard library only.
+"""
+
+import argparse
+import datetime
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tomllib
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+VARIABLE = "SELFPROJ_RESULTS"
+ENVELOPE = ["about", "command", "date", "commit", "machine", "results"]
+SIGNS = {">=": "≥ ", "<=": "≤ ", "==": ""}
+HEADS = {"what": "what", "published": "thesis", "goal": "goal", "result": "measured", "met": "met", "command": "by"}
+BLOCK = re.compile(r"^<!-- table (\S+) -->\n(?:(?!<!--).*\n)*?<!-- end -->$", re.M)
+FIGURE = re.compile(r"<!-- =(\S.*?) -->(.*?)<!-- end -->")
+REFERENCE = re.compile(r"\{([^{}]+)\}")
+# Worth looking for elsewhere: a thousand and more with its comma, or three digits of which one stands behind the point.
+LONG = re.compile(r"(?<![\w.,/-])(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d+\.\d+)(?![\w/]|[.,]\d)")
+
+
+class ResultsError(Exception):
+    """What is wrong with a result, a table or a document."""
+
+
+# ---- writing ----
+
+
+def git(root, *words):
+    said = subprocess.run(["git", "-C", root, *words], capture_output=True, text=True, check=False)
+    return said.stdout.strip()
+
+
+def commit(root):
+    head = git(root, "rev-parse", "--short=10", "HEAD")
+    differs = git(root, "status", "--porcelain", "-uno", "--", ":/", ":(top,exclude)results", ":(top,exclude)*.md")
+    return head + ("+" if differs else "") if head else "unknown"
+
+
+def machine():
+    cpu = re.search(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.M)
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**30
+    return {"cpu": cpu[1] if cpu else "unknown", "cores": os.cpu_count(), "memory_gib": round(memory, 1),
+            "load": round(os.getloadavg()[0], 1)}
+
+
+def write(name, about, command, results, folder=None):
+    """results/NAME.json into `folder`, or into the one that SELFPROJ_RESULTS names; without either nothing."""
+    folder = folder or os.environ.get(VARIABLE)
+    if not folder:
+        return
+    today = datetime.datetime.now(datetime.timezone.utc).date().isoformat()
+    envelope = {"about": about, "command": command, "date": today, "commit": commit(ROOT), "machine": machine(),
+                "results": results}
+    folder = pathlib.Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.json").write_text(json.dumps(envelope, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def number_or_text(text):
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
+
+
+def record(args):
+    results = {}
+    for word in args.values:
+        key, equals, value = word.partition("=")
+        if not equals:
+            raise ResultsError(f"{word}: not KEY=VALUE")
+        *path, last = key.split("/")
+        inner = results
+        for part in path:
+            inner = inner.setdefault(part, {})
+        inner[last] = number_or_text(value)
+    write(args.name, args.about, args.command, results)
+
+
+# ---- tables ----
+
+
+class Results:
+    """results/*.json of a tree, by reference."""
+
+    def __init__(self, root):
+        self.files = {}
+        for path in sorted((root / "results").glob("*.json")):
+            try:
+                file = json.loads(path.read_text(encoding="utf-8"))
+            except ValueError as error:
+                raise ResultsError(f"results/{path.name}: {error}") from None
+            missing = [key for key in ENVELOPE if key not in file]
+            if missing:
+                raise ResultsError(f"results/{path.name}: without {', '.join(missing)}")
+            self.files[path.stem] = file
+
+    def value(self, path, row=None):
+        """Of NAME/KEY/...; of /KEY/... in the object `row`."""
+        name, *keys = path.split("/")
+        if name == "" and row is not None:
+            found = row
+        elif name in self.files:
+            found = self.files[name]["results"]
+        else:
+            raise ResultsError(f"{path}: there is no results/{name}.json")
+        for key in keys:
+            try:
+                if isinstance(found, dict) and "header" in found and "rows" in found:
+                    found = next(dict(zip(found["header"], row)) for row in found["rows"] if row[0] == key)
+                else:
+                    found = found[int(key)] if isinstance(found, list) else found[key]
+            except (KeyError, IndexError, ValueError, TypeError, StopIteration):
+                raise ResultsError(f"{path}: there is no {key}") from None
+        return found
+
+
+def formatted(value, spec):
+    if isinstance(value, str):
+        return value
+    if value is None:
+        return "–"
+    if spec.startswith("M"):
+        value, spec = value / 1e6, spec[1:]
+    try:
+        text = format(value, spec)
+    except (ValueError, TypeError):
+        raise ResultsError(f"{value}: not to be shown as :{spec}") from None
+    return text.replace("%", " %").replace("-", "−") if isinstance(value, (int, float)) else text
+
+
+class Cells:
+    """Texts with references, filled in."""
+
+    def __init__(self, results):
+        self.results = results
+        self.shown = {}  # figure -> the reference that it came from
+
+    def fill(self, text, row=None, name=""):
+        return REFERENCE.sub(lambda match: self.one(match[1], row, name), str(text))
+
+    def one(self, reference, row=None, name=""):
+        if reference == "@":
+            return name
+        if goal := re.fullmatch(r"(.+?) (>=|<=|==) (.*)", reference):
+            self.results.value(goal[1])
+            return SIGNS[goal[2]] + goal[3]
+        path, _, spec = reference.partition(":")
+        text = formatted(self.results.value(path, row), spec)
+        for figure in LONG.findall(text):
+            if len(figure.replace(",", "").replace(".", "").strip("0")) >= 3:
+                self.shown[figure] = reference
+        return text
+
+    def met(self, text):
+        """yes, **no**, or – where no goal stands in the text."""
+        answers = []
+        for reference in REFERENCE.findall(text):
+            if goal := re.fullmatch(r"(.+?) (>=|<=|==) (.*)", reference):
+                value = float(self.results.value(goal[1]))
+                limit = float(goal[3].replace(",", "").replace("%", "").strip()) / (100 if "%" in goal[3] else 1)
+                answers.append({">=": value >= limit, "<=": value <= limit, "==": value == limit}[goal[2]])
+        return "–" if not answers else "yes" if all(answers) else "**no**"
+
+    def commands(self, text):
+        names = dict.fromkeys(reference.split("/")[0] for reference in REFERENCE.findall(text))
+        return ", ".join(f"`{self.results.files[name]['command']}`" for name in names)
+
+
+class Tables:
+    """results/tables.toml, and what it makes of the results."""
+
+    def __init__(self, root):
+        self.results = Results(root)
+        self.cells = Cells(self.results)
+        try:
+            self.definitions = tomllib.loads((root / "results/tables.toml").read_text(encoding="utf-8"))
+        except tomllib.TOMLDecodeError as error:
+            raise ResultsError(f"results/tables.toml: {error}") from None
+        self.rows = {row["id"]: row for table in self.definitions.values() for row in table.get("rows", [])
+                     if isinstance(row, dict) and "id" in row}
+
+    def table(self, name):
+        if name == "sources":
+            head, rows = self.sources()
+        elif name not in self.definitions:
+            raise ResultsError(f"results/tables.toml has no table {name}")
+        else:
+            head, rows = self.defined(self.definitions[name])
+        lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in [head, *rows]]
+        lines.insert(1, "|" + "|".join("---" for _ in head) + "|")
+        return "\n".join(lines) + "\n"
+
+    def defined(self, definition):
+        if "print" in definition:  # a table that a program has made
+            table = self.results.value(definition["print"])
+            for text in (cell for row in table["rows"] for cell in row):
+                self.cells.shown.update({figure: definition["print"] for figure in LONG.findall(text)
+                                         if len(figure.strip("0.,")) > 4})
+            return table["header"], table["rows"]
+        if "each" in definition:
+            items = self.results.value(definition["each"])
+            items = items.items() if isinstance(items, dict) else enumerate(items)
+            columns = definition["columns"]
+            return list(columns), [[self.cells.fill(cell, value, str(key)) for cell in columns.values()]
+                                   for key, value in items]
+        rows = [self.rows[row] if isinstance(row, str) else row for row in definition["rows"]]
+        if isinstance(definition["columns"], dict):
+            return list(definition["columns"].values()), [self.plain(row, definition["columns"]) for row in rows]
+        return [HEADS[key] for key in definition["columns"]], [self.plain(row, definition["columns"]) for row in rows]
+
+    def plain(self, row, columns):
+        cells = {key: self.cells.fill(row.get(key, "–")) for key in columns if key not in ("met", "command")}
+        if "met" in columns:
+            cells["met"] = self.cells.met(row.get("goal", ""))
+        if "command" in columns:
+            cells["command"] = row.get("command") or self.cells.commands(row["result"])
+        return [cells[key] for key in columns]
+
+    def sources(self):
+        rows = []
+        for name, file in self.results.files.items():
+            machine_of = file["machine"]
+            where = (f"{machine_of['cpu']}, {machine_of['cores']} cores, {machine_of['memory_gib']:.0f} GiB, load "
+                     f"{machine_of['load']}" if machine_of else file["recorded"])
+            rows.append([f"[{name}](../results/{name}.json)", file["about"], f"`{file['command']}`",
+                         f"{file['date']}, {file['commit']}", where])
+        return ["file", "what", "command", "date, commit", "machine"], rows
+
+
+# ---- documents ----
+
+
+def documents(root):
+    names = git(root, "ls-files", "-co", "--exclude-standard", "*.md").split("\n")
+    return [root / name for name in sorted(names) if name and (root / name).is_file()]
+
+
+def without_code(text):
+    """The text with what stands in fences and in `quotes` blanked out, so that examples are no markers."""
+    blank = lambda match: re.sub(r"[^\n]", " ", match[0])
+    return re.sub(r"^    .*$", blank, re.sub(r"^```.*?^```$|`[^`\n]*`", blank, text, flags=re.M | re.S), flags=re.M)
+
+
+def filled(text, tables):
+    """The document with its tables and figures as results/ says."""
+    code_free = without_code(text)
+    for opening in re.finditer(r"<!-- (?:table \S+|=\S.*?) -->", code_free):
+        if not (BLOCK.match(text, opening.start()) or FIGURE.match(text, opening.start())):
+            raise ResultsError(f"{line_of(text, opening.start())}: {opening[0]} without its <!-- end -->")
+
+    def block(match):
+        if code_free[match.start()] == " ":
+            return match[0]
+        return f"<!-- table {match[1]} -->\n{tables.table(match[1])}<!-- end -->"
+
+    def figure(match):
+        if code_free[match.start()] == " ":
+            return match[0]
+        return f"<!-- ={match[1]} -->{tables.cells.one(match[1])}<!-- end -->"
+
+    parts, at = [], 0
+    for match in sorted([*BLOCK.finditer(text), *FIGURE.finditer(text)], key=lambda found: found.start()):
+        parts += [text[at:match.start()], (block if match.re is BLOCK else figure)(match)]
+        at = match.end()
+    return "".join(parts) + text[at:]
+
+
+def line_of(text, at):
+    return text.count("\n", 0, at) + 1
+
+
+def typed_again(text, shown):
+    """Figures of generated tables that stand outside of them: (line, figure, reference)."""
+    blank = lambda match: re.sub(r"[^\n]", " ", match[0])
+    rest = re.sub(r"<!-- BEGIN GENERATED.*?<!-- END GENERATED[^>]*-->", blank, text, flags=re.S)
+    rest = FIGURE.sub(blank, BLOCK.sub(blank, rest))
+    found = [match for match in LONG.finditer(rest) if match[0] in shown]
+    return [(line_of(text, match.start()), match[0], shown[match[0]]) for match in found]
+
+
+def faults(root):
+    """What is wrong with the documents of a tree, a line each."""
+    found = []
+    tables = Tables(root)
+    for name in tables.definitions:
+        tables.table(name)
+    texts = {path: path.read_text(encoding="utf-8") for path in documents(root)}
+    for path, text in texts.items():
+        name = path.relative_to(root).as_posix()
+        try:
+            wanted = filled(text, tables)
+        except ResultsError as error:
+            found.append(f"{name}: {error}")
+            continue
+        for number, (is_, should) in enumerate(zip(text.split("\n"), wanted.split("\n")), 1):
+            if is_ != should:
+                found.append(f"{name}:{number}: not what results/ says; run scripts/results.py update")
+                break
+        else:
+            if text != wanted:
+                found.append(f"{name}: not what results/ says; run scripts/results.py update")
+    for path, text in texts.items():
+        for number, figure, reference in typed_again(text, tables.cells.shown):
+            place = f"{path.relative_to(root).as_posix()}:{number}"
+            found.append(f"{place}: {figure} is typed; it is a figure of results/ ({reference})")
+    return found
+
+
+def update(root):
+    tables = Tables(root)
+    for path in documents(root):
+        text = path.read_text(encoding="utf-8")
+        try:
+            wanted = filled(text, tables)
+        except ResultsError as error:
+            raise ResultsError(f"{path.relative_to(root).as_posix()}: {error}") from None
+        if wanted != text:
+            path.write_text(wanted, encoding="utf-8")
+            print(path.relative_to(root).as_posix())
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Figures as data, and the tables of the documents.")
+    commands = parser.add_subparsers(dest="job", required=True)
+    for job in ("update", "check"):
+        commands.add_parser(job).add_argument("root", nargs="?", type=pathlib.Path, default=ROOT)
+    recording = commands.add_parser("record")
+    recording.add_argument("name")
+    recording.add_argument("--about", required=True)
+    recording.add_argument("--command", required=True)
+    recording.add_argument("values", nargs="+", metavar="KEY=VALUE")
+    args = parser.parse_args()
+    if args.job == "record":
+        record(args)
+    elif args.job == "update":
+        update(args.root.resolve())
+    else:
+        found = faults(args.root.resolve())
+        print("\n".join(found) if found else "every table and figure is as results/ says")
+        return 1 if found else 0
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except ResultsError as error:
+        print(f"results.py: {error}", file=sys.stderr)
+        sys.exit(2)
