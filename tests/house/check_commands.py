@@ -9,8 +9,12 @@ A command line stands in a fenced block `sh`, a script that run_commands.py runs
     <!-- not run: REASON -->                    REASON is one of the list below
     <!-- not run: REASON; run by NAME -->       the test NAME of CTest does it
 
-Lines of ctest and cmake need no comment: run_commands.py looks up what they name. This test looks at the comments, at
-scripts and presets, at the language that each block names, and for command lines in blocks that are not `sh`.
+Lines of ctest and cmake need no comment: run_commands.py looks up what they name. A block `text` under
+
+    <!-- output -->
+
+must be printed by the block that was run last. This test looks at the comments, at scripts and presets, at the language
+that each block names, and for command lines in blocks that are not `sh`.
 """
 
 import json
@@ -52,8 +56,10 @@ def problems_of_marks(block):
                 yield f"'{reason}' is none of the reasons not to run it: {', '.join(sorted(REASONS))}"
             if by and not re.fullmatch(r"[\w./-]+", by):
                 yield f"'{by}' is not the name of a test"
-        elif not re.fullmatch(r"--[a-z-]+( [^\s-]\S*)?", text):
+        elif kind == "run shortened" and not re.fullmatch(r"--[a-z-]+( [^\s-]\S*)?", text):
             yield f"'{text}' is not one option"
+        elif kind == "output" and text:
+            yield f"'{text}' after output"
 
 
 def problems_of_command(root, words, known_presets):
@@ -79,13 +85,15 @@ def problems_of_block(root, block, known_presets):
     for problem in problems_of_marks(block):
         yield block.line, problem
     if block.language != "sh":
-        if block.marks:
+        if block.marks and (block.language, block.marks[0][0]) != ("text", "output"):
             yield block.line, "a comment on how to run what is no block `sh`"
         for offset, line in documents.script_lines(block.text):
             words = line.split()
             if block.language in ("", "text") and documents.is_ours(words) and " ─" not in line:
                 yield block.line + offset, f"a command line outside a block `sh`: {line.strip()}"
         return
+    if "output" in dict(block.marks):
+        yield block.line, "what is printed is a block `text`"
     for offset, line in documents.script_lines(block.text):
         for words in documents.simple_commands(line):
             for problem in problems_of_command(root, words, known_presets):

@@ -52,6 +52,9 @@ class CheckCommands(unittest.TestCase):
         self.expect("more than one comment",
                     block("selfproj rig", "<!-- not run: builds -->\n<!-- run shortened: --count 3 -->"))
         self.expect("what is no block `sh`", block("x", "<!-- not run: builds -->", "text"))
+        self.expect("what is printed is a block `text`", block("selfproj rig", "<!-- output -->"))
+        self.expect("'of x' after output", block("x", "<!-- output: of x -->", "text"))
+        self.assertEqual(self.problems_of(**{"a.md": block("x", "<!-- output -->", "text")}), [])
 
     def test_a_comment_holds_for_the_next_block_alone(self):
         text = block("scripts/demo.sh", "<!-- not run: builds -->\n\nmore words\n")

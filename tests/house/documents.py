@@ -7,7 +7,7 @@ import shlex
 import subprocess
 import unicodedata
 
-COMMENT = re.compile(r"^<!-- (not run|run shortened): (.+?) -->$")
+COMMENT = re.compile(r"^<!-- (not run|run shortened|output)(?:: (.+?))? -->$")
 FENCE = re.compile(r"^( *)(```+|~~~+)\s*(\S*)\s*$")
 HEADING = re.compile(r"^(#{1,6})\s+(.*?)\s*#*$")
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(<?([^()\s<>]+(?:\([^()\s]*\))?)>?(?:\s+\"[^\"]*\")?\)")
@@ -101,7 +101,7 @@ def parse(name, text):
             document.prose.append("")
             fence, document.unclosed, marks = (len(match.group(1)), match.group(2), block), number, []
         elif mark:
-            marks = marks + [mark.groups()]
+            marks = marks + [mark.groups(default="")]
             document.prose.append("")
         elif re.match(r"^( {4}|\t)\s*\S", line) and not in_comment and is_indented_code(document):
             previous = document.blocks[-1] if document.blocks else None

@@ -7,7 +7,8 @@ BUILD is the folder of a build, for the names of its tests. PROGRAMS is the fold
 blocks `sh` of a document that have no comment `not run` (check_commands.py) are run one after another, each by bash
 -eu, in one empty folder, in which build/bin is PROGRAMS; PROGRAMS is on the PATH, too. For every command line, run or
 not, it checks that the options of our programs stand in their --help, that ctest finds tests by its -R and -L, and
-that the test of `run by` exists.
+that the test of `run by` exists. The lines of a block `text` under the comment `output` must be among those that the
+block run last has printed.
 """
 
 import functools
@@ -136,14 +137,21 @@ class Checker:
 
     def run(self, page):
         """Runs the blocks of a document; gives its problems."""
-        scripts = [(block, text) for block in page.blocks if (text := self.script(block))]
+        scripts = [(block, self.script(block)) for block in page.blocks]
+        scripts = [(block, text) for block, text in scripts if text or "output" in dict(block.marks)]
         if not scripts:
             return
+        printed = ""
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "build").mkdir()
             (pathlib.Path(folder) / "build/bin").symlink_to(self.programs)
             environment = {**os.environ, "PATH": f"{self.programs}:{os.environ['PATH']}"}
             for block, text in scripts:
+                if text is None:
+                    for line in block.text.splitlines():
+                        if line not in printed.splitlines():
+                            yield f"{page.name}:{block.line}: not printed: {line}"
+                    continue
                 start = time.monotonic()
                 try:
                     done = subprocess.run(["bash", "-eu", "-o", "pipefail", "-c", text], cwd=folder, env=environment,
@@ -153,6 +161,7 @@ class Checker:
                     yield f"{page.name}:{block.line}: takes longer than {LONGEST} s"
                     return
                 print(f"{page.name}:{block.line}: {time.monotonic() - start:.1f} s")
+                printed = done.stdout
                 if done.returncode != 0:
                     yield f"{page.name}:{block.line}: exit status {done.returncode} of\n{text}{done.stdout}"
                     return

@@ -56,6 +56,11 @@ class RunCommands(unittest.TestCase):
         self.expect("exit status 127 of", "```sh\nno-such-program\n```\n")
         self.expect("exit status 1 of", "```sh\necho ${unset}\n```\n")
 
+    def test_output(self):
+        text = "```sh\necho one; echo two >&2\n```\n\n<!-- output -->\n```text\n{}\n```\n"
+        self.assertEqual(self.problems_of(text.format("two\none"))[0], [])
+        self.expect("a.md:7: not printed: on", text.format("on"))
+
     def test_commands_and_options(self):
         for ending in "", "<!-- not run: builds -->":
             self.expect("has no command lost", f"{ending}\n```sh\nselfproj-sim lost\n```\n")
