@@ -1,21 +1,25 @@
-// Column moments M0, M1 (and N) of a stream of frames, 4 pixels a clock, every clock.
+// Column moments M0, M1 and N of a stream of frames, four pixels in every clock.
 //
-//   M0(c) = sum over rows of w,   M1(c) = sum over rows of row*w,   N(c) = number of lit pixels       (3.1, 3.2)
+//   M0(c) = sum over rows of w,   M1(c) = sum over rows of row*w,   N(c) = lit pixels   (3.1, 3.2)
 //
-// A pixel is lit where it is greater than the threshold; w = 1 (binary), its value (grey), or its value less the threshold
-// (grey_over). Rows count from 1. The sums never wrap: every width follows from MaxRows. The last row completes the sums, so
-// they leave while it passes; there is no second bank and no clearing pass.
+// A pixel is lit where it is greater than the threshold. A lit pixel weighs w = 1 (binary), its
+// value (grey) or its value minus the threshold (grey_over). Rows count from 1. No sum wraps: all
+// widths follow from MaxRows. The last row of a frame completes the sums, so they leave while that
+// row passes. There is no second bank of sums and no pass that clears them.
 //
-// Input: beats with their position, as sp_frame_tracker gives them. accept_i, four clocks after a beat of a last row, says
-// whether its moments are wanted. break_i, one clock after the last beat that counts (or later), ends a frame early, in its
-// last row: the columns that were complete still leave, then moments_break_o.
+// Input: beats with their position, as sp_frame_tracker gives them. accept_i says, four clocks
+// after each beat of a last row, whether the moments of this beat are wanted. break_i ends a frame
+// early, within its last row, one clock after the last beat that counts or later; the columns that
+// were complete still leave, followed by moments_break_o.
 //
-// Output: 16-byte payload beats of the packet format. Binary: four columns a beat, 8 clocks after their pixels (10 in a grey
-// build), one beat a clock. Grey modes: two columns a beat, from 16 clocks on, one beat a clock, so that the last of G
-// groups leaves G + 16 clocks after its pixels. No back-pressure.
+// Output: 16-byte payload beats of the packet format, without back-pressure. In mode binary a beat
+// holds four columns and leaves 8 clocks after their pixels (10 in a grey build). In the grey modes
+// a beat holds two columns; the first leaves after 16 clocks, the last of G groups G + 16 clocks
+// after its pixels.
 //
-// spoiled_o: a frame of three or more rows came while a larger frame before it was still draining (only possible after a
-// change of size, in a grey build): its sums are void, its packet must be counted as lost.
+// spoiled_o: a frame of three or more rows came while a larger frame before it was still draining,
+// which only a change of size in a grey build can cause. Its sums are void; its packet counts as
+// lost.
 `default_nettype none
 
 module sp_column_moments #(
@@ -30,7 +34,7 @@ module sp_column_moments #(
   input  wire logic                 rst_i,
 
   input  wire logic                 beat_valid_i,
-  input  wire logic [31:0]          beat_pixels_i,  // leftmost in 7..0
+  input  wire logic [31:0]          beat_pixels_i,  // leftmost pixel in 7..0
   input  wire logic [GroupBits-1:0] beat_group_i,
   input  wire logic [RowBits-1:0]   beat_row_i,
   input  wire logic                 beat_first_row_i,
@@ -89,7 +93,7 @@ module sp_column_moments #(
   assign {s4_first_row, s4_last_row, s4_line_end, s4_one, s4_two, s4_grey} = s4_flags_q;
 
   logic [31:0] s1_pixels_q;
-  logic [7:0]  s1_room_q;  // 255 less the threshold
+  logic [7:0]  s1_room_q;  // 255 minus the threshold
   logic [1:0]  s1_mode_q;
   always_ff @(posedge clk_i) begin
     s1_pixels_q <= beat_pixels_i;
@@ -98,8 +102,8 @@ module sp_column_moments #(
   end
 
   for (genvar lane = 0; lane < 4; lane++) begin : gen_weight
-    // A pixel greater than the threshold and the room above that are more than 255: the carry, as a bit of the sum it stays at
-    // the end of its chain. In reset it does not matter.
+    // A pixel is lit where pixel + (255 - threshold) exceeds 255. The carry is taken as a bit of
+    // the sum, so that it stays at the end of its chain. It does not matter in reset.
     logic       lit;
     logic [7:0] unused_sum;
     assign {lit, unused_sum} = {rst_i, s1_pixels_q[8*lane+:8]} + {1'b0, s1_room_q};
@@ -125,7 +129,7 @@ module sp_column_moments #(
     end
   end
 
-  // --- Stage 4: which beats are added up. A last row is only in mode binary, where it completes the sums. ---
+  // --- Stage 4: which beats are added up. Only mode binary adds up the last row. ---
   logic                   s4_drain_row;  // a last row that goes to the drain
   logic                   s4_add;
   logic                   drain;
@@ -136,10 +140,11 @@ module sp_column_moments #(
   logic                   sum_m_comes, sum_a_comes;
 
   assign s4_drain_row = s4_last_row && s4_grey;
-  // A first row needs no read and may pass a drain; any other row meets one only after a change of size: see spoiled_o.
+  // A first row needs no read, so it may pass a drain. Another row meets a drain only after a
+  // change of size: see spoiled_o.
   assign s4_add       = valid_q[4] && !s4_drain_row && (s4_first_row || !draining);
 
-  // --- Stage 5, in a grey build only: the sums are a clock behind the drain's line buffer ---
+  // --- Stage 5, only in a grey build: the sums run one clock behind the drain. ---
   logic                    add, add_first_row, add_one, add_two, add_grey;
   logic [GroupBits-1:0]    add_group;
   logic [RowBits-1:0]      add_row;
@@ -157,10 +162,12 @@ module sp_column_moments #(
       {s5_first_row_q, s5_one_q, s5_two_q, s5_grey_q} <= {s4_first_row, s4_one, s4_two, s4_grey};
       {s5_group_q, s5_row_q, s5_weights_q}            <= {s4_group_q, s4_row_q, s4_weights_q};
     end
-    assign {add, add_first_row, add_one, add_two, add_grey} = {s5_add_q, s5_first_row_q, s5_one_q, s5_two_q, s5_grey_q};
+    assign {add, add_first_row, add_one, add_two, add_grey} =
+        {s5_add_q, s5_first_row_q, s5_one_q, s5_two_q, s5_grey_q};
     assign {add_group, add_row, add_weights}                = {s5_group_q, s5_row_q, s5_weights_q};
   end else begin : gen_no_stage5
-    assign {add, add_first_row, add_one, add_two, add_grey} = {s4_add, s4_first_row, s4_one, s4_two, s4_grey};
+    assign {add, add_first_row, add_one, add_two, add_grey} =
+        {s4_add, s4_first_row, s4_one, s4_two, s4_grey};
     assign {add_group, add_row, add_weights}                = {s4_group_q, s4_row_q, s4_weights_q};
   end
 
@@ -189,7 +196,8 @@ module sp_column_moments #(
     .sum_a_comes_o (sum_a_comes)
   );
 
-  // --- Mode binary: the sums of the last row, as they come; in a grey build a clock later, put together from their halves ---
+  // --- Mode binary: the sums of the last row leave as they come; a grey build joins halves first.
+  // ---
   localparam int DirectEnd = Grey ? 10 : 8;
   localparam int SumA = Grey ? 9 : 8;  // the stage that sum_a belongs to; sum_m is one ahead
   logic [DirectEnd:5]   direct_q;
@@ -202,7 +210,8 @@ module sp_column_moments #(
       direct_q       <= '0;
       direct_break_q <= '0;
     end else begin
-      direct_q       <= {direct_q[DirectEnd-1:5], valid_q[4] && s4_last_row && !s4_grey && accept_i};
+      direct_q       <=
+          {direct_q[DirectEnd-1:5], valid_q[4] && s4_last_row && !s4_grey && accept_i};
       direct_break_q <= {direct_break_q[DirectEnd-1:5], break_q[3] && accept_i && !break_drains};
     end
   end
@@ -229,13 +238,16 @@ module sp_column_moments #(
       assign {unused_n, m_high, m_carry, m_low} = sum_m[lane*LaneMBits+:LaneMBits];
       assign {a_high, a_carry, a_low}           = sum_a[lane*LaneABits+:LaneABits];
       always_ff @(posedge clk_i) begin
-        if (direct_q[SumA-1]) m0_q[lane*RowBits+:RowBits] <= RowBits'({m_high + MHigh'(m_carry), m_low});
+        if (direct_q[SumA-1]) m0_q[lane*RowBits+:RowBits] <=
+            RowBits'({m_high + MHigh'(m_carry), m_low});
         if (no_direct_q) {m0_10_q, m1_10_q} <= '0;
-        else {m0_10_q, m1_10_q} <= {m0_q[lane*RowBits+:RowBits], M1Bits'({a_high + AHigh'(a_carry), a_low})};
+        else {m0_10_q, m1_10_q} <=
+            {m0_q[lane*RowBits+:RowBits], M1Bits'({a_high + AHigh'(a_carry), a_low})};
       end
       assign {m0, m1} = {m0_10_q, m1_10_q};
     end else begin : gen_whole
-      always_ff @(posedge clk_i) if (direct_q[SumA-1]) m0_q[lane*RowBits+:RowBits] <= sum_m[lane*LaneMBits+:RowBits];
+      always_ff @(posedge clk_i) if (direct_q[SumA-1]) m0_q[lane*RowBits+:RowBits] <=
+          sum_m[lane*LaneMBits+:RowBits];
       assign {m0, m1} = {m0_q[lane*RowBits+:RowBits], sum_a[lane*LaneABits+:M1Bits]};
     end
     assign word = 32'(m1) << sp_spec_pkg::BinaryM1Lsb | 32'(m0) << sp_spec_pkg::BinaryM0Lsb;
@@ -244,7 +256,7 @@ module sp_column_moments #(
 
   // --- Grey modes: the drain ---
   if (Grey) begin : gen_grey
-    logic         drain_grey_q;  // the last row now passing, or the one before, goes to the drain
+    logic         drain_grey_q;  // this last row, or the one before, goes to the drain
     logic         drain_valid;
     logic [127:0] drain_data;
     logic         drain_break;
@@ -283,14 +295,14 @@ module sp_column_moments #(
       .break_o         (drain_break)
     );
 
-    // A frame is spoiled from the first beat it loses to its next frame's first row.
+    // A frame is spoiled from its first lost beat until the first row of the next frame.
     always_ff @(posedge clk_i) begin
       if (rst_i) spoiled_o <= 1'b0;
       else if (valid_q[4] && s4_first_row) spoiled_o <= 1'b0;
       else if (valid_q[4] && !s4_drain_row && draining) spoiled_o <= 1'b1;
     end
 
-    // Each is 0 where it is not valid.
+    // A source that is not valid is 0.
     assign moments_valid_o = direct_q[DirectEnd] || drain_valid;
     assign moments_data_o  = direct_data | drain_data;
     assign moments_break_o = direct_break_q[DirectEnd] || drain_break;
@@ -308,9 +320,10 @@ module sp_column_moments #(
   end
 
 `ifdef FORMAL
-  // Reset once, at the beginning; then frames of one size and mode, beats in order, any gaps between them, none broken. In mode
-  // binary every packet is wanted; in the grey modes any that do not follow too soon: from a last row's end to the next last row
-  // wanted are eight clocks or more (sp_packetizer takes more than 16), with any frames between them that are not wanted.
+  // Assumptions: one reset at the beginning; frames of one size and mode; beats in order, with any
+  // gaps; no frame breaks. In mode binary every packet is wanted. In the grey modes, at least eight
+  // clocks lie between the end of a last row and the next last row that is wanted (sp_packetizer
+  // keeps more than 16); any unwanted frames may come between.
   parameter bit [7:0] ValueBits = 8'hFF;  // bits that pixels and threshold have
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
@@ -322,11 +335,12 @@ module sp_column_moments #(
   logic [RowBits-1:0]   f_row_q;
   logic                 f_line_end, f_last_row;
   logic [2:0]           f_wait_q;
-  logic                 f_decides, f_wanted, f_wanted_q;  // a frame's last row begins; whether its packet is wanted
+  logic                 f_decides, f_wanted, f_wanted_q;  // a last row begins; its packet is wanted
   logic [4:1]           f_accept_q;
   (* anyseq *) logic    f_choice;
   assign f_decides = beat_valid_i && f_last_row && f_group_q == '0;
-  assign f_wanted  = f_decides ? f_mode == sp_spec_pkg::ModeBinary || f_choice && f_wait_q == '0 : f_wanted_q;
+  assign f_wanted  = f_decides ? f_mode == sp_spec_pkg::ModeBinary || f_choice && f_wait_q == '0 :
+                     f_wanted_q;
   assign f_line_end = f_group_q == f_last_group;
   assign f_last_row = f_row_q == f_rows;
   always_ff @(posedge clk_i) begin
@@ -343,34 +357,39 @@ module sp_column_moments #(
   end
   always_comb begin
     assume (rst_i == !f_ran_q);
-    assume (f_rows != '0 && f_rows <= RowBits'(MaxRows) && f_last_group < (GroupBits + 1)'(MaxColumns / 4));
-    assume (beat_group_i == f_group_q && beat_row_i == f_row_q && beat_first_row_i == (f_row_q == RowBits'(1)));
+    assume (f_rows != '0 && f_rows <= RowBits'(MaxRows) &&
+            f_last_group < (GroupBits + 1)'(MaxColumns / 4));
+    assume (beat_group_i == f_group_q && beat_row_i == f_row_q &&
+            beat_first_row_i == (f_row_q == RowBits'(1)));
     assume (beat_last_row_i == f_last_row && beat_line_end_i == f_line_end);
     assume (one_group_i == (f_last_group == '0) && two_groups_i == (f_last_group == GroupBits'(1)));
-    assume (mode_i == f_mode && f_mode <= (Grey ? sp_spec_pkg::ModeGreyOver : sp_spec_pkg::ModeBinary));
+    assume (mode_i == f_mode &&
+            f_mode <= (Grey ? sp_spec_pkg::ModeGreyOver : sp_spec_pkg::ModeBinary));
     assume ((beat_pixels_i & ~{4{ValueBits}}) == '0 && (f_threshold & ~ValueBits) == '0);
     if (f_decides && f_ended_q == 6'(f_frame)) assume (f_wanted);
     assume (threshold_i == f_threshold && !break_i && accept_i == f_accept_q[4]);
   end
 
-  // Any one column: its sums written out (3.1, 3.2), from the beats as they come in.
+  // Any one column: its sums (3.1, 3.2), written out from the beats as they come in.
   (* anyconst *) logic [1:0]           f_lane;
   (* anyconst *) logic [GroupBits-1:0] f_group;
-  (* anyconst *) logic [4:0]           f_frame;  // of this frame, which is wanted
+  (* anyconst *) logic [4:0]           f_frame;  // the frame, one that is wanted
   logic [7:0]  f_pixel;
   logic [31:0] f_weight, f_m0_q, f_m1_q, f_n_q;
   logic        f_lit, f_mine;
   logic [31:0] f_m0, f_m1, f_n;
-  // More than a bounded trace has: frames that ended; wanted, all and before this one; that came out
+  // Wide enough for a bounded trace: frames that ended; frames wanted, in all and before this one;
+  // frames that came out.
   logic [5:0]  f_ended_q, f_wants_q, f_before_q, f_out_q;
   assign f_pixel  = beat_pixels_i[8*f_lane+:8];
   assign f_lit    = f_pixel > f_threshold;
   assign f_weight = !f_lit ? 32'd0 : f_mode == sp_spec_pkg::ModeBinary ? 32'd1 :
-                    f_mode == sp_spec_pkg::ModeGrey ? 32'(f_pixel) : 32'(f_pixel) - 32'(f_threshold);
+                    f_mode == sp_spec_pkg::ModeGrey ? 32'(f_pixel) :
+                        32'(f_pixel) - 32'(f_threshold);
   assign f_mine   = beat_valid_i && f_group_q == f_group && f_ended_q == 6'(f_frame);
   always_comb begin
     f_m1 = f_m1_q;
-    for (int r = 1; r <= MaxRows; r++) if (f_row_q >= RowBits'(r)) f_m1 = f_m1 + f_weight;  // row times weight
+    for (int r = 1; r <= MaxRows; r++) if (f_row_q >= RowBits'(r)) f_m1 = f_m1 + f_weight;
     f_m0 = f_m0_q + f_weight;
     f_n  = f_n_q + 32'(f_lit);
   end
@@ -386,7 +405,7 @@ module sp_column_moments #(
     end
   end
 
-  // What comes out: payload beats of two or four columns, in order.
+  // The output: payload beats of two or four columns, in order.
   logic [GroupBits:0] f_beat_q;
   logic               f_grey, f_here;
   logic [63:0]        f_word;
@@ -406,13 +425,14 @@ module sp_column_moments #(
     end
   end
 
-  // Rule 1: the word of every column holds its sums, in the packet's format.
-  // Rule 2: nothing comes out that has not gone in whole, or is not wanted.
+  // Rule 1: the word of every column holds its sums, in the format of the packet.
+  // Rule 2: nothing comes out that has not gone in completely or is not wanted.
   always_comb if (f_ran_q && !rst_i) begin
     if (f_here) begin
       assert (f_ended_q > 6'(f_frame) || f_last_row && f_group_q > f_group);
       if (f_grey) begin
-        assert (f_word[26:0] == f_m1_q[26:0] && f_word[44:27] == f_m0_q[17:0] && f_word[54:45] == f_n_q[9:0]);
+        assert (f_word[26:0] == f_m1_q[26:0] && f_word[44:27] == f_m0_q[17:0] &&
+                f_word[54:45] == f_n_q[9:0]);
       end else begin
         assert (f_word[19:0] == f_m1_q[19:0] && f_word[31:20] == f_m0_q[11:0]);
       end
@@ -420,7 +440,8 @@ module sp_column_moments #(
     if (moments_valid_o) assert (f_out_q < f_wants_q);
     assert (!spoiled_o);
     cover (f_here && f_m1_q != '0 && f_rows == RowBits'(MaxRows) && f_last_group == GroupBits'(1));
-    if (Grey) cover (f_here && f_grey && f_m1_q != '0 && f_before_q == 6'd1 && f_frame == 5'd2);  // one between was not wanted
+    // one not wanted
+    if (Grey) cover (f_here && f_grey && f_m1_q != '0 && f_before_q == 6'd1 && f_frame == 5'd2);
   end
 `endif
 

@@ -1,20 +1,28 @@
-// Grey modes: finishes the sums of the last row, two columns a clock.
+// Grey modes: completes the sums with the last row, two columns per clock.
 //
-// In the grey modes a column is 64 bits, so four columns of a beat leave in two clocks while the last row comes in one beat
-// a clock. The last row is therefore not added up: its weights wait in a line buffer of one row (push_*), and this module
-// reads group after group every second clock from the sums of the rows before (drain_*), adds the last row and
-// finishes M1:
+// In the grey modes a column takes 64 bits, so the four columns of a beat need two clocks to leave,
+// while the last row comes in at one beat per clock. The last row is therefore not added to the
+// sums. Its weights wait in a line buffer (push_*). This module reads the sums of the earlier rows,
+// one group every second clock (drain_*), adds the last row and computes M1:
 //
-//   M0 = M0' + v,  N = N' + [v > 0],  M1 = R*M0 - (A + M0')       (M0', N', A: after row R-1; v: the last row's weight)
+//   M0 = M0' + v,  N = N' + [v > 0],  M1 = R*M0 - (A + M0')
+//                               (M0', N', A: after row R-1; v: the weight in the last row)
 //
-// M0' and A come in halves, as sp_moment_sums keeps them, and are put together here.
+// M0' and A come in halves, as sp_moment_sums keeps them; this module joins them.
 //
-// Guarantees: words leave in column order; break_o comes after the last word where break_i ended the frame early. A pushed group is
-// read two clocks later at the earliest. Beats that are added a clock after they would be pushed never meet a drain read, between
-// frames of equal settings: the second row of the next begins one clock after the last drain read. active_o tells the others (after
-// a change of settings) to keep away; it goes back with the last drain read. Nothing overflows: M1 fits (sp_spec_pkg), and the
-// line buffer has room for a row, which is drained before the next one wanted comes (sp_packetizer refuses it sooner).
-// Latency: a group's first two columns leave ten clocks after its drain read, the other two a clock later. Two groups:
+// Guarantees:
+// * Words leave in column order. break_o comes after the last word where break_i ended the frame
+//   early. A pushed group is read two clocks later at the earliest.
+// * Between frames of equal settings, beats that are added one clock after they would be pushed
+//   never meet a drain read: the second row of the next frame begins one clock after the last drain
+//   read. After a change of settings, active_o tells the others to keep away; it falls with the
+//   last drain read.
+// * Nothing overflows. M1 fits (sp_spec_pkg). The line buffer has room for one row, and that row is
+//   drained before the next wanted one comes; sp_packetizer refuses a row that comes sooner.
+// * Latency: the first two columns of a group leave ten clocks after its drain read, the other two
+//   one clock later.
+//
+// Two groups:
 //
 //   clock        0   1   2   3   4   5   6  ... 11  12  13  14  15  16
 //   push_i      _/A\_/B\____________________ ... ________________________   push_end_i with B
@@ -41,15 +49,16 @@ module sp_moment_drain #(
 
   // Last row of a frame whose packet was accepted
   input  wire logic                   push_i,
-  input  wire logic                   push_end_i,  // the row's last group
+  input  wire logic                   push_end_i,  // the last group of the row
   input  wire logic [GroupBits-1:0]   push_group_i,
   input  wire logic [31:0]            push_weights_i,
   input  wire logic [RowBits-1:0]     push_row_i,
   input  wire logic                   push_first_row_i,
   input  wire logic                   push_one_group_i,
-  input  wire logic                   break_i,     // the frame ends here, after push_i of the same clock
+  // the frame ends here, after push_i of the same clock
+  input  wire logic                   break_i,
 
-  // Reads of the sums: address now, M one clock later, A two clocks later; in halves
+  // Reads of the sums, in halves: the address now, M one clock later, A two clocks later
   output logic                        drain_o,
   output logic [GroupBits-1:0]        drain_group_o,
   output logic                        active_o,
@@ -57,7 +66,8 @@ module sp_moment_drain #(
   input  wire logic [4*LaneABits-1:0] raw_a_i,
   input  wire logic [4*LaneMBits-1:0] sum_m_i,
   input  wire logic [4*LaneABits-1:0] sum_a_i,
-  input  wire logic                   sum_m_comes_i,  // sum_m_i will be of the beat two clocks before the read: not in the memory yet
+  // sum_m_i will be of the beat two clocks before the read
+  input  wire logic                   sum_m_comes_i,
   input  wire logic                   sum_a_comes_i,
 
   output logic                        valid_o,
@@ -65,28 +75,30 @@ module sp_moment_drain #(
   output logic                        break_o
 );
 
-  localparam int Latency = 8;  // from stage 2 to stage 10, the words
+  localparam int Latency = 8;  // from stage 2 to stage 10, where the words are complete
   localparam int MLow = sp_spec_pkg::PixelBits;
   localparam int MHigh = M0Bits - MLow;
   localparam int ALow = (ABits + 1) / 2;
   localparam int AHigh = ABits - ALow;
 
-  // Line buffer and what is left in it
+  // Line buffer, and what is left in it
   logic                 waiting_q;      // groups wait: from group_q to last_group_q
-  logic                 one_waits_q;    // in the second clock after a read, and later: only one waits
-  logic [GroupBits-1:0] group_q;        // the next to be read
-  logic [GroupBits-1:0] last_group_q;   // the last that was pushed
-  logic                 row_ended_q;    // no further push of this row will come
-  logic                 break_asked_q;  // and it ended by a break, which break_o has not told yet
-  logic                 break_now;      // nothing is left before the break: it enters the stages
-  logic                 read_now;       // a drain read in the next clock
-  logic                 last_read;      // and that is the row's last
-  logic                 drained_q;      // the last read, or the break, was decided a clock ago
-  logic                 s1_read_q;      // a drain read was in the clock before
-  logic [RowBits-1:0]   row_number_q;   // of the last row: R
-  logic                 first_row_q;    // it is the first, too: there are no sums of rows before it
+  // only one group waits; valid from the second clock after a read
+  logic                 one_waits_q;
+  logic [GroupBits-1:0] group_q;        // the next group to read
+  logic [GroupBits-1:0] last_group_q;   // the last group that was pushed
+  logic                 row_ended_q;    // this row gets no further push
+  logic                 break_asked_q;  // the row ended by a break that break_o has not told yet
+  // nothing is left before the break, which enters the stages now
+  logic                 break_now;
+  logic                 read_now;       // a drain read follows in the next clock
+  logic                 last_read;      // that read is the last of the row
+  logic                 drained_q;      // the last read, or the break, was decided one clock ago
+  logic                 s1_read_q;      // there was a drain read one clock ago
+  logic [RowBits-1:0]   row_number_q;   // number of the last row: R
+  logic                 first_row_q;    // the last row is also the first: there are no earlier sums
   logic                 one_group_q;    // the image has 4 columns
-  logic [31:0]          raw_weights;    // of the last row, from the line buffer
+  logic [31:0]          raw_weights;    // weights of the last row, from the line buffer
 
   assign read_now  = waiting_q && !drain_o;
   assign last_read = read_now && row_ended_q && one_waits_q;
@@ -124,7 +136,7 @@ module sp_moment_drain #(
 
   always_ff @(posedge clk_i) begin
     drain_group_o <= group_q;
-    // a group pushed where none waits is group_q
+    // A group that is pushed while none waits becomes group_q.
     one_waits_q   <= push_i ? !waiting_q : group_q == last_group_q;
     if (push_i) last_group_q <= push_group_i;
   end
@@ -151,15 +163,19 @@ module sp_moment_drain #(
     .rd_data_o(raw_weights)
   );
 
-  // Stage 1: M words and weights are here; stage 2: kept for the two clocks of their group; A words are here.
-  // Stage 3: the first two columns of the group, and A kept; one clock later the other two.
-  logic                   s2_first_q, s3_first_q;  // the stage has a group's first two columns
-  logic                   s1_from_sum_q, s2_from_sum_q;  // the sums that the memories do not have yet are at sum_m_i, sum_a_i
-  logic                   s2_valid_q;      // the stage has columns, the first two or the others
+  // Stage 1: the M words and the weights are here.
+  // Stage 2: they are kept for the two clocks of their group; the A words are here.
+  // Stage 3: the first two columns of the group, with A kept; one clock later the other two.
+  // the stage holds the first two columns of a group
+  logic                   s2_first_q, s3_first_q;
+  // the memories do not have these sums yet: take sum_m_i, sum_a_i
+  logic                   s1_from_sum_q, s2_from_sum_q;
+  logic                   s2_valid_q;      // the stage holds columns, the first two or the others
   logic [4*LaneMBits-1:0] s2_m_q;
   logic [4*LaneABits-1:0] s3_a_q;
   logic [31:0]            s2_weights_q;
-  logic                   s0_break_q, s1_break_q, s2_break_q;  // the break in the stages, behind the last word
+  // the break in the stages, behind the last word
+  logic                   s0_break_q, s1_break_q, s2_break_q;
 
   logic [Latency-1:0]     valid_q;  // from stage 3 on
   logic [Latency-1:0]     break_q;
@@ -175,7 +191,7 @@ module sp_moment_drain #(
       break_q    <= '0;
     end else begin
       s2_first_q <= s1_read_q;
-      s2_valid_q <= s1_read_q || s2_first_q;  // two clocks, for two columns each
+      s2_valid_q <= s1_read_q || s2_first_q;  // two clocks, two columns each
       s0_break_q <= break_now;
       s1_break_q <= s0_break_q;
       s2_break_q <= s1_break_q;
@@ -184,11 +200,12 @@ module sp_moment_drain #(
     end
   end
 
-  // Something is in the stages from 2 on: all of them move, or none, which is one enable for a synthesizer.
+  // The stages from 2 on move together or not at all. A synthesizer sees one enable.
   logic moving_q;
-  logic s9_empty_q;  // no columns are in stage 9: !valid_q[6]
+  logic s9_empty_q;  // stage 9 holds no columns: !valid_q[6]
   always_ff @(posedge clk_i) s9_empty_q <= rst_i || !valid_q[5];
-  always_ff @(posedge clk_i) moving_q <= drain_o || s1_read_q || s2_valid_q || valid_q[Latency-3:0] != '0;
+  always_ff @(posedge clk_i) moving_q <= drain_o || s1_read_q || s2_valid_q ||
+                                         valid_q[Latency-3:0] != '0;
 
   always_ff @(posedge clk_i) begin
     s3_first_q    <= s2_first_q;
@@ -202,19 +219,19 @@ module sp_moment_drain #(
   end
 
   for (genvar c = 0; c < 2; c++) begin : gen_column
-    // stage 3: one of the two columns
+    // Stage 3: one of the two columns
     logic [7:0]           s3_weight_q;
     logic [RowBits-1:0]   s3_n_q;
     logic [MHigh-1:0]     s3_m_high_q;
     logic [MLow-1:0]      s3_m_low_q;
     logic                 s3_m_carry_q;
     always_ff @(posedge clk_i) if (moving_q) begin
-      {s3_n_q, s3_m_high_q, s3_m_carry_q, s3_m_low_q} <= s2_first_q ? s2_m_q[c*LaneMBits+:LaneMBits] :
-                                                                      s2_m_q[(c+2)*LaneMBits+:LaneMBits];
+      {s3_n_q, s3_m_high_q, s3_m_carry_q, s3_m_low_q} <=
+          s2_first_q ? s2_m_q[c*LaneMBits+:LaneMBits] : s2_m_q[(c+2)*LaneMBits+:LaneMBits];
       s3_weight_q <= s2_first_q ? s2_weights_q[c*8+:8] : s2_weights_q[(c+2)*8+:8];
     end
 
-    // stage 4: M0' in one piece; the low half of M0; N; A of the column
+    // Stage 4: M0' in one piece; the low half of M0; N; A of the column
     logic [MHigh-1:0]     s4_m_high_q;
     logic [MLow-1:0]      s4_old_low_q, s4_m_low_q;
     logic                 s4_m_carry_q, s4_lit_q;
@@ -228,10 +245,11 @@ module sp_moment_drain #(
       {s4_m_carry_q, s4_m_low_q}              <= {1'b0, s3_m_low_q} + {1'b0, s3_weight_q};
       s4_lit_q                                <= s3_weight_q != '0;
       s4_n_q                                  <= s3_n_q;
-      {s4_a_high_q, s4_a_carry_q, s4_a_low_q} <= s3_first_q ? s3_a_q[c*LaneABits+:LaneABits] : s3_a_q[(c+2)*LaneABits+:LaneABits];
+      {s4_a_high_q, s4_a_carry_q, s4_a_low_q} <= s3_first_q ? s3_a_q[c*LaneABits+:LaneABits] :
+                                                 s3_a_q[(c+2)*LaneABits+:LaneABits];
     end
 
-    // stage 5: M0; what R*M0 counts too much, in halves
+    // Stage 5: M0, and the excess of R*M0 over M1, in halves
     logic [M0Bits-1:0]    s5_m0_q;
     logic [RowBits-1:0]   s5_n_q;
     logic [AHigh-1:0]     s5_excess_high_q, old_high;
@@ -241,13 +259,13 @@ module sp_moment_drain #(
     always_ff @(posedge clk_i) if (moving_q) begin
       s5_m0_q <= {s4_m_high_q + MHigh'(s4_m_carry_q), s4_m_low_q};
       s5_n_q  <= s4_n_q + RowBits'(s4_lit_q);
-      // the carry goes in at the foot of the chain
+      // The carry goes in at the foot of the chain.
       {s5_excess_high_q, s5_unused_foot_q} <= {s4_a_high_q, 1'b1} + {old_high, s4_a_carry_q};
       {s5_excess_carry_q, s5_excess_low_q} <= {1'b0, s4_a_low_q} + {1'b0, old_low};
     end
 
-    // stages 6 to 9: R*M0, and the rest beside it
-    // R*M0 can have a bit more than M1 needs: it falls out of the difference
+    // Stages 6 to 9: R*M0, with the rest beside it. R*M0 can have one bit more than M1 needs; that
+    // bit drops out of the difference.
     logic [M0Bits+RowBits-1:0] product9;
     logic                      unused_product;
     assign unused_product = ^product9;
@@ -269,24 +287,26 @@ module sp_moment_drain #(
     always_ff @(posedge clk_i) begin
       if (moving_q) begin
         {s6_m0_q, s6_n_q}                  <= {s5_m0_q, s5_n_q};
-        s6_excess_q                        <= {s5_excess_high_q + AHigh'(s5_excess_carry_q), s5_excess_low_q};
+        s6_excess_q                        <=
+            {s5_excess_high_q + AHigh'(s5_excess_carry_q), s5_excess_low_q};
         {s7_m0_q, s7_n_q, s7_excess_q}     <= {s6_m0_q, s6_n_q, s6_excess_q};
         {s8_m0_q, s8_n_q, s8_excess_q}     <= {s7_m0_q, s7_n_q, s7_excess_q};
         {s9_m0_q, s9_n_q, s9_not_excess_q} <= {s8_m0_q, s8_n_q, ~s8_excess_q};
       end
-      // the difference fits: it is M1
+      // The difference fits: it is M1.
       if (s9_empty_q) {s10_m0_q, s10_n_q, s10_m1_q, s10_unused_foot_q} <= '0;
-      else {s10_m0_q, s10_n_q, s10_m1_q, s10_unused_foot_q} <= {s9_m0_q, s9_n_q,
-                                                                 {product9[ABits-1:0], 1'b1} + {s9_not_excess_q, 1'b1}};
+      else {s10_m0_q, s10_n_q, s10_m1_q, s10_unused_foot_q} <=
+          {s9_m0_q, s9_n_q, {product9[ABits-1:0], 1'b1} + {s9_not_excess_q, 1'b1}};
     end
-    // stage 10: the word
+    // Stage 10: the word
     logic [63:0] word;
-    assign word = 64'(s10_m1_q) << sp_spec_pkg::GreyM1Lsb | 64'(s10_m0_q) << sp_spec_pkg::GreyM0Lsb |
+    assign word = 64'(s10_m1_q) << sp_spec_pkg::GreyM1Lsb |
+                  64'(s10_m0_q) << sp_spec_pkg::GreyM0Lsb |
                   64'(s10_n_q) << sp_spec_pkg::GreyNLsb;
     assign data_o[64*c+:64] = word;
   end
 
-  // s2_valid_q is stage 2 of the first two columns; the words are in stage 10
+  // s2_valid_q belongs to stage 2 of the first two columns; the words are in stage 10.
   assign valid_o = valid_q[Latency-1];
   assign break_o = break_q[Latency-1];
 

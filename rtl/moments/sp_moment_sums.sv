@@ -1,24 +1,27 @@
 // Running sums of the four column lanes.
 //
-// Keeps, for each column, M0 (with N, the number of lit pixels, in a grey build) in one memory and the 1st-moment sum A
-// in a second one that runs one clock later, so that A may take up the old M0. In mode binary A is M1 itself: every lit
-// pixel adds its row. In the grey modes A adds up M0 before each row (A = sum over r < R of S_r', S the prefix sums), which
-// needs no multiplier here; sp_moment_drain finishes it: M1 = R*M0 - A.
+// One memory keeps M0 of each column (and N, the number of lit pixels, in a grey build). A second
+// memory keeps the first-moment sum A and runs one clock later, so that A can take up the old M0.
+// In mode binary A is M1 itself: every lit pixel adds its row. In the grey modes A adds up the M0
+// before each row (A = sum over r < R of S_r', where S are the prefix sums). This needs no
+// multiplier here; sp_moment_drain completes it: M1 = R*M0 - A.
 //
-// A grey build keeps M0 and A in two halves with a carry between them that the next addition takes up, so that none is a chain
-// of more than half the bits: {high, carry, low}, of the value (high + carry) << width of low | low.
+// A grey build keeps M0 and A in two halves, so that no carry chain has more than half the bits.
+// The carry between the halves is kept as well, and the next addition takes it up: {high, carry,
+// low} stands for ((high + carry) << width of low) | low.
 //
-// Guarantees: sums are right at every distance of two beats of one column, from the very next clock on (images of 4 columns
-// have all their beats in one address): a sum that the memory does not have yet is taken past it. They never wrap: widths follow
-// from MaxRows. Latency, in clocks after a beat is taken (stage 0):
+// Guarantees: the sums are right at every distance between two beats of one column, down to the
+// very next clock. (An image of 4 columns has all its beats at one address.) A sum that the memory
+// does not have yet bypasses it. The sums never wrap: their widths follow from MaxRows. Latency, in
+// clocks after a beat is taken (stage 0):
 //
 //   stage            0   1   2   3   4
-//   add_i           _/1\_______________   M's word is read
-//   raw_m_o         -----< M >---------   A's word is read
-//   sum_m_comes_o   _________/1\_______   M is added up, and written
+//   add_i           _/1\_______________   the word of M is read
+//   raw_m_o         -----< M >---------   the word of A is read
+//   sum_m_comes_o   _________/1\_______   M is added up and written
 //   raw_a_o         ---------< A >-----
 //   sum_m_o         -------------< M >-
-//   sum_a_comes_o   _____________/1\___   A is added up, and written
+//   sum_a_comes_o   _____________/1\___   A is added up and written
 //   sum_a_o         -----------------< A
 `default_nettype none
 
@@ -37,7 +40,8 @@ module sp_moment_sums #(
   input  wire logic                     clk_i,
   input  wire logic                     rst_i,
 
-  // Stage 0: a group to read only. It may meet a beat of a first row, which needs no read, and no other.
+  // Stage 0: a group to read only. It may coincide with a beat of a first row, which needs no read,
+  // but with no other beat.
   input  wire logic                     drain_i,
   input  wire logic [GroupBits-1:0]     drain_group_i,
   // Stage 0: a beat to add up
@@ -45,23 +49,24 @@ module sp_moment_sums #(
   input  wire logic [GroupBits-1:0]     group_i,
   input  wire logic [4*WeightBits-1:0]  weights_i,
   input  wire logic [RowBits-1:0]       row_i,
-  input  wire logic                     first_row_i,   // sums begin at zero
+  input  wire logic                     first_row_i,   // the sums begin at zero
   input  wire logic                     one_group_i,   // the image has 4 columns
   input  wire logic                     two_groups_i,  // the image has 8 columns
   input  wire logic                     grey_i,
 
-  output logic [4*LaneMBits-1:0]        raw_m_o,  // {N, M0 in halves} of each lane, or M0
+  output logic [4*LaneMBits-1:0]        raw_m_o,  // each lane {N, M0 in halves}, or M0
   output logic [4*LaneABits-1:0]        raw_a_o,
   output logic [4*LaneMBits-1:0]        sum_m_o,
   output logic [4*LaneABits-1:0]        sum_a_o,
-  output logic                          sum_m_comes_o,  // in the next clock sum_m_o is of a beat in stage 3, for that clock only
-  output logic                          sum_a_comes_o   // in the next clock sum_a_o is of a beat in stage 4
+  // for one clock: the next sum_m_o is of stage 3
+  output logic                          sum_m_comes_o,
+  output logic                          sum_a_comes_o   // the next sum_a_o is of a beat in stage 4
 );
 
-  // Stage 1: the M word is read, and A's read begins
+  // Stage 1: the word of M is read, and the read of A begins
   logic                    s1_add_q, s1_drain_q, s1_first_q, s1_grey_q;
-  logic                    s1_onto_new_q;   // the beat adds to the sum now being made, of the beat a clock before it
-  logic                    s1_onto_last_q;  // or to the last sum made, of the beat two clocks before it
+  logic                    s1_onto_new_q;   // add to the sum in the making, of one clock before
+  logic                    s1_onto_last_q;  // add to the last sum made, of two clocks before
   logic [GroupBits-1:0]    s1_group_q, s1_drain_group_q;
   logic [4*WeightBits-1:0] s1_weights_q;
   logic [RowBits-1:0]      s1_row_q;
@@ -75,9 +80,9 @@ module sp_moment_sums #(
   logic [4*LaneMBits-1:0]  sum_m;
   logic [4*LaneABits-1:0]  sum_a;
 
-  // Where the sum that a beat adds to is not readable yet, its own stages have it. s1_onto_new_q: in an image of one group, where
-  // a beat came a clock before. s1_onto_last_q: in an image of one group with a gap of a clock before the beat, or of two groups
-  // without a gap, since groups alternate.
+  // Where the memory does not have the old sum yet, the stages have it. s1_onto_new_q: an image of
+  // one group, with a beat one clock before. s1_onto_last_q: an image of one group, with a gap of
+  // one clock before the beat; or an image of two groups without a gap, since the groups alternate.
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       s1_add_q   <= 1'b0;
@@ -117,8 +122,10 @@ module sp_moment_sums #(
     logic [LaneABits-1:0] s3_old_a_q, next_a, sum_a_q;
 
     always_ff @(posedge clk_i) begin
-      s2_old_m_q <= s1_first_q ? '0 : s1_onto_new_q ? next_m : s1_onto_last_q ? sum_m_q : raw_m_o[lane*LaneMBits+:LaneMBits];
-      s3_old_a_q <= s2_first_q ? '0 : s2_onto_new_q ? next_a : s2_onto_last_q ? sum_a_q : raw_a_o[lane*LaneABits+:LaneABits];
+      s2_old_m_q <= s1_first_q ? '0 : s1_onto_new_q ? next_m : s1_onto_last_q ? sum_m_q :
+                    raw_m_o[lane*LaneMBits+:LaneMBits];
+      s3_old_a_q <= s2_first_q ? '0 : s2_onto_new_q ? next_a : s2_onto_last_q ? sum_a_q :
+                    raw_a_o[lane*LaneABits+:LaneABits];
       sum_m_q    <= next_m;
       sum_a_q    <= next_a;
     end
@@ -160,7 +167,7 @@ module sp_moment_sums #(
       assign next_n                     = old_n + RowBits'(s2_lit_q);
       assign next_m_high                = old_m_high + MHigh'(old_m_carry);
       assign {next_m_carry, next_m_low} = {1'b0, old_m_low} + {1'b0, s2_weight_q};
-      // the carry goes in at the foot of the chain
+      // The carry goes in at the foot of the chain.
       assign {next_a_high, unused_foot} = {old_a_high, 1'b1} + {addend_high, old_a_carry};
       assign {next_a_carry, next_a_low} = {1'b0, old_a_low} + {1'b0, addend_low};
       assign next_m                     = {next_n, next_m_high, next_m_carry, next_m_low};
@@ -179,8 +186,9 @@ module sp_moment_sums #(
     end
   end
 
-  // A word holds two lanes. It is read and written in one clock only where the read word goes unused: in the first row, in
-  // images of one group, and in images of two groups without a gap (s1_onto_last_q).
+  // A word holds two lanes. Reads and writes of one word meet in a clock only where the word read
+  // is not used: in the first row, in images of one group, and in images of two groups without a
+  // gap (s1_onto_last_q).
   for (genvar pair = 0; pair < 2; pair++) begin : gen_pair
     sp_ram #(
       .Width   (2 * LaneMBits),

@@ -1,7 +1,7 @@
-// Pipelined multiplier x * k without a multiplier block: radix-4 digits of k, one adder a stage.
+// Pipelined multiplier x * k without a multiplier block: radix-4 digits of k, one adder per stage.
 //
-// Guarantees: product_o = x_i * k_i four clocks with move_i after x_i, one product a clock. k_i must not change during the
-// four clocks after x_i (the number of rows of a frame).
+// Guarantees: product_o = x_i * k_i, four clocks with move_i after x_i, one product per clock. k_i
+// (the number of rows of a frame) must not change during these four clocks.
 `default_nettype none
 
 module sp_scale #(
@@ -9,7 +9,7 @@ module sp_scale #(
   parameter int KBits = 10
 ) (
   input  wire logic                   clk_i,
-  input  wire logic                   move_i,  // without it nothing moves
+  input  wire logic                   move_i,  // nothing moves without it
   input  wire logic [XBits-1:0]       x_i,
   input  wire logic [KBits-1:0]       k_i,
   output logic      [XBits+KBits-1:0] product_o
@@ -33,13 +33,13 @@ module sp_scale #(
     end
   end
 
-  // Stage 2: each digit's multiple of x, at its place
+  // Stage 2: the multiple of x for each digit, at its place
   logic [PBits*Digits-1:0] digit2_q;
   for (genvar d = 0; d < Digits; d++) begin : gen_digit
     logic [1:0]       digit;
     logic [XBits+1:0] multiple;
     assign digit    = k[2*d+:2];
-    // no multiplexer with a 0: it would become a reset of its own for each digit
+    // A multiplexer with a 0 would become a separate reset for each digit, so there is none.
     assign multiple = {(XBits + 2) {digit == 2'd1}} & {2'b00, x1_q} |
                       {(XBits + 2) {digit == 2'd2}} & {1'b0, x1_q, 1'b0} |
                       {(XBits + 2) {digit == 2'd3}} & triple1_q;
@@ -53,7 +53,8 @@ module sp_scale #(
   for (genvar p = 0; p < Pairs; p++) begin : gen_pair
     if (2 * p + 1 < Digits) begin : gen_two
       always_ff @(posedge clk_i) begin
-        if (move_i) pair3_q[p*PBits+:PBits] <= digit2_q[2*p*PBits+:PBits] + digit2_q[(2*p+1)*PBits+:PBits];
+        if (move_i) pair3_q[p*PBits+:PBits] <= digit2_q[2*p*PBits+:PBits] +
+                                               digit2_q[(2*p+1)*PBits+:PBits];
       end
     end else begin : gen_one
       always_ff @(posedge clk_i) begin
@@ -66,9 +67,12 @@ module sp_scale #(
   if (Pairs == 1) begin : gen_sum1
     always_ff @(posedge clk_i) if (move_i) product_o <= pair3_q[0*PBits+:PBits];
   end else if (Pairs == 2) begin : gen_sum2
-    always_ff @(posedge clk_i) if (move_i) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits];
+    always_ff @(posedge clk_i) if (move_i) product_o <= pair3_q[0*PBits+:PBits] +
+                                                        pair3_q[1*PBits+:PBits];
   end else begin : gen_sum3
-    always_ff @(posedge clk_i) if (move_i) product_o <= pair3_q[0*PBits+:PBits] + pair3_q[1*PBits+:PBits] + pair3_q[2*PBits+:PBits];
+    always_ff @(posedge clk_i) if (move_i) product_o <= pair3_q[0*PBits+:PBits] +
+                                                        pair3_q[1*PBits+:PBits] +
+                                                        pair3_q[2*PBits+:PBits];
   end
 
 endmodule
