@@ -1,25 +1,28 @@
-// External memory for the state of the Gray-code decoder: the memory port of sp_gray_decoder on one side, AXI4 bursts on the
-// other.
+// External memory for the state of the Gray-code decoder: the memory port of sp_gray_decoder on one
+// side, AXI4 bursts on the other.
 //
-//   memory port ◀─ FIFO ◀─ read bursts, ahead of the frame          a word a clock each way,
+//   memory port ◀─ FIFO ◀─ read bursts, ahead of the frame          a word per clock each way,
 //   memory port ─▶ FIFO ─▶ write bursts, behind it                  any latency and stalls
 //
-// The words of a frame lie one after another from base_i on, 16 bytes each; base_i is a multiple of 16 · BurstWords. After every frame
-// (end_i) the writes are finished and acknowledged, and what was read too far is thrown away (up to 2^LogDepth words after the
-// frame's last are read); then the first words of the next frame are read. A frame that starts before the first of them
-// is there, a word that is not there when it is asked for, and one whose place in the write FIFO might be missing come too
-// late (rd_late_o): nothing more of that frame is read or written. At most 2^(LogDepth + 1) - 1 bursts are written and not answered.
-// Error responses are not looked at.
+// The words of a frame lie one after another from base_i on, 16 bytes each. base_i is a multiple of
+// 16 · BurstWords. After every frame (end_i) the module completes the writes, waits for their
+// answers and discards the words that were read too far: up to 2^LogDepth words after the last one
+// of the frame. Then it reads the first words of the next frame.
 //
-// Timing: rd_data_o and rd_late_o stand two clocks after rd_en_i. A frame's words are written at most WriteDelay clocks after they
-// were asked for.
+// rd_late_o says that a word came too late; then nothing more of that frame is read or written.
+// This happens when a frame starts before its first word is there, when a later word is not there
+// in time, and when the write FIFO might have no room. At most 2^(LogDepth + 1) - 1 bursts are
+// written and not yet answered. Error responses are ignored.
+//
+// Timing: rd_data_o and rd_late_o are there two clocks after rd_en_i. A word of a frame is written
+// at most WriteDelay clocks after it was asked for.
 `default_nettype none
 
 module sp_gray_axi_memory #(
-  parameter int Width = 128,         // of the state of four pixels; up to 128
+  parameter int Width = 128,         // state of four pixels; up to 128
   parameter int AddressBits = 32,
-  parameter int LogDepth = 8,        // of both FIFOs, in words
-  parameter int BurstWords = 16      // at most 16 · 16 bytes: no burst crosses a boundary of 4 KiB
+  parameter int LogDepth = 8,        // depth of both FIFOs, in words
+  parameter int BurstWords = 16      // up to 16: no burst may cross a boundary of 4 KiB
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,
@@ -34,7 +37,7 @@ module sp_gray_axi_memory #(
   input  wire logic [Width-1:0]       wr_data_i,
   input  wire logic                   end_i,
 
-  // AXI4: one identifier, bursts of words of 16 bytes with rising addresses
+  // AXI4: one identifier, bursts of 16-byte words with rising addresses
   output logic                        m_axi_arvalid_o,
   input  wire logic                   m_axi_arready_i,
   output logic      [AddressBits-1:0] m_axi_araddr_o,
@@ -58,20 +61,21 @@ module sp_gray_axi_memory #(
   localparam int Depth = 1 << LogDepth;
 
   // --- The frame ---
-  logic                draining_q;  // after a frame, until the memory is as if nothing had been read ahead
-  logic                fresh_q;     // the word at the FIFO's output is the frame's first
-  logic                frame_ok_q;  // no word of it came too late
+  logic                draining_q;  // after a frame, until nothing is read ahead any more
+  logic                fresh_q;     // the word at the output of the FIFO is the first of a frame
+  logic                frame_ok_q;  // no word of the frame came too late
   logic                drained, clear;
   logic                ok, pop, room;
-  logic [WriteDelay:1] ok_q;        // of the words on their way through the decoder
+  logic [WriteDelay:1] ok_q;        // the same for the words on their way through the decoder
 
 `ifdef FORMAL
-  logic [LogDepth:0] f_ahead_written, f_ahead_read, f_behind_written, f_behind_read;  // words into the FIFOs, and out
+  // words into the FIFOs, and out of them
+  logic [LogDepth:0] f_ahead_written, f_ahead_read, f_behind_written, f_behind_read;
 `endif
 
   // --- Reading ahead ---
   logic [LogDepth:0]     reserved_q;     // words asked for and not taken
-  logic [LogDepth:0]     outstanding_q;  // ... and not come
+  logic [LogDepth:0]     outstanding_q;  // words asked for that have not come
   logic                  ar, r, head_valid;
   logic [Width-1:0]      head;
   logic [Width-1:0]      word_q;
@@ -94,7 +98,8 @@ module sp_gray_axi_memory #(
       if (ar) m_axi_araddr_o <= m_axi_araddr_o + AddressBits'(16 * BurstWords);
       // A burst that was offered stays offered.
       if (!m_axi_arvalid_o || m_axi_arready_i) begin
-        m_axi_arvalid_o <= !draining_q && 32'(reserved_q) + (ar ? 2 * BurstWords : BurstWords) <= Depth;
+        m_axi_arvalid_o <= !draining_q &&
+                           32'(reserved_q) + (ar ? 2 * BurstWords : BurstWords) <= Depth;
       end
       reserved_q    <= reserved_q + (ar ? (LogDepth + 1)'(BurstWords) : '0) - (LogDepth + 1)'(pop);
       outstanding_q <= outstanding_q + (ar ? (LogDepth + 1)'(BurstWords) : '0) - (LogDepth + 1)'(r);
@@ -127,14 +132,14 @@ module sp_gray_axi_memory #(
 
   // --- Writing behind ---
   logic [LogDepth:0] level_q;        // words in the FIFO
-  logic [LogDepth:0] unannounced_q;  // ... for which no burst was begun
-  logic [LogDepth:0] announced_q;    // words of bursts that were begun, not yet sent
-  logic [LogDepth:0] bursts_q;       // bursts not yet acknowledged; no more are begun than it counts
-  logic [7:0]        left_q;         // of the burst that is sent, after the present word; bursts are full but for the last
+  logic [LogDepth:0] unannounced_q;  // words in the FIFO whose burst has not begun
+  logic [LogDepth:0] announced_q;    // words of the bursts that have begun, not yet sent
+  logic [LogDepth:0] bursts_q;       // bursts not yet answered; no more begin than this can count
+  logic [7:0]        left_q;         // words of the burst after the present one
   logic              put, aw, w, b, part, write_valid, write_ready_unused;
   logic [Width-1:0]  write_word;
   logic [LogDepth:0] burst;
-  logic [3:0]        settle_q;       // clocks until the frame's last word is in the FIFO
+  logic [3:0]        settle_q;       // clocks until the last word of the frame is in the FIFO
 
   assign put            = wr_en_i && ok_q[WriteDelay];
   assign room           = 32'(level_q) <= Depth - 2 * WriteDelay;
@@ -146,7 +151,9 @@ module sp_gray_axi_memory #(
   assign m_axi_bready_o = 1'b1;
   assign m_axi_wvalid_o = write_valid && announced_q != '0;
   assign m_axi_wdata_o  = 128'(write_word);
-  assign m_axi_wlast_o  = left_q == '0 || announced_q == (LogDepth + 1)'(1) && !m_axi_awvalid_o && unannounced_q == '0 && draining_q;
+  assign m_axi_wlast_o  = left_q == '0 ||
+                          announced_q == (LogDepth + 1)'(1) && !m_axi_awvalid_o &&
+                          unannounced_q == '0 && draining_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -165,11 +172,13 @@ module sp_gray_axi_memory #(
       bursts_q      <= bursts_q + (LogDepth + 1)'(aw) - (LogDepth + 1)'(b);
       if (w) left_q <= m_axi_wlast_o ? 8'(BurstWords - 1) : left_q - 8'd1;
       if (aw) m_axi_awvalid_o <= 1'b0;
-      else if (!m_axi_awvalid_o) m_axi_awvalid_o <= (32'(unannounced_q) >= BurstWords || part) && !(&bursts_q);
+      else if (!m_axi_awvalid_o) m_axi_awvalid_o <= (32'(unannounced_q) >= BurstWords || part) &&
+                                                    !(&bursts_q);
     end
     if (rst_i || clear) m_axi_awaddr_o <= base_i;
     else if (aw) m_axi_awaddr_o <= m_axi_awaddr_o + AddressBits'(16 * BurstWords);
-    if (!m_axi_awvalid_o) m_axi_awlen_o <= 32'(unannounced_q) >= BurstWords ? 8'(BurstWords - 1) : 8'(unannounced_q) - 8'd1;
+    if (!m_axi_awvalid_o) m_axi_awlen_o <= 32'(unannounced_q) >= BurstWords ? 8'(BurstWords - 1) :
+                                           8'(unannounced_q) - 8'd1;
   end
 
   sp_fifo #(
@@ -191,8 +200,9 @@ module sp_gray_axi_memory #(
 `endif
   );
 
-  // --- From frame to frame ---
-  assign drained = settle_q == '0 && !m_axi_arvalid_o && outstanding_q == '0 && level_q == '0 && bursts_q == '0 &&
+  // --- From one frame to the next ---
+  assign drained = settle_q == '0 && !m_axi_arvalid_o && outstanding_q == '0 && level_q == '0 &&
+                   bursts_q == '0 &&
                    !m_axi_awvalid_o && unannounced_q == '0;
   assign clear   = draining_q && drained;
 
@@ -222,10 +232,11 @@ module sp_gray_axi_memory #(
   end
 
 `ifdef FORMAL
-  // Reset once, at the beginning. The base stands still; a word asked for is written back, or was not there. Nothing is
-  // assumed of when words are asked for, and when frames begin and end.
+  // One reset at the beginning. The base stands still. A word that was asked for is written back or
+  // was not there. Words may be asked for, and frames may begin and end, at any time.
   localparam int FBurstBytes = 16 * BurstWords;
-  localparam int FBits = LogDepth + 2;  // of counts modulo a power of two: more than ever are under way
+  // counts modulo a power of two that is larger than any number under way
+  localparam int FBits = LogDepth + 2;
   logic f_ran_q = 1'b0;
   logic [WriteDelay:1] f_asked_q = '0;
   (* anyconst *) logic [AddressBits-1:0] f_base;
@@ -239,17 +250,18 @@ module sp_gray_axi_memory #(
     assume (wr_en_i == f_asked_q[WriteDelay]);
   end
 
-  (* anyconst *) logic [FBits-1:0] f_burst;  // of rule 4
+  (* anyconst *) logic [FBits-1:0] f_burst;  // for rule 4
 
-  // Counts since the frame began (to be read ahead), modulo.
-  logic [AddressBits-1:0] f_ar_q, f_aw_q;          // bursts asked for; bursts begun
-  logic [FBits-1:0]       f_r_q, f_pop_q;          // words come; words taken
+  // Counts since the frame began (to be read ahead), modulo
+  logic [AddressBits-1:0] f_ar_q, f_aw_q;          // read bursts; write bursts
+  logic [FBits-1:0]       f_r_q, f_pop_q;          // words that came; words taken
   logic [FBits-1:0]       f_put_q, f_w_q;          // words given; words sent
-  logic [FBits-1:0]       f_last_q, f_b_q;         // bursts sent to their end; answered
-  logic [7:0]             f_beat_q;                // words sent of the burst that is being sent
+  logic [FBits-1:0]       f_last_q, f_b_q;         // bursts sent completely; answered
+  logic [7:0]             f_beat_q;                // words sent of the current burst
   logic [LogDepth:0]      f_short_q;               // words of the short burst, once begun
   always_ff @(posedge clk_i) begin
-    if (rst_i || clear) {f_ar_q, f_aw_q, f_r_q, f_pop_q, f_put_q, f_w_q, f_last_q, f_b_q, f_beat_q, f_short_q} <= '0;
+    if (rst_i || clear) {f_ar_q, f_aw_q, f_r_q, f_pop_q, f_put_q, f_w_q, f_last_q, f_b_q, f_beat_q,
+                         f_short_q} <= '0;
     else begin
       f_ar_q   <= f_ar_q + AddressBits'(ar);
       f_aw_q   <= f_aw_q + AddressBits'(aw);
@@ -264,21 +276,24 @@ module sp_gray_axi_memory #(
     end
   end
   logic [FBits-1:0] f_coming, f_unsent, f_unanswered, f_ahead, f_on_way, f_whole, f_next, f_left;
-  assign f_coming     = FBits'(f_ar_q) * FBits'(BurstWords) - f_r_q;  // words asked for and not come
-  assign f_ahead      = f_r_q - f_pop_q;                              // words come and not taken
+  // words asked for that have not come
+  assign f_coming     = FBits'(f_ar_q) * FBits'(BurstWords) - f_r_q;
+  assign f_ahead      = f_r_q - f_pop_q;  // words that came and were not taken
   assign f_on_way     = f_pop_q - f_put_q;                            // words taken and not given
-  assign f_unsent     = FBits'(f_aw_q) - f_last_q;                    // bursts begun and not sent to their end
-  assign f_unanswered = f_last_q - f_b_q;                             // bursts sent and not answered
+  assign f_unsent     = FBits'(f_aw_q) - f_last_q;  // bursts begun and not sent completely
+  assign f_unanswered = f_last_q - f_b_q;  // bursts sent and not answered
   assign f_whole      = f_last_q * FBits'(BurstWords);                // words of the bursts sent
-  assign f_next       = f_whole + FBits'(f_beat_q);                   // and of the one that is being sent
-  assign f_left       = f_burst - f_last_q;                           // bursts to be sent before that of rule 4
-  // The memory keeps AXI4 too: words only that were asked for, answers only to bursts that are whole.
+  assign f_next       = f_whole + FBits'(f_beat_q);                   // and of the current burst
+  assign f_left       = f_burst - f_last_q;  // bursts to send before the one of rule 4
+  // The memory keeps to AXI4 as well: it sends only words that were asked for, and answers only
+  // complete bursts.
   always_comb begin
     if (f_coming == '0) assume (!m_axi_rvalid_i);
     if (f_unanswered == '0) assume (!m_axi_bvalid_i);
   end
 
-  // Rule 1 (AXI4): what is offered stays, unchanged, until it is taken. (What the memory offers is always taken.)
+  // Rule 1 (AXI4): what is offered stays unchanged until it is taken. (What the memory offers is
+  // always taken.)
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
     if ($past(m_axi_arvalid_o && !m_axi_arready_i)) begin
       assert (m_axi_arvalid_o && $stable(m_axi_araddr_o) && $stable(m_axi_arlen_o));
@@ -291,24 +306,26 @@ module sp_gray_axi_memory #(
     end
   end
 
-  // Rule 2 (AXI4): no burst crosses a boundary of 4 KiB, and none is longer than BurstWords.
-  // Rule 3: bursts lie one after another from the base on.
-  logic [AddressBits-1:0] f_ar_end, f_aw_end;  // their last bytes
+  // Rule 2 (AXI4): no burst crosses a boundary of 4 KiB or is longer than BurstWords.
+  // Rule 3: bursts lie one after another, starting at the base.
+  logic [AddressBits-1:0] f_ar_end, f_aw_end;  // the last bytes
   assign f_ar_end = m_axi_araddr_o + (AddressBits'(m_axi_arlen_o) << 4) + AddressBits'(15);
   assign f_aw_end = m_axi_awaddr_o + (AddressBits'(m_axi_awlen_o) << 4) + AddressBits'(15);
   always_comb if (f_ran_q && !rst_i) begin
     if (m_axi_arvalid_o) begin
-      assert (m_axi_araddr_o[AddressBits-1:12] == f_ar_end[AddressBits-1:12] && 32'(m_axi_arlen_o) < BurstWords);
+      assert (m_axi_araddr_o[AddressBits-1:12] == f_ar_end[AddressBits-1:12] &&
+              32'(m_axi_arlen_o) < BurstWords);
     end
     if (m_axi_awvalid_o) begin
-      assert (m_axi_awaddr_o[AddressBits-1:12] == f_aw_end[AddressBits-1:12] && 32'(m_axi_awlen_o) < BurstWords);
+      assert (m_axi_awaddr_o[AddressBits-1:12] == f_aw_end[AddressBits-1:12] &&
+              32'(m_axi_awlen_o) < BurstWords);
     end
     assert (m_axi_araddr_o == f_base + f_ar_q * AddressBits'(FBurstBytes));
     assert (m_axi_awaddr_o == f_base + f_aw_q * AddressBits'(FBurstBytes));
   end
 
-  // Rule 4 (AXI4): a burst has as many words as its address said, the last of them marked, and none goes before its burst's
-  // address. For any one burst.
+  // Rule 4 (AXI4), for any one burst: it has as many words as its address announced, the last one
+  // is marked, and none goes before the address.
   logic [7:0] f_length_q;
   always_ff @(posedge clk_i) if (aw && FBits'(f_aw_q) == f_burst) f_length_q <= m_axi_awlen_o;
   always_comb if (f_ran_q && !rst_i && m_axi_wvalid_o) begin
@@ -316,8 +333,9 @@ module sp_gray_axi_memory #(
     if (f_last_q == f_burst) assert (m_axi_wlast_o == (f_beat_q == f_length_q));
   end
 
-  // Rule 5: word n of a frame lies at base + 16 n. Reading, because the FIFO hands on in order what comes (sp_fifo) and every
-  // burst read is full; writing, because a burst's first word is the one that its address is for.
+  // Rule 5: word n of a frame lies at base + 16 n. Reading: the FIFO passes on words in order
+  // (sp_fifo), and every read burst is full. Writing: the first word of a burst is the one that its
+  // address stands for.
   logic [LogDepth:0] f_behind;
   assign f_behind = f_behind_written - f_behind_read;
   always_comb if (f_ran_q && !rst_i) begin
@@ -337,14 +355,15 @@ module sp_gray_axi_memory #(
     end
   end
 
-  // Rule 6: the next frame is read only when everything of this one is done: no word is to come, what was taken is given, sent and
-  // answered.
+  // Rule 6: the next frame is read only when this one is done: no word is still to come, and every
+  // word taken was given, sent and answered.
   always_comb if (f_ran_q && !rst_i && clear) begin
-    assert (f_coming == '0 && f_pop_q == f_put_q && f_put_q == f_w_q && f_unsent == '0 && f_unanswered == '0);
+    assert (f_coming == '0 && f_pop_q == f_put_q && f_put_q == f_w_q && f_unsent == '0 &&
+            f_unanswered == '0);
     assert (!m_axi_arvalid_o && !m_axi_awvalid_o && !m_axi_wvalid_o && !put);
   end
 
-  // What the rules lean on: the registers say what they are said to.
+  // Invariants that the rules need: the registers mean what their comments say.
   always_comb if (f_ran_q && !rst_i) begin
     assert (32'(outstanding_q) == 32'(f_coming) && 32'(reserved_q) == 32'(f_coming) + 32'(f_ahead));
     assert (32'(reserved_q) + (m_axi_arvalid_o ? BurstWords : 0) <= Depth);
@@ -357,29 +376,35 @@ module sp_gray_axi_memory #(
       assert (!(&bursts_q) && 32'(burst) <= 32'(unannounced_q) && burst != '0);
       if (32'(burst) != BurstWords) assert (burst == unannounced_q && draining_q && settle_q == '0);
     end
-    // Words of the bursts begun: all of them full but for a short one, the last.
+    // Words of the bursts begun: all are full except a short one at the end.
     assert (32'(f_beat_q) < BurstWords && 32'(left_q) == BurstWords - 1 - 32'(f_beat_q));
     if (f_unsent == '0) assert (announced_q == '0 && f_beat_q == 8'd0);
-    else if (f_short_q == '0) assert (32'(announced_q) == 32'(f_unsent) * BurstWords - 32'(f_beat_q));
-    else assert (32'(announced_q) == (32'(f_unsent) - 1) * BurstWords + 32'(f_short_q) - 32'(f_beat_q));
+    else if (f_short_q == '0) assert (32'(announced_q) == 32'(f_unsent) * BurstWords -
+                                      32'(f_beat_q));
+    else assert (32'(announced_q) == (32'(f_unsent) - 1) * BurstWords + 32'(f_short_q) -
+                 32'(f_beat_q));
     if (announced_q == '0) assert (f_unsent == '0);
     if (f_short_q != '0) begin
-      assert (unannounced_q == '0 && !m_axi_awvalid_o && draining_q && settle_q == '0 && 32'(f_short_q) < BurstWords);
+      assert (unannounced_q == '0 && !m_axi_awvalid_o && draining_q && settle_q == '0 &&
+              32'(f_short_q) < BurstWords);
     end
     if (f_short_q == '0 || f_unsent != '0) assert (f_w_q == f_next);
     if (f_left < f_unsent) begin
-      assert (32'(f_length_q) == (f_short_q != '0 && 32'(f_left) + 1 == 32'(f_unsent) ? 32'(f_short_q) : BurstWords) - 1);
+      assert (32'(f_length_q) == (f_short_q != '0 && 32'(f_left) + 1 == 32'(f_unsent) ?
+                                  32'(f_short_q) : BurstWords) - 1);
     end
-    // After a frame nothing is taken any more, and what was taken comes in time.
+    // After a frame nothing more is taken, and the words taken come back in time.
     assert (draining_q || settle_q == '0);
     assert (!(draining_q && fresh_q));
     if (draining_q) begin
       assert (32'(settle_q) <= WriteDelay + 2);
-      for (int i = 1; i <= WriteDelay; i++) if (ok_q[i]) assert (32'(settle_q) + i > WriteDelay + 2);
+      for (int i = 1; i <= WriteDelay; i++)
+        if (ok_q[i]) assert (32'(settle_q) + i > WriteDelay + 2);
     end
   end
 
-  // Reached: a short burst after a full one, sent and answered; words that come too late, for want of words and for want of places.
+  // Reached: a short burst after a full one, sent and answered; words that come too late, because a
+  // word is missing and because there is no room.
   always_comb if (f_ran_q && !rst_i) begin
     cover (clear && f_short_q != '0 && f_aw_q == AddressBits'(2));
     cover (rd_en_i && !rd_first_i && frame_ok_q && !head_valid && !draining_q);

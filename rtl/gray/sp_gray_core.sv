@@ -1,5 +1,6 @@
-// Gray-code decoder with its state in on-chip memory, large enough for MaxColumns x MaxRows, and with Median the 3 x 3 median
-// behind it: it only connects sp_gray_decoder, sp_gray_memory and sp_median3x3.
+// Gray-code decoder with its state in on-chip memory for MaxColumns x MaxRows pixels and, with
+// Median, the 3 x 3 median behind it. This module only connects sp_gray_decoder, sp_gray_memory and
+// sp_median3x3.
 `default_nettype none
 
 module sp_gray_core #(
@@ -14,14 +15,14 @@ module sp_gray_core #(
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
 
-  // As those of sp_gray_decoder
+  // As the ports of sp_gray_decoder
   input  wire logic                  take_i,
   input  wire logic                  decode_i,
   input  wire logic [3:0]            bits_i,
   input  wire logic [7:0]            threshold_i,
   input  wire logic [ColumnBits-1:0] columns_i,
   input  wire logic [RowBits-1:0]    rows_i,
-  input  wire logic                  median_i,  // with take_i, where there is one
+  input  wire logic                  median_i,  // with take_i: send the median
 
   input  wire logic                  beat_valid_i,
   input  wire logic [31:0]           beat_pixels_i,
@@ -33,7 +34,8 @@ module sp_gray_core #(
   input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,
   input  wire logic [15:0]           pattern_i,
 
-  output logic                       raw_start_o,  // first beat of codes of a frame, before the median
+  // first beat of codes of a frame, before the median
+  output logic                       raw_start_o,
   output logic                       codes_valid_o,
   output logic      [63:0]           codes_o,
   output logic                       codes_start_o,
@@ -50,7 +52,8 @@ module sp_gray_core #(
   logic                read, read_first, write, write_first, frame_end_unused;
   logic [WordBits-1:0] read_data, write_data;
 
-  logic                raw_valid, raw_start, raw_line_start, raw_line_end, raw_last_row, raw_break, busy;
+  logic                raw_valid, raw_start, raw_line_start, raw_line_end, raw_last_row, raw_break,
+      busy;
   logic [63:0]         raw;
   logic [sp_spec_pkg::StatusBits-1:0] raw_status;
 
@@ -112,7 +115,8 @@ module sp_gray_core #(
   assign raw_start_o = raw_start;
 
   if (Median) begin : gen_median
-    // Of the frame of the first beat of codes, seven clocks after its start: settings come at least so far apart.
+    // The setting for the frame whose first codes leave seven clocks after its start. Settings are
+    // taken over at least this far apart.
     logic median_q;
 
     always_ff @(posedge clk_i) if (take_i) median_q <= median_i;

@@ -1,19 +1,26 @@
-// Gray-code decoder: four pixels a clock, every clock; a code image after every pair of patterns.
+// Gray-code decoder: four pixels in every clock; a code image after every pair of patterns.
 //
 //   beats ─┬──────────── 3 clocks ───────────┐
 //          └▶ memory port, read ─▶ state ─▶ 4 × sp_gray_lane ─▶ memory port, write
 //   pattern index ─▶ sp_gray_sequence ──────────┘       └─────▶ codes
 //
-// The state of the pixels of a beat is one word of a memory that someone else holds; every frame that is decoded reads and writes
-// all its words in order. Where a word comes too late (mem_late_i with it) the frame is abandoned: the beat leaves with codes 0
-// and without its line's end, codes_break_o with status late memory follows it, and the decoder waits for plane 0.
-// Words are written TooClose clocks after their beat: a frame that starts less than that after the last beat of one of fewer
-// beats could read a word that is not yet written; it counts as one that is not the next, too.
-// So does a frame whose codes are due while busy_i is high, four clocks after its start. All three are counted in abandoned_o.
+// The state of the four pixels of a beat is one word of a memory outside this module. Every frame
+// that is decoded reads and writes all its words in order.
 //
-// Timing, for a beat of clock t: word asked for in t + 1, there in t + 3, written in t + 6, codes in t + 7. The pattern index is
-// read four clocks after the frame's start, the settings in the clock of take_i, columns_i and rows_i with it.
-// A break (of sp_frame_tracker) comes out seven clocks later: after the codes of the clocks before, before those of its own.
+// Three things make the decoder give up a frame and wait for plane 0; abandoned_o counts them:
+// * A word comes too late (mem_late_i comes with it). This beat leaves with codes 0 and without the
+//   end of its line, codes_break_o with status late memory follows, and nothing more of the frame
+//   leaves.
+// * A frame starts less than TooClose clocks after the last beat of a frame of fewer beats. Words
+//   are written TooClose clocks after their beat, so this frame could read a word that is not
+//   written yet.
+// * The codes of a frame are due, and busy_i is high four clocks after its start.
+//
+// Timing, for a beat of clock t: the word is asked for in t + 1, is there in t + 3 and is written
+// in t + 6; the codes leave in t + 7. The pattern index is read four clocks after the start of the
+// frame. The settings, columns_i and rows_i are read with take_i. A break of sp_frame_tracker
+// leaves seven clocks later, after the codes of the clocks before it and before those of its own
+// clock.
 `default_nettype none
 
 module sp_gray_decoder #(
@@ -33,7 +40,8 @@ module sp_gray_decoder #(
   input  wire logic                  decode_i,
   input  wire logic [3:0]            bits_i,       // m, 1..MaxBits
   input  wire logic [7:0]            threshold_i,
-  input  wire logic [ColumnBits-1:0] columns_i,    // a change of these restarts the decoder; nothing else depends on them
+  // a change restarts the decoder; it has no other use
+  input  wire logic [ColumnBits-1:0] columns_i,
   input  wire logic [RowBits-1:0]    rows_i,
 
   // Beats and breaks of sp_frame_tracker
@@ -49,16 +57,16 @@ module sp_gray_decoder #(
 
   // Memory port
   output logic                       mem_read_o,
-  output logic                       mem_read_first_o,   // the frame's first word
+  output logic                       mem_read_first_o,   // first word of the frame
   input  wire logic [WordBits-1:0]   mem_data_i,         // two clocks after mem_read_o
-  input  wire logic                  mem_late_i,         // there is none: it came too late
+  input  wire logic                  mem_late_i,         // the word came too late and is void
   output logic                       mem_write_o,
   output logic                       mem_write_first_o,
   output logic      [WordBits-1:0]   mem_data_o,
-  output logic                       mem_end_o,          // the frame is over; its last mem_write_o is not later
+  output logic                       mem_end_o,  // the frame is over: no write of it comes later
 
   // Codes: leftmost in 15..0
-  input  wire logic                  busy_i,             // those of a frame that starts cannot be taken
+  input  wire logic                  busy_i,  // codes of a frame that starts cannot be taken
   output logic                       codes_valid_o,
   output logic      [63:0]           codes_o,
   output logic                       codes_start_o,      // first beat of a frame
@@ -75,14 +83,15 @@ module sp_gray_decoder #(
   localparam int StateBits = WordBits / 4;
   localparam int TooClose = 6;
 
-  // --- What goes beside the pixels, so many clocks after the beat ---
+  // --- Signals beside the pixels; the index counts the clocks after the beat ---
   logic [7:1]            valid_q, start_q, line_start_q, line_end_q, last_row_q, break_q;
-  logic [StatusBits-1:0] status1_q, status2_q, status3_q, status4_q, status5_q, status6_q, status7_q;
+  logic [StatusBits-1:0] status1_q, status2_q, status3_q, status4_q, status5_q, status6_q,
+      status7_q;
   logic [4:1]            close_q, took_q;
   logic [31:0]           pixels1_q, pixels2_q, pixels3_q;
   logic                  decode_q;  // the frame of stage 1 is decoded
 
-  // --- Settings. New ones come at the earliest seven clocks after the last. ---
+  // --- Settings. They come at least seven clocks apart. ---
   logic [3:0]            bits_q;
   logic [7:0]            threshold_q, threshold4_q;
   logic [ColumnBits-1:0] columns_q;
@@ -93,14 +102,15 @@ module sp_gray_decoder #(
     if (rst_i) decode_q <= 1'b0;
     else if (take_i) decode_q <= decode_i;
     if (take_i) begin
-      changed_q <= {bits_i, threshold_i, columns_i, rows_i} != {bits_q, threshold_q, columns_q, rows_q};
+      changed_q <=
+          {bits_i, threshold_i, columns_i, rows_i} != {bits_q, threshold_q, columns_q, rows_q};
       {bits_q, threshold_q, columns_q, rows_q} <= {bits_i, threshold_i, columns_i, rows_i};
     end
     if (took_q[3]) threshold4_q <= threshold_q;
   end
 
-  // --- Frames that are too close ---
-  logic [2:0] beats_q;  // of the frame so far, up to TooClose
+  // --- Frames that come too soon ---
+  logic [2:0] beats_q;  // beats of the frame so far, up to TooClose
   logic       close;
 
   assign close = frame_start_i && |valid_q[TooClose-1:1] && beats_q != 3'(TooClose);
@@ -131,15 +141,17 @@ module sp_gray_decoder #(
     line_start_q <= {line_start_q[6:1], beat_line_start_i};
     line_end_q   <= {line_end_q[6:1], beat_line_end_i};
     last_row_q   <= {last_row_q[6:1], beat_last_row_i};
-    {status1_q, status2_q, status3_q, status4_q} <= {break_status_i, status1_q, status2_q, status3_q};
+    {status1_q, status2_q, status3_q, status4_q} <=
+        {break_status_i, status1_q, status2_q, status3_q};
     {status5_q, status6_q, status7_q} <= {status4_q, status5_q, status6_q};
     {pixels1_q, pixels2_q, pixels3_q} <= {beat_pixels_i, pixels1_q, pixels2_q};
   end
 
-  // --- Frames whose state came too late ---
+  // --- Frames whose state comes too late ---
   logic [6:2] asked_q;             // a word was asked for
-  logic       lost_before;         // the frame of stage 3, before this beat
-  logic       lost4_q, again4_q;   // the frame's state came too late, for this beat or before; before
+  logic       lost_before;         // the frame of stage 3 was lost before this beat
+  // the frame was lost with this beat or before it; it was lost before it
+  logic       lost4_q, again4_q;
   logic       lost5_q, again5_q;
   logic       late_q;              // first late word of a frame
 
@@ -162,7 +174,7 @@ module sp_gray_decoder #(
     again5_q <= again4_q;
   end
 
-  // --- What the frame is ---
+  // --- What the frame is: positive or negative, codes due or not ---
   logic               negative, due, refused;
   logic [MaxBits-1:0] weight, above, mask;
 

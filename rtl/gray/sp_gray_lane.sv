@@ -1,14 +1,16 @@
 // One pixel of the Gray-code decoder: binarization of a pair, running code bits, ambiguity window.
 //
-// State of a pixel, low bits first: the positive pixel, 8 bits; MaxBits code bits, that of plane p of m in bit m-1-p; MaxBits
-// ambiguity bits, likewise. In every frame the pixel takes the positive's place; in a frame that is a negative (negative_i)
-// the plane of the one bit of weight_i becomes
-//     B = (positive - pixel > threshold)  xor  the bit of above_i, that of the plane before (none: 0)
-//     ambiguous = |positive - pixel| <= threshold
-// and bits outside mask_i, which are left of another m, become 0.
+// State of a pixel, low bits first: 8 bits, the positive pixel; MaxBits code bits, plane p of m in
+// bit m-1-p; MaxBits ambiguity bits in the same order. Every frame stores its pixel in the place of
+// the positive. A frame that is a negative (negative_i) also sets the plane that weight_i marks:
 //
-// Timing: a pixel and its state come in one clock, t; the threshold is read in t + 1, what says what the frame is in t + 2; the
-// new state stands in t + 3, the code word in t + 4. One pixel every clock.
+//   B = (positive - pixel > threshold)  xor  the bit that above_i marks, of the plane before (or 0)
+//   ambiguous = |positive - pixel| <= threshold
+//
+// Bits outside mask_i, left from another m, become 0.
+//
+// Timing: one pixel in every clock. A pixel and its state come in clock t. The threshold is read in
+// t + 1, negative_i to mask_i in t + 2. The new state is there in t + 3, the code word in t + 4.
 `default_nettype none
 
 module sp_gray_lane #(
@@ -23,7 +25,7 @@ module sp_gray_lane #(
 
   input  wire logic [7:0]           threshold_i,  // one clock later
 
-  input  wire logic                 negative_i,   // two clocks later
+  input  wire logic                 negative_i,   // this and the next three: two clocks later
   input  wire logic [MaxBits-1:0]   weight_i,
   input  wire logic [MaxBits-1:0]   above_i,
   input  wire logic [MaxBits-1:0]   mask_i,
@@ -44,7 +46,8 @@ module sp_gray_lane #(
   end
 
   // --- Binarization (4.15) ---
-  logic               lit, dark;  // certainly: the signs of threshold - difference, threshold + difference
+  // lit for certain, dark for certain: the signs of threshold -/+ difference
+  logic               lit, dark;
   logic [8:0]         unused_lit, unused_dark;
   logic               lit_q, dark_q;
 
@@ -57,7 +60,7 @@ module sp_gray_lane #(
     {pixel_q2, planes_q2, ambiguous_q2} <= {pixel_q, planes_q, ambiguous_q};
   end
 
-  // --- The plane's bits (4.17, 4.16) ---
+  // --- Bits of the plane (4.17, 4.16) ---
   logic               value;
   logic [MaxBits-1:0] kept;  // planes that this frame leaves as they are
   logic [MaxBits-1:0] set_plane, set_ambiguous;
@@ -88,7 +91,7 @@ module sp_gray_lane #(
   end
 
 `ifdef FORMAL
-  // What went in, as far back as it is needed.
+  // Inputs, as far back as they are needed
   logic [7:0]           f_pixel1_q, f_pixel2_q, f_pixel3_q, f_threshold2_q, f_threshold3_q;
   logic [StateBits-1:0] f_state1_q, f_state2_q, f_state3_q, f_out4_q;
   logic [3*MaxBits:0]   f_frame3_q;
@@ -102,13 +105,14 @@ module sp_gray_lane #(
     {f_clear4_q, f_out4_q}               <= {clear_i, state_o};
     if (!f_clocks_q[2]) f_clocks_q <= f_clocks_q + 3'd1;
   end
-  // At most one plane is that of the frame, at most one that before it; the planes are among the m.
+  // At most one plane is the frame's own, at most one is the plane before it; both are among the m.
   always_comb begin
-    assume ((weight_i & (weight_i - MaxBits'(1))) == '0 && (above_i & (above_i - MaxBits'(1))) == '0);
+    assume ((weight_i & (weight_i - MaxBits'(1))) == '0 &&
+            (above_i & (above_i - MaxBits'(1))) == '0);
     assume ((weight_i & ~mask_i) == '0 && (above_i & ~mask_i) == '0);
   end
 
-  // Method, section 4: the pair's grey values, G of (4.15), phi, B of (4.17).
+  // Method, section 4: grey values of the pair, G of (4.15), phi, B of (4.17)
   logic               f_negative, f_g, f_phi, f_b;
   logic [MaxBits-1:0] f_weight, f_above, f_mask, f_planes, f_ambiguous;
   logic [9:0]         f_positive_grey, f_negative_grey, f_threshold;
@@ -122,26 +126,30 @@ module sp_gray_lane #(
   assign f_ambiguous = f_state3_q[8+MaxBits+:MaxBits];
   assign f_b         = f_g != ((f_planes & f_above) != '0);
 
-  // Any one plane.
+  // Any one plane
   (* anyconst *) logic [3:0] f_plane;
   logic f_one;
   always_comb begin
     f_one = f_out4_q[8+MaxBits+:MaxBits] == '0;
-    for (int i = 0; i < MaxBits; i++) if (f_out4_q[8+MaxBits+:MaxBits] == MaxBits'(1) << i) f_one = 1'b1;
+    for (int i = 0; i < MaxBits; i++)
+      if (f_out4_q[8+MaxBits+:MaxBits] == MaxBits'(1) << i) f_one = 1'b1;
     assume (f_plane < 4'(MaxBits));
     if (f_clocks_q >= 3'd3) begin
-      // Rule 1: the pixel takes the positive's place.
+      // Rule 1: the pixel takes the place of the positive.
       assert (state_o[7:0] == f_pixel3_q);
-      // Rule 2: a negative sets its own plane to B and phi; every other plane of the m stays, those beyond are 0.
+      // Rule 2: a negative sets its own plane to B and phi. Every other plane of the m stays as it
+      // is; the planes beyond are 0.
       if (!f_mask[f_plane]) begin
         assert (!state_o[8+f_plane] && !state_o[8+MaxBits+f_plane]);
       end else if (f_negative && f_weight[f_plane]) begin
         assert (state_o[8+f_plane] == f_b && state_o[8+MaxBits+f_plane] == f_phi);
       end else begin
-        assert (state_o[8+f_plane] == f_planes[f_plane] && state_o[8+MaxBits+f_plane] == f_ambiguous[f_plane]);
+        assert (state_o[8+f_plane] == f_planes[f_plane] &&
+                state_o[8+MaxBits+f_plane] == f_ambiguous[f_plane]);
       end
     end
-    // Rule 3: the code is the planes, measurable where at most one of them is ambiguous (4.16).
+    // Rule 3: the code consists of the planes and is measurable where at most one of them is
+    // ambiguous (4.16).
     if (f_clocks_q[2]) begin
       if (f_clear4_q) assert (code_o == '0);
       else begin

@@ -1,23 +1,26 @@
-// Matching of self-projected structured light: (pixel, code) to projector line, four pixels a clock, every clock, by a table
-// in a memory that someone else holds. What it computes is model/gray_match.h.
+// Matching for self-projected structured light: turns (pixel, code) into a projector line, four
+// pixels in every clock, with a table in a memory outside this module. model/gray_match.h is its
+// model.
 //
 //   codes ─▶ address {group, code} ─▶ memory port, 4 lanes ─▶ words
 //
-// Lane i has the table of the pixels 4k + i, 2^Bits words of 16 bits each, at address {k, code}; k counts the groups of four pixels of a
-// frame from its first on, in the order of the image. A code that is not measurable, or has more than Bits bits, gives None and
-// its lane's word is not looked at.
-// Where a word comes too late (mem_late_i with it) its beat and the rest of the frame do not leave; m_break_o with status late
-// memory follows in the clock after that in which the beat would have left, and late_o counts. Another break of that frame is not
-// passed on. Frames of more than Groups groups wrap.
+// Lane i reads the table of the pixels 4k + i: 2^Bits words of 16 bits per pixel, at address {k,
+// code}. k counts the groups of four pixels of a frame in the order of the image, from 0. A code
+// that is not measurable or has more than Bits bits gives None; the word of its lane is ignored.
 //
-// Timing, for a beat of clock t: words asked for in t + 1, there in t + 1 + Latency, out in t + 2 + Latency. A break takes as
-// long. Nothing can be stalled.
+// Where a word comes too late (mem_late_i comes with it), its beat and the rest of the frame do not
+// leave. One clock after the beat would have left, m_break_o comes with status late memory, and
+// late_o counts. A later break of the same frame is not passed on. A frame of more than Groups
+// groups wraps.
+//
+// Timing, for a beat of clock t: the words are asked for in t + 1, are there in t + 1 + Latency,
+// and leave in t + 2 + Latency. A break takes as long. Nothing can be stalled.
 `default_nettype none
 
 module sp_gray_match #(
   parameter int Groups = 65536,  // largest image, in groups of four pixels
-  parameter int Bits = 4,        // m
-  parameter int Latency = 2,     // of the memory, clocks, 1 or more
+  parameter int Bits = 4,        // m, 1..8
+  parameter int Latency = 2,     // of the memory, in clocks: 1 or more
   // derived, do not set
   parameter int AddressBits = $clog2(Groups) + Bits
 ) (
@@ -33,13 +36,13 @@ module sp_gray_match #(
   input  wire logic        s_break_i,
   input  wire logic [sp_spec_pkg::StatusBits-1:0] s_status_i,
 
-  // Memory port: lane i in AddressBits * i and 16 * i
+  // Memory port: lane i in bits AddressBits * i and 16 * i
   output logic             mem_read_o,
   output logic [4*AddressBits-1:0] mem_address_o,
   input  wire logic [63:0] mem_data_i,   // Latency clocks after mem_read_o
-  input  wire logic        mem_late_i,   // there is none: it came too late
+  input  wire logic        mem_late_i,   // the word came too late and is void
 
-  // Lines in units of 1/64, or None
+  // Projector lines in units of 1/64, or None (0xFFFF)
   output logic             m_valid_o,
   output logic [63:0]      m_lines_o,
   output logic             m_start_o,
@@ -66,12 +69,14 @@ module sp_gray_match #(
   always_ff @(posedge clk_i) if (s_valid_i) next_q <= group + GroupBits'(1);
 
   for (genvar i = 0; i < 4; i++) begin : gen_address
-    assign found[i] = s_codes_i[16*i+sp_spec_pkg::CodeMeasurableLsb] && s_codes_i[16*i+Bits+:CodeBits-Bits] == '0;
+    assign found[i] = s_codes_i[16*i+sp_spec_pkg::CodeMeasurableLsb] &&
+                      s_codes_i[16*i+Bits+:CodeBits-Bits] == '0;
 
-    always_ff @(posedge clk_i) mem_address_o[AddressBits*i+:AddressBits] <= {group, s_codes_i[16*i+:Bits]};
+    always_ff @(posedge clk_i) mem_address_o[AddressBits*i+:AddressBits] <=
+        {group, s_codes_i[16*i+:Bits]};
   end
 
-  // --- What goes beside the words, so many clocks after the beat ---
+  // --- Signals beside the words; the index counts the clocks after the beat ---
   logic [Depth:1]              valid_q, start_q, line_start_q, line_end_q, break_q;
   logic [4*Depth-1:0]          found_q;
   logic [StatusBits*Depth-1:0] status_q;
@@ -95,9 +100,9 @@ module sp_gray_match #(
 
   // --- Words ---
   logic lost_q;      // a word of the frame came too late
-  logic lost_before; // of the frame of this beat, before it
+  logic lost_before;  // one came too late before this beat
   logic late;        // first late word of a frame
-  logic late_q;      // it was in the clock before
+  logic late_q;      // it was one clock ago
 
   assign lost_before = lost_q && !start_q[Depth];
   assign late        = valid_q[Depth] && mem_late_i && !lost_before;
@@ -124,7 +129,8 @@ module sp_gray_match #(
   end
 
   for (genvar i = 0; i < 4; i++) begin : gen_word
-    always_ff @(posedge clk_i) m_lines_o[16*i+:16] <= found_q[4*(Depth-1)+i] ? mem_data_i[16*i+:16] : None;
+    always_ff @(posedge clk_i) m_lines_o[16*i+:16] <= found_q[4*(Depth-1)+i] ?
+                                                      mem_data_i[16*i+:16] : None;
   end
 
   logic unused;

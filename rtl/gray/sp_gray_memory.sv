@@ -1,24 +1,26 @@
 // On-chip memory for the state of the Gray-code decoder: Words words, never late.
 //
-// The memory port of sp_gray_decoder: both sides go through the words in the order of the frame, from its first on.
-// Timing: rd_data_o stands two clocks after rd_en_i. A word is read at the earliest in the clock after it was written.
+// It serves the memory port of sp_gray_decoder: both sides go through the words in the order of the
+// frame, starting with its first word. Timing: rd_data_o is there two clocks after rd_en_i. A word
+// can be read from the clock after its write on.
 //
-// A memory that fills the part is as wide as the part: no address reaches all of it in a clock, and no word comes out of it in one.
-// So it is a row of groups of four banks, each a clock further from both ports, and words are fetched 16 places (2^AheadBits) before
-// they are asked for and wait in a ring. Nobody asks for anything before the first words of a frame: a small memory of their
-// own has the first 32 (2^HeadBits). They are more than 16, so that every word that is taken from the ring was written before it
-// was fetched, however short the frame before was.
+// A memory that fills the FPGA is as wide as the FPGA: no address reaches all of it in one clock,
+// and no word comes out of it in one. The memory is therefore a row of groups of four banks, each
+// group one clock further from both ports. Words are fetched 16 places (2^AheadBits) before they
+// are asked for and wait in a ring. The first words of a frame cannot be fetched ahead, so a small
+// memory keeps the first 32 (2^HeadBits). Since these are more than 16, every word taken from the
+// ring was written before it was fetched, however short the frame before was.
 `default_nettype none
 
 module sp_gray_memory #(
   parameter int Width = 128,
   parameter int Words = 16384,
-  parameter int BankBits = $clog2(Words) > 16 ? $clog2(Words) - 5 : 11  // of the address in a bank; at most 44 banks
+  parameter int BankBits = $clog2(Words) > 16 ? $clog2(Words) - 5 : 11  // address bits of a bank
 ) (
   input  wire logic             clk_i,
 
   input  wire logic             rd_en_i,
-  input  wire logic             rd_first_i,  // the word is the frame's first
+  input  wire logic             rd_first_i,  // first word of the frame
   output logic      [Width-1:0] rd_data_o,
 
   input  wire logic             wr_en_i,
@@ -30,12 +32,14 @@ module sp_gray_memory #(
   localparam int LogDepth = $clog2(Words) > HeadBits ? $clog2(Words) : HeadBits + 1;
   localparam int Banks = (Words + (1 << BankBits) - 1) >> BankBits;
   localparam int Groups = (Banks + 3) / 4;
-  localparam int Tail = 4;  // a word goes into the ring Groups + Tail clocks after rd_en_i; that is less than 2^AheadBits
+  // a word is in the ring Groups + Tail < 2^AheadBits clocks after rd_en_i
+  localparam int Tail = 4;
 
-  // --- The ports: where they are in the frame ---
-  logic [LogDepth-1:0] fetch_next_q, wr_next_q, fetch, wr_addr;  // fetched with the word that is read now; written now
-  logic                rd_head_q, wr_head_q, rd_head, wr_head;   // that is one of the first 2^HeadBits
-  logic [HeadBits-1:0] rd_place;                                 // the lowest bits of its address
+  // --- The ports: their place in the frame ---
+  // fetched with this read; written now
+  logic [LogDepth-1:0] fetch_next_q, wr_next_q, fetch, wr_addr;
+  logic                rd_head_q, wr_head_q, rd_head, wr_head;   // among the first 2^HeadBits words
+  logic [HeadBits-1:0] rd_place;                                 // lowest bits of the address read
 
   assign fetch    = rd_first_i ? LogDepth'(1 << AheadBits) : fetch_next_q;
   assign rd_place = {~fetch[HeadBits-1], fetch[AheadBits-1:0]};
@@ -54,10 +58,12 @@ module sp_gray_memory #(
     end
   end
 
-  // --- The row of groups: what comes in is in the registers of group g after g + 1 clocks; of the word fetched there it takes
-  // four more until it is in the row of words, between those of the other groups in the order of their reads. Which bank it is,
-  // is found out in the clock before, so that every wire across a group is from register to register. ---
-  logic [Groups-1:0]          rd_en_q, wr_en_q, rd_en_row, wr_en_row;  // a row: what each group takes in next
+  // --- The row of groups. Inputs reach the registers of group g after g + 1 clocks. A word fetched
+  // there takes four more clocks to the row of words, where it joins those of the other groups in
+  // the order of their reads. The bank is chosen one clock ahead, so that every wire across a group
+  // runs from register to register. ---
+  // a row: the next input of each group
+  logic [Groups-1:0]          rd_en_q, wr_en_q, rd_en_row, wr_en_row;
   logic [Groups*LogDepth-1:0] fetch_q, wr_addr_q, fetch_row, wr_addr_row;
   logic [Groups*Width-1:0]    wr_data_q, words_q;
 
@@ -77,7 +83,7 @@ module sp_gray_memory #(
   for (genvar g = 0; g < Groups; g++) begin : gen_group
     logic [LogDepth-1:0] rd_next, wr_next, rd_here, wr_here;
     logic [3:0]          reads;   // the banks that read now
-    logic [3:1]          mine_q;  // the word is of this group, in the first to the third clock after
+    logic [3:1]          mine_q;  // the word is of this group; one to three clocks after its read
     logic [1:0]          which1_q, which2_q;
     logic [4*Width-1:0]  banks;
     logic [Width-1:0]    chosen_q;
@@ -97,7 +103,8 @@ module sp_gray_memory #(
     if (g == 0) begin : gen_first
       always_ff @(posedge clk_i) if (mine_q[3]) words_q[0+:Width] <= chosen_q;
     end else begin : gen_next
-      always_ff @(posedge clk_i) words_q[g*Width+:Width] <= mine_q[3] ? chosen_q : words_q[(g-1)*Width+:Width];
+      always_ff @(posedge clk_i) words_q[g*Width+:Width] <= mine_q[3] ? chosen_q :
+                                                            words_q[(g-1)*Width+:Width];
     end
 
     for (genvar b = 0; b < 4; b++) begin : gen_bank
@@ -137,7 +144,7 @@ module sp_gray_memory #(
     end
   end
 
-  // --- What is near: the ring of the words fetched, the first words of the frame ---
+  // --- Near memories: the ring of fetched words, and the first words of the frame ---
   logic [Tail:1]              arrived_q;  // at the last group, so many clocks ago
   logic [Tail*AheadBits-1:0]  place_q;
   logic [Width-1:0]           ring_word, head_word;

@@ -1,11 +1,14 @@
-// Sequence rules of the Gray-code decoder: what a frame is to it, from its pattern index and from what came before.
+// Sequence rules of the Gray-code decoder: what a frame is, from its pattern index and the frames
+// before it.
 //
-// A frame whose index is not the next one, and the first after restart_i or lost_i, is taken only where its index is 0.
-// Codes are due from a negative once bits_i pairs have come in succession from index 0.
+// A frame with the expected index is taken. Any other frame, and the first one after restart_i or
+// lost_i, is taken only if its index is 0. Codes are due from a negative once bits_i pairs have
+// come in succession, starting with index 0.
 //
-// Timing: outputs stand from the clock after start_i on. restart_i counts before a frame that starts in the same clock;
-// lost_i is of that frame, or of the one under way: it stays what it is, but the next one is no longer the next.
-// A frame whose codes were due while busy_i is refused: it counts as not the next one.
+// Timing: the outputs are there from the clock after start_i on. restart_i counts before a frame
+// that starts in the same clock. lost_i belongs to the frame that starts in its clock, or to the
+// open one: that frame stays what it is, but the frame after it no longer follows. A frame whose
+// codes were due while busy_i was high is refused; it counts as a frame with the wrong index.
 `default_nettype none
 
 module sp_gray_sequence #(
@@ -15,23 +18,23 @@ module sp_gray_sequence #(
   input  wire logic               rst_i,
 
   input  wire logic               start_i,
-  input  wire logic               decode_i,   // with start_i: the frame is to be decoded
+  input  wire logic               decode_i,   // with start_i: decode this frame
   input  wire logic [15:0]        pattern_i,
   input  wire logic [3:0]         bits_i,     // m, 1..MaxBits
   input  wire logic               restart_i,
   input  wire logic               lost_i,
-  input  wire logic               busy_i,     // with start_i: no codes can be taken from this frame
+  input  wire logic               busy_i,     // with start_i: codes of this frame cannot be taken
 
-  output logic                    refused_o,  // they would have been due (at once, with start_i)
+  output logic                    refused_o,  // with start_i: codes are due but cannot be taken
   output logic                    negative_o,
-  output logic                    due_o,      // its codes are to be sent
-  output logic      [MaxBits-1:0] weight_o,   // one bit: the plane's in the code
-  output logic      [MaxBits-1:0] above_o,    // that of the plane before; 0 in plane 0
+  output logic                    due_o,      // the codes of the frame are to be sent
+  output logic      [MaxBits-1:0] weight_o,   // one bit: the plane's place in the code
+  output logic      [MaxBits-1:0] above_o,    // one bit: the plane before; 0 in plane 0
   output logic      [MaxBits-1:0] mask_o      // the m planes
 );
 
-  logic [4:0]         next_q;   // index expected; 0 while waiting for plane 0
-  logic [3:0]         pairs_q;  // in succession, up to m
+  logic [4:0]         next_q;   // expected index; 0 while waiting for plane 0
+  logic [3:0]         pairs_q;  // pairs in succession, up to m
   logic [4:0]         index;
   logic               fresh, follows, taken, negative, enough;
   logic [3:0]         pairs_up;
@@ -75,7 +78,7 @@ module sp_gray_sequence #(
   end
 
 `ifdef FORMAL
-  // Reset once, at the beginning; m changes only with a restart.
+  // One reset at the beginning; m changes only with a restart.
   logic f_ran_q = 1'b0;
   logic [3:0] f_bits_q;
   always_ff @(posedge clk_i) {f_ran_q, f_bits_q} <= {1'b1, bits_i};
@@ -85,14 +88,15 @@ module sp_gray_sequence #(
     if (f_ran_q && bits_i != f_bits_q) assume (restart_i);
   end
 
-  // Frames taken in succession from index 0 on, up to 2 m, and the index that goes on with them.
+  // Frames taken in succession, starting with index 0, up to 2 m; and the index that comes next.
   logic [4:0] f_length_q, f_length, f_grown, f_next_q, f_next;
   logic       f_goes_on, f_taken, f_due, f_refused;
   assign f_length  = restart_i ? 5'd0 : f_length_q;
   assign f_next    = restart_i ? 5'd0 : f_next_q;
   assign f_goes_on = f_length != 5'd0 && pattern_i == 16'(f_next);
   assign f_grown   = !f_goes_on ? 5'd1 : f_length == {bits_i, 1'b0} ? f_length : f_length + 5'd1;
-  assign f_due     = decode_i && (f_goes_on || pattern_i == '0) && pattern_i[0] && f_grown == {bits_i, 1'b0};
+  assign f_due     = decode_i && (f_goes_on || pattern_i == '0) && pattern_i[0] &&
+                     f_grown == {bits_i, 1'b0};
   assign f_refused = f_due && busy_i;
   assign f_taken   = decode_i && (f_goes_on || pattern_i == '0) && !f_refused;
   logic f_due_q, f_negative_q, f_known_q, f_weight_right_q;
@@ -101,7 +105,8 @@ module sp_gray_sequence #(
       {f_length_q, f_next_q, f_due_q, f_negative_q, f_known_q} <= '0;
     end else if (start_i) begin
       f_length_q   <= f_taken && !lost_i ? f_grown : 5'd0;
-      f_next_q     <= !f_taken || lost_i || pattern_i[4:0] == {bits_i, 1'b0} - 5'd1 ? 5'd0 : pattern_i[4:0] + 5'd1;
+      f_next_q     <= !f_taken || lost_i || pattern_i[4:0] == {bits_i, 1'b0} - 5'd1 ? 5'd0 :
+                      pattern_i[4:0] + 5'd1;
       f_due_q      <= f_due && f_taken;
       f_negative_q <= f_taken && pattern_i[0];
       f_known_q    <= 1'b1;
@@ -111,13 +116,14 @@ module sp_gray_sequence #(
   end
 
   always_comb if (f_ran_q && !rst_i) begin
-    // Rule 1: codes are due from a negative once m pairs have come in succession from index 0, and never else.
+    // Rule 1: codes are due from a negative exactly when m pairs have come in succession from index
+    // 0.
     assert (due_o == f_due_q);
     assert (negative_o == f_negative_q);
     // Rule 2: a frame is refused only where its codes would be due and cannot be taken.
     assert (refused_o == (start_i && f_refused));
     if (due_o) assert (negative_o);
-    // What is kept says the same in other words.
+    // The registers say the same in other words.
     assert (next_q == f_next_q);
     assert (pairs_q == f_length_q[4:1]);
     if (!restart_i) begin
@@ -126,7 +132,7 @@ module sp_gray_sequence #(
       if (f_length_q == '0) assert (f_next_q == '0);
     end
   end
-  // Rule 3: plane p of m weighs 2^(m-1-p) (4.18), and the plane before it twice that.
+  // Rule 3: plane p of m weighs 2^(m-1-p) (4.18), and the plane before it twice as much.
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
     if ($past(start_i && f_taken)) begin
       assert (weight_o << ($past(pattern_i[4:1])) == MaxBits'(1) << ($past(bits_i) - 4'd1));

@@ -1,17 +1,21 @@
-// 3 x 3 median of a stream of code images, four codes a clock; a line behind its input.
+// 3 x 3 median of a stream of code images, four codes per clock, one line behind its input.
 //
 //   codes ─▶ line before ─▶ line before that        two line buffers
 //     │          │              │
 //     └──────────┴──────────────┴▶ window of 6 x 3 ─▶ 4 × sp_median9
 //
-// A line leaves while the next one comes; the last one of a frame follows at once, one beat a clock, in which time (busy_o)
-// and three clocks after it no other frame may begin: sp_gray_decoder sees to it. Without s_median_i codes pass unchanged, at the same clocks. A frame that breaks
-// in a line takes the line before along: this one ends where the break is, less the one beat that its right neighbour is
-// missing to; the broken line itself does not leave. A break between lines leaves no trace.
-// Only frames whose codes are wanted come in (s_valid_i); s_break_i may be of others: then it is not passed on.
+// A line leaves while the next one comes in. The last line of a frame follows at once, one beat per
+// clock. No other frame may begin during that time (busy_o) and three clocks after it;
+// sp_gray_decoder sees to this. Without s_median_i codes pass unchanged, with the same timing.
 //
-// Timing: group g of a line leaves five clocks after group g + 1 of the line below came in, its last six clocks after the
-// last one there; a break six clocks after it came in. In the pass of the last line its groups count as those of a line below.
+// When a frame breaks within a line, the line before it is cut too. It ends at the break, one beat
+// short, because that beat lacks its right-hand neighbour. The broken line itself does not leave. A
+// break between two lines has no effect. Only frames whose codes are wanted come in (s_valid_i);
+// s_break_i may belong to another frame and is then ignored.
+//
+// Timing: group g of a line leaves five clocks after group g + 1 of the line below came in. The
+// last group leaves six clocks after the last one below, and a break six clocks after it came in.
+// While the last line of a frame leaves, its own groups count as those of the line below.
 `default_nettype none
 
 module sp_median3x3 #(
@@ -29,8 +33,8 @@ module sp_median3x3 #(
   input  wire logic        s_last_row_i,
   input  wire logic        s_break_i,
   input  wire logic [sp_spec_pkg::StatusBits-1:0] s_status_i,
-  input  wire logic        s_median_i,     // with s_start_i: of the frame
-  output logic             busy_o,         // a frame is under way, or its last line
+  input  wire logic        s_median_i,     // with s_start_i, for the whole frame: send the median
+  output logic             busy_o,         // a frame is open, or its last line is still leaving
 
   // Codes
   output logic             m_valid_o,
@@ -47,12 +51,13 @@ module sp_median3x3 #(
   localparam int Width = CodeBits + 1;  // {measurable, code}
   localparam int GroupBits = MaxColumns > 4 ? $clog2(MaxColumns / 4) : 1;
 
-  // --- Where the beat is; a step reads both line buffers: a beat from the second line on, or one of the last line's pass ---
-  logic                 open_q;         // a frame is under way
+  // --- Place of the beat. A step reads both line buffers: a beat from the second line on, or a
+  // beat of the last line while it leaves. ---
+  logic                 open_q;         // a frame is open
   logic                 passing_q;      // its last line leaves
-  logic [1:0]           lines_q, lines; // complete ones of the frame, up to 2
-  logic [GroupBits-1:0] group_q, group; // the next one's
-  logic [GroupBits-1:0] last_group_q;   // of the frame's lines
+  logic [1:0]           lines_q, lines;  // complete lines of the frame, up to 2
+  logic [GroupBits-1:0] group_q, group;  // group of the next beat
+  logic [GroupBits-1:0] last_group_q;   // last group of the lines
   logic [GroupBits-1:0] pass_group_q;
   logic                 step, ends;
 
@@ -82,8 +87,9 @@ module sp_median3x3 #(
     pass_group_q <= passing_q ? pass_group_q + GroupBits'(1) : '0;
   end
 
-  // --- Line buffers: near holds the line before, far the one before that. They are written a clock after they were read; a
-  // read in the clock of the write of the same group (lines of one group) takes what is written. ---
+  // --- Line buffers: near holds the line before, far the line before that. They are written one
+  // clock after they are read. A read that meets the write of its own group (lines of one group)
+  // takes the word that is written. ---
   logic [4*Width-1:0]   now1_q;
   logic                 valid1_q, step1_q, first1_q, last1_q, top1_q, bottom1_q, same1_q;
   logic [GroupBits-1:0] group1_q, step_group;
@@ -92,7 +98,8 @@ module sp_median3x3 #(
   logic                 median_q;
 
   for (genvar i = 0; i < 4; i++) begin : gen_in
-    assign codes[Width*i+:Width] = {s_codes_i[16*i+sp_spec_pkg::CodeMeasurableLsb], s_codes_i[16*i+:CodeBits]};
+    assign codes[Width*i+:Width] =
+        {s_codes_i[16*i+sp_spec_pkg::CodeMeasurableLsb], s_codes_i[16*i+:CodeBits]};
     logic unused;
     assign unused = ^s_codes_i[16*i+CodeBits+:16-CodeBits];
   end
@@ -148,19 +155,21 @@ module sp_median3x3 #(
     .rd_data_o(far_ram)
   );
 
-  // --- The window: columns of three codes, top in the low bits; the group in its middle is the one before the step's ---
+  // --- The window: columns of three codes, the top one in the low bits. The group in its middle is
+  // the one before the group of the step. ---
   localparam int Column = 3 * Width;
 
   logic [4*Column-1:0] columns;      // of the step
-  logic [4*Column-1:0] middle_q;     // of the step before it
-  logic [Column-1:0]   left_q;       // the column left of these
+  logic [4*Column-1:0] middle_q;     // of the step before
+  logic [Column-1:0]   left_q;       // the column to the left of it
   logic                middle_valid_q, middle_first_q, middle_last_q, middle_top_q, middle_bottom_q;
   logic                leaves;
   logic [6*Column-1:0] window_q;
   logic                window_valid_q, window_first_q, window_last_q, window_top_q, window_bottom_q;
 
   for (genvar i = 0; i < 4; i++) begin : gen_column
-    assign columns[Column*i+:Column] = {bottom1_q ? now1_q[Width*i+:Width] : Width'(0), near[Width*i+:Width],
+    assign columns[Column*i+:Column] =
+        {bottom1_q ? now1_q[Width*i+:Width] : Width'(0), near[Width*i+:Width],
                                         top1_q ? far[Width*i+:Width] : Width'(0)};
   end
 
@@ -190,7 +199,7 @@ module sp_median3x3 #(
     window_bottom_q <= middle_bottom_q;
   end
 
-  // --- Four medians. Of those that exist half is 4, 3 (6 of them), 2 (4), 1 (2 or 3). ---
+  // --- Four medians. Half of the codes that exist: 4 of 9, 3 of 6, 2 of 4, 1 of 2 or 3. ---
   logic [3:0]         half_inner, half_outer;
   logic [4*Width-1:0] medians;
 
@@ -217,7 +226,7 @@ module sp_median3x3 #(
     assign m_codes_o[16*i+:16] = {medians[Width*i+CodeBits], 3'd0, medians[Width*i+:CodeBits]};
   end
 
-  // --- What goes beside them ---
+  // --- Signals beside the codes ---
   logic [2:1]            valid_q, start_q, first_q, last_q;
   logic [5:1]            break_q;
   logic [StatusBits-1:0] status1_q, status2_q, status3_q, status4_q, status5_q;

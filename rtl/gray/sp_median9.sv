@@ -1,9 +1,13 @@
-// Lower median of the measurable ones among nine codes.
+// Lower median of the measurable codes among nine.
 //
-// Each of the nine is {measurable, code}, that of the centre number 4; one that does not exist counts as not measurable. Where
-// more than half_i of them are measurable the result is the lower median of their codes, measurable, else 0; without median_i
-// it is the centre as it is. A code's rank is the number of those that are less, or equal and earlier: every pair is compared once.
-// Timing: the result stands three clocks after the codes; nine new ones every clock. median_i and half_i come with them.
+// Each of the nine is {measurable, code}; the centre is number 4. A code that does not exist counts
+// as not measurable. If more than half_i of them are measurable, the result is the lower median of
+// their codes, measurable; else it is 0. Without median_i the result is the centre as it is. The
+// rank of a code is the number of codes that are smaller, or equal and earlier: every pair is
+// compared once.
+//
+// Timing: nine new codes in every clock, together with median_i and half_i; the result follows
+// three clocks later.
 `default_nettype none
 
 module sp_median9 #(
@@ -12,13 +16,14 @@ module sp_median9 #(
   input  wire logic                          clk_i,
   input  wire logic [9*(CodeBits+1)-1:0]     codes_i,
   input  wire logic                          median_i,
-  input  wire logic [3:0]                    half_i,   // half the number of those that exist, rounded down
+  // half the number of existing codes, rounded down
+  input  wire logic [3:0]                    half_i,
   output logic      [CodeBits:0]             code_o
 );
 
   localparam int Width = CodeBits + 1;
 
-  // --- Clock 1: every pair compared, in the order of {not measurable, code, place} ---
+  // --- Clock 1: compare every pair, in the order of {not measurable, code, place} ---
   logic [9*9-1:0]     earlier_q;  // bit 9 i + j: j is earlier than i
   logic [3:0]         count, count_q;
   logic [9*Width-1:0] codes_q, codes_q2;
@@ -51,7 +56,7 @@ module sp_median9 #(
     {codes_q, codes_q2}         <= {codes_i, codes_q};
   end
 
-  // --- Clock 2: the one whose rank is that of the lower median, (count - 1) / 2 ---
+  // --- Clock 2: find the code whose rank is that of the lower median, (count - 1) / 2 ---
   logic [3:0] target;
   logic [8:0] chosen_q;
   logic       enough_q;
@@ -77,7 +82,8 @@ module sp_median9 #(
 
   always_comb begin
     code = '0;
-    for (int i = 0; i < 9; i++) code = code | (chosen_q[i] ? codes_q2[Width*i+:CodeBits] : CodeBits'(0));
+    for (int i = 0; i < 9; i++) code = code |
+                                       (chosen_q[i] ? codes_q2[Width*i+:CodeBits] : CodeBits'(0));
   end
 
   always_ff @(posedge clk_i) begin
