@@ -1,4 +1,5 @@
-// The translated shell of the column moments with its memories: the ports of sp_column_moments, for the default maxima.
+// The translated shell of the column moments together with its memories. It has the ports of
+// sp_column_moments for the default maxima.
 `default_nettype none
 
 module sp_column_moments_hls (

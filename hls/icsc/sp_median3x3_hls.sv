@@ -1,4 +1,5 @@
-// The translated shell of the median with its line buffers: the ports of sp_median3x3, for 2048 columns.
+// The translated shell of the median together with its line buffers. It has the ports of
+// sp_median3x3 for 2048 columns.
 `default_nettype none
 
 module sp_median3x3_hls (

@@ -1,10 +1,10 @@
-// Counter in chains, each of which knows from registers when it has to count: no path is longer than one chain, however wide
-// the counter.
+// Counter in chains. Each chain knows from registers when it has to count, so that no path is
+// longer than one chain, however wide the counter is.
 //
-// Guarantees: count_o = ResetValue plus the number of clocks with inc_i from reset to the clock before the last, modulo
-// 2^Width; always coherent. The lowest 8 bits of ResetValue are not all ones: they must not wrap before the second clock after
-// reset.
-// Latency: a clock with inc_i is counted in count_o two clocks later.
+// Guarantees: count_o = ResetValue plus the number of clocks with inc_i from reset to the clock
+// before the last, modulo 2^Width; it is always coherent. The lowest 8 bits of ResetValue are not
+// all ones, since they must not wrap before the second clock after reset. Latency: count_o counts a
+// clock with inc_i two clocks later.
 `default_nettype none
 
 module sp_counter #(
@@ -17,17 +17,17 @@ module sp_counter #(
   output logic       [Width-1:0] count_o
 );
 
-  // The lowest chain is short, for what counts comes from afar; those above it
+  // The lowest chain is short, because its input comes from far away. The others follow above it.
   localparam int Low = 8;
   localparam int Size = Width > 32 ? 14 : 12;
   localparam int Chains = (Width - Low) / Size;
 
-  logic [Low-1:0]    low_q;          // the lowest chain, a clock ahead of the others
-  logic              go_q;           // it has wrapped
-  logic [Low-1:0]    told_q;         // as the others have it
+  logic [Low-1:0]    low_q;          // lowest chain, one clock ahead of the others
+  logic              go_q;           // the lowest chain has wrapped
+  logic [Low-1:0]    told_q;         // lowest chain, at the time of the others
   logic [Width-1:Low] upper_q;
-  logic [Chains-1:0] full_q, full;   // the chain is all ones; late, but in time
-  logic [Chains-1:0] below_q;        // all those below it but the lowest are
+  logic [Chains-1:0] full_q, full;   // this chain is all ones; late, but in time
+  logic [Chains-1:0] below_q;        // all chains below it, except the lowest, are all ones
 
   assign count_o       = {upper_q, told_q};
 
@@ -53,14 +53,14 @@ module sp_counter #(
     end
   end
 
-  // The carries that the chains make anyhow, each as a bit of a sum: so it stays at the end of its chain, where a carry by
-  // itself is routed elsewhere. In reset it is wrong and does not matter.
+  // The carry of each chain, taken as a bit of a sum so that it stays at the end of its chain; a
+  // carry by itself would be routed elsewhere. It is wrong in reset, where it does not matter.
   for (genvar k = 0; k < Chains; k++) begin : gen_full
     logic [Size-1:0] unused;
     assign {full[k], unused} = {rst_i, upper_q[Low+Size*k+:Size]} + (Size + 1)'(1);
   end
 
-  // They follow while the upper half of the lowest chain passes, before they are asked.
+  // These follow while the lowest chain counts through its upper half, before they are needed.
   always_ff @(posedge clk_i) begin
     if (low_q[Low-1]) begin
       full_q <= full;
@@ -69,8 +69,8 @@ module sp_counter #(
   end
 
 `ifdef FORMAL
-  // What is told is a count behind after a clock with inc_i, and the lowest chain hands on where it wraps (a lemma of the
-  // proofs of the users, which reset it once, at the beginning).
+  // A lemma for the proofs of the users, which reset the counter once at the beginning: count_o is
+  // one behind after a clock with inc_i, and the lowest chain passes a carry where it wraps.
   logic f_ran_q = 1'b0;
   logic f_inc_q;
   always_ff @(posedge clk_i) begin

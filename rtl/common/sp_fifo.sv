@@ -1,8 +1,9 @@
 // FIFO with one clock, block RAM and an output register (first word falls through).
 //
-// Guarantees: 2^LogDepth words plus the one in the output register; one word in and one out a clock; order kept;
-// a word written to an empty FIFO is at the output two clocks later. s_ready_o is low exactly while the memory is full:
-// a word offered then is not taken.
+// Guarantees: it holds 2^LogDepth words plus the one in the output register, takes and gives one
+// word per clock, and keeps the order. A word that is written to an empty FIFO is at the output two
+// clocks later. s_ready_o is low exactly while the memory is full; a word offered then is not
+// taken.
 `default_nettype none
 
 module sp_fifo #(
@@ -21,8 +22,8 @@ module sp_fifo #(
   output logic      [Width-1:0] m_data_o
 `ifdef FORMAL
   ,
-  output logic     [LogDepth:0] f_written_o,  // words since the reset, modulo
-  output logic     [LogDepth:0] f_read_o      // ... that have left
+  output logic     [LogDepth:0] f_written_o,  // words written since reset, modulo
+  output logic     [LogDepth:0] f_read_o      // words that have left, modulo
 `endif
 );
 
@@ -48,7 +49,8 @@ module sp_fifo #(
     end
   end
 
-  // Write and read never meet: where the pointers' addresses are equal the memory is empty or full.
+  // Write and read never meet: where both pointers have the same address, the memory is empty or
+  // full.
   sp_ram #(
     .Width   (Width),
     .LogDepth(LogDepth)
@@ -69,12 +71,13 @@ module sp_fifo #(
   );
 
 `ifdef FORMAL
-  // Reset at the beginning, and at any time.
+  // Reset at the beginning, and then at any time
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
   always_comb if (!f_ran_q) assume (rst_i);
 
-  // Any one place of the pointer's round; the word written there last; whether it is the one at the output.
+  // Any place in the round of the pointers; the last word written there; whether it is at the
+  // output
   (* anyconst *) logic [LogDepth:0] f_mark;
   logic [Width-1:0] f_there;
   logic [Width-1:0] f_word_q;
@@ -91,8 +94,10 @@ module sp_fifo #(
     else if (fetch) f_at_output_q <= rd_ptr_q == f_mark;
   end
 
-  // Rule 1: never more words than places; a place is refused exactly while the memory is full.
-  // Rule 2: the memory holds what was written, and the output shows it, in order: the words are read in the pointer's order.
+  // Rule 1: there are never more words than places; a word is refused exactly while the memory is
+  // full.
+  // Rule 2: the memory holds what was written, and the output shows it in the order of the
+  // pointers.
   always_comb if (f_ran_q && !rst_i) begin
     assert (f_held <= (LogDepth + 1)'(1 << LogDepth));
     assert (s_ready_o == (f_held != (LogDepth + 1)'(1 << LogDepth)));
@@ -101,8 +106,8 @@ module sp_fifo #(
     if (f_at_output_q) assert (rd_ptr_q == f_mark + (LogDepth + 1)'(1));
   end
 
-  // Rule 3: what waits does not change.
-  // Rule 4: a word that is in the memory is at the output a clock later where that is free.
+  // Rule 3: a word that waits does not change.
+  // Rule 4: a word in the memory is at the output one clock later if the output is free.
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
     if ($past(m_valid_o && !m_ready_i)) assert (m_valid_o && $stable(m_data_o));
     if ($past(f_held != '0 && (m_ready_i || !m_valid_o))) assert (m_valid_o);

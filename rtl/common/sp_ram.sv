@@ -1,9 +1,12 @@
-// Simple dual-port memory: one write port, one read port, each with its clock. Maps to block RAM everywhere.
+// Simple dual-port memory: one write port and one read port, each with its own clock. It maps to
+// block RAM on every family.
 //
-// Depth words, 2^LogDepth where nothing else is said; writes are below it, a read beyond gives an undefined word.
-// Guarantees: rd_data_o is the word at rd_addr_i one clock after rd_en_i, and holds until the next rd_en_i.
-// A read in the same clock as a write to the same address gives an undefined word; the users prove that they never
-// use one. Contents are undefined after configuration.
+// It has Depth words (2^LogDepth by default). Writes stay below Depth; a read beyond it gives an
+// undefined word. The contents are undefined after configuration.
+//
+// Guarantees: rd_data_o is the word at rd_addr_i one clock after rd_en_i and holds until the next
+// rd_en_i. A read in the clock of a write to the same address gives an undefined word; the users
+// prove that they never use one.
 `default_nettype none
 
 module sp_ram #(
@@ -34,7 +37,8 @@ module sp_ram #(
   end
 
 `ifdef FORMAL
-  // Read and write of one place at once: any word. (Of two clocks: the users prove that it never happens.)
+  // Read and write of one place at once give any word. (With two clocks, the users prove that this
+  // never happens.)
   (* anyseq *) logic [Width-1:0] f_any;
   always_ff @(posedge rd_clk_i) begin
     if (rd_en_i) rd_data_o <= wr_en_i && wr_addr_i == rd_addr_i ? f_any : memory[rd_addr_i];

@@ -1,7 +1,9 @@
-// Skid buffer: a register stage on a valid/ready stream that cuts every combinational path between its two sides.
+// Skid buffer: a register stage on a valid/ready stream that cuts every combinational path between
+// its two sides.
 //
-// Guarantees: one word a clock; s_ready_o, m_valid_o and m_data_o are registers; nothing is lost or doubled;
-// latency one clock. m_data_o is stable while m_valid_o is high and m_ready_i low.
+// Guarantees: one word per clock, with a latency of one clock; nothing is lost or doubled.
+// s_ready_o, m_valid_o and m_data_o are registers. m_data_o is stable while m_valid_o is high and
+// m_ready_i low.
 `default_nettype none
 
 module sp_skid_buffer #(
@@ -36,20 +38,20 @@ module sp_skid_buffer #(
     end
   end
 
-  // A word that is not valid may hold anything: no reset, no further condition.
+  // A word that is not valid may hold anything, so it needs no reset and no other condition.
   always_ff @(posedge clk_i) begin
     if (m_ready_i || !m_valid_o) m_data_o <= spare_valid_q ? spare_q : s_data_i;
     if (!spare_valid_q) spare_q <= s_data_i;
   end
 
 `ifdef FORMAL
-  // Reset once, at the beginning.
+  // One reset at the beginning
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
   always_comb assume (rst_i == !f_ran_q);
 
   // Rule 1: words that came in = words that went out + words inside.
-  // Rule 2: the word with any number f_mark comes out as it went in, as the one of that number.
+  // Rule 2: word number f_mark, for any f_mark, comes out as it went in.
   (* anyconst *) logic [3:0] f_mark;
   logic [3:0] f_in_q, f_out_q;  // modulo 16: more than fit
   logic [Width-1:0] f_word_q;
@@ -70,8 +72,9 @@ module sp_skid_buffer #(
     if (spare_valid_q) assert (m_valid_o);
   end
 
-  // Rule 3: what waits does not change.
-  // Rule 4: one word a clock: what came in is at the output a clock later where nothing waits.
+  // Rule 3: a word that waits does not change.
+  // Rule 4: one word per clock: a word that came in is at the output one clock later if nothing
+  // waits.
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
     if ($past(m_valid_o && !m_ready_i)) assert (m_valid_o && $stable(m_data_o));
     if ($past(s_valid_i && s_ready_o && m_ready_i)) assert (m_valid_o);

@@ -1,7 +1,7 @@
-// Two-flop synchronizer, each bit on its own.
+// Two-flop synchronizer, each bit by itself.
 //
-// Guarantees: d_i appears on q_o after two to three clocks of clk_i. Bits that must arrive together have to be Gray
-// coded, at most one of them changing per clock of the receiver.
+// Guarantees: d_i appears on q_o after two to three clocks of clk_i. Bits that must arrive together
+// have to be Gray-coded, with at most one of them changing per clock of the receiver.
 `default_nettype none
 
 module sp_sync #(
@@ -13,7 +13,7 @@ module sp_sync #(
   output logic      [Width-1:0] q_o
 `ifdef FORMAL
   ,
-  output logic      [Width-1:0] f_before_o,  // d_i a moment ago
+  output logic      [Width-1:0] f_before_o,  // d_i one moment ago
   output logic      [Width-1:0] f_meta_o     // the first flop
 `endif
 );
@@ -36,7 +36,7 @@ module sp_sync #(
   end
 
 `ifdef FORMAL
-  // A bit that changes beside the clock's edge is caught old or new, each bit for itself.
+  // A bit that changes beside the clock edge is caught old or new, each bit by itself.
   (* gclk *) logic f_moment;
   (* anyseq *) logic [Width-1:0] f_late;
   logic [Width-1:0] f_before_q;

@@ -1,6 +1,8 @@
-// For proofs: two free clocks and a reset at the beginning. run_o is high from the moment after both resets end.
+// For proofs: two free clocks and one reset at the beginning. run_o is high from the moment after
+// both resets end.
 //
-// Assumes of the module that holds it: both resets are high until each clock has risen twice, and never again.
+// It assumes that the module that holds it has both resets high until each clock has risen twice,
+// and never again.
 `default_nettype none
 
 module sp_formal_clocks (
@@ -12,7 +14,7 @@ module sp_formal_clocks (
   output logic      b_rise_o,
   output logic      a_one_o,    // it has risen once in reset, before this moment
   output logic      b_one_o,
-  output logic      a_two_o,    // twice
+  output logic      a_two_o,    // it has risen twice
   output logic      b_two_o,
   output logic      run_o
 );

@@ -1,6 +1,7 @@
-// In place of rtl/moments/sp_column_moments.sv in a simulated board: its ports, behind which the SystemC shell computes
-// (sim/platform/shell_slot.h). All outputs of the RTL come from registers, and so do these: what the shell gives at an edge is
-// seen after it. For Verilator only.
+// Stands in for rtl/moments/sp_column_moments.sv in a simulated board: the same ports, behind which
+// the SystemC shell computes (sim/platform/shell_slot.h). All outputs of the RTL come from
+// registers, and so do these: what the shell computes at a clock edge is seen after it. For
+// Verilator only.
 `default_nettype none
 
 module sp_column_moments #(
@@ -34,15 +35,17 @@ module sp_column_moments #(
   output logic                      spoiled_o
 );
 
-  // One clock. `flags`, from bit 0: reset, beat, first row, last row, line end, one group, two groups, break, accept.
-  // `answer`, from bit 0: valid, break, spoiled.
+  // One clock. `flags`, from bit 0: reset, beat, first row, last row, line end, one group, two
+  // groups, break, accept. `answer`, from bit 0: valid, break, spoiled.
   import "DPI-C" function void selfproj_shell_column_moments(
-    input int unsigned flags, input int unsigned pixels, input int unsigned group, input int unsigned row,
-    input int unsigned mode, input int unsigned threshold, output int unsigned answer, output bit [127:0] data
+    input int unsigned flags, input int unsigned pixels, input int unsigned group,
+    input int unsigned row, input int unsigned mode, input int unsigned threshold,
+    output int unsigned answer, output bit [127:0] data
   );
 
   initial begin
-    if (!Grey || GroupBits != 9 || RowBits != 10) $fatal(1, "the shell is built for the default maxima, with the grey modes");
+    if (!Grey || GroupBits != 9 || RowBits != 10)
+      $fatal(1, "the shell is built for the default maxima, with the grey modes");
   end
 
   int unsigned answer;
@@ -51,8 +54,10 @@ module sp_column_moments #(
   // verilator lint_off BLKSEQ
   always_ff @(posedge clk_i) begin
     selfproj_shell_column_moments(
-      {23'd0, accept_i, break_i, two_groups_i, one_group_i, beat_line_end_i, beat_last_row_i, beat_first_row_i, beat_valid_i, rst_i},
-      beat_pixels_i, 32'(beat_group_i), 32'(beat_row_i), 32'(mode_i), 32'(threshold_i), answer, data);
+      {23'd0, accept_i, break_i, two_groups_i, one_group_i, beat_line_end_i, beat_last_row_i,
+       beat_first_row_i, beat_valid_i, rst_i},
+      beat_pixels_i, 32'(beat_group_i), 32'(beat_row_i), 32'(mode_i), 32'(threshold_i), answer,
+      data);
     {spoiled_o, moments_break_o, moments_valid_o} <= answer[2:0];
     moments_data_o <= data;
   end

@@ -1,6 +1,6 @@
-// In place of rtl/gray/sp_gray_decoder.sv in a simulated board: its ports, behind which the SystemC shell computes
-// (sim/platform/shell_slot.h). All outputs of the RTL come from registers, and so do these: what the shell gives at an edge is
-// seen after it. For Verilator only.
+// Stands in for rtl/gray/sp_gray_decoder.sv in a simulated board: the same ports, behind which the
+// SystemC shell computes (sim/platform/shell_slot.h). All outputs of the RTL come from registers,
+// and so do these: what the shell computes at a clock edge is seen after it. For Verilator only.
 `default_nettype none
 
 module sp_gray_decoder #(
@@ -51,13 +51,16 @@ module sp_gray_decoder #(
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
 
-  // One clock. `flags`, from bit 0: reset, take, decode, beat, line start, line end, last row, frame start, break, late, busy, status
-  // of the break. `settings`: bits, threshold. `size`: columns, from bit 16 rows. `answer`, from bit 0: read, first, write, first,
-  // end of the memory port; valid, start, line start, line end, last row, break of the codes, and their status.
+  // One clock. `flags`, from bit 0: reset, take, decode, beat, line start, line end, last row,
+  // frame start, break, late, busy, then the status of the break. `settings`, from bit 0: bits,
+  // threshold. `size`: columns from bit 0, rows from bit 16. `answer`, from bit 0: of the memory
+  // port read, first, write, first, end; of the codes valid, start, line start, line end, last row,
+  // break; then the status.
   import "DPI-C" function void selfproj_shell_gray_decoder(
-    input int unsigned flags, input int unsigned settings, input int unsigned size, input int unsigned pixels,
-    input int unsigned pattern, input bit [127:0] mem, output int unsigned answer, output bit [127:0] mem_out,
-    output bit [63:0] codes, output int unsigned abandoned
+    input int unsigned flags, input int unsigned settings, input int unsigned size,
+    input int unsigned pixels, input int unsigned pattern, input bit [127:0] mem,
+    output int unsigned answer, output bit [127:0] mem_out, output bit [63:0] codes,
+    output int unsigned abandoned
   );
 
   initial begin
@@ -71,12 +74,12 @@ module sp_gray_decoder #(
   // verilator lint_off BLKSEQ
   always_ff @(posedge clk_i) begin
     selfproj_shell_gray_decoder(
-      32'({break_status_i, busy_i, mem_late_i, break_i, frame_start_i, beat_last_row_i, beat_line_end_i, beat_line_start_i,
-           beat_valid_i, decode_i, take_i, rst_i}),
-      32'({threshold_i, bits_i}), {16'(rows_i), 16'(columns_i)}, beat_pixels_i, 32'(pattern_i), mem_data_i, answer, mem_out, codes,
-      abandoned);
-    {codes_break_o, codes_last_row_o, codes_line_end_o, codes_line_start_o, codes_start_o, codes_valid_o, mem_end_o,
-     mem_write_first_o, mem_write_o, mem_read_first_o, mem_read_o} <= answer[10:0];
+      32'({break_status_i, busy_i, mem_late_i, break_i, frame_start_i, beat_last_row_i,
+           beat_line_end_i, beat_line_start_i, beat_valid_i, decode_i, take_i, rst_i}),
+      32'({threshold_i, bits_i}), {16'(rows_i), 16'(columns_i)}, beat_pixels_i, 32'(pattern_i),
+      mem_data_i, answer, mem_out, codes, abandoned);
+    {codes_break_o, codes_last_row_o, codes_line_end_o, codes_line_start_o, codes_start_o,
+     codes_valid_o, mem_end_o, mem_write_first_o, mem_write_o, mem_read_first_o, mem_read_o} <= answer[10:0];
     codes_status_o <= answer[11+:StatusBits];
     mem_data_o     <= mem_out;
     codes_o        <= codes;

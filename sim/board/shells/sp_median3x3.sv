@@ -1,6 +1,6 @@
-// In place of rtl/gray/sp_median3x3.sv in a simulated board: its ports, behind which the SystemC shell computes
-// (sim/platform/shell_slot.h). All outputs of the RTL come from registers, and so do these: what the shell gives at an edge is
-// seen after it. For Verilator only.
+// Stands in for rtl/gray/sp_median3x3.sv in a simulated board: the same ports, behind which the
+// SystemC shell computes (sim/platform/shell_slot.h). All outputs of the RTL come from registers,
+// and so do these: what the shell computes at a clock edge is seen after it. For Verilator only.
 `default_nettype none
 
 module sp_median3x3 #(
@@ -29,14 +29,17 @@ module sp_median3x3 #(
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
 
-  // One clock. `flags`, from bit 0: reset, valid, start, line start, line end, last row, break, median, status of the break. `answer`,
-  // from bit 0: busy, valid, start, line start, line end, break, its status.
+  // One clock. `flags`, from bit 0: reset, valid, start, line start, line end, last row, break,
+  // median, then the status of the break. `answer`, from bit 0: busy, valid, start, line start,
+  // line end, break, then the status.
   import "DPI-C" function void selfproj_shell_median3x3(
-    input int unsigned flags, input bit [63:0] codes, output int unsigned answer, output bit [63:0] codes_out
+    input int unsigned flags, input bit [63:0] codes, output int unsigned answer,
+    output bit [63:0] codes_out
   );
 
   initial begin
-    if (MaxColumns > sp_spec_pkg::MaxColumns) $fatal(1, "the shell has line buffers for the default maxima");
+    if (MaxColumns > sp_spec_pkg::MaxColumns)
+      $fatal(1, "the shell has line buffers for the default maxima");
   end
 
   int unsigned answer;
@@ -45,7 +48,8 @@ module sp_median3x3 #(
   // verilator lint_off BLKSEQ
   always_ff @(posedge clk_i) begin
     selfproj_shell_median3x3(
-      32'({s_status_i, s_median_i, s_break_i, s_last_row_i, s_line_end_i, s_line_start_i, s_start_i, s_valid_i, rst_i}), s_codes_i,
+      32'({s_status_i, s_median_i, s_break_i, s_last_row_i, s_line_end_i, s_line_start_i,
+           s_start_i, s_valid_i, rst_i}), s_codes_i,
       answer, codes_out);
     {m_break_o, m_line_end_o, m_line_start_o, m_start_o, m_valid_o, busy_o} <= answer[5:0];
     m_status_o <= answer[6+:StatusBits];
