@@ -1,9 +1,12 @@
-// AXI4-Lite slave in the bus clock; carries one access at a time into the video clock and its answer back.
+// AXI4-Lite slave in the bus clock. It carries one access at a time into the video clock and brings
+// the answer back.
 //
-// Guarantees: every access is answered. OKAY where the registers took it; SLVERR where they refused it, where wstrb is not
-// all ones, or where the video clock gave no answer within 2^TimeoutBits bus clocks (the camera is off): until the late answer
-// has come every further access gets SLVERR at once. Reads and writes take turns where both wait.
-// Crossing: request and answer words are stable while their toggles travel through two flops.
+// Guarantees: every access is answered. OKAY: the registers took it. SLVERR: the registers refused
+// it, wstrb was not all ones, or the video clock gave no answer within 2^TimeoutBits bus clocks
+// (the camera is off). After such a time-out every further access gets SLVERR at once, until the
+// late answer has come. Where a read and a write both wait, they take turns.
+//
+// Crossing: the words of request and answer are stable while their toggles pass through two flops.
 `default_nettype none
 
 module sp_axil_bridge #(
@@ -32,7 +35,7 @@ module sp_axil_bridge #(
   output logic [31:0]                 s_axil_rdata_o,
   output logic [1:0]                  s_axil_rresp_o,
 
-  // Registers, video clock: request for one clock, answer in a later one
+  // Registers, video clock: a request for one clock, its answer in a later one
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,
   output logic                        request_o,
@@ -51,7 +54,7 @@ module sp_axil_bridge #(
   logic                   aw_full_q, w_full_q, ar_full_q;
   logic [AddressBits-1:0] aw_q, ar_q;
   logic [31:0]            w_q;
-  logic                   w_whole_q;  // all bytes are written
+  logic                   w_whole_q;  // the write has all four bytes
 
   assign s_axil_awready_o = !aw_full_q;
   assign s_axil_wready_o  = !w_full_q;
@@ -60,27 +63,27 @@ module sp_axil_bridge #(
   // The access under way
   logic                   busy_q;       // the registers have been asked
   logic                   reading_q;    // it is a read
-  logic                   was_read_q;   // the access before was one
-  logic                   late_q;       // its answer was given without the registers
+  logic                   was_read_q;   // the access before it was a read
+  logic                   late_q;       // the bus was answered without the registers
   logic                   toggle_q;     // changes with every request
   logic                   ask_write_q;
   logic [AddressBits-1:0] ask_address_q;
   logic [31:0]            ask_data_q;
   logic [TimeoutBits-1:0] clocks_q;
   logic                   timed_out_q;
-  logic                   seen_back;    // the answer's toggle
+  logic                   seen_back;    // toggle of the answer
   logic                   done;
   logic                   start_write, start_read;
   logic                   refuse;
   logic                   awake;
 
-  // video side
+  // Video side
   logic                   toggle_there, toggle_before_q;
   logic                   back_q;
   logic                   back_error_q;
   logic [31:0]            back_data_q;
 
-  // Where nothing waits, is under way or unanswered nothing moves but what comes in.
+  // While nothing waits, is under way or is unanswered, only the inputs move anything.
   assign awake = aw_full_q || w_full_q || ar_full_q || busy_q || s_axil_bvalid_o || s_axil_rvalid_o;
 
   always_comb begin
@@ -91,7 +94,8 @@ module sp_axil_bridge #(
     if (awake) begin
       done = busy_q && seen_back == toggle_q;
       if (!busy_q || late_q) begin
-        start_write = aw_full_q && w_full_q && !s_axil_bvalid_o && (was_read_q || !ar_full_q || s_axil_rvalid_o);
+        start_write = aw_full_q && w_full_q && !s_axil_bvalid_o &&
+                      (was_read_q || !ar_full_q || s_axil_rvalid_o);
         start_read  = ar_full_q && !s_axil_rvalid_o && !start_write;
       end
       refuse = late_q || start_write && !w_whole_q;
@@ -155,7 +159,7 @@ module sp_axil_bridge #(
     if (s_axil_arvalid_i && s_axil_arready_o) ar_q <= s_axil_araddr_i;
 
     if (awake) begin
-      // Until the registers have answered, an error
+      // An error until the registers have answered
       if (start_write || start_read) begin
         if (!busy_q) begin
           reading_q     <= start_read;
@@ -247,7 +251,7 @@ module sp_axil_bridge #(
     .b_two_o (f_two),
     .run_o   (f_run)
   );
-  // Inputs change with their clock only; the registers answer a request once, and never without one.
+  // Inputs change only with their clock. The registers answer each request once, and nothing else.
   logic f_asked_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) f_asked_q <= 1'b0;
@@ -256,14 +260,16 @@ module sp_axil_bridge #(
   always_comb if (answer_i) assume (f_asked_q && !rst_i);
   always_ff @(posedge f_moment) if (f_run) begin
     if (!f_bus_rise) begin
-      assume ($stable(s_axil_awvalid_i) && $stable(s_axil_awaddr_i) && $stable(s_axil_wvalid_i) && $stable(s_axil_wdata_i));
+      assume ($stable(s_axil_awvalid_i) && $stable(s_axil_awaddr_i) && $stable(s_axil_wvalid_i) &&
+              $stable(s_axil_wdata_i));
       assume ($stable(s_axil_wstrb_i) && $stable(s_axil_bready_i) && $stable(s_axil_rready_i));
       assume ($stable(s_axil_arvalid_i) && $stable(s_axil_araddr_i));
     end
     if (!f_rise) assume ($stable(answer_i) && $stable(error_i) && $stable(read_data_i));
   end
 
-  // Rule 1: every address and every data word taken is answered once: taken = answered + waiting + under way + at the output.
+  // Rule 1: every address and every data word that is taken is answered once: taken = answered +
+  // waiting + under way + at the output.
   logic [3:0] f_aw_q, f_w_q, f_b_q, f_ar_q, f_r_q;  // modulo 16
   always_ff @(posedge bus_clk_i) begin
     if (bus_rst_i) {f_aw_q, f_w_q, f_b_q, f_ar_q, f_r_q} <= '0;
@@ -275,16 +281,16 @@ module sp_axil_bridge #(
       f_r_q  <= f_r_q + 4'(s_axil_rvalid_o && s_axil_rready_i);
     end
   end
-  logic f_writing, f_reading;  // at the registers, and the bus still waits
+  logic f_writing, f_reading;  // at the registers while the bus waits
   assign f_writing = busy_q && !late_q && !reading_q;
   assign f_reading = busy_q && !late_q && reading_q;
   always_comb if (f_run) begin
     assert (f_aw_q == f_b_q + 4'(aw_full_q) + 4'(f_writing) + 4'(s_axil_bvalid_o));
     assert (f_w_q == f_b_q + 4'(w_full_q) + 4'(f_writing) + 4'(s_axil_bvalid_o));
     assert (f_ar_q == f_r_q + 4'(ar_full_q) + 4'(f_reading) + 4'(s_axil_rvalid_o));
-    // An answer is at the output or still to come, not both.
+    // An answer is at the output or still to come, never both.
     assert (!(f_writing && s_axil_bvalid_o) && !(f_reading && s_axil_rvalid_o));
-    // It says OKAY or SLVERR.
+    // Every answer is OKAY or SLVERR.
     if (s_axil_bvalid_o) assert (s_axil_bresp_o == Okay || s_axil_bresp_o == SlaveError);
     if (s_axil_rvalid_o) assert (s_axil_rresp_o == Okay || s_axil_rresp_o == SlaveError);
     if (f_writing) assert (s_axil_bresp_o == SlaveError);
@@ -293,14 +299,17 @@ module sp_axil_bridge #(
     if (busy_q) assert (ask_write_q == !reading_q);
   end
   always_comb if (!f_run && f_bus_one) begin
-    assert (!busy_q && !late_q && !aw_full_q && !w_full_q && !ar_full_q && !s_axil_bvalid_o && !s_axil_rvalid_o);
+    assert (!busy_q && !late_q && !aw_full_q && !w_full_q && !ar_full_q && !s_axil_bvalid_o &&
+            !s_axil_rvalid_o);
     assert ({f_aw_q, f_w_q, f_b_q, f_ar_q, f_r_q} == '0);
   end
 
-  // A request goes round once: what the toggle has reached is a beginning of its way, all of it while nothing is under way.
+  // A request makes one round. The places that its toggle has reached are the beginning of the
+  // round; while nothing is under way, they are the whole round.
   logic f_there_before, f_there_meta, f_back_before, f_back_meta;
   logic [8:1] f_not_yet;
-  assign f_not_yet = {seen_back, f_back_meta, f_back_before, back_q, toggle_before_q, toggle_there, f_there_meta,
+  assign f_not_yet =
+      {seen_back, f_back_meta, f_back_before, back_q, toggle_before_q, toggle_there, f_there_meta,
                       f_there_before} ^ {8{toggle_q}};
   always_comb begin
     if (f_run) begin
@@ -317,11 +326,12 @@ module sp_axil_bridge #(
 
   // Rule 2: an answer that waits does not change.
   always_ff @(posedge f_moment) if (f_run) begin
-    if ($past(f_run && s_axil_bvalid_o && !s_axil_bready_i)) assert (s_axil_bvalid_o && $stable(s_axil_bresp_o));
+    if ($past(f_run && s_axil_bvalid_o && !s_axil_bready_i))
+      assert (s_axil_bvalid_o && $stable(s_axil_bresp_o));
     if ($past(f_run && s_axil_rvalid_o && !s_axil_rready_i)) begin
       assert (s_axil_rvalid_o && $stable(s_axil_rresp_o) && $stable(s_axil_rdata_o));
     end
-    // Rule 3: what the registers are asked stands still from the request until the bus has its answer.
+    // Rule 3: a request stands still from its start until the bus has its answer.
     if ($past(f_run && busy_q) && busy_q) begin
       assert ($stable(ask_write_q) && $stable(ask_address_q) && $stable(ask_data_q));
     end

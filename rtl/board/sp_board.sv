@@ -1,75 +1,75 @@
 // The board between camera and bus: AXI4-Stream video in, packets out, registers on AXI4-Lite.
 //
-//   video ─▶ sp_frame_tracker ─┬▶ sp_moments_path: sp_column_moments ─▶ sp_packet_output ─┐
-//                              ├▶ sp_codes_path: sp_gray_core ────────▶ sp_packet_output ─┤
-//                              ├▶ sp_image_path: sp_image_packer ─────▶ sp_packet_output ─┴▶ sp_packet_merge ─▶ bus
-//   encoder, trigger ──────────┴▶ sp_frame_info (header fields)
-//   AXI4-Lite ─▶ sp_axil_bridge ─▶ sp_registers
+//   video ─▶ sp_frame_tracker ─┬▶ sp_moments_path ─┐
+//                              ├▶ sp_codes_path ───┼▶ sp_packet_merge ─▶ packets
+//   encoder ─▶ sp_frame_info ──┴▶ sp_image_path ───┘
+//   AXI4-Lite ─▶ sp_axil_bridge ─▶ sp_registers ─▶ settings
 //
-// Guarantees: every frame start that was accepted gives a moments packet or is counted as lost; packets are whole; the
-// camera is never stalled. No gap is needed between frames of equal settings whose beats are at least those of a packet
-// plus a small gap (README, Gaps); below that, losses are counted.
-// rst_i and bus_rst_i are synchronous, each to its clock, and given together for at least four clocks of both.
+// Guarantees: every accepted frame start gives a moments packet or is counted as lost. Packets are
+// whole. The camera is never stalled. Frames of equal settings need no gap if they have at least as
+// many beats as a packet plus a small gap (rtl/board/README.md); shorter ones are counted as lost.
 `default_nettype none
 
 module sp_board #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 12..2048
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
   parameter bit Grey = 1'b1,   // modes grey and grey_over
   parameter bit Image = 1'b1,  // raw-image packets
-  parameter bit Codes = 1'b0,  // Gray-code decoder, its state in on-chip memory for an image of the maxima
-  parameter bit CodesMedian = 1'b1,  // and the 3 x 3 median
-  parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // most bits of a code
-  // Depth of the packet FIFOs, in beats of 16 bytes (512 beats fill the smallest block RAMs): one and a half times the
-  // largest moments packet, four image lines, four lines of codes
-  parameter int MomentsLogDepth = MaxColumns > (Grey ? 512 : 1024) ? $clog2(MaxColumns * (Grey ? 3 : 2) / 4 + 5) : 9,
+  parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
+  parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
+  parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits, 1..12
+  // log2 of the depth of the packet FIFOs, in beats of 16 bytes; 9 fills the smallest block RAMs.
+  // One and a half moments packets, four image lines, four lines of codes:
+  parameter int MomentsLogDepth = MaxColumns > (Grey ? 512 : 1024) ?
+                                  $clog2(MaxColumns * (Grey ? 3 : 2) / 4 + 5) : 9,
   parameter int ImageLogDepth = MaxColumns > 1952 ? $clog2(MaxColumns / 4 + 24) : 9,
   parameter int CodesLogDepth = MaxColumns > 976 ? $clog2(MaxColumns / 2 + 24) : 9
 ) (
-  // Video clock domain
-  input  wire logic         clk_i,
-  input  wire logic         rst_i,
-  input  wire logic         s_axis_tvalid,
-  output logic              s_axis_tready,
-  input  wire logic [31:0]  s_axis_tdata,
-  input  wire logic         s_axis_tuser,
-  input  wire logic         s_axis_tlast,
-  input  wire logic         encoder_a_i,
-  input  wire logic         encoder_b_i,
-  output logic              projector_trigger_o,
-  output logic              camera_trigger_o,
+  // Video, in the pixel clock
+  input  wire logic         clk_i,                // pixel clock
+  input  wire logic         rst_i,                // active high, synchronous, four clocks or more
+  input  wire logic         s_axis_tvalid,        // a beat of four pixels
+  output logic              s_axis_tready,        // always 1: the camera is never stalled
+  input  wire logic [31:0]  s_axis_tdata,         // leftmost pixel in 7..0
+  input  wire logic         s_axis_tuser,         // start of frame: first beat of a frame
+  input  wire logic         s_axis_tlast,         // end of line: last beat of every line
+  input  wire logic         encoder_a_i,          // quadrature; any clock
+  input  wire logic         encoder_b_i,          // A leads B: the count rises
+  output logic              projector_trigger_o,  // pulse of the trigger sequencer
+  output logic              camera_trigger_o,     // pulse of the trigger sequencer
 
-  // Bus clock domain
-  input  wire logic         bus_clk_i,
-  input  wire logic         bus_rst_i,
-  output logic              m_axis_tvalid,
+  // Packets and registers, in the bus clock
+  input  wire logic         bus_clk_i,            // bus clock
+  input  wire logic         bus_rst_i,            // as rst_i; both resets together
+  output logic              m_axis_tvalid,        // packets, AXI4-Stream
   input  wire logic         m_axis_tready,
-  output logic      [127:0] m_axis_tdata,
-  output logic              m_axis_tlast,
-  input  wire logic         s_axil_awvalid,
+  output logic      [127:0] m_axis_tdata,         // first byte of a beat in 7..0
+  output logic              m_axis_tlast,         // last beat of a packet
+  input  wire logic         s_axil_awvalid,       // registers, AXI4-Lite
   output logic              s_axil_awready,
-  input  wire logic [7:0]   s_axil_awaddr,
+  input  wire logic [7:0]   s_axil_awaddr,        // byte address
   input  wire logic         s_axil_wvalid,
   output logic              s_axil_wready,
   input  wire logic [31:0]  s_axil_wdata,
-  input  wire logic [3:0]   s_axil_wstrb,
+  input  wire logic [3:0]   s_axil_wstrb,         // must be 1111
   output logic              s_axil_bvalid,
   input  wire logic         s_axil_bready,
-  output logic      [1:0]   s_axil_bresp,
+  output logic      [1:0]   s_axil_bresp,         // OKAY or SLVERR
   input  wire logic         s_axil_arvalid,
   output logic              s_axil_arready,
   input  wire logic [7:0]   s_axil_araddr,
   output logic              s_axil_rvalid,
   input  wire logic         s_axil_rready,
   output logic      [31:0]  s_axil_rdata,
-  output logic      [1:0]   s_axil_rresp
+  output logic      [1:0]   s_axil_rresp          // OKAY or SLVERR
 );
 
 `ifndef SYNTHESIS
   initial begin
     if (MaxColumns < 12 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
       $fatal(1, "sp_board: MaxColumns is %0d, not a multiple of 4 in 12..2048", MaxColumns);
-    if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) $fatal(1, "sp_board: MaxRows is %0d, not in 2..1023", MaxRows);
+    if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows)
+      $fatal(1, "sp_board: MaxRows is %0d, not in 2..1023", MaxRows);
   end
 `endif
 
@@ -92,7 +92,8 @@ module sp_board #(
   logic                  trigger_run, trigger_on_frame, frame_open;
   logic [7:0]            trigger_last_pattern;
   logic [15:0]           trigger_width, encoder_errors;
-  logic [31:0]           frames, broken, stray, lost_moments, lost_image, lost_codes, abandoned, encoder_count;
+  logic [31:0]           frames, broken, stray, lost_moments, lost_image, lost_codes, abandoned,
+                         encoder_count;
   logic [63:0]           time_now;
 
   sp_axil_bridge u_bridge (
@@ -333,7 +334,6 @@ module sp_board #(
   // --- Raw image ---
   logic         image_out_valid, image_out_ready, image_out_last;
   logic [127:0] image_out_data;
-
   if (Image) begin : gen_image
     sp_image_path #(
       .MaxColumns(MaxColumns),
@@ -373,7 +373,6 @@ module sp_board #(
   // --- Codes ---
   logic         codes_out_valid, codes_out_ready, codes_out_last;
   logic [127:0] codes_out_data;
-
   if (Codes) begin : gen_codes
     sp_codes_path #(
       .MaxColumns(MaxColumns),
@@ -412,7 +411,8 @@ module sp_board #(
     );
   end else begin : gen_no_codes
     logic unused;
-    assign unused          = ^{set_decode, set_median, set_bits, set_code_threshold, rows, pattern_of_frame, codes_out_ready};
+    assign unused          = ^{set_decode, set_median, set_bits, set_code_threshold, rows,
+                               pattern_of_frame, codes_out_ready};
     assign lost_codes      = 32'd0;
     assign abandoned       = 32'd0;
     assign codes_out_valid = 1'b0;

@@ -1,16 +1,20 @@
-// Position of a frame's beats: the group of four pixels in the line, the row, and whether either is the last.
+// Position of the beats of a frame: the group of four pixels in the line, the row, and whether
+// either is the last one.
 //
-// beat_i is a beat, start_i with it says that it is a frame's first; the facts beside start_i are those of that frame. What comes
-// out is the position of the next beat of the frame, as if it did not start another. Between frames it counts for nothing.
-// Guarantees: right for frames whose lines end where they should; the caller ends a frame with the first line that does not.
-// Latency: one clock. Rows count from 1, groups from 0; neither overflows within a frame.
+// beat_i marks a beat, start_i with it the first beat of a frame; the signals beside start_i
+// describe that frame. The outputs describe the next beat of the frame, as if it did not start
+// another. They have no meaning between frames.
 //
-//   beat_i           _/1\_/2\_/3\_/4\_____/5\_/6\_____     2 groups a line, 3 rows
+// Guarantees: the outputs are right while every line ends where it should; the caller ends a frame
+// with the first line that does not. Latency: one clock. Rows count from 1, groups from 0; neither
+// overflows within a frame.
+//
+//   beat_i           _/1\_/2\_/3\_/4\_____/5\_/6\_____   2 groups per line, 3 rows
 //   start_i          _/1\____________________________
-//   group_o          -----< 1 < 0 < 1 < 0     < 1 <---     one clock after the beat before
+//   group_o          -----< 1 < 0 < 1 < 0     < 1 <---   one clock after the beat before
 //   row_o            -----< 1 < 2     < 3         <---
-//   group_is_last_o  _____/111\___/111\_______/111\___     known a clock ahead: compared with the beat before
-//   row_is_last_o    _________________/11111111111\___     likewise, with the row before
+//   group_is_last_o  _____/111\___/111\_______/111\___   compared one beat ahead
+//   row_is_last_o    _________________/11111111111\___   compared one row ahead
 `default_nettype none
 
 module sp_frame_position #(
@@ -24,12 +28,12 @@ module sp_frame_position #(
   // With beat_i
   input  wire logic                 start_i,
   input  wire logic                 start_one_group_i,
-  input  wire logic                 start_next_ends_line_i,     // its second beat is a line's last: one group or two
+  input  wire logic                 start_next_ends_line_i,     // its second beat ends a line
   input  wire logic                 start_three_groups_i,
   input  wire logic                 start_next_in_last_row_i,   // its second beat
   input  wire logic                 start_row_after_is_last_i,  // the row after that beat's
 
-  // Of the frame under way
+  // Of the open frame
   input  wire logic                 one_group_i,
   input  wire logic                 two_groups_i,
   input  wire logic [GroupBits-1:0] groups_less_3_i,
@@ -43,17 +47,17 @@ module sp_frame_position #(
   output logic                      row_is_last_o
 `ifdef FORMAL
   ,
-  input  wire logic                 f_open_i,  // a frame is under way, of this size:
+  input  wire logic                 f_open_i,  // a frame is open, of this size:
   input  wire logic [GroupBits+2:0] f_columns_i,
   input  wire logic [RowBits-1:0]   f_rows_i
 `endif
 );
 
-  // Whether the group, the row, after the next beat's is the last: compared, or, behind a frame's first beat and a line's last,
-  // known from the size alone.
+  // Whether the group (the row) after the next beat's is the last one. It is compared, or, after
+  // the first beat of a frame and the last beat of a line, known from the size alone.
   typedef struct packed {
     logic compared;
-    logic is_known;  // known counts, not compared
+    logic is_known;  // use known, not compared
     logic known;
   } after_t;
 
@@ -79,7 +83,8 @@ module sp_frame_position #(
         row_after_q.compared <= row_o == rows_less_2_i;
       end else begin
         group_o              <= group_o + GroupBits'(1);
-        group_is_last_o      <= group_after_q.is_known ? group_after_q.known : group_after_q.compared;
+        group_is_last_o      <= group_after_q.is_known ? group_after_q.known :
+                                group_after_q.compared;
       end
       group_after_q.compared <= group_o == groups_less_3_i;
       group_after_q.is_known <= start_i || group_is_last_o;
@@ -88,7 +93,7 @@ module sp_frame_position #(
   end
 
 `ifdef FORMAL
-  // Rule: the position lies inside the frame, and first and last are what they say.
+  // Rule: the position lies inside the frame, and first and last mean what they say.
   localparam int FBits = GroupBits + 3;
   always_comb if (f_open_i) begin
     assert (row_o >= RowBits'(1) && row_o <= f_rows_i);
@@ -101,7 +106,8 @@ module sp_frame_position #(
               (FBits'(group_o) + FBits'(2) == f_columns_i >> 2));
     end
     if (!row_is_last_o) begin
-      assert ((row_after_q.is_known ? row_after_q.known : row_after_q.compared) == (row_o + RowBits'(1) == f_rows_i));
+      assert ((row_after_q.is_known ? row_after_q.known : row_after_q.compared) ==
+              (row_o + RowBits'(1) == f_rows_i));
     end
   end
 `endif

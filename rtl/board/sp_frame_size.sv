@@ -1,10 +1,12 @@
-// What follows from the size of frames: of the size as written, of that in force, and of that of a frame that starts.
+// Facts that follow from the size of frames: from the size as written, the size in force, and the
+// size of a frame that starts.
 //
-// Guarantees: the facts of a written size are right from the clock after it on; hold_i is high in the first clock of a new size and
-// in the two before it, so that nothing is taken over until then. Those in force are right from the clock after take_i on, those
-// of a frame that starts in the clock after its first beat was at the input. Sizes are within the build's maxima, columns a
-// multiple of 4 (sp_registers sees to both), so that nothing overflows; with fewer than three groups groups_less_3_o counts for
-// nothing, with one row rows_less_2_o.
+// Guarantees: facts of a written size are right from the clock after it on. hold_i is high in the
+// first clock of a new size and in the two clocks before it, so nothing is taken over until then.
+// Facts in force are right from the clock after take_i on. Facts of a frame that starts are right
+// in the clock after its first beat was at the input. sp_registers keeps sizes within the maxima of
+// the build and columns a multiple of 4, so nothing overflows. groups_less_3_o has no meaning with
+// fewer than three groups, rows_less_2_o none with one row.
 //
 //   clock              0   1   2   3   4   5
 //   columns_i, rows_i < new size
@@ -34,26 +36,29 @@ module sp_frame_size #(
   output logic      [RowBits-1:0]    rows_o,
   output logic                       one_group_o,      // a line has 4 columns
   output logic                       two_groups_o,
-  output logic      [GroupBits-1:0]  groups_less_3_o,  // of a line
+  output logic      [GroupBits-1:0]  groups_less_3_o,  // groups of a line, minus 3
   output logic      [RowBits-1:0]    rows_less_2_o,
 
-  // The beat at the input: where it has tuser_i it may start a frame, of the size as written (new_i) or of that in force
+  // The beat at the input. With tuser_i it may start a frame, of the size as written (new_i) or of
+  // the size in force.
   input  wire logic                  tuser_i,
   input  wire logic                  tlast_i,
   input  wire logic                  new_i,
-  // A clock later, if it did: of the frame,
+  // One clock later, if it did: facts of the frame,
   output logic                       start_one_group_o,
   output logic                       start_three_groups_o,
   output logic                       start_one_row_o,
-  output logic                       start_next_ends_line_o,     // its second beat is a line's last: one group or two
-  output logic                       start_next_in_last_row_o,   // its second beat is of its last row
-  output logic                       start_row_after_is_last_o,  // the row after that beat's is the last
+  output logic                       start_next_ends_line_o,     // its second beat ends a line
+  // its second beat is in its last row
+  output logic                       start_next_in_last_row_o,
+  // the row after that beat's is the last
+  output logic                       start_row_after_is_last_o,
   // and of its first line
-  output logic                       start_wrong_length_o,       // ends early or late with the beat
-  output logic                       start_goes_on_o             // does neither, nor does the frame end
+  output logic                       start_wrong_length_o,  // it ends early or late with this beat
+  output logic                       start_goes_on_o  // neither the line nor the frame ends
 `ifdef FORMAL
   ,
-  input  wire logic                  f_start_i,     // the beat a clock ago had tuser
+  input  wire logic                  f_start_i,     // the beat one clock ago had tuser
   input  wire logic                  f_in_force_i   // a size has been taken over
 `endif
 );
@@ -62,10 +67,11 @@ module sp_frame_size #(
 
   logic [CountBits-1:0] groups;
   // Of the size as written
-  logic                 new_one_group_q, new_two_groups_q, new_three_groups_q, new_one_row_q, new_two_rows_q, new_three_rows_q;
+  logic                 new_one_group_q, new_two_groups_q, new_three_groups_q, new_one_row_q,
+      new_two_rows_q, new_three_rows_q;
   logic [GroupBits-1:0] new_groups_less_3_q;
   logic [RowBits-1:0]   new_rows_less_2_q;
-  // Of that in force: as those of a frame that starts
+  // Of the size in force, as for a frame that starts
   logic                 three_groups_q, one_row_q, next_in_last_row_q, row_after_is_last_q;
   logic                 one_group, one_row;  // of a frame that starts now
 
@@ -100,18 +106,21 @@ module sp_frame_size #(
 
   always_ff @(posedge clk_i) if (tuser_i) begin
     start_one_group_o         <= one_group;
-    start_next_ends_line_o    <= new_i ? new_one_group_q || new_two_groups_q : one_group_o || two_groups_o;
+    start_next_ends_line_o    <= new_i ? new_one_group_q || new_two_groups_q :
+                                 one_group_o || two_groups_o;
     start_one_row_o           <= one_row;
-    start_next_in_last_row_o  <= new_i ? (new_one_group_q ? new_two_rows_q : new_one_row_q) : next_in_last_row_q;
-    start_row_after_is_last_o <= new_i ? (new_one_group_q ? new_three_rows_q : new_two_rows_q) : row_after_is_last_q;
+    start_next_in_last_row_o  <= new_i ? (new_one_group_q ? new_two_rows_q : new_one_row_q) :
+                                 next_in_last_row_q;
+    start_row_after_is_last_o <= new_i ? (new_one_group_q ? new_three_rows_q : new_two_rows_q) :
+                                 row_after_is_last_q;
     start_three_groups_o      <= new_i ? new_three_groups_q : three_groups_q;
     start_wrong_length_o      <= tlast_i != one_group;
     start_goes_on_o           <= one_group ? tlast_i && !one_row : !tlast_i;
   end
 
 `ifdef FORMAL
-  // Rule: facts as written are right where hold_i has not been high for three clocks; those in force, of the size in force; those
-  // of a frame that starts, of the size that it has.
+  // Rule: facts as written are right once hold_i has been low within three clocks. Facts in force
+  // belong to the size in force, facts of a frame that starts to its own size.
   logic [2:1] f_hold_q = 2'b11;  // so many clocks ago
   logic       f_ran_q = 1'b0;
   logic       f_last_q;          // tlast_i a clock ago
@@ -122,26 +131,37 @@ module sp_frame_size #(
   assign f_rows    = take_i ? rows_i : rows_o;
   always_comb if (f_ran_q) begin
     if (!(hold_i && f_hold_q == 2'b11)) begin
-      assert (new_one_group_q == (columns_i == ColumnBits'(4)) && new_two_groups_q == (columns_i == ColumnBits'(8)));
-      assert (new_three_groups_q == (columns_i == ColumnBits'(12)) && new_one_row_q == (rows_i == RowBits'(1)));
-      assert (new_two_rows_q == (rows_i == RowBits'(2)) && new_three_rows_q == (rows_i == RowBits'(3)));
+      assert (new_one_group_q == (columns_i == ColumnBits'(4)) &&
+              new_two_groups_q == (columns_i == ColumnBits'(8)));
+      assert (new_three_groups_q == (columns_i == ColumnBits'(12)) &&
+              new_one_row_q == (rows_i == RowBits'(1)));
+      assert (new_two_rows_q == (rows_i == RowBits'(2)) &&
+              new_three_rows_q == (rows_i == RowBits'(3)));
       assert (new_groups_less_3_q == GroupBits'((columns_i >> 2) - ColumnBits'(3)));
       assert (new_rows_less_2_q == rows_i - RowBits'(2));
     end
     if (f_in_force_i) begin
-      assert (one_group_o == (columns_o == ColumnBits'(4)) && two_groups_o == (columns_o == ColumnBits'(8)));
-      assert (three_groups_q == (columns_o == ColumnBits'(12)) && one_row_q == (rows_o == RowBits'(1)));
-      assert (next_in_last_row_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(2) : RowBits'(1))));
-      assert (row_after_is_last_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(3) : RowBits'(2))));
+      assert (one_group_o == (columns_o == ColumnBits'(4)) &&
+              two_groups_o == (columns_o == ColumnBits'(8)));
+      assert (three_groups_q == (columns_o == ColumnBits'(12)) &&
+              one_row_q == (rows_o == RowBits'(1)));
+      assert (next_in_last_row_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(2) :
+                                                RowBits'(1))));
+      assert (row_after_is_last_q == (rows_o == (columns_o == ColumnBits'(4) ? RowBits'(3) :
+                                                 RowBits'(2))));
       assert (groups_less_3_o == GroupBits'((columns_o >> 2) - ColumnBits'(3)));
       assert (rows_less_2_o == rows_o - RowBits'(2));
     end
     if (f_start_i && (take_i || f_in_force_i)) begin
-      assert (start_one_group_o == (f_columns == ColumnBits'(4)) && start_one_row_o == (f_rows == RowBits'(1)));
-      assert (start_next_ends_line_o == (f_columns == ColumnBits'(4) || f_columns == ColumnBits'(8)));
+      assert (start_one_group_o == (f_columns == ColumnBits'(4)) &&
+              start_one_row_o == (f_rows == RowBits'(1)));
+      assert (start_next_ends_line_o == (f_columns == ColumnBits'(4) ||
+                                         f_columns == ColumnBits'(8)));
       assert (start_three_groups_o == (f_columns == ColumnBits'(12)));
-      assert (start_next_in_last_row_o == (f_rows == (start_one_group_o ? RowBits'(2) : RowBits'(1))));
-      assert (start_row_after_is_last_o == (f_rows == (start_one_group_o ? RowBits'(3) : RowBits'(2))));
+      assert (start_next_in_last_row_o == (f_rows == (start_one_group_o ? RowBits'(2) :
+                                                      RowBits'(1))));
+      assert (start_row_after_is_last_o == (f_rows == (start_one_group_o ? RowBits'(3) :
+                                                       RowBits'(2))));
       assert (start_wrong_length_o == (f_last_q != start_one_group_o));
       assert (start_goes_on_o == (start_one_group_o ? f_last_q && !start_one_row_o : !f_last_q));
     end

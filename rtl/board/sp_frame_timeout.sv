@@ -1,9 +1,10 @@
 // Tells that no beat came for too long.
 //
-// Guarantees: where the last beat at the input is in clock 0 and none comes in the timeout_i clocks after it, expired_o is high in
-// the second clock after those, and in no other. The caller leaves it out of account where a beat has come by then. timeout_i
-// counts as it is beside the last beat; where it was 0 expired_o stays low. After 2^24 clocks without a beat the count wraps: by
-// then the frame is over.
+// Guarantees: if the last beat is at the input in clock 0 and none comes in the timeout_i clocks
+// after it, expired_o is high in the second clock after those and in no other. The caller ignores
+// expired_o if a beat has come by then. timeout_i counts as it is beside the last beat; if it was
+// 0, expired_o stays low. The count wraps after 2^24 clocks without a beat, when the frame is long
+// over.
 //
 //   clock         0   1   2  ...  n  n+1 n+2      n = timeout_i of clock 0
 //   beat_i       _/1\______ ... ___________
@@ -11,29 +12,30 @@
 //   equal        ---------- ... -----<all>--
 //   expired_o    __________ ... ________/1\
 //
-// The count stands in two chains of 12 bits, and is compared in four pieces, each a register, to be quick.
+// The count consists of two chains of 12 bits and is compared in four pieces, each with a register,
+// to be quick.
 `default_nettype none
 
 module sp_frame_timeout (
   input  wire logic        clk_i,
 
   input  wire logic        beat_i,     // a beat is at the input
-  input  wire logic        beat1_i,    // so it was a clock ago
+  input  wire logic        beat1_i,    // a beat was there one clock ago
   input  wire logic [23:0] timeout_i,  // clocks; 0: never
   output logic             expired_o
 );
 
   typedef struct packed {
-    logic        low_full;  // low is all ones: high takes a step with the next clock
-    logic [3:0]  equal;     // these six bits are those of limit_q, a clock ago
+    logic        low_full;  // low is all ones: high counts with the next clock
+    logic [3:0]  equal;     // these six bits equalled those of limit_q one clock ago
     logic [11:0] high;
     logic [11:0] low;
   } pause_t;
 
   pause_t      pause_q;       // clocks since the last beat
   logic [23:0] limit_q;       // timeout_i beside the last beat
-  logic        limit_some_q;  // it is not 0, known a clock later
-  logic [1:0]  some_q;        // timeout_i, a clock ago, was not 0, in its halves
+  logic        limit_some_q;  // limit_q is not 0; known one clock later
+  logic [1:0]  some_q;        // halves of timeout_i that were not 0 one clock ago
 
   always_ff @(posedge clk_i) begin
     some_q <= {timeout_i[23:12] != '0, timeout_i[11:0] != '0};

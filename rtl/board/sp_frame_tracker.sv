@@ -1,24 +1,27 @@
-// Turns AXI4-Stream video into beats with their position, and watches that every frame has the shape the settings say.
+// Turns AXI4-Stream video into beats with their position, and checks the shape of every frame.
 //
-// The camera cannot be stalled: s_axis_tready_o is always high. A frame begins with a beat that carries tuser while run_i is
-// high; settings are taken over there and nowhere else (not while hold_i is high, and not within six clocks of the last
-// take-over, so that headers still being written keep theirs); before the first take-over no frame begins. A frame ends well
-// with its last line's tlast. It breaks, and no further beat of it counts, where a line ends early (the beat counts) or late
-// (the beat counts), where the next frame starts, or when no beat came for more than timeout_i clocks (0: never). Beats
-// outside any frame are discarded and counted. run_i and hold_i count for a beat at the input as they were a clock before it,
-// timeout_i, for the pause behind the beat, as it is beside it.
+// The camera cannot be stalled: s_axis_tready_o is always high. A frame begins with a beat that
+// carries tuser while run_i is high. Only such a beat takes settings over, and not while hold_i is
+// high or within six clocks of the last take-over (headers still being written keep theirs). No
+// frame begins before the first take-over. A frame ends well with the tlast of its last line. It
+// breaks, and its later beats do not count, when a line ends early or late (that beat still
+// counts), when the next frame starts, or after timeout_i clocks without a beat (0: never). Beats
+// outside any frame are discarded and counted. run_i and hold_i count as they were one clock before
+// a beat; timeout_i counts as it is beside the beat that a pause follows.
 //
-// Guarantees: each frame that begins ends well or is told by break_o, once; beats lie inside their frame; both counters wrap.
-// Latency: outputs are registers, two clocks after the beat at the input; a break by a line or a pause comes a clock later, one by
-// the next frame's start in the clock of that start. So break_o comes after the beats of the clocks before it and before the
-// beat of its own clock. Two rows of two groups; then a frame whose first line ends late, in beat 6, and beat 7 without a frame:
+// Guarantees: each frame that begins either ends well or is reported once by break_o. Beats lie
+// inside their frame. Both counters wrap. Latency: outputs are registers, two clocks after the beat
+// at the input. A break by a line or a pause comes one clock later, a break by the next start in
+// the clock of that start. So break_o comes after the beats of earlier clocks and before the beat
+// of its own clock. Two rows of two groups, then a frame whose first line ends late in beat 6, and
+// beat 7 outside any frame:
 //
 //   clock              0   1   2   3   4   5   6   7   8   9
 //   s_axis_tvalid_i   _/1\_/2\_/3\_/4\_/5\_/6\_/7\____________
 //   s_axis_tuser_i    _/1\_____________/5\____________________
 //   s_axis_tlast_i    _____/2\_____/4\_________/7\____________
 //   stage 1           ----< 1 < 2 < 3 < 4 < 5 < 6 < 7 >-------
-//   open_q            _________/11111111111\___/111\____________   a frame is under way: after its first beat, before its last
+//   open_q            _________/11111111111\___/111\____________   between first and last beat
 //   frame_start_o     _________/1\_____________/5\____________
 //   take_o            _________/1\____________________________   5 comes too soon for new settings
 //   beat_valid_o      _________/1\_/2\_/3\_/4\_/5\_/6\________
@@ -37,15 +40,15 @@ module sp_frame_tracker #(
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
 
-  // AXI4-Stream video: 4 pixels a beat, leftmost in 7..0, tuser = start of frame, tlast = end of line
+  // AXI4-Stream video: 4 pixels per beat, leftmost in 7..0; tuser starts a frame, tlast ends a line
   input  wire logic                  s_axis_tvalid_i,
   output logic                       s_axis_tready_o,
   input  wire logic [31:0]           s_axis_tdata_i,
   input  wire logic                  s_axis_tuser_i,
   input  wire logic                  s_axis_tlast_i,
 
-  // Settings as written; hold_i is high, besides when asked for, in the first clock of a new columns_i or rows_i and in the two
-  // before it
+  // Settings as written. hold_i is also high in the first clock of a new size and in the two before
+  // it.
   input  wire logic                  run_i,
   input  wire logic                  hold_i,
   input  wire logic                  image_i,
@@ -76,13 +79,13 @@ module sp_frame_tracker #(
   output logic                       beat_last_row_o,
   output logic                       beat_line_start_o,
   output logic                       beat_line_end_o,
-  output logic                       frame_start_o,     // this beat is a frame's first
+  output logic                       frame_start_o,     // first beat of a frame
   output logic                       stray_before_o,    // beats were discarded before this frame
-  output logic                       last_row_start_o,  // this beat is the first of a frame's last row
+  output logic                       last_row_start_o,  // first beat of the last row of a frame
 
   // Breaks
   output logic                       break_o,
-  output logic                       break_in_last_row_o,  // the frame's last row had begun
+  output logic                       break_in_last_row_o,  // the last row of the frame had begun
   output logic [sp_spec_pkg::StatusBits-1:0] break_status_o,
 
   output logic                       frame_open_o,
@@ -92,13 +95,13 @@ module sp_frame_tracker #(
 
   assign s_axis_tready_o = 1'b1;
 
-  // --- Stage 0: what a beat that comes now may do, from run_i and hold_i a clock ago ---
+  // --- Stage 0: what a beat may do now, from run_i and hold_i one clock ago ---
   logic       may_start_q;
   logic       may_take_q;  // but not in the clock after a take-over
-  logic       new_q;       // a frame that starts now is of the settings as written: may_take_q || s1_take_q
+  logic       new_q;       // a frame that starts now has the settings as written
   logic [3:0] took_q;      // a take-over one to four clocks ago, the latest lowest
-  logic       in_force_q;  // settings have been taken over: a frame may start without taking them over
-  logic       take;        // a beat comes now that takes the settings over
+  logic       in_force_q;  // there was a take-over: frames may start without another
+  logic       take;        // this beat takes the settings over
 
   assign take_o = took_q[0];
   assign take   = s_axis_tvalid_i && s_axis_tuser_i && may_take_q && !s1_take_q;
@@ -120,11 +123,11 @@ module sp_frame_tracker #(
   end
 
   // --- Stage 1: registers of the beat ---
-  logic        s1_valid_q;   // a beat:
-  logic        s1_start_q;   // one with tuser
-  logic        s1_further_q; // one without
-  logic        s1_begin_q;   // one that starts a frame
-  logic        s1_take_q;    // and takes the settings over
+  logic        s1_valid_q;   // a beat
+  logic        s1_start_q;   // a beat with tuser
+  logic        s1_further_q; // a beat without tuser
+  logic        s1_begin_q;   // a beat that starts a frame
+  logic        s1_take_q;    // a beat that takes the settings over
   logic        s1_last_q;    // tlast
   logic [31:0] s1_pixels_q;
 
@@ -155,9 +158,9 @@ module sp_frame_tracker #(
     end
   end
 
-  // --- Size: what is asked of it in force, and, with the beat in stage 1, where that is a frame's first (s1_) ---
-  logic                 s1_one_group, s1_three_groups, s1_one_row, s1_next_ends_line, s1_next_in_last_row;
-  logic                 s1_row_after_is_last, s1_wrong_length, s1_goes_on;
+  // --- Size: facts in force, and facts of a frame that starts with the beat in stage 1 (s1_) ---
+  logic s1_one_group, s1_three_groups, s1_one_row, s1_next_ends_line, s1_next_in_last_row;
+  logic s1_row_after_is_last, s1_wrong_length, s1_goes_on;
   logic [GroupBits-1:0] groups_less_3;
   logic [RowBits-1:0]   rows_less_2;
 
@@ -195,7 +198,7 @@ module sp_frame_tracker #(
 `endif
   );
 
-  // --- Position of the beat in stage 1, where it is not a frame's first ---
+  // --- Position of the beat in stage 1, unless it starts a frame ---
   logic [GroupBits-1:0] group;
   logic [RowBits-1:0]   row;
   logic                 group_is_last, row_is_first, row_is_last;
@@ -229,15 +232,14 @@ module sp_frame_tracker #(
 `endif
   );
 
-  // --- State of the frame. What a beat with tuser is judged by needs no word of whether it is taken: then nothing of this
-  // counts. ---
-  logic open_q;         // a frame is under way: beats without tuser belong to it
+  // --- State of the frame; for a beat with tuser that is not accepted, none of it counts ---
+  logic open_q;         // a frame is open: beats without tuser belong to it
   logic in_line_q;      // its line has begun
   logic in_last_row_q;  // its last row has begun
-  logic belongs;        // the beat is part of a frame
+  logic belongs;        // the beat belongs to a frame
   logic in_last_row, line_end;
-  logic wrong_length, goes_on;  // of a beat without tuser: its line ends early or late; the frame goes on
-  logic pause_over, timed_out;  // no beat came for too long; and that ends a frame
+  logic wrong_length, goes_on;  // without tuser: the line ends early or late; the frame goes on
+  logic pause_over, timed_out;  // no beat came for too long; this ends a frame
 
   assign in_last_row  = s1_start_q ? s1_one_row : row_is_last;
   assign belongs      = s1_begin_q || s1_further_q && open_q;
@@ -252,7 +254,8 @@ module sp_frame_tracker #(
       in_line_q     <= 1'b0;
       in_last_row_q <= 1'b0;
     end else begin
-      if (s1_valid_q || pause_over) open_q <= s1_begin_q ? s1_goes_on : s1_further_q && open_q && goes_on;
+      if (s1_valid_q || pause_over) open_q <= s1_begin_q ? s1_goes_on :
+                                              s1_further_q && open_q && goes_on;
       if (s1_valid_q) begin
         in_line_q     <= !s1_last_q;
         in_last_row_q <= in_last_row;
@@ -269,19 +272,20 @@ module sp_frame_tracker #(
   );
 
   // --- Stage 2: outputs ---
-  logic stray_q;              // a beat was discarded since the last frame's start
-  logic stray, stray_now_q;   // the beat is discarded while running; it was, a clock ago
+  logic stray_q;              // a beat was discarded since the last frame start
+  logic stray, stray_now_q;   // this beat is discarded while running; the last one was
   logic start_breaks;         // a start ends an open frame
   logic late_break;           // a line or a pause ends it
-  logic late_break_q;         // it did, a clock ago: break_o comes with the next clock
-  logic late_valid_q;         // there was a beat a clock ago,
-  logic late_last_q;          // with tlast
+  logic late_break_q;         // it did one clock ago: break_o follows
+  logic late_valid_q;         // there was a beat one clock ago
+  logic late_last_q;          // that beat had tlast
 
   assign stray        = run_i && (s1_start_q && !s1_begin_q || s1_further_q && !open_q);
   assign start_breaks = s1_start_q && open_q;
-  assign late_break   = s1_begin_q && s1_wrong_length || s1_further_q && open_q && wrong_length || timed_out;
+  assign late_break   = s1_begin_q && s1_wrong_length || s1_further_q && open_q && wrong_length ||
+                        timed_out;
 
-  // Reset lasts long enough for these to follow.
+  // These need no reset of their own: reset lasts long enough.
   always_ff @(posedge clk_i) begin
     beat_valid_o     <= belongs;
     frame_start_o    <= s1_begin_q;
@@ -315,12 +319,14 @@ module sp_frame_tracker #(
     late_valid_q      <= s1_valid_q;
     late_last_q       <= s1_last_q;
     if (start_breaks || late_break_q) begin
-      break_in_last_row_o                                <= in_last_row_q;
-      break_status_o                                     <= '0;
+      break_in_last_row_o <= in_last_row_q;
+      break_status_o <= '0;
       break_status_o[sp_spec_pkg::StatusStartInFrameBit] <= !late_break_q;
-      break_status_o[sp_spec_pkg::StatusShortLineBit]    <= late_break_q && late_valid_q && late_last_q;
-      break_status_o[sp_spec_pkg::StatusLongLineBit]     <= late_break_q && late_valid_q && !late_last_q;
-      break_status_o[sp_spec_pkg::StatusIncompleteBit]   <= late_break_q && !late_valid_q;
+      break_status_o[sp_spec_pkg::StatusShortLineBit] <=
+          late_break_q && late_valid_q && late_last_q;
+      break_status_o[sp_spec_pkg::StatusLongLineBit] <=
+          late_break_q && late_valid_q && !late_last_q;
+      break_status_o[sp_spec_pkg::StatusIncompleteBit] <= late_break_q && !late_valid_q;
     end
   end
 
@@ -342,13 +348,13 @@ module sp_frame_tracker #(
   assign frame_open_o = open_q;
 
 `ifdef FORMAL
-  // Reset once, at the beginning, for four clocks.
+  // One reset at the beginning, for four clocks.
   logic [3:0] f_reset_q = 4'd0;
   logic       f_ran_q;
   assign f_ran_q = f_reset_q[3];
   always_ff @(posedge clk_i) f_reset_q <= {f_reset_q[2:0], 1'b1};
   always_comb assume (rst_i == !f_ran_q);
-  // Settings are sizes that the maxima allow; a new size is announced by hold_i two clocks before (sp_registers does both).
+  // Sizes are within the maxima; hold_i announces a new size two clocks before (sp_registers).
   always_comb begin
     assume (columns_i[1:0] == 2'd0 && columns_i != '0 && columns_i <= ColumnBits'(MaxColumns));
     assume (rows_i != '0 && rows_i <= RowBits'(MaxRows));
@@ -359,14 +365,15 @@ module sp_frame_tracker #(
   logic [3:1]            f_hold_q;  // so many clocks ago
   always_ff @(posedge clk_i) begin
     {f_columns_before_q, f_rows_before_q, f_after_reset_q} <= {columns_i, rows_i, rst_i};
-    f_hold_q                                               <= rst_i ? 3'b111 : {f_hold_q[2:1], hold_i};
+    f_hold_q <= rst_i ? 3'b111 : {f_hold_q[2:1], hold_i};
   end
   always_comb begin
     if (f_after_reset_q || rst_i) assume (hold_i);
-    else if (columns_i != f_columns_before_q || rows_i != f_rows_before_q) assume (hold_i && f_hold_q[2:1] == 2'b11);
+    else if (columns_i != f_columns_before_q || rows_i != f_rows_before_q)
+      assume (hold_i && f_hold_q[2:1] == 2'b11);
   end
 
-  // What was taken over, kept here a second time.
+  // A second copy of what was taken over
   logic                  f_known_q;
   logic [ColumnBits-1:0] f_columns_q;
   logic [RowBits-1:0]    f_rows_q;
@@ -375,7 +382,7 @@ module sp_frame_tracker #(
     else if (s1_take_q) {f_known_q, f_columns_q, f_rows_q} <= {1'b1, columns_i, rows_i};
   end
 
-  // Clocks since a take-over, up to 7.
+  // Clocks since a take-over, up to 7
   logic [2:0] f_since_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) f_since_q <= 3'd7;
@@ -383,20 +390,20 @@ module sp_frame_tracker #(
     else if (f_since_q != 3'd7) f_since_q <= f_since_q + 3'd1;
   end
 
-  // Rule 1: settings change at a frame's start and nowhere else, and not while they are held.
-  // Rule 2: six clocks at least lie between two take-overs.
+  // Rule 1: settings change only at a frame start, and not while they are held.
+  // Rule 2: at least six clocks lie between two take-overs.
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
-    if (!($stable(columns_o) && $stable(rows_o) && $stable(mode_o) && $stable(threshold_o) && $stable(stream_o) &&
-          $stable(image_o))) begin
+    if (!($stable(columns_o) && $stable(rows_o) && $stable(mode_o) && $stable(threshold_o) &&
+          $stable(stream_o) && $stable(image_o))) begin
       assert (frame_start_o && take_o && !f_hold_q[3]);
     end
     if (take_o) assert (f_since_q == 3'd7);
     cover (take_o && f_known_q && !$stable(columns_o));
   end
 
-  // Rule 3: a frame that began has ended well, has broken, or is open: nothing else becomes of it.
+  // Rule 3: a frame that began has ended well, has broken, or is open.
   logic [3:0] f_started_q, f_good_q, f_broken_q;  // modulo 16
-  logic       f_counting_q;                       // a break is in the counter, and it does not tell it yet
+  logic       f_counting_q;                       // a break that the counter does not show yet
   logic       f_frame_end;
   assign f_frame_end = belongs && line_end && in_last_row;
   always_ff @(posedge clk_i) begin
@@ -412,7 +419,8 @@ module sp_frame_tracker #(
     assert (f_started_q == f_good_q + f_broken_q + 4'(open_q) + 4'(break_o) + 4'(late_break_q));
     assert (f_broken_q == broken_o[3:0] + 4'(f_counting_q));
     assert (f_known_q == in_force_q);
-    if (open_q || took_q != '0 || may_start_q && !may_take_q || s1_begin_q && !s1_take_q) assert (in_force_q);
+    if (open_q || took_q != '0 || may_start_q && !may_take_q || s1_begin_q && !s1_take_q)
+      assert (in_force_q);
     if (s1_take_q) assert (s1_begin_q);
     assert (take_o == took_q[0]);
     for (int k = 1; k < 4; k++) assert (took_q[k] == (f_since_q == 3'(k)));
@@ -421,12 +429,12 @@ module sp_frame_tracker #(
     if (may_take_q) assert (f_since_q >= 3'd5);
     if (s1_take_q) assert (f_since_q >= 3'd6);
     assert (s1_valid_q == (s1_start_q || s1_further_q) && !(s1_start_q && s1_further_q));
-    // A break is of one frame: the late ones and that of a start never meet.
+    // A break belongs to one frame: a late break and a break by a start never meet.
     assert (!(late_break_q && start_breaks));
     if (late_break_q) assert (!open_q);
   end
 
-  // Rule 4: beats of a frame lie inside it: rows 1 to rows_o, groups below columns_o / 4 (sp_frame_position).
+  // Rule 4: beats lie inside their frame: rows 1 to rows_o, groups below columns_o / 4.
   always_comb if (f_ran_q && !rst_i) begin
     if (in_force_q) assert (f_columns_q == columns_o && f_rows_q == rows_o);
     if (in_force_q) begin

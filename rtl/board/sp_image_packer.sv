@@ -1,33 +1,35 @@
-// Lines of an image, raw or of codes: packs the pixels of a line into 16-byte payload beats, leftmost in the lowest byte, zeros
-// after the last, and sends a line once it is complete.
+// Packs the lines of an image, raw or of codes, into 16-byte payload beats: leftmost pixel in the
+// lowest byte, zeros after the last pixel. A line is sent once it is complete.
 //
-// The words of a line wait in a ring of at least two lines, so that lines may follow each other without a gap: line_done_o
-// asks for a packet when the line has ended or broken, and after accept_i its words leave one a clock. A line that broke
-// leaves with the words it has, then words_break_o.
+// The words of a line wait in a ring of at least two lines, so that lines may follow each other
+// without a gap. line_done_o asks for a packet when the line has ended or broken. After accept_i
+// the words leave, one per clock. A line that broke leaves with the words that it has, followed by
+// words_break_o.
 //
-// Timing: line_done_o is a register, one clock after the line's last beat, or in the clock of break_i; accept_i is read
-// three clocks later, the words leave from seven clocks after line_done_o on.
+// Timing: line_done_o comes one clock after the last beat of the line, or in the clock of break_i.
+// accept_i is read three clocks later. The words leave from seven clocks after line_done_o on.
 `default_nettype none
 
 module sp_image_packer #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
-  parameter int BeatBits = 32,  // four pixels of 8 bits; 64: four codes of 16
+  parameter int BeatBits = 32,  // 32: four pixels of 8 bits; 64: four codes of 16
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int WordBits = $clog2(MaxColumns * BeatBits / 512 + 2),
-  parameter int LogDepth = MaxColumns * BeatBits > 8192 ? $clog2(MaxColumns / 8 * (BeatBits / 32)) : 5
+  parameter int LogDepth =
+    MaxColumns * BeatBits > 8192 ? $clog2(MaxColumns / 8 * (BeatBits / 32)) : 5
 ) (
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
 
   // Beats of sp_frame_tracker
-  input  wire logic                  image_i,  // the frame's image is wanted
+  input  wire logic                  image_i,  // the image of this frame is wanted
   input  wire logic [ColumnBits-1:0] columns_i,
   input  wire logic                  beat_valid_i,
   input  wire logic [BeatBits-1:0]   beat_pixels_i,
-  input  wire logic [1:0]            beat_group_i,  // low bits of the group; with 64 bits only the lowest
+  input  wire logic [1:0]            beat_group_i,  // low bits of the group; 64 bits use bit 0 only
   input  wire logic [RowBits-1:0]    beat_row_i,
   input  wire logic                  beat_line_start_i,
   input  wire logic                  beat_line_end_i,
@@ -47,7 +49,7 @@ module sp_image_packer #(
 );
 
   logic                line_open_q;
-  logic                line_ended_q;  // the last beat of a line was in the clock before
+  logic                line_ended_q;  // the last beat of a line was one clock ago
   logic                breaks;
   logic                valid;
   logic [WordBits-1:0] line_words_q;
@@ -73,10 +75,10 @@ module sp_image_packer #(
     end
   end
 
-  // --- Words into the ring: a word is written in the clock after its fourth beat; an incomplete one, or the last, in the
-  // clock in which its line is done ---
-  logic [95:0]         gathered_q;  // the first three beats of a word, zeros above
-  logic                partial_q;   // gathered_q holds beats that were not written
+  // --- Words into the ring: a word is written one clock after its fourth beat; an incomplete word,
+  // or the last one, in the clock in which its line is done ---
+  logic [95:0]         gathered_q;  // first three beats of a word, zeros above
+  logic                partial_q;   // gathered_q holds beats not yet written
   logic                whole_q;     // word_q waits to be written
   logic [127:0]        word_q;
   logic                write, last_of_word;
@@ -130,7 +132,7 @@ module sp_image_packer #(
     assign unused = beat_group_i[1];
   end
 
-  // --- Words out of it: those of a line whose packet was accepted ---
+  // --- Words out of the ring: those of a line whose packet was accepted ---
   logic [3:1]          done_q;
   logic [LogDepth-1:0] ptr1_q, ptr2_q, ptr3_q;
   logic [WordBits-1:0] count1_q, count2_q, count3_q;
@@ -182,7 +184,8 @@ module sp_image_packer #(
     end
   end
 
-  // A line is read at once when it is accepted, and overwritten at the earliest by the line after the next.
+  // A line is read at once when it is accepted. At the earliest, the line after the next overwrites
+  // it.
   sp_ram #(
     .Width   (128),
     .LogDepth(LogDepth)

@@ -1,14 +1,15 @@
-// From beats to raw-image packets, one a line: the packer, the packets, and the packet FIFO into the bus clock.
+// From beats to raw-image packets, one per line: the packer, the packets, and the packet FIFO into
+// the bus clock.
 //
-// Guarantees: every line that began gives a packet or is counted in lost_o; packets come out whole. Lines of 60 columns and
-// more may follow each other without a gap. Latency, formats and overflow rule are those of sp_image_packer and
-// sp_packet_output, which this module only connects.
+// Guarantees: every line that began gives a packet or is counted in lost_o; packets come out whole.
+// Lines of 60 columns and more may follow each other without a gap. This module only connects
+// sp_image_packer and sp_packet_output, which have the latency, the formats and the overflow rule.
 `default_nettype none
 
 module sp_image_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
-  parameter int LogDepth = 9,  // of the packet FIFO, in beats of 16 bytes
+  parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1)

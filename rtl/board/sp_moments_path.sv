@@ -1,14 +1,15 @@
 // From beats to moments packets: the sums, their packets, and the packet FIFO into the bus clock.
 //
-// Guarantees: every frame start gives a packet or is counted in lost_o; packets come out whole. Latency, formats and overflow
-// rule are those of sp_column_moments and sp_packet_output, which this module only connects.
+// Guarantees: every frame start gives a packet or is counted in lost_o; packets come out whole.
+// This module only connects sp_column_moments and sp_packet_output, which have the latency, the
+// formats and the overflow rule.
 `default_nettype none
 
 module sp_moments_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter bit Grey = 1'b1,
-  parameter int LogDepth = 11,  // of the packet FIFO, in beats of 16 bytes
+  parameter int LogDepth = 11,  // log2 of the depth of the packet FIFO, in beats of 16 bytes
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -57,11 +58,13 @@ module sp_moments_path #(
   logic [PayloadBits-1:0] payload_beats, payload_beats_q;
   logic                   last_row_start_q;
 
-  // Four columns a beat in mode binary, two in the grey modes
-  assign payload_beats = Grey && mode_i != sp_spec_pkg::ModeBinary ? PayloadBits'({groups_i, 1'b0}) :
+  // Four columns per beat in mode binary, two in the grey modes
+  assign payload_beats = Grey && mode_i != sp_spec_pkg::ModeBinary ?
+                         PayloadBits'({groups_i, 1'b0}) :
                                                                      PayloadBits'(groups_i);
 
-  // A frame's last row is announced one clock late: its header is then read when that of a frame that breaks there is out.
+  // The start of a last row is passed on one clock late. The header is then read only when the
+  // header of a frame that breaks there is out.
   always_ff @(posedge clk_i) begin
     last_row_start_q <= last_row_start_i;
     if (last_row_start_i) payload_beats_q <= payload_beats;

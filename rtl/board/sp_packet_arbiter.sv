@@ -1,7 +1,8 @@
-// Joins two packet streams at packet boundaries; the first goes before the second.
+// Joins two packet streams at packet boundaries; the first stream goes before the second.
 //
-// Guarantees: a packet that has begun is finished before another begins; one beat a clock; the output is registered on
-// both sides (sp_skid_buffer): tdata and tlast are stable while tvalid waits for tready.
+// Guarantees: a packet that has begun is finished before another begins. One beat per clock. The
+// output is registered on both sides (sp_skid_buffer): tdata and tlast are stable while tvalid
+// waits for tready.
 `default_nettype none
 
 module sp_packet_arbiter #(
@@ -27,7 +28,7 @@ module sp_packet_arbiter #(
 );
 
   logic busy_q;       // inside a packet
-  logic of_second_q;  // of the second stream
+  logic of_second_q;  // the packet is of the second stream
   logic second;       // the second stream is served now
   logic valid, ready, last;
 
@@ -61,16 +62,18 @@ module sp_packet_arbiter #(
   );
 
 `ifdef FORMAL
-  // Reset once, at the beginning; words that wait do not change.
+  // One reset at the beginning. Words that wait do not change.
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
   always_comb assume (rst_i == !f_ran_q);
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
-    if ($past(first_valid_i && !first_ready_o)) assume (first_valid_i && $stable(first_data_i) && $stable(first_last_i));
-    if ($past(second_valid_i && !second_ready_o)) assume (second_valid_i && $stable(second_data_i) && $stable(second_last_i));
+    if ($past(first_valid_i && !first_ready_o))
+      assume (first_valid_i && $stable(first_data_i) && $stable(first_last_i));
+    if ($past(second_valid_i && !second_ready_o))
+      assume (second_valid_i && $stable(second_data_i) && $stable(second_last_i));
   end
 
-  // What was taken last: of which stream, and whether its packet goes on.
+  // The last word taken: its stream, and whether its packet goes on.
   logic f_first, f_second, f_inside_q, f_of_second_q;
   assign f_first  = first_valid_i && first_ready_o;
   assign f_second = second_valid_i && second_ready_o;
@@ -82,7 +85,7 @@ module sp_packet_arbiter #(
     end
   end
 
-  // Rule 1: never a word of both at once.
+  // Rule 1: never are two words taken at once.
   // Rule 2: a packet that has begun is finished before the other stream has its turn.
   // Rule 3: between packets the first stream goes before the second.
   always_comb if (f_ran_q && !rst_i) begin
@@ -94,7 +97,8 @@ module sp_packet_arbiter #(
     if (busy_q) assert (of_second_q == f_of_second_q);
   end
 
-  // Rule 4: a word taken is at the output a clock later where nothing waits; what waits there does not change (AXI4-Stream).
+  // Rule 4: a word taken is at the output one clock later if nothing waits there. A word that waits
+  // does not change (AXI4-Stream).
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
     if ($past((f_first || f_second) && m_axis_tready_i)) assert (m_axis_tvalid_o);
     if ($past(m_axis_tvalid_o && !m_axis_tready_i)) begin

@@ -1,8 +1,9 @@
-// The packets of all kinds in one stream, in the bus clock: moments go first, then codes, then raw lines.
+// Joins the packets of all kinds into one stream, in the bus clock: moments go first, then codes,
+// then raw lines.
 //
-// Guarantees: packets are not mixed; each kind's come in its order. A kind that the build does not have is left out, with its
-// arbiter; what comes in for it counts nowhere and is refused. Latency and formats are those of sp_packet_arbiter, one for each
-// further kind; nothing overflows, since what is not taken waits.
+// Guarantees: packets are not mixed, and the packets of each kind keep their order. A kind that the
+// build does not have is left out together with its arbiter; its input is never ready. The latency
+// is one sp_packet_arbiter for each further kind. Nothing overflows, since what is not taken waits.
 `default_nettype none
 
 module sp_packet_merge #(
@@ -58,7 +59,8 @@ module sp_packet_merge #(
     );
   end else begin : gen_one_kind
     logic unused;
-    assign unused        = ^{codes_valid_i, codes_last_i, codes_data_i, image_valid_i, image_last_i, image_data_i};
+    assign unused        =
+        ^{codes_valid_i, codes_last_i, codes_data_i, image_valid_i, image_last_i, image_data_i};
     assign lines_valid   = Codes ? codes_valid_i : image_valid_i;
     assign lines_last    = Codes ? codes_last_i : image_last_i;
     assign lines_data    = Codes ? codes_data_i : image_data_i;

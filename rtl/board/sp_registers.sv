@@ -1,15 +1,17 @@
-// Register file, video clock: addresses, places of fields and reset values are those of the specification (sp_spec_pkg).
+// Register file, in the video clock. The specification places addresses, fields and reset values
+// (sp_spec_pkg).
 //
-// Guarantees: request_i lasts one clock; answer_o comes five clocks later, when a write has taken effect, with error_o where the
-// address is not a register, a read-only register is written, or a value is outside what this build can do (the register then
-// keeps its value). Bits that belong to no field are ignored, but in size, where they must be 0. hold_o is high during every write.
-// The words of a request stand still until its answer. One request at a time; nothing overflows.
+// Guarantees: request_i lasts one clock. answer_o comes five clocks later, when a write has taken
+// effect. error_o comes with it if the address has no register, a read-only register is written, or
+// this build cannot do the value; the register then keeps its value. Bits outside all fields are
+// ignored, except in size, where they must be 0. hold_o is high during every write. A request
+// stands still until its answer, and there is one at a time, so nothing overflows.
 //
 //   clock       0   1   2   3   4   5   6
 //   request_i  _/1\_______________________   write_i, address_i, data_i stand until the answer
 //   hit_q      ---------<   >-------------   the register that is asked for
 //   put_q      _____________/1\___________   a write: that register takes data_i
-//   settings   -----------------<new         so from the clock before the answer on
+//   settings   -----------------<new         new from the clock before the answer on
 //   answer_o   _____________________/1\___   with error_o, and data_o of a read
 `default_nettype none
 
@@ -38,7 +40,8 @@ module sp_registers #(
 
   // Settings
   output logic                        run_o,
-  output logic                        hold_o,  // also in the first clock of new settings and in the two before it
+  // also high in the first clock of new settings and the two before
+  output logic                        hold_o,
   output logic                        image_o,
   output logic      [ColumnBits-1:0]  columns_o,
   output logic      [RowBits-1:0]     rows_o,
@@ -72,41 +75,48 @@ module sp_registers #(
   input  wire logic [15:0]            encoder_errors_i
 );
 
-  localparam int SizeColumnsLsb = sp_spec_pkg::RegSizeColumnsLsb, SizeColumnsBits = sp_spec_pkg::RegSizeColumnsBits;
-  localparam int SizeRowsLsb = sp_spec_pkg::RegSizeRowsLsb, SizeRowsBits = sp_spec_pkg::RegSizeRowsBits;
-  localparam int ModeLsb = sp_spec_pkg::RegMeasureModeLsb, ModeBits = sp_spec_pkg::RegMeasureModeBits;
-  localparam int DecodeBitsLsb = sp_spec_pkg::RegDecodeBitsLsb, DecodeBitsBits = sp_spec_pkg::RegDecodeBitsBits;
-  // Each of the two with the bits of no field above it, which must be 0
-  localparam int SizeColumnsSpan = (SizeColumnsLsb < SizeRowsLsb ? SizeRowsLsb : 32) - SizeColumnsLsb;
+  localparam int SizeColumnsLsb = sp_spec_pkg::RegSizeColumnsLsb,
+                 SizeColumnsBits = sp_spec_pkg::RegSizeColumnsBits;
+  localparam int SizeRowsLsb = sp_spec_pkg::RegSizeRowsLsb,
+                 SizeRowsBits = sp_spec_pkg::RegSizeRowsBits;
+  localparam int ModeLsb = sp_spec_pkg::RegMeasureModeLsb,
+                 ModeBits = sp_spec_pkg::RegMeasureModeBits;
+  localparam int DecodeBitsLsb = sp_spec_pkg::RegDecodeBitsLsb,
+                 DecodeBitsBits = sp_spec_pkg::RegDecodeBitsBits;
+  // Width of each of the two with the unused bits above it, which must be 0
+  localparam int SizeColumnsSpan = (SizeColumnsLsb < SizeRowsLsb ? SizeRowsLsb : 32) -
+                                   SizeColumnsLsb;
   localparam int SizeRowsSpan = (SizeRowsLsb < SizeColumnsLsb ? SizeColumnsLsb : 32) - SizeRowsLsb;
 
   localparam int SpecColumns = 32'(sp_spec_pkg::RegSizeReset[SizeColumnsLsb+:SizeColumnsBits]);
   localparam int SpecRows = 32'(sp_spec_pkg::RegSizeReset[SizeRowsLsb+:SizeRowsBits]);
-  localparam logic [ColumnBits-1:0] ResetColumns = ColumnBits'(SpecColumns < MaxColumns ? SpecColumns : MaxColumns);
+  localparam logic [ColumnBits-1:0] ResetColumns =
+      ColumnBits'(SpecColumns < MaxColumns ? SpecColumns : MaxColumns);
   localparam logic [RowBits-1:0] ResetRows = RowBits'(SpecRows < MaxRows ? SpecRows : MaxRows);
 
-  // --- Request, two clocks later: its register, one of 32, and what its data is good for. The request's words stay until
-  // the answer. ---
+  // --- Request, two clocks later: its register, one of 32, and whether its data is good ---
   localparam int Words = 32;
   // The registers that this build has, by words
   localparam logic [Words-1:0] CodesWords = Words'(1) << sp_spec_pkg::RegDecode / 4 |
                                             Words'(1) << sp_spec_pkg::RegLostCodes / 4 |
                                             Words'(1) << sp_spec_pkg::RegAbandoned / 4;
-  localparam logic [Words-1:0] Present = sp_spec_pkg::RegisterWords & ~(Codes ? {Words{1'b0}} : CodesWords);
-  localparam bit NoHoles = (Present & (Present + Words'(1))) == '0;  // between them: then their end says it all
+  localparam logic [Words-1:0] Present = sp_spec_pkg::RegisterWords &
+                                         ~(Codes ? {Words{1'b0}} : CodesWords);
+  // no gap between them, so their end is enough
+  localparam bit NoHoles = (Present & (Present + Words'(1))) == '0;
   localparam logic [7:0] LastRegister = 8'(4 * ($clog2({1'b0, Present} + (Words + 1)'(1)) - 1));
 
   logic [4:0]       asked_q;    // the request, one to five clocks ago, the latest lowest
-  logic             there_q;    // a register that this build has
+  logic             there_q;    // this build has the register
   logic [Words-1:0] hit_q;
   logic             is_low_q;   // the low word of the time is to be read
-  logic             read_low_q; // and that is now
+  logic             read_low_q;  // and it is read now
   logic             read_good_q;
   logic             size_good_q, measure_good_q, image_good_q, period_good_q, decode_good_q;
   logic             image_wanted;
-  logic             hold_q;     // asked for
-  logic             pending_q;  // settings written and not taken over
-  logic             rst_q;      // a clock ago
+  logic             hold_q;     // as written
+  logic             pending_q;  // settings were written and not yet taken over
+  logic             rst_q;      // one clock ago
 
   // What this build can do
   localparam logic [31:0] Capability = 32'(MaxColumns) << sp_spec_pkg::RegCapabilityMaxColumnsLsb |
@@ -115,24 +125,27 @@ module sp_registers #(
                                        32'(Image) << sp_spec_pkg::RegCapabilityImageLsb |
                                        32'(Codes) << sp_spec_pkg::RegCapabilityCodesLsb |
                                        32'(Codes && Median) << sp_spec_pkg::RegCapabilityMedianLsb |
-                                       32'(Codes ? MaxBits : 0) << sp_spec_pkg::RegCapabilityCodeBitsLsb;
+                                       32'(Codes ? MaxBits : 0)
+                                           << sp_spec_pkg::RegCapabilityCodeBitsLsb;
 
-  // Writes, a clock later still
-  localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3, WriteTimeout = 4, WriteTrigger = 5,
-                 WritePeriod = 6, WriteCamera = 7, WriteWidth = 8, Writes = 9;
-  // That register takes data_i: one of them, for a clock, or none. In reset all take their reset values: a register's enable
-  // is a bit of this and nothing else.
+  // Writes, one clock later still
+  localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3,
+                 WriteTimeout = 4, WriteTrigger = 5, WritePeriod = 6, WriteCamera = 7,
+                 WriteWidth = 8, Writes = 9;
+  // This register takes data_i: one bit for one clock, or none. In reset all are set, and every
+  // register takes its reset value; so this bit alone is its enable.
   logic [Writes-1:0] put_q;
 
   assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
   assign answer_o     = asked_q[4];
 
-  // In reset hold_o is high: the size of the reset is new.
+  // In reset hold_o is high, because the size of the reset is new.
   always_ff @(posedge clk_i) begin
     rst_q     <= rst_i;
     asked_q   <= rst_i ? 5'd0 : {asked_q[3:0], request_i};
     hold_o    <= rst_i || asked_q[2:0] != '0 && write_i || hold_q;
-    pending_q <= put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] || put_q[WriteDecode] || pending_q && !take_i;
+    pending_q <= put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] ||
+                 put_q[WriteDecode] || pending_q && !take_i;
   end
 
   always_ff @(posedge clk_i) begin
@@ -185,9 +198,12 @@ module sp_registers #(
       end
       if (put_q[WriteTrigger]) begin
         if (rst_q) begin
-          trigger_run_o          <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlRunLsb];
-          trigger_on_frame_o     <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlOnFrameLsb];
-          trigger_last_pattern_o <= sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
+          trigger_run_o          <=
+              sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlRunLsb];
+          trigger_on_frame_o     <=
+              sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlOnFrameLsb];
+          trigger_last_pattern_o <=
+              sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
         end else begin
           trigger_run_o          <= data_i[sp_spec_pkg::RegTriggerControlRunLsb];
           trigger_on_frame_o     <= data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
@@ -195,32 +211,40 @@ module sp_registers #(
         end
       end
       if (put_q[WritePeriod]) begin
-        trigger_period_o <= rst_q ? sp_spec_pkg::RegTriggerPeriodReset[sp_spec_pkg::RegTriggerPeriodClocksLsb+:24] :
-                            data_i[sp_spec_pkg::RegTriggerPeriodClocksLsb+:24];
+        trigger_period_o <=
+            rst_q ? sp_spec_pkg::RegTriggerPeriodReset[sp_spec_pkg::RegTriggerPeriodClocksLsb+:24] :
+            data_i[sp_spec_pkg::RegTriggerPeriodClocksLsb+:24];
       end
       if (put_q[WriteCamera]) begin
-        trigger_camera_o <= rst_q ? sp_spec_pkg::RegTriggerCameraReset[sp_spec_pkg::RegTriggerCameraClocksLsb+:24] :
-                            data_i[sp_spec_pkg::RegTriggerCameraClocksLsb+:24];
+        trigger_camera_o <=
+            rst_q ? sp_spec_pkg::RegTriggerCameraReset[sp_spec_pkg::RegTriggerCameraClocksLsb+:24] :
+            data_i[sp_spec_pkg::RegTriggerCameraClocksLsb+:24];
       end
       if (put_q[WriteWidth]) begin
-        trigger_width_o <= rst_q ? sp_spec_pkg::RegTriggerWidthReset[sp_spec_pkg::RegTriggerWidthClocksLsb+:16] :
-                           data_i[sp_spec_pkg::RegTriggerWidthClocksLsb+:16];
+        trigger_width_o <=
+            rst_q ? sp_spec_pkg::RegTriggerWidthReset[sp_spec_pkg::RegTriggerWidthClocksLsb+:16] :
+            data_i[sp_spec_pkg::RegTriggerWidthClocksLsb+:16];
       end
     end
   end
 
-  // --- Reads, in three clocks: the word of one of twelve pairs (of the others zero), that of eight of them, that of all ---
-  logic [31:0] fixed_q, control_q, size_q, period_q, width_q, frames_q, broken_q, lost_q, codes_q, time_q, encoder_q, decode_q;
-  logic [31:0] set_q, moving_q;  // of four pairs each
+  // --- Reads take three clocks: one of twelve pairs of words (the others are zero), then eight of
+  // the pairs, then all ---
+  logic [31:0] fixed_q, control_q, size_q, period_q, width_q, frames_q, broken_q, lost_q, codes_q,
+      time_q, encoder_q, decode_q;
+  logic [31:0] set_q, moving_q;  // four pairs each
   logic [31:0] time_high_q;
   logic [31:0] control_word, size_word, measure_word, trigger_word, status_word, decode_word;
   logic [31:0] timeout_word, period_word, camera_word, width_word, errors_word;
 
-  assign control_word = 32'(run_o) << sp_spec_pkg::RegControlRunLsb | 32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
+  assign control_word = 32'(run_o) << sp_spec_pkg::RegControlRunLsb |
+                        32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
                         32'(image_o) << sp_spec_pkg::RegControlImageLsb;
-  assign size_word    = 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb | 32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb;
+  assign size_word    = 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb |
+                        32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb;
   assign measure_word = 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
-                        32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb | 32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb;
+                        32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb |
+                        32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb;
   assign trigger_word = 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
                         32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
                         32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb;
@@ -232,10 +256,11 @@ module sp_registers #(
   assign status_word  = 32'(frame_open_i) << sp_spec_pkg::RegStatusFrameOpenLsb |
                         32'(pending_q) << sp_spec_pkg::RegStatusPendingLsb;
   assign decode_word  = 32'(code_threshold_o) << sp_spec_pkg::RegDecodeThresholdLsb |
-                        32'(bits_o) << sp_spec_pkg::RegDecodeBitsLsb | 32'(decode_o) << sp_spec_pkg::RegDecodeCodesLsb |
+                        32'(bits_o) << sp_spec_pkg::RegDecodeBitsLsb |
+                        32'(decode_o) << sp_spec_pkg::RegDecodeCodesLsb |
                         32'(median_o) << sp_spec_pkg::RegDecodeMedianLsb;
 
-  // word where its register is asked for
+  // The word, if its register is asked for
   function automatic logic [31:0] word_if(input logic hit, input logic [31:0] word);
     word_if = {32{hit}} & word;
   endfunction
@@ -248,9 +273,11 @@ module sp_registers #(
 
   always_ff @(posedge clk_i) begin
     if (asked_q[0]) begin
-      there_q <= address_i[1:0] == 2'd0 && address_i <= LastRegister && (NoHoles || Present[address_i[6:2]]);
+      there_q <= address_i[1:0] == 2'd0 && address_i <= LastRegister &&
+                 (NoHoles || Present[address_i[6:2]]);
       hit_q   <= {{(Words - 1) {1'b0}}, !address_i[7] && address_i[1:0] == 2'd0} << address_i[6:2];
-      size_good_q    <= data_i[SizeColumnsLsb+:2] == 2'd0 && data_i[SizeColumnsLsb+:SizeColumnsSpan] != '0 &&
+      size_good_q    <= data_i[SizeColumnsLsb+:2] == 2'd0 &&
+                        data_i[SizeColumnsLsb+:SizeColumnsSpan] != '0 &&
                         data_i[SizeColumnsLsb+:SizeColumnsSpan] <= SizeColumnsSpan'(MaxColumns) &&
                         data_i[SizeRowsLsb+:SizeRowsSpan] != '0 &&
                         data_i[SizeRowsLsb+:SizeRowsSpan] <= SizeRowsSpan'(MaxRows);
@@ -299,7 +326,7 @@ module sp_registers #(
     if (asked_q[3]) data_o <= set_q | moving_q | broken_q | lost_q | codes_q | decode_q;
   end
 
-  // --- Decoder: in a build without one there is nothing to set ---
+  // --- Decoder: a build without one has nothing to set ---
   if (Codes) begin : gen_codes
     localparam int SpecBits = 32'(sp_spec_pkg::RegDecodeReset[sp_spec_pkg::RegDecodeBitsLsb+:4]);
     localparam logic [3:0] ResetBits = 4'(SpecBits < MaxBits ? SpecBits : MaxBits);

@@ -79,7 +79,8 @@ module sp_gray_decoder #(
       32'({threshold_i, bits_i}), {16'(rows_i), 16'(columns_i)}, beat_pixels_i, 32'(pattern_i),
       mem_data_i, answer, mem_out, codes, abandoned);
     {codes_break_o, codes_last_row_o, codes_line_end_o, codes_line_start_o, codes_start_o,
-     codes_valid_o, mem_end_o, mem_write_first_o, mem_write_o, mem_read_first_o, mem_read_o} <= answer[10:0];
+     codes_valid_o, mem_end_o, mem_write_first_o, mem_write_o, mem_read_first_o,
+     mem_read_o} <= answer[10:0];
     codes_status_o <= answer[11+:StatusBits];
     mem_data_o     <= mem_out;
     codes_o        <= codes;
