@@ -28,6 +28,7 @@ for program in selfproj selfproj-sim; do
 done
 
 ring=board-to-host-$$
+results=()  # KEY=VALUE, for scripts/results.py
 trap 'build/bin/selfproj devices --remove "$ring" 2>/dev/null || true' EXIT
 
 # run RATE SECONDS INSPECT_OPTION...
@@ -39,10 +40,15 @@ run() {
   local board=$!
   # The ring is kept until both have ended, so that the reader is there from the first packet to the last.
   until build/bin/selfproj devices | grep -q "ring:$ring  *process"; do sleep 0.05; done
-  "${realtime[@]}" build/bin/selfproj inspect --device "ring:$ring" --wait "$wait" "$@" || status=$?
+  "${realtime[@]}" build/bin/selfproj inspect --device "ring:$ring" --wait "$wait" --json "build/$ring.json" "$@" || status=$?
   wait "$board"
   sed 's/^/    board: /' "build/$ring.txt"
-  rm -f "build/$ring.txt"
+  while read -r key value; do results+=("$rate/$key=$value"); done < <(python3 -c '
+import json, sys
+for key, value in json.load(open(sys.argv[1])).items():
+    print(key, value)' "build/$ring.json")
+  results+=("$rate/seconds=$seconds")
+  rm -f "build/$ring.txt" "build/$ring.json"
   build/bin/selfproj devices --remove "$ring"
   return "$status"
 }
@@ -54,3 +60,9 @@ if $rising; then
   echo "as fast as the board can, for 5 s:"
   run 0 5
 fi
+command=scripts/board_to_host.sh
+! $rising || command+=" --rising"
+((${#realtime[@]} == 0)) || command+=" --realtime"
+python3 scripts/results.py record "board_to_host${realtime[0]:+_realtime}" \
+  --about "Two processes, the board at so many frames a second (0: as fast as it can) into the host's ring" \
+  --command "$command" "${results[@]}"

@@ -12,6 +12,8 @@ import pathlib
 import re
 import sys
 
+import results
+
 POINT = re.compile(rb"^C '(.*)' (\d+)$")
 NEEDED = {"line": 1, "toggle": 2}  # a bit has to rise and to fall
 
@@ -103,6 +105,13 @@ def main():
             print(f"exception not needed: {line}")
     print(f"line {percent(*total['line'])}, toggle {percent(*total['toggle'])}, {excused} points under "
           f"{len(exceptions)} exceptions, {len(missing)} uncovered")
+    results.write("coverage", "Lines and toggles of rtl/ that the tests of its blocks and of the board reach",
+                  "scripts/coverage.sh",
+                  {"files": {source: {kind: {"covered": points[0], "points": points[1]} for kind, points in kinds.items()}
+                             for source, kinds in sorted(tally.items())},
+                   "all": {kind: {"covered": points[0], "points": points[1], "share": points[0] / max(1, points[1])}
+                           for kind, points in total.items()},
+                   "excused": excused, "exceptions": len(exceptions), "uncovered": len(missing)})
     sys.exit(1 if missing else 0)
 
 

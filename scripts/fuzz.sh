@@ -60,5 +60,7 @@ for ((job = 1; job <= jobs; ++job)); do
   fi
 done
 ((failed == 0)) || exit 1
-awk '/stat::number_of_executed_units/ { cases += $2 } END { printf "fuzz.sh: %d cases, none failed\n", cases }' \
-  "$build"/job-*.log
+cases=$(awk '/stat::number_of_executed_units/ { cases += $2 } END { print cases }' "$build"/job-*.log)
+echo "fuzz.sh: $cases cases, none failed"
+python3 scripts/results.py record fuzz --about "The packet reader under libFuzzer and the sanitizers" \
+  --command "scripts/fuzz.sh --runs $runs --jobs $jobs${seed:+ --seed $seed}" cases="$cases" failed=0

@@ -299,6 +299,22 @@ SELFPROJ_CLONES void filter_words(const CodeImageView& image, std::uint16_t* scr
   filter_image(image.codes16, image.ambiguous16, image.rows, image.columns, scratch, out);
 }
 
+// Takes kMeasurable from the words of all pixels with an ambiguous pair. No branch: the loop is to be vectorized.
+template <class T>
+[[gnu::always_inline]] inline void leave_out_ambiguous(const T* ambiguous, std::ptrdiff_t count, std::uint16_t* out) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const int kept = ambiguous[i] == 0 ? 0xFFFF : 0xFFFF & ~GrayDecoder::kMeasurable;
+    out[i] = static_cast<std::uint16_t>(out[i] & kept);
+  }
+}
+
+SELFPROJ_CLONES void leave_out_bytes(const std::uint8_t* ambiguous, std::ptrdiff_t count, std::uint16_t* out) {
+  leave_out_ambiguous(ambiguous, count, out);
+}
+SELFPROJ_CLONES void leave_out_words(const std::uint16_t* ambiguous, std::ptrdiff_t count, std::uint16_t* out) {
+  leave_out_ambiguous(ambiguous, count, out);
+}
+
 constexpr int kByteBits = 8;
 
 }  // namespace
@@ -315,11 +331,10 @@ void code_words(const CodeImageView& image, std::uint16_t* out) {
 void unambiguous_code_words(const CodeImageView& image, std::uint16_t* out) {
   code_words(image, out);
   const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(image.rows) * image.columns;
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const int ambiguous = image.bits <= kByteBits ? image.ambiguous8[i] : image.ambiguous16[i];
-    if (ambiguous != 0) {
-      out[i] = static_cast<std::uint16_t>(out[i] & ~GrayDecoder::kMeasurable);
-    }
+  if (image.bits <= kByteBits) {
+    leave_out_bytes(image.ambiguous8, count, out);
+  } else {
+    leave_out_words(image.ambiguous16, count, out);
   }
 }
 

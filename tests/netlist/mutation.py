@@ -25,6 +25,8 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import results  # noqa: E402
 TARGET = 0.95
 QUICK_S = 5
 PROOF_LIMIT_S = 20
@@ -231,16 +233,20 @@ def report(mutants):
     for mutant in mutants:
         by_model[mutant.model][mutant.fate] += 1
     by_model["**all**"] = sum(by_model.values(), collections.Counter())
-    lines = ["| model | mutants | killed | of them by time | proved equal | survive | score |", "|---|---:|---:|---:|---:|---:|---:|"]
+    lines = ["| model | mutants | killed | of them by time | proved equal | survive | score |",
+             "|---|---:|---:|---:|---:|---:|---:|"]
+    figures = {}
     for model, fates in by_model.items():
         total = sum(fates.values())
         dead = fates["killed"] + fates["hangs"]
         real = total - fates["equal"]
         score = f"{100 * dead / real:.1f} %" if real else "–"
+        figures[model.strip("*")] = {"mutants": total, "killed": dead, "by_time": fates["hangs"], "equal": fates["equal"],
+                                     "survive": fates["survives"], "score": dead / real if real else None}
         lines.append(f"| {model} | {total} | {dead} | {fates['hangs']} | {fates['equal']} | {fates['survives']} | {score} |")
     survivors = [f"{mutant.model} {mutant.number}: {mutant.text()}" for mutant in mutants if mutant.fate == "survives"]
     fates = by_model["**all**"]
-    return lines, survivors, (fates["killed"] + fates["hangs"]) / max(1, len(mutants) - fates["equal"])
+    return lines, survivors, (fates["killed"] + fates["hangs"]) / max(1, len(mutants) - fates["equal"]), figures
 
 
 def main():
@@ -259,7 +265,10 @@ def main():
         for number, mutant in enumerate(pool.map(lambda m: judge(m, args.folder.resolve(), not args.sample), mutants), 1):
             if mutant.fate == "survives" or number % 100 == 0:
                 print(f"{number}/{len(mutants)} {mutant.model} {mutant.number} {mutant.fate}", file=sys.stderr, flush=True)
-    table, survivors, score = report(mutants)
+    table, survivors, score, figures = report(mutants)
+    if not args.sample and not args.names:
+        results.write("mutation", "Mutants of the blocks and the board under the tests of the RTL", "scripts/mutation.sh",
+                      {"all": figures.pop("all"), "models": figures, "seconds": round(time.monotonic() - started)})
     text = "\n".join([*table, "", *survivors, "", f"{len(mutants)} mutants, {100 * score:.1f} % of those not proved equal killed, "
                       f"{time.monotonic() - started:.0f} s"])
     print(text)

@@ -15,6 +15,7 @@
 #include "host/calibration/calibrate.h"
 #include "host/calibration/capture.h"
 #include "host/io/image_files.h"
+#include "host/io/results_file.h"
 #include "host/structured_light/gray_sequence.h"
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
@@ -51,6 +52,7 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
   settings.chessboard = {9, 7, 75};
   settings.projector_columns = kSequence.columns();
   settings.projector_rows = kSequence.rows();
+  nlohmann::ordered_json results;
   for (const CornerMethod method : {CornerMethod::homography, CornerMethod::direct}) {
     settings.corners.method = method;
     std::vector<PoseReport> poses;
@@ -74,6 +76,18 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
           found.deviation.projector[0], cv::norm(report.calibration.translation), found.baseline_deviation,
           found.camera_rms, found.projector_rms, found.rms);
       constexpr double kFocal = 3452;  // that of five poses
+      results[method == CornerMethod::homography ? "homography" : "direct"][reject > 0 ? "rejecting" : "all_corners"] =
+          {{"corners", used},
+           {"camera_focal_px", report.calibration.camera.fx},
+           {"camera_focal_deviation_px", found.deviation.camera[0]},
+           {"off_five_poses", std::abs(report.calibration.camera.fx / kFocal - 1)},
+           {"projector_focal_px", report.calibration.projector.fx},
+           {"projector_focal_deviation_px", found.deviation.projector[0]},
+           {"baseline", cv::norm(report.calibration.translation)},
+           {"baseline_deviation", found.baseline_deviation},
+           {"camera_rms_px", found.camera_rms},
+           {"projector_rms_px", found.projector_rms},
+           {"stereo_rms_px", found.rms}};
       EXPECT_NEAR(report.calibration.camera.fx, kFocal, 0.015 * kFocal);
       EXPECT_NEAR(report.calibration.camera.fy, kFocal, 0.015 * kFocal);
       EXPECT_LE(found.rms, 0.7);
@@ -93,6 +107,7 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
       EXPECT_EQ(std::count_if(report.warnings.begin(), report.warnings.end(), covers), 2);
     }
   }
+  write_results("real_calibration", "Camera and projector from real captures of a chessboard in three poses", results);
 }
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/io/image_files.h"
+#include "host/io/results_file.h"
 #include "host/report/depth_output.h"
 #include "host/rig/calibration_file.h"
 #include "host/structured_light/fast_decoder.h"
@@ -82,6 +83,7 @@ TEST(RealGray, ShellLiesOnTheOwnersCloud) {
   }
   const LensTriangulation triangulation(calibration, {settings.rows, settings.columns, kBits, kBits, 0, 0, 3, {}});
   FloatImage depth(settings.rows, settings.columns);
+  nlohmann::ordered_json results;
   for (std::size_t i = 0; i < thresholds.size(); ++i) {
     triangulation.depth_of_both(words[0][i].data(), words[1][i].data(), depth.values.data(), nullptr, nullptr);
     const CloudComparison found = compare_clouds(points_of(triangulation, depth), theirs, 1.0);
@@ -90,10 +92,17 @@ TEST(RealGray, ShellLiesOnTheOwnersCloud) {
         "mm; "
         "%.1f %% of the owner's %zu points have one of ours within 1 mm\n",
         thresholds[i], found.ours, found.median_mm, 100 * found.ours_within, 100 * found.theirs_within, found.theirs);
+    results["threshold_" + std::to_string(thresholds[i])] = {{"points", found.ours},
+                                                             {"median_mm", found.median_mm},
+                                                             {"within_1_mm", found.ours_within},
+                                                             {"owners_points", found.theirs},
+                                                             {"owners_within_1_mm", found.theirs_within}};
     EXPECT_LE(found.median_mm, 0.4);
     EXPECT_GE(found.theirs_within, 0.95);
     EXPECT_GT(found.ours, 100000U);
   }
+  write_results("real_gray", "A shell from real captures, 11 bits an axis, no ambiguous pair, beside its owner's cloud",
+                results);
 }
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
