@@ -11,8 +11,8 @@ namespace {
 
 using Stop = std::array<double, 3>;
 
-// ColorBrewer's RdBu, from blue to red (Brewer and others 2003, Apache 2.0): eleven colours chosen so that steps look
-// even, and safe for those who cannot tell red from green.
+// ColorBrewer's RdBu, from blue to red (Brewer and others 2003, Apache 2.0): eleven colours in even steps, safe for
+// those who cannot tell red from green.
 constexpr std::array<Stop, 11> kDiverging = {{{0x05, 0x30, 0x61},
                                               {0x21, 0x66, 0xAC},
                                               {0x43, 0x93, 0xC3},
@@ -25,7 +25,7 @@ constexpr std::array<Stop, 11> kDiverging = {{{0x05, 0x30, 0x61},
                                               {0xB2, 0x18, 0x2B},
                                               {0x67, 0x00, 0x1F}}};
 
-// Every eighth part of viridis (van der Walt and Smith 2015, CC0).
+// Every eighth of viridis (van der Walt and Smith 2015, CC0).
 constexpr std::array<Stop, 9> kSequential = {{{0x44, 0x01, 0x54},
                                               {0x47, 0x2D, 0x7B},
                                               {0x3B, 0x52, 0x8B},

@@ -13,11 +13,11 @@ struct Colour {
 };
 
 enum class ColourMap : std::uint8_t {
-  diverging,   // blue - white - red, equally far from white to both sides to the eye: for signed values around 0
-  sequential,  // viridis, dark to light, even steps to the eye: for heights
+  diverging,   // blue - white - red, perceptually symmetric about white: for signed values around 0
+  sequential,  // viridis, dark to light in perceptually even steps: for heights
 };
 
-// The colour at t, 0..1 (clamped). Not for NaN.
+// The colour at t, which is clamped to 0..1 and must not be NaN.
 Colour colour_at(ColourMap map, double t);
 
 }  // namespace selfproj

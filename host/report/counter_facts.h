@@ -1,4 +1,4 @@
-// The driver's counters as facts of a report, under their names of host/driver/counters.h.
+// The driver's counters as facts of a report, with their names from host/driver/counters.h.
 #ifndef SELFPROJ_HOST_REPORT_COUNTER_FACTS_H
 #define SELFPROJ_HOST_REPORT_COUNTER_FACTS_H
 
@@ -10,13 +10,13 @@
 
 namespace selfproj {
 
-// One counter's names with a value.
+// The names of one counter with a value.
 inline Fact counter_fact(std::uint64_t Counters::*counter, std::uint64_t value) {
   const CounterName& name = name_of(counter);
   return {name.key, name.label, static_cast<std::int64_t>(value)};
 }
 
-// All of them.
+// All counters.
 inline std::vector<Fact> counter_facts(const Counters& counters) {
   std::vector<Fact> facts;
   facts.reserve(kCounterNames.size());

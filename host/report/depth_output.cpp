@@ -22,7 +22,7 @@
 namespace selfproj {
 namespace {
 
-// Median of the depths in mm; 1 where there is none.
+// The median of the depths in mm; 1 if there is none.
 float median_depth(const FloatImage& depth) {
   std::vector<float> values;
   std::copy_if(depth.values.begin(), depth.values.end(), std::back_inserter(values),

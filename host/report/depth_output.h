@@ -12,20 +12,21 @@
 
 namespace selfproj {
 
-// mm that a unit of the 16-bit picture is worth.
+// Millimetres for one unit of the 16-bit picture.
 inline constexpr double kDepthUnit = 0.05;
 
-// PNG of 16 bits: depth / kDepthUnit, rounded, 0 where there is none; depths of more than 65535 units are 65535.
+// 16-bit PNG: depth / kDepthUnit, rounded; 0 if there is no depth; depths of more than 65535 units become 65535.
 std::string depth_png(const FloatImage& depth);
 
-// The picture in colours with bar and scale as PNG; scale bars are for the median depth in the middle of the image.
+// The picture in colours with colour bar and scale bars, as PNG. Scale bars hold for the median depth in the middle of
+// the image.
 std::string depth_picture(const Triangulation& triangulation, const FloatImage& depth, const std::string& title);
 
-// The points that have a depth, in the order of the pixels, and the same as PLY in the colours of the picture.
+// The points that have a depth, in the order of the pixels; and the same as PLY in the colours of the picture.
 std::vector<Point3f> points_of(const Triangulation& triangulation, const FloatImage& depth);
 std::string cloud_ply(const Triangulation& triangulation, const FloatImage& depth);
 
-// pair,valid,not_measurable,...: a line a depth image.
+// One line for each depth image: pair,valid,not_measurable,...
 std::string shares_csv(const std::vector<OfImage<DepthShares>>& shares);
 
 }  // namespace selfproj

@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Numbers that are not finite are null.
+// Numbers that are not finite become null.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 Json depth_json(const FloatImage& depth) {
@@ -117,7 +117,7 @@ std::string summary(const DepthRun& run, const DepthReport& report) {
   return json.dump(2) + "\n";
 }
 
-// pair,pixels,x,y,z: a line a depth image; nothing but the 0 where nothing moved.
+// One line for each depth image: pair,pixels,x,y,z. If nothing moved, pixels is 0 and the rest is empty.
 std::string moved_csv(const std::vector<OfImage<Moved>>& all) {
   std::string text = "pair,pixels,x,y,z\n";
   for (const auto& [image, moved] : all) {

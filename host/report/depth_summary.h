@@ -1,4 +1,4 @@
-// What `selfproj depth` leaves behind and says (host/structured_light/README.md has the files).
+// What `selfproj depth` writes and prints.
 #ifndef SELFPROJ_HOST_REPORT_DEPTH_SUMMARY_H
 #define SELFPROJ_HOST_REPORT_DEPTH_SUMMARY_H
 
@@ -13,22 +13,22 @@
 
 namespace selfproj {
 
-// What was measured, and what was made of the newest depth image.
+// What was measured, and what was computed from the newest depth image.
 struct DepthReport {
   DepthSetup setup;
-  std::string device;      // URI; empty where the images are recorded ones
-  std::size_t images = 0;  // recorded ones
-  std::string cloud;       // file that the points are compared with
+  std::string device;      // URI; empty for recorded images
+  std::size_t images = 0;  // number of recorded images
+  std::string cloud;       // file with which the points are compared
   std::optional<CloudComparison> comparison;
   std::optional<PlaneFit> plane;
 };
 
-// Writes pictures, cloud, tables and summary of the run, all but the single depth images, without committing the
-// folder. Throws UserError as OutputFolder.
+// Writes pictures, cloud, tables and summary of the run, without the single depth images. Does not commit the folder.
+// Throws UserError as OutputFolder does.
 void write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder);
 
-// The same for a reader of the terminal: a line on the depth images, and one on the comparison and the plane each.
-// `folder` is where the files are.
+// The same for the terminal: one line each on the depth images, on the comparison and on the plane. `folder` is where
+// the files are.
 std::string depth_text(const DepthRun& run, const DepthReport& report, const std::string& folder);
 
 }  // namespace selfproj

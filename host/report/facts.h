@@ -1,4 +1,4 @@
-// Named numbers and tables: what a report shows and summary.json keeps.
+// Named numbers and tables, which a report shows and summary.json contains.
 #ifndef SELFPROJ_HOST_REPORT_FACTS_H
 #define SELFPROJ_HOST_REPORT_FACTS_H
 
@@ -9,7 +9,7 @@
 
 namespace selfproj {
 
-// A number or word that has a name: in summary.json under `key`, in the report as `label` with its unit.
+// A number or word with a name: `key` in summary.json, `label` with its unit in the report.
 struct Fact {
   std::string key;
   std::string label;
@@ -17,12 +17,12 @@ struct Fact {
   std::string unit = {};
 };
 
-// A table: the first column names what the row is about. Cells are plain text.
+// A table. The first column names the subject of the row. Cells are plain text.
 struct ReportTable {
   std::string title;
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> rows;
-  std::string note = {};  // below it
+  std::string note = {};  // printed below the table
 };
 
 }  // namespace selfproj

@@ -10,7 +10,7 @@
 
 namespace selfproj {
 
-// Key and value of each, in their order.
+// The key and value of each fact, in order.
 inline nlohmann::ordered_json facts_json(const std::vector<Fact>& facts) {
   nlohmann::ordered_json result = nlohmann::ordered_json::object();
   for (const Fact& fact : facts) {

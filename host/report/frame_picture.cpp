@@ -39,8 +39,8 @@ void put_label(cv::Mat& picture, const std::string& text, cv::Point at) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, kLabelFontSize, kLabelInk, 1, cv::LINE_AA);
 }
 
-// A line from point to point of the columns that have one (y not NaN); columns that are not neighbours, or more than
-// `max_step` apart, are not joined.
+// Joins the points of the columns that have one (y is not NaN). Columns that are not neighbours, or whose points are
+// more than `max_step` apart, are not joined.
 void draw_trace(cv::Mat& picture, const std::vector<double>& x, const std::vector<double>& y, double max_step) {
   const auto fixed = [&](std::size_t i) {
     constexpr int kOne = 1 << kShift;

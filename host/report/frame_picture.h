@@ -10,18 +10,18 @@
 
 namespace selfproj {
 
-// A camera image, as it came, and the moments of its columns.
+// A camera image as it came, with the moments of its columns.
 struct CameraPicture {
   Image image;
   Moments moments;
   std::size_t frame = 0;  // from 1
 };
 
-// The image alone as PNG, its rows and columns as they are.
+// The image alone as PNG, with its rows and columns unchanged.
 std::string image_png(const Image& image);
 
-// The image enlarged, with the centroid of every column drawn over it, and below it the moments M0 (amount of light
-// over the threshold) and n (lit pixels) over the columns, as PNG.
+// PNG of the enlarged image with the centroid of every column drawn over it. Below it are the moments M0 (amount of
+// light over the threshold) and n (lit pixels) of the columns.
 std::string frame_png(const CameraPicture& camera);
 
 }  // namespace selfproj

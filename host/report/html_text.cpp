@@ -30,7 +30,7 @@ std::string base64(std::string_view bytes) {
   return result;
 }
 
-// 1234567 as "1 234 567", with thin spaces that do not break.
+// 1234567 as "1 234 567", with thin spaces at which lines do not break.
 std::string grouped(std::int64_t value) {
   const std::string digits = std::to_string(value < 0 ? -value : value);
   std::string result = value < 0 ? "−" : "";

@@ -9,13 +9,14 @@
 
 namespace selfproj {
 
-// The text with the characters that mean something in HTML written out: & < > and the double quote.
+// The text with & < > and the double quote replaced by their HTML entities.
 std::string escaped(std::string_view text);
 
-// An <img> that holds the bytes of a PNG file; `alternative` is read out in its place.
+// An <img> that contains the bytes of a PNG file. `alternative` is its text for those who cannot see it.
 std::string picture_html(std::string_view png, std::string_view alternative);
 
-// The fact's value without its unit: integers in groups of three digits, others with six significant digits.
+// The value of the fact without its unit: integers in groups of three digits, other numbers with six significant
+// digits.
 std::string fact_html(const Fact& fact);
 
 }  // namespace selfproj

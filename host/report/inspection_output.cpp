@@ -39,7 +39,7 @@ constexpr std::array<const char*, 7> kValidityLabels = {"points",
                                                         "columns without a reference",
                                                         "columns out of range"};
 
-// Text that goes to a file of the folder a megabyte at a time.
+// Collects text and appends it to a file of the folder a megabyte at a time.
 class Table {
  public:
   Table(OutputFolder& folder, std::string file) : folder_(folder), file_(std::move(file)), text_(kBytes, '\0') {}
@@ -50,7 +50,7 @@ class Table {
     end(at + text.size());
   }
 
-  // A place for up to `bytes` characters, less than kBytes; `end` tells where they ended.
+  // Room for up to `bytes` characters, which must be less than kBytes. Call `end` with the place after the last one.
   char* room(std::size_t bytes) {
     if (used_ + bytes > kBytes) {
       flush();
@@ -73,7 +73,7 @@ class Table {
   std::size_t used_ = 0;
 };
 
-// A 32-bit number, little endian, on every machine.
+// A 32-bit number in little-endian order, on every machine.
 char* append_float(char* to, float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   for (unsigned i = 0; i < 4; ++i) {
@@ -112,7 +112,7 @@ Statistics statistics(const FloatImage& image) {
   return result;
 }
 
-// With four digits after the point: tenths of a micrometre.
+// Rounded to four digits after the point, tenths of a micrometre.
 double rounded(double millimetres) { return std::round(millimetres * 1e4) / 1e4; }
 
 nlohmann::ordered_json to_json(const Statistics& s) {

@@ -9,8 +9,8 @@
 
 namespace selfproj {
 
-// Writes all files into the folder, without committing it. Throws UserError: no frame to write, or what OutputFolder
-// says.
+// Writes all files into the folder, without committing it. Throws UserError if there is no frame to write, and as
+// OutputFolder does.
 void write_inspection(const Inspection& inspection, OutputFolder& folder, const ReportParts& parts = {});
 
 }  // namespace selfproj

@@ -24,12 +24,12 @@ const cv::Scalar kInk(40, 40, 40);
 
 cv::Vec3b bgr(Colour colour) { return {colour.blue, colour.green, colour.red}; }
 
-// What stands where there is no value.
+// The colour of a pixel without a value.
 cv::Vec3b hatch(int row, int column) {
   return (row + column) % 8 < 2 ? cv::Vec3b(178, 178, 178) : cv::Vec3b(132, 132, 132);
 }
 
-// Where pixel `i` of `count` begins among `values` values.
+// The first of `values` values that falls into pixel `i` of `count`.
 int begin_of(int i, int count, int values) { return static_cast<int>(static_cast<std::int64_t>(i) * values / count); }
 
 float mean_of_block(const FloatImage& map, int row_begin, int row_end, int column_begin, int column_end) {
@@ -85,13 +85,13 @@ cv::Size text_size(const std::string& text) {
   return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kFontSize, 1, &base);
 }
 
-// Text with its left end and the middle of its height at `at`.
+// Draws text with its left end and the middle of its height at `at`.
 void put_text(cv::Mat& picture, const std::string& text, cv::Point at) {
   at.y += text_size(text).height / 2;
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, kFontSize, kInk, 1, cv::LINE_AA);
 }
 
-// The colour bar with its ticks, from the top to the bottom of `place`, and below it what stands for no value.
+// Draws the colour bar with its ticks from the top to the bottom of `place`, and below it the hatching for no value.
 void draw_colour_bar(cv::Mat& picture, const MapScale& scale, const cv::Rect& place) {
   constexpr int kSwatch = 20;
   const int bar_height = place.height - kSwatch - 14;
@@ -119,7 +119,7 @@ void draw_colour_bar(cv::Mat& picture, const MapScale& scale, const cv::Rect& pl
   put_text(picture, "no value", {right + 9, swatch.y + swatch.height / 2});
 }
 
-// Length of a scale bar for a side of `pixels` pixels that is `length` long: about a fifth of it.
+// Length of a scale bar for a side of length `length`: about a fifth of it.
 double bar_length(double length) { return round_down(length / 4); }
 
 }  // namespace
@@ -215,7 +215,8 @@ std::string labelled_map_png(const FloatImage& map, const MapScale& scale, const
   draw_colour_bar(picture, scale, {place.x + place.width + 20, place.y, 24, place.height});
   put_text(picture, "mm", {place.x + place.width + 20, kTop / 2});
 
-  // Scale bars: the columns' below the picture, from its left; the rows' beside it, from its bottom.
+  // Scale bars: that of the columns is below the picture, from its left; that of the rows is beside it, from its
+  // bottom.
   const double width_mm = map.columns * pitch.column_mm;
   const double along_y = bar_length(width_mm);
   const int y_length = static_cast<int>(std::lround(along_y / width_mm * place.width));

@@ -1,4 +1,4 @@
-// What `selfproj match` leaves behind and says (host/structured_light/README.md has the files).
+// What `selfproj match` writes and prints.
 #ifndef SELFPROJ_HOST_REPORT_MATCH_OUTPUT_H
 #define SELFPROJ_HOST_REPORT_MATCH_OUTPUT_H
 
@@ -15,23 +15,23 @@
 
 namespace selfproj {
 
-// How it was measured.
+// How the depth images were measured.
 struct MatchReport {
   std::string rig;        // its name or file
   std::string reference;  // its folder
   int bits = 0;           // m of the reference
   MatchSettings settings;
-  int threshold = 0;                             // of a pair's difference
-  std::size_t images = 0;                        // recorded ones
-  std::vector<OfImage<DepthShares>> all_shares;  // of all depth images, at least one
+  int threshold = 0;                             // threshold of a pair's difference
+  std::size_t images = 0;                        // number of recorded images
+  std::vector<OfImage<DepthShares>> all_shares;  // shares of all depth images, at least one
 };
 
-// Writes pictures, cloud, tables and summary of the scanner's newest depth image, without committing the folder. Throws
-// UserError as OutputFolder.
+// Writes pictures, cloud, tables and summary of the scanner's newest depth image. Does not commit the folder. Throws
+// UserError as OutputFolder does.
 void write_match(const Rig& rig, const MatchTable& table, const SelfScanner& scanner, const MatchReport& report,
                  OutputFolder& folder);
 
-// The same for a reader of the terminal, in one line. `folder` is where the files are.
+// The same for the terminal, in one line. `folder` is where the files are.
 std::string match_text(const MatchTable& table, const MatchReport& report, const std::string& folder);
 
 }  // namespace selfproj

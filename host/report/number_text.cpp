@@ -14,7 +14,7 @@ namespace selfproj {
 char* append_integer(char* to, std::uint64_t value) { return std::to_chars(to, to + kMaxNumberText, value).ptr; }
 
 char* append_tenth_micrometres(char* to, double millimetres) {
-  constexpr std::uint64_t kUnits = 10000;  // in a millimetre
+  constexpr std::uint64_t kUnits = 10000;  // units in a millimetre
   const auto units = std::llround(millimetres * static_cast<double>(kUnits));
   if (units < 0) {
     *to++ = '-';
@@ -55,7 +55,7 @@ std::vector<double> ticks(double low, double high, int count) {
   if (!(high > low) || count < 1) {
     return result;
   }
-  // The next round step above a span / count: 1, 2, 5, 10.
+  // The next round step of at least span / count: 1, 2, 5, 10.
   const double wanted = (high - low) / count;
   double step = round_down(wanted);
   if (step < wanted * (1 - 1e-9)) {

@@ -10,8 +10,8 @@
 
 namespace selfproj {
 
-// Appends a map with its scale bars beside and below it, and what its colours mean, as HTML. `title` and `explanation`
-// are HTML.
+// Appends a map as HTML, with its scale bars beside and below it and an explanation of its colours. `title` and
+// `explanation` are HTML.
 void add_map(std::string& html, std::string_view title, std::string_view explanation, const FloatImage& map,
              const MapScale& scale, const MapPitch& pitch);
 

@@ -154,7 +154,7 @@ void add_camera(std::string& html, const CameraPicture& camera, std::string_view
     }
     // Row C (from 1) has its centre at C - 1/2 in the picture.
     const double row = static_cast<double>(camera.moments.m1[at]) / camera.moments.m0[at] - 0.5;
-    const bool joined = std::abs(row - last) <= 4;  // false where there is none
+    const bool joined = std::abs(row - last) <= 4;  // false if there is no last point
     fmt::format_to(to, "{}{:.1f} {:.2f}", joined ? 'L' : 'M', c + 0.5, row);
     if (!joined) {
       html += "h.01";  // a column on its own is seen too

@@ -1,4 +1,4 @@
-// The parts that every page has: head, tables, camera images, foot. Each appends its HTML to `html`.
+// The parts of every page: head, tables, camera images, foot. Each function appends its HTML to `html`.
 #ifndef SELFPROJ_HOST_REPORT_PAGE_PARTS_H
 #define SELFPROJ_HOST_REPORT_PAGE_PARTS_H
 
@@ -11,13 +11,13 @@
 
 namespace selfproj {
 
-// The beginning of the file up to the tiles of `highlights`, which are seen first.
+// The beginning of the file up to the tiles of `highlights`, which a reader sees first.
 void add_head(std::string& html, const std::string& title, const std::string& subtitle,
               const std::vector<Fact>& highlights);
 
 void add_table(std::string& html, const ReportTable& table);
 
-// The image with a path over it that joins the centroids of the columns. `axes` says what rows and columns mean.
+// The image with a path through the centroids of the columns. `axes` says what rows and columns mean.
 void add_camera(std::string& html, const CameraPicture& camera, std::string_view axes);
 
 // Counters and settings side by side, and the end of the file.

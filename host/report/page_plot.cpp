@@ -16,7 +16,7 @@
 namespace selfproj {
 namespace {
 
-// More points than pixels are of no use: of each run of points the least and the greatest stay.
+// More points than pixels are useless. Of each run of points only the least and the greatest stay.
 ReportTrace thinned(const ReportTrace& trace) {
   constexpr std::size_t kMost = 4000;
   if (trace.x.size() <= kMost) {
@@ -40,7 +40,7 @@ ReportTrace thinned(const ReportTrace& trace) {
   return result;
 }
 
-// Which x and y the plot shows, and where they are on a square of 1000 x 1000, y downwards.
+// The range of x and y in the plot, and its mapping to a square of 1000 x 1000 with y downwards.
 struct Axes {
   double x_low = std::numeric_limits<double>::infinity();
   double x_high = -std::numeric_limits<double>::infinity();
@@ -51,7 +51,7 @@ struct Axes {
   [[nodiscard]] double place_y(double y) const { return 1000 * (y_high - y) / (y_high - y_low); }
 };
 
-// All points of the traces, with a margin above and below.
+// Covers all points of the traces, with a margin above and below.
 Axes axes_of(const ReportPlot& plot) {
   Axes axes;
   for (const ReportTrace& trace : plot.traces) {
@@ -71,7 +71,7 @@ Axes axes_of(const ReportPlot& plot) {
   return axes;
 }
 
-// The title, and which trace is which.
+// The title, and the key of the traces.
 void add_key(std::string& html, const ReportPlot& plot) {
   auto to = std::back_inserter(html);
   fmt::format_to(to, "<section class=\"card\"><h2>{}</h2><div class=\"key\">", escaped(plot.title));
@@ -82,7 +82,7 @@ void add_key(std::string& html, const ReportPlot& plot) {
   fmt::format_to(to, "<span>vertical: {}</span></div>", escaped(plot.y_label));
 }
 
-// A trace with gaps where it has no value.
+// A trace, with gaps at missing values.
 void add_path(std::string& html, const ReportTrace& trace, const Axes& axes) {
   auto to = std::back_inserter(html);
   fmt::format_to(to, "<path class=\"{}\" d=\"", trace.style);
@@ -98,7 +98,7 @@ void add_path(std::string& html, const ReportTrace& trace, const Axes& axes) {
   html += "\"/>";
 }
 
-// `kind` and `side` are of the style sheet: "xt" and "left", or "yt" and "top".
+// `kind` and `side` belong to the style sheet: "xt" and "left", or "yt" and "top".
 template <typename Place>
 void add_numbers(std::string& html, const std::vector<double>& marks, const char* kind, const char* side,
                  const Place& place) {

@@ -15,13 +15,13 @@ struct ReportTrace {
   std::string name;
 };
 
-// Traces over one another, with one scale. Left out where there is nothing to draw.
+// Traces in one plot with one scale. A plot without anything to draw is left out.
 struct ReportPlot {
   std::string title;
   std::string x_label;
   std::string y_label;
   std::vector<ReportTrace> traces;
-  double min_span = 1;  // of the vertical scale
+  double min_span = 1;  // least span of the vertical scale
 };
 
 // Appends the plot as HTML with an SVG in it.

@@ -23,9 +23,9 @@ namespace {
 
 enum class Along : std::uint8_t { rows, columns };
 
-// The row (or column) of the map in which the differences are greatest, by their mean square, among full rows (and
-// columns that have at least nine tenths of the values there); -1 where there is none. Rows near the first and the last
-// full one, where the part's ends are, are left out.
+// The row (or column) of the map with the greatest mean square of the differences. Only full rows count, and columns
+// that have at least nine tenths of their values in them. Rows near the first and the last full one are left out,
+// because the part's ends are there. -1 if there is none.
 int most_different(const FloatImage& difference, Along along) {
   const auto count = static_cast<std::size_t>(along == Along::rows ? difference.rows : difference.columns);
   std::vector<double> squares(count, 0.0);
@@ -55,7 +55,7 @@ int most_different(const FloatImage& difference, Along along) {
   return best;
 }
 
-// Height over y of one frame, measured and of the reference. The point of the reference is the measured one less the
+// Height over y of one frame, measured and of the reference. The reference's height is the measured one less the
 // difference.
 void add_profile_plot(std::string& html, const ReportData& data, int frame) {
   ReportTrace measured{{}, {}, "a", "measured"};
@@ -101,8 +101,8 @@ void add_difference_plots(std::string& html, const ReportData& data, int frame, 
   html += "</div>";
 }
 
-// What the line is like in one image: frame, lit columns, lowest, median and greatest row, lit pixels a column, columns
-// that the border cuts off.
+// The properties of the line in one image: frame, lit columns, lowest, median and greatest row, lit pixels in a column,
+// columns cut off by the border.
 std::vector<std::string> line_row(const CameraPicture& camera) {
   std::vector<double> rows;
   double lit = 0;

@@ -1,4 +1,4 @@
-// Pages for a human, each one file without anything from elsewhere: an inspection, moments, an experiment.
+// Pages for a human reader, each a single self-contained file: an inspection, moments, an experiment.
 #ifndef SELFPROJ_HOST_REPORT_REPORT_H
 #define SELFPROJ_HOST_REPORT_REPORT_H
 
@@ -14,25 +14,25 @@
 
 namespace selfproj {
 
-// What the program adds to what was collected. All of it may be missing.
+// What the program adds to the collected data. All of it is optional.
 struct ReportParts {
   std::string title = "Inspection";
-  std::vector<Fact> counters;  // of the driver and of checks: "lost_board", ...
+  std::vector<Fact> counters;  // counters of the driver and of checks: "lost_board", ...
   std::vector<Fact> settings;  // scene, engine, device, ...
   std::vector<ReportTable> tables;
   std::optional<CameraPicture> camera;
 };
 
-// What the report shows.
+// The contents of the report.
 struct ReportData {
   std::string title;
   std::string subtitle;          // rig, mode, threshold
-  std::vector<Fact> highlights;  // what is to be seen first
+  std::vector<Fact> highlights;  // shown first
   std::vector<Fact> counters;
   std::vector<Fact> settings;
   std::vector<ReportTable> tables;
   std::optional<CameraPicture> camera;
-  FloatImage height;      // mm; rows = frames
+  FloatImage height;      // mm; rows are frames
   FloatImage difference;  // mm
   FloatImage y;           // mm, of the same shape
   MapPitch pitch;
@@ -41,14 +41,14 @@ struct ReportData {
 struct ReportPicture {
   std::string title;
   std::string png;
-  std::string note;  // below it
+  std::string note;  // printed below it
 };
 
 // A page of plots, pictures and tables, in this order.
 struct ReportPage {
   std::string title;
   std::string subtitle;
-  std::vector<Fact> highlights;  // what is to be seen first
+  std::vector<Fact> highlights;  // shown first
   std::vector<ReportPlot> plots;
   std::vector<ReportPicture> pictures;
   std::vector<ReportTable> tables;
@@ -60,17 +60,17 @@ std::string page_html(const ReportPage& page);
 // The page as text.
 std::string report_html(const ReportData& data);
 
-// What is known of images whose geometry is not: moments, and where the line is in the image.
+// The report on images of unknown geometry: their moments, and where the line is in them.
 struct MomentsReport {
   std::string title;
-  std::string subtitle;  // where the images are from, mode, threshold
+  std::string subtitle;  // source of the images, mode, threshold
   std::vector<Fact> highlights;
   std::vector<Fact> counters;
   std::vector<Fact> settings;
-  std::vector<CameraPicture> cameras;  // those to be shown
+  std::vector<CameraPicture> cameras;  // images to show
 };
 
-// The page as text: the images with the line that was found in them, and a table of what it is like.
+// The page as text: the images with the line found in them, and a table of its properties.
 std::string report_html(const MomentsReport& data);
 
 }  // namespace selfproj

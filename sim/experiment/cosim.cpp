@@ -63,7 +63,7 @@ std::unique_ptr<CosimMeasurement> make_measurement(const CosimOptions& options) 
   return make_light_section_cosim(options, scene);
 }
 
-// A waveform file that the simulator writes itself: under another name until it is whole.
+// A waveform file that the simulator writes itself. It has another name until it is complete.
 class TraceFile {
  public:
   TraceFile(std::string name, std::string part) : name_(std::move(name)), part_(std::move(part)) {
@@ -115,7 +115,7 @@ PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measu
   return platform;
 }
 
-// What was counted must fit together, too.
+// Checks that the counters are consistent, too.
 void judge_counters(CosimResult& result, std::uint64_t misframed) {
   const auto must_be = [&](std::uint64_t got, std::uint64_t want, const char* what) {
     if (got != want) {
@@ -134,7 +134,7 @@ void judge_counters(CosimResult& result, std::uint64_t misframed) {
   must_be(result.driver.delivered, result.platform.packets, "packets delivered by the driver");
 }
 
-// One run: the platform drives, the driver's packets go to judge, stream and measurement.
+// One run: the platform drives it, and the driver's packets go to judge, stream and measurement.
 class Run {
  public:
   // `stream` and `folder` may be null.
@@ -218,7 +218,7 @@ std::vector<Fact> counters_of(const CosimMeasurement& measurement, const CosimRe
   add("matched_frames", "frames equal to the model's", result.frames);
   add("mismatches", "mismatches with the model", result.mismatches);
   facts.push_back(counter_fact(&Counters::delivered, result.driver.delivered));
-  facts.push_back(counter_fact(&Counters::lost_board, result.lost));  // those at the end, too
+  facts.push_back(counter_fact(&Counters::lost_board, result.lost));  // includes those at the end
   facts.push_back(counter_fact(&Counters::lost_ring, result.driver.lost_ring));
   facts.push_back(counter_fact(&Counters::bad, result.driver.bad));
   facts.push_back(counter_fact(&Counters::resynchronized, result.driver.resynchronized));
@@ -234,7 +234,7 @@ CosimFacts facts_of(const CosimOptions& options, const CosimMeasurement& measure
           .settings = std::move(settings)};
 }
 
-// cosim_SCENE, cosim_SCENE_ENGINE where the engine is not the RTL; of recorded images nothing is kept.
+// Results are named cosim_SCENE, or cosim_SCENE_ENGINE if the engine is not the RTL. For recorded images none are kept.
 void keep_results(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result) {
   if (options.frames.empty()) {
     const CosimFacts facts = facts_of(options, measurement, result);
@@ -247,7 +247,7 @@ void keep_results(const CosimOptions& options, const CosimMeasurement& measureme
   }
 }
 
-// What the user sees at the end. Throws CheckFailed where something did not match.
+// Prints the outcome for the user. Throws CheckFailed if something did not match.
 void print_outcome(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result,
                    double seconds) {
   const auto clocks = static_cast<double>(result.platform.clocks);

@@ -1,5 +1,5 @@
-// The runner of co-simulations: frames through the platform, packets through the driver, every packet compared with the
-// model's. What is measured of them is a CosimMeasurement (cosim_measurement.h).
+// The runner of co-simulations: frames go through the platform, packets through the driver, and every packet is
+// compared with the model's. What is measured from them is up to a CosimMeasurement (cosim_measurement.h).
 #ifndef SELFPROJ_SIM_EXPERIMENT_COSIM_H
 #define SELFPROJ_SIM_EXPERIMENT_COSIM_H
 
@@ -7,9 +7,9 @@
 
 namespace selfproj {
 
-// `selfproj-sim cosim`: runs, writes what was asked for, and prints what was found. The last line says what was
-// compared: "matched 716800 columns in 1400 frames, 0 mismatches". Throws UserError naming what is wrong, CheckFailed
-// where something differs from the model.
+// `selfproj-sim cosim`: runs, writes the requested files, and prints the findings. The last line says what was
+// compared: "matched 716800 columns in 1400 frames, 0 mismatches". Throws UserError about bad options or input, and
+// CheckFailed if something differs from the model.
 void run_cosim(const CosimOptions& options);
 
 }  // namespace selfproj

@@ -41,13 +41,13 @@
 namespace selfproj {
 namespace {
 
-// Everything frames and profiles need, for scenes and for recorded images.
+// All that frames and profiles need, for scenes and for recorded images.
 struct Setup {
   Rig rig;
   std::unique_ptr<Scene> scene;
   std::unique_ptr<Renderer> renderer;
   std::unique_ptr<FrameSource> source;
-  std::unique_ptr<DifferentialProfiler> profiler;  // none: there is no geometry
+  std::unique_ptr<DifferentialProfiler> profiler;  // null without a geometry
   std::vector<Fact> facts;
 };
 
@@ -59,7 +59,7 @@ Rig light_section_rig(const std::string& name) {
   return rig;
 }
 
-// The rig that computes.
+// The rig that computes the profiles.
 Rig rig_of(const CosimOptions& options) {
   Rig rig = light_section_rig(options.rig.empty() ? "light-section" : options.rig);
   if (!options.mode.empty()) {
@@ -128,7 +128,7 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   return setup;
 }
 
-// The files of all the patterns of an option.
+// The files matched by all patterns of an option.
 std::vector<std::string> files_of(const std::string& option, const std::vector<std::string>& patterns) {
   std::vector<std::string> files;
   for (const std::string& pattern : patterns) {
@@ -179,7 +179,7 @@ Setup recorded_setup(const CosimOptions& options) {
   }
   setup.rig = rig_of(options);
   if (options.rig.empty()) {
-    // Without a rig nothing is known about the images but their grey values.
+    // Without a rig only the grey values of the images are known.
     if (!options.threshold) {
       throw UserError("--frames", "needs --threshold (or --rig, which has one)");
     }
@@ -232,7 +232,7 @@ class LightSectionCosim final : public CosimMeasurement {
     return platform;
   }
 
-  // Those asked for; else the middle one of a scene, or the first ten of recorded images.
+  // Takes the frames that the user asked for, or else the middle one of a scene, or the first ten recorded images.
   void choose_pictures() override {
     constexpr std::size_t kMost = 10;
     const std::size_t total = setup_.source->total();
@@ -303,7 +303,7 @@ class LightSectionCosim final : public CosimMeasurement {
       parts.settings = facts.settings;
       if (!pictures.empty()) {
         parts.camera = pictures.front();
-        pictures.erase(pictures.begin());  // the inspection writes that one
+        pictures.erase(pictures.begin());  // the inspection writes this one
       }
       write_inspection(*inspection_, folder, parts);
     } else {
@@ -336,12 +336,12 @@ class LightSectionCosim final : public CosimMeasurement {
   const CosimOptions& options_;
   Setup setup_;
   int columns_;
-  std::vector<std::size_t> pictures_;  // frames, from 1
+  std::vector<std::size_t> pictures_;  // frames to show, from 1
   std::map<std::size_t, CameraPicture> camera_;
   Profile profile_;
   Moments moments_;
   std::optional<Inspection> inspection_;
-  LineImages line_images_;  // where there is no geometry
+  LineImages line_images_;  // used without a geometry
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// What a co-simulation measures by a light section: the differential profile of every frame, or the moments alone where
-// nothing is known of the geometry.
+// A co-simulation of a light section: it measures the differential profile of every frame, or only the moments if the
+// geometry is unknown.
 #ifndef SELFPROJ_SIM_EXPERIMENT_COSIM_LIGHT_SECTION_H
 #define SELFPROJ_SIM_EXPERIMENT_COSIM_LIGHT_SECTION_H
 
@@ -11,12 +11,12 @@
 
 namespace selfproj {
 
-// A scene under the simulated camera, its reference's pattern projected. All of these throw UserError naming what is
-// wrong.
+// For a scene under the simulated camera, with its reference's pattern. Both functions throw UserError about bad
+// options or input.
 std::unique_ptr<CosimMeasurement> make_light_section_cosim(const CosimOptions& options, const SceneInfo& scene);
 
-// Recorded images. With a rig they are measured from the straight line that lies on the middle row where it meets the
-// plane; without one moments and centroids come out.
+// For recorded images. With a rig they are measured from the straight line that lies on the middle row where it meets
+// the plane. Without one the result is moments and centroids.
 std::unique_ptr<CosimMeasurement> make_recorded_cosim(const CosimOptions& options);
 
 }  // namespace selfproj

@@ -1,4 +1,4 @@
-// What a co-simulation measures: the part of it that depends on the method.
+// The part of a co-simulation that depends on the method of measuring.
 #ifndef SELFPROJ_SIM_EXPERIMENT_COSIM_MEASUREMENT_H
 #define SELFPROJ_SIM_EXPERIMENT_COSIM_MEASUREMENT_H
 
@@ -16,15 +16,15 @@
 
 namespace selfproj {
 
-// What the runner adds to a measurement's page.
+// What the runner contributes to a measurement's page.
 struct CosimFacts {
   std::string title;
   std::vector<Fact> counters;
   std::vector<Fact> settings;
 };
 
-// One run of it: frames are asked for, each packet is given back, and at the end the page is written. `folder` is null
-// where the user wants only the comparison.
+// One run. The runner asks for frames, hands back each packet, and at the end has the page written. `folder` is null if
+// the user wants only the comparison.
 class CosimMeasurement {
  public:
   CosimMeasurement() = default;
@@ -36,33 +36,33 @@ class CosimMeasurement {
   virtual FrameSource& source() = 0;
   [[nodiscard]] virtual PlatformOptions platform() const = 0;
 
-  // Before the first frame: the frames of the run, from 1, that are to be shown. Throws UserError about
+  // Called before the first frame: chooses the frames of the run, from 1, that the page shows. Throws UserError about
   // --picture-frame.
   virtual void choose_pictures() = 0;
 
-  // Each frame as the source shows it, from 0.
+  // Called with each frame as the source shows it, from 0.
   virtual void frame(std::size_t frame, const Image& image) = 0;
 
-  // Each packet of the driver; valid during the call.
+  // Called with each packet of the driver, which is valid during the call.
   virtual void packet(const PacketView& packet, OutputFolder* folder) = 0;
 
-  // After the last packet: adds to the result what this measurement compared and what did not match.
+  // Called after the last packet: adds to the result what this measurement compared and what did not match.
   virtual void judge(CosimResult& /*result*/) const {}
 
-  // Its own counters, before those of board and driver; its settings.
+  // Its own counters, shown before those of board and driver; and its settings.
   [[nodiscard]] virtual std::vector<Fact> counters(const CosimResult& /*result*/) const { return {}; }
   [[nodiscard]] virtual std::vector<Fact> settings() const = 0;
 
-  // What was found, where there is a truth to compare with.
+  // What was found, if there is a truth to compare with.
   [[nodiscard]] virtual std::vector<Fact> findings() const { return {}; }
 
-  // Writes tables, pictures and page, without committing the folder.
+  // Writes tables, pictures and page. Does not commit the folder.
   virtual void write(OutputFolder& folder, const CosimFacts& facts) = 0;
 
-  // Lines for the terminal, each with its end: what ran and what was found.
+  // Complete lines for the terminal: what ran and what was found.
   [[nodiscard]] virtual std::string text() const = 0;
 
-  // What was equal: "716800 columns in 1400 frames".
+  // What was equal, such as "716800 columns in 1400 frames".
   [[nodiscard]] virtual std::string matched(const CosimResult& result) const = 0;
 };
 

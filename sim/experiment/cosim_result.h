@@ -1,4 +1,4 @@
-// What a run of a co-simulation was, and what was equal in it.
+// The outcome of a co-simulation: what ran, and what was equal.
 #ifndef SELFPROJ_SIM_EXPERIMENT_COSIM_RESULT_H
 #define SELFPROJ_SIM_EXPERIMENT_COSIM_RESULT_H
 
@@ -11,16 +11,16 @@
 namespace selfproj {
 
 struct CosimResult {
-  std::uint64_t columns = 0;     // whose moments matched
+  std::uint64_t columns = 0;     // columns whose moments matched
   std::uint64_t codes = 0;       // pixels whose code matched
-  std::uint64_t frames = 0;      // whose packets of moments matched
-  std::uint64_t mismatches = 0;  // packets that did not match, counters that disagree
-  std::uint64_t lost = 0;        // packets lost on the board, all of them counted by it
+  std::uint64_t frames = 0;      // frames whose packets of moments matched
+  std::uint64_t mismatches = 0;  // packets that did not match, and counters that disagree
+  std::uint64_t lost = 0;        // packets lost on the board, which counted them all
   std::string first_mismatch;
   PlatformReport platform;
   Counters driver;
 
-  // Counts a mismatch, and keeps what it was if it is the first.
+  // Counts a mismatch, and keeps its description if it is the first.
   void mismatch(const std::string& what) {
     if (mismatches++ == 0) {
       first_mismatch = what;

@@ -41,14 +41,15 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Nothing lies below the plane: what is found deeper than this, mm, for quantization, is a wrong code.
+// Nothing lies below the plane. A depth that is more than this below it, mm, which leaves room for quantization, comes
+// from a wrong code.
 constexpr double kBelowPlane = 15;
 
 constexpr int kDefaultBits = 8;
-constexpr double kDefaultMinDifference = 10;  // mm, from the background, of what counts as moved
+constexpr double kDefaultMinDifference = 10;  // mm from the background above which a pixel counts as moved
 constexpr SteadySettings kDefaultSteady{10, 6};
 
-// Background less depth where both are.
+// Background less depth, where both exist.
 FloatImage difference_of(const FloatImage& depth, const FloatImage& background) {
   FloatImage result = depth;
   std::transform(background.values.begin(), background.values.end(), depth.values.begin(), result.values.begin(),
@@ -165,7 +166,7 @@ class ScannerCosim final : public DepthCosim {
     folder.append(found.table_name, found.table);
   }
 
-  // A cycle of frames of the reference, decoded by the host, before the run.
+  // Decodes a cycle of frames of the reference on the host before the run.
   void measure_background(const Scene& reference, const PatternSet& patterns) {
     Rig still_rig = rig();
     ++still_rig.imaging.seed;
@@ -180,7 +181,7 @@ class ScannerCosim final : public DepthCosim {
     background_ = scanner_.depth();
     scanner_.set_background(background_);
     still.lit_depth(0, true_background_.values, static_cast<float>(rig().measure.code_threshold));
-    // What the scanner sees nothing of (where a line is worth too much) is not asked of the truth either.
+    // Where the scanner sees no background (a line is worth too much there), the truth is not used either.
     for (std::size_t i = 0; i < background_.values.size(); ++i) {
       if (std::isnan(background_.values[i])) {
         true_background_.values[i] = std::numeric_limits<float>::quiet_NaN();
@@ -188,7 +189,7 @@ class ScannerCosim final : public DepthCosim {
     }
   }
 
-  // Only after the ring has come out of the splash, and before it comes to a wall.
+  // Uses only the time after the ring has left the splash and before it reaches a wall.
   [[nodiscard]] double front(double t, const FloatImage& depth, const FloatImage& background) const {
     constexpr double kFrom = 0.08;  // s after the impact
     constexpr double kTo = 0.17;

@@ -1,4 +1,4 @@
-// What a co-simulation measures by Gray codes: depth images, and in them what moves before a background.
+// A co-simulation of Gray codes: it measures depth images, and what moves in them in front of a background.
 #ifndef SELFPROJ_SIM_EXPERIMENT_COSIM_SCANNER_H
 #define SELFPROJ_SIM_EXPERIMENT_COSIM_SCANNER_H
 
@@ -10,8 +10,7 @@
 
 namespace selfproj {
 
-// Of a scene of method gray_codes. Options and scene must live as long as the result. Throws UserError about the
-// options.
+// For a scene of method gray_codes. Options and scene must outlive the result. Throws UserError about the options.
 std::unique_ptr<CosimMeasurement> make_scanner_cosim(const CosimOptions& options, const SceneInfo& scene);
 
 }  // namespace selfproj

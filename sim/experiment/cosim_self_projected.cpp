@@ -39,7 +39,7 @@
 namespace selfproj {
 namespace {
 
-constexpr int kRtlBits = 4;  // that the simulated matching block is built for
+constexpr int kRtlBits = 4;  // bits for which the simulated matching block is built
 
 // The bits of the codes. Throws UserError about --bits and --e.
 int bits_of(const CosimOptions& options, int cells_below) {
@@ -67,7 +67,7 @@ std::unique_ptr<MatchEngine> match_engine_of(const CosimOptions& options, const 
   return make_match_model_engine(table.by_pixels(), table.bits());
 }
 
-// What the matching block finds for code images, compared with its model and the host.
+// Runs code images through the matching block, and compares it with its model and the host.
 class Matching {
  public:
   Matching(const CosimOptions& options, const Rig& rig, const SelfReference& reference, int cells_below)
@@ -80,7 +80,7 @@ class Matching {
         lines_(scanner_.depth().values.size()),
         expected_(lines_) {}
 
-  // A code image, row by row, that was complete with this frame of the run.
+  // Takes a code image, row by row, that was complete with this frame of the run.
   void take_codes(const std::uint16_t* codes, std::size_t frame) {
     engine_->look_up(codes, rows_, columns_, lines_.data());
     model_->look_up(codes, rows_, columns_, expected_.data());
@@ -90,8 +90,8 @@ class Matching {
 
   [[nodiscard]] const SelfScanner& scanner() const { return scanner_; }
   [[nodiscard]] std::uint64_t matched() const { return matched_; }        // look-ups equal to the model's
-  [[nodiscard]] std::uint64_t with_line() const { return with_line_; }    // of those that found a line
-  [[nodiscard]] std::uint64_t mismatches() const { return mismatches_; }  // look-ups of block or host that are not
+  [[nodiscard]] std::uint64_t with_line() const { return with_line_; }    // look-ups that found a line
+  [[nodiscard]] std::uint64_t mismatches() const { return mismatches_; }  // look-ups of block or host that differ
   [[nodiscard]] const std::string& first_mismatch() const { return first_mismatch_; }
 
  private:
@@ -128,7 +128,7 @@ class Matching {
   std::string first_mismatch_;
 };
 
-// Symmetric, over 99 % of the values: wrong matches do not set it.
+// A symmetric scale over 99 % of the values, so that wrong matches do not set it.
 MapScale scale_of(const FloatImage& difference) {
   std::vector<float> sizes;
   for (const float value : difference.values) {
@@ -147,7 +147,7 @@ MapScale scale_of(const FloatImage& difference) {
 
 class SelfProjectedCosim final : public DepthCosim {
  public:
-  // `drawn`: the self-projected patterns of the reference; `patterns`: the light that they are.
+  // `drawn` are the self-projected patterns of the reference, and `patterns` is their light.
   SelfProjectedCosim(const CosimOptions& options, const SceneInfo& info, DepthCosimSetup setup,
                      const SelfReference& reference, const std::vector<Image>& drawn, PatternSet patterns,
                      int cells_below)
@@ -228,7 +228,7 @@ class SelfProjectedCosim final : public DepthCosim {
 
   int cells_below_;  // e of (4.20)
   Matching matching_;
-  double in_light_ = 0;  // pixels, of all depth images
+  double in_light_ = 0;  // pixels in the light, over all depth images
 };
 
 }  // namespace

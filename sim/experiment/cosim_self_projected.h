@@ -1,6 +1,6 @@
-// What a co-simulation measures by self-projected structured light. The scene's reference is scanned by Gray codes, and
-// patterns and match table are made of it. The board's code images, as the driver gives them, go through the matching
-// block, whose lines are compared with model/gray_match and with the host's own for every pixel.
+// A co-simulation of self-projected structured light. The scene's reference is scanned by Gray codes, and patterns and
+// match table are made from the scan. The board's code images, as the driver gives them, go through the matching block.
+// Its lines are compared with model/gray_match and with the host's own for every pixel.
 #ifndef SELFPROJ_SIM_EXPERIMENT_COSIM_SELF_PROJECTED_H
 #define SELFPROJ_SIM_EXPERIMENT_COSIM_SELF_PROJECTED_H
 
@@ -12,8 +12,7 @@
 
 namespace selfproj {
 
-// Of a scene of method self_projected. Options and scene must live as long as the result. Throws UserError about the
-// options.
+// For a scene of method self_projected. Options and scene must outlive the result. Throws UserError about the options.
 std::unique_ptr<CosimMeasurement> make_self_projected_cosim(const CosimOptions& options, const SceneInfo& scene);
 
 }  // namespace selfproj

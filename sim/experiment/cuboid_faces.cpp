@@ -69,7 +69,7 @@ CuboidFigures cuboid_figures(const Rig& rig, const std::vector<Face>& faces, con
                              const FloatImage& difference, const FloatImage& truth,
                              const std::function<double(std::size_t pixel)>& code_width) {
   CuboidFigures figures;
-  std::array<std::size_t, kFaceNames.size()> widths{};  // known ones of each face
+  std::array<std::size_t, kFaceNames.size()> widths{};  // number of known widths of each face
   for (std::size_t i = 0; i < faces.size(); ++i) {
     if (faces[i] == Face::none) {
       continue;
@@ -95,7 +95,7 @@ CuboidFigures cuboid_figures(const Rig& rig, const std::vector<Face>& faces, con
   }
   for (std::size_t k = 0; k < kFaceNames.size(); ++k) {
     FaceFigures& face = figures[static_cast<Face>(k)];
-    const auto count = static_cast<double>(face.valid);  // NaN where there is none
+    const auto count = static_cast<double>(face.valid);  // NaN if there is none
     face.height /= count;
     face.difference /= count;
     face.rms = std::sqrt(face.rms / count);

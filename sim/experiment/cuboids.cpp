@@ -34,7 +34,7 @@
 namespace selfproj {
 namespace {
 
-// Both scenes before the camera, and their truth.
+// Both scenes in front of the camera, and their truth.
 struct Stage {
   explicit Stage(const CuboidsOptions& experiment)
       : options(experiment),
@@ -58,8 +58,8 @@ struct Stage {
   std::unique_ptr<Scene> reference_scene, part_scene;
   PatternRenderer reference, part;
   FloatImage truth;        // z of the part, mm
-  FloatImage lit;          // likewise, NaN where the projector's light does not fall
-  FloatImage reference_z;  // likewise, of the reference
+  FloatImage lit;          // the same, NaN outside the projector's light
+  FloatImage reference_z;  // z of the reference, mm
   LinePlanes planes;
   std::vector<Face> faces;
 };
@@ -71,11 +71,11 @@ struct Method {
   CuboidFigures figures;
 };
 
-// Gives a scanner the images of a scene under the 2 m patterns of a cycle. `see` is shown each before.
+// Gives a scanner the images of a scene under the 2 m patterns of a cycle. `see` gets each image before the scanner.
 template <class AnyScanner>
 void scan(const PatternRenderer& renderer, int first, int bits, const std::function<FloatImage(int)>& pattern,
           const std::function<void(int, const ImageView&)>& see, AnyScanner& scanner) {
-  std::vector<std::uint8_t> positive;  // the scanner looks at it again when the negative comes
+  std::vector<std::uint8_t> positive;  // the scanner reads it again when the negative comes
   take_images(renderer,
               {.count = 2 * bits, .first = first, .pattern = [&](int i) { return pattern_image(pattern(i)); }},
               [&](int i, const ImageView& image) {
@@ -89,7 +89,7 @@ void scan(const PatternRenderer& renderer, int first, int bits, const std::funct
               });
 }
 
-// The width in z of the cell whose match is the true one of what a pixel sees; NaN where no match is.
+// The width in z of the cell whose match is the true one for a pixel; NaN if no match is.
 double width_of_match(const Stage& stage, const MatchSearch& search, std::size_t pixel, std::vector<Match>& matches) {
   const PixelPoint light = stage.planes.light(pixel, static_cast<double>(stage.truth.values[pixel]));
   const int columns = stage.rig.camera.columns;
@@ -132,7 +132,7 @@ Method measure_self_projected(const Stage& stage, const SelfReference& reference
   return method;
 }
 
-// Codes of so many bits over the central lines, with the median.
+// Measures with codes of `bits` bits over the central lines, with the median.
 Method measure_conventional(const Stage& stage, int bits, const std::function<void()>& done) {
   const Rig& rig = stage.rig;
   const PlaneTriangulation triangulation(rig, bits, {}, kCodedLines);
@@ -206,7 +206,7 @@ ReportTable valid_table(const std::vector<Method>& methods) {
   return table;
 }
 
-// Both codes and both searches. What the project asks of the one in use is added to `not_reached` where it fails.
+// Both codes and both searches. If the one in use fails what the project asks of it, this is added to `not_reached`.
 ReportTable shares_table(const Stage& stage, const SelfReference& reference, std::vector<std::string>& not_reached) {
   ReportTable table{"B4: wrong matches of true codes",
                     {"", "pixels", "wrong", "none", "16 cells or more from steps", "of these wrong"},
@@ -244,7 +244,8 @@ ReportTable scan_table(const SelfReference& reference, const LinePlanes& planes,
     if (reference.measurable(i) && !std::isnan(reference_z.values[i])) {
       const PixelPoint truth = planes.light(i, static_cast<double>(reference_z.values[i]));
       const double error = static_cast<double>(reference.points.line.values[i]) - truth.row;
-      if (std::abs(error) < 8) {  // beyond, it is another surface: at edges the truth is that of the pixel's centre
+      // Beyond this it is another surface, because at edges the truth is that of the pixel's centre.
+      if (std::abs(error) < 8) {
         square += error * error;
         most = std::max(most, std::abs(error));
         ++count;
@@ -268,7 +269,7 @@ void check_figures(const CuboidFigures& f, std::vector<std::string>& not_reached
   wanted("the low cuboid's height", f[Face::low].height, Cuboids::kLow, 0.83);
   wanted("the high cuboid's height", f[Face::high].height, Cuboids::kHigh, 0.45);
   wanted("the letter's depth", -f[Face::letter].difference, Cuboids::kLetterDepth, 0.70);
-  constexpr std::array<double, 3> kBounds{0.22, 0.62, 0.28};  // of the published 2.78, 5.38, 9.28
+  constexpr std::array<double, 3> kBounds{0.22, 0.62, 0.28};  // for the published 2.78, 5.38, 9.28
   for (std::size_t i = 0; i < kBounds.size(); ++i) {
     const auto block = static_cast<std::size_t>(Face::block_3) + i;
     wanted(kFaceNames.at(block), f[static_cast<Face>(block)].difference, Cuboids::kBlockHeights.at(i), kBounds.at(i));

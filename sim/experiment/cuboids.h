@@ -1,4 +1,4 @@
-// B4 of the thesis in simulation: cuboids of different heights under self-projected structured light, beside the
+// Experiment B4 in simulation: cuboids of different heights under self-projected structured light, compared with the
 // conventional method.
 #ifndef SELFPROJ_SIM_EXPERIMENT_CUBOIDS_H
 #define SELFPROJ_SIM_EXPERIMENT_CUBOIDS_H
@@ -17,12 +17,12 @@ struct CuboidsOptions {
   Rig rig;
   RenderOptions render;
   ScanMethod scan = ScanMethod::lines;
-  int e = 8;  // (4.20)
+  int e = 8;  // e of (4.20)
   Stripes stripes;
-  std::vector<int> conventional_bits{8, 7, 6, 5, 4};  // the conventional method is measured with each
+  std::vector<int> conventional_bits{8, 7, 6, 5, 4};  // the numbers of bits for the conventional method
 };
 
-// The reference, `cuboids`, is scanned; `cuboids-marked` is measured under the patterns made of it.
+// Scans the reference, `cuboids`, and measures `cuboids-marked` under the patterns made from the scan.
 StructuredLightResult run_cuboids(const CuboidsOptions& options, const ProgressOfImages& progress);
 
 }  // namespace selfproj

@@ -25,7 +25,7 @@ constexpr std::size_t kMostPictures = 4;
 
 std::string scene_text(const CosimOptions& options) { return "scene " + options.scene; }
 
-// The scanner with the seed and threshold of the options. Throws UserError where the board cannot take its images.
+// The scanner with the seed and threshold of the options. Throws UserError if the board cannot take its images.
 Rig scanner_rig(const CosimOptions& options) {
   const std::string name = options.rig.empty() ? "scanner" : options.rig;
   Rig rig = load_rig(name);
@@ -35,7 +35,7 @@ Rig scanner_rig(const CosimOptions& options) {
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   rig.measure.code_threshold = options.threshold.value_or(rig.measure.code_threshold);
   if (engine_of(options) != PlatformEngine::model) {
-    constexpr int kMost = 512;  // of the Verilated board with codes
+    constexpr int kMost = 512;  // size of the Verilated board with codes
     if (rig.camera.rows > kMost || rig.camera.columns > kMost) {
       throw UserError("--rig " + rig.name, "the simulated board with codes takes images up to 512 x 512");
     }
@@ -46,7 +46,7 @@ Rig scanner_rig(const CosimOptions& options) {
   return rig;
 }
 
-// Frames of the run: at least a cycle of patterns.
+// The number of frames of the run, which must be at least a cycle of patterns.
 std::size_t frames_of_cycles(const CosimOptions& options, const Scene& scene, int bits) {
   const auto cycle = static_cast<std::size_t>(2 * bits);
   const std::size_t frames =

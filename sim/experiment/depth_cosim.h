@@ -1,4 +1,4 @@
-// What co-simulations of structured light have in common: the rig, the frames of the patterns, the pictures of depth
+// The common part of co-simulations of structured light: the rig, the frames of the patterns, the pictures of depth
 // images, and the page.
 #ifndef SELFPROJ_SIM_EXPERIMENT_DEPTH_COSIM_H
 #define SELFPROJ_SIM_EXPERIMENT_DEPTH_COSIM_H
@@ -28,11 +28,12 @@
 
 namespace selfproj {
 
-// What is known before any pattern: the scanner, with the options' seed and threshold, what it sees, and how long.
+// What is known before the patterns: the scanner, with the options' seed and threshold, its scene, and the run's
+// length.
 struct DepthCosimSetup {
   Rig rig;
   std::unique_ptr<Scene> scene;
-  int bits = 8;  // of the codes
+  int bits = 8;  // bits of the codes
   std::size_t frames = 0;
 };
 
@@ -44,7 +45,8 @@ class DepthCosim : public CosimMeasurement {
   FrameSource& source() override { return source_; }
   [[nodiscard]] PlatformOptions platform() const override;
 
-  // Frames that complete code images are the 2 bits-th and every second one after it. Those asked for, else four.
+  // Chooses among the frames that complete code images, which are number 2 bits and every second one after it: those
+  // that the user asked for, or else four.
   void choose_pictures() override;
   void frame(std::size_t frame, const Image& image) override;
   void packet(const PacketView& packet, OutputFolder* folder) override;
@@ -54,16 +56,16 @@ class DepthCosim : public CosimMeasurement {
  protected:
   enum class Median : std::uint8_t { off, on };  // of the board's codes
 
-  // What a depth image is called in its file's name and shown as, beside depth itself.
+  // A second map to show beside depth: its title, and the name for its file.
   struct ShownMap {
     std::string file;   // "moved"
     std::string title;  // "What moved"
     std::string png;
-    std::string note;        // below it
-    FloatImage values = {};  // written as TIFF where it has any
+    std::string note;        // printed below it
+    FloatImage values = {};  // written as TIFF if there are any
   };
 
-  // The scene is seen under `patterns`, two a bit. `options` and `info` must live as long.
+  // The camera sees the scene under `patterns`, two for each bit. `options` and `info` must outlive this object.
   DepthCosim(const CosimOptions& options, const SceneInfo& info, DepthCosimSetup setup, Median median,
              PatternSet patterns);
 
@@ -77,32 +79,32 @@ class DepthCosim : public CosimMeasurement {
   [[nodiscard]] ReportPage& page() { return page_; }
   [[nodiscard]] std::size_t images() const { return images_; }
   [[nodiscard]] std::uint64_t incomplete() const { return assembler_.incomplete(); }
-  [[nodiscard]] const FloatImage& truth() const { return truth_; }  // beside the newest depth image, mm
+  [[nodiscard]] const FloatImage& truth() const { return truth_; }  // truth for the newest depth image, mm
   [[nodiscard]] const DepthErrors& errors() const { return errors_; }
 
-  // Of the newest code image: the frame of the run, from 1, that completed it, and the scene's frame, from 0, in the
-  // middle of those that it is from.
+  // For the newest code image: the frame of the run, from 1, that completed it, and the scene's frame, from 0, in the
+  // middle of those from which it was made.
   [[nodiscard]] std::size_t newest_frame() const { return static_cast<std::size_t>(assembler_.header().sequence) + 1; }
   [[nodiscard]] int middle_frame() const { return static_cast<int>(options_.first + newest_frame()) - 2 - setup_.bits; }
   // The line that says what ran, and the page's subtitle; `method` says how codes are made.
   [[nodiscard]] std::string run_text(const std::string& method) const;
   [[nodiscard]] std::string subtitle(const std::string& method, const std::string& filter = "") const;
-  // "depth: 1.71 mm RMS from the truth, 0.50 % of the pixels more than 15 mm off\n"
+  // Such as "depth: 1.71 mm RMS from the truth, 0.50 % of the pixels more than 15 mm off\n".
   [[nodiscard]] std::string errors_text() const;
   // The same as highlights of the page.
   [[nodiscard]] std::vector<Fact> error_facts() const;
-  // The settings that all have, those of the scene first.
+  // The settings common to all methods; those of the scene come first.
   [[nodiscard]] std::vector<Fact> scene_facts(const char* reference_label) const;
 
-  // The newest code image, row by row: makes a depth image of it.
+  // Makes a depth image from the newest code image, given row by row.
   virtual void take_codes(const std::uint16_t* codes) = 0;
-  // The newest depth image has its truth beside it.
+  // Called when the newest depth image has its truth.
   virtual void followed() {}
   [[nodiscard]] virtual const Triangulation& triangulation() const = 0;
   [[nodiscard]] virtual const FloatImage& depth() const = 0;
-  // The second map of the newest depth image; `when` goes into its title.
+  // The second map of the newest depth image; `when` becomes part of its title.
   [[nodiscard]] virtual ShownMap shown_map(const std::string& when) const = 0;
-  // What a page says: subtitle, highlights, plots; and the files beside depth.tiff and cloud.ply.
+  // Adds to the page its subtitle, highlights and plots, and the files beside depth.tiff and cloud.ply.
   virtual void complete_page(ReportPage& page) = 0;
   virtual void write_maps(OutputFolder& folder) const = 0;
 
@@ -120,7 +122,7 @@ class DepthCosim : public CosimMeasurement {
   FloatImage truth_;
   DepthErrors errors_;
   std::size_t images_ = 0;
-  std::vector<std::size_t> pictures_;    // frames, from 1
+  std::vector<std::size_t> pictures_;    // frames to show, from 1
   std::map<std::size_t, Image> camera_;  // by frame
   ReportPage page_;
 };

@@ -1,4 +1,4 @@
-// Depth images of a scene beside the true depths.
+// Compares depth images of a scene with the true depths.
 #ifndef SELFPROJ_SIM_EXPERIMENT_DEPTH_ERRORS_H
 #define SELFPROJ_SIM_EXPERIMENT_DEPTH_ERRORS_H
 
@@ -10,12 +10,12 @@
 
 namespace selfproj {
 
-// Over the pixels of all images that have a depth both measured and true; NaN where there were none.
+// Over the pixels of all images with both a measured and a true depth; NaN if there were none.
 class DepthErrors {
  public:
-  // Images of one size, mm.
+  // Adds images of one size, mm.
   void add(const FloatImage& depth, const FloatImage& truth) {
-    constexpr double kFar = 15;  // mm: a wrong code or match, no quantization
+    constexpr double kFar = 15;  // mm: a larger error comes from a wrong code or match, not from quantization
     for (std::size_t i = 0; i < truth.values.size(); ++i) {
       const auto error = static_cast<double>(depth.values[i] - truth.values[i]);
       if (std::isnan(error)) {
@@ -32,9 +32,9 @@ class DepthErrors {
   }
 
   [[nodiscard]] double seen() const { return seen_; }
-  // Of those no more than 15 mm off, mm.
+  // RMS error in mm of the pixels that are no more than 15 mm off.
   [[nodiscard]] double rms() const { return near_ > 0 ? std::sqrt(squares_ / near_) : kNone; }
-  // Share of the others, 0..1.
+  // Share of the other pixels, 0..1.
   [[nodiscard]] double far_off() const { return seen_ > 0 ? far_off_ / seen_ : kNone; }
 
  private:

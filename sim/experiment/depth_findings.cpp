@@ -35,7 +35,7 @@ std::vector<double> times(const std::vector<DepthSample>& samples) {
   return column(samples, [](const DepthSample& s) { return s.t; });
 }
 
-// Of the measured centroid from the true one, mm.
+// Distances in mm of the measured centroid from the true one.
 struct Distances {
   double rms = kNone;
   double greatest = kNone;
@@ -115,7 +115,7 @@ DepthFindings wave_findings(const std::vector<DepthSample>& samples) {
     found.facts.push_back({"true_front_cm_per_s", "... in the true depths", true_fit.slope * kCmPerMm, "cm/s"});
     found.facts.push_back({"theory_cm_per_s", "√(g h) at 3 cm", PoolWave::kSpeed * kCmPerMm, "cm/s"});
   }
-  // Beside it a line of the theory's speed through the middle of what was measured.
+  // Adds a line with the theory's speed through the middle of the measurement.
   ReportTrace theory{{}, {}, "b", "54.2 cm/s"};
   double sum_t = 0;
   double sum_r = 0;

@@ -1,4 +1,4 @@
-// What the depth images of a moving scene say of its motion: facts, plots and a table, beside the truth.
+// What the depth images of a scene tell about its motion, as facts, plots and a table, compared with the truth.
 #ifndef SELFPROJ_SIM_EXPERIMENT_DEPTH_FINDINGS_H
 #define SELFPROJ_SIM_EXPERIMENT_DEPTH_FINDINGS_H
 
@@ -13,14 +13,14 @@
 
 namespace selfproj {
 
-// What is measured in a depth image and in the truth beside it; lengths in mm, NaN where there is none.
+// A measurement from one depth image, and the same from the true depths; lengths in mm, NaN if there is none.
 struct DepthSample {
-  std::size_t frame = 0;  // of this run, from 1: the one that completed the code image
-  double t = 0;           // s, of the frame in the middle of the cycle that the codes are from
+  std::size_t frame = 0;  // frame of this run, from 1, that completed the code image
+  double t = 0;           // time in s of the frame in the middle of the code's cycle
   Moved moved, true_moved;
   double front = std::numeric_limits<double>::quiet_NaN();  // SceneAnalysis::wave_front
   double true_front = std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> z, true_z;  // SceneAnalysis::key_taps: at the pixels of the keys, of what moved
+  std::vector<double> z, true_z;  // SceneAnalysis::key_taps: z at the pixels of the keys, of what moved
 };
 
 struct DepthFindings {

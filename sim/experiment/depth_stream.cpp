@@ -17,7 +17,7 @@
 namespace selfproj {
 namespace {
 
-// All of a coarse rig's.
+// All lines of a coarse rig.
 int coded_lines(const Rig& rig) { return std::min(kCodedLines, rig.projector.lines); }
 
 }  // namespace

@@ -17,7 +17,7 @@
 
 namespace selfproj {
 
-// One of the two methods. What it is given must outlive it.
+// One of the two methods. Its arguments must outlive it.
 class DepthStream {
  public:
   virtual ~DepthStream() = default;
@@ -25,14 +25,14 @@ class DepthStream {
   DepthStream(const DepthStream&) = delete;
   DepthStream& operator=(const DepthStream&) = delete;
 
-  // A frame under a pattern; true where there is a new depth image.
+  // Takes a frame under a pattern; returns true if there is a new depth image.
   [[nodiscard]] virtual bool take(const ImageView& image, int pattern) = 0;
 
-  // The newest, z in mm and how far it is nearer than the reference, NaN where there is none.
+  // The newest z in mm, and how much nearer it is than the reference; NaN if there is none.
   [[nodiscard]] virtual const FloatImage& depth() const = 0;
   [[nodiscard]] virtual FloatImage difference() const = 0;
 
-  // m, and the 2 m patterns, light 0..1.
+  // m, and the 2 m patterns with light 0..1.
   [[nodiscard]] virtual int bits() const = 0;
   [[nodiscard]] virtual FloatImage pattern(int index) const = 0;
 };
@@ -51,7 +51,7 @@ class SelfProjectedStream final : public DepthStream {
   SelfScanner scanner_;
 };
 
-// Codes over the central lines, with the median.
+// Gray codes over the central lines, with the median.
 class ConventionalStream final : public DepthStream {
  public:
   ConventionalStream(const Rig& rig, int bits);
@@ -61,7 +61,7 @@ class ConventionalStream final : public DepthStream {
   [[nodiscard]] int bits() const override { return triangulation_.bits(); }
   [[nodiscard]] FloatImage pattern(int index) const override;
 
-  // What `difference` is from; needed before it.
+  // Sets the depth from which `difference` is computed; must be called before that.
   void set_reference(const FloatImage& depth) { reference_ = depth; }
 
  private:
@@ -71,8 +71,8 @@ class ConventionalStream final : public DepthStream {
   FloatImage reference_;
 };
 
-// Frames first .. first + count - 1 (an even number) under the stream's patterns, the first under pattern 0. `see` is
-// told the frame after each depth image, `done` is called after each frame.
+// Plays frames first .. first + count - 1 (`count` even) under the stream's patterns, the first one under pattern 0.
+// Calls `see` with the frame after each depth image, and `done` after each frame.
 void play(const PatternRenderer& renderer, DepthStream& stream, int first, int count,
           const std::function<void(int frame)>& see, const std::function<void()>& done);
 

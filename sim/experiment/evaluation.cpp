@@ -20,7 +20,7 @@ bool is_step(float a, float b, double min_step) {
   return std::abs(static_cast<double>(a) - static_cast<double>(b)) > min_step;
 }
 
-// Sets the entries up to `reach` steps away from those that are set, along lines of `count` entries `stride` apart.
+// Sets the entries up to `reach` steps away from set ones, along lines of `count` entries that are `stride` apart.
 void spread(Mask& mask, std::size_t begin, int count, std::size_t stride, int reach) {
   std::vector<int> last_set(static_cast<std::size_t>(count));
   int last = -reach - 1;

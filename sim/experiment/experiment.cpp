@@ -28,7 +28,7 @@
 namespace selfproj {
 namespace {
 
-// Characters that a text takes on a terminal: its code points.
+// The number of characters that a text takes on a terminal: its code points.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
@@ -84,7 +84,7 @@ class ShownProgress {
   std::optional<Progress> progress_;
 };
 
-// All that B4 and B7, B8 are told alike.
+// Copies the options that B4, B7 and B8 have in common.
 template <class Options>
 Options structured_light_options(const ExperimentOptions& options, const Rig& rig) {
   Options experiment;
@@ -95,7 +95,7 @@ Options structured_light_options(const ExperimentOptions& options, const Rig& ri
   return experiment;
 }
 
-// Both return what is not reached.
+// Both functions return what was not reached.
 std::vector<std::string> run_structured_light(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
   const Rig rig = load_rig(options.rig.empty() ? "scanner" : options.rig);
   if (rig.kind != RigKind::scanner) {

@@ -1,4 +1,4 @@
-// The experiments of the thesis by their names: run, printed, written.
+// Runs the experiments of the thesis by their names, prints them, and writes their files.
 #ifndef SELFPROJ_SIM_EXPERIMENT_EXPERIMENT_H
 #define SELFPROJ_SIM_EXPERIMENT_EXPERIMENT_H
 
@@ -10,25 +10,25 @@
 
 namespace selfproj {
 
-// What a user asks of an experiment.
+// The options of an experiment.
 struct ExperimentOptions {
   std::string name;                   // A1, A2, B4, B7, B8
   std::string rig = {};               // built-in or a file; empty: that of the experiment
-  std::string out = {};               // folder for the report and what it is made of; empty: none
+  std::string out = {};               // folder for the report and the files behind it; empty: none
   std::vector<std::string> off = {};  // names of kDisturbances
 
-  // A1, A2.
-  bool residual = true;  // measure and remove the reference's own
-  bool sources = false;  // also the table of error sources
-  int every = 1;         // every so many frames only
+  // For A1 and A2:
+  bool residual = true;  // measure the reference's own residual and remove it
+  bool sources = false;  // also make the table of error sources
+  int every = 1;         // take only every so many frames
 
-  // B4, B7, B8.
+  // For B4, B7 and B8:
   ScanMethod scan = ScanMethod::lines;
-  std::optional<int> e = {};  // of (4.20); nothing: that of the experiment
+  std::optional<int> e = {};  // e of (4.20); nothing: that of the experiment
 };
 
-// Prints the experiment's tables and writes its files. Throws UserError about options, rig and folder, CheckFailed
-// where a figure that the project has set itself is not reached.
+// Prints the experiment's tables and writes its files. Throws UserError about options, rig and folder, and CheckFailed
+// if a figure that the project has set itself is not reached.
 void run_experiment(const ExperimentOptions& options);
 
 }  // namespace selfproj

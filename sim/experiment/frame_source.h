@@ -1,4 +1,4 @@
-// Where the frames of a co-simulation come from: a scene before the simulated camera, or recorded images.
+// The frames of a co-simulation: a scene in front of the simulated camera, or recorded images.
 #ifndef SELFPROJ_SIM_EXPERIMENT_FRAME_SOURCE_H
 #define SELFPROJ_SIM_EXPERIMENT_FRAME_SOURCE_H
 
@@ -27,17 +27,18 @@ class FrameSource {
   [[nodiscard]] virtual int rows() const = 0;
   [[nodiscard]] virtual int columns() const = 0;
 
-  // The next frame, valid until the next call; null after the last one. Throws UserError naming what is wrong.
+  // The next frame, valid until the next call; null after the last one. Throws UserError about bad input.
   virtual const Image* next() = 0;
 
-  // What a human is shown of the frame that next() gave last: the same unless something was taken away from it.
+  // The picture to show for the frame that next() gave last. It differs from the frame only if a background was
+  // subtracted.
   [[nodiscard]] virtual const Image& picture() const = 0;
 };
 
-// Frames first..first + count - 1 (from 0) of a rendered scene; some are rendered ahead, by several threads.
+// Frames first..first + count - 1 (from 0) of a rendered scene. Several threads render some of them ahead.
 class SceneFrames final : public FrameSource {
  public:
-  // Writes the image of a frame; may be called by several threads at once.
+  // Renders the image of a frame; several threads may call it at once.
   using Render = std::function<void(int frame, std::span<std::uint8_t> pixels)>;
   SceneFrames(Render render, int rows, int columns, std::size_t first, std::size_t count);
 
@@ -58,11 +59,11 @@ class SceneFrames final : public FrameSource {
   Image image_;
 };
 
-// Images of one size that the board takes.
+// Images of one size that fits the board.
 class RecordedFrames final : public FrameSource {
  public:
-  // Looks at all files, and reads the first. `background`: none, or an image for each of the files, taken without the
-  // line, that is subtracted from it (what would be negative becomes 0). Throws UserError naming the file.
+  // Looks at all files and reads the first. `background` is empty or has one image for each file, taken without the
+  // line. It is subtracted, and negative values become 0. Throws UserError with the file.
   RecordedFrames(std::vector<std::string> files, std::optional<Channel> channel,
                  std::vector<std::string> background = {});
 
@@ -82,8 +83,8 @@ class RecordedFrames final : public FrameSource {
   std::size_t given_ = 0;
 };
 
-// The files that a pattern with * ? [] names, in the order of their names; a name without any of these is that file.
-// Throws UserError, naming the option, where there is none.
+// The files matched by a pattern with * ? [], in the order of their names; a name without any of these is a file.
+// Throws UserError with the option if there is none.
 std::vector<std::string> files_of_pattern(const std::string& option, const std::string& pattern);
 
 }  // namespace selfproj

@@ -29,8 +29,8 @@ ImageView view_of(const Rig& rig, const std::vector<std::uint8_t>& pixels) {
   return {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
 }
 
-// Moments of grey values that are not whole numbers, which no board has: in units of 1 / kFine, with which M1 of 255
-// rows of white is still below 2^31. The centroid does not see the unit.
+// For moments of grey values that are not integers, which no board has. They are counted in units of 1 / kFine, with
+// which M1 of 255 white rows is still below 2^31. The unit does not affect the centroid.
 constexpr int kFine = 256;
 
 void fine_moments(const Rig& rig, const std::vector<float>& values, Mode mode, Moments& moments) {
@@ -52,10 +52,10 @@ void fine_moments(const Rig& rig, const std::vector<float>& values, Mode mode, M
   }
 }
 
-// What one frame gives, before it is added in its turn.
+// The result of one frame, before it is added in order.
 struct FrameResult {
   std::vector<std::uint8_t> pixels;
-  std::vector<float> values;  // instead, where nothing is quantized
+  std::vector<float> values;  // used instead if nothing is quantized
   std::array<Moments, kAllModes.size()> moments;
   std::array<Profile, kAllModes.size()> profiles;
 };
@@ -80,7 +80,7 @@ ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
   const int count = static_cast<int>(std::ceil(reach / kStep));
   ReferenceCurve curve;
   for (int i = -count; i <= count; ++i) {
-    const double y = (i + 0.5) * kStep;  // not where steps are
+    const double y = (i + 0.5) * kStep;  // avoids the places of steps
     curve.y_mm.push_back(y);
     curve.z_mm.push_back(rig.plane_z_mm - scene.height(0, y, time));
   }

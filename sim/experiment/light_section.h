@@ -1,5 +1,5 @@
-// Light-section measurements of rendered scenes, self-projected and with a straight line: what the experiments A1 and
-// A2 compare with the truth.
+// Light-section measurements of rendered scenes, self-projected and with a straight line, which experiments A1 and A2
+// compare with the truth.
 #ifndef SELFPROJ_SIM_EXPERIMENT_LIGHT_SECTION_H
 #define SELFPROJ_SIM_EXPERIMENT_LIGHT_SECTION_H
 
@@ -21,39 +21,39 @@ namespace selfproj {
 
 inline constexpr std::array<Mode, 3> kAllModes = {Mode::grey_over, Mode::grey, Mode::binary};
 
-// What is set up before the part comes: rig, pattern, and the reference for each of kAllModes.
+// What is set up before the part comes: the rig, the pattern, and the reference for each of kAllModes.
 struct LightSection {
   Rig rig;
   FloatImage pattern;
   std::array<ReferenceProfile, kAllModes.size()> references;
 };
 
-// The section x = 0 of the scene at the middle of its way, every 0.02 mm of what the camera sees.
+// The section x = 0 of the scene at the middle of its way, every 0.02 mm over what the camera sees.
 ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene);
 
-// Self-projection with the pattern that belongs to the reference part, known as a shape. With `residual` the reference
-// part is measured once (16 frames of it, with noise of their own), and what is left of each column's offset is kept.
-// `real` is what camera and projector are like, `rig` what is believed of them, from which everything is computed;
-// their images have one size.
+// Self-projection with the pattern of the reference part, whose shape is known. With `residual` the reference part is
+// measured once (16 frames, with noise of their own), and each column's remaining offset is kept. `real` describes
+// camera and projector as they are. `rig` describes them as they are believed to be, and everything is computed from
+// it. Their images have one size.
 LightSection self_projection(const Rig& rig, const Rig& real, const Scene& reference, const RenderOptions& options,
                              bool residual);
 
-// The conventional method: a straight line in the middle of the image at `middle_height` mm over the plane, the
-// reference part measured once as above.
+// The conventional method: a straight line, in the middle of the image at `middle_height` mm over the plane. The
+// reference part is measured once as above.
 LightSection straight_line(const Rig& rig, const Scene& reference, const RenderOptions& options, double middle_height);
 
-// What was measured of a scene, in each of kAllModes, and what there was to be measured. Row k of every map is the
-// scene's frame frames[k].
+// A measurement of a scene in each of kAllModes, and its truth. Row k of every map is the scene's frame frames[k].
 struct Measurement {
   std::vector<int> frames;
   std::vector<Inspection> by_mode;
   FloatImage truth;      // Renderer::truth
-  CameraPicture camera;  // of the middle frame, moments of kAllModes[0]
-  double line_peak = 0;  // median over the columns of the greatest grey value of the middle frame
+  CameraPicture camera;  // middle frame, with the moments of kAllModes[0]
+  double line_peak = 0;  // median over the columns of the middle frame's greatest grey value
 };
 
-// Measures every `every`-th frame by several threads; without quantization from the renderer's grey values as numbers
-// (the reference's residual is always measured with 8 bits) (0: one a core). `progress` is told how many are done.
+// Measures every `every`-th frame with several threads (0: one for each core). Without quantization it uses the
+// renderer's floating-point grey values, though the reference's residual is always measured with 8 bits. `progress`
+// gets the number of frames done.
 Measurement measure(const LightSection& setup, const Scene& scene, const RenderOptions& options, int every, int threads,
                     const std::function<void(std::size_t)>& progress);
 

@@ -42,7 +42,7 @@ void LineImages::write(OutputFolder& folder, const CosimFacts& facts, std::size_
   folder.append("report.html", report_html(report(facts, frames, pictures)));
 }
 
-// What is known without geometry, as the inspection names it.
+// The facts known without geometry, with the names that an inspection uses.
 std::string LineImages::summary(const CosimFacts& facts) const {
   nlohmann::ordered_json json;
   json["title"] = facts.title;

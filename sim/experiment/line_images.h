@@ -1,5 +1,5 @@
-// Moments of images whose geometry is not known: their table, the centroid of every column, and a page that shows the
-// line found.
+// Moments of images of unknown geometry: their table, the centroid of every column, and a page that shows the line
+// found.
 #ifndef SELFPROJ_SIM_EXPERIMENT_LINE_IMAGES_H
 #define SELFPROJ_SIM_EXPERIMENT_LINE_IMAGES_H
 
@@ -18,14 +18,14 @@ namespace selfproj {
 
 class LineImages {
  public:
-  // Images of this size. Only mode and threshold of the measurement matter.
+  // For images of this size. Only mode and threshold of the measurement matter.
   LineImages(int rows, int columns, const RigMeasure& measure) : rows_(rows), columns_(columns), measure_(measure) {}
 
-  // A frame's moments, frames from 1.
+  // Adds a frame's moments; frames count from 1.
   void add(std::size_t frame, const Moments& moments);
 
-  // Writes summary.json, moments.csv, centroid.tiff (32-bit float, rows are frames, pixels from 1, NaN where unlit) and
-  // report.html. `frames` were given to the board; `pictures` are shown.
+  // Writes summary.json, moments.csv, centroid.tiff (32-bit float; rows are frames; pixels count from 1; NaN if unlit)
+  // and report.html. The board was given `frames` frames. The page shows `pictures`.
   void write(OutputFolder& folder, const CosimFacts& facts, std::size_t frames,
              const std::vector<CameraPicture>& pictures) const;
 

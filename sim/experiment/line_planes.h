@@ -1,4 +1,4 @@
-// Pixels of the camera and lines of the projector, by the renderer's pinholes: apart from the host's triangulation,
+// Pixels of the camera and lines of the projector by the renderer's pinholes, independent of the host's triangulation,
 // which is measured with them.
 #ifndef SELFPROJ_SIM_EXPERIMENT_LINE_PLANES_H
 #define SELFPROJ_SIM_EXPERIMENT_LINE_PLANES_H
@@ -10,7 +10,7 @@
 
 namespace selfproj {
 
-// The point that a pixel (row by row, from 0) sees at the depth z, mm.
+// The point that a pixel (row by row, from 0) sees at depth z, mm.
 inline Point3 point_of_pixel(const Rig& rig, std::size_t pixel, double z) {
   const auto columns = static_cast<std::size_t>(rig.camera.columns);
   const double scale = z * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
@@ -30,11 +30,11 @@ class LinePlanes {
     const Point3 up = projector_.ray({line, middle});
     const Point3 c = projector_.centre();
     const Point3 ray = point_of_pixel(*rig_, pixel, 1);
-    // The line's plane holds the projector's centre, the direction `up` and y: normal (up.z, 0, -up.x).
+    // The plane of the line contains the projector's centre, the direction `up` and y. Its normal is (up.z, 0, -up.x).
     return (up.z * c.x - up.x * c.z) / (up.z * ray.x - up.x);
   }
 
-  // The projector's point (line, column) that lights what a pixel sees at the depth z.
+  // The projector's point (line, column) that lights what a pixel sees at depth z.
   [[nodiscard]] PixelPoint light(std::size_t pixel, double z) const {
     return projector_.project(point_of_pixel(*rig_, pixel, z));
   }

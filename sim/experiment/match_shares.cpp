@@ -13,8 +13,8 @@
 namespace selfproj {
 namespace {
 
-// Where there is a step (neighbours more than 1 mm apart in z, or a shadow's edge) within so many pixels along rows and
-// columns.
+// Marks the pixels with a step (neighbours more than 1 mm apart in z, or the edge of a shadow) within `reach` pixels
+// along rows and columns.
 std::vector<std::uint8_t> steps_within(const FloatImage& z, int reach) {
   const auto at = [&](int r, int c) {
     return static_cast<std::size_t>(r) * static_cast<std::size_t>(z.columns) + static_cast<std::size_t>(c);

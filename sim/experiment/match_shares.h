@@ -1,4 +1,4 @@
-// How often the neighbourhood search (4.19, 4.20) is wrong, where the truth is known.
+// How often the neighbourhood search (4.19, 4.20) is wrong, measured against the truth.
 #ifndef SELFPROJ_SIM_EXPERIMENT_MATCH_SHARES_H
 #define SELFPROJ_SIM_EXPERIMENT_MATCH_SHARES_H
 
@@ -11,18 +11,17 @@
 
 namespace selfproj {
 
-// What is matched of the true codes of a scene: for every pixel on which the projector's light falls, whose true place
-// lies within the window.
+// The matches of a scene's true codes, over all pixels that the projector lights and whose true place is in the window.
 struct MatchShares {
   std::size_t pixels = 0;
-  double wrong = 0;      // share of them whose match is another place: by more than half the cell and a line
+  double wrong = 0;      // share whose match is off by more than half the cell and one line
   double none = 0;       // share without a match
   std::size_t far = 0;   // pixels 2^m cells or more from a step of the reference, in the camera's image
-  double far_wrong = 0;  // share of those
+  double far_wrong = 0;  // share of those with a wrong match
 };
 
-// `true_z`, `reference_z`: of the scene and of its reference, mm, NaN where the projector's light does not fall.
-// Shares are 0..1, NaN of no pixels.
+// `true_z` and `reference_z` are the depths of the scene and of its reference, mm, NaN outside the projector's light.
+// Shares are 0..1, NaN if there are no pixels.
 MatchShares match_shares(const Rig& rig, const SelfReference& reference, const MatchSettings& settings,
                          const FloatImage& true_z, const FloatImage& reference_z);
 

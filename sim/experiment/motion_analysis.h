@@ -1,4 +1,4 @@
-// What the depth images of the experiments B1 to B3 say of what moves: how often, how far, how fast.
+// What the depth images of experiments B1 to B3 tell about motion: how often, how far, how fast.
 #ifndef SELFPROJ_SIM_EXPERIMENT_MOTION_ANALYSIS_H
 #define SELFPROJ_SIM_EXPERIMENT_MOTION_ANALYSIS_H
 
@@ -10,29 +10,29 @@
 
 namespace selfproj {
 
-// y = mean + amplitude sin(2 pi frequency t + phase), least squares.
+// y = mean + amplitude sin(2 pi frequency t + phase), by least squares.
 struct SineFit {
-  double frequency = 0;  // Hz; NaN where there are too few values
+  double frequency = 0;  // Hz; NaN if there are too few values
   double mean = 0;
   double amplitude = 0;
-  double residual = 0;  // RMS of what it leaves
+  double residual = 0;  // RMS of what the fit leaves
 };
 
-// The best of all frequencies in low..high, to 0.001 Hz, of which a whole period was seen; values that are NaN are left
-// out. At least 8 must be there.
+// Tries all frequencies in low..high, to 0.001 Hz, of which a whole period was seen, and takes the best. Ignores NaN.
+// At least 8 values are needed.
 SineFit fit_sine(const std::vector<double>& t, const std::vector<double>& y, double low, double high);
 
-// y = at_0 + slope t, least squares; NaN where there are not two different t. Values that are NaN are left out.
+// y = at_0 + slope t, by least squares; NaN unless there are two different t. Ignores NaN.
 struct LineFit {
   double at_0 = 0;
   double slope = 0;
 };
 LineFit fit_line(const std::vector<double>& t, const std::vector<double>& y);
 
-// How high the surface has risen over a background, in mm towards the camera, averaged over rings about a place.
+// How far the surface has risen over a background, in mm towards the camera, averaged over rings around a place.
 class RingMeans {
  public:
-  // Rings `step` mm wide, `count` of them, about (x, y); only points within the rectangle count.
+  // `count` rings, each `step` mm wide, around (x, y). Only points within the rectangle count.
   struct Place {
     double x, y;
     double x0, x1, y0, y1;
@@ -40,8 +40,8 @@ class RingMeans {
   RingMeans(const Triangulation& triangulation, const Place& place, double step, std::size_t count);
 
   // Means of background - depth over the pixels that have both and differ by no more than `most` mm (more is a wrong
-  // code), by the background's points; each ring's with a quarter of both neighbours', twice over. NaN for rings of
-  // fewer than 20 pixels and beside them.
+  // code), at the places of the background's points. Each ring's mean is smoothed twice with a quarter of both
+  // neighbours'. NaN for rings of fewer than 20 pixels and beside them.
   [[nodiscard]] std::vector<double> means(const FloatImage& depth, const FloatImage& background, double most) const;
 
   [[nodiscard]] double radius(std::size_t ring) const { return (static_cast<double>(ring) + 0.5) * step_; }
@@ -53,8 +53,8 @@ class RingMeans {
   std::size_t count_;
 };
 
-// The radius of the foremost crest: from outside, the first local maximum that is at least `least` and four fifths of
-// the greatest of all; its place by a parabola through it and its neighbours. NaN where there is none.
+// The radius of the foremost crest: from outside, the first local maximum that is at least `least` and at least four
+// fifths of the greatest. A parabola through it and its neighbours gives its place. NaN if there is none.
 double foremost_crest(const RingMeans& rings, const std::vector<double>& means, double least);
 
 }  // namespace selfproj

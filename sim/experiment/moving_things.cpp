@@ -29,7 +29,7 @@
 namespace selfproj {
 namespace {
 
-// A scene that stands as it was at one time.
+// A scene that stands still as it was at one time.
 class Frozen final : public Scene {
  public:
   Frozen(const Scene& scene, double time) : scene_(scene), time_(time) {}
@@ -46,12 +46,12 @@ class Frozen final : public Scene {
   double time_;
 };
 
-// One of the experiments: what moves over the scene's reference, and what is measured of that.
+// One of the experiments: what moves over the scene's reference, and what is measured.
 struct MovingExperiment {
   const char* name;
   const char* scene;
   const char* subtitle;
-  double most_difference;  // mm, of the pictures' colours
+  double most_difference;  // range of the pictures' colours, mm
   std::vector<Thing> (*things)(int columns);
 };
 
@@ -68,22 +68,22 @@ const std::array<MovingExperiment, 2> kExperiments{{
 }};
 
 constexpr int kConventionalBits = 8;
-constexpr int kStart = 2 * kConventionalBits - 2;  // frames before the first pair that both methods have a window for
+constexpr int kStart = 2 * kConventionalBits - 2;  // frames before the first pair with full windows of both methods
 
 // What a method measured of each thing in one depth image.
 struct Instant {
-  int frame = 0;  // in the middle of the window
+  int frame = 0;  // frame in the middle of the window
   std::vector<ThingFigures> things;
 };
 
-// How many depth images there are by each method, and which of them are shown.
+// The number of depth images by each method, and which of them are shown.
 struct Plan {
   int pairs;
-  int still_every;  // every so many one is shown. Odd, so that in turn each plane is the newest one
+  int still_every;  // shows one in so many; odd, so that each plane takes its turn as the newest
 
   [[nodiscard]] int frames() const { return kStart + 2 * pairs; }
   [[nodiscard]] int stills() const { return (pairs - still_every / 2 + still_every - 1) / still_every; }
-  // Whether the i-th depth image is shown: the middle one of so many.
+  // Whether the i-th depth image is shown: the middle one of each group.
   [[nodiscard]] bool is_shown(std::size_t i) const { return static_cast<int>(i) % still_every == still_every / 2; }
 };
 
@@ -114,10 +114,10 @@ struct Observation {
   std::string method;
   int window = 0;  // frames
   std::vector<Instant> moving;
-  std::vector<Instant> moving_then;  // those of them that were also taken at rest
+  std::vector<Instant> moving_then;  // those of them that were also measured at rest
   std::vector<Instant> at_rest;
   std::vector<ReportPicture> strip;
-  FloatImage depth, difference, truth;  // of the last picture
+  FloatImage depth, difference, truth;  // those of the last picture
 };
 
 Instant look(const Setting& setting, const DepthStream& stream, const PatternRenderer& of, int frame,
@@ -249,7 +249,7 @@ void add_series(const Setting& setting, const Observation& seen, std::string& se
   }
 }
 
-// Tables, series, plots and film strip of what the methods measured.
+// Makes tables, series, plots and film strip from the measurements.
 void report(const Setting& setting, std::vector<Observation>& seen, StructuredLightResult& result) {
   const std::string name = setting.experiment.name;
   ReportTable errors{

@@ -24,13 +24,13 @@
 namespace selfproj {
 namespace {
 
-// An experiment of the thesis. Texts as published; "–" where nothing is.
+// Published figures of an experiment, as printed in the thesis; "–" if there are none.
 struct Published {
   const char* name;
   const char* scene;
   const char* reference;
-  double height;               // of the part, mm: the straight line is centred between it and the plane
-  int conventional_rows;       // of the image that a straight line needs
+  double height;               // height of the part, mm; the straight line is centred between its top and the plane
+  int conventional_rows;       // rows of the image that a straight line needs
   std::vector<double> treads;  // heights from left to right, mm
   const char* range;
   const char* range_conventional;
@@ -67,7 +67,7 @@ const Published& published(const std::string& name) {
   return *found;
 }
 
-// The rows of a table: a name, the published figure, the measured one of each mode.
+// Adds a row of a table: a name, the published figure, and the measured one in each mode.
 void add_rows(ReportTable& table, const MethodFigures& figures, const Published& what, const char* range,
               const char* error, const std::vector<const char*>& steps, const char* depth) {
   const auto row = [&](std::string name, const std::string& from_thesis, const auto& value) {
@@ -106,7 +106,7 @@ ReportTable table_of(const std::string& title, const MethodFigures& figures) {
           ""};
 }
 
-// What is measured by self-projection when one thing is other than it is.
+// A self-projected measurement with one thing changed.
 struct Source {
   std::string name;
   SectionOptions options;
@@ -136,11 +136,11 @@ std::vector<Source> sources_of(const SectionOptions& as_it_is) {
   return sources;
 }
 
-// What all measurements of an experiment have in common.
+// The common settings of all measurements of an experiment.
 struct Course {
   const Published& what;
   std::unique_ptr<Scene> scene, reference;
-  std::function<void(std::size_t)> count;  // told how many frames of the running measurement are done
+  std::function<void(std::size_t)> count;  // gets the number of frames done in the running measurement
 };
 
 MethodFigures measure_self_projected(const Course& course, const SectionOptions& options, Measurement& measurement) {
@@ -176,7 +176,7 @@ ReportTable conventional_table(const SectionResult& result, const Published& wha
   return table;
 }
 
-// A row a source; the figures of source k are figures[k].
+// One row for each source; the figures of source k are figures[k].
 ReportTable sources_table(const std::vector<Source>& sources, const std::vector<MethodFigures>& figures) {
   ReportTable table = {"Sources of error, self-projected",
                        {"mm; switched off", "grey-over: largest", "RMS", "beyond 2", "beyond 1", "grey: largest", "RMS",

@@ -1,4 +1,4 @@
-// The experiments A1 and A2 of the thesis in simulation, with their published figures beside the measured ones.
+// Experiments A1 and A2 in simulation, with published and measured figures side by side.
 #ifndef SELFPROJ_SIM_EXPERIMENT_SECTION_EXPERIMENT_H
 #define SELFPROJ_SIM_EXPERIMENT_SECTION_EXPERIMENT_H
 
@@ -18,10 +18,10 @@ namespace selfproj {
 struct SectionOptions {
   Rig rig;
   RenderOptions render;
-  bool residual = true;  // the reference is measured once, and each column's remaining offset kept
-  bool sources = false;  // also the table of error sources
-  int every = 1;         // every so many frames only
-  int threads = 0;       // 0: one a core
+  bool residual = true;  // measure the reference once, and keep each column's remaining offset
+  bool sources = false;  // also make the table of error sources
+  int every = 1;         // take only every so many frames
+  int threads = 0;       // 0: one for each core
 };
 
 struct SectionResult {
@@ -29,13 +29,13 @@ struct SectionResult {
   MethodFigures self_projected;
   MethodFigures conventional;
   Measurement measurement;               // self-projected
-  std::vector<ReportTable> tables;       // published and measured; sources of error
-  std::vector<std::string> not_reached;  // what does not hold of what the project has set itself, a line each
-  std::vector<Fact> conditions;          // of the measurement: line peak, ambient light, noise, ...
+  std::vector<ReportTable> tables;       // published and measured figures; sources of error
+  std::vector<std::string> not_reached;  // one line for each figure of the project's own that was not reached
+  std::vector<Fact> conditions;          // conditions of the measurement: line peak, ambient light, noise, ...
 };
 
-// Runs A1 or A2: both methods over all frames. `progress` is told how many frames of how many are done. Throws
-// UserError: an unknown experiment, or what rig and scene say.
+// Runs A1 or A2: both methods over all frames. `progress` gets the number of frames done and of all frames. Throws
+// UserError for an unknown experiment, and as rig and scene do.
 SectionResult run_section_experiment(const std::string& name, const SectionOptions& options,
                                      const std::function<void(std::size_t, std::size_t)>& progress);
 

@@ -19,20 +19,20 @@ namespace selfproj {
 namespace {
 
 constexpr double kTreadWidth = 35;   // mm
-constexpr double kHalfLength = 65;   // mm, of the parts
-constexpr double kColumnStep = 0.5;  // mm from one column to the next: a height step
-constexpr double kFrameStep = 0.05;  // likewise from one frame to the next (the parts are even along x)
+constexpr double kHalfLength = 65;   // mm, half the length of the parts
+constexpr double kColumnStep = 0.5;  // mm from one column to the next that make a height step
+constexpr double kFrameStep = 0.05;  // the same from one frame to the next (the parts are uniform along x)
 constexpr std::uint8_t kTread = 1;   // labels of regions: tread + kTread, mark + kMark
 constexpr std::uint8_t kMark = 11;
 
 const ConveyedScene& conveyed(const Scene& scene) { return dynamic_cast<const ConveyedScene&>(scene); }
 
-// Which points lie on plain parts of the treads, and which in the middle of the marks' strokes, away from their edges
-// by more than the line is wide.
+// Labels the points on plain parts of the treads, and those in the middle of the marks' strokes, farther from their
+// edges than the line is wide.
 Mask tread_regions(const FloatImage& x, const FloatImage& y, const Measurement& m, const Rig& rig, const Scene& scene,
                    std::size_t treads) {
   constexpr double kMargin = 2;    // mm from a tread's edge, and from a mark
-  constexpr double kInside = 0.6;  // mm from a stroke's centre line, half a stroke being 1.5
+  constexpr double kInside = 0.6;  // mm from a stroke's centre line; half a stroke is 1.5
   constexpr std::array<Mark, 3> kMarks = {Mark::circle, Mark::cross, Mark::triangle_down};
   Mask mask(x.values.size(), 0);
   for (int r = 0; r < x.rows; ++r) {
@@ -43,7 +43,7 @@ Mask tread_regions(const FloatImage& x, const FloatImage& y, const Measurement& 
       for (std::size_t i = 0; i < treads; ++i) {
         const double across = y_part - kTreadWidth * (static_cast<double>(i) - 0.5 * static_cast<double>(treads - 1));
         if (!(std::abs(across) < kTreadWidth / 2 - kMargin) || !(std::abs(x_part) < kHalfLength - kMargin)) {
-          continue;  // also where there is no point
+          continue;  // also true without a point
         }
         const double distance = distance_from_mark(kMarks.at(i), across, -x_part);
         auto& label =
@@ -61,7 +61,7 @@ Mask tread_regions(const FloatImage& x, const FloatImage& y, const Measurement& 
 
 // Adds the points that have a step within `reach` mm along x.
 void add_steps_along_x(Mask& mask, const Measurement& m, const Renderer& renderer, double reach) {
-  constexpr int kSamples = 9;  // to each side
+  constexpr int kSamples = 9;  // samples on each side
   const FloatImage x = m.by_mode[0].x();
   const FloatImage y = m.by_mode[0].y();
   for (std::size_t i = 0; i < mask.size(); ++i) {
@@ -89,7 +89,7 @@ Mask rows_of(const Mask& mask, int columns, int first, int count) {
   return {begin, begin + static_cast<std::ptrdiff_t>(count) * columns};
 }
 
-// What the light sheet meets in the measured frames and in those up to `reach` frames before and after them, NaN in the
+// What the light sheet meets in the measured frames and in those up to `reach` frames before and after them; NaN in all
 // others. Rows are the scene's frames.
 FloatImage truth_around(const Measurement& m, const Renderer& renderer, int frames, int reach) {
   FloatImage truth(frames, m.truth.columns, std::numeric_limits<float>::quiet_NaN());
@@ -107,8 +107,9 @@ FloatImage truth_around(const Measurement& m, const Renderer& renderer, int fram
   return truth;
 }
 
-// The points near an edge along x, as `near_steps` finds those near one across: within `reach` mm of a height step of
-// the surface, or of what the light sheet meets from frame to frame (`truth`), which also jumps where a shadow ends.
+// The points near an edge along x, as `near_steps` finds those near an edge across it: within `reach` mm of a height
+// step of the surface, or of a jump from frame to frame in what the light sheet meets (`truth`), such as the end of a
+// shadow.
 Mask near_steps_along_x(const Measurement& m, const Renderer& renderer, const FloatImage& truth, double frame_mm,
                         double reach) {
   const int frames = static_cast<int>(std::ceil(reach / frame_mm));
@@ -124,12 +125,12 @@ Mask near_steps_along_x(const Measurement& m, const Renderer& renderer, const Fl
   return mask;
 }
 
-// The frames in which the line lies on the part: `count` rows of the maps from `first` on. The others count nowhere.
+// The frames in which the line lies on the part: `count` rows of the maps from `first` on. Other frames never count.
 struct FramesOnPart {
   int first = 0;
   int count = 0;
 
-  // `edge`: mm of the part's ends that do not count.
+  // `edge`: mm at each end of the part that do not count.
   FramesOnPart(const Measurement& m, const Rig& rig, const Scene& scene, double edge) {
     for (std::size_t k = 0; k < m.frames.size(); ++k) {
       if (std::abs(conveyed(scene).position(m.frames[k] / rig.camera.frame_rate_hz)) < kHalfLength - edge) {
@@ -142,7 +143,7 @@ struct FramesOnPart {
   [[nodiscard]] Mask of(const Mask& mask, int columns) const { return rows_of(mask, columns, first, count); }
 };
 
-// Adds the mean heights of the treads and the depths of the marks on them.
+// Adds the mean heights of the treads and the depths of their marks.
 void measure_treads(const Measurement& m, const Inspection& inspection, const Rig& rig, const Scene& scene,
                     std::size_t treads, SectionFigures& figures) {
   const Mask regions = tread_regions(inspection.x(), inspection.y(), m, rig, scene, treads);
@@ -160,7 +161,7 @@ void measure_treads(const Measurement& m, const Inspection& inspection, const Ri
 MethodFigures section_figures(const Measurement& m, const LightSection& setup, const Scene& scene, std::size_t treads,
                               const RenderOptions& render) {
   const Rig& rig = setup.rig;
-  const Renderer renderer(rig, scene, setup.pattern, render);  // for its truth
+  const Renderer renderer(rig, scene, setup.pattern, render);  // needed for its truth
   const double column_mm = m.by_mode[0].column_spacing_mm();
   const double frame_mm = rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz;
   const double reach = kStepColumns * column_mm;

@@ -25,12 +25,12 @@ double quantile(std::vector<float>& values, double share) {
   return static_cast<double>(*at);
 }
 
-// Rows and columns over which a thing reaches, of pixels that have six and more of 3 x 3 like them (with e = 0 single
-// rows of the background, in which noise moves a code one down, are matched at the other end of the window): from the
-// first to the last that have at least a quarter as many of its pixels as the fullest one, so that single pixels do not
-// count.
+// The rows and columns over which a thing extends. A pixel counts if at least six of its 3 x 3 pixels belong to the
+// thing: with e = 0, noise that moves a code down by one matches single rows of the background at the other end of the
+// window. The extent goes from the first to the last row (column) with at least a quarter as many pixels as the fullest
+// one, so that single pixels do not count.
 std::pair<double, double> extent(const FloatImage& difference, const Thing& thing, const FloatImage& true_difference) {
-  constexpr int kAround = 30;  // pixels about the true one in which it is looked for
+  constexpr int kAround = 30;  // pixels around the true extent in which the thing is looked for
   int row_0 = difference.rows;
   int row_1 = 0;
   int column_0 = difference.columns;

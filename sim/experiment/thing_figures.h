@@ -1,4 +1,4 @@
-// What a depth image says of a thing that moves over a reference, against the truth.
+// Compares a depth image of a thing that moves over a reference with the truth.
 #ifndef SELFPROJ_SIM_EXPERIMENT_THING_FIGURES_H
 #define SELFPROJ_SIM_EXPERIMENT_THING_FIGURES_H
 
@@ -11,19 +11,19 @@
 
 namespace selfproj {
 
-// What is to be measured: a moving thing in the part of the image with these columns.
+// The thing to measure: whatever moves in these columns of the image.
 struct Thing {
   std::string name;
   int column_0, column_1;
-  double least;  // mm over the reference from which on a pixel belongs to it, for its size
+  double least;  // mm over the reference above which a pixel belongs to the thing, for its size
 };
 
-// Of one depth image.
+// The figures of one depth image.
 struct ThingFigures {
-  std::size_t pixels = 0;  // that truly show it, in the projector's light
+  std::size_t pixels = 0;  // pixels that truly show the thing, in the projector's light
   std::size_t valid = 0;
-  double square = 0;                   // of z against the truth
-  double height = 0, true_height = 0;  // 95th of 100 parts of the differences from the reference
+  double square = 0;                   // sum of the squared errors of z
+  double height = 0, true_height = 0;  // 95th percentile of the differences from the reference
   double rows = 0, true_rows = 0;      // extent in pixels
   double columns = 0, true_columns = 0;
 
@@ -31,21 +31,21 @@ struct ThingFigures {
   [[nodiscard]] double rms() const { return std::sqrt(square / static_cast<double>(valid)); }
 };
 
-// `depth`, `truth`: z, mm, NaN where there is none; differences from the reference, mm, towards the camera positive.
-// Pixels show the thing where the true difference is more than 1 mm.
+// `depth` and `truth` are z in mm, NaN if there is none; differences from the reference are in mm, positive towards the
+// camera. A pixel shows the thing if its true difference is more than 1 mm.
 ThingFigures figures_of(const Thing& thing, const FloatImage& depth, const FloatImage& difference,
                         const FloatImage& truth, const FloatImage& true_difference);
 
-// All depth images of a thing by a method.
+// Summarizes all depth images of a thing by one method.
 class ThingSummary {
  public:
   void add(const ThingFigures& f);
 
-  // Of z, over the pixels of all images.
+  // RMS error of z over the pixels of all images.
   [[nodiscard]] double rms() const { return std::sqrt(square_ / valid_); }
 
-  // Depth images; valid, %; z RMS, that of the worst image; height, mean error, largest; rows, columns, mean errors;
-  // the largest error of either.
+  // Cells of a table: number of depth images; valid, %; RMS error of z, and that of the worst image; mean error of the
+  // height, and its largest; mean errors of rows and columns, and the largest error of either.
   [[nodiscard]] std::vector<std::string> cells() const;
 
  private:

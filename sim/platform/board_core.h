@@ -1,7 +1,7 @@
-// What computes inside the platform's board: the Verilated RTL, or the model with plausible timing in its place.
+// What computes inside the platform's board: the Verilated RTL, or the model with plausible timing.
 //
-// A core is told its inputs in the order of their clocks, ahead of its own time, and then run up to a clock. It knows
-// nothing of SystemC.
+// A core is told its inputs in the order of their clocks, ahead of its own time, and is then run up to a clock. It
+// knows nothing of SystemC.
 #ifndef SELFPROJ_SIM_PLATFORM_BOARD_CORE_H
 #define SELFPROJ_SIM_PLATFORM_BOARD_CORE_H
 
@@ -16,26 +16,26 @@
 
 namespace selfproj {
 
-// A bus of its own clock.
+// A bus with its own clock.
 struct BusOptions {
   std::uint64_t period_ps = 8000;  // 125 MHz
   std::uint64_t phase_ps = 1234;
   int stall_percent = 0;         // share of bus clocks in which the sink is not ready, 0..95
-  double hold_ups_a_second = 0;  // now and then the sink takes nothing at all ...
-  double hold_up_s = 0;          // ... for up to so long
+  double hold_ups_a_second = 0;  // how often the sink takes nothing at all ...
+  double hold_up_s = 0;          // ... for up to this long
 };
 
 struct BoardCoreOptions {
   double pixel_clock_hz = kDefaultPixelClockHz;
   BusOptions bus = {};
-  std::uint64_t seed = 1;  // of the stalls
+  std::uint64_t seed = 1;  // seed of the stalls
   int patterns = 1;        // the sequencer counts frames modulo this
-  bool codes = false;  // the build with the Gray-code decoder, for images up to 512 x 512; it has binary moments only
-  std::string trace_file;  // FST; empty: none. Engine rtl only
+  bool codes = false;      // build with the Gray-code decoder, for images up to 512 x 512; binary moments only
+  std::string trace_file;  // FST file; empty: none; engine rtl only
   std::uint64_t trace_from_clock = 0;
 };
 
-// The board's own counters, as read from its registers at the end.
+// The board's own counters, read from its registers at the end.
 struct BoardCounters {
   std::uint64_t frames = 0;        // frame starts accepted
   std::uint64_t broken = 0;        // frames that broke
@@ -43,12 +43,12 @@ struct BoardCounters {
   std::uint64_t lost_moments = 0;  // packets lost in full FIFOs
   std::uint64_t lost_image = 0;
   std::uint64_t lost_codes = 0;
-  std::uint64_t abandoned = 0;  // frames after which the decoder waits for plane 0 though they were good
+  std::uint64_t abandoned = 0;  // good frames after which the decoder waits for plane 0
 };
 
 class BoardCore {
  public:
-  // A packet and when its last beat was taken, in picoseconds since the edge of clock 0.
+  // Receives a packet and the time at which its last beat was taken, in picoseconds since the edge of clock 0.
   using PacketSink = std::function<void(std::span<const std::uint8_t> bytes, std::uint64_t time_ps)>;
 
   BoardCore() = default;
@@ -58,37 +58,37 @@ class BoardCore {
 
   virtual void on_packet(PacketSink sink) = 0;
 
-  // Sets the registers, as the host does; takes some hundred clocks. Throws std::runtime_error where the board refuses.
+  // Sets the registers as the host does; takes some hundred clocks. Throws std::runtime_error if the board refuses.
   virtual void write(const BoardSettings& settings) = 0;
 
   // The number of the next clock edge.
   [[nodiscard]] virtual std::uint64_t clock() const = 0;
 
-  // Inputs, none before clock(), each call at the clock of the last one or later (the clock of a line is its first
-  // beat's).
+  // Inputs. None may be before clock(), and each must be at the clock of the last one or later. The clock of a line is
+  // that of its first beat.
   virtual void line(std::uint64_t clock, std::span<const std::uint8_t> pixels, bool frame_start) = 0;
   virtual void encoder(std::uint64_t clock, bool a, bool b) = 0;
   virtual void stall(std::uint64_t clock, int percent) = 0;
 
-  // Runs up to this clock, not including it; what is in the past already is no error.
+  // Runs up to this clock, not including it. A clock in the past is no error.
   virtual void run_to(std::uint64_t clock) = 0;
 
-  // Runs until no packet is on its way. The sink must not stall for good.
+  // Runs until no packet is on its way. The sink must not stall forever.
   virtual void drain() = 0;
 
   [[nodiscard]] virtual BoardCounters counters() = 0;
 };
 
-// The model of the board. Its packets are the RTL's, byte for byte, as long as the RTL loses none; they come when the
-// RTL's would come to within some clocks, from FIFOs that are never full.
+// The model of the board. Its packets are the RTL's, byte for byte, as long as the RTL loses none. They come within
+// some clocks of the RTL's times, from FIFOs that are never full.
 std::unique_ptr<BoardCore> make_model_core(const BoardCoreOptions& options);
 
-// The Verilated board; only where SELFPROJ_HAS_RTL_PLATFORM is defined. With a trace file it is the build with
-// waveforms, which is slower from the first clock on.
+// The Verilated board; only if SELFPROJ_HAS_RTL_PLATFORM is defined. A trace file selects the build with waveforms,
+// which is slower from the first clock on.
 std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options);
 
-// The same board with SystemC shells (hls/shells) in the places of blocks: with codes, of decoder and median, else of
-// the column moments. Their kernel has to run when beats come. Where SELFPROJ_HAS_RTL_PLATFORM is defined.
+// The same board with SystemC shells (hls/shells) in place of blocks: decoder and median with codes, else the column
+// moments. Their kernel must be running when beats come. Only if SELFPROJ_HAS_RTL_PLATFORM is defined.
 std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options);
 
 }  // namespace selfproj

@@ -8,8 +8,8 @@
 
 namespace selfproj {
 
-// A frame begins every `frame_clocks`; its lines begin every `line_clocks`, the first with the frame, and carry one
-// beat a clock from their beginning on. What is left of a line and, after the last line, of the frame, is blank.
+// A frame begins every `frame_clocks`. Its lines begin every `line_clocks`, the first with the frame, and carry one
+// beat a clock from their beginning. The rest of a line and, after the last line, of the frame is blank.
 //
 //     frame   |<------------------------ frame_clocks ------------------------>|
 //     line 1  |beats|blank|
@@ -25,9 +25,9 @@ struct CameraTiming {
   [[nodiscard]] std::uint64_t beats() const { return beats_a_line() * static_cast<std::uint64_t>(rows); }
 };
 
-// The timing at a frame rate and a pixel clock: floor(clock / rate) clocks a frame (15,120 at 10,000 fps and 151.2
-// MHz), lines spread evenly over the frame. Where that is too short for the beats and the smallest blanking (`blank`
-// clocks a line), the frames follow as fast as that allows. Rows and columns as the board takes them; rate > 0.
+// The timing for a frame rate and a pixel clock: floor(clock / rate) clocks a frame (15,120 at 10,000 fps and 151.2
+// MHz), with lines spread evenly over the frame. If that is too short for the beats and the smallest blanking (`blank`
+// clocks a line), frames follow as fast as these allow. Rows and columns must suit the board; rate > 0.
 CameraTiming camera_timing(int rows, int columns, double frame_rate_hz, double pixel_clock_hz = kDefaultPixelClockHz,
                            std::uint64_t blank = 4);
 

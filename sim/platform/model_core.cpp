@@ -1,5 +1,5 @@
-// The model of the board with the RTL's timing, but for some clocks: packets come out a fixed latency after the last
-// beat, and then a beat in every bus clock in which the sink is ready, on average.
+// The model of the board with nearly the RTL's timing: packets come out a fixed latency after the last beat, and then
+// on average with one beat in every bus clock in which the sink is ready.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -65,14 +65,14 @@ class ModelCore final : public BoardCore {
   struct Waiting {
     std::vector<std::uint8_t> bytes;
     double ready_ps;  // when its first beat can be on the bus
-    double beats;     // that are still to be taken
+    double beats;     // beats still to be taken
   };
 
   static constexpr std::uint64_t kWriteClocks = 200;
 
   [[nodiscard]] double time_ps(std::uint64_t clock) const { return static_cast<double>(clock * clock_ps_); }
 
-  // Clocks from the last beat of a frame until the whole packet is in its FIFO and seen from the bus.
+  // Clocks from the last beat of a frame until the whole packet is in its FIFO and visible to the bus.
   static double latency(const PacketHeader& header) {
     constexpr double kBinary = 20;
     const double groups = header.columns / 4.0;
@@ -87,7 +87,7 @@ class ModelCore final : public BoardCore {
     waiting_.push_back(std::move(next));
   }
 
-  // The bus takes what it can up to a time.
+  // Lets the bus take packets up to a time.
   void run_bus(double end) {
     while (!waiting_.empty() && stall_percent_ < 100) {
       Waiting& next = waiting_.front();
@@ -103,7 +103,7 @@ class ModelCore final : public BoardCore {
         break;
       }
       bus_ps_ = done;
-      // The callback may look at the queue no more than at the model.
+      // The callback must find the queue, like the model, in a consistent state.
       const Waiting out = std::move(next);
       waiting_.pop_front();
       if (sink_) {
@@ -120,7 +120,7 @@ class ModelCore final : public BoardCore {
   PacketSink sink_;
   std::deque<Waiting> waiting_;
   std::uint64_t clock_ = 0;
-  double bus_ps_ = 0;  // up to when the bus has run
+  double bus_ps_ = 0;  // time up to which the bus has run
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The model of the board behind the platform's inputs: lines and encoder levels instead of beats.
+// The model of the board behind the platform's inputs, which are lines and encoder levels, not beats.
 #ifndef SELFPROJ_SIM_PLATFORM_MODEL_FEED_H
 #define SELFPROJ_SIM_PLATFORM_MODEL_FEED_H
 
@@ -35,16 +35,16 @@ class ModelFeed {
     }
   }
 
-  // New levels of the encoder: one step forward where A leads, back where B does.
+  // New levels of the encoder: one step forward if A leads, back if B does.
   void encoder(bool a, bool b) {
-    constexpr std::array<unsigned, 4> kPhase{0, 1, 3, 2};  // of the levels b a
+    constexpr std::array<unsigned, 4> kPhase{0, 1, 3, 2};  // phase of the levels b a
     const unsigned phase = kPhase[(a ? 1U : 0U) | (b ? 2U : 0U)];
     const unsigned step = (phase - phase_) & 3U;
     count_ += step == 1 ? 1U : step == 3 ? ~0U : 0U;
     phase_ = phase;
   }
 
-  // Of the last beat.
+  // The clock of the last beat.
   [[nodiscard]] std::uint64_t clock() const { return clock_; }
   [[nodiscard]] const BoardModel& model() const { return model_; }
 

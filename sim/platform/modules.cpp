@@ -10,14 +10,14 @@
 
 #include "model/column_moments.h"
 
-// After <systemc>, which it needs and does not include.
+// Must come after <systemc>, which it needs and does not include.
 #include <tlm_utils/tlm_quantumkeeper.h>
 
 namespace selfproj {
 namespace {
 
-// Threads that call code of others (image files, the Verilated board) need more than SystemC's own stack; memory is
-// taken only as far as it is used.
+// Threads that call foreign code (image files, the Verilated board) need more than SystemC's own stack. Memory is only
+// taken as far as it is used.
 constexpr std::size_t kStackBytes = std::size_t{8} << 20U;
 
 std::uint64_t clock_of_time(const sc_core::sc_time& time, const sc_core::sc_time& period) {
@@ -115,7 +115,7 @@ void Conveyor::turn() {
         if (local.need_sync()) {
           local.sync();
         }
-        // Forward: A leads B.
+        // Forward means that A leads B.
         const auto phase = static_cast<unsigned>(step & 3U);
         for (int i = 0; i < encoder.size(); ++i) {
           encoder[i]->encoder(clock, phase == 1 || phase == 2, phase == 2 || phase == 3);
@@ -148,7 +148,7 @@ void Board::run() {
         break;
       }
       core_->run_to(known);
-      // A core with modules of its own lets others run meanwhile; what they promised is not waited for again.
+      // A core with modules of its own lets others run meanwhile. Do not wait again for what they promised.
       if (std::min({video_until_, encoder_until_, stall_until_}) == known) {
         wait(promised_);
       }
@@ -193,7 +193,7 @@ void BusSink::deliver() {
   });
 }
 
-// Now and then nothing is taken for a while: an interrupt, another master on the bus.
+// Sometimes nothing is taken for a while, as with an interrupt or another master on the bus.
 void BusSink::hold_up() {
   guard([this] {
     const auto clocks = [&](double seconds) {
@@ -202,7 +202,7 @@ void BusSink::hold_up() {
               1, static_cast<std::uint64_t>(seconds * 1e12 / static_cast<double>(options_.period_ps))) *
           options_.period_ps);
     };
-    // Says what will be from a time on, and sleeps until then.
+    // Announces what will hold from a time on, and sleeps until then.
     sc_core::sc_time then = sc_core::SC_ZERO_TIME;
     const auto pass = [&](double seconds) {
       then += clocks(seconds);

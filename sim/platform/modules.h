@@ -23,14 +23,14 @@
 
 namespace selfproj {
 
-// The inputs that several modules tell, each in the order of its clocks, in the order of all clocks.
+// Merges the inputs of several modules, each in the order of its clocks, into the order of all clocks.
 class InputMerge {
  public:
   void line(const VideoLine& line);
   void encoder(std::uint64_t clock, bool a, bool b) { encoder_.push_back({clock, a, b}); }
   void stall(std::uint64_t clock, int percent) { stalls_.push_back({clock, percent}); }
 
-  // Hands everything before `end` to `to` (line, encoder, stall as in BoardCore); at one clock lines come last.
+  // Passes everything before `end` to `to` (line, encoder, stall as in BoardCore). At equal clocks lines come last.
   template <class To>
   void take(std::uint64_t end, To&& to) {
     for (;;) {
@@ -69,13 +69,13 @@ class InputMerge {
   };
 
   std::deque<Line> lines_;
-  std::vector<std::vector<std::uint8_t>> spare_;  // to be used again
+  std::vector<std::vector<std::uint8_t>> spare_;  // kept for reuse
   std::deque<Encoder> encoder_;
   std::deque<Stall> stalls_;
 };
 
-// A module whose threads call code that may throw. SystemC would turn that into a message of its own; here the first
-// exception is kept, the simulation stops, and Platform::run throws it again.
+// A module whose threads call code that may throw. SystemC would turn an exception into a message of its own. Here the
+// first exception is kept, the simulation stops, and Platform::run rethrows it.
 class GuardedModule : public sc_core::sc_module {
  public:
   using sc_core::sc_module::sc_module;
@@ -98,10 +98,10 @@ class GuardedModule : public sc_core::sc_module {
   std::exception_ptr failure_;
 };
 
-// Gives the frames of a source, line by line, each at its time.
+// Sends the frames of a source, line by line, each at its time.
 class Camera : public GuardedModule {
  public:
-  // The next frame, valid until the next call; nothing: there are no more.
+  // The next frame, valid until the next call; nothing if there are no more.
   using Source = std::function<std::optional<ImageView>()>;
 
   sc_core::sc_port<VideoInterface, 2> video{"video"};
@@ -123,7 +123,7 @@ class Camera : public GuardedModule {
   std::uint64_t frames_ = 0;
 };
 
-// The belt, whose encoder turns one step every so many clocks (at least 4; 0: it stands).
+// The belt, whose encoder turns one step every so many clocks (at least 4; 0: it stands still).
 class Conveyor : public GuardedModule {
  public:
   sc_core::sc_port<EncoderInterface, 2> encoder{"encoder"};
@@ -148,7 +148,7 @@ class Board : public GuardedModule, public VideoInterface, public EncoderInterfa
   sc_core::sc_export<BusReadyInterface> bus_ready{"bus_ready"};
   sc_core::sc_port<PacketInterface> bus{"bus"};
 
-  // `core` has its registers set and has not got to the first input yet.
+  // `core` has its registers set and has not reached the first input yet.
   Board(const sc_core::sc_module_name& name, std::unique_ptr<BoardCore> core);
 
   void line(const VideoLine& line) override { inputs_.line(line); }
@@ -175,7 +175,7 @@ class Board : public GuardedModule, public VideoInterface, public EncoderInterfa
   sc_core::sc_event promised_;
 };
 
-// The receiving end of the bus, with a clock of its own; hands every packet on at the time of its last beat.
+// The receiving end of the bus, with its own clock. Passes every packet on at the time of its last beat.
 class BusSink : public GuardedModule, public PacketInterface {
  public:
   using Receiver = std::function<void(std::span<const std::uint8_t> bytes, std::uint64_t time_ps)>;
@@ -211,7 +211,7 @@ class BusSink : public GuardedModule, public PacketInterface {
   std::uint64_t hold_ups_ = 0;
 };
 
-// Feeds the model of the board with what the board sees, and keeps the packets it makes until the board's are compared
+// Feeds the model of the board with what the board sees, and keeps the model's packets until the board's are compared
 // with them.
 class ReferenceModel : public sc_core::sc_module, public VideoInterface, public EncoderInterface {
  public:

@@ -12,17 +12,17 @@
 #include "model/pixel_clock.h"
 #include "sim/platform/modules.h"
 
-// The library has a main function that calls this one. The programs have their own.
+// SystemC's library has a main function that calls this one. The programs have their own main.
 int sc_main(int /*argc*/, char** /*argv*/) { return 0; }
 
 namespace selfproj {
 namespace {
 
-// SystemC elaborates once in the life of a kernel: every platform has a kernel of its own in place of the default one.
+// SystemC elaborates once in the life of a kernel, so every platform replaces the default kernel with one of its own.
 class Kernel {
  public:
-  // SystemC 2.3.4 frees what a port's reset_signal_is() leaves behind when it elaborates, and again with the kernel:
-  // one whose modules have clocked threads with a reset is left where it is, some kilobytes.
+  // SystemC 2.3.4 frees what a port's reset_signal_is() leaves behind when it elaborates, and again with the kernel. A
+  // kernel whose modules have clocked threads with a reset is therefore never freed, which costs some kilobytes.
   explicit Kernel(bool has_resets) : has_resets_(has_resets) {
     if (std::exchange(alive, true)) {
       throw std::logic_error("two platforms at once");

@@ -111,7 +111,7 @@ class RtlCore : public BoardCore {
     }
   }
 
-  // Queues the clocks without a beat from the end of what is queued to this clock.
+  // Queues clocks without a beat, from the end of the queue up to this clock.
   void wait_until(std::uint64_t clock) {
     const std::uint64_t from = std::max(queue_end_, device_.clock());
     if (clock < from) {
@@ -125,10 +125,10 @@ class RtlCore : public BoardCore {
   int patterns_;
   std::uint64_t trace_from_;
   std::uint64_t origin_ps_ = 0;
-  std::uint64_t queue_end_ = 0;  // clock at which all that was queued is in
+  std::uint64_t queue_end_ = 0;  // clock at which everything queued has been sent
 };
 
-// Boards with SystemC shells in the places of blocks. The shells are there before the board's first clock.
+// Boards with SystemC shells in place of blocks. The shells exist before the board's first clock.
 struct MomentsShell {
   ColumnMomentsSlot moments{"column_moments"};
 };

@@ -11,19 +11,20 @@
 namespace selfproj {
 namespace {
 
-// Whether a clock is one of a frame, and whether it takes settings over; between frames the board does so all the time.
+// Whether this is a clock of a frame, and whether it takes settings over, which the board does all the time between
+// frames.
 bool has_beat(const ColumnMomentsPins& pins) { return pins.beat_valid_i != 0 || pins.break_i != 0; }
 bool has_beat(const GrayDecoderPins& pins) {
   return pins.beat_valid_i != 0 || pins.break_i != 0 || pins.frame_start_i != 0;
 }
 bool has_beat(const Median3x3Pins& pins) { return pins.s_valid_i != 0 || pins.s_break_i != 0; }
 
-// Moments get theirs with the beats, and the median with a frame's start.
+// The moments get their settings with the beats, and the median with a frame's start.
 bool has_settings(const ColumnMomentsPins& /*pins*/) { return false; }
 bool has_settings(const GrayDecoderPins& pins) { return pins.take_i != 0; }
 bool has_settings(const Median3x3Pins& /*pins*/) { return false; }
 
-// Clocks after which all has left that came in: some registers; behind them a line of codes, or moments at half speed.
+// Clocks after which everything that came in has left: some registers, then a line of codes, or moments at half speed.
 constexpr int kRegisters = 32;
 int longest_way(const ColumnMomentsPins& /*pins*/) { return spec::kMaxColumns / 2 + kRegisters; }
 int longest_way(const GrayDecoderPins& /*pins*/) { return kRegisters; }
@@ -67,7 +68,7 @@ ShellSlot<Block, Pins>& ShellSlot<Block, Pins>::present() {
 template <class Block, class Pins>
 void ShellSlot<Block, Pins>::start() {
   constexpr int kResetClocks = 4;
-  constexpr int kSettlingClocks = 8;  // settings are in force at the latest so many clocks after they came
+  constexpr int kSettlingClocks = 8;  // settings are in force at most this many clocks after they came
   pins_.rst_i = 1;
   for (int i = 0; i < kResetClocks; ++i) {
     block_.clock(pins_);
@@ -116,7 +117,7 @@ template class ShellSlot<Median3x3Block, Median3x3Pins>;
 
 namespace {
 
-// One after the other out of a word, from bit 0: as the SystemVerilog packs them.
+// Takes values out of a word, one after another from bit 0, as the SystemVerilog packs them.
 class Bits {
  public:
   explicit Bits(unsigned word) : word_(word) {}
@@ -130,7 +131,7 @@ class Bits {
   unsigned word_;
 };
 
-// The same the other way round.
+// Packs values in the same way.
 class Flags {
  public:
   Flags& add(unsigned value, unsigned width = 1) {
@@ -163,7 +164,7 @@ std::uint64_t long_of(const svBitVecVal* words) { return std::uint64_t{words[1]}
 }  // namespace
 }  // namespace selfproj
 
-// Called by the modules of sim/board/shells of the same names, which say what the bits are.
+// Called by the modules of the same names in sim/board/shells, which define the bits.
 
 extern "C" void selfproj_shell_column_moments(unsigned flags, unsigned pixels, unsigned group, unsigned row,
                                               unsigned mode, unsigned threshold, unsigned* answer, svBitVecVal* data) {

@@ -1,4 +1,4 @@
-// The blocks of pixels into which an image is cut, with the margin around it that the lens draws from.
+// The blocks of pixels into which an image is divided, with the margin around it that the lens gathers light from.
 #ifndef SELFPROJ_SIM_SCENE_BLOCK_GRID_H
 #define SELFPROJ_SIM_SCENE_BLOCK_GRID_H
 
@@ -12,12 +12,12 @@
 namespace selfproj {
 
 inline constexpr int kBlockPixels = 4;                              // along a side of a block
-inline constexpr int kBlockSide = kBlockPixels * kSubPixels;        // sub-pixels, likewise
-inline constexpr int kBlockSamples = kBlockSide * kBlockSide;       // sub-pixels of a block
+inline constexpr int kBlockSide = kBlockPixels * kSubPixels;        // sub-pixels along a side of a block
+inline constexpr int kBlockSamples = kBlockSide * kBlockSide;       // sub-pixels in a block
 using BlockValues = std::array<float, std::size_t{kBlockSamples}>;  // grey values of a block's sub-pixels, row by row
 
-// Blocks, and nodes at their corners, the middles of their sides and their middles: node (2 down, 2 across) is the
-// upper left corner of block (down, across).
+// Blocks, and nodes at their corners, in the middles of their sides and in their middles. Node (2 down, 2 across) is
+// the upper left corner of block (down, across).
 class BlockGrid {
  public:
   BlockGrid(const RigCamera& camera, int margin)
@@ -25,8 +25,8 @@ class BlockGrid {
         down_((camera.rows + 2 * margin + kBlockPixels - 1) / kBlockPixels),
         across_((camera.columns + 2 * margin + kBlockPixels - 1) / kBlockPixels) {}
 
-  [[nodiscard]] int margin() const { return margin_; }  // pixels
-  [[nodiscard]] int down() const { return down_; }      // blocks
+  [[nodiscard]] int margin() const { return margin_; }  // in pixels
+  [[nodiscard]] int down() const { return down_; }      // in blocks
   [[nodiscard]] int across() const { return across_; }
   [[nodiscard]] int nodes_down() const { return 2 * down_ + 1; }
   [[nodiscard]] int nodes_across() const { return 2 * across_ + 1; }
@@ -44,7 +44,7 @@ class BlockGrid {
     return block((row + margin_) / kBlockPixels, (column + margin_) / kBlockPixels);
   }
 
-  // Places in the image; pixel (r, c) reaches from r - 0.5 to r + 0.5.
+  // Places in the image. Pixel (r, c) extends from r - 0.5 to r + 0.5.
   [[nodiscard]] PixelPoint node_pixel(int down, int across) const {
     constexpr double kStep = kBlockPixels / 2.0;
     return {down * kStep - margin_ - 0.5, across * kStep - margin_ - 0.5};

@@ -17,7 +17,7 @@ Point3 upper(Point3 a, Point3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y
 
 double square(double a) { return a * a; }
 
-// Of a point from a straight line, squared.
+// The squared distance of a point from a straight line.
 double distance_2(const Ray& line, Point3 p) {
   const Point3 d = p - line.from;
   const double along = dot(d, line.along);
@@ -31,7 +31,7 @@ double checked_albedo(double albedo) {
   return albedo;
 }
 
-// Of the ball of radius 1 about the origin: where a ray enters and leaves it.
+// Where a ray enters and leaves a ball about the origin.
 bool through_ball(Point3 from, Point3 along, double radius_2, double& enters, double& leaves) {
   const double a = dot(along, along);
   const double b = dot(from, along);
@@ -105,8 +105,8 @@ Capsule::Capsule(Point3 a, Point3 b, double radius, double albedo)
   }
 }
 
-// A ray enters by the cylinder's side where it meets the endless cylinder between the ends, else by the ball at the end
-// beyond which it does: through the other it could only come from inside the cylinder.
+// A ray enters by the cylinder's side if it meets the endless cylinder between the ends, and otherwise by the ball at
+// the end beyond which it does. Through the other ball it could only come from inside the cylinder.
 bool Capsule::meets(const Ray& ray, double most, Meeting& meeting) const {
   const Point3 axis = b_ - a_;
   const double length_2 = dot(axis, axis);
@@ -116,13 +116,13 @@ bool Capsule::meets(const Ray& ray, double most, Meeting& meeting) const {
   const Point3 across = ray.along - along_along * axis;
   double s = 0;
   double leaves = 0;
-  double place = along_along > 0 ? -1 : 2;  // of a ray along the axis
+  double place = along_along > 0 ? -1 : 2;  // for a ray along the axis
   if (through_ball(from - from_along * axis, across, radius_ * radius_, s, leaves)) {
     place = from_along + s * along_along;
   } else if (dot(across, across) > 0) {
-    return false;  // not even the endless cylinder
+    return false;  // it misses even the endless cylinder
   }
-  Point3 nearest = a_ + place * axis;  // of the axis
+  Point3 nearest = a_ + place * axis;  // the nearest point of the axis
   if (place < 0 || place > 1) {
     nearest = place < 0 ? a_ : b_;
     if (!through_ball(ray.from - nearest, ray.along, radius_ * radius_, s, leaves)) {
@@ -141,12 +141,12 @@ bool Capsule::blocks(const Ray& ray, double most) const {
   return meets(ray, most, unused);
 }
 
-// The shortest way between two straight lines, the second from a to b only.
+// The shortest distance between two straight lines, the second of which ends at a and b.
 bool Capsule::is_near(const Ray& line, double slack) const {
   const Point3 axis = b_ - a_;
   const Point3 from = a_ - line.from;
   const double ll = dot(line.along, line.along);
-  // What of both stands upright on the line: its distance from it is |from + u axis| of these.
+  // The components of both that are perpendicular to the line. The distance from the line is |from + u axis| of these.
   const Point3 from_up = from - dot(from, line.along) / ll * line.along;
   const Point3 axis_up = axis - dot(axis, line.along) / ll * line.along;
   const double aa = dot(axis_up, axis_up);

@@ -1,4 +1,4 @@
-// Bodies that hang in the air, as they stand at one instant. World frame of host/rig/rig.h, mm.
+// Bodies in the air at one instant. World frame of host/rig/rig.h, mm.
 #ifndef SELFPROJ_SIM_SCENE_BODY_H
 #define SELFPROJ_SIM_SCENE_BODY_H
 
@@ -10,7 +10,7 @@
 
 namespace selfproj {
 
-// The points from + s along, s > 0; `along` may have any length.
+// The points from + s along with s > 0; `along` may have any length.
 struct Ray {
   Point3 from;
   Point3 along;
@@ -19,16 +19,16 @@ struct Ray {
 // Where a ray meets a body.
 struct Meeting {
   double s = 0;
-  Point3 normal;  // of the body, outwards, of length 1
+  Point3 normal;  // outward normal of the body, of length 1
 };
 
-// A box along the axes, bounds included.
+// A box with sides along the axes, bounds included.
 struct Cuboid {
   Point3 low;
   Point3 high;
 };
 
-// A convex body, or a surface that throws no shadow. May be called by several threads at once.
+// A convex body, or a surface that throws no shadow. Several threads may call it at once.
 class Body {
  public:
   Body() = default;
@@ -39,23 +39,22 @@ class Body {
   // Whether the ray enters the body at 0 < s < most, and where.
   [[nodiscard]] virtual bool meets(const Ray& ray, double most, Meeting& meeting) const = 0;
 
-  // Whether the body keeps light from coming along the ray between s = 0 and s = most.
+  // Whether the body blocks light along the ray between s = 0 and s = most.
   [[nodiscard]] virtual bool blocks(const Ray& ray, double most) const = 0;
 
-  // False only where the straight line of the ray, to both sides without end, nowhere comes as near to the body as
-  // `slack` mm.
+  // False only if the straight line of the ray, extended to both sides, nowhere comes within `slack` mm of the body.
   [[nodiscard]] virtual bool is_near(const Ray& line, double slack) const = 0;
 
-  // Where all of it is.
+  // A box that contains the body.
   [[nodiscard]] virtual Cuboid bounds() const = 0;
 
-  // Share of light that it throws back, evenly in all directions, 0..1.
+  // The share of light that it scatters, evenly in all directions, 0..1.
   [[nodiscard]] virtual double albedo() const { return 1; }
 };
 
 using Bodies = std::vector<std::unique_ptr<Body>>;
 
-// Half-axes along three directions at right angles, each of length 1.
+// An ellipsoid with half-axes along three perpendicular directions of length 1.
 class Ellipsoid final : public Body {
  public:
   Ellipsoid(Point3 centre, const std::array<Point3, 3>& axes, Point3 half, double albedo = 1);
@@ -69,13 +68,13 @@ class Ellipsoid final : public Body {
   [[nodiscard]] bool enters(const Ray& ray, double& s, double& leaves) const;
 
   Point3 centre_;
-  double longest_;                   // half-axis
-  std::array<Point3, 3> to_sphere_;  // rows of the map to the ball of radius 1
+  double longest_;                   // longest half-axis
+  std::array<Point3, 3> to_sphere_;  // rows of the map to the unit ball
   Cuboid bounds_;
   double albedo_;
 };
 
-// All points not further than `radius` from the straight line from a to b: fingers, arms.
+// All points within `radius` of the straight line from a to b: fingers, arms.
 class Capsule final : public Body {
  public:
   Capsule(Point3 a, Point3 b, double radius, double albedo = 1);
@@ -91,7 +90,7 @@ class Capsule final : public Body {
   double albedo_;
 };
 
-// Along the axes.
+// A box with sides along the axes.
 class Block final : public Body {
  public:
   explicit Block(const Cuboid& box, double albedo = 1);

@@ -15,11 +15,11 @@
 namespace selfproj {
 namespace {
 
-// Part of the image, in pixels.
+// A part of the image, in pixels.
 class ImageBounds {
  public:
-  // Takes in what the camera sees of a point; all of the image where that is nearer than 1 mm before the pinhole, since
-  // it may be seen anywhere.
+  // Extends to the image of a point. Extends to the whole image if the point is nearer than 1 mm in front of the
+  // pinhole, because it may then be seen anywhere.
   void add(const Pinhole& camera, Point3 p) {
     if (p.z < kNear) {
       constexpr double kFar = 1e6;
@@ -34,7 +34,7 @@ class ImageBounds {
     column_1_ = std::max(column_1_, pixel.column);
   }
 
-  // Sets a body's bit in the masks of the blocks there.
+  // Sets the bit of a body in the masks of the blocks there.
   void mark(const RigCamera& camera, const BlockGrid& grid, std::size_t body, std::vector<std::uint32_t>& masks) const {
     const int margin = grid.margin();
     if (row_1_ < -margin - 0.5 || column_1_ < -margin - 0.5 || row_0_ > camera.rows + margin ||
@@ -60,8 +60,8 @@ class ImageBounds {
   double column_1_ = std::numeric_limits<double>::lowest();
 };
 
-// Marks the blocks in which a body of these bounds may be seen, and those on whose points its shadow may fall: what
-// lies behind it as the projector sees it, down to the deepest surface.
+// Marks the blocks in which a body with these bounds may be seen, and those on whose points its shadow may fall, that
+// is, all that lies behind it as the projector sees it, down to the deepest surface.
 void mark(const Rig& rig, const StillSurface& still, std::size_t body, const Cuboid& bounds, BodyMotion& motion) {
   const Point3 centre = still.projector().centre();
   const double deepest = rig.plane_z_mm - still.heights().low;
@@ -76,7 +76,7 @@ void mark(const Rig& rig, const StillSurface& still, std::size_t body, const Cub
         if (z >= deepest) {
           continue;
         }
-        const double below = z - centre.z;  // the projector
+        const double below = z - centre.z;  // below the projector
         shadow.add(still.camera(),
                    below > ImageBounds::kNear ? centre + (deepest - centre.z) / below * (corner - centre) : Point3{});
       }
@@ -86,7 +86,7 @@ void mark(const Rig& rig, const StillSurface& still, std::size_t body, const Cub
   shadow.mark(rig.camera, still.grid(), body, motion.shaded);
 }
 
-// Those bodies of a mask that come as near to the line as `slack` at one of the three times at least.
+// The bodies of a mask that come within `slack` of the line at one of the three times.
 std::uint32_t near_ones(const BodyMotion& motion, std::uint32_t mask, const Ray& line, double slack) {
   std::uint32_t result = mask;
   for (std::uint32_t rest = mask; rest != 0; rest &= rest - 1) {
@@ -99,8 +99,8 @@ std::uint32_t near_ones(const BodyMotion& motion, std::uint32_t mask, const Ray&
   return result;
 }
 
-// Takes out of the blocks' masks the bodies that are too far from the block's rays, and from those of the light on the
-// surface in it. `way`: what a body moves between two of the three times that are looked at.
+// Removes from the masks of the blocks the bodies that are too far from the block's rays, and from the rays of light to
+// the surface in it. `way` is how far a body moves between two of the three times.
 void narrow(const Rig& rig, const StillSurface& still, double way, BodyMotion& motion) {
   const BlockGrid& grid = still.grid();
   const double deepest = rig.plane_z_mm - still.heights().low;
@@ -128,7 +128,7 @@ void narrow(const Rig& rig, const StillSurface& still, double way, BodyMotion& m
   }
 }
 
-// The bounds of a body at all times that are looked at.
+// The bounds of a body over all sampled times.
 Cuboid bounds_of(const BodyMotion& motion, std::size_t body) {
   Cuboid all = motion.ends[0].at(body)->bounds();
   const auto join = [&](const Bodies& bodies) {

@@ -15,11 +15,11 @@
 namespace selfproj {
 
 struct BodyMotion {
-  int passes = 1;                // each sub-pixel is looked at so often, at other instants
-  std::array<Bodies, 3> ends;    // begin, middle and end of the exposure
-  std::vector<Bodies> instants;  // kSubPixels passes
-  // Of each block, the bodies that may be seen in it, and those whose shadows may fall on what is seen in it: a bit
-  // each. Empty where the scene has no bodies.
+  int passes = 1;                // how many instants each sub-pixel is sampled at
+  std::array<Bodies, 3> ends;    // at the beginning, middle and end of the exposure
+  std::vector<Bodies> instants;  // at each of the kSubPixels * passes instants
+  // For each block a mask of the bodies that may be seen in it, and a mask of those whose shadows may fall on what is
+  // seen in it. Empty if the scene has no bodies.
   std::vector<std::uint32_t> seen;
   std::vector<std::uint32_t> shaded;
 
@@ -27,7 +27,7 @@ struct BodyMotion {
   [[nodiscard]] bool touches(std::size_t block) const { return !seen.empty() && (seen[block] | shaded[block]) != 0; }
 };
 
-// `middle`, `exposure`: s; an exposure of 0 is an instant.
+// `middle` and `exposure` are in s; an exposure of 0 is an instant.
 BodyMotion body_motion(const Rig& rig, const Scene& scene, const StillSurface& still, double middle, double exposure);
 
 }  // namespace selfproj

@@ -19,14 +19,14 @@ constexpr double kRadians = std::numbers::pi / 180;
 
 Point3 cross(Point3 a, Point3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
-// The vector turned about an axis of length 1 (Rodrigues).
+// The vector, turned about an axis of length 1 (Rodrigues).
 Point3 turned(Point3 v, Point3 axis, double angle) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
   return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis;
 }
 
-// Whether camera and projector see the board whole.
+// Checks whether camera and projector see the whole board.
 class Visible {
  public:
   Visible(const Rig& rig, const ChessboardShape& shape)
@@ -64,7 +64,7 @@ class Visible {
   Pinhole camera_, projector_;
 };
 
-// The middle of what both see of the plane z = `z`: of the rectangles, as both are nearly.
+// The middle of what both see of the plane z = `z`. Uses rectangles, which both views nearly are.
 Point3 middle_of_view(const Rig& rig, double z) {
   const Pinhole camera = Pinhole::of_camera(rig.camera);
   const Pinhole projector = Pinhole::of_projector(rig.projector);
@@ -117,13 +117,13 @@ double ChessboardScene::albedo(double x, double y, double t) const {
   const double across =
       dot(from, place_.right) / shape_.square_mm + (shape_.across - 1) / 2.0;  // 0 at the first corner
   const double down = dot(from, place_.below) / shape_.square_mm + (shape_.down - 1) / 2.0;
-  // 1 and -1 in turn from edge to edge.
+  // Alternates between 1 and -1 from edge to edge.
   const auto sign = [&](double at) {
     const double edge = std::round(at);
     const double value = std::clamp(2 * (at - edge) / edge_, -1.0, 1.0);
     return std::fmod(std::abs(edge), 2) == 0 ? value : -value;
   };
-  // Share within the board, whose first and last edge are at -1 and `corners`.
+  // The share within the board, whose first and last edges are at -1 and `corners`.
   const auto within = [&](double at, int corners) {
     return std::clamp(std::min(at + 1, corners - at) / edge_ + 0.5, 0.0, 1.0);
   };
@@ -134,15 +134,16 @@ double ChessboardScene::albedo(double x, double y, double t) const {
 
 std::vector<ChessboardPlace> chessboard_places(const Rig& rig, const ChessboardShape& shape, int count,
                                                double tilt_deg) {
-  constexpr double kTurn = 12;     // degrees about the normal, this way and that
-  constexpr double kDepth = 0.06;  // of the distance, nearer and further
+  constexpr double kTurn = 12;     // degrees about the normal, to either side
+  constexpr double kDepth = 0.06;  // share of the distance, nearer and further away
   const Visible visible(rig, shape);
   std::vector<ChessboardPlace> places;
   for (int k = 0; k < count; ++k) {
     ChessboardPlace place;
     const double z = rig.plane_z_mm * (1 + (k == 0 ? 0 : kDepth * (k % 3 - 1)));
     place.middle = middle_of_view(rig, z);
-    // Leaning directions go round; places shift across to them, so that all of the image gets all of them.
+    // The leaning directions go round, while the places shift across them, so that every part of the image gets all of
+    // them.
     const double lean = 2 * std::numbers::pi * k / std::max(1, count - 1);
     if (k > 0) {
       const Point3 normal{0, 0, 1};

@@ -75,8 +75,8 @@ HeightRange HeightMap::part_range(const Box& box) const {
   const double c1 = inside(column_of(inner.y1), heights_.columns);
   HeightRange result{};
   if (std::floor(r1) - std::floor(r0) <= 1 && std::floor(c1) - std::floor(c0) <= 1) {
-    // between the centres of four pixels the height is greatest and least in corners: of the rectangle, and where it
-    // passes a centre
+    // Between the centres of four pixels the height has its extremes in the corners of the rectangle and where the
+    // rectangle passes a centre.
     const std::array<double, 3> rows{r0, std::max(r0, std::floor(r1)), r1};
     const std::array<double, 3> columns{c0, std::max(c0, std::floor(c1)), c1};
     result = {std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()};

@@ -1,4 +1,4 @@
-// A part on the conveyor that is given by a map of its heights.
+// A part on the conveyor, given by a map of its heights.
 #ifndef SELFPROJ_SIM_SCENE_HEIGHT_MAP_H
 #define SELFPROJ_SIM_SCENE_HEIGHT_MAP_H
 
@@ -13,7 +13,7 @@ namespace selfproj {
 
 class HeightMap : public ConveyedScene {
  public:
-  // The map must have pixels and the scale be positive. Throws UserError where heights are infinite or not below the
+  // The map must have pixels and the scale be positive. Throws UserError if heights are infinite or not below the
   // camera and the projector.
   HeightMap(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig, const std::string& source);
 
@@ -21,11 +21,11 @@ class HeightMap : public ConveyedScene {
   [[nodiscard]] HeightRange part_range(const Box& box) const override;
 
  private:
-  // A place in the map in pixels, 0 the centre of the first.
+  // A place in the map in pixels; 0 is the centre of the first pixel.
   [[nodiscard]] double row_of(double x) const { return (half_length_ - x) / scale_ - 0.5; }
   [[nodiscard]] double column_of(double y) const { return (half_width_ + y) / scale_ - 0.5; }
 
-  // Linear between the centres of pixels, constant beyond those of the border.
+  // Linear between the centres of pixels, constant beyond the outermost ones.
   [[nodiscard]] double at(double row, double column) const;
 
   double scale_;
@@ -35,10 +35,11 @@ class HeightMap : public ConveyedScene {
   MinMaxPyramid ranges_;
 };
 
-// A part from a map of its heights above the plane, mm. The map lies as the measured heights do: its first row comes
-// first under the line (largest x), columns along y; its middle at y = 0. A pixel is a square of side mm_per_pixel with
-// its height at its centre, linear between; the map ends in vertical faces, NaN is bare plane. Throws UserError about
-// `source`: no pixels, a scale that is not positive, heights that are not below the camera and the projector.
+// A part from a map of its heights above the plane, mm. The map is oriented like the measured heights: its first row
+// reaches the line first (largest x), its columns lie along y, and its middle is at y = 0. A pixel is a square of side
+// mm_per_pixel with its height at its centre; heights are linear in between. The map ends in vertical faces, and NaN is
+// bare plane. Throws UserError about `source` if there are no pixels, the scale is not positive, or heights are not
+// below the camera and the projector.
 std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig,
                                         const std::string& source = "height map");
 

@@ -17,7 +17,7 @@
 namespace selfproj {
 namespace {
 
-constexpr double kPartLength = 130;  // mm, of the parts of rig A: 1400 frames of 0.1 mm with the lead on both sides
+constexpr double kPartLength = 130;  // length of the parts of rig A: 1400 frames of 0.1 mm with the lead on both sides
 
 HeightRange join(HeightRange a, HeightRange b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
 
@@ -50,7 +50,7 @@ class Prism : public ConveyedScene {
   }
 
  protected:
-  // As height and range, of points on the part only.
+  // Like height and range, but only for points on the part.
   [[nodiscard]] virtual double top(double x, double y) const = 0;
   [[nodiscard]] virtual HeightRange top_range(const Box& box) const = 0;
 
@@ -58,7 +58,7 @@ class Prism : public ConveyedScene {
   double half_width_;
 };
 
-// Experiment A1: a smooth ridge, H (1 − (2 y/W)²)²: level on top and where it meets the plane, steepest slope 0.73.
+// Experiment A1: a smooth ridge, H (1 − (2 y/W)²)², level on top and where it meets the plane, steepest slope 0.73.
 class Mountain : public Prism {
  public:
   explicit Mountain(const Rig& rig) : Prism(rig, kWidth) {}
@@ -84,7 +84,7 @@ class Mountain : public Prism {
 
 enum class TreadSurface : std::uint8_t { good, marked };
 
-// Experiment A2: three treads side by side across y, with vertical faces, and on request a mark carved into each.
+// Experiment A2: three treads side by side across y, with vertical faces, and optionally a mark carved into each.
 class Stairs : public Prism {
  public:
   Stairs(const Rig& rig, TreadSurface surface)
@@ -107,7 +107,7 @@ class Stairs : public Prism {
       if (!marked_ || !near_mark(i, box)) {
         continue;
       }
-      // the distance from the mark changes over the rectangle by at most half its diagonal
+      // The distance from the mark changes over the rectangle by at most half its diagonal.
       const double dx = box.x1 - box.x0;
       const double dy = box.y1 - box.y0;
       const double half_diagonal = 0.5 * std::sqrt(dx * dx + dy * dy);
@@ -136,12 +136,12 @@ class Stairs : public Prism {
   }
   static double tread_height(int i) { return kTreads[static_cast<std::size_t>(i)].height; }
   static double middle(int i) { return kTreadWidth * (i - (std::size(kTreads) - 1) / 2.0); }
-  // Whether the rectangle touches the square that the tread's mark lies in.
+  // Whether the rectangle touches the square around the tread's mark.
   static bool near_mark(int i, const Box& box) {
     constexpr double kHalf = kMarkSize / 2;
     return box.x0 <= kHalf && box.x1 >= -kHalf && box.y0 - middle(i) <= kHalf && box.y1 - middle(i) >= -kHalf;
   }
-  // Read as the measured heights lie: later frames, which are smaller x, are down.
+  // Oriented like the measured heights: later frames, which have smaller x, are down.
   static double distance(int i, double x, double y) {
     return distance_from_mark(kTreads[static_cast<std::size_t>(i)].mark, y - middle(i), -x);
   }

@@ -1,4 +1,4 @@
-// The scenes of rig A: parts on a conveyor under a projected line. README.md beside this file has their sizes.
+// The scenes of rig A: parts on a conveyor under a projected line. docs/simulation.md has their sizes.
 #ifndef SELFPROJ_SIM_SCENE_LIGHT_SECTION_SCENES_H
 #define SELFPROJ_SIM_SCENE_LIGHT_SECTION_SCENES_H
 
@@ -8,7 +8,7 @@
 
 namespace selfproj {
 
-// These scenes in the order of the list, all but their numbers of frames.
+// These scenes in the order of the list, without their numbers of frames.
 const std::vector<SceneInfo>& light_section_scenes();
 
 }  // namespace selfproj

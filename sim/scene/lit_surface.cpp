@@ -8,7 +8,7 @@
 namespace selfproj {
 namespace {
 
-constexpr double kSlopeStep = 5e-3;  // mm to both sides, for the surface's slope
+constexpr double kSlopeStep = 5e-3;  // mm to either side, for the slope of the surface
 constexpr double kEverywhere = 1e6;  // mm
 
 }  // namespace
@@ -24,7 +24,7 @@ HeightRange LitSurface::all_heights(double t0, double t1) const {
   return scene_.range({-kEverywhere, kEverywhere, -kEverywhere, kEverywhere}, t0, t1);
 }
 
-// The footprint between two heights gives bounds of the surface in it, which give a smaller footprint, and so on.
+// The footprint between two heights gives bounds of the surface in it. These give a smaller footprint, and so on.
 HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_pixel, double t0, double t1,
                                         HeightRange all) const {
   const Point3 first = camera_.ray(first_pixel);
@@ -48,7 +48,7 @@ HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_
 }
 
 LitSurface::Hit LitSurface::hit(PixelPoint pixel, double t, HeightRange heights) const {
-  const Point3 ray = camera_.ray(pixel);  // of depth 1
+  const Point3 ray = camera_.ray(pixel);  // scaled to depth 1
   const double z = plane_z_;
   const bool level = heights.high - heights.low <= kHeightTolerance;
   const double h =
@@ -83,7 +83,7 @@ double LitSurface::incidence(Point3 point, Point3 normal) const {
 bool LitSurface::in_shadow(Point3 point, Point3 normal, double t, double highest) const {
   const Point3 start = point + kShadowLift * normal;
   const double low = plane_z_ - start.z;
-  const double top = plane_z_ - projector_.z;  // the projector's height
+  const double top = plane_z_ - projector_.z;  // height of the projector
   const double high = std::min(highest, top);
   if (low >= high) {
     return false;

@@ -14,34 +14,35 @@ class LitSurface {
   struct Hit {
     Point3 point;
     double height;
-    bool level;  // so is all of the surface around
+    bool level;  // the surface is level here and all around
   };
 
-  // The scene must live as long. `falloff`: light falls with the distance from the projector, squared, and is as stated
-  // on the plane at x = y = 0.
+  // The scene must live as long as this object. `falloff`: light falls with the square of the distance from the
+  // projector, and is as stated on the plane at x = y = 0.
   LitSurface(const Rig& rig, const Scene& scene, bool falloff);
 
   // Bounds of all heights from t0 to t1.
   [[nodiscard]] HeightRange all_heights(double t0, double t1) const;
 
-  // Bounds of the heights that the rays through a rectangle of the image can meet from t0 to t1; `all` bounds all.
+  // Bounds of the heights that the rays through a rectangle of the image can meet from t0 to t1. `all` bounds all
+  // heights.
   [[nodiscard]] HeightRange heights_between(PixelPoint first, PixelPoint last, double t0, double t1,
                                             HeightRange all) const;
 
-  // What the ray of a pixel meets first, at the time t, where the surface is known to lie between these heights.
+  // What the ray of a pixel meets first at the time t, if the surface is known to lie between these heights.
   [[nodiscard]] Hit hit(PixelPoint pixel, double t, HeightRange heights) const;
 
-  // Of the surface there, of length 1, towards the camera.
+  // The normal of the surface there, of length 1, towards the camera.
   [[nodiscard]] Point3 normal(const Hit& hit, double t) const;
 
-  // The cosine of the incidence of the projector's light on a point of such a normal, with falloff where that is
-  // wanted; 0 where it is turned away.
+  // The cosine of the incidence of the projector's light on a point with this normal, including the falloff if it is
+  // on; 0 if the point faces away.
   [[nodiscard]] double incidence(Point3 point, Point3 normal) const;
 
-  // Whether the surface keeps the light from a point. `highest`: bound of all heights.
+  // Whether the surface blocks the light to a point. `highest` bounds all heights.
   [[nodiscard]] bool in_shadow(Point3 point, Point3 normal, double t, double highest) const;
 
-  // Incidence, 0 in the shadow.
+  // The incidence, or 0 in the shadow.
   [[nodiscard]] double lit_share(const Hit& hit, double t, double highest) const;
 
  private:
@@ -49,10 +50,10 @@ class LitSurface {
   double plane_z_;
   bool falloff_;
   Pinhole camera_;
-  Point3 projector_;  // its centre
+  Point3 projector_;  // centre of the projector
 };
 
-// mm off a surface, where its shadow is looked for.
+// mm above a surface at which the test for its shadow begins.
 inline constexpr double kShadowLift = 1e-3;
 
 }  // namespace selfproj

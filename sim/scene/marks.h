@@ -1,4 +1,4 @@
-// The marks ○ × ▽ carved on the stairs of experiment A2: strokes of even width around a centre line.
+// The marks ○ × ▽ carved on the stairs of experiment A2: strokes of constant width around a centre line.
 #ifndef SELFPROJ_SIM_SCENE_MARKS_H
 #define SELFPROJ_SIM_SCENE_MARKS_H
 
@@ -14,10 +14,11 @@ constexpr double kMarkSize = 22;   // mm, across and along
 constexpr double kMarkStroke = 3;  // mm
 constexpr double kMarkDepth = 1;   // mm
 
-// Distance, mm, of the point from the centre line of the mark's strokes; right and down as the mark is read, from its
-// middle. Carved is where it is at most kMarkStroke / 2. It changes by at most the way the point moves.
+// Distance in mm of a point from the centre line of the mark's strokes; right and down are those of the mark, from its
+// middle. The point is carved if the distance is at most kMarkStroke / 2. The distance changes by no more than the
+// point moves.
 inline double distance_from_mark(Mark mark, double right, double down) {
-  constexpr double kReach = (kMarkSize - kMarkStroke) / 2;  // of the centre lines
+  constexpr double kReach = (kMarkSize - kMarkStroke) / 2;  // reach of the centre lines
   const auto segment = [&](double r0, double d0, double r1, double d1) {
     const double vr = r1 - r0;
     const double vd = d1 - d0;

@@ -1,4 +1,4 @@
-// The least and the greatest value of any rectangle of an image, quickly.
+// Finds the least and the greatest value of any rectangle of an image quickly.
 #ifndef SELFPROJ_SIM_SCENE_MIN_MAX_PYRAMID_H
 #define SELFPROJ_SIM_SCENE_MIN_MAX_PYRAMID_H
 
@@ -17,7 +17,7 @@ class MinMaxPyramid {
 
   MinMaxPyramid() = default;
 
-  // The image must have pixels, none of them NaN.
+  // The image must have pixels, and none may be NaN.
   explicit MinMaxPyramid(const FloatImage& image) {
     levels_.push_back({image, image});
     while (levels_.back().low.rows > 1 || levels_.back().low.columns > 1) {
@@ -25,8 +25,8 @@ class MinMaxPyramid {
     }
   }
 
-  // Bounds of rows r0..r1 and columns c0..c1, both included and inside the image. They are sharp where the rectangle
-  // has at most 4 pixels along both sides, else they may take in neighbours up to its own size away.
+  // Bounds of rows r0..r1 and columns c0..c1, both included and inside the image. They are sharp if the rectangle has
+  // at most 4 pixels along each side. Otherwise they may include neighbours up to its own size away.
   [[nodiscard]] Range range(int r0, int r1, int c0, int c1) const {
     constexpr int kMost = 3;
     unsigned level = 0;

@@ -1,4 +1,4 @@
-// Normally distributed random numbers, the same on every machine's threads and in any order of frames.
+// Normally distributed random numbers that depend on neither the machine, the threads nor the order of frames.
 #ifndef SELFPROJ_SIM_SCENE_NOISE_H
 #define SELFPROJ_SIM_SCENE_NOISE_H
 
@@ -9,8 +9,9 @@
 
 namespace selfproj {
 
-// Of one seed and stream (a frame's number). Bits from SplitMix64 (Steele, Lea, Flood 2014), which is a mixed counter;
-// normal numbers by Box and Muller, two at a time, with their tails right up to 8 standard deviations.
+// The numbers of one seed and stream (a frame's number). Bits come from SplitMix64 (Steele, Lea, Flood 2014), which is
+// a mixed counter. Box and Muller make two normal numbers at a time, with tails that are right up to 8 standard
+// deviations.
 class NormalNoise {
  public:
   NormalNoise(std::uint64_t seed, std::uint64_t stream) : state_(mix(mix(seed + kStep) + stream * kStep)) {}
@@ -31,7 +32,7 @@ class NormalNoise {
     return z ^ (z >> 31U);
   }
 
-  // In 2^-53 .. 1.
+  // A number in 2^-53 .. 1.
   double uniform() {
     state_ += kStep;
     return (static_cast<double>(mix(state_) >> 11U) + 1) * 0x1p-53;

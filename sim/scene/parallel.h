@@ -5,8 +5,8 @@
 
 namespace selfproj {
 
-// Calls work(0) .. work(count - 1), each once, in about that order, from several threads (0: one a core). What one of
-// them throws ends the work and is thrown here.
+// Calls work(0) .. work(count - 1), each once and in about that order, from several threads (0: one for each core). An
+// exception in one of them ends the work and is rethrown here.
 void parallel_for(int count, int threads, const std::function<void(int)>& work);
 
 }  // namespace selfproj

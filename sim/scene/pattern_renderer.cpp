@@ -32,15 +32,15 @@ const Scene& checked(const Scene& scene) {
 // What a ray meets when there are bodies.
 struct Look {
   LightSpot spot;
-  int body = -1;      // the surface
-  bool dark = false;  // in the shadow of a body; a body's own: of anything
+  int body = -1;      // -1: the surface
+  bool dark = false;  // in the shadow of a body; for a body, in any shadow
 };
-using Nodes = std::array<Look, 9>;  // of a block: corners, middles of the sides, middle; row by row
+using Nodes = std::array<Look, 9>;  // of a block, row by row: corners, middles of the sides, middle
 
-// `still`: what the ray meets of the surface. `seen`, `shaded`: the bodies that may matter.
+// `still` is what the ray meets on the surface. `seen` and `shaded` are the bodies that may matter.
 Look look(const StillSurface& surface, PixelPoint pixel, const LightSpot& still, const Bodies& bodies,
           std::uint32_t seen, std::uint32_t shaded) {
-  const Point3 along = surface.camera().ray(pixel);  // of depth 1, so that s is z
+  const Point3 along = surface.camera().ray(pixel);  // scaled to depth 1, so that s is z
   Look result;
   Meeting nearest;
   nearest.s = static_cast<double>(still.z);
@@ -76,7 +76,7 @@ Look look(const StillSurface& surface, PixelPoint pixel, const LightSpot& still,
   return result;
 }
 
-// The parabola through three nodes at the sub-pixel row or column i.
+// The parabola through three nodes, at the sub-pixel row or column i.
 struct Parabola {
   explicit Parabola(int i) {
     const float u = (static_cast<float>(i) + 0.5F) / kBlockSide;
@@ -90,8 +90,8 @@ struct Parabola {
   std::array<float, 3> weights{};
 };
 
-// Whether a body's spots are as good as parabolas over the block, and linear in time. What a parabola leaves is far
-// less than it differs from a straight line.
+// Whether a body's spots are nearly parabolas over the block, and linear in time. A parabola leaves a much smaller
+// error than its own deviation from a straight line.
 bool is_smooth(const std::array<Nodes, 3>& looks) {
   constexpr LightSpot kBend{0.5F, 0.25F, 0.25F, 3, 3};
   constexpr LightSpot kInTime{kDepthTolerance, 0.05F, 0.05F, kGreyTolerance, kGreyTolerance};
@@ -111,8 +111,8 @@ bool is_smooth(const std::array<Nodes, 3>& looks) {
   return true;
 }
 
-// Grey values of a block that one body fills: parabolas through the nodes, a straight line in time between begin
-// and end of the exposure.
+// Grey values of a block that one body fills: parabolas through the nodes, and a straight line in time between the
+// beginning and the end of the exposure.
 void swept_values(const Nodes& begin, const Nodes& end, int passes, const ProjectedLight& pattern,
                   BlockValues& values) {
   SpotBounds bounds;
@@ -122,10 +122,10 @@ void swept_values(const Nodes& begin, const Nodes& end, int passes, const Projec
   }
   const MinMaxPyramid::Range range = begin[0].dark ? MinMaxPyramid::Range{0, 0} : bounds.light_of(pattern);
   const bool same = range.high - range.low <= kSameLight;
-  const float instant = 1 / static_cast<float>(kSubPixels * passes);  // its share of the exposure
+  const float instant = 1 / static_cast<float>(kSubPixels * passes);  // share of the exposure
   for (int i = 0; i < kBlockSide; ++i) {
     const Parabola down(i);
-    std::array<LightSpot, 3> first;  // of the sub-pixel row, at the nodes' columns
+    std::array<LightSpot, 3> first;  // along the sub-pixel row, at the columns of the nodes
     std::array<LightSpot, 3> last;
     for (std::size_t n = 0; n < first.size(); ++n) {
       first[n] = down.through(begin[n].spot, begin[n + 3].spot, begin[n + 6].spot);
@@ -164,8 +164,8 @@ BodyMotion PatternRenderer::motion_of(int frame) const {
                      options_.motion_blur ? rig_.camera.exposure_s : 0);
 }
 
-// Grey values of a block where bodies may be. Its nine nodes at three times tell whether one thing fills it, all lit
-// or all dark, and smooth; else every sub-pixel is traced at its instants, which are dealt out as Renderer does.
+// Grey values of a block in which bodies may be. Its nine nodes at three times show whether one smooth thing fills it,
+// all lit or all dark. Otherwise every sub-pixel is traced at its instants, which are dealt out as in Renderer.
 void PatternRenderer::moving_values(const BodyMotion& motion, int down, int across, const ProjectedLight& pattern,
                                     BlockValues& values) const {
   const BlockGrid& grid = still_.grid();
@@ -207,8 +207,8 @@ void PatternRenderer::moving_values(const BodyMotion& motion, int down, int acro
   }
 }
 
-// The image without noise: blocks of sub-pixels, row by row, each of whose sub-pixel rows gives, by the kernel, to
-// the pixel rows around it; a pixel row that has got all is folded along its columns.
+// The image without noise. Blocks of sub-pixels are processed row by row. The kernel spreads each of their sub-pixel
+// rows over the pixel rows around it. A pixel row that is complete is then folded along its columns.
 void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span<float> pixels) const {
   const BodyMotion motion = motion_of(frame);
   const int rows = rig_.camera.rows;
@@ -217,12 +217,12 @@ void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span
   const int taps = static_cast<int>(kernel_.size());
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(grid.across()) * kBlockSide;
   std::vector<float> strip(static_cast<std::size_t>(stride) * kBlockSide);
-  const int open_rows = 2 * (grid.margin() + kBlockPixels) + 1;  // pixel rows under way at the same time, at most
+  const int open_rows = 2 * (grid.margin() + kBlockPixels) + 1;  // most pixel rows that are incomplete at the same time
   std::vector<float> sums(static_cast<std::size_t>(stride) * static_cast<std::size_t>(open_rows), 0.0F);
   const auto sums_of = [&](int row) { return sums.data() + (row % open_rows) * stride; };
   std::vector<float> every(static_cast<std::size_t>(stride / kSubPixels));
   BlockValues values{};
-  int done = 0;  // pixel rows
+  int done = 0;  // pixel rows that are complete
   for (int down = 0; down < grid.down(); ++down) {
     for (int across = 0; across < grid.across(); ++across) {
       const std::size_t index = grid.block(down, across);
@@ -237,7 +237,7 @@ void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span
     }
     for (int i = 0; i < kBlockSide; ++i) {
       const float* from = strip.data() + i * stride;
-      const int sub_row = down * kBlockSide + i;  // from the margin's first
+      const int sub_row = down * kBlockSide + i;  // from the first one of the margin
       const int first = std::max(0, (sub_row - taps + kSubPixels) / kSubPixels);
       const int last = std::min(rows - 1, sub_row / kSubPixels);
       for (int row = first; row <= last; ++row) {
@@ -252,7 +252,7 @@ void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span
       float* from = sums_of(done);
       float* to = pixels.data() + static_cast<std::ptrdiff_t>(done) * columns;
       std::fill_n(to, columns, 0.0F);
-      for (int phase = 0; phase < kSubPixels; ++phase) {  // every kSubPixels-th sub-pixel side by side
+      for (int phase = 0; phase < kSubPixels; ++phase) {  // takes every kSubPixels-th sub-pixel
         for (std::size_t c = 0; c < every.size(); ++c) {
           every[c] = from[static_cast<std::ptrdiff_t>(c) * kSubPixels + phase];
         }

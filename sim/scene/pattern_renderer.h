@@ -1,6 +1,6 @@
-// The camera's images of a scene under whole patterns of the projector, many frames of them: what does not move is
-// traced once, when the renderer is made, and is then a look at the pattern for every sub-pixel; of a frame only what
-// bodies cover or shade is traced anew.
+// The camera's images of a scene under whole patterns of the projector, for many frames. What does not move is traced
+// once, when the renderer is made; a frame then only looks up the pattern for every sub-pixel. Only what bodies cover
+// or shade is traced anew in each frame.
 //
 //     PatternRenderer renderer(rig, scene);
 //     const PatternSet patterns(rig, gray_patterns(rig.projector, 8));
@@ -26,22 +26,23 @@ namespace selfproj {
 
 class PatternRenderer {
  public:
-  // The scene must live as long. Its surface must stand still (speed() 0; that of t = 0 is taken); its bodies may move.
-  // Throws std::invalid_argument where it does not. Traces the surface, by several threads (0: one a core).
+  // The scene must live as long as the renderer. Its surface must stand still (speed() is 0; that of t = 0 is used);
+  // its bodies may move. Throws std::invalid_argument if it moves. Traces the surface with several threads (0: one for
+  // each core).
   PatternRenderer(const Rig& rig, const Scene& scene, RenderOptions options = {}, int threads = 0);
 
-  // The image of a frame (from 0) under this pattern, camera rows x columns, row by row: what Renderer would make of
-  // it, with the bodies. The same every time, whatever was rendered before. May be called by several threads at once.
+  // The image of a frame (from 0) under this pattern, camera rows x columns, row by row, as Renderer would make it,
+  // with bodies. Does not depend on what was rendered before. Several threads may call it at once.
   void render(int frame, const ProjectedLight& pattern, std::span<std::uint8_t> pixels) const;
 
-  // The same in grey values as numbers, which without quantization are neither rounded nor bounded.
+  // The same as floating-point grey values, which without quantization are neither rounded nor limited.
   void render(int frame, const ProjectedLight& pattern, std::span<float> pixels) const;
 
-  // The truth: z in mm of what each pixel's centre sees at the middle of the frame's exposure, of surface and bodies.
+  // The truth: z in mm of what each pixel's centre sees at the middle of the frame's exposure, surface and bodies.
   void depth(int frame, std::span<float> z) const { lit_depth(frame, z, -1); }
 
-  // The same, NaN where full light of the projector adds no more grey values than this: where it does not fall, or what
-  // a scanner cannot measure.
+  // The same, but NaN if full light of the projector adds no more grey values than `least_light`: places without light,
+  // or too dark for a scanner to measure.
   void lit_depth(int frame, std::span<float> z, float least_light = 0) const;
 
   [[nodiscard]] const Rig& rig() const { return rig_; }

@@ -33,7 +33,7 @@ PatternSet::PatternSet(const Rig& rig, std::span<const Image> images, const Rend
   }
 }
 
-// g_2i = floor(2^i Y/H + 1/2) mod 2, in whole numbers.
+// g_2i = floor(2^i Y/H + 1/2) mod 2, in integers.
 std::vector<Image> gray_patterns(const RigProjector& projector, int bits) {
   constexpr int kMostBits = 12;
   if (bits < 1 || bits > kMostBits) {

@@ -1,4 +1,4 @@
-// Patterns as the rig's projector throws them: one image, or a set of them shown one after another.
+// Patterns as the rig's projector throws them: a single image, or several that are shown one after another.
 #ifndef SELFPROJ_SIM_SCENE_PATTERN_SET_H
 #define SELFPROJ_SIM_SCENE_PATTERN_SET_H
 
@@ -14,15 +14,15 @@
 
 namespace selfproj {
 
-// An image as the rig's projector throws it: its lines x columns, 8 bits, 255 full light. Of the options the
-// projector's blur counts. Throws UserError about `source` where the image has another size.
+// An image as the rig's projector throws it: its lines x columns, 8 bits, 255 for full light. Of the options only the
+// projector's blur matters. Throws UserError about `source` if the image has another size.
 ProjectedLight project_image(const Rig& rig, const Image& image, const RenderOptions& options = {},
                              const std::string& source = "pattern");
 
-// Patterns shown one after another, one a frame, over and over.
+// Patterns shown one after another, one for each frame, in a cycle.
 class PatternSet {
  public:
-  // At least one. Throws as project_image, std::invalid_argument where there is none.
+  // Needs at least one image, else throws std::invalid_argument; also throws as project_image does.
   PatternSet(const Rig& rig, std::span<const Image> images, const RenderOptions& options = {});
 
   [[nodiscard]] int size() const { return static_cast<int>(light_.size()); }
@@ -36,8 +36,8 @@ class PatternSet {
   std::vector<ProjectedLight> light_;
 };
 
-// The 2 bits patterns of (4.1) along the projector's lines, 0 and 255, lines x columns: positive and negative of plane
-// 0 (the most significant), of plane 1, ... `bits` 1..12.
+// The 2 bits patterns of (4.1) along the projector's lines, with values 0 and 255, lines x columns: positive and
+// negative of plane 0 (the most significant), then of plane 1, and so on. `bits` is 1..12.
 std::vector<Image> gray_patterns(const RigProjector& projector, int bits);
 
 }  // namespace selfproj

@@ -10,7 +10,7 @@ namespace selfproj {
 
 Pinhole::Pinhole(Point3 centre, const std::array<Point3, 3>& axes, const Intrinsics& k)
     : centre_(centre), axes_(axes), k_(k) {
-  // K R: each row is that of the pixel axis, scaled, and the optical axis times the principal point
+  // K R: each row is the direction of a pixel axis, scaled, plus the optical axis times the principal point.
   const std::array<Point3, 3> kr{k.row_scale * axes[0] + k.row_0 * axes[2],
                                  k.column_scale * axes[1] + k.column_0 * axes[2], axes[2]};
   for (std::size_t i = 0; i < kr.size(); ++i) {
@@ -25,7 +25,7 @@ Pinhole Pinhole::of_camera(const RigCamera& camera) {
           {scale, scale, (camera.rows - 1) / 2.0, (camera.columns - 1) / 2.0}};
 }
 
-// The axis, tilted from z towards −x, is (−sin θ0, 0, cos θ0); Xp grows where that turns as θ0 grows.
+// The axis, tilted from z towards −x, is (−sin θ0, 0, cos θ0). Xp grows in the direction in which it turns as θ0 grows.
 Pinhole Pinhole::of_projector(const RigProjector& projector) {
   const double s = std::sin(projector.tilt_rad);
   const double c = std::cos(projector.tilt_rad);

@@ -11,9 +11,9 @@
 namespace selfproj {
 namespace {
 
-constexpr double kReach = 4;  // of the blur, in standard deviations
+constexpr double kReach = 4;  // reach of the blur, in standard deviations
 
-// The pattern amid `margin` dark pixels, blurred.
+// The pattern, blurred, with `margin` dark pixels around it.
 FloatImage blurred(const FloatImage& pattern, int margin, double sigma) {
   FloatImage image(pattern.rows + 2 * margin, pattern.columns + 2 * margin);
   for (int r = 0; r < pattern.rows; ++r) {
@@ -129,7 +129,7 @@ MinMaxPyramid::Range ProjectedLight::range(double line_0, double line_1, double 
       ranges_.range(static_cast<int>(r0), static_cast<int>(r1), static_cast<int>(c0), static_cast<int>(c1));
   if (line_0 + margin_ < 0 || line_1 + margin_ > last_row || column_0 + margin_ < 0 ||
       column_1 + margin_ > last_column) {
-    found.low = std::min(found.low, 0.0F);  // beyond the pattern
+    found.low = std::min(found.low, 0.0F);  // outside the pattern
   }
   return found;
 }

@@ -1,4 +1,4 @@
-// The light that the projector throws: its pattern, blurred by its lens, anywhere between its pixels.
+// The light from the projector: its pattern, blurred by its lens, also between its pixels.
 #ifndef SELFPROJ_SIM_SCENE_PROJECTED_LIGHT_H
 #define SELFPROJ_SIM_SCENE_PROJECTED_LIGHT_H
 
@@ -10,15 +10,15 @@
 
 namespace selfproj {
 
-// The weights of a Gaussian of standard deviation `sigma` at whole steps, -4 sigma to 4 sigma, of sum 1.
+// The weights of a Gaussian of standard deviation `sigma` at integers from -4 sigma to 4 sigma, of sum 1.
 std::vector<double> gaussian_kernel(double sigma);
 
 class ProjectedLight {
  public:
-  // A pattern of light 0..1, projector lines x columns, and the standard deviation of the blur in pixels.
+  // `pattern` has light 0..1, projector lines x columns; `blur` is the standard deviation in pixels.
   ProjectedLight(const FloatImage& pattern, double blur);
 
-  // The light at a place of the pattern: linear between the centres of the blurred pixels, 0 beyond the pattern.
+  // The light at a place of the pattern: linear between the centres of the blurred pixels, 0 outside.
   [[nodiscard]] double at(PixelPoint p) const;
 
   // The same in 32-bit floats, for many places.
@@ -42,11 +42,11 @@ class ProjectedLight {
   // Bounds of the light in the rectangle.
   [[nodiscard]] MinMaxPyramid::Range range(double line_0, double line_1, double column_0, double column_1) const;
 
-  // Whether no place in the rectangle is lit.
+  // Whether the whole rectangle is dark.
   [[nodiscard]] bool is_dark(double line_0, double line_1, double column_0, double column_1) const;
 
-  // The middle of the line at this column: the centroid of the pattern's light (without blur), linear between columns.
-  // NaN where a column has none.
+  // The middle of the line at this column: the centroid of the pattern's light without blur, linear between columns.
+  // NaN for a column without light.
   [[nodiscard]] double line_centre(double column) const;
 
  private:

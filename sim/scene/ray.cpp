@@ -13,7 +13,7 @@ struct Segment {
   double low, high;  // heights
 };
 
-// Segments still to be looked at. They are halves of halves; 64 halvings lead from any size below any tolerance.
+// Segments still to be examined. They are halves of halves; 64 halvings suffice for any size and tolerance.
 class Segments {
  public:
   void push(Segment segment) { segments_[count_++] = segment; }
@@ -42,7 +42,7 @@ double height_under(const Scene& scene, const HeightRay& ray, double t, double h
   return scene.height(ray.x + ray.dx * h, ray.y + ray.dy * h, t);
 }
 
-// Whether bounds have shrunk the segment too little for another try without halving it.
+// Whether the bounds shrank the segment too little for another try without halving it.
 bool shrinks_slowly(Segment before, Segment after) { return after.high - after.low > 0.5 * (before.high - before.low); }
 
 }  // namespace
@@ -53,7 +53,7 @@ double first_hit(const Scene& scene, const HeightRay& ray, double t, double low,
   for (;;) {
     const HeightRange range = bounds(scene, ray, t, s);
     if (range.low >= s.high) {
-      return s.high;  // below the surface already where the segment begins
+      return s.high;  // already below the surface where the segment begins
     }
     const Segment shrunk{std::max(s.low, range.low), std::min(s.high, range.high)};
     const bool surely = range.low >= s.low;

@@ -53,10 +53,10 @@ void check_pattern(const FloatImage& pattern, const RigProjector& projector, con
 
 // What is the same for all pixels of a frame.
 struct Renderer::Light {
-  double middle;        // of the exposure, s
+  double middle;        // middle of the exposure, s
   double exposure;      // s; 0 without motion blur
-  int passes;           // each sub-pixel is looked at so often, at other times
-  HeightRange heights;  // of all the scene, meanwhile
+  int passes;           // how many instants each sub-pixel is sampled at
+  HeightRange heights;  // of the whole scene during the exposure
 };
 
 Renderer::Renderer(const Rig& rig, const Scene& scene, const FloatImage& pattern, RenderOptions options)
@@ -82,8 +82,8 @@ HeightRange Renderer::block_heights(const Light& light, int row, int column) con
                                   light.middle - light.exposure / 2, light.middle + light.exposure / 2, light.heights);
 }
 
-// Whether no light falls on what the rays through a block of pixels meet between these heights. What they pass is
-// convex, and so is its image in the projector: its corners bound it.
+// Whether no light falls on what the rays through a block of pixels meet between these heights. The volume that they
+// pass is convex, and so is its image in the projector, which its corners therefore bound.
 bool Renderer::is_dark(int row, int column, HeightRange heights) const {
   double line_0 = std::numeric_limits<double>::max();
   double line_1 = std::numeric_limits<double>::lowest();
@@ -108,7 +108,7 @@ bool Renderer::is_dark(int row, int column, HeightRange heights) const {
   return light_.is_dark(line_0, line_1, column_0, column_1);
 }
 
-// The grey value that the projector's light gives a surface point.
+// The grey value that the projector's light adds at a surface point.
 double Renderer::grey(const Hit& hit, double t, double highest) const {
   const double light = projector_.depth(hit.point) > 0 ? light_.at(projector_.project(hit.point)) : 0;
   return light > 0 ? (rig_.imaging.white - rig_.imaging.ambient) * light * surface_.lit_share(hit, t, highest) *
@@ -116,9 +116,9 @@ double Renderer::grey(const Hit& hit, double t, double highest) const {
                    : 0;
 }
 
-// Grey values of the sub-pixels of a block, kSub kBlock squared, less those of a dark surface. The times of the
-// exposure are dealt out so that in every row and in every column of sub-pixels each comes equally often. A block
-// without projected light needs but one look a pixel.
+// Grey values of the sub-pixels of a block, (kSub kBlock) squared, less those of a dark surface. The instants of the
+// exposure are dealt out so that each comes equally often in every row and in every column of sub-pixels. A block
+// without projected light needs only one sample for each pixel.
 void Renderer::sample_block(const Light& light, int row, int column, HeightRange heights, bool dark, float* to) const {
   constexpr int kSide = kBlock * kSub;
   const double ambient = scene_.even_albedo() ? 0 : rig_.imaging.ambient - rig_.imaging.dark;
@@ -156,14 +156,14 @@ void Renderer::sample_block(const Light& light, int row, int column, HeightRange
   }
 }
 
-// The image without noise: block rows of sub-pixels are looked at, each sub-pixel row is folded with the kernel along
-// the columns, and what it gives to the rows around it is added there.
+// The image without noise. Rows of blocks are sampled. Each sub-pixel row is folded with the kernel along the columns,
+// and its contributions are added to the rows around it.
 void Renderer::expose(int frame, std::span<float> pixels) const {
   const int rows = rig_.camera.rows;
   const int columns = rig_.camera.columns;
   Light light{time_of(frame), options_.motion_blur ? rig_.camera.exposure_s : 0, 1, {}};
   light.heights = surface_.all_heights(light.middle - light.exposure / 2, light.middle + light.exposure / 2);
-  const double way = scene_.speed() * light.exposure;  // in pixels of the nearest surface:
+  const double way = scene_.speed() * light.exposure;  // in pixels of the nearest surface
   const double way_px =
       way * rig_.camera.focal_length_mm / rig_.camera.pixel_pitch_mm / (rig_.plane_z_mm - light.heights.high);
   light.passes = std::clamp(static_cast<int>(std::ceil(way_px)), 1, 64);
@@ -212,7 +212,7 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
         }
         line[static_cast<std::size_t>(c)] = sum;
       }
-      const int sub_row = down * kSide + i;  // from the margin's first
+      const int sub_row = down * kSide + i;  // from the first one of the margin
       const int first = std::max(0, (sub_row - taps + kSub) / kSub);
       const int last = std::min(rows - 1, sub_row / kSub);
       for (int r = first; r <= last; ++r) {
@@ -226,8 +226,8 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
   }
 }
 
-// Shot noise has the variance of the electrons' number, that is, of Poisson's distribution for the light above the dark
-// value, taken as normal.
+// Shot noise: the variance is the number of electrons, as in Poisson's distribution, for the light above the dark
+// value; the distribution is taken as normal.
 void add_noise(const RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels) {
   if (!options.shot_noise && !options.read_noise) {
     return;
@@ -277,7 +277,7 @@ void Renderer::truth(int frame, std::span<float> heights) const {
   const double t = time_of(frame);
   const HeightRange all = surface_.all_heights(t, t);
   for (int column = 0; column < rig_.camera.columns; ++column) {
-    // how far, in projector lines, what a row sees is from the light sheet
+    // How far, in projector lines, what a row sees is from the light sheet.
     const auto miss = [&](double row) {
       const Hit h = surface_.hit({row, column + 0.0}, t, all);
       if (projector_.depth(h.point) <= 0) {

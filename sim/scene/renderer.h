@@ -1,4 +1,4 @@
-// The camera's images of a scene under the projector's light. README.md beside this file has the model.
+// The camera's images of a scene under the projector's light. docs/simulation.md describes the model.
 #ifndef SELFPROJ_SIM_SCENE_RENDERER_H
 #define SELFPROJ_SIM_SCENE_RENDERER_H
 
@@ -18,26 +18,27 @@
 
 namespace selfproj {
 
-// What disturbs the measurement, each to be switched off alone, and what makes the light.
+// The disturbances of the measurement, each of which can be switched off, and an option of the light.
 struct RenderOptions {
   bool shot_noise = true;
   bool read_noise = true;
-  bool quantization = true;  // to whole grey values 0..255; the 8-bit images have it in any case
+  bool quantization = true;  // rounding to whole grey values 0..255, which 8-bit images have in any case
   bool camera_blur = true;
   bool projector_blur = true;
-  bool motion_blur = true;  // false: all light comes at the middle of the exposure
-  bool falloff = false;  // light falls with the distance from the projector, squared; as stated on the plane, x = y = 0
+  bool motion_blur = true;  // if false, all light comes at the middle of the exposure
+  bool falloff = false;  // light falls with the squared distance from the projector; as stated on the plane, x = y = 0
 };
 
-// Adds the noise of RenderOptions to an image of grey values, which a frame of this number has with this rig's seed:
-// normal, of variance (grey - dark) / electrons_per_grey + read_noise^2. The same whoever made the image.
+// Adds noise according to RenderOptions to an image of grey values. It is that of a frame of this number with this
+// rig's seed: normal, of variance (grey - dark) / electrons_per_grey + read_noise^2. It does not depend on who made the
+// image.
 void add_noise(const RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels);
 
-// Grey values to whole ones, bounded to 0..255.
+// Rounds grey values and limits them to 0..255.
 void quantize(std::span<float> pixels);
 void quantize(std::span<const float> from, std::span<std::uint8_t> to);
 
-// The switches of RenderOptions that turn a source of error off, by the names that commands take.
+// The switches of RenderOptions that turn a source of error off, with the names that commands use.
 struct Disturbance {
   const char* name;
   bool RenderOptions::*flag;
@@ -51,34 +52,34 @@ inline constexpr std::array<Disturbance, 6> kDisturbances{{
     {"motion-blur", &RenderOptions::motion_blur},
 }};
 
-// Everything on but the disturbances of these names.
+// Options with everything on, except the disturbances of these names.
 RenderOptions options_without(const std::vector<std::string>& names);
 
-// Throws UserError about `source` where the pattern has not the projector's size or a value that is not 0..1.
+// Throws UserError about `source` if the pattern has not the projector's size, or has a value outside 0..1.
 void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source = "pattern");
 
 class Renderer {
  public:
-  // The scene must live as long as the renderer. The pattern has the light 0..1 of the projector's lines x columns.
-  // Throws as check_pattern.
+  // The scene must live as long as the renderer. The pattern has light 0..1, the projector's lines x columns. Throws as
+  // check_pattern does.
   Renderer(const Rig& rig, const Scene& scene, const FloatImage& pattern, RenderOptions options = {});
 
-  // Puts another pattern into the projector; as the constructor, but cheaper. Not while another thread renders.
+  // Changes the projector's pattern. Like the constructor, but cheaper. No thread may be rendering.
   void set_pattern(const FloatImage& pattern);
 
-  // The image of a frame (from 0), camera rows x columns, row by row. The same every time, whatever was rendered
-  // before. May be called by several threads at once.
+  // The image of a frame (from 0), camera rows x columns, row by row. Does not depend on what was rendered before.
+  // Several threads may call it at once.
   void render(int frame, std::span<std::uint8_t> pixels) const;
 
-  // The same in grey values as numbers, which without quantization are neither rounded nor bounded.
+  // The same as floating-point grey values, which without quantization are neither rounded nor limited.
   void render(int frame, std::span<float> pixels) const;
 
-  // What the light section measures in a frame without any error: of each camera column the height, mm, of the point
+  // What a light section measures in a frame without any error: for each camera column the height, mm, of the point
   // where its viewing plane, the light sheet (the middle of the projected line, ProjectedLight::line_centre) and the
-  // surface at the middle of the exposure meet. NaN where the camera does not see the line, or sees it more than once.
+  // surface meet at the middle of the exposure. NaN if the camera does not see the line, or sees it more than once.
   void truth(int frame, std::span<float> heights) const;
 
-  // One such row a frame, `count` frames from `first` on, by several threads (0: one a core).
+  // One such row for each of `count` frames from `first` on, with several threads (0: one for each core).
   [[nodiscard]] FloatImage truth(int first, int count, int threads = 0) const;
 
   // The surface's height, mm above the plane, at a place of the world at the middle of the frame's exposure. A measured
@@ -88,11 +89,11 @@ class Renderer {
  private:
   // Sub-pixels along a side of a pixel.
   static constexpr int kSub = kSubPixels;
-  // Pixels along a side of the blocks that are looked at for light as a whole.
+  // Pixels along a side of the blocks that are checked for light as a whole.
   static constexpr int kBlock = 4;
 
   using Hit = LitSurface::Hit;
-  struct Light;  // of one frame, while it is rendered
+  struct Light;  // of one frame while it is rendered
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
   [[nodiscard]] HeightRange block_heights(const Light& light, int row, int column) const;
@@ -108,8 +109,8 @@ class Renderer {
   Pinhole projector_;
   LitSurface surface_;
   ProjectedLight light_;
-  int margin_;                 // pixels around the image that the lens's blur draws from
-  std::vector<float> kernel_;  // of pixel and lens, one weight a sub-pixel: (2 margin + 1) kSub
+  int margin_;                 // pixels around the image from which the lens gathers light
+  std::vector<float> kernel_;  // of pixel and lens, one weight for each sub-pixel: (2 margin + 1) kSub
 };
 
 }  // namespace selfproj

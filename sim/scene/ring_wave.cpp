@@ -10,7 +10,7 @@ namespace selfproj {
 namespace {
 
 constexpr double kGravity = 9800;  // mm/s²
-constexpr double kTail = 6;        // of the wave beyond its front, in s
+constexpr double kTail = 6;        // extent of the wave beyond its front, in s
 
 }  // namespace
 
@@ -23,11 +23,11 @@ RingWave::RingWave(double depth_mm, double crater_mm, double s_mm, double longes
   radii_ = static_cast<std::size_t>(std::ceil(furthest / kStep)) + 1;
   const std::size_t times = static_cast<std::size_t>(std::ceil(longest_s / kTimeStep)) + 2;
 
-  // Trapezoids over k up to where the exponential has died away; their step must tell radii and ways apart.
+  // Trapezoids over k, up to where the exponential has vanished. Their step must resolve radii and travelled distances.
   const double last = kTail / s_;
   const double step = 1 / (furthest + speed_ * longest_s);
   const auto count = static_cast<std::size_t>(std::ceil(last / step));
-  std::vector<float> bessel(radii_ * count);  // with the weights
+  std::vector<float> bessel(radii_ * count);  // multiplied by the weights
   for (std::size_t i = 0; i < count; ++i) {
     const double k = static_cast<double>(i + 1) * step;
     const double weight = -crater_mm * std::pow(s_, 4) / 2 * std::pow(k, 3) * std::exp(-k * k * s_ * s_ / 2) * step;

@@ -1,4 +1,4 @@
-// The wave that a body makes that falls into shallow water, by the linear theory of long waves.
+// The wave that a body makes when it falls into shallow water, by the linear theory of long waves.
 #ifndef SELFPROJ_SIM_SCENE_RING_WAVE_H
 #define SELFPROJ_SIM_SCENE_RING_WAVE_H
 
@@ -8,22 +8,22 @@
 namespace selfproj {
 
 // The water's rise eta over its level obeys eta_tt = c^2 (eta_xx + eta_yy), c = sqrt(g depth), whatever its wavelength.
-// At t = 0 it rests, with a crater whose rim holds what the crater lacks:
+// At t = 0 it rests, with a crater whose rim holds the water that the crater lacks:
 //
 //     eta(r, 0) = -crater (1 - r^2/(2 s^2)) exp(-r^2/(2 s^2))
 //     eta(r, t) = -crater s^4/2 . integral over k of k^3 exp(-k^2 s^2/2) J0(k r) cos(c k t)
 //
-// The integral is summed over a table of radii and times once; between them it is linear.
+// The integral is computed once for a table of radii and times, and interpolated linearly.
 class RingWave {
  public:
-  // Millimetres, seconds. Throws std::invalid_argument where one of them is not > 0.
+  // Millimetres and seconds. Throws std::invalid_argument unless all are > 0.
   RingWave(double depth_mm, double crater_mm, double s_mm, double longest_s);
 
   [[nodiscard]] double speed() const { return speed_; }  // mm/s
-  // No |eta| is greater, at any time.
+  // No |eta| is ever greater.
   [[nodiscard]] double most() const { return most_; }
 
-  // The wave at a time, as a function of the radius.
+  // The wave at one time as a function of the radius.
   class Profile {
    public:
     struct Value {
@@ -41,14 +41,14 @@ class RingWave {
       return {values_[i].rise + f * (values_[i + 1].rise - values_[i].rise),
               values_[i].slope + f * (values_[i + 1].slope - values_[i].slope)};
     }
-    // Where there is no wave further out, mm.
+    // The radius beyond which there is no wave, mm.
     [[nodiscard]] double reach() const { return values_.empty() ? 0 : kStep * static_cast<double>(values_.size() - 1); }
 
    private:
     friend class RingWave;
     std::vector<Value> values_;
   };
-  // t < 0: level water. Times beyond the longest are taken as that.
+  // For t < 0 the water is level. Times beyond the longest give that one.
   [[nodiscard]] Profile profile(double t) const;
 
  private:

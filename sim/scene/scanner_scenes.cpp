@@ -16,10 +16,10 @@
 namespace selfproj {
 namespace {
 
-constexpr double kBlackSleeve = 0.02;  // albedo: too dark for the threshold, so that an arm is not measured
+constexpr double kBlackSleeve = 0.02;  // albedo too dark for the threshold, so that an arm is not measured
 constexpr double kSkin = 0.8;
 
-// A part of a still surface: its heights over the plane, and their bounds over a rectangle; 0 beside it.
+// A part of a surface that stands still: its heights over the plane, and their bounds over a rectangle; 0 outside.
 class Part {
  public:
   Part() = default;
@@ -80,7 +80,7 @@ class Dome final : public Part {
   Size size_;
 };
 
-// The highest of its parts.
+// A surface whose height is that of its highest part.
 class Table : public Scene {
  public:
   explicit Table(int frames) : frames_(frames) {}
@@ -113,7 +113,7 @@ class Table : public Scene {
 
 // ------------------------------------------------------------------ B1
 
-// A mouse, two books one on the other, three balls.
+// A mouse, two books on top of each other, three balls.
 class Desk : public Table {
  public:
   explicit Desk(int frames) : Table(frames) {
@@ -126,7 +126,7 @@ class Desk : public Table {
   }
 };
 
-// A fist at the end of a black sleeve on a circle that is slanted so that it goes 50 mm up and down.
+// A fist at the end of a black sleeve. It moves on a circle so slanted that it rises and falls by 50 mm.
 class Fist final : public Desk {
  public:
   explicit Fist(const Rig& rig)
@@ -186,7 +186,7 @@ class Water final : public Body {
     double gx = 0;
     double gy = 0;
     if (!sources_.empty()) {
-      // The wave is so flat that each step leaves less than a tenth of the error.
+      // The wave is so flat that each step reduces the error to less than a tenth.
       constexpr int kSteps = 8;
       constexpr double kExact = 1e-5;
       for (int i = 0; i < kSteps; ++i) {
@@ -217,7 +217,7 @@ class Water final : public Body {
     meeting = {s, 1 / std::sqrt(gx * gx + gy * gy + 1) * Point3{-gx, -gy, -1}};
     return true;
   }
-  // Waves so flat throw no shadows.
+  // Waves this flat throw no shadows.
   [[nodiscard]] bool blocks(const Ray& /*ray*/, double /*most*/) const override { return false; }
   [[nodiscard]] bool is_near(const Ray& /*line*/, double /*slack*/) const override { return true; }
   [[nodiscard]] Cuboid bounds() const override { return {{kX0, kY0, z_ - most_}, {kX1, kY1, z_ + most_}}; }
@@ -240,7 +240,7 @@ class Water final : public Body {
   std::vector<Source> sources_;
 };
 
-// The pool and its wall, as high as the water.
+// The pool and its wall, which is as high as the water.
 class Pool : public Table {
  public:
   explicit Pool(const Rig& rig, int frames) : Table(frames), plane_z_(rig.plane_z_mm) {
@@ -260,7 +260,7 @@ class Pool : public Table {
   }
 
  protected:
-  // `t` after the impact.
+  // The water at `t` after the impact.
   [[nodiscard]] std::unique_ptr<Body> water(double t) const {
     constexpr double kCrater = 14;
     constexpr double kSize = 14;
@@ -279,7 +279,7 @@ class Waves final : public Pool {
   explicit Waves(const Rig& rig)
       : Pool(rig, static_cast<int>(std::lround((PoolWave::kImpact + kAfter) * rig.camera.frame_rate_hz))) {}
 
-  // The body falls from where it is at rest, and is gone under the white water.
+  // The body falls from rest, and disappears in the white water.
   [[nodiscard]] Bodies bodies(double t) const override {
     constexpr double kGravity = 9800;  // mm/s²
     const double left = PoolWave::kImpact - t;
@@ -291,7 +291,7 @@ class Waves final : public Pool {
                                                     {PoolWave::kImpactX + 13.5, PoolWave::kImpactY + 11.5, bottom}}));
     return bodies;
   }
-  [[nodiscard]] double body_speed() const override { return 1500; }  // of the fall
+  [[nodiscard]] double body_speed() const override { return 1500; }  // the greatest speed of the fall
 
  private:
   static constexpr double kAfter = 0.4;  // s
@@ -301,7 +301,7 @@ class Waves final : public Pool {
 
 // ------------------------------------------------------------------ B3
 
-// Keys of 16 mm on a pitch of 18 mm, rows staggered.
+// Keys of 16 mm on a pitch of 18 mm, with staggered rows.
 class Keyboard : public Table {
  public:
   Keyboard(const Rig& rig, int frames) : Table(frames), plane_z_(rig.plane_z_mm) {
@@ -315,7 +315,7 @@ class Keyboard : public Table {
     const Point3 middle = 0.5 * (tips_[0] + tips_[1]);
     keys_ = {Point3{middle.x - kPitch / 2, middle.y + kPitch / 2, 0},
              Point3{middle.x + kPitch / 2, middle.y - kPitch / 2, 0}};
-    // All keys but the two, which move, in five rows of twelve. The two lie diagonally next to each other.
+    // All keys except the two that move, in five rows of twelve. The two lie diagonally next to each other.
     constexpr int kRows = 5;
     constexpr int kColumns = 12;
     for (int row = 0; row < kRows; ++row) {
@@ -343,10 +343,10 @@ class Keyboard : public Table {
  protected:
   static constexpr double kPitch = 18;  // mm
   static constexpr double kKey = 16;
-  static constexpr double kTop = 30;                             // of a key at rest
-  static constexpr double kTravel = 3.5;                         // of a key
-  static constexpr double kFinger = 7.5;                         // radius
-  static constexpr double kNail = kTop - kTravel + 2 * kFinger;  // height of a fingertip's upper side that has pressed
+  static constexpr double kTop = 30;                             // height of a key at rest
+  static constexpr double kTravel = 3.5;                         // travel of a key
+  static constexpr double kFinger = 7.5;                         // radius of a finger
+  static constexpr double kNail = kTop - kTravel + 2 * kFinger;  // height of a fingertip that has pressed a key
 
   [[nodiscard]] std::unique_ptr<Body> cap(const Point3& key, double top) const {
     return std::make_unique<Block>(Cuboid{{key.x - kKey / 2, key.y - kKey / 2, plane_z_ - top},
@@ -359,10 +359,10 @@ class Keyboard : public Table {
  private:
   double plane_z_;
   std::array<Point3, 2> keys_{};
-  std::array<Point3, 2> tips_{};  // what the two pixels see, where the fingers are down
+  std::array<Point3, 2> tips_{};  // what the two pixels see when the fingers are down
 };
 
-// Two fingers of a hand that tap by turns.
+// Two fingers of a hand that tap in turn.
 class Keys final : public Keyboard {
  public:
   explicit Keys(const Rig& rig) : Keyboard(rig, static_cast<int>(std::lround(3 * rig.camera.frame_rate_hz))) {}
@@ -376,7 +376,7 @@ class Keys final : public Keyboard {
       bodies.push_back(cap(key(i), std::min(kTop, kTop - kTravel + lift[i])));
     }
     for (std::size_t i = 0; i < lift.size(); ++i) {
-      const Point3 end = tip(i) + Point3{0, 0, kFinger - lift[i]};  // of the finger's axis
+      const Point3 end = tip(i) + Point3{0, 0, kFinger - lift[i]};  // end of the finger's axis
       const Point3 joint = end + Point3{28, 3, -14};
       const Point3 knuckle{tip(0).x + 85, end.y + 8, plane_z() - 75};
       bodies.push_back(std::make_unique<Capsule>(end + Point3{-10, 0, 0}, joint, kFinger, kSkin));

@@ -1,5 +1,5 @@
-// The scenes of rig B: a fist over things on a table, waves on a pool, fingers on keys. README.md beside this file has
-// their sizes.
+// The scenes of rig B: a fist over things on a table, waves on a pool, fingers on keys. docs/simulation.md has their
+// sizes.
 #ifndef SELFPROJ_SIM_SCENE_SCANNER_SCENES_H
 #define SELFPROJ_SIM_SCENE_SCANNER_SCENES_H
 
@@ -12,7 +12,7 @@
 
 namespace selfproj {
 
-// What the scenes do, for who measures them.
+// The motion in the scenes, for those who measure it.
 struct FistMotion {
   static constexpr double kFrequency = 3.5;  // turns a second
   static constexpr double kRadius = 60;      // mm
@@ -28,7 +28,7 @@ struct PoolWave {
   static constexpr double kImpactY = -60;
 };
 struct KeyTaps {
-  static constexpr double kFrequency = 5;  // taps a second of each finger
+  static constexpr double kFrequency = 5;  // taps of each finger in a second
   static constexpr double kStroke = 10;    // mm, from top to bottom
   struct Pixel {
     int row, column;
@@ -37,7 +37,7 @@ struct KeyTaps {
   static constexpr Pixel kSecond{249, 224};
 };
 
-// These scenes in the order of the list, all but their numbers of frames.
+// These scenes in the order of the list, without their numbers of frames.
 const std::vector<SceneInfo>& scanner_scenes();
 
 }  // namespace selfproj

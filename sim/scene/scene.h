@@ -1,4 +1,4 @@
-// What stands before the camera: a surface given by its height above the plane, which may move and change with time.
+// What the camera sees: a surface given by its height above the plane, which may move and change with time.
 #ifndef SELFPROJ_SIM_SCENE_SCENE_H
 #define SELFPROJ_SIM_SCENE_SCENE_H
 
@@ -20,9 +20,9 @@ struct HeightRange {
   double low, high;
 };
 
-// A surface z = plane_z − height(x, y, t) over the whole plane; where the height jumps, there is a vertical face. World
-// frame of host/rig/rig.h, mm; t in seconds, 0 at the middle of frame 0's exposure. All functions may be called by
-// several threads at once.
+// A surface z = plane_z − height(x, y, t) over the whole plane. A jump of the height is a vertical face. World frame of
+// host/rig/rig.h, mm; t in seconds, 0 at the middle of frame 0's exposure. Several threads may call all functions at
+// once.
 class Scene {
  public:
   Scene() = default;
@@ -30,40 +30,40 @@ class Scene {
   Scene& operator=(const Scene&) = delete;
   virtual ~Scene() = default;
 
-  // Frames after which everything that happens has been seen.
+  // The number of frames that show everything that happens.
   [[nodiscard]] virtual int frames() const = 0;
 
   // Height above the plane, towards the camera.
   [[nodiscard]] virtual double height(double x, double y, double t) const = 0;
 
-  // Bounds of height over the rectangle and over t0 <= t <= t1. They need not be sharp, but must close in on the height
-  // as rectangle and time shrink to a point of no jump: the rays are intersected by them.
+  // Bounds of the height over the rectangle and over t0 <= t <= t1. They need not be sharp, but must converge to the
+  // height as rectangle and time shrink to a point without a jump, because rays are intersected by them.
   [[nodiscard]] virtual HeightRange range(const Box& box, double t0, double t1) const = 0;
 
-  // Share of light that the surface throws back, evenly in all directions, 0..1.
+  // The share of light that the surface scatters, evenly in all directions, 0..1.
   [[nodiscard]] virtual double albedo(double /*x*/, double /*y*/, double /*t*/) const { return 1; }
 
-  // Whether albedo is the same everywhere, at any time.
+  // Whether the albedo is the same everywhere at all times.
   [[nodiscard]] virtual bool even_albedo() const { return true; }
 
-  // No part of the surface moves faster than this, mm/s.
+  // The greatest speed of any part of the surface, mm/s.
   [[nodiscard]] virtual double speed() const = 0;
 
-  // Bodies in front of the surface at the time t, which may hover and move: always as many, in the same order, at most
-  // kMostBodies. Only the renderer of whole patterns (pattern_renderer.h) shows them.
+  // Bodies in front of the surface at the time t, which may hover and move: always the same number in the same order,
+  // at most kMostBodies. Only the renderer of whole patterns (pattern_renderer.h) shows them.
   [[nodiscard]] virtual Bodies bodies(double /*t*/) const { return {}; }
   static constexpr std::size_t kMostBodies = 32;
 
-  // No point of a body moves faster than this, mm/s.
+  // The greatest speed of any point of a body, mm/s.
   [[nodiscard]] virtual double body_speed() const { return 0; }
 };
 
-// A part, given in its own coordinates, that lies on the conveyor, which moves along +x:
-// x_part = x − x_start − v t. Its middle is at x_part = 0, y = 0.
+// A part, given in its own coordinates, on a conveyor that moves along +x: x_part = x − x_start − v t. Its middle is at
+// x_part = 0, y = 0.
 class ConveyedScene : public Scene {
  public:
-  // The part, of `length` mm along x, comes to x = 0 `lead` mm after the first frame, and the last frame is as far
-  // behind it. On a conveyor that stands, it lies with its middle at x = 0, for one frame.
+  // The part, `length` mm along x, reaches x = 0 kLead mm after the first frame, and the last frame is as far behind
+  // it. On a conveyor that stands still, it lies with its middle at x = 0, for one frame.
   ConveyedScene(const Rig& rig, double length);
 
   [[nodiscard]] int frames() const override { return frames_; }
@@ -73,7 +73,7 @@ class ConveyedScene : public Scene {
   }
   [[nodiscard]] double speed() const final { return speed_; }
 
-  // Where the part's middle is, x in mm.
+  // x of the part's middle, mm.
   [[nodiscard]] double position(double t) const { return start_ + speed_ * t; }
 
   // The same functions in the part's coordinates; 0 beside the part.

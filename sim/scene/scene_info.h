@@ -1,4 +1,4 @@
-// What is known of a built-in scene: how it is measured, and against what.
+// The properties of a built-in scene: how it is measured, and against what.
 #ifndef SELFPROJ_SIM_SCENE_SCENE_INFO_H
 #define SELFPROJ_SIM_SCENE_SCENE_INFO_H
 
@@ -13,12 +13,12 @@ namespace selfproj {
 
 // How a scene is measured.
 enum class SceneMethod : std::uint8_t {
-  light_section,   // by a self-projected line
-  gray_codes,      // by Gray-code patterns, against a background
-  self_projected,  // by Gray-code patterns that are straight on the reference
+  light_section,   // a self-projected line
+  gray_codes,      // Gray-code patterns, against a background
+  self_projected,  // Gray-code patterns that are straight on the reference
 };
 
-// What is followed through the depth images of a scene of method gray_codes.
+// What is followed through the depth images of a gray_codes scene.
 enum class SceneAnalysis : std::uint8_t {
   moved_centroid,  // the centroid of what differs from the background
   wave_front,      // the foremost crest of a ring wave
@@ -29,13 +29,13 @@ struct SceneInfo {
   std::string name;
   std::string description;
   SceneMethod method = SceneMethod::light_section;
-  std::string reference = {};  // scene that is the good part or the background; empty where it is itself
+  std::string reference = {};  // the scene that is the good part or the background; empty if it is its own
   SceneAnalysis analysis = SceneAnalysis::moved_centroid;
-  int cells_below = 0;  // e of (4.20) with which the thesis measures it; method self_projected
+  int cells_below = 0;  // e of (4.20) with which the thesis measures it; for self_projected
   std::unique_ptr<Scene> (*make)(const Rig& rig) = nullptr;
-  int frames = 0;  // with its own rig
+  int frames = 0;  // number of frames with its own rig
 
-  // The built-in rig it was made for.
+  // The built-in rig for which it was made.
   [[nodiscard]] const char* rig() const { return method == SceneMethod::light_section ? "light-section" : "scanner"; }
   [[nodiscard]] const std::string& reference_name() const { return reference.empty() ? name : reference; }
 };

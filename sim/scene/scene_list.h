@@ -12,14 +12,14 @@
 
 namespace selfproj {
 
-// All of them: those of the light section first.
+// All built-in scenes; those of the light section come first.
 const std::vector<SceneInfo>& scenes();
 
-// A scene's entry. Throws UserError naming an unknown one.
+// The entry of a scene. Throws UserError for an unknown name.
 const SceneInfo& find_scene(const std::string& name);
 
-// A scene by its name, moving as the rig's conveyor does. Throws UserError naming an unknown one, or one that such a
-// rig cannot measure.
+// Makes a scene by its name; it moves as the rig's conveyor does. Throws UserError for an unknown name, or for a scene
+// that such a rig cannot measure.
 std::unique_ptr<Scene> make_scene(const std::string& name, const Rig& rig);
 
 }  // namespace selfproj

@@ -22,7 +22,7 @@ double distance_to_segment(double x, double y, double x0, double y0, double x1, 
   return std::hypot(x - x0 - t * dx, y - y0 - t * dy);
 }
 
-// How a rectangle lies to another.
+// How one rectangle lies relative to another.
 enum class Overlap { none, some, inside };
 Overlap overlap(const Box& box, const Box& with) {
   if (box.x1 < with.x0 || box.x0 > with.x1 || box.y1 < with.y0 || box.y0 > with.y1) {
@@ -97,7 +97,7 @@ class CuboidScene : public Scene {
   bool marked_;
 };
 
-// A block on the plane, and what moves in front of it.
+// A block on the plane, and things that move in front of it.
 class BlockScene : public Scene {
  public:
   BlockScene(const Rig& rig, const Box& box, double height) : plane_z_(rig.plane_z_mm), box_(box), height_(height) {}
@@ -112,7 +112,7 @@ class BlockScene : public Scene {
   [[nodiscard]] int frames() const override { return 16; }
 
  protected:
-  // z of a height over the plane.
+  // The z of a height over the plane.
   [[nodiscard]] double z(double height) const { return plane_z_ - height; }
 
  private:
@@ -144,7 +144,7 @@ class MouseScene final : public BlockScene {
 class HandsScene final : public BlockScene {
  public:
   explicit HandsScene(const Rig& rig) : BlockScene(rig, TwoHands::kBlock, TwoHands::kBlockHeight) {}
-  [[nodiscard]] int frames() const override { return 334; }  // a period
+  [[nodiscard]] int frames() const override { return 334; }  // one period
   [[nodiscard]] double body_speed() const override { return 2 * std::numbers::pi * TwoHands::kFrequency * 25; }
   [[nodiscard]] Bodies bodies(double t) const override {
     Bodies bodies;
@@ -156,7 +156,7 @@ class HandsScene final : public BlockScene {
   }
 
  private:
-  // A palm and four fingers, flat; the fingers go towards less x. z is that of its middle.
+  // A flat palm and four fingers, which point to smaller x. z is that of the middle.
   static void add_hand(Bodies& bodies, double x, double y, double z) {
     bodies.push_back(std::make_unique<Ellipsoid>(
         Point3{x + 12, y, z}, std::array<Point3, 3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, Point3{30, 26, 11}, 0.7));
@@ -171,7 +171,7 @@ class HandsScene final : public BlockScene {
 }  // namespace
 
 double Cuboids::distance_from_letter(double x, double y) {
-  // Upright where rows of the image go along x, downwards: the apex at the least x.
+  // Upright if image rows run along x, downwards: the apex is at the least x.
   return std::min({distance_to_segment(x, y, 18, -80, 76, -105), distance_to_segment(x, y, 18, -80, 76, -55),
                    distance_to_segment(x, y, 56, -96, 56, -64)});
 }

@@ -69,8 +69,8 @@ LightSpot StillSurface::trace(PixelPoint pixel, HeightRange heights) const {
   return spot_of(hit.point, surface_.lit_share(hit, 0, heights_.high), scene_.albedo(hit.point.x, hit.point.y, 0));
 }
 
-// Where the surface is level its nodes are enough to tell; else all sub-pixels are looked at, and forgotten again where
-// the corners stand for them.
+// If the surface is level, the nodes suffice. Otherwise all sub-pixels are traced, and dropped again if the corners can
+// stand for them.
 void StillSurface::trace_block(int down, int across, Block& block, std::vector<LightSpot>& samples) const {
   const auto node_of_block = [&](int d, int a) -> const LightSpot& {
     return nodes_[grid_.node(2 * down + d, 2 * across + a)];

@@ -1,4 +1,4 @@
-// A surface that stands still before camera and projector: traced once, then no more than a look at the pattern for
+// A surface that stands still before camera and projector. It is traced once; a pattern then costs one look-up for
 // every sub-pixel.
 #ifndef SELFPROJ_SIM_SCENE_STILL_SURFACE_H
 #define SELFPROJ_SIM_SCENE_STILL_SURFACE_H
@@ -18,27 +18,28 @@
 
 namespace selfproj {
 
-// Whether the projector's light falls on what is seen.
+// Whether the projector's light reaches what is seen.
 enum class Shade : std::uint8_t { lit, dark };
 
 class StillSurface {
  public:
-  // A block whose spots lie linearly between those of its corners, or that has one a sub-pixel.
+  // A block whose spots are linear between its corners, or which has one spot for each sub-pixel.
   struct Block {
     SpotCorners corners;
-    std::int64_t samples = -1;  // index of the first; -1: linear
+    std::int64_t samples = -1;  // index of the first one; -1: linear
   };
 
-  // Traces the scene's surface as it is at t = 0, by several threads (0: one a core). The scene must live as long.
+  // Traces the scene's surface at t = 0 with several threads (0: one for each core). The scene must live as long as
+  // this.
   StillSurface(const Rig& rig, const Scene& scene, const RenderOptions& options, int threads);
 
   [[nodiscard]] const BlockGrid& grid() const { return grid_; }
   [[nodiscard]] const Pinhole& camera() const { return camera_; }
   [[nodiscard]] const Pinhole& projector() const { return projector_; }
   [[nodiscard]] const LitSurface& surface() const { return surface_; }
-  [[nodiscard]] HeightRange heights() const { return heights_; }  // of all of it
+  [[nodiscard]] HeightRange heights() const { return heights_; }  // of the whole surface
 
-  // What the rays through a node and through a pixel's middle meet; indices as the grid's and row by row.
+  // What the rays through a node and through a pixel's middle meet. Indices are those of the grid, and row by row.
   [[nodiscard]] const LightSpot& node(std::size_t index) const { return nodes_[index]; }
   [[nodiscard]] const LightSpot& centre(std::size_t pixel) const { return centres_[pixel]; }
   [[nodiscard]] const Block& block(std::size_t index) const { return blocks_[index]; }
@@ -52,10 +53,10 @@ class StillSurface {
                    (static_cast<float>(j) + 0.5F) / kBlockSide);
   }
 
-  // Grey values of a block under a pattern, all of it lit as the surface is, or all in the shadow.
+  // Grey values of a block under a pattern: lit as the surface is, or all in the shadow.
   void values(const Block& block, const ProjectedLight& pattern, Shade shade, BlockValues& values) const;
 
-  // What a ray meets at a point of anything. `share`: of the projector's full light, as LitSurface::lit_share.
+  // What a ray meets at a given point. `share` of the projector's full light is that of LitSurface::lit_share.
   [[nodiscard]] LightSpot spot_of(Point3 point, double share, double albedo) const;
 
  private:

@@ -24,8 +24,8 @@ using Json = nlohmann::ordered_json;
 
 Json json_of(Point3 p) { return {p.x, p.y, p.z}; }
 
-// What is known of the rig, by the matrices of the renderer: where the pixels of the optical axes are and what a
-// tangent of one is worth. Pixels are (row, column); rows and lines along x and Xp.
+// The truth about the rig, from the renderer's matrices: the pixels of the optical axes, and the scale from tangents to
+// pixels. Pixels are (row, column); rows and lines are along x and Xp.
 Json truth_of(const Rig& rig) {
   const auto pinhole = [](const Pinhole& p, Point3 axis, Point3 row_axis, Point3 column_axis) {
     const PixelPoint middle = p.project(p.centre() + axis);
@@ -43,7 +43,7 @@ Json truth_of(const Rig& rig) {
           {"projector", pinhole(projector, axis, {axis.z, 0, -axis.x}, y)}};
 }
 
-// Frames first, first + 1, ... under the patterns, into files that begin with `prefix`.
+// Renders frames first, first + 1, ... under the patterns into files whose names begin with `prefix`.
 void capture(const Rig& rig, const Scene& scene, const std::vector<ProjectedLight>& patterns, int first,
              const std::string& prefix, const CaptureSettings& settings, OutputFolder& out) {
   const PatternRenderer renderer(rig, scene, settings.render, settings.threads);

@@ -1,5 +1,5 @@
-// Images that the simulated camera takes of a scene that stands still, under whole patterns of the projector: handed
-// over one after another, or written into a folder as a real camera would leave them.
+// Images that the simulated camera takes of a scene that stands still, under whole patterns of the projector. They are
+// passed on one after another, or written into a folder as a real camera would leave them.
 #ifndef SELFPROJ_SIM_SCENE_VIRTUAL_CAPTURE_H
 #define SELFPROJ_SIM_SCENE_VIRTUAL_CAPTURE_H
 
@@ -18,34 +18,34 @@
 
 namespace selfproj {
 
-// A pattern of light 0..1 as the 8-bit image that a projector is given.
+// A pattern of light 0..1 as the 8-bit image for a projector.
 Image pattern_image(const FloatImage& pattern);
 
-// Images of one scene after another: image i is frame first + i (for its noise), under pattern(i).
+// Consecutive images of one scene: image i is frame first + i (for its noise) under pattern(i).
 struct PatternShots {
   int count = 0;
   int first = 0;
-  std::function<Image(int i)> pattern;  // called by several threads at once; projector lines x columns
+  std::function<Image(int i)> pattern;  // projector lines x columns; several threads may call it at once
 };
 
-// Renders them by several threads and hands the images over in their order: take(i, image).
+// Renders them with several threads and passes the images on in order: take(i, image).
 void take_images(const PatternRenderer& renderer, const PatternShots& shots,
                  const std::function<void(int i, const ImageView& image)>& take);
 
-// How images are captured into a folder.
+// Settings for a capture into a folder.
 struct CaptureSettings {
   RenderOptions render;
-  int threads = 0;                     // 0: one a core
+  int threads = 0;                     // 0: one for each core
   std::function<void()> done = [] {};  // called after each image, never by two threads at once
 };
 
-// The images of a scene under each of the patterns, frames 0, 1, ... in files image_00.png ..., with three digits
-// for more than 100 patterns. Throws as PatternRenderer.
+// The images of a scene under each pattern, frames 0, 1, ..., in files image_00.png and so on, with three digits for
+// more than 100 patterns. Throws as PatternRenderer does.
 void capture_scene(const Rig& rig, const Scene& scene, const std::vector<ProjectedLight>& patterns,
                    const CaptureSettings& settings, OutputFolder& out);
 
-// The same of a chessboard at each of the places: pose_01/image_00.png ..., and truth.json with the renderer's pinholes
-// of camera and projector (pixels and mm) and the places.
+// The same for a chessboard at each of the places: pose_01/image_00.png and so on, and truth.json with the renderer's
+// pinholes of camera and projector (pixels and mm) and the places.
 void capture_chessboard(const Rig& rig, const ChessboardShape& shape, const std::vector<ChessboardPlace>& places,
                         const std::vector<ProjectedLight>& patterns, const CaptureSettings& settings,
                         OutputFolder& out);

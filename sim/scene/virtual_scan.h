@@ -1,5 +1,5 @@
-// Scans of a reference by the simulated camera, before anything is measured. Their noise is another than that of the
-// measurement: seed + 1.
+// Scans of a reference by the simulated camera before the measurement. Their noise differs from the measurement's: it
+// has seed + 1.
 #ifndef SELFPROJ_SIM_SCENE_VIRTUAL_SCAN_H
 #define SELFPROJ_SIM_SCENE_VIRTUAL_SCAN_H
 
@@ -22,16 +22,16 @@ enum class ScanMethod {
   gray_codes,  // Gray codes along both axes, those of `selfproj pattern gray`
 };
 
-// Number of images of such a scan.
+// The number of images in such a scan.
 int scan_images(const Rig& rig, ScanMethod method);
 
-// The projector point that each pixel of the camera sees on the scene. `done` is called after each image.
+// The projector point that each camera pixel sees on the scene. `done` is called after each image.
 ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOptions& options, ScanMethod method,
                             const std::function<void()>& done);
 
-// Centroids C of the light section in each of the modes, rows from 1, one a column: means over 16 frames in the middle
-// of the scene's way, NaN where a column is not lit as the rig asks. `real` is what takes the images, `rig` what is
-// believed of it; their images have one size.
+// Centroids C of the light section in each of the modes, rows from 1, one for each column: means over 16 frames in the
+// middle of the scene's way, NaN if a column is not lit as the rig asks. `real` is the rig that takes the images, and
+// `rig` the one believed to take them; their images have one size.
 std::vector<std::vector<double>> scan_centroids(const Rig& rig, const Rig& real, const Scene& scene,
                                                 const FloatImage& pattern, const RenderOptions& options,
                                                 std::span<const Mode> modes);
