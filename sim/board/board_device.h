@@ -1,4 +1,4 @@
-// The Verilated board with the world at its ports: a camera that is never stalled, a bus that may be, a host at the
+// The Verilated board with a world at its ports: a camera that is never stalled, a bus that may be, a host at the
 // registers, an encoder, two unrelated clocks, and waveforms of a window of time.
 //
 //     BoardDevice<Vboard> board({.bus_period_ps = 8000});
@@ -7,7 +7,7 @@
 //     board.send(image);            // queues the frame's beats
 //     board.drain();                // runs until all beats are in and no packet is under way
 //
-// Everything random comes from the seed of the options.
+// Everything random depends on the seed in the options.
 #ifndef SELFPROJ_SIM_BOARD_BOARD_DEVICE_H
 #define SELFPROJ_SIM_BOARD_BOARD_DEVICE_H
 
@@ -43,8 +43,8 @@ struct BoardDeviceOptions {
   std::uint64_t bus_period_ps = 8000;  // 125 MHz
   std::uint64_t bus_phase_ps = 1234;
   int bus_stall_percent = 0;    // share of bus clocks in which the sink is not ready
-  int video_gap_percent = 0;    // share of video clocks without a beat while beats wait
-  std::string trace_file = {};  // FST; only where the model was built with TRACE
+  int video_gap_percent = 0;    // share of video clocks without a beat while beats are waiting
+  std::string trace_file = {};  // FST file; only if the model was built with TRACE
 };
 
 // The answer of a register access.
@@ -59,7 +59,7 @@ class BoardDevice {
   using PacketSink = std::function<void(std::span<const std::uint8_t>)>;
   // Called before each video clock with its number; may set the encoder's lines.
   using ClockHook = std::function<void(std::uint64_t clock)>;
-  // Called with every beat the board takes, and the number of the clock.
+  // Called with every beat that the board takes, and the number of its clock.
   using BeatHook = std::function<void(std::uint64_t clock, const VideoBeat& beat)>;
 
   explicit BoardDevice(BoardDeviceOptions options = {})
@@ -80,7 +80,7 @@ class BoardDevice {
   BoardDevice& operator=(const BoardDevice&) = delete;
   ~BoardDevice() { stop_trace(); }
 
-  // Both resets for eight clocks each; beats still queued are dropped, and clocks are counted from zero again.
+  // Applies both resets for eight clocks each, drops all queued beats, and counts clocks from zero again.
   void reset() {
     beats_.clear();
     packet_.clear();
@@ -116,7 +116,7 @@ class BoardDevice {
   [[nodiscard]] bool projector_trigger() const { return model_->projector_trigger_o != 0; }
   [[nodiscard]] bool camera_trigger() const { return model_->camera_trigger_o != 0; }
 
-  // Queues one beat, or clocks without one.
+  // Queues one beat, or clocks without a beat.
   void send(const VideoBeat& beat) { beats_.push_back({beat, 0}); }
   void gap(std::uint32_t clocks) {
     if (clocks != 0) {
@@ -124,7 +124,7 @@ class BoardDevice {
     }
   }
 
-  // Queues a whole frame; columns are a multiple of 4.
+  // Queues a whole frame; columns must be a multiple of 4.
   void send(const ImageView& image) {
     for (int row = 0; row < image.rows; ++row) {
       const std::uint8_t* line = image.pixels + row * image.stride;
@@ -138,10 +138,10 @@ class BoardDevice {
     }
   }
 
-  // Beats and gaps that wait.
+  // The number of beats and gaps in the queue.
   [[nodiscard]] std::size_t queued() const { return beats_.size(); }
 
-  // Runs for so many video clocks.
+  // Runs for this many video clocks.
   void run(std::uint64_t clocks) {
     const std::uint64_t end = video_clocks_ + clocks;
     while (video_clocks_ < end) {
@@ -149,8 +149,7 @@ class BoardDevice {
     }
   }
 
-  // Runs until nothing waits any more: all beats are in, and for `quiet` video clocks no packet beat has come out
-  // although the bus was ready.
+  // Runs until all beats are in, and no packet beat has come out for `quiet` video clocks although the bus was ready.
   void drain(std::uint64_t quiet = 400) {
     while (!beats_.empty()) {
       step();
@@ -161,8 +160,8 @@ class BoardDevice {
     }
   }
 
-  // Register accesses. The board goes on meanwhile. A write that is refused throws std::runtime_error, unless the error
-  // is asked for.
+  // Accesses a register while the board continues to run. A write that is refused throws std::runtime_error, unless the
+  // caller asks for the error.
   RegisterAnswer access(bool write, std::uint32_t address, std::uint32_t data, unsigned strobe = 0xF) {
     auto& m = *model_;
     if (write) {
@@ -199,7 +198,7 @@ class BoardDevice {
     return answer.data;
   }
 
-  // Writes all settings; they count from the next frame start on (`hold` keeps them together).
+  // Writes all settings. They count from the next frame start on; `hold` keeps them together.
   void write(const BoardSettings& settings) {
     const std::uint32_t control =
         (settings.run ? 1U << spec::kRegControlRunLsb : 0U) | (settings.image ? 1U << spec::kRegControlImageLsb : 0U);
@@ -229,7 +228,7 @@ class BoardDevice {
   [[nodiscard]] std::uint64_t time_ps() const { return now_; }
   [[nodiscard]] Model& model() { return *model_; }
 
-  // Waveforms from now on, and until now. Only where the model was built with TRACE; else an error.
+  // Starts and stops waveforms. Throws unless the model was built with TRACE.
   void start_trace() {
     if constexpr (requires(Model & m, VerilatedFstC * f) { m.trace(f, 1, 0); }) {
       if (!options_.trace_file.empty() && trace_ == nullptr) {
@@ -252,7 +251,7 @@ class BoardDevice {
   }
 
  private:
-  // A clock's fall is evaluated only where somebody looks at it: the waveform, the toggle coverage.
+  // The falling edge is only evaluated if somebody looks at it: the waveform, or the toggle coverage.
 #ifdef SELFPROJ_COVERAGE
   static constexpr bool kFallsAreSeen = true;
 #else
@@ -261,12 +260,12 @@ class BoardDevice {
 
   struct QueuedBeat {
     VideoBeat beat;
-    std::uint32_t gap;  // clocks without a beat; 0: the beat
+    std::uint32_t gap;  // clocks without a beat; 0 stands for the beat itself
   };
 
   [[nodiscard]] bool chance(int percent) { return percent != 0 && static_cast<int>(random_() % 100U) < percent; }
 
-  // To the next rising edge of a clock, or of both.
+  // Advances to the next rising edge of a clock, or of both.
   void step() {
     auto& m = *model_;
     const BoardClocks::Edge edge = clocks_.next();
@@ -345,7 +344,7 @@ class BoardDevice {
     if (m.m_axis_tvalid != 0) {
       idle_since_ = video_clocks_;
     }
-    // What was taken at the edge before is no longer offered at this one.
+    // What was taken at the previous edge is no longer offered at this one.
     if (std::exchange(drop_aw_, false)) {
       m.s_axil_awvalid = 0;
     }
@@ -379,8 +378,8 @@ class BoardDevice {
     Simulation() { context.traceEverOn(true); }
     ~Simulation() {
       model.final();
-      // A model whose names are known to VPI takes them out of the thread's context, which may be that of a device
-      // since gone.
+      // A model whose names are known to VPI takes them from the thread's context, which may belong to a device that no
+      // longer exists.
       Verilated::threadContextp(&context);
     }
     Simulation(const Simulation&) = delete;
@@ -388,7 +387,7 @@ class BoardDevice {
     VerilatedContext context;
     Model model{&context};
 #ifdef SELFPROJ_COVERAGE
-    CoverageFile coverage{context};  // after the model, so that it writes before that is gone
+    CoverageFile coverage{context};  // declared after the model, so that it writes before the model is destroyed
 #endif
   };
   Reusable<Simulation> simulation_;
@@ -410,7 +409,7 @@ class BoardDevice {
   ClockHook clock_hook_;
   BeatHook beat_hook_;
 
-  std::optional<bool> decodes_;  // the build has the decoder; nothing before it was asked
+  std::optional<bool> decodes_;  // whether the build has the decoder; empty until asked
   RegisterAnswer answer_;
   bool access_done_ = true;
   bool drop_aw_ = false;

@@ -1,2 +1,2 @@
-// Nothing of its own: the library is the Verilated models and their runtime.
+// This file is empty: the library consists of the Verilated models and their runtime.
 #include "Vboard.h"

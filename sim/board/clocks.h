@@ -1,8 +1,8 @@
 // Stepping a Verilated model from one rising edge to the next.
 //
-// Verilator's eval() finds out which clocks have risen, and looks again until nothing changes any more; each edge costs
-// two calls, one of them for the fall, at which nothing happens in the circuits. Who steps the clocks knows all that:
-// rise() does what one rising edge needs and nothing else. eval() may be called as well, before, after and in between.
+// Verilator's eval() finds out which clocks have risen, and repeats until nothing changes. Each edge costs two calls,
+// one of them for the fall, at which nothing happens in the circuits. A caller who steps the clocks knows all that, and
+// rise() does only what one rising edge needs. eval() may still be called before, after and in between.
 //
 //     BoardClocks clocks(6614, 8000, 1234);               // periods and phase in ps
 //     const BoardClocks::Edge edge = clocks.next();    // of which clock, and when
@@ -15,18 +15,19 @@
 
 namespace selfproj {
 
-// The model at a rising edge of those clocks that stand at 1, all of which were 0 since the edge before; inputs may
-// have changed with it. Equal to eval() at the fall and again at the rise. eval() has to have been called once before.
-// Defined for the models that selfproj_verilate() (cmake/Verilated.cmake) was given the CLOCKS of; none of them makes a
-// clock itself.
+// Updates the model at a rising edge of those clocks that are 1, all of which have been 0 since the edge before; inputs
+// may have changed with it. Equal to eval() at the fall and again at the rise. eval() must have been called once
+// before. Defined for models for which selfproj_verilate() (cmake/Verilated.cmake) was given CLOCKS; none of them may
+// make a clock itself.
 template <class Model>
 void rise(Model& model);
 
-// After registers were set from outside, between two edges: all logic behind them follows. Defined for the same models.
+// Updates all logic behind registers that were set from outside between two edges. Defined for the same models.
 template <class Model>
 void settle(Model& model);
 
-// The board's two unrelated clocks: periods in ps, and by how much the bus clock's first edge is later than one period.
+// The board's two unrelated clocks: their periods in ps, and how much later than one period the bus clock's first edge
+// is.
 class BoardClocks {
  public:
   struct Edge {
@@ -41,7 +42,7 @@ class BoardClocks {
         next_video_(video_period_ps),
         next_bus_(bus_period_ps + bus_phase_ps) {}
 
-  // To the next rising edge of a clock, or of both where they rise together.
+  // Advances to the next rising edge of a clock, or of both if they rise together.
   Edge next() {
     const Edge edge = {.video = next_video_ <= next_bus_,
                        .bus = next_bus_ <= next_video_,

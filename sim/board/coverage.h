@@ -1,9 +1,9 @@
 // Coverage of the RTL by a program, in builds with SELFPROJ_COVERAGE (scripts/coverage.sh).
 //
-// Verilated models count in their own memory, which must be alive when the counts are written. In such a build a model
-// is therefore never destroyed but put back for the next test case, and the counts are written when the program ends:
-// to the file that SELFPROJ_COVERAGE_FILE names, with the process number appended. In every other build a test case has
-// a new model.
+// Verilated models count in their own memory, which must still exist when the counts are written. In such a build a
+// model is therefore never destroyed but reused for the next test case. The counts are written when the program ends,
+// to the file that SELFPROJ_COVERAGE_FILE names with the process number appended. In other builds every test case has a
+// new model.
 #ifndef SELFPROJ_SIM_BOARD_COVERAGE_H
 #define SELFPROJ_SIM_BOARD_COVERAGE_H
 
@@ -44,7 +44,7 @@ class CoverageFile {
 
 #endif
 
-// A T from make() that is given back at the end of its use.
+// A T from make() that is returned to the pool at the end of its use.
 template <typename T>
 class Reusable {
  public:

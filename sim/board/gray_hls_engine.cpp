@@ -1,4 +1,4 @@
-// The codes as the HLS kernel computes them: its C simulation, a step a clock.
+// Codes from the HLS kernel: its C simulation, one step for each clock.
 #include <cstddef>
 #include <cstdint>
 #include <memory>

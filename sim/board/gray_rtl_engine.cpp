@@ -1,5 +1,4 @@
-// The codes as the RTL computes them: beats into the Verilated decoder as the frame tracker would give them, codes out
-// of it.
+// Codes from the RTL: beats go into the Verilated decoder as the frame tracker would give them, and codes come out.
 #include <verilated.h>
 
 #include <cstdint>
@@ -32,7 +31,7 @@ class GrayRtlEngine final : public GrayEngine {
   ~GrayRtlEngine() override { dut_->final(); }
 
   [[nodiscard]] std::string name() const override { return "rtl"; }
-  [[nodiscard]] int max_rows() const override { return 4095; }  // parameters of Vgray, sim/board/CMakeLists.txt
+  [[nodiscard]] int max_rows() const override { return 4095; }  // parameters of Vgray in sim/board/CMakeLists.txt
   [[nodiscard]] int max_columns() const override { return 4096; }
 
   void start(const GraySettings& settings, bool median) override {
@@ -43,7 +42,7 @@ class GrayRtlEngine final : public GrayEngine {
     dut_->threshold_i = static_cast<CData>(settings.threshold);
     dut_->columns_i = static_cast<SData>(settings.columns);
     dut_->rows_i = static_cast<SData>(settings.rows);
-    // A break makes the decoder wait for plane 0, also where the settings are those of before.
+    // A break makes the decoder wait for plane 0, even if the settings have not changed.
     dut_->break_i = 1;
     tick();
     dut_->break_i = 0;
@@ -54,7 +53,7 @@ class GrayRtlEngine final : public GrayEngine {
     out_ = codes;
     left_ = static_cast<std::int64_t>(image.rows) * image.columns;
     const std::int64_t all = left_;
-    dut_->pattern_i = static_cast<SData>(pattern);  // of the frame before nothing is under way any more
+    dut_->pattern_i = static_cast<SData>(pattern);  // nothing of the previous frame is under way any more
     for (int row = 0; row < image.rows; ++row) {
       const std::uint8_t* line = image.pixels + row * image.stride;
       for (int column = 0; column < image.columns; column += spec::kPixelsPerBeat) {
@@ -84,7 +83,7 @@ class GrayRtlEngine final : public GrayEngine {
   }
 
  private:
-  // Until all that is under way is out.
+  // Runs until everything under way is out.
   void idle() {
     for (int i = 0; i < settings_.columns / spec::kPixelsPerBeat + 40; ++i) {
       tick();
@@ -111,7 +110,7 @@ class GrayRtlEngine final : public GrayEngine {
   std::unique_ptr<Vgray> dut_;
   GraySettings settings_;
   std::uint16_t* out_ = nullptr;
-  std::int64_t left_ = 0;  // codes to come
+  std::int64_t left_ = 0;  // codes still to come
 };
 
 }  // namespace

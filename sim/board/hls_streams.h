@@ -1,4 +1,4 @@
-// What goes into the HLS kernels and comes out of them, as images and bytes.
+// Inputs and outputs of the HLS kernels as images and bytes.
 #ifndef SELFPROJ_SIM_BOARD_HLS_STREAMS_H
 #define SELFPROJ_SIM_BOARD_HLS_STREAMS_H
 
@@ -11,7 +11,7 @@
 
 namespace selfproj {
 
-// A whole frame as beats of video; columns are a multiple of 4.
+// A whole frame as beats of video; columns must be a multiple of 4.
 inline void push_frame(const ImageView& image, hls::Stream<hls::AxisBeat<32>>& video) {
   for (int row = 0; row < image.rows; ++row) {
     const std::uint8_t* line = image.pixels + row * image.stride;

@@ -1,5 +1,5 @@
-// Matching as the RTL does it: a code image into the Verilated block as the decoder would give it, a line of beats in
-// successive clocks, and a memory of four lanes behind its port.
+// Matching by the RTL: a code image goes into the Verilated block as the decoder would give it, a line of beats in
+// successive clocks. Behind its port is a memory of four lanes.
 #include <verilated.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace selfproj {
 namespace {
 
-// Parameters of Vmatch, sim/board/CMakeLists.txt.
+// Parameters of Vmatch in sim/board/CMakeLists.txt.
 constexpr unsigned kBits = 4;
 constexpr std::size_t kGroups = 65536;
 constexpr unsigned kAddressBits = 16 + kBits;
@@ -79,7 +79,7 @@ class MatchRtlEngine final : public MatchEngine {
   }
 
  private:
-  // What the four lanes have at the addresses at the port.
+  // The words of the four lanes at the addresses on the port.
   [[nodiscard]] std::uint64_t words() const {
     std::uint64_t data = 0;
     for (unsigned lane = 0; lane < spec::kPixelsPerBeat; ++lane) {
@@ -100,7 +100,7 @@ class MatchRtlEngine final : public MatchEngine {
     dut_->clk_i = 0;
     dut_->mem_data_i = on_the_way_[at_];
     dut_->eval();
-    // Given kLatency clocks from now on; where nothing is read, nothing is asked for.
+    // The words arrive kLatency clocks from now. If nothing is read, the value does not matter.
     on_the_way_[at_] = dut_->mem_read_o != 0 ? words() : ~std::uint64_t{0};
     at_ = (at_ + 1) % kLatency;
     dut_->clk_i = 1;
@@ -122,7 +122,7 @@ class MatchRtlEngine final : public MatchEngine {
   std::array<std::uint64_t, kLatency> on_the_way_{};
   std::size_t at_ = 0;
   std::uint16_t* out_ = nullptr;
-  std::int64_t left_ = 0;  // lines to come
+  std::int64_t left_ = 0;  // lines still to come
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The moments as the HLS kernel computes them: its C simulation, a step a clock.
+// Moments from the HLS kernel: its C simulation, one step for each clock.
 #include <cstddef>
 #include <cstdint>
 #include <memory>

@@ -1,4 +1,4 @@
-// The moments as the RTL computes them: frames into the Verilated board, packets out of it.
+// Moments from the RTL: frames go into the Verilated board, and packets come out.
 #include <cstdint>
 #include <span>
 #include <stdexcept>
@@ -36,7 +36,7 @@ class RtlEngine final : public MomentsEngine {
     });
     board.write(BoardSettings{
         .columns = settings.columns, .rows = settings.rows, .mode = settings.mode, .threshold = settings.threshold});
-    // Frames of few rows may not follow each other at once: leave the time two packets need.
+    // Frames of few rows must not follow each other at once. Leave the time that two packets need.
     const auto gap = static_cast<std::uint32_t>(moments_payload_bytes(settings.mode, settings.columns) / 8 + 64);
     for (const ImageView& frame : frames) {
       board.send(frame);

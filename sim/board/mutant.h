@@ -1,9 +1,8 @@
-// The mutation that a model shall have, where it was made with some: such a model has an input
-// `mutant`.
+// Selects the mutation of a model that was built with mutations: such a model has an input `mutant`.
 //
-// The environment variable SELFPROJ_MUTANT names model and number ("Vsp_fifo 17"); without it, and for every other
-// model, it is 0: none. With SELFPROJ_MUTANT_USES the program writes a line "uses: MODEL" for every such model that it
-// makes.
+// The environment variable SELFPROJ_MUTANT names model and number ("Vsp_fifo 17"). Without it, and for every other
+// model, the number is 0, which means none. With SELFPROJ_MUTANT_USES the program writes a line "uses: MODEL" for every
+// such model that it makes.
 #ifndef SELFPROJ_SIM_BOARD_MUTANT_H
 #define SELFPROJ_SIM_BOARD_MUTANT_H
 

@@ -31,8 +31,8 @@ void PacketRecording::stamp(std::size_t packet, std::uint64_t frame, double cloc
   const Packet& recorded = packets_[packet];
   std::copy_n(bytes_.data() + recorded.begin, recorded.size, room);
 
-  // The encoder goes on: from the last frame to the first one of the next loop as far as on average from frame to
-  // frame. Differences are taken modulo 2^32, as the count itself.
+  // The encoder continues: from the last frame to the first one of the next loop it counts as much as on average from
+  // frame to frame. Differences are modulo 2^32, like the count itself.
   const std::uint64_t loops = frame / frames_.size();
   const Frame& first = frames_.front();
   const auto way = static_cast<std::int32_t>(frames_.back().encoder - first.encoder);

@@ -1,4 +1,4 @@
-// Recorded packets, and how they are played again and again as one long run of a board.
+// Recorded packets, which can be played again and again as one long run of a board.
 #ifndef SELFPROJ_SIM_BOARD_PACKET_RECORDING_H
 #define SELFPROJ_SIM_BOARD_PACKET_RECORDING_H
 
@@ -14,22 +14,22 @@
 
 namespace selfproj {
 
-// The packets of a run of frames, held in memory. A frame is the packets of one sequence number: its moments, and the
-// lines of its image and code image, if there are any.
+// The packets of a run of frames, held in memory. A frame consists of the packets with one sequence number: its
+// moments, and the lines of its image and code image if there are any.
 //
-// Playing it numbers the frames without gaps from 0, loop after loop: sequence, time stamp, encoder count and check
-// word of each packet are written anew, `lost` is 0, and all else is as it was recorded.
+// Playing numbers the frames without gaps from 0, loop after loop. Sequence, time stamp, encoder count and check word
+// of each packet are written anew, `lost` is 0, and everything else stays as it was recorded.
 class PacketRecording {
  public:
-  // One packet more, which must be right.
+  // Adds a packet, which must be right.
   void add(const PacketHeader& header, std::span<const std::uint8_t> packet);
 
   [[nodiscard]] std::size_t frames() const { return frames_.size(); }
   [[nodiscard]] std::size_t packets() const { return packets_.size(); }
   [[nodiscard]] std::size_t bytes() const { return bytes_.size(); }
 
-  // The packets of frame `frame` % frames(), frame >= 0 counted over all loops: calls
-  // emit(packet size in bytes, stamp), which calls stamp(room) on room for that many bytes to have the packet there.
+  // The packets of frame `frame` % frames(), where frame >= 0 counts over all loops. Calls emit(packet size in bytes,
+  // stamp). emit calls stamp(room), with room for that many bytes, to have the packet written there.
   template <typename Emit>
   void play(std::uint64_t frame, double clocks_per_frame, const Emit& emit) const {
     const Frame& recorded = frames_[static_cast<std::size_t>(frame % frames_.size())];
@@ -44,7 +44,7 @@ class PacketRecording {
     std::size_t size = 0;
   };
   struct Frame {
-    std::uint64_t sequence = 0;  // as recorded
+    std::uint64_t sequence = 0;  // sequence as recorded
     std::uint32_t encoder = 0;
     std::size_t first = 0;
     std::size_t packets = 0;
@@ -57,17 +57,17 @@ class PacketRecording {
   std::vector<Frame> frames_;
 };
 
-// Reads a recorded stream to its end; what the driver counts on the way goes to `counters`. Throws UserError where it
-// cannot be read or has no good packet.
+// Reads a recorded stream to its end. What the driver counts on the way goes to `counters`. Throws UserError if the
+// file cannot be read or has no good packet.
 PacketRecording read_recording(const std::string& file, Counters& counters);
 
-// A line of light that moves over the image: `frames` images of rows x columns pixels (of 8 bits; peak 200, background
-// 10, two pixels of standard deviation, no noise), after which it is where it began, through the model of the board.
-// The line's row in column η (from 0) of frame k is
+// A line of light that moves over the image, through the model of the board: `frames` images of rows x columns 8-bit
+// pixels (peak 200, background 10, standard deviation two pixels, no noise), after which it is back where it began. The
+// line's row in column η (from 0) of frame k is
 //
 //     (rows - 1)/2 + (rows/4) sin(2π (η/columns + k/frames))
 //
-// so that every pixel and moment is known. Throws std::invalid_argument where a number is out of the circuit's range.
+// Every pixel and moment is thus known. Throws std::invalid_argument if a number is out of the circuit's range.
 PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int threshold);
 
 }  // namespace selfproj

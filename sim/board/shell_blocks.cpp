@@ -37,8 +37,8 @@ void connect(Ram& ram, sc_core::sc_signal<bool>& clk, Bit& rd_en, Address& rd_ad
 
 }  // namespace
 
-// A change of a signal wakes threads and methods in the next delta cycle, and those of them that others wait for write
-// in that one: three are enough.
+// A change of a signal wakes threads and methods in the next delta cycle. Those on which others wait write in that
+// cycle, so three cycles are enough.
 void ShellBlock::settle() {
   constexpr int kDeltas = 3;
   const bool in_thread = sc_core::sc_get_current_process_handle().valid();

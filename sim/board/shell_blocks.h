@@ -1,4 +1,4 @@
-// The SystemC shells with their memories, stepped a clock at a time by whoever has the pins.
+// The SystemC shells with their memories, stepped one clock at a time by the owner of the pins.
 //
 //     ColumnMomentsBlock block("moments");
 //     ColumnMomentsPins pins;
@@ -6,8 +6,8 @@
 //     block.clock(pins);              // the edge that ends this clock; the outputs are those of the next one
 //
 // A block takes no simulated time: its clock is a signal that changes in delta cycles. clock() may be called from a
-// thread of the kernel that the block belongs to, or from outside while that kernel does not run. Blocks, as all of
-// SystemC, are built before their kernel first runs.
+// thread of the block's kernel, or from outside while that kernel does not run. Like everything in SystemC, blocks must
+// be built before their kernel first runs.
 //
 // Pins have the names of the RTL's ports and the types of a Verilated model.
 #ifndef SELFPROJ_SIM_BOARD_SHELL_BLOCKS_H
@@ -24,7 +24,7 @@
 
 namespace selfproj {
 
-using Wide128 = std::array<std::uint32_t, 4>;  // lowest first
+using Wide128 = std::array<std::uint32_t, 4>;  // lowest word first
 
 struct ColumnMomentsPins {
   std::uint8_t rst_i = 0;
@@ -108,7 +108,7 @@ struct Median3x3Pins {
   std::uint8_t m_status_o = 0;
 };
 
-// What the blocks share: clock and reset, and how a clock passes.
+// The common part of the blocks: clock and reset, and how a clock passes.
 class ShellBlock : public sc_core::sc_module {
  public:
   using sc_core::sc_module::sc_module;
@@ -117,7 +117,7 @@ class ShellBlock : public sc_core::sc_module {
   template <typename T>
   using Signal = sc_core::sc_signal<T>;
 
-  // The inputs have been written; the edge, after which the outputs can be read.
+  // Called after the inputs were written: makes the edge, after which the outputs can be read.
   void pass_clock(bool reset);
 
   Signal<bool> clk_{"clk"};

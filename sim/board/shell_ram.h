@@ -1,4 +1,4 @@
-// The memory beside a SystemC shell: what rtl/common/sp_ram.sv is beside a module of the RTL.
+// The memory beside a SystemC shell, which corresponds to rtl/common/sp_ram.sv beside a module of the RTL.
 #ifndef SELFPROJ_SIM_BOARD_SHELL_RAM_H
 #define SELFPROJ_SIM_BOARD_SHELL_RAM_H
 
@@ -11,8 +11,9 @@
 
 namespace selfproj {
 
-// Words of up to 64 bits. The word at rd_addr stands at rd_data one clock after rd_en, and holds until the next one. A
-// read in the clock of a write to the same address gives a wrong word, every bit of it: nobody may use that.
+// Words of up to 64 bits. The word at rd_addr appears at rd_data one clock after rd_en, and stays until the next read.
+// A read in the same clock as a write to the same address gives a word with every bit wrong, so that nobody can rely on
+// it.
 template <int Bits, int AddressBits>
 class ShellRam : public sc_core::sc_module {
  public:
