@@ -4,16 +4,16 @@ using namespace selfproj::hls;
 
 void column_moments_top(Stream<AxisBeat<32>>& video, Columns columns, Row rows, ModeBits mode, Pixel threshold,
                         Stream<AxisBeat<128>>& payload) {
-// Free-running, as a camera is: no start, no done, a call every clock.
+// Free-running like a camera: no start, no done, a call in every clock.
 #pragma HLS interface ap_ctrl_none port = return
 #pragma HLS interface axis port = video
 #pragma HLS interface axis port = payload
-// The settings are wires from the board's registers. They are read at a frame's start.
+// The settings are wires from the board's registers, which are read at a frame's start.
 #pragma HLS interface ap_none port = columns
 #pragma HLS interface ap_none port = rows
 #pragma HLS interface ap_none port = mode
 #pragma HLS interface ap_none port = threshold
-// Four pixels a clock; flushed, so that what has come leaves also where nothing follows.
+// Four pixels a clock. Flushed, so that what has come leaves even if nothing follows.
 #pragma HLS pipeline II = 1 style = flp
   static ColumnMomentsKernel kernel;
   MomentsSetup setup;

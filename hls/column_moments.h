@@ -1,22 +1,20 @@
-// Column moments of a stream of frames, 4 pixels a step: what model/column_moments.h specifies, for HLS tools.
+// Column moments of a stream of frames, 4 pixels a step, as model/column_moments.h specifies them, for HLS tools.
 //
 // Three layers:
-//   moments_arithmetic.h  what becomes of one pixel, of one sum, of one word; the SystemC shell has them, too
+//   moments_arithmetic.h  operations on one pixel, one sum, one word; the SystemC shell uses them, too
 //   ColumnMoments         one step: a beat of 4 pixels in, at most 16 bytes of payload out; keeps the sums
 //   ColumnMomentsKernel   one step of the streams: AXI4-Stream video in, payload out; column_moments_top() is one of
 //   them
 //
 // A step is a clock: the tool pipelines it with an initiation interval of 1.
 //
-// How the sums are taken is as in rtl/moments/README.md: in mode binary a lit pixel adds its row to A, which is M1. In
-// the grey modes A adds up the M0 before each row; the last row waits in a line buffer, and as its columns leave, two a
-// step,
+// The sums are those of rtl/moments/README.md. In mode binary a lit pixel adds its row to A, which is M1. In the grey
+// modes A adds up the M0 before each row. The last row waits in a line buffer, and as its columns leave, two a step,
 //
 //     M0 = M0' + v,   N = N' + [v > 0],   M1 = R M0 - (A + M0')
 //
-// (M0', N', A: after row R-1; v: the last row's weight),
-//
-// so that one adder a lane is enough and the only multipliers are the two at the exit.
+// where M0', N' and A hold after row R-1 and v is the last row's weight. One adder for each lane is thus enough, and
+// the only multipliers are the two at the exit.
 #ifndef SELFPROJ_HLS_COLUMN_MOMENTS_H
 #define SELFPROJ_HLS_COLUMN_MOMENTS_H
 
@@ -26,15 +24,15 @@
 #include "model/spec/generated/selfproj_spec.h"
 
 // clang-tidy, in this file:
-//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+//   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best
 //   equals-default: the constructor holds pragmas
-//   reserved-identifier, identifier-naming: of the variables that clang makes itself to copy arrays of structs
+//   reserved-identifier, identifier-naming: for variables that clang itself makes to copy arrays of structs
 // NOLINTBEGIN(performance-unnecessary-value-param,modernize-use-equals-default)
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 namespace selfproj {
 namespace hls {
 
-// A beat and where it lies; or none.
+// A beat and its place, or none.
 struct MomentsIn {
   bool valid = false;
   Pixels pixels = 0;
@@ -45,10 +43,10 @@ struct MomentsIn {
   bool line_end = false;  // the row's last group
   ModeBits mode = 0;
   Pixel threshold = 0;
-  bool broken = false;  // the frame breaks: no more of its beats will come, after this one, where there is one
+  bool broken = false;  // the frame breaks: after this beat, if there is one, no more will come
 };
 
-// 16 bytes of payload: four columns in mode binary, two in the grey modes, lowest first; or nothing.
+// 16 bytes of payload: four columns in mode binary, two in the grey modes, lowest first. Or nothing.
 struct MomentsOut {
   bool valid = false;
   Uint<64> low = 0;
@@ -57,47 +55,47 @@ struct MomentsOut {
   bool last = false;   // of the frame
 };
 
-// Rows and columns up to the maxima of the specification.
+// Takes rows and columns up to the maxima of the specification.
 //
-// Payload of mode binary leaves with the step that brings its pixels; in the grey modes group g leaves with the steps g
-// + 1 and g + 2 after its pixels at the earliest, two steps a group. While draining(), no row but a first one that is
-// not the last may come, and while leaving(), no last row of mode binary: ColumnMomentsKernel sees to it. Between
+// In mode binary, payload leaves with the step that brings its pixels. In the grey modes group g leaves at the earliest
+// with the steps g + 1 and g + 2 after its pixels, two steps for each group. While draining(), only a first row that is
+// not the last may come, and while leaving(), no last row of mode binary. ColumnMomentsKernel ensures this. Between
 // frames of one size it never has to wait.
 class ColumnMoments {
  public:
   ColumnMoments() {
-// The four lanes' sums are one word of one memory: one read and one write a step.
+// The sums of the four lanes are one word of one memory: one read and one write a step.
 #pragma HLS aggregate variable = sums_ compact = bit
 #pragma HLS bind_storage variable = sums_ type = ram_s2p impl = bram
 #pragma HLS bind_storage variable = line_ type = ram_s2p impl = bram
-// Four lanes at once.
+// All four lanes at once.
 #pragma HLS array_partition variable = held_.m0 complete
 #pragma HLS array_partition variable = held_.a complete
 #pragma HLS array_partition variable = held_.n complete
   }
 
-  // The last row of a grey frame will have no more beats and is still read.
+  // The last row of a grey frame has ended and is still being read.
   bool draining() const { return ended_; }
-  // Payload of such a frame leaves with the next step whatever comes.
+  // Payload of such a frame leaves with the next step, whatever comes.
   bool leaving() const { return odd_; }
-  // Its last row comes or leaves.
+  // The last row of a frame comes or leaves.
   bool busy() const { return active_ || odd_; }
 
   MomentsOut step(const MomentsIn& in) {
 #pragma HLS inline
-// A word is read again from the memory at the earliest kMemoryDistance steps after it was written: the recent_ ones
-// have what is newer. So the tool may spread read, addition and write over as many clocks and still begin a step every
-// clock.
+// A word is read from the memory at the earliest kMemoryDistance steps after it was written; newer words come from the
+// recent_ ones. The tool may therefore spread read, addition and write over several clocks and still begin a step in
+// every clock.
 #pragma HLS dependence variable = sums_ type = inter direction = RAW distance = 4 true
 #pragma HLS dependence variable = line_ type = inter direction = RAW distance = 4 true
-// In one step the read of a drained group and the write of a first row go to the same word at the closest, never the
-// write first.
+// The read of a drained group and the write of a first row may meet the same word in one step, but the write never
+// comes first.
 #pragma HLS dependence variable = sums_ type = inter direction = WAR false
     static_assert(kMemoryDistance == 4, "the distance in the pragma");
     const bool grey = in.mode != spec::kModeBinary;
     const bool push = in.valid && in.last_row && grey;
     const bool add = in.valid && !push;
-    const bool drain = waiting_ != 0 && !odd_;  // of what was pushed in the steps before
+    const bool drain = waiting_ != 0 && !odd_;  // a group that an earlier step pushed
 
     // One read: of the group that is added up, or of the one that leaves. A first row needs none.
     Group address = in.group;
@@ -125,7 +123,7 @@ class ColumnMoments {
  private:
   static constexpr int kGroups = spec::kMaxColumns / kLanes;
 
-  // Of four columns.
+  // The sums of four columns.
   struct Sums {
     Sum0 m0[kLanes];
     Sum1 a[kLanes];
@@ -164,7 +162,7 @@ class ColumnMoments {
     }
     sums_[static_cast<int>(in.group)] = next;
     recent_.write(in.group, next);
-    if (in.last_row) {  // of mode binary: the sums are complete
+    if (in.last_row) {  // in mode binary: the sums are complete
       Uint<64> low = words[1];
       Uint<64> high = words[3];
       out.valid = true;
@@ -175,7 +173,7 @@ class ColumnMoments {
     }
   }
 
-  // Two columns of the group that leaves: the first two as it is read, the others in the next step.
+  // Two columns of the group that leaves: the first two as it is read, the other two in the next step.
   MomentsOut leave(bool drain, const Sums& old, Pixels weights) {
 #pragma HLS inline
     if (drain) {
@@ -217,7 +215,7 @@ class ColumnMoments {
     return out;
   }
 
-  // What waits in the line buffer.
+  // Keeps track of what waits in the line buffer.
   void control(bool push, bool push_end, bool broken, bool drain) {
 #pragma HLS inline
     Uint<kWaitingBits> waiting = waiting_;
@@ -226,7 +224,7 @@ class ColumnMoments {
     } else if (!push && drain) {
       waiting = waiting - 1;
     }
-    const bool cut = broken_ || (broken && (push || (active_ && !ended_)));  // not a frame that came later
+    const bool cut = broken_ || (broken && (push || (active_ && !ended_)));  // but not for a frame that came later
     const bool ended = ended_ || push_end || cut;
     const bool last = ended && waiting == 0;  // nothing is left in the line buffer
     odd_ = drain;
@@ -246,16 +244,16 @@ class ColumnMoments {
 
   Memory<Sums, kGroups> sums_;
   Recent<Sums, Group> recent_;
-  // Grey modes: the last row, and what is left of it to leave
+  // Grey modes: the last row, and the part of it that still has to leave
   Memory<Pixels, kGroups> line_;
   Recent<Pixels, Group> recent_line_;
-  Uint<kWaitingBits> waiting_ = 0;  // groups
-  Group drain_group_ = 0;           // the next one
+  Uint<kWaitingBits> waiting_ = 0;  // groups in the line buffer
+  Group drain_group_ = 0;           // next group to drain
   bool active_ = false;             // a last row comes or leaves
   bool ended_ = false;              // no more of it will come
-  bool broken_ = false;             // because its frame broke
-  bool odd_ = false;                // the other two columns of the group read in the step before leave now
-  bool odd_last_ = false;           // ... the frame's last
+  bool broken_ = false;             // it ended because its frame broke
+  bool odd_ = false;                // the other two columns of the group read in the last step leave now
+  bool odd_last_ = false;           // these are the frame's last
   Row rows_ = 0;
   Sums held_;
   Pixels held_weights_ = 0;
@@ -263,7 +261,7 @@ class ColumnMoments {
 
 // --- Streams ---
 
-// What is set, taken over at each frame's start: columns a multiple of 4 from 4, rows from 1.
+// The settings, taken over at each frame's start: columns a multiple of 4 from 4, rows from 1.
 struct MomentsSetup {
   Columns columns = 0;
   Row rows = 0;
@@ -271,14 +269,15 @@ struct MomentsSetup {
   Pixel threshold = 0;
 };
 
-// Video beats (tuser: start of frame, tlast: end of line) to payload (tuser: a frame's first beat, tlast: its last).
+// Turns video beats (tuser: start of frame, tlast: end of line) into payload (tuser: first beat of a frame, tlast:
+// last).
 //
 // Beats before a start are dropped. A line that ends too early or too late breaks its frame, and a start begins a new
-// one at any time; a frame that breaks in its last row leaves the payload of the columns it had, without tlast, any
-// other nothing.
+// frame at any time. A frame that breaks in its last row gives the payload of the columns it had, without tlast. One
+// that breaks earlier gives nothing.
 class ColumnMomentsKernel {
  public:
-  // One clock. True while more steps without input would give more output.
+  // One clock. Returns true while more steps without input would give more output.
   bool step(Stream<AxisBeat<32>>& video, const MomentsSetup& setup, Stream<AxisBeat<128>>& payload) {
 #pragma HLS inline
     late_memory_step();
@@ -290,7 +289,7 @@ class ColumnMomentsKernel {
         place(held_, held_setup_, in);
       }
     } else if (may_read(setup) && video.read_nb(beat)) {
-      if (beat.user != 0 && open_ && moments_.busy()) {  // a frame that broke: the next one waits until it is out
+      if (beat.user != 0 && open_ && moments_.busy()) {  // after a frame that broke, the next one waits until it is out
         in.broken = true;
         open_ = false;
         holds_ = true;
@@ -311,8 +310,8 @@ class ColumnMomentsKernel {
   }
 
  private:
-  // Only a row that needs a read while a drain needs it, too, has to wait, or a last row that has no place in the line
-  // buffer or at the exit. They come only after a change of size or mode, or from frames of one row.
+  // A row waits only if both it and a drain need a read, and a last row if it has no room in the line buffer or at the
+  // exit. This happens only after a change of size or mode, or with frames of one row.
   bool may_read(const MomentsSetup& setup) const {
 #pragma HLS inline
     const bool at_start = !open_ || (row_ == 1 && group_ == 0);
@@ -366,13 +365,13 @@ class ColumnMomentsKernel {
   }
 
   ColumnMoments moments_;
-  bool holds_ = false;  // a start that waits
+  bool holds_ = false;  // a start is waiting
   AxisBeat<32> held_;
   MomentsSetup held_setup_;
   bool open_ = false;  // a frame is under way
-  Row row_ = 1;        // of the next beat
+  Row row_ = 1;        // row of the next beat
   Group group_ = 0;
-  // Of the frame under way
+  // Of the current frame
   Row rows_ = 1;
   Group last_group_ = 0;
   ModeBits mode_ = 0;
@@ -382,8 +381,8 @@ class ColumnMomentsKernel {
 }  // namespace hls
 }  // namespace selfproj
 
-// The kernel as a tool takes it: free-running, a clock a call. In no namespace, which some tools want of a top
-// function. See column_moments.cpp.
+// The kernel for a tool: free-running, one clock for each call. It is outside all namespaces, which some tools require
+// of a top function. See column_moments.cpp.
 void column_moments_top(selfproj::hls::Stream<selfproj::hls::AxisBeat<32>>& video, selfproj::hls::Columns columns,
                         selfproj::hls::Row rows, selfproj::hls::ModeBits mode, selfproj::hls::Pixel threshold,
                         selfproj::hls::Stream<selfproj::hls::AxisBeat<128>>& payload);

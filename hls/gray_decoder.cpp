@@ -4,11 +4,11 @@ using namespace selfproj::hls;
 
 void gray_decoder_top(Stream<AxisBeat<32>>& video, Uint<13> columns, Uint<12> rows, PlaneCount bits,
                       GrayPixel threshold, Uint<1> median, PatternIndex pattern, Stream<AxisBeat<64>>& codes) {
-// Free-running, as a camera is: no start, no done, a call every clock.
+// Free-running like a camera: no start, no done, a call in every clock.
 #pragma HLS interface ap_ctrl_none port = return
 #pragma HLS interface axis port = video
 #pragma HLS interface axis port = codes
-// The settings are wires from the board's registers, the pattern's index one from its trigger. They are read at a
+// The settings are wires from the board's registers, and the pattern index is one from its trigger. They are read at a
 // frame's start.
 #pragma HLS interface ap_none port = columns
 #pragma HLS interface ap_none port = rows
@@ -16,7 +16,7 @@ void gray_decoder_top(Stream<AxisBeat<32>>& video, Uint<13> columns, Uint<12> ro
 #pragma HLS interface ap_none port = threshold
 #pragma HLS interface ap_none port = median
 #pragma HLS interface ap_none port = pattern
-// Four pixels a clock; flushed, so that what has come leaves also where nothing follows.
+// Four pixels a clock. Flushed, so that what has come leaves even if nothing follows.
 #pragma HLS pipeline II = 1 style = flp
   static GrayDecoderKernel<kTopColumns, kTopRows> kernel;
   GraySetup setup;

@@ -1,8 +1,8 @@
-// Gray-code decoder, 4 pixels a step: what model/gray_decoder.h and model/median3x3.h specify, for HLS tools.
+// Gray-code decoder, 4 pixels a step, as model/gray_decoder.h and model/median3x3.h specify it, for HLS tools.
 //
 // Three layers, as in column_moments.h:
 //   pure functions     binarization, state and code of one pixel
-//   GraySequence, GrayDecoder   what a frame is; a beat of 4 pixels and their state in, 4 codes out
+//   GraySequence, GrayDecoder   the role of a frame; a beat of 4 pixels and their state in, 4 codes out
 //   GrayDecoderKernel  one step of the streams: video in, codes out, the median between; gray_decoder_top() is one of
 //   them
 #ifndef SELFPROJ_HLS_GRAY_DECODER_H
@@ -13,9 +13,9 @@
 #include "model/spec/generated/selfproj_spec.h"
 
 // clang-tidy, in this file:
-//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+//   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best
 //   equals-default: the constructor holds pragmas
-//   reserved-identifier, identifier-naming: of the variables that clang makes itself to copy arrays of structs
+//   reserved-identifier, identifier-naming: for variables that clang itself makes to copy arrays of structs
 // NOLINTBEGIN(performance-unnecessary-value-param,modernize-use-equals-default)
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 namespace selfproj {
@@ -23,19 +23,20 @@ namespace hls {
 
 constexpr int kMaxCodeBits = spec::kCodeCodeBits;
 
-using Plane = Uint<kMaxCodeBits>;  // a bit a plane: that of plane p of m in bit m-1-p
+using Plane = Uint<kMaxCodeBits>;  // one bit for each plane: that of plane p of m is m-1-p
 using PlaneCount = Uint<4>;        // 0..kMaxCodeBits
 using PatternIndex = Uint<16>;
-// What is kept of a pixel, low bits first: the positive, 8 bits; the planes' bits; which of them are ambiguous.
+// The state of a pixel, from the low bits: the positive, 8 bits; the planes' bits; which of them are ambiguous.
 constexpr int kStateBits = spec::kPixelBits + 2 * kMaxCodeBits;
 using PixelState = Uint<kStateBits>;
 
 // --- Pure functions ---
 
-// The state of a pixel after a frame. In a negative the one bit of `weight` becomes
-//     B = (positive - pixel > threshold)  xor  the bit of `above`, that of the plane before (plane 0: none)
+// The state of a pixel after a frame. In a negative the one bit in `weight` becomes
+//     B = (positive - pixel > threshold)  xor  the bit in `above`, that of the previous plane (plane 0: none)
 //     (4.15, 4.17)
-// and ambiguous where the two differ by no more than the threshold. Bits outside `mask`, left of another m, become 0.
+// It becomes ambiguous if the two differ by no more than the threshold. Bits outside `mask`, left over from another m,
+// become 0.
 inline PixelState next_state(GrayPixel pixel, PixelState state, GrayPixel threshold, bool negative, Plane weight,
                              Plane above, Plane mask) {
 #pragma HLS inline
@@ -68,7 +69,7 @@ inline PixelState next_state(GrayPixel pixel, PixelState state, GrayPixel thresh
   return next;
 }
 
-// The code word of a pixel: measurable where at most one plane is ambiguous (4.4, 4.16, 4.18).
+// The code word of a pixel, measurable if at most one plane is ambiguous (4.4, 4.16, 4.18).
 inline CodeWord code_word(PixelState state) {
 #pragma HLS inline
   const Plane planes = state >> spec::kPixelBits;
@@ -88,7 +89,7 @@ inline Plane weight_of_plane(PlaneCount bits, Uint<4> plane) {
   return weight;
 }
 
-// The m planes.
+// A mask of the m planes.
 inline Plane mask_of(PlaneCount bits) {
 #pragma HLS inline
   const Uint<kMaxCodeBits + 1> all = (1 << static_cast<int>(bits)) - 1;
@@ -98,13 +99,13 @@ inline Plane mask_of(PlaneCount bits) {
 
 // --- Classes with state ---
 
-// Which frames are the next ones, and what each is: the sequence rules of the model.
+// The sequence rules of the model: which frames are next ones, and what each is.
 class GraySequence {
  public:
-  // Of the frame under way
+  // Of the current frame
   bool taken = false;
   bool negative = false;
-  bool due = false;  // its codes are to be sent
+  bool due = false;  // its codes must be sent
   Plane weight = 0;
   Plane above = 0;
   Plane mask = 0;
@@ -115,7 +116,7 @@ class GraySequence {
     pairs_ = 0;
   }
 
-  // Codes are due from the next frame, if it is the next one.
+  // Whether codes are due from the next frame, if it is the next one in the sequence.
   bool due_next(PlaneCount bits) const {
 #pragma HLS inline
     return (next_ & 1) != 0 && pairs_ + 1 >= bits;
@@ -147,20 +148,20 @@ class GraySequence {
   }
 
  private:
-  Uint<5> next_ = 0;   // index expected; 0 while waiting for plane 0
-  Uint<4> pairs_ = 0;  // in succession, up to m
+  Uint<5> next_ = 0;   // expected index; 0 while waiting for plane 0
+  Uint<4> pairs_ = 0;  // pairs in succession, up to m
 };
 
 // A beat, or none.
 struct GrayIn {
   bool valid = false;
-  Uint<32> pixels = 0;  // leftmost in the low bits
-  bool start = false;   // of a frame; what follows counts only with it
+  Uint<32> pixels = 0;  // leftmost pixel in the low bits
+  bool start = false;   // start of a frame; the members below matter only with it
   bool line_end = false;
   bool last_row = false;
 };
 
-// The pixels' state and their codes. Images up to MaxColumns x MaxRows.
+// The states of the pixels, and their codes. Images up to MaxColumns x MaxRows.
 template <int MaxColumns, int MaxRows>
 class GrayDecoder {
  public:
@@ -170,8 +171,8 @@ class GrayDecoder {
 #pragma HLS bind_storage variable = state_ type = ram_s2p impl = auto
   }
 
-  // A beat of the frame that `sequence` was told of. Frames begin at least kMemoryDistance steps after the last beat of
-  // one of fewer beats: GrayDecoderKernel sees to it.
+  // A beat of the frame that `sequence` was told of. A frame must begin at least kMemoryDistance steps after the last
+  // beat of one with fewer beats; GrayDecoderKernel ensures this.
   CodesBeat step(const GrayIn& in, const GraySequence& sequence, GrayPixel threshold) {
 #pragma HLS inline
 // A word is read once a frame, at the earliest kMemoryDistance steps after it was written in the frame before.
@@ -209,7 +210,7 @@ class GrayDecoder {
   static constexpr int kWords = MaxColumns / kCodeLanes * MaxRows;
   static_assert(kStateBits == 32, "a state is stored in 32 bits");
 
-  // Plain words of 32 bits: a simulation of a large image would need six times the room for its integers.
+  // Plain words of 32 bits, because the integers of a simulation would take six times the memory for a large image.
   struct Word {
     std::uint32_t pixels[kCodeLanes];
   };
@@ -220,7 +221,7 @@ class GrayDecoder {
 
 // --- Streams ---
 
-// What is set, taken over at each frame's start; a change of any but the median makes the decoder wait for plane 0.
+// The settings, taken over at each frame's start. A change of any but the median makes the decoder wait for plane 0.
 struct GraySetup {
   Uint<13> columns = 0;  // a multiple of 4 from 4
   Uint<12> rows = 0;     // from 1
@@ -229,16 +230,16 @@ struct GraySetup {
   bool median = false;
 };
 
-// Video beats (tuser: start of frame, tlast: end of line) to codes, four a beat (tuser: start of a code image, tlast:
-// end of a line).
+// Turns video beats (tuser: start of frame, tlast: end of line) into codes, four a beat (tuser: start of a code image,
+// tlast: end of a line).
 //
-// Beats before a start are dropped. A line that ends too early or too late breaks its frame, as does a start within it;
-// then the decoder waits for plane 0, and a code image that had begun to leave is not finished.
+// Beats before a start are dropped. A line that ends too early or too late breaks its frame, and so does a start within
+// it. The decoder then waits for plane 0, and a code image that had begun to leave is not finished.
 template <int MaxColumns, int MaxRows>
 class GrayDecoderKernel {
  public:
-  // One clock; `pattern` is that of a frame that starts in it. True while more steps without input would give more
-  // output.
+  // One clock. `pattern` belongs to a frame that starts in it. Returns true while more steps without input would give
+  // more output.
   bool step(Stream<AxisBeat<32>>& video, const GraySetup& setup, PatternIndex pattern, Stream<AxisBeat<64>>& codes) {
 #pragma HLS inline
     late_memory_step();
@@ -258,15 +259,16 @@ class GrayDecoderKernel {
   }
 
  private:
-  // A small frame after a small frame must wait for the state to be written, and a frame with codes for the last line
-  // of the one before to leave the median. Between the two there is a positive, so that only frames of one or two lines
-  // wait.
+  // After a small frame, another small one must wait until the state is written, and a frame with codes must wait until
+  // the last line of the one before has left the median. Between two frames with codes there is a positive, so only
+  // frames of one or two lines wait.
   bool may_read(const GraySetup& setup) const {
 #pragma HLS inline
     return open_ || (since_ == 0 && (median_left_ == 0 || !sequence_.due_next(setup.bits)));
   }
 
-  // Where the beat lies, and what its frame is; true where a frame with codes broke, the one before or its own.
+  // Finds the place of the beat, and the role of its frame. Returns true if a frame with codes broke, either the one
+  // before or its own.
   bool place(const AxisBeat<32>& beat, const GraySetup& setup, PatternIndex pattern, GrayIn& in) {
 #pragma HLS inline
     const bool line_end = beat.last != 0;
@@ -329,25 +331,25 @@ class GrayDecoderKernel {
   GrayDecoder<MaxColumns, MaxRows> decoder_;
   GraySequence sequence_;
   Median3x3<MaxColumns> median_;
-  GraySetup setup_;     // of the frame under way
-  bool open_ = false;   // a frame is under way
-  Uint<12> row_ = 1;    // of the next beat
-  Uint<11> group_ = 1;  // likewise, from 1
+  GraySetup setup_;     // of the current frame
+  bool open_ = false;   // a frame has begun and not ended
+  Uint<12> row_ = 1;    // row of the next beat
+  Uint<11> group_ = 1;  // group of the next beat, from 1
   Uint<11> groups_ = 1;
-  Uint<3> beats_ = 0;         // of the frame, up to kMemoryDistance
-  Uint<3> since_ = 0;         // steps until what was read is written
+  Uint<3> beats_ = 0;         // beats of the frame, up to kMemoryDistance
+  Uint<3> since_ = 0;         // steps until what was read has been written
   Uint<11> median_left_ = 0;  // steps until the last code image is out
 };
 
-// Largest image of the top function.
+// The largest image of the top function.
 constexpr int kTopColumns = 640;
 constexpr int kTopRows = 480;
 
 }  // namespace hls
 }  // namespace selfproj
 
-// The kernel as a tool takes it: free-running, a clock a call. In no namespace, which some tools want of a top
-// function. See gray_decoder.cpp.
+// The kernel for a tool: free-running, one clock for each call. It is outside all namespaces, which some tools require
+// of a top function. See gray_decoder.cpp.
 void gray_decoder_top(selfproj::hls::Stream<selfproj::hls::AxisBeat<32>>& video, selfproj::hls::Uint<13> columns,
                       selfproj::hls::Uint<12> rows, selfproj::hls::PlaneCount bits, selfproj::hls::GrayPixel threshold,
                       selfproj::hls::Uint<1> median, selfproj::hls::PatternIndex pattern,

@@ -1,10 +1,9 @@
-// For tests: a memory whose words are seen only some steps after they were written, as a pipeline's may be.
+// For tests: a memory that shows words only some steps after they were written, as the memory of a pipeline may.
 //
 // A kernel that reads a word, works on it and writes it back, one step a clock, tells the tool how many steps lie
-// between the write of a word and its next read from the memory (#pragma HLS dependence ... distance). The tool relies
-// on that. Here it is put to the test: what was written is held back for as long as that statement allows, and the
-// results must be the same. The steps are counted by late_memory_step(), which is called before each of them. Included
-// by types.h.
+// between the write of a word and its next read (#pragma HLS dependence ... distance). The tool relies on that. This
+// memory puts it to the test: it holds back what was written for as long as the statement allows, and the results must
+// be the same. Call late_memory_step() before each step, to count it. Included by types.h.
 #ifndef SELFPROJ_HLS_LATE_MEMORY_H
 #define SELFPROJ_HLS_LATE_MEMORY_H
 
@@ -29,7 +28,7 @@ class Memory {
   class Word {
    public:
     Word(Memory& memory, int address) : memory_(memory), address_(address) {}
-    operator T() const { return memory_.read(address_); }  // NOLINT: as an element of an array
+    operator T() const { return memory_.read(address_); }  // NOLINT: like an element of an array
     Word& operator=(const T& value) {
       memory_.write(address_, value);
       return *this;

@@ -1,8 +1,8 @@
-// 3 x 3 lower median of the measurable codes of a stream of code images, 4 codes a step: what model/median3x3.h
-// specifies, for HLS tools.
+// 3 x 3 lower median of the measurable codes of a stream of code images, 4 codes a step, as model/median3x3.h specifies
+// it, for HLS tools.
 //
-// The image is a line and a step behind its input. A line leaves while the next one comes; the last one follows at
-// once, a beat a step. Without the median codes pass unchanged, at the same steps.
+// The output is a line and a step behind the input. A line leaves while the next one comes. The last line follows at
+// once, a beat in each step. Without the median, codes pass unchanged in the same steps.
 #ifndef SELFPROJ_HLS_MEDIAN3X3_H
 #define SELFPROJ_HLS_MEDIAN3X3_H
 
@@ -11,9 +11,9 @@
 #include "model/spec/generated/selfproj_spec.h"
 
 // clang-tidy, in this file:
-//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+//   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best
 //   equals-default: the constructor holds pragmas
-//   reserved-identifier, identifier-naming: of the variables that clang makes itself to copy arrays of structs
+//   reserved-identifier, identifier-naming: for variables that clang itself makes to copy arrays of structs
 // NOLINTBEGIN(performance-unnecessary-value-param,modernize-use-equals-default)
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 namespace selfproj {
@@ -23,13 +23,13 @@ constexpr int kCodeLanes = spec::kPixelsPerBeat;
 
 using GrayPixel = Uint<spec::kPixelBits>;
 using CodeWord = Uint<spec::kCodeWordBits>;
-using Code = Uint<spec::kCodeCodeBits + 1>;  // a code, and above it whether it is measurable
+using Code = Uint<spec::kCodeCodeBits + 1>;  // a code; the highest bit says whether it is measurable
 
-// Four codes of a code image, leftmost in the low bits; or none.
+// Four codes of a code image, leftmost in the low bits, or none.
 struct CodesBeat {
   bool valid = false;
   Uint<kCodeLanes* spec::kCodeWordBits> codes = 0;
-  bool start = false;  // of a code image
+  bool start = false;  // first beat of a code image
   bool line_end = false;
   bool last_row = false;
 };
@@ -52,15 +52,16 @@ inline CodeWord word_of(Code code) {
   return word;
 }
 
-// Of nine codes, the centre number 4; one that does not exist counts as not measurable. Where more than `half` of them
-// are measurable the lower median of their codes, measurable, else 0. A code's rank is the number of those that are
-// less, or equal and earlier, the measurable ones first: every pair is compared once.
+// The median of nine codes, of which number 4 is the centre. A code that does not exist counts as not measurable. If
+// more than `half` are measurable, the result is the lower median of their codes, and measurable; else it is 0. The
+// rank of a code is the number of codes that are less, or equal and earlier, where measurable ones come first: every
+// pair is compared once.
 inline Code median_of(const Code codes[9], Uint<4> half) {
 #pragma HLS inline
   Uint<4> count = 0;
   Uint<4> rank[9];
 #pragma HLS array_partition variable = rank complete
-  Code key[9];  // in the order of ranks
+  Code key[9];  // in order of rank
 #pragma HLS array_partition variable = key complete
   for (int i = 0; i < 9; ++i) {
 #pragma HLS unroll
@@ -93,7 +94,7 @@ inline Code median_of(const Code codes[9], Uint<4> half) {
   return median;
 }
 
-// Half the number of the codes that exist, rounded down, of 9, 6, 4, 3 or 2.
+// Half the number of existing codes (9, 6, 4, 3 or 2), rounded down.
 inline Uint<4> half_of(bool above, bool below, bool outer) {
 #pragma HLS inline
   Uint<4> half = 1;
@@ -116,16 +117,16 @@ class Median3x3 {
 #pragma HLS aggregate variable = far_ compact = bit
 #pragma HLS bind_storage variable = near_ type = ram_s2p impl = bram
 #pragma HLS bind_storage variable = far_ type = ram_s2p impl = bram
-// The window: all of its codes at once.
+// All codes of the window at once.
 #pragma HLS array_partition variable = middle_ complete
 #pragma HLS array_partition variable = left_ complete
   }
 
-  // A beat of codes, or none; `broken`: the image under way ends here, before the beat, and what has not left will not.
-  // After a beat that ends an image the next one begins at the earliest columns / 4 + 2 steps later.
+  // A beat of codes, or none. `broken`: the current image ends before the beat, and what has not left is dropped. After
+  // a beat that ends an image, the next one begins at the earliest columns / 4 + 2 steps later.
   CodesBeat step(const CodesBeat& in, bool broken, bool median) {
 #pragma HLS inline
-// As for the sums of ColumnMoments: the recent_ ones have what the memory does not show yet.
+// As for the sums of ColumnMoments, the recent_ ones have what the memory does not show yet.
 #pragma HLS dependence variable = near_ type = inter direction = RAW distance = 4 true
 #pragma HLS dependence variable = far_ type = inter direction = RAW distance = 4 true
     static_assert(kMemoryDistance == 4, "the distance in the pragma");
@@ -140,7 +141,7 @@ class Median3x3 {
       median_ = median;
     }
     const bool passing = passing_;
-    const bool moves = passing || (in.valid && lines_ != 0);  // a beat that has a line above it
+    const bool moves = passing || (in.valid && lines_ != 0);  // a beat with a line above it
     const bool first = first_;
     const bool ends_line = passing ? group_ == last_group_ : in.line_end;
     const bool two_above = lines_ == 2;
@@ -149,7 +150,7 @@ class Median3x3 {
     const Line far_stored = far_[static_cast<int>(group_)];
     const Line near = recent_near_.read(group_, near_stored);
     const Line far = recent_far_.read(group_, far_stored);
-    Code columns[kCodeLanes][3];  // of this beat: the codes of two lines above, of one above, and its own
+    Code columns[kCodeLanes][3];  // codes two lines above, one line above, and of this beat
 #pragma HLS array_partition variable = columns complete dim = 0
     Line now;
     for (int lane = 0; lane < kCodeLanes; ++lane) {
@@ -175,7 +176,7 @@ class Median3x3 {
       }
     }
 
-    // The beat before leaves, once its right neighbour is there or does not exist.
+    // The previous beat leaves as soon as its right neighbour has come or cannot exist.
     CodesBeat out;
     out.valid = middle_valid_ && (middle_last_ || (moves && !first));
     if (out.valid) {
@@ -240,7 +241,7 @@ class Median3x3 {
     out.last_row = !middle_below_;
   }
 
-  // The beat takes the place of the one before, of which its left neighbours are kept.
+  // The beat takes the place of the previous one, of which only its left neighbours are kept.
   void shift(const Code columns[kCodeLanes][3], bool first) {
 #pragma HLS inline
     for (int row = 0; row < 3; ++row) {
@@ -274,18 +275,18 @@ class Median3x3 {
   static constexpr int kGroups = MaxColumns / kCodeLanes;
   using Group = Uint<bits_for(kGroups - 1)>;
 
-  // The line before, and the one before that
+  // The previous line, and the one before it
   Memory<Line, kGroups> near_;
   Memory<Line, kGroups> far_;
   Recent<Line, Group> recent_near_;
   Recent<Line, Group> recent_far_;
-  bool median_ = false;   // of the image under way
-  bool passing_ = false;  // its last line leaves
-  Uint<2> lines_ = 0;     // complete ones of it, up to 2
-  Group group_ = 0;       // the next one
+  bool median_ = false;   // of the current image
+  bool passing_ = false;  // its last line is leaving
+  Uint<2> lines_ = 0;     // complete lines of it, up to 2
+  Group group_ = 0;       // the next group
   Group last_group_ = 0;
-  bool first_ = true;  // the next group is its line's first
-  // The beat of the step before
+  bool first_ = true;  // the next group is the first of its line
+  // The beat of the previous step
   Code middle_[kCodeLanes][3];
   Code left_[3];
   bool middle_valid_ = false;

@@ -1,5 +1,5 @@
-// Formats and pure functions of the column moments: what becomes of one pixel, of one sum, of one word. The kernel
-// (column_moments.h) and the SystemC shell (hls/shells/column_moments_shell.h) compute by them.
+// Formats and pure functions of the column moments: operations on one pixel, one sum, one word. The kernel
+// (column_moments.h) and the SystemC shell (hls/shells/column_moments_shell.h) use them.
 #ifndef SELFPROJ_HLS_MOMENTS_ARITHMETIC_H
 #define SELFPROJ_HLS_MOMENTS_ARITHMETIC_H
 
@@ -7,7 +7,7 @@
 #include "model/spec/generated/selfproj_spec.h"
 
 // clang-tidy, in this file:
-//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+//   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best
 // NOLINTBEGIN(performance-unnecessary-value-param)
 namespace selfproj {
 namespace hls {
@@ -15,18 +15,18 @@ namespace hls {
 constexpr int kLanes = spec::kPixelsPerBeat;
 static_assert(kLanes == 4, "the payload is cut into beats for four lanes");
 
-// The formats of the sums: they hold the largest values of the specification, so that nothing ever wraps.
+// The formats of the sums. They hold the largest values of the specification, so nothing ever wraps.
 using Pixel = Uint<spec::kPixelBits>;
-using Pixels = Uint<kLanes * spec::kPixelBits>;  // leftmost in the low bits
+using Pixels = Uint<kLanes * spec::kPixelBits>;  // leftmost pixel in the low bits
 using ModeBits = Uint<2>;
 using Columns = Uint<bits_for(spec::kMaxColumns)>;
-using Row = Uint<bits_for(spec::kMaxRows)>;                    // a row, counted from 1, and a number of lit pixels
-using Group = Uint<bits_for(spec::kMaxColumns / kLanes - 1)>;  // four columns, counted from 0
+using Row = Uint<bits_for(spec::kMaxRows)>;                    // a row, counted from 1, or a number of lit pixels
+using Group = Uint<bits_for(spec::kMaxColumns / kLanes - 1)>;  // a group of four columns, counted from 0
 using Sum0 = Uint<spec::kGreyM0Bits>;
 using Sum1 = Uint<spec::kGreyM1Bits>;
 static_assert(bits_for(spec::kMaxRows) == spec::kGreyNBits, "a number of lit pixels has the bits of a row");
 
-// The weight of a pixel; 0 where it is not lit, and only there.
+// The weight of a pixel; 0 if and only if it is not lit.
 inline Pixel weight_of(Pixel pixel, Pixel threshold, ModeBits mode) {
 #pragma HLS inline
   Pixel weight = 0;
@@ -57,7 +57,7 @@ inline Row next_n(Row n, Pixel weight) {
   return next;
 }
 
-// What a row adds to A: the M0 before it in the grey modes, the row of a lit pixel in mode binary.
+// What a row adds to A: the M0 before it in the grey modes, and the row of a lit pixel in mode binary.
 inline Sum1 addend_of(Sum0 m0_before, Pixel weight, Row row, bool grey) {
 #pragma HLS inline
   Sum1 addend = 0;
@@ -69,16 +69,16 @@ inline Sum1 addend_of(Sum0 m0_before, Pixel weight, Row row, bool grey) {
   return addend;
 }
 
-// M1 of a column whose last row is the `rows`-th, from M0 with it and M0 and A before it.
+// M1 of a column with `rows` rows, from M0 with the last row, and M0 and A before it.
 inline Sum1 finished_m1(Row rows, Sum0 m0, Sum0 m0_before, Sum1 a) {
 #pragma HLS inline
   Uint<spec::kGreyM0Bits + spec::kGreyNBits> product = rows * m0;
   Sum1 over = a + m0_before;
-  Sum1 m1 = product - over;  // the difference fits: it is M1
+  Sum1 m1 = product - over;  // the difference fits, because it is M1
   return m1;
 }
 
-// The payload word of a column in mode binary ...
+// The payload word of a column in mode binary.
 inline Uint<spec::kBinaryWordBits> binary_word(Sum0 m0, Sum1 m1) {
 #pragma HLS inline
   Uint<spec::kBinaryWordBits> word = m0;
@@ -86,7 +86,7 @@ inline Uint<spec::kBinaryWordBits> binary_word(Sum0 m0, Sum1 m1) {
   return word;
 }
 
-// ... and in the grey modes.
+// The payload word of a column in the grey modes.
 inline Uint<spec::kGreyWordBits> grey_word(Sum0 m0, Sum1 m1, Row n) {
 #pragma HLS inline
   Uint<spec::kGreyWordBits> word = n;

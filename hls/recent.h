@@ -1,4 +1,4 @@
-// What was written to a memory last, for reads that come before the memory shows it.
+// The words that were written to a memory last, for reads that come before the memory shows them.
 #ifndef SELFPROJ_HLS_RECENT_H
 #define SELFPROJ_HLS_RECENT_H
 
@@ -7,16 +7,16 @@
 namespace selfproj {
 namespace hls {
 
-// The last kMemoryDistance - 1 words written and their addresses: a step writes at most one word, so that all that the
-// memory does not show yet is here.
+// The last kMemoryDistance - 1 words written, with their addresses. A step writes at most one word, so everything that
+// the memory does not show yet is here.
 template <typename Word, typename Address>
 class Recent {
  public:
-  // The word at `address`, where `stored` is what the memory shows of it.
+  // The word at `address`, if the memory shows `stored`.
   Word read(Address address, const Word& stored) const {
 #pragma HLS inline
     Word word = stored;
-    // The newest counts: it is looked at last.
+    // The newest word counts, so it is checked last.
     for (int i = kWords - 1; i >= 0; --i) {
 #pragma HLS unroll
       if (there_[i] && addresses_[i] == address) {

@@ -1,8 +1,9 @@
-// The types that the kernels are written in: exact-width integers, streams, beats of AXI4-Stream, arrays.
+// The types in which the kernels are written: exact-width integers, streams, beats of AXI4-Stream, arrays.
 //
-// With SELFPROJ_HLS_VENDOR_TYPES they are those of the HLS tool (ap_int.h, hls_stream.h, and ap_axi_sdata.h where there
-// is one), whose folder has to be in the include path; without, SystemC's integers, which need no kernel, and a queue.
-// The kernels use what both have in common: every operation gives at least the bits of the exact result or is at once
+// With SELFPROJ_HLS_VENDOR_TYPES they are those of the HLS tool (ap_int.h, hls_stream.h, and ap_axi_sdata.h if it
+// exists), whose folder must be in the include path. Otherwise they are SystemC's integers, which need no kernel, and a
+// queue. The kernels use only what both have in common: every operation has at least the bits of the exact result, or
+// is put at once into a variable of the intended width. Nothing relies on values that were not assigned.
 // put into a variable of the width that is meant. Nothing relies on the value of what was not assigned.
 #ifndef SELFPROJ_HLS_TYPES_H
 #define SELFPROJ_HLS_TYPES_H
@@ -45,13 +46,13 @@ using Uint = sc_dt::sc_uint<Bits>;
 template <int Bits>
 using WideUint = sc_dt::sc_biguint<Bits>;
 
-// As far as the kernels and their users need it, what hls::stream is to a C++ program: a queue without an end.
+// The part of hls::stream that the kernels and their users need: for a C++ program, an unlimited queue.
 template <typename T>
 class Stream {
  public:
   bool empty() const { return queue_.empty(); }
   void write(const T& value) { queue_.push_back(value); }
-  // Takes the first value; false where there is none.
+  // Takes the first value; returns false if there is none.
   bool read_nb(T& value) {
     if (queue_.empty()) {
       return false;
@@ -96,7 +97,7 @@ struct AxisBeat {
 };
 #endif
 
-// A beat all of whose bytes count.
+// A beat in which all bytes count.
 template <int Bits>
 AxisBeat<Bits> axis_beat(const AxisData<Bits>& data, bool user, bool last) {
   AxisBeat<Bits> beat;
@@ -111,11 +112,11 @@ AxisBeat<Bits> axis_beat(const AxisData<Bits>& data, bool user, bool last) {
   return beat;
 }
 
-// Steps from a write to a memory of a kernel to the first read of the same word that needs to see it there. The kernels
-// tell the tool so (#pragma HLS dependence ... distance = 4) and go round the memory for what is newer.
+// Steps from a write to a kernel's memory to the first read of the same word that must see it there. The kernels tell
+// the tool (#pragma HLS dependence ... distance = 4), and get newer words elsewhere.
 constexpr int kMemoryDistance = 4;
 
-// Bits that hold 0..largest.
+// Bits needed for 0..largest.
 constexpr int bits_for(long long largest) {
   int bits = 1;
   for (int i = 1; i < 62; ++i) {
@@ -127,8 +128,8 @@ constexpr int bits_for(long long largest) {
 }  // namespace hls
 }  // namespace selfproj
 
-// A memory of a kernel. For tools it is an array; with SELFPROJ_HLS_LATE_MEMORY (tests) one that puts kMemoryDistance
-// to the test.
+// A memory of a kernel. For tools it is an array. With SELFPROJ_HLS_LATE_MEMORY (tests) it is one that puts
+// kMemoryDistance to the test.
 #ifdef SELFPROJ_HLS_LATE_MEMORY
 #include "hls/late_memory.h"
 #else

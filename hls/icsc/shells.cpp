@@ -1,5 +1,4 @@
-// One of the shells as the top of a design, for ICSC: the macro says which. Ports that nothing is bound to are the
-// design's.
+// One of the shells as the top of a design for ICSC; the macro selects it. Unbound ports become those of the design.
 #include <systemc>
 
 #if defined(SELFPROJ_SHELL_column_moments)

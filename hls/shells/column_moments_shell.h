@@ -1,15 +1,15 @@
 // The column moments as a SystemC module with the ports of rtl/moments/sp_column_moments.sv, for compilers that
 // translate clocked threads.
 //
-// The promise: with the same inputs in every clock the outputs are those of the RTL in every clock, one beat a clock,
-// no bubble. The tests compare both clock by clock. So the times in rtl/moments/README.md are this module's, too.
+// With the same inputs in every clock the outputs equal those of the RTL in every clock: one beat a clock, no bubble.
+// The tests compare both clock by clock. The timing in rtl/moments/README.md thus holds for this module, too.
 //
-// What becomes of pixels, sums and words are the pure functions of hls/moments_arithmetic.h; here is when, with the
-// sums in moments_sums.h and the drain in moments_drain.h. The registers have the names of the RTL's. Unlike there,
-// sums are in one piece, and a word is finished in one clock and then passes seven registers, for a synthesizer to move
-// them into the additions and the multiplication; so its reads and writes of the memories are a clock ahead of the
-// RTL's. The memories are outside, behind ports: each one port that writes and one that reads, a clock later, as
-// sp_ram.
+// The operations on pixels, sums and words are the pure functions of hls/moments_arithmetic.h. This file decides when
+// they happen, with the sums in moments_sums.h and the drain in moments_drain.h. The registers have the names of the
+// RTL's. Unlike there, sums are in one piece, and a word is finished in one clock and then passes seven registers,
+// which a synthesizer may move into the additions and the multiplication. Its reads and writes of the memories are
+// therefore one clock ahead of the RTL's. The memories are outside, behind ports. Each has one port that writes and one
+// that reads a clock later, like sp_ram.
 #ifndef SELFPROJ_HLS_SHELLS_COLUMN_MOMENTS_SHELL_H
 #define SELFPROJ_HLS_SHELLS_COLUMN_MOMENTS_SHELL_H
 
@@ -26,7 +26,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
   sc_core::sc_in<bool> clk_i{"clk_i"};
   sc_core::sc_in<bool> rst_i{"rst_i"};
 
-  // A beat and where it lies, as in the RTL
+  // A beat and its place, as in the RTL
   sc_core::sc_in<bool> beat_valid_i{"beat_valid_i"};
   sc_core::sc_in<Pixels> beat_pixels_i{"beat_pixels_i"};
   sc_core::sc_in<Group> beat_group_i{"beat_group_i"};
@@ -47,7 +47,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
   sc_core::sc_out<bool> moments_break_o{"moments_break_o"};
   sc_core::sc_out<bool> spoiled_o{"spoiled_o"};
 
-  // Memory of M0 and N: a word for the lanes 0 and 1, one for 2 and 3
+  // Memory of M0 and N: one word for lanes 0 and 1, one for lanes 2 and 3
   sc_core::sc_out<bool> m_rd_en_o{"m_rd_en_o"};
   sc_core::sc_out<Group> m_rd_addr_o{"m_rd_addr_o"};
   sc_core::sc_in<Uint<kMBits>> m_rd_low_i{"m_rd_low_i"};
@@ -56,7 +56,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
   sc_core::sc_out<Group> m_wr_addr_o{"m_wr_addr_o"};
   sc_core::sc_out<Uint<kMBits>> m_wr_low_o{"m_wr_low_o"};
   sc_core::sc_out<Uint<kMBits>> m_wr_high_o{"m_wr_high_o"};
-  // Memory of A, likewise
+  // Memory of A, in the same way
   sc_core::sc_out<bool> a_rd_en_o{"a_rd_en_o"};
   sc_core::sc_out<Group> a_rd_addr_o{"a_rd_addr_o"};
   sc_core::sc_in<Uint<kABits>> a_rd_low_i{"a_rd_low_i"};
@@ -82,7 +82,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
   }
 
  private:
-  // The weights of a last row are kept where its packet was accepted, which is known in the very clock.
+  // The weights of a last row are kept if its packet was accepted, which is known in the same clock.
   sc_core::sc_signal<bool> s4_drain_row_{"s4_drain_row"};
 
   void write_line() { line_wr_en_o.write(s4_drain_row_.read() && accept_i.read()); }
@@ -91,8 +91,8 @@ class ColumnMomentsShell : public sc_core::sc_module {
   // Stages 1 to 4: beats and breaks on their way
   MomentsBeat beat_[4];
   bool break_[3];
-  bool drain_grey_;  // the last row now passing, or the one before, goes to the drain
-  // What the memory of M is asked for in this clock
+  bool drain_grey_;  // the last row that passes now or passed last goes to the drain
+  // The request to the memory of M in this clock
   bool add_;
   bool drain_;
   MomentsSums sums_;
@@ -217,7 +217,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
   // The outputs of the clock that begins.
   void show() {
     const bool s4_drain_row = beat_[3].drains();
-    // A first row needs no read and may pass a drain; any other row meets one only after a change of size: see
+    // A first row needs no read and may pass a drain. Any other row meets a drain only after a change of size: see
     // spoiled_o.
     add_ = beat_[3].valid && !s4_drain_row && (beat_[3].first_row || !draining_.active);
     drain_ = draining_.waiting != 0 && !draining_.odd;

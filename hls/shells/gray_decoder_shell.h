@@ -1,10 +1,10 @@
 // The Gray-code decoder as a SystemC module with the ports of rtl/gray/sp_gray_decoder.sv, for compilers that translate
 // clocked threads.
 //
-// The promise: with the same inputs in every clock the outputs are those of the RTL in every clock, one beat a clock,
-// no bubble. The tests compare both clock by clock. What becomes of a pixel are the pure functions of
-// hls/gray_decoder.h; here is when. The registers have the names of the RTL's. Unlike there, the new state is made in
-// one clock, from a state two clocks delayed, for a synthesizer to move the registers into it. The memory is outside,
+// With the same inputs in every clock the outputs equal those of the RTL in every clock: one beat a clock, no bubble.
+// The tests compare both clock by clock. The operations on a pixel are the pure functions of hls/gray_decoder.h. This
+// file decides when they happen. The registers have the names of the RTL's. Unlike there, the new state is made in one
+// clock, from a state two clocks delayed, so that a synthesizer can move the registers into it. The memory is outside,
 // as in the RTL.
 #ifndef SELFPROJ_HLS_SHELLS_GRAY_DECODER_SHELL_H
 #define SELFPROJ_HLS_SHELLS_GRAY_DECODER_SHELL_H
@@ -89,7 +89,7 @@ class GrayDecoderShell : public sc_core::sc_module {
   bool close_[4];
   bool took_[4];
   Pixels pixels_[5];
-  PixelState state_[2][kCodeLanes];  // of the stages 4 and 5
+  PixelState state_[2][kCodeLanes];  // of stages 4 and 5
   PixelState state6_[kCodeLanes];
   GrayPixel threshold5_;
   bool decode_;
@@ -102,7 +102,7 @@ class GrayDecoderShell : public sc_core::sc_module {
   bool asked_[7];  // from stage 2 on
   bool lost4_, lost5_, lost6_, again4_, again5_, late_;
   bool show6_, end6_, late6_, late7_, late8_;
-  // The frame of stage 5
+  // The frame in stage 5
   Uint<5> next_;
   Uint<4> pairs_;
   bool negative_, due_;
@@ -185,7 +185,7 @@ class GrayDecoderShell : public sc_core::sc_module {
     }
   }
 
-  // Stages 8 to 6: the codes, and what goes beside them.
+  // Stages 8 to 6: the codes, and what accompanies them.
   void codes_out() {
     codes_ = 0;
     if (!lost6_) {
@@ -210,7 +210,7 @@ class GrayDecoderShell : public sc_core::sc_module {
     }
   }
 
-  // Stage 4: what the frame is, as in sp_gray_sequence.
+  // Stage 4: the role of the frame, as in sp_gray_sequence.
   void sequence() {
     const bool start = start_[3];
     const bool decode = asked_[3];
@@ -289,7 +289,7 @@ class GrayDecoderShell : public sc_core::sc_module {
     asked_[1] = valid_[0] && decode_;
   }
 
-  // Entry: settings, beats, frames that are too close.
+  // Entry: settings, beats, frames that are too close to each other.
   void enter() {
     bool under_way = false;
     for (int i = 0; i < kTooClose - 1; ++i) {

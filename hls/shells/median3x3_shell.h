@@ -1,11 +1,11 @@
 // The 3 x 3 median of codes as a SystemC module with the ports of rtl/gray/sp_median3x3.sv, for compilers that
 // translate clocked threads.
 //
-// The promise: with the same inputs in every clock the outputs are those of the RTL in every clock, one beat a clock,
-// no bubble. The tests compare both clock by clock. The median itself is median_of() of hls/median3x3.h; here is when.
-// The registers have the names of the RTL's. Unlike there, a median is found in one clock and then passes two
-// registers, for a synthesizer to move them into it. The line buffers are outside, behind ports: each one port that
-// writes and one that reads, a clock later, as sp_ram.
+// With the same inputs in every clock the outputs equal those of the RTL in every clock: one beat a clock, no bubble.
+// The tests compare both clock by clock. The median itself is median_of() of hls/median3x3.h. This file decides when it
+// is taken. The registers have the names of the RTL's. Unlike there, a median is found in one clock and then passes two
+// registers, which a synthesizer may move into it. The line buffers are outside, behind ports. Each has one port that
+// writes and one that reads a clock later, like sp_ram.
 #ifndef SELFPROJ_HLS_SHELLS_MEDIAN3X3_SHELL_H
 #define SELFPROJ_HLS_SHELLS_MEDIAN3X3_SHELL_H
 
@@ -47,7 +47,7 @@ class Median3x3Shell : public sc_core::sc_module {
   sc_core::sc_out<bool> m_break_o{"m_break_o"};
   sc_core::sc_out<CodeStatus> m_status_o{"m_status_o"};
 
-  // Line buffers: near holds the line before, far the one before that. Both are read at once.
+  // Line buffers: near holds the previous line, far the one before it. Both are read at once.
   sc_core::sc_out<bool> rd_en_o{"rd_en_o"};
   sc_core::sc_out<CodeGroup> rd_addr_o{"rd_addr_o"};
   sc_core::sc_in<CodeLine> near_rd_data_i{"near_rd_data_i"};
@@ -71,7 +71,7 @@ class Median3x3Shell : public sc_core::sc_module {
  private:
   // Registers that a memory port follows in the same clock
   sc_core::sc_signal<bool> passing_{"passing"};   // the frame's last line leaves
-  sc_core::sc_signal<Uint<2>> lines_{"lines"};    // complete ones of the frame, up to 2
+  sc_core::sc_signal<Uint<2>> lines_{"lines"};    // complete lines of the frame, up to 2
   sc_core::sc_signal<CodeGroup> group_{"group"};  // the next one's
   sc_core::sc_signal<CodeGroup> pass_group_{"pass_group"};
   sc_core::sc_signal<bool> same1_{"same1"};  // the read was in the clock of the write: what is written counts
@@ -107,13 +107,13 @@ class Median3x3Shell : public sc_core::sc_module {
   CodeLine now1_, far_written_;
   bool valid1_, step1_, first1_, last1_, top1_, bottom1_;
   CodeGroup group1_;
-  // The step before it, and the window
+  // The previous step, and the window
   Code middle_[kCodeLanes][3];
   Code left_[3];
   bool middle_valid_, middle_first_, middle_last_, middle_top_, middle_bottom_;
   Code window_[kCodeLanes + 2][3];
   bool window_valid_, window_first_, window_last_, window_top_, window_bottom_;
-  // Medians and what goes beside them
+  // Medians, and what accompanies them
   Uint<64> codes_[3];
   bool valid_[3];
   bool start_[3];
@@ -329,7 +329,8 @@ class Median3x3Shell : public sc_core::sc_module {
     count(group, lines, ends, broken);
   }
 
-  // Where the image is after this clock: `group` and `lines` are those of the beat, which `ends` it; or it is `broken`.
+  // The place in the image after this clock: `group` and `lines` belong to the beat, which `ends` the image; or the
+  // image is `broken`.
   void count(const CodeGroup& group, const Uint<2>& lines, bool ends, bool broken) {
     const bool valid = s_valid_i.read();
     const bool line_end = s_line_end_i.read();

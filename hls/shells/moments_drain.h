@@ -1,21 +1,21 @@
-// The drain of ColumnMomentsShell: in the grey modes a frame's last row waits in a line buffer; as its groups are read
-// again, two columns a clock are finished and leave.
+// The drain of ColumnMomentsShell. In the grey modes a frame's last row waits in a line buffer. As its groups are read
+// again, two columns in each clock are finished and leave.
 #ifndef SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
 #define SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
 
 #include "hls/shells/moments_sums.h"
 
 // clang-tidy, in this file:
-//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+//   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best
 // NOLINTBEGIN(performance-unnecessary-value-param)
 namespace selfproj {
 namespace hls {
 
 struct MomentsDrain {
-  // What waits in the line buffer
+  // The contents of the line buffer
   Uint<bits_for(spec::kMaxColumns / kLanes)> waiting;  // groups
   bool ended, break_wait, odd;
-  bool active, was_active;  // now, and in the clock before
+  bool active, was_active;  // in this clock, and in the one before
   Group drain_group;
   Row rows;
   bool one_row, one_group;
@@ -74,7 +74,7 @@ struct MomentsDrain {
     }
   }
 
-  // The end of a clock, stages 11 to 3: two columns at a time. `line`: what the line buffer shows.
+  // The end of a clock, stages 11 to 3: two columns at a time. `line` is what the line buffer shows.
   void finish_words(const MomentsRead& read, const MomentsSums& sums, Pixels line) {
     for (int i = 7; i > 0; --i) {
       if (d_valid[i]) {
@@ -140,8 +140,8 @@ struct MomentsDrain {
     d2_first = odd;
   }
 
-  // The end of a clock, after finish_words: what waits, and its reads. `drain`: a group was asked for; `push`: `beat`
-  // goes into the line buffer; `broken`: its frame breaks.
+  // The end of a clock, after finish_words: updates what waits, and its reads. `drain`: a group was requested. `push`:
+  // `beat` goes into the line buffer. `broken`: its frame breaks.
   void step(bool drain, bool push, bool broken, const MomentsBeat& beat) {
     was_active = active;
     const bool last_read = drain && ended && waiting == 1;

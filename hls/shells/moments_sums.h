@@ -1,12 +1,12 @@
-// The sums of ColumnMomentsShell: beats on their way, what the memories show of four columns, and the registers in
-// which a beat's weights are added to it.
+// The sums of ColumnMomentsShell: beats on their way, the memories' words of four columns, and the registers in which a
+// beat's weights are added to them.
 #ifndef SELFPROJ_HLS_SHELLS_MOMENTS_SUMS_H
 #define SELFPROJ_HLS_SHELLS_MOMENTS_SUMS_H
 
 #include "hls/moments_arithmetic.h"
 
 // clang-tidy, in this file:
-//   unnecessary-value-param: small integers go by value, as the compilers of hardware take them best
+//   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best
 // NOLINTBEGIN(performance-unnecessary-value-param)
 namespace selfproj {
 namespace hls {
@@ -14,13 +14,13 @@ namespace hls {
 constexpr int kMBits = 2 * (spec::kGreyM0Bits + spec::kGreyNBits);  // of two lanes: {N, M0}, {N, M0}
 constexpr int kABits = 2 * spec::kGreyM1Bits;
 
-// A beat, with the weights of its pixels, and where it lies; or none.
+// A beat with the weights of its pixels and its place, or none.
 struct MomentsBeat {
   bool valid;
   Group group;
   Row row;
   bool first_row, last_row, line_end;
-  bool one_group, two_groups;  // a row has no more
+  bool one_group, two_groups;  // a row has no more groups than that
   bool grey;
   Pixels weights;
 
@@ -37,11 +37,11 @@ struct MomentsBeat {
     weights = 0;
   }
 
-  // A last row of a grey mode goes to the drain and not to the sums.
+  // Whether it is a last row of a grey mode, which goes to the drain and not to the sums.
   bool drains() const { return valid && last_row && grey; }
 };
 
-// The sums of four columns as the memories show them, two lanes a word.
+// The sums of four columns as the memories show them, two lanes in each word.
 struct MomentsRead {
   Sum0 m0[kLanes];
   Row n[kLanes];
@@ -61,7 +61,7 @@ struct MomentsRead {
   }
 };
 
-// Stages 1 (read), 2 (M) and 3 (A) of what is added up.
+// Stages 1 (read), 2 (M) and 3 (A) of the additions.
 struct MomentsSums {
   bool s1_add, s1_first, s1_one, s1_two, s1_grey;
   Group s1_group;
@@ -135,14 +135,14 @@ struct MomentsSums {
     Sum1 next = base + s3_addend[lane];
     return next;
   }
-  // A lane of the word that is written: {N, M0}.
+  // One lane of the word to write: {N, M0}.
   Uint<kMBits / 2> word_m(int lane) const {
     Uint<kMBits / 2> word = next_n(now_n(lane), s2_weight[lane]);
     word = (word << spec::kGreyM0Bits) | next_m0(now_m0(lane), s2_weight[lane]);
     return word;
   }
 
-  // The end of a clock: `add`, a beat begins to be added up; `read`, what the memories show.
+  // The end of a clock. `add`: the addition of a beat begins. `read`: what the memories show.
   void step(bool add, const MomentsBeat& beat, const MomentsRead& read) {
     // The beat two clocks ahead had the same address, and its sum is not in the memory yet.
     const bool forward = s1_two && s2_add && s3_add;
