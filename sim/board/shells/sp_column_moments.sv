@@ -1,7 +1,7 @@
 // Stands in for rtl/moments/sp_column_moments.sv in a simulated board: the same ports, behind which
 // the SystemC shell computes (sim/platform/shell_slot.h). All outputs of the RTL come from
-// registers, and so do these: what the shell computes at a clock edge is seen after it. This file is
-// for Verilator only.
+// registers, and so do these: what the shell computes at a clock edge is seen after it. This file
+// is for Verilator only.
 `default_nettype none
 
 module sp_column_moments #(
