@@ -1,5 +1,4 @@
-// What an inspection leaves behind: tables, cloud, images and report (README.md beside this file has the formats and
-// signs).
+// The files of an inspection: tables, cloud, images and report. docs/outputs.md has their formats and signs.
 #ifndef SELFPROJ_HOST_REPORT_INSPECTION_OUTPUT_H
 #define SELFPROJ_HOST_REPORT_INSPECTION_OUTPUT_H
 
