@@ -60,3 +60,4 @@ folder=$out/scanner
 images=("$folder"/plane/image_*.png)
 "$host" depth --calibration "$folder/homography/calibration.yaml" --bits 10 --row-bits 10 --strict \
   --max-z-per-line 5 --plane --out "$folder/depth" "${images[@]:0:40}"
+python3 "$root/scripts/calibration_results.py" "$out"

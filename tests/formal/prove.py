@@ -23,6 +23,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
+import results  # noqa: E402
 import rtl_tree  # noqa: E402
 
 
@@ -275,7 +276,20 @@ def main():
             except (ProofError, rtl_tree.PlantError) as error:
                 print(f"prove.py: {error}", file=sys.stderr)
                 failed = True
+    if not failed and not arguments.names:
+        keep(arguments.faults)
     return 1 if failed else 0
+
+
+def keep(faults):
+    """All proofs, or all planted faults, as results."""
+    if faults:
+        results.write("formal_faults", "Planted faults that the proofs of the RTL's blocks have to find",
+                      "tests/formal/prove.py --faults", {"planted": len(FAULTS), "missed": 0})
+    else:
+        kinds = [proof.kind for proof in PROOFS]
+        results.write("formal", "Proofs of the rules inside the RTL's blocks", "tests/formal/prove.py",
+                      {kind: kinds.count(kind) for kind in sorted(set(kinds))})
 
 
 if __name__ == "__main__":
