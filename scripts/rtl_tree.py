@@ -1,9 +1,10 @@
-"""rtl/ as the scripts in Python take it: the command with which Yosys reads it, and copies of it with a fault planted.
+"""rtl/ as the scripts in Python take it: the command with which Yosys reads it, and copies, plain or with a fault.
 
 Standard library only.
 """
 
 import pathlib
+import re
 import shutil
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
@@ -25,6 +26,23 @@ def read_command(top, parameters=(), rtl=ROOT / "rtl", more=(), formal=False):
     files = " ".join(map(str, [*sources(rtl), *more]))
     sets = "".join(f" -set {text.replace('=', ' ', 1)}" for text in parameters)
     return f"read_verilog {'-formal ' if formal else ''}-sv {files}; " + (f"chparam{sets} {top}; " if sets else "")
+
+
+def plain(text):
+    """A source as a circuit alone: no comments, proofs or checks of simulators, single blanks, a line a statement."""
+    text = re.sub(r"//[^\n]*|/\*.*?\*/", "", text, flags=re.S)
+    text = re.sub(r"`ifdef FORMAL\b(.*?)(?:`else\b(.*?))?`endif\b", lambda match: match[2] or "", text, flags=re.S)
+    text = re.sub(r"`ifndef SYNTHESIS\b.*?`endif\b", "", text, flags=re.S)
+    text = re.sub(r"^[ \t]*`default_nettype \w+[ \t]*$", "", text, flags=re.M)
+    if "`" in text or not all(re.fullmatch(r"\w*", string) for string in text.split('"')[1::2]):
+        raise ValueError(f"a directive or a string that plain() does not know: {text.splitlines()[0]}")
+    text = re.sub(r" ?([][(){},;]) ?", r"\1", re.sub(r"\s+", " ", text).strip())
+    return "`default_nettype none\n" + text.replace(";", ";\n").strip() + "\n`default_nettype wire\n"
+
+
+def plain_texts(more=()):
+    """The plain text of every source, and of the files `more`, by its name below the root, in the order of reading."""
+    return {path.relative_to(ROOT): plain(path.read_text()) for path in [*sources(), *more]}
 
 
 def plant(folder, file, old, new):
