@@ -42,6 +42,10 @@ module sp_packet_output #(
   output logic      [127:0]           m_data_o
 );
 
+  // Beats of a packet without payload
+  localparam int Overhead =
+    (sp_spec_pkg::HeaderBytes + sp_spec_pkg::TrailerBytes) / sp_spec_pkg::PacketBeatBytes;
+
   logic [LogDepth:0] free;
   logic              put, put_last;
   logic [127:0]      put_data;
@@ -76,8 +80,9 @@ module sp_packet_output #(
   );
 
   sp_packet_fifo #(
-    .Width   (128),
-    .LogDepth(LogDepth)
+    .Width      (128),
+    .LogDepth   (LogDepth),
+    .PacketWords(Overhead)
   ) u_fifo (
     .wr_clk_i  (clk_i),
     .wr_rst_i  (rst_i),

@@ -110,6 +110,7 @@ module sp_packetizer #(
     logic                 lost_now;  // counted late enough for the header of a packet decided on the clock before
     logic                 valid;     // a beat is at the FIFO
     logic                 last;      // the packet's last
+    logic                 fold;      // what stands at the FIFO goes into the check word
     logic                 numbered;  // the beat now made has the sequence: that of the header which has it, the trailer
     logic                 busy;      // a packet is under way:
     logic [StateBits-1:0] state;     // then one bit is set, see below
@@ -187,6 +188,7 @@ module sp_packetizer #(
       q.asked    <= {q.asked[8:0], start_i, break_i && !break_later_i, break_i && break_later_i};
       q.valid    <= q.state[Header+:4] != '0 || put_payload || q.state[Trailer+2];
       q.last     <= q.state[Trailer+2];
+      q.fold     <= q.state[Header+:4] != '0 || put_payload || q.state[Trailer];
       q.awake    <= asked || q.asked != '0 || q.busy;
       q.lost_now <= q.asked[Start2] && !take || q.asked[BreakFirst2] && !take_empty;
 
@@ -247,26 +249,26 @@ module sp_packetizer #(
   endfunction
 
   always_ff @(posedge clk_i) begin
-    if (q.busy) begin
-      if (q.state[Header+SequenceBeat-1]) sequence_q <= info_i[sp_spec_pkg::HeaderSequenceLsb+:64];
-      if (q.state[Header]) begin
+    if (q.awake) begin
+      if (!q.busy) begin
         check_q <= sp_spec_pkg::CheckInit;
-      end else if (fifo_valid_o || q.state[Trailer+1]) begin
+      end else if (q.fold) begin
         check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^
-                   folded(fifo_data_o[31:0], fifo_data_o[63:32], fifo_data_o[95:64], fifo_data_o[127:96]);
+                   folded(fifo_data_o[31:0], fifo_data_o[63:32],
+                          fifo_data_o[95:64], fifo_data_o[127:96]);
       end
     end
   end
 
-  // The header, but for its sequence
-  logic [HeaderBits-1:0] header;
-  for (genvar beat = 0; beat < HeaderBits / BeatBits; beat++) begin : gen_beat
-    assign header[beat*BeatBits+:BeatBits] =
-      info_i[beat*BeatBits+:BeatBits] & FrameBits[beat*BeatBits+:BeatBits] | Common[beat*BeatBits+:BeatBits] |
-      beat_if(beat == LostBeat, 128'(lost_o) << LostAt) |
-      beat_if(beat == SizeBeat, 128'(left_q) << (SizeAt + $clog2(sp_spec_pkg::PacketBeatBytes))) |
-      beat_if(beat == LineBeat && PerLine, 128'(line_q) << LineAt);
-  end
+  // A beat of the header, but for its sequence
+  function automatic logic [127:0] header_beat(
+    input int beat, input logic [127:0] info, input logic [127:0] frame_bits, input logic [127:0] common
+  );
+    header_beat = info & frame_bits | common | beat_if(beat == LostBeat, 128'(lost_o) << LostAt) |
+                  beat_if(beat == SizeBeat,
+                          128'(left_q) << (SizeAt + $clog2(sp_spec_pkg::PacketBeatBytes))) |
+                  beat_if(beat == LineBeat && PerLine, 128'(line_q) << LineAt);
+  endfunction
 
   logic [127:0] sequence_word;  // the sequence where the beat now made has it
   if (SequenceAt == sp_spec_pkg::TrailerSequenceLsb) begin : gen_same_place
@@ -278,12 +280,21 @@ module sp_packetizer #(
 
   always_ff @(posedge clk_i) begin
     if (q.busy) begin
-      fifo_data_o <= beat_if(q.state[Header], header[0+:128]) | beat_if(q.state[Header+1], header[128+:128]) |
-                     beat_if(q.state[Header+2], header[256+:128]) | beat_if(q.state[Header+3], header[384+:128]) |
-                     beat_if(q.numbered, sequence_word) |
-                     beat_if(q.state[Payload], payload_data_i) |
-                     beat_if(q.state[Trailer+:3] != '0, 128'(status_q) << sp_spec_pkg::TrailerStatusLsb) |
-                     beat_if(q.state[Trailer+2], 128'(check_q) << sp_spec_pkg::TrailerCheckLsb);
+      if (q.state[Header+SequenceBeat-1]) begin
+        sequence_q <= info_i[sp_spec_pkg::HeaderSequenceLsb+:64];
+      end
+      fifo_data_o <=
+        beat_if(q.state[Header], header_beat(0, info_i[0+:128], FrameBits[0+:128], Common[0+:128])) |
+        beat_if(q.state[Header+1],
+                header_beat(1, info_i[128+:128], FrameBits[128+:128], Common[128+:128])) |
+        beat_if(q.state[Header+2],
+                header_beat(2, info_i[256+:128], FrameBits[256+:128], Common[256+:128])) |
+        beat_if(q.state[Header+3],
+                header_beat(3, info_i[384+:128], FrameBits[384+:128], Common[384+:128])) |
+        beat_if(q.numbered, sequence_word) |
+        beat_if(q.state[Payload], payload_data_i) |
+        beat_if(q.state[Trailer+:3] != '0, 128'(status_q) << sp_spec_pkg::TrailerStatusLsb) |
+        beat_if(q.state[Trailer+2], 128'(check_q) << sp_spec_pkg::TrailerCheckLsb);
     end
   end
 
@@ -352,6 +363,7 @@ module sp_packetizer #(
     // Asleep nothing is asked or under way.
     if (!q.awake) assert (q.asked == '0 && !q.busy && q.lost_now == '0 && !fifo_valid_o);
     assert ($countones(q.state) == 32'(q.busy));
+    assert (q.fold == (fifo_valid_o && !fifo_last_o || q.state[Trailer+1]));
     assert (q.numbered == (q.state[Header+SequenceBeat] || q.state[Trailer+:3] != '0));
     if (!q.busy) assert (f_left_q == '0 && !fifo_valid_o);
     if (q.state[Header+:4] != '0) begin

@@ -30,6 +30,7 @@ module sp_async_fifo #(
 
   // write side
   logic [LogDepth:0] wr_ptr_q;
+  logic [LogDepth:0] wr_next_q;  // wr_ptr_q + 1, so that no carry chain stands before the Gray code
   logic [LogDepth:0] wr_gray_q;
   logic [LogDepth:0] rd_gray_seen;
   logic [LogDepth:0] rd_part_seen, rd_part_q;
@@ -47,10 +48,12 @@ module sp_async_fifo #(
   always_ff @(posedge wr_clk_i) begin
     if (wr_rst_i) begin
       wr_ptr_q  <= '0;
+      wr_next_q <= (LogDepth + 1)'(1);
       wr_gray_q <= '0;
     end else if (write) begin
-      wr_ptr_q  <= wr_ptr_q + 1'b1;
-      wr_gray_q <= gray_of(wr_ptr_q + 1'b1);
+      wr_ptr_q  <= wr_next_q;
+      wr_next_q <= wr_next_q + 1'b1;
+      wr_gray_q <= gray_of(wr_next_q);
     end
   end
 
@@ -196,9 +199,12 @@ module sp_async_fifo #(
     // Rule 1: what either side knows of the other's pointer is behind it, in order: read as the writer sees it, read,
     // written as the reader sees it, written – and all of it within the depth.
     assert (wr_gray_q == (wr_ptr_q ^ (wr_ptr_q >> 1)));
+    assert (wr_next_q == wr_ptr_q + (LogDepth + 1)'(1));
     assert (rd_gray_q == (rd_ptr_q ^ (rd_ptr_q >> 1)));
-    assert ((LogDepth + 4)'(f_step1a) + (LogDepth + 4)'(f_step1b) + (LogDepth + 4)'(f_step1) + (LogDepth + 4)'(f_step2) + (LogDepth + 4)'(f_step3) + (LogDepth + 4)'(f_step4) +
-            (LogDepth + 4)'(f_step5) + (LogDepth + 4)'(f_step6) + (LogDepth + 4)'(f_step7) <= (LogDepth + 4)'(1 << LogDepth));
+    assert ((LogDepth + 4)'(f_step1a) + (LogDepth + 4)'(f_step1b) + (LogDepth + 4)'(f_step1) +
+            (LogDepth + 4)'(f_step2) + (LogDepth + 4)'(f_step3) + (LogDepth + 4)'(f_step4) +
+            (LogDepth + 4)'(f_step5) + (LogDepth + 4)'(f_step6) + (LogDepth + 4)'(f_step7) <=
+            (LogDepth + 4)'(1 << LogDepth));
     assert (f_step3 <= (LogDepth + 1)'(1));
     assert (f_step7 <= (LogDepth + 1)'(1));
     // Rule 2: a place that is promised is there.
@@ -214,6 +220,7 @@ module sp_async_fifo #(
   // Reset leaves nothing behind: one rise clears a side's pointers, two what has come to it of the other's.
   always_comb if (!f_run) begin
     if (f_wr_one) assert (wr_ptr_q == '0 && wr_gray_q == '0 && f_rd_meta == '0 && rd_part_q == '0);
+    if (f_wr_one) assert (wr_next_q == (LogDepth + 1)'(1));
     if (f_wr_one) assert (wr_free_o == (LogDepth + 1)'(1 << LogDepth));
     if (f_rd_one) assert (rd_ptr_q == '0 && rd_gray_q == '0 && f_wr_meta == '0 && !rd_valid_o && !f_at_output_q);
     if (f_wr_two) assert (rd_gray_seen == '0 && f_wr_before == '0);

@@ -2,12 +2,15 @@
 //
 // Guarantees: packets come out whole and without waiting for the writer in between (a word may come a few read clocks
 // after the one before it, never later), in order, for any two clocks. wr_free_o counts the free places and never promises
-// one that is not there. The writer begins a packet only where all of it has room. Reset: both sides together.
+// one that is not there. Reset: both sides together.
+// The writer begins a packet only where all of it has room, and each packet has PacketWords words or
+// more.
 `default_nettype none
 
 module sp_packet_fifo #(
   parameter int Width = 128,
-  parameter int LogDepth = 9
+  parameter int LogDepth = 9,
+  parameter int PacketWords = 1  // the least of a packet
 ) (
   input  wire logic              wr_clk_i,
   input  wire logic              wr_rst_i,
@@ -24,31 +27,35 @@ module sp_packet_fifo #(
   output logic      [Width-1:0]  rd_data_o
 );
 
+  // Packets are counted modulo more than there can be in the FIFO: whole packets, and one of which
+  // only the last word is left.
+  localparam int CountBits = $clog2((1 << LogDepth) / PacketWords + 2);
+
   // Packets written, Gray coded: it moves one step a packet, so it may cross as it is.
-  logic [LogDepth:0] written_q;
-  logic [LogDepth:0] written_gray_q;
-  logic [LogDepth:0] written_gray_seen;
-  logic [LogDepth:0] read_q;
+  logic [CountBits-1:0] written_next_q;  // one more: no carry chain stands before the Gray code
+  logic [CountBits-1:0] written_gray_q;
+  logic [CountBits-1:0] written_gray_seen;
+  logic [CountBits-1:0] read_q;
 
   logic              word_valid;
   logic              whole;  // all of the packet at the output is in the FIFO
 
-  function automatic logic [LogDepth:0] gray_of(input logic [LogDepth:0] binary);
+  function automatic logic [CountBits-1:0] gray_of(input logic [CountBits-1:0] binary);
     gray_of = binary ^ (binary >> 1);
   endfunction
 
   always_ff @(posedge wr_clk_i) begin
     if (wr_rst_i) begin
-      written_q      <= '0;
+      written_next_q <= CountBits'(1);
       written_gray_q <= '0;
     end else if (wr_valid_i && wr_last_i) begin
-      written_q      <= written_q + 1'b1;
-      written_gray_q <= gray_of(written_q + 1'b1);
+      written_next_q <= written_next_q + 1'b1;
+      written_gray_q <= gray_of(written_next_q);
     end
   end
 
   sp_sync #(
-    .Width(LogDepth + 1)
+    .Width(CountBits)
   ) u_written_to_rd (
     .clk_i(rd_clk_i),
     .rst_i(rd_rst_i),
@@ -97,8 +104,15 @@ module sp_packet_fifo #(
     .b_two_o (f_rd_two),
     .run_o   (f_run)
   );
-  // Inputs change with their clock only; the writer looks for a place first.
+  // Inputs change with their clock only; the writer looks for a place first, and its packets have
+  // PacketWords words or more.
+  logic [4:0] f_words_q;  // of the packet being written, so far
+  always_ff @(posedge wr_clk_i) begin
+    if (wr_rst_i) f_words_q <= '0;
+    else if (wr_valid_i) f_words_q <= wr_last_i ? 5'd0 : f_words_q + 5'd1;
+  end
   always_comb if (wr_valid_i) assume (!wr_rst_i && wr_free_o != '0);
+  always_comb if (wr_valid_i && wr_last_i) assume (f_words_q >= 5'(PacketWords - 1));
   always_ff @(posedge f_moment) if (f_run) begin
     if (!f_wr_rise) assume ($stable(wr_valid_i) && $stable(wr_last_i) && $stable(wr_data_i));
     if (!f_rd_rise) assume ($stable(rd_ready_i));
@@ -123,7 +137,7 @@ module sp_packet_fifo #(
   end
   always_comb if (f_run) begin
     if (rd_valid_o || f_inside_q) assert (f_whole != '0 && whole);
-    assert (f_whole <= 5'((1 << LogDepth) + 1));
+    assert (f_whole <= 5'((1 << LogDepth) / PacketWords + 1));
   end
 
   // Rule 2: what waits at the output does not change (AXI4-Stream).

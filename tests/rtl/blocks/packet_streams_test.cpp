@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "Vsp_packet_arbiter_ports.h"
+#include "Vsp_packet_fifo_of_five_ports.h"
 #include "Vsp_packet_fifo_ports.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/rtl/blocks/streams_bench.h"
@@ -16,12 +17,14 @@
 namespace selfproj::test::streams {
 namespace {
 
-// A packet FIFO with a writer and a reader, and what has gone in and come out.
+// A packet FIFO with a writer and a reader, and what has gone in and come out; packets have `shortest` words at least.
+template <typename Fifo>
 class PacketFifoBench {
  public:
   static constexpr int kDepth = 16;
 
-  explicit PacketFifoBench(Random& random, TwoClocks& clocks) : random_(random), clocks_(clocks) {
+  PacketFifoBench(Random& random, TwoClocks& clocks, int shortest)
+      : random_(random), clocks_(clocks), shortest_(shortest), longest_(shortest) {
     for (const char* port : {"rd_data_o", "rd_last_o"}) {
       fifo_.valid_when(port, [this] { return fifo_->rd_valid_o != 0; });
     }
@@ -34,7 +37,7 @@ class PacketFifoBench {
   void random_step() {
     eagerness_.maybe_change(random_);
     if (random_.chance(1)) {
-      longest_ = random_.between(1, kDepth);
+      longest_ = random_.between(shortest_, kDepth);
     }
     bool took = false;
     const auto rises = step(
@@ -87,7 +90,7 @@ class PacketFifoBench {
     if (rises.a) {
       // a packet begins only where all of it has room
       if (left_ == 0 && random_.chance(eagerness_.in)) {
-        const int length = random_.between(1, longest_);
+        const int length = random_.between(shortest_, longest_);
         left_ = length <= fifo_->wr_free_o ? length : 0;
       }
       fifo_->wr_valid_i = left_ > 0 && random_.chance(std::max(eagerness_.in, 10));
@@ -118,26 +121,28 @@ class PacketFifoBench {
 
   Random& random_;
   TwoClocks& clocks_;
-  Model<Vsp_packet_fifo> fifo_;
+  int shortest_;
+  int longest_;
+  Model<Fifo> fifo_;
   std::vector<Word> written_;
   std::vector<std::size_t> packet_ends_;  // words written up to each packet's end
   std::size_t read_ = 0;
   std::size_t packets_read_ = 0;
   bool in_packet_ = false;  // a packet has begun to leave
   int left_ = 0;            // words of the packet being written
-  int longest_ = 1;
   Crossing whole_there_;
   Eagerness eagerness_;
 };
 
 // Packets come out whole: nothing of a packet before its last word is in, and all of it without waiting for the writer.
-TEST(PacketFifo, APacketShowsOnlyOnceItIsWhole) {
+template <typename Fifo>
+void expect_whole_packets(int shortest) {
   for (const std::uint64_t seed : seeds(60)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     TwoClocks clocks = random_clocks(random);
     SCOPED_TRACE(clocks.describe());
-    PacketFifoBench bench(random, clocks);
+    PacketFifoBench<Fifo> bench(random, clocks, shortest);
     for (int i = 0; i < 4000; ++i) {
       bench.random_step();
       ASSERT_FALSE(::testing::Test::HasFailure()) << "step " << i;
@@ -146,6 +151,11 @@ TEST(PacketFifo, APacketShowsOnlyOnceItIsWhole) {
     bench.expect_all_read();
   }
 }
+
+TEST(PacketFifo, APacketShowsOnlyOnceItIsWhole) { expect_whole_packets<Vsp_packet_fifo>(1); }
+
+// Told that packets have five words at least, it counts them with fewer bits.
+TEST(PacketFifo, PacketsOfFiveWordsAtLeast) { expect_whole_packets<Vsp_packet_fifo_of_five>(5); }
 
 // A source of packets for one input of the arbiter: valid stays until its beat is taken.
 struct PacketSource {
