@@ -10,33 +10,33 @@
 
 namespace selfproj {
 
-// Nothing is lost, torn or left out without one of these saying so. All of them only grow.
+// Nothing is lost, torn or skipped without one of these counters saying so. All of them only grow.
 struct Counters {
-  std::uint64_t delivered = 0;        // packets handed out
-  std::uint64_t flagged = 0;          // of these, packets of a frame that broke on the board (status is not 0)
-  std::uint64_t lost_board = 0;       // packets that found the board's FIFO full: the headers' field `lost`
-  std::uint64_t lost_ring = 0;        // packets that found the ring full: the reader was slower than the board
-  std::uint64_t missing = 0;          // frames without moments, by the gaps in the sequence, whatever the reason
-  std::uint64_t bad = 0;              // packets refused: begun, or due at their place, and not right
+  std::uint64_t delivered = 0;        // packets given out
+  std::uint64_t flagged = 0;          // of these, packets of frames that broke on the board (status is not 0)
+  std::uint64_t lost_board = 0;       // packets for which the board's FIFO had no room, from the headers' field `lost`
+  std::uint64_t lost_ring = 0;        // packets for which the ring had no room, because the reader was too slow
+  std::uint64_t missing = 0;          // frames without moments, from gaps in the sequence, whatever the reason
+  std::uint64_t bad = 0;              // packets refused: they began, or were due at their place, but were not right
   std::uint64_t other_spec = 0;       // of these, packets of a board built from another specification
-  std::uint64_t resynchronized = 0;   // times that the next whole packet was found after bytes that were none
-  std::uint64_t bytes_discarded = 0;  // bytes of no good packet
-  std::uint64_t repeated = 0;         // good packets that had come already; not handed out again
-  std::uint64_t restarts = 0;         // times that the board's sequence or clock went back: it was reset
-  std::uint64_t reattached = 0;       // ring: times that another writer, or another ring of the name, took over
-  std::uint64_t read_errors = 0;      // file: errors of the device that were survived
+  std::uint64_t resynchronized = 0;   // times that the next whole packet was found after bytes that were no packet
+  std::uint64_t bytes_discarded = 0;  // bytes that belong to no good packet
+  std::uint64_t repeated = 0;         // good packets that had come before; not given out again
+  std::uint64_t restarts = 0;         // times that the board's sequence or clock went back, because it was reset
+  std::uint64_t reattached = 0;       // ring: times that another writer, or another ring of this name, took over
+  std::uint64_t read_errors = 0;      // file: errors of the device after which reading went on
 
   bool operator==(const Counters&) const = default;
 };
 
-// The names of a counter: its key in JSON, which is that of the field, and its label in reports and on terminals.
+// The names of a counter: its key in JSON, which is the name of the field, and its label in reports and on terminals.
 struct CounterName {
   std::uint64_t Counters::*field;
   const char* key;
   const char* label;
 };
 
-// Each counter once, in the order of the fields.
+// Every counter once, in the order of the fields.
 inline constexpr std::array<CounterName, 13> kCounterNames = {{
     {&Counters::delivered, "delivered", "packets delivered"},
     {&Counters::flagged, "flagged", "packets flagged by the board"},
@@ -54,7 +54,7 @@ inline constexpr std::array<CounterName, 13> kCounterNames = {{
 }};
 static_assert(sizeof(Counters) == kCounterNames.size() * sizeof(std::uint64_t), "a counter has no name");
 
-// The names of one of them, as in name_of(&Counters::bad). Throws std::invalid_argument where there is none.
+// The names of one counter, as in name_of(&Counters::bad). Throws std::invalid_argument for an unknown one.
 constexpr const CounterName& name_of(std::uint64_t Counters::*field) {
   for (const CounterName& name : kCounterNames) {
     if (name.field == field) {
@@ -64,7 +64,7 @@ constexpr const CounterName& name_of(std::uint64_t Counters::*field) {
   throw std::invalid_argument("no such counter");
 }
 
-// Some of them on a line: "lost on the board 0, missing frames 2".
+// Several counters in one line, such as "lost on the board 0, missing frames 2".
 std::string counters_text(const Counters& counters, std::initializer_list<std::uint64_t Counters::*> which);
 
 }  // namespace selfproj

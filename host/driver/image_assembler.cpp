@@ -52,7 +52,7 @@ bool ImageAssembler::add(const PacketView& packet) {
     return false;
   }
   const std::size_t columns = header.columns;
-  const std::size_t stride = packet.payload.size() / header.lines;  // with what fills up the last beat
+  const std::size_t stride = packet.payload.size() / header.lines;  // includes the bytes that fill up the last beat
   for (std::size_t line = 0; line < header.lines; ++line) {
     const std::uint8_t* bytes = packet.payload.data() + line * stride;
     const std::size_t first = (static_cast<std::size_t>(next_line_) - 1 + line) * columns;

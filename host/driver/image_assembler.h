@@ -1,4 +1,4 @@
-// Images and code images out of packets of lines.
+// Images and code images from packets of lines.
 #ifndef SELFPROJ_HOST_DRIVER_IMAGE_ASSEMBLER_H
 #define SELFPROJ_HOST_DRIVER_IMAGE_ASSEMBLER_H
 
@@ -10,27 +10,26 @@
 
 namespace selfproj {
 
-// Puts the lines of one stream and kind together. Allocates in the constructor only.
+// Assembles the lines of one stream and kind. Allocates only in the constructor.
 class ImageAssembler {
  public:
-  // `kind` is spec::kKindImage or spec::kKindCodes; images up to max_rows x max_columns. Throws std::invalid_argument
-  // where one of them is none.
+  // `kind` is spec::kKindImage or spec::kKindCodes; images may have up to max_rows x max_columns. Throws
+  // std::invalid_argument if an argument is out of range.
   ImageAssembler(std::uint8_t kind, int stream, int max_rows = spec::kMaxRows, int max_columns = spec::kMaxColumns);
 
-  // Takes a packet; those of other kinds or streams are passed over. True where it completes an image whose lines have
-  // all come, in order and with a good status: header() and pixels() or codes() are it, until the next call.
+  // Takes a packet; ignores those of other kinds or streams. Returns true if the packet completes an image whose lines
+  // have all come, in order and with a good status. header() and pixels() or codes() then hold it until the next call.
   bool add(const PacketView& packet);
 
-  // Of the image's first line.
+  // The header of the image's first line.
   [[nodiscard]] const PacketHeader& header() const { return header_; }
 
-  // Row by row without gaps, header().columns a row; codes as 16-bit words of the specification.
+  // Row by row without gaps, header().columns in each row; codes are 16-bit words of the specification.
   [[nodiscard]] const std::vector<std::uint8_t>& pixels() const { return pixels_; }
   [[nodiscard]] const std::vector<std::uint16_t>& codes() const { return codes_; }
 
   [[nodiscard]] std::uint64_t complete() const { return complete_; }
-  // Images of which at least one line came, and not all of them good; the one that is being put together is not
-  // counted.
+  // Images of which at least one line came, but not all lines were good. Does not count the current image.
   [[nodiscard]] std::uint64_t incomplete() const { return incomplete_; }
   // Images larger than max_rows x max_columns.
   [[nodiscard]] std::uint64_t too_large() const { return too_large_; }
@@ -43,9 +42,9 @@ class ImageAssembler {
   PacketHeader header_;
   std::vector<std::uint8_t> pixels_;
   std::vector<std::uint16_t> codes_;
-  int next_line_ = 0;  // expected, from 1; 0: the frame is given up
-  bool open_ = false;  // lines of header_'s frame have come, the last one has not
-  bool seen_ = false;  // header_ is that of a frame
+  int next_line_ = 0;  // next expected line, from 1; 0: the frame is given up
+  bool open_ = false;  // lines of header_'s frame have come, but not the last one
+  bool seen_ = false;  // header_ belongs to a frame
   std::uint64_t complete_ = 0;
   std::uint64_t incomplete_ = 0;
   std::uint64_t too_large_ = 0;

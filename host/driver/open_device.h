@@ -1,4 +1,4 @@
-// Devices by URI:
+// Opens devices by URI:
 //
 //     ring:NAME   a ring in shared memory, written by a board's driver or by selfproj-sim board   (ring_layout.h)
 //     file:PATH   a recorded stream, a pipe, or a streaming character device such as /dev/xdma0_c2h_0
@@ -13,8 +13,8 @@
 
 namespace selfproj {
 
-// Opens the device. Throws UserError, naming the URI, where it is none of the above or cannot be opened: no such ring
-// or file, no rights, a ring of another layout or specification, a ring that has a reader already.
+// Opens the device. Throws UserError with the URI if it is none of the above or cannot be opened: there is no such ring
+// or file, there are no rights, or the ring has another layout or specification or already has a reader.
 std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions& options = {});
 
 }  // namespace selfproj

@@ -14,8 +14,8 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// As parse_packet, but no more bytes are asked for where those there already show that this is no packet, or none that
-// a board sends.
+// Like parse_packet, but asks for no more bytes if those present show that this is no packet, or none that a board
+// sends.
 PacketError judge(Bytes bytes, PacketView& packet) {
   if (!begins_like_packet(bytes)) {
     return PacketError::magic;

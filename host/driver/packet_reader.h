@@ -1,4 +1,4 @@
-// Packets out of a stream of bytes that may be cut, shifted or damaged anywhere.
+// Finds packets in a stream of bytes that may be cut, shifted or damaged anywhere.
 #ifndef SELFPROJ_HOST_DRIVER_PACKET_READER_H
 #define SELFPROJ_HOST_DRIVER_PACKET_READER_H
 
@@ -12,40 +12,40 @@
 
 namespace selfproj {
 
-// Takes bytes as they come, gives whole packets in place, and after a start or a bad packet discards up to the next
-// whole one, at whatever byte it begins. Nothing is believed before parse_packet has found all of it right, so that a
-// magic number inside a payload or a damaged length costs nothing but the time to look.
+// Takes bytes as they come and gives whole packets in place. After the start or a bad packet it discards everything up
+// to the next whole packet, at whatever byte that begins. It believes nothing before parse_packet has found the whole
+// packet right. A magic number inside a payload, or a damaged length, thus costs only the time to look.
 //
 //     std::span<std::uint8_t> room = reader.room();
 //     reader.added(read(fd, room.data(), room.size()));
 //     while (reader.next(packet)) { ... }
 //
-// Allocates in the constructor only.
+// Allocates only in the constructor.
 class PacketStreamReader {
  public:
   static constexpr std::size_t kDefaultCapacity = std::size_t{1} << 20U;
 
   // Counts bad, other_spec, resynchronized and bytes_discarded in `counters`, which must outlive it. `capacity` is the
-  // size of the buffer in bytes; less than that of two of the largest packets counts as that.
+  // size of the buffer in bytes, and is raised to two of the largest packets.
   explicit PacketStreamReader(Counters& counters, std::size_t capacity = kDefaultCapacity);
 
-  // Where the next bytes of the stream are to be put: never empty, once next() has given all it has. Packets given so
+  // The place for the next bytes of the stream. It is never empty once next() has given all it has. Packets given so
   // far become invalid.
   [[nodiscard]] std::span<std::uint8_t> room();
 
-  // The free bytes behind those held, without moving anything: packets stay valid. May be empty.
+  // The free bytes behind those held. Nothing is moved, so packets stay valid. May be empty.
   [[nodiscard]] std::span<std::uint8_t> room_in_place();
 
-  // So many bytes were put into the room.
+  // Says that this many bytes were put into the room.
   void added(std::size_t bytes) { end_ += bytes; }
 
-  // No more bytes will come: a packet that is not complete is a bad one.
+  // Says that no more bytes will come: an incomplete packet is a bad one.
   void finish() { finished_ = true; }
 
-  // The stream begins anew, in the middle of anything: bytes held are discarded, and counted.
+  // Says that the stream begins anew, in the middle of anything. Discards the bytes held, and counts them.
   void restart();
 
-  // The next whole packet, if there is one; it points into the buffer until room() or restart() is called. False:
+  // Gives the next whole packet, which points into the buffer until room() or restart() is called. Returns false if
   // more bytes are needed.
   bool next(PacketView& packet);
 
@@ -62,9 +62,9 @@ class PacketStreamReader {
 
   Counters& counters_;
   std::vector<std::uint8_t> buffer_;
-  std::size_t begin_ = 0;  // of the bytes not yet given
+  std::size_t begin_ = 0;  // first byte not given yet
   std::size_t end_ = 0;    // behind the last byte
-  bool due_ = false;       // a packet should begin at begin_: the one before it was good
+  bool due_ = false;       // a packet should begin at begin_, because the one before it was good
   bool skipping_ = false;  // bytes were discarded since the last good packet
   bool finished_ = false;
 };

@@ -1,4 +1,4 @@
-// sim:, the device inside a simulation: the bus's sink puts beats in, the host's code takes packets out.
+// The device sim: inside a simulation. The bus's sink puts beats in, and the host's code takes packets out.
 #ifndef SELFPROJ_HOST_DRIVER_SIM_DEVICE_H
 #define SELFPROJ_HOST_DRIVER_SIM_DEVICE_H
 
@@ -15,17 +15,18 @@
 
 namespace selfproj {
 
-// One thread does both sides in turn, so that next() never waits: where no whole packet has come it gives Next::timeout
-// at once, after finish() Next::end. (Two threads or processes: RingWriter and ring:.)
+// One thread does both sides in turn, so next() never waits. If no whole packet has come, it returns Next::timeout at
+// once, and Next::end after finish(). (For two threads or processes use RingWriter and ring:.)
 class SimDevice final : public Device {
  public:
   explicit SimDevice(std::size_t buffer_bytes = PacketStreamReader::kDefaultCapacity);
 
-  // A beat of the bus, of spec::kPacketBeatBytes, or any other piece of the stream; `last` as in tlast: a packet ends
-  // with it. False, and nothing is taken, where the buffer is full: the bus must stall until packets were taken out.
+  // Takes a beat of the bus, of spec::kPacketBeatBytes, or any other piece of the stream. `last` is tlast: a packet
+  // ends with it. Returns false and takes nothing if the buffer is full; the bus must then stall until packets have
+  // been taken out.
   bool push(std::span<const std::uint8_t> bytes, bool last);
 
-  // No more beats will come.
+  // Says that no more beats will come.
   void finish();
 
   // Packets whose end on the bus (tlast) is not where their header says. A real DMA would cut the stream there.
