@@ -256,7 +256,7 @@ class Tables:
             machine_of = file["machine"]
             where = (f"{machine_of['cpu']}, {machine_of['cores']} cores, {machine_of['memory_gib']:.0f} GiB, load "
                      f"{machine_of['load']}" if machine_of else file["recorded"])
-            rows.append([f"[{name}](../results/{name}.json)", file["about"], f"`{file['command']}`",
+            rows.append([f"[results/{name}.json](../results/{name}.json)", file["about"], f"`{file['command']}`",
                          f"{file['date']}, {file['commit']}", where])
         return ["file", "what", "command", "date, commit", "machine"], rows
 
