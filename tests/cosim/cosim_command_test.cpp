@@ -1,4 +1,4 @@
-// selfproj-sim cosim as its user meets it: frames in, folder and exit status out.
+// Tests selfproj-sim cosim as a user meets it: frames in, folder and exit status out.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The frames under which the middle of A2's part passes: all three marks are there.
+// The frames with the middle of A2's part, in which all three marks are visible.
 const std::vector<std::string> kMiddle{"--first", "690"};
 
 class Cosim : public ::testing::Test {
@@ -36,13 +36,13 @@ class Cosim : public ::testing::Test {
     arguments.insert(arguments.begin(), "cosim");
     return run_program(SELFPROJ_SIM_PROGRAM, arguments, folder_.path());
   }
-  // With the options for a scene's middle in front.
+  // Runs with the options for the middle of a scene in front.
   Outcome run_middle(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), kMiddle.begin(), kMiddle.end());
     return run(std::move(arguments));
   }
 
-  // Status 2, one line about `about`, and nothing left behind.
+  // Expects status 2, one line about `about`, and nothing left behind.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& about) {
     SCOPED_TRACE(about);
     const std::vector<std::string> before = folder_.names();
@@ -70,7 +70,7 @@ class Cosim : public ::testing::Test {
   ScratchFolder folder_;
 };
 
-// The last line of what was printed.
+// The last printed line.
 std::string last_line(const std::string& text) {
   std::istringstream lines(text);
   std::string last;
@@ -106,7 +106,7 @@ TEST_F(Cosim, TheModelWritesAllFilesOfTheContract) {
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"out"});
 }
 
-// Marks are 1 mm deep, the treads beside them as the reference is, the treads 30, 39 and 21 mm high.
+// Marks are 1 mm deep, the treads beside them equal the reference, and the treads are 30, 39 and 21 mm high.
 TEST_F(Cosim, MarksShowInTheDifference) {
   ASSERT_EQ(run_middle({"--engine", "model", "--count", "20", "--out", "out"}).status, 0);
   const FloatImage difference = read_float_tiff(folder_ / "out/difference.tiff");
@@ -159,8 +159,8 @@ TEST_F(Cosim, PacketsAreTheStreamOfTheBoard) {
   EXPECT_TRUE(left.empty());
 }
 
-// The rig is not what it is believed to be: its projector is turned by 0.02 degrees. The reference part measured once
-// with its own pattern takes that out.
+// The real rig differs from the assumed one: its projector is turned by 0.02 degrees. Measuring the reference part once
+// with its own pattern removes the error.
 TEST_F(Cosim, ResidualTakesOutAWrongRig) {
   std::string yaml = to_yaml(load_rig("light-section"));
   const std::size_t at = yaml.find("tilt_deg: 20");
@@ -192,7 +192,7 @@ TEST_F(Cosim, ResidualTakesOutAWrongRig) {
   expect_refused({"--frames", "real.yaml", "--threshold", "9", "--residual"}, "--residual");
 }
 
-// A pattern that the shell did not resolve; no rig: moments, centroids and pictures.
+// A pattern that the shell did not resolve, without a rig: moments, centroids and pictures.
 TEST_F(Cosim, RecordedImagesWithoutARig) {
   for (const int i : {1, 2, 3}) {
     write_image("image_" + std::to_string(i) + ".png", 20, 64, static_cast<std::uint64_t>(i));
@@ -226,10 +226,10 @@ TEST_F(Cosim, RecordedImagesWithoutARig) {
   }
 }
 
-// What is in the background is not the line, and the picture shows the image as it was taken.
+// The background is subtracted, and the picture shows the image as it was taken.
 TEST_F(Cosim, BackgroundIsTakenAway) {
   cv::Mat off(20, 64, CV_8UC1, cv::Scalar(90));
-  off.rowRange(0, 5).setTo(250);  // brighter than the line, and brighter without it
+  off.rowRange(0, 5).setTo(250);  // brighter than the line, with and without it
   cv::Mat on = off.clone();
   on.rowRange(0, 5).setTo(240);
   on.row(12).setTo(200);
@@ -248,7 +248,7 @@ TEST_F(Cosim, BackgroundIsTakenAway) {
   expect_refused({"--frames", "on.png", "--background", "none*.png", "--threshold", "30"}, "none*.png");
 }
 
-// Images as the rig's camera takes them of the bare plane: measured as such.
+// Images of the bare plane as the rig's camera takes them are measured as the plane.
 TEST_F(Cosim, RecordedImagesWithARig) {
   const Rig rig = load_rig("light-section");
   const double far = rig.plane_z_mm;
@@ -341,8 +341,9 @@ TEST_F(Cosim, RealCaptures) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(last_line(outcome.out), "matched 3200 columns in 10 frames, 0 mismatches");
   EXPECT_TRUE(fs::exists(folder_ / "out/frame_10.png"));
-  // The line is where the captures' owner found it, where both did: a white pixel a column in a picture of his. Without
-  // the first sample, whose two images were not exposed alike, so that their difference is light all over.
+  // Where both found the line, it is where the captures' owner found it: one white pixel for each column in a picture
+  // of his. The first sample is left out. Its two images were not exposed alike, so their difference is light
+  // everywhere.
   const FloatImage centroid = read_float_tiff(folder_ / "out/centroid.tiff");
   ASSERT_EQ(centroid.rows, 10);
   int both = 0;

@@ -1,4 +1,4 @@
-// selfproj-sim cosim with the scenes of rig B: patterns in, depth images and what moved out.
+// Tests selfproj-sim cosim with the scenes of rig B: patterns in, depth images and what moved out.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ class CosimScanner : public ::testing::Test {
     return run_self(std::move(arguments));
   }
 
-  // With the bits that the scene has of itself.
+  // Runs with the number of bits that the scene has by default.
   Outcome run_self(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"cosim", "--rig", "small.yaml"});
     return run_program(SELFPROJ_SIM_PROGRAM, arguments, folder_.path());
@@ -60,7 +60,7 @@ class CosimScanner : public ::testing::Test {
     return nlohmann::json::parse(read_text(folder_ / folder / "summary.json"));
   }
 
-  // The rows of a table but its head, as numbers; NaN where a cell is empty.
+  // The rows of a table without its head, as numbers; NaN for an empty cell.
   [[nodiscard]] std::vector<std::vector<double>> table(const std::string& file) const {
     std::istringstream lines(read_text(folder_ / file));
     std::string line;
@@ -96,7 +96,7 @@ TEST_F(CosimScanner, FistGoesRoundAtItsFrequency) {
   ASSERT_EQ(rows.size(), 145U);
   EXPECT_EQ(rows.front()[0], 12);
   EXPECT_EQ(rows.back()[0], 300);
-  // Of the first image nothing stays: the one before is the background's.
+  // Nothing of the first image is steady, because the image before it is the background's.
   EXPECT_EQ(rows.front()[2], 0);
   std::vector<double> off;
   for (auto row = rows.begin() + 1; row != rows.end(); ++row) {
@@ -126,7 +126,7 @@ TEST_F(CosimScanner, WaveRunsAtTheSpeedOfShallowWater) {
   EXPECT_EQ(rows.size(), 50U);
 }
 
-// What cosim's driver gives is what the host makes of the same frames as images.
+// The depth from cosim's driver equals what the host computes from the same frames as images.
 TEST_F(CosimScanner, DepthIsThatOfTheRenderedImages) {
   ASSERT_EQ(run({"--scene", "keys", "--engine", "model", "--first", "31", "--count", "12", "--out", "out"}).status, 0);
   const Outcome rendered = run_program(SELFPROJ_SIM_PROGRAM,
@@ -149,7 +149,7 @@ TEST_F(CosimScanner, DepthIsThatOfTheRenderedImages) {
   std::vector<std::string> decode{"decode", "--engine", "model", "--bits", "6", "--median", "--out", "codes"};
   decode.insert(decode.end(), images.begin(), images.end());
   EXPECT_EQ(run_program(SELFPROJ_SIM_PROGRAM, decode, folder_.path()).status, 0);
-  // The truth: the frames one below the other, near what was measured where that has a depth.
+  // The truth, with frames one below the other, is near the measurement wherever that has a depth.
   const FloatImage truth = read_float_tiff((folder_ / "truth.tiff").string());
   ASSERT_EQ(truth.rows, 12 * kSide);
   const FloatImage measured = read_float_tiff((folder_ / "out" / "depth.tiff").string());
@@ -234,8 +234,8 @@ TEST_F(CosimScanner, WhatIsWrongIsSaidInOneLine) {
 }
 
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
-// The same packets from the RTL, also with the SystemC shells of decoder and median in it, with a bus that stalls, and
-// the same files.
+// The RTL, with and without the SystemC shells of decoder and median, gives the same packets with a bus that stalls,
+// and the same files.
 TEST_F(CosimScanner, EnginesAreEqual) {
   const std::vector<std::string> what{"--scene", "fist", "--first", "200", "--count", "18"};
   const auto with = [&](std::vector<std::string> more) {

@@ -1,4 +1,4 @@
-// The platform: real timing, results that do not depend on the decoupling of time, model in place of the RTL.
+// Tests the platform: real timing, results independent of the decoupling of time, and the model in place of the RTL.
 #include "sim/platform/platform.h"
 
 #include <gtest/gtest.h>
@@ -145,7 +145,7 @@ std::vector<PlatformEngine> engines() {
 
 class EveryEngine : public ::testing::TestWithParam<PlatformEngine> {};
 
-// At another pixel clock a second has other clocks: those of a frame, and of a step of the encoder.
+// With another pixel clock a second has another number of clocks, and so have a frame and a step of the encoder.
 TEST_P(EveryEngine, ABoardOfAnotherPixelClock) {
   Random random(4);
   PlatformOptions options{.engine = GetParam(), .settings = {.rows = 64, .mode = Mode::binary, .threshold = 100}};
@@ -180,7 +180,7 @@ TEST_P(EveryEngine, FramesComeAtTheirTimeWithTheBeltsWay) {
     EXPECT_EQ(packet.header.sequence, i);
     EXPECT_EQ(packet.header.time_stamp, Platform::kFirstClock + i * 15120);
     EXPECT_EQ(packet.header.encoder, i * 10);
-    // Out within the blank clocks at the end of the frame and the first of the next one.
+    // The packet leaves within the blank clocks at the end of the frame and the first clocks of the next one.
     const std::uint64_t last_beat = (packet.header.time_stamp + 95 * 157 + 127) * kClockPs;
     EXPECT_GT(got.arrivals[i].time_ps, last_beat);
     EXPECT_LT(got.arrivals[i].time_ps, last_beat + 700 * kClockPs);
@@ -243,8 +243,8 @@ TEST(Platform, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW(make({.engine = PlatformEngine::model, .settings = {.columns = 5}}), std::invalid_argument);
 }
 
-// The same packets at the same picosecond, whatever the quantum; with stalls and hold-ups that make the board lose
-// some.
+// The packets are the same at the same picosecond, whatever the quantum, even with stalls and hold-ups that make the
+// board lose some.
 TEST_P(EveryEngine, DecouplingOfTimeChangesNothing) {
   for (const std::uint64_t seed : seeds(4)) {
     SCOPED_TRACE(how_to_repeat(seed));
@@ -275,7 +275,7 @@ INSTANTIATE_TEST_SUITE_P(Platform, EveryEngine, ::testing::ValuesIn(engines()), 
 
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
 
-// Byte-identical packets, and the model's times to within four clocks as long as the bus is always ready.
+// Packets are byte-identical, and the model's times are within four clocks as long as the bus is always ready.
 TEST(Platform, ModelInPlaceOfTheRtl) {
   std::uint64_t worst = 0;
   for (const std::uint64_t seed : seeds(20)) {

@@ -1,19 +1,20 @@
 // libFuzzer target: the packet reader on streams that the fuzzer builds, damages and cuts into pieces.
 //
-// The input is a small program: each step appends a good packet, damages the stream, or adds bytes as they are. The
-// stream then goes through two readers in different pieces. Whatever it is, the following holds:
-//   - both give the same packets: how the bytes arrive does not matter;
-//   - what is given is, byte by byte, a stretch of the stream, in order, without overlap, and parse_packet finds it
-//   right;
-//   - every byte is either given or counted as discarded;
-//   - packets that were appended and not touched since are all given, and so is the one that ends every stream:
-//   whatever
-//     was before it, the following packet is right.
-// Under the address and undefined-behaviour sanitizers, which see what else could be wrong, bytes behind the last one
-// that came included.
+// The input is a small program. Each step appends a good packet, damages the stream, or adds bytes as they are. The
+// stream then goes through two readers in different pieces. Whatever the stream is, the following must hold:
+// * Both readers give the same packets: how the bytes arrive does not matter.
+// * What is given is, byte by byte, a stretch of the stream, in order and without overlap, and parse_packet finds it
+//   right.
+// * Every byte is either given or counted as discarded.
+// * All packets that were appended and not touched since are given, and so is the packet that ends every stream: it is
+//   right whatever came before it.
 //
-// The two readers and all other memory are used again in the next case: to allocate them anew took half the time. The
-// packet at the end of every stream leaves a reader as it was when new, but for its counters, which are set to 0.
+// The target runs under the address and undefined-behaviour sanitizers, which notice other faults, among them reads
+// beyond the last byte that came.
+//
+// The two readers and all other memory are used again in the next case, because allocating them anew took half the
+// time. The packet at the end of every stream leaves a reader in its initial state, except for its counters, which are
+// set to 0.
 #include <sanitizer/asan_interface.h>
 
 #include <algorithm>
@@ -35,7 +36,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::size_t kLargestStream = 4 * 1024;
-constexpr std::size_t kGuard = 64;  // bytes behind those that came which must not be read
+constexpr std::size_t kGuard = 64;  // bytes behind those that came, which must not be read
 
 void require(bool holds, const char* what) {
   if (!holds) {
@@ -44,7 +45,7 @@ void require(bool holds, const char* what) {
   }
 }
 
-// The fuzzer's bytes, one after another; zeros at their end.
+// The fuzzer's bytes, one after another, followed by zeros.
 class Input {
  public:
   explicit Input(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -85,13 +86,13 @@ struct Stream {
     good.clear();
   }
 
-  // Bytes from `begin` on are no longer what was appended.
+  // Notes that the bytes from `begin` on have changed.
   void touched(std::size_t begin, std::size_t end) {
     std::erase_if(good, [&](const Stretch& packet) { return packet.begin < end && begin < packet.end; });
   }
 };
 
-// `shape` says which; `lost` is a field of its header.
+// `shape` selects the packet; `lost` is a field of its header.
 void append_good_packet(std::uint8_t shape, std::uint8_t lost, std::uint64_t sequence, Stream& stream) {
   PacketHeader header;
   header.kind = static_cast<std::uint8_t>(spec::kKindMoments + shape % 3);
@@ -147,17 +148,17 @@ void build(Input& input, Stream& stream) {
         stream.bytes.insert(stream.bytes.end(), raw.begin(), raw.end());
         break;
       }
-      case 6: {  // one of the last packet's header fields is another, and the check word right all the same
+      case 6: {  // a header field of the last packet changes, and its check word is made right again
         if (!stream.good.empty() && stream.good.back().end == size) {
           const Stretch last = stream.good.back();
           stream.bytes[last.begin + input.byte() % spec::kHeaderBytes] ^= input.byte();
           stream.touched(last.begin, last.end);
-          // Judgement must come from everything else.
+          // The packet must be judged by everything else.
           seal_packet(std::span(stream.bytes).subspan(last.begin));
         }
         break;
       }
-      default:  // the beginning of a packet once more
+      default:  // the beginning of a packet, once more
         if (!stream.good.empty()) {
           const Stretch last = stream.good.back();
           const std::size_t bytes = std::min(input.word() % 600, last.end - last.begin);
@@ -170,7 +171,7 @@ void build(Input& input, Stream& stream) {
         }
     }
   }
-  // A good packet that nothing can mistake for the end of another.
+  // A good packet that cannot be mistaken for the end of another.
   stream.bytes.insert(stream.bytes.end(), spec::kTrailerBytes, 0);
   append_good_packet(0, 0, sequence, stream);
 }
@@ -179,7 +180,7 @@ void build(Input& input, Stream& stream) {
 struct Reader {
   Counters counters;
   PacketStreamReader reader{counters, 1};
-  std::vector<Stretch> given;  // where in the last stream the packets were found
+  std::vector<Stretch> given;  // where the packets were found in the last stream
 
   void read(const Bytes& stream, std::size_t largest, std::uint32_t random);
 };
@@ -233,7 +234,7 @@ void fuzz(std::span<const std::uint8_t> data) {
   const std::uint8_t seed = input.byte();
   const std::size_t wanted = 1 + input.word() % 2000;
   build(input, stream);
-  // Single bytes only in short streams: many pieces of a long one take long and find nothing else.
+  // Single bytes only in short streams. Many pieces of a long one take long and find nothing else.
   const std::size_t largest = std::max(wanted, stream.bytes.size() / 64);
 
   whole.read(stream.bytes, SIZE_MAX, seed);

@@ -1,4 +1,4 @@
-// Random sequences of frames through the kernel of the Gray-code decoder, every code compared with the model.
+// Plays random sequences of frames through the kernel of the Gray-code decoder, and compares every code with the model.
 #ifndef SELFPROJ_TESTS_HLS_GRAY_KERNEL_BENCH_H
 #define SELFPROJ_TESTS_HLS_GRAY_KERNEL_BENCH_H
 
@@ -29,8 +29,8 @@ class GrayKernelBench {
 
   explicit GrayKernelBench(Step step) : step_(std::move(step)), model_({.rows = 1, .columns = 4, .bits = 1}) {}
 
-  // A frame; in `gaps` per cent of the steps no beat. One that is not good breaks after some of its beats, in one of
-  // three ways.
+  // Plays a frame. In `gaps` percent of the steps there is no beat. A frame that is not good breaks after some of its
+  // beats, in one of three ways.
   void play(const GraySettings& settings, bool median, const GrayFrame& frame, int gaps, Random& random) {
     model_.configure(settings);
     setup_.columns = settings.columns;
@@ -40,7 +40,7 @@ class GrayKernelBench {
     setup_.median = median;
     const int groups = settings.columns / 4;
     const int all = groups * settings.rows;
-    // A frame whose end is missing breaks when the next one starts; so does the model's.
+    // A frame without an end breaks when the next one starts, in the model as well.
     model_.end(!std::exchange(cut_, false));
     const bool due = model_.begin(frame.pattern);
     expect(settings, median, due, frame);
@@ -86,7 +86,7 @@ class GrayKernelBench {
     }
   }
 
-  // Until all is out.
+  // Runs until everything is out.
   void finish(int columns) {
     idle(columns / 4 + 8);
     drop_broken();
@@ -164,8 +164,8 @@ class GrayKernelBench {
   std::uint64_t steps_ = 0;
 };
 
-// Several sequences with settings of their own: all m, differences about the threshold, frames that are missing, come
-// twice, have wrong indices or break; gaps.
+// Plays several sequences with settings of their own: all m, differences around the threshold, frames that are missing,
+// come twice, have wrong indices or break, and gaps.
 inline void play_gray_sequences(GrayKernelBench& bench, int sequences, int frames, Random& random) {
   int columns = 4;
   for (int i = 0; i < sequences && !::testing::Test::HasFatalFailure(); ++i) {

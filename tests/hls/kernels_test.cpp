@@ -1,5 +1,5 @@
-// The HLS kernels against the model. Built once with SystemC's integers, once with memories that show late what was
-// written, and once with the vendor's integers where there are any.
+// Tests the HLS kernels against the model. Built once with SystemC's integers, once with memories that show writes
+// late, and once with the vendor's integers if they are available.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TEST(HlsColumnMoments, RandomFrames) {
   for (const std::uint64_t seed : seeds(200)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    // The top function's kernel lives on from case to case.
+    // The kernel of the top function keeps its state from case to case.
     MomentsBench bench(random.chance(50) ? moments_kernel() : moments_top());
     play_moments_frames(bench, 40, random);
     ASSERT_FALSE(HasFailure());
@@ -88,7 +88,8 @@ TEST(HlsColumnMoments, LargestImage) {
   }
 }
 
-// A beat every step, without a wait between frames of one size and two rows or more: in steps the promise of the RTL.
+// A beat in every step, without a wait between frames of one size and two rows or more. In steps, this is the promise
+// of the RTL.
 TEST(HlsColumnMoments, TakesABeatEveryStep) {
   Random random(1);
   for (const Mode mode : kModes) {
@@ -122,7 +123,7 @@ TEST(HlsGrayDecoder, RandomSequences) {
   }
 }
 
-// A beat every step, codes of every pair, frames of three lines and more: in steps the promise of the RTL.
+// A beat in every step, codes of every pair, frames of three lines and more. In steps, this is the promise of the RTL.
 TEST(HlsGrayDecoder, TakesABeatEveryStep) {
   Random random(1);
   for (const int bits : {1, 2, 7, 12}) {

@@ -1,4 +1,4 @@
-// Random frames through the kernel of the column moments, every beat of payload compared with the model.
+// Plays random frames through the kernel of the column moments, and compares every beat of payload with the model.
 #ifndef SELFPROJ_TESTS_HLS_MOMENTS_BENCH_H
 #define SELFPROJ_TESTS_HLS_MOMENTS_BENCH_H
 
@@ -31,7 +31,7 @@ class MomentsBench {
  public:
   using Video = hls::Stream<hls::AxisBeat<32>>;
   using Payload = hls::Stream<hls::AxisBeat<128>>;
-  // One step of what is tested.
+  // One step of the kernel under test.
   using Step = std::function<void(Video&, const hls::MomentsSetup&, Payload&)>;
 
   explicit MomentsBench(Step step) : step_(std::move(step)) {}
@@ -39,13 +39,13 @@ class MomentsBench {
   // How a frame ends.
   enum class End {
     whole,
-    early,  // its last beat has tlast where none should be
+    early,  // its last beat has a tlast that should not be there
     late,   // its last beat lacks tlast at a line's end
-    cut,    // nothing: the next one begins
+    cut,    // it has no end: the next one begins
   };
 
-  // A frame of which the first `beats` come, in `gaps` per cent of the steps no beat. For End::late `beats` ends a
-  // line, for End::early it does not.
+  // Plays the first `beats` beats of a frame; in `gaps` percent of the steps there is no beat. `beats` ends a line for
+  // End::late, and does not for End::early.
   void play(const MomentsFrame& frame, int gaps, Random& random, End end = End::whole, int beats = -1) {
     const int groups = frame.columns / 4;
     const int all = groups * frame.rows;
@@ -71,7 +71,7 @@ class MomentsBench {
     }
   }
 
-  // Beats outside any frame.
+  // Plays beats outside any frame.
   void stray(int beats, Random& random) {
     for (int i = 0; i < beats; ++i) {
       video_.write(hls::axis_beat<32>(static_cast<std::uint32_t>(random.bits()), false, random.chance(30)));
@@ -156,14 +156,14 @@ inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, 
   frame.mode = mode;
   frame.threshold = random.chance(20) ? 0 : random.chance(10) ? 255 : random.between(0, 255);
   frame.pixels = random.bytes(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  if (random.chance(15)) {  // all of one value, the extreme ones above all
+  if (random.chance(15)) {  // all pixels have one value, mostly an extreme one
     std::fill(frame.pixels.begin(), frame.pixels.end(),
               static_cast<std::uint8_t>(random.chance(70) ? 255 : random.between(0, 255)));
   }
   return frame;
 }
 
-// `frames` frames of changing size, mode and threshold; some break, with stray beats behind them; gaps anywhere.
+// Plays `frames` frames of changing size, mode and threshold. Some break, with stray beats behind them; gaps anywhere.
 inline void play_moments_frames(MomentsBench& bench, int frames, Random& random) {
   int columns = 4;
   int rows = 1;

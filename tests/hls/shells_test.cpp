@@ -1,5 +1,5 @@
-// The SystemC shells clock by clock: every output equal to that of the RTL beside it, with the same inputs, and, by the
-// benches of the RTL, to the model's.
+// Compares the SystemC shells with the RTL clock by clock: with the same inputs every output must be equal. The benches
+// of the RTL also compare them with the model.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -22,8 +22,8 @@
 namespace selfproj::test {
 namespace {
 
-// All modules have to be there before the kernel first runs. They are used by one case after the other, each of which
-// begins with a reset, whatever the one before has left behind.
+// All modules must exist before the kernel first runs. One case after another uses them, and each begins with a reset,
+// whatever the previous one left behind.
 struct Shells {
   ColumnMomentsBlock moments{"moments"};
   GrayDecoderBlock decoder{"decoder"};
@@ -49,7 +49,7 @@ void set(To& to, const From& from) {
 // Clocks compared, and how many outputs differed.
 std::uint64_t g_clocks = 0;
 
-// To a bench the shell is a Verilated model; beside it runs the real one.
+// A bench takes the shell for a Verilated model; the real one runs beside it.
 template <typename Pins, typename Rtl, typename Derived>
 class Beside : public Pins {
  public:
@@ -79,7 +79,7 @@ class Beside : public Pins {
  private:
   Rtl rtl_;
   bool high_ = false;
-  bool known_ = false;  // there was a reset
+  bool known_ = false;  // there has been a reset
 };
 
 class Moments final : public Beside<ColumnMomentsPins, Vsp_column_moments, Moments> {
@@ -197,7 +197,7 @@ class Median final : public Beside<Median3x3Pins, Vsp_median3x3, Median> {
 };
 
 template <typename Dut>
-void list_ports(const Dut& /*dut*/, const Recorder& /*recorder*/) {}  // nothing is recorded of them
+void list_ports(const Dut& /*dut*/, const Recorder& /*recorder*/) {}  // records nothing of them
 
 void expect_clocks(std::uint64_t least) {
   if (std::getenv("SELFPROJ_SEED") == nullptr) {

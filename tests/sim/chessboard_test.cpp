@@ -1,4 +1,4 @@
-// The virtual chessboard: its plane, its squares and corners, and the places it is put at.
+// Tests the virtual chessboard: its plane, its squares and corners, and its places.
 #include "sim/scene/chessboard.h"
 
 #include <gtest/gtest.h>
@@ -22,11 +22,11 @@ namespace {
 
 constexpr ChessboardShape kShape{9, 7, 21};
 
-// Leaning by 30 degrees about an axis in the plane, and turned by 12 degrees in itself.
+// A board that leans by 30 degrees about an axis in the plane, and is turned by 12 degrees in its own plane.
 ChessboardPlace leaning() {
   const double lean = std::numbers::pi / 6;
   const double turn = std::numbers::pi / 15;
-  // Turned in the plane, then about the y axis: y stays, x goes into the depth.
+  // Turned in the plane, then about the y axis: y stays, and x gains depth.
   const auto tilted = [&](double x, double y) { return Point3{x * std::cos(lean), y, x * std::sin(lean)}; };
   return {{10, -20, 540}, tilted(-std::sin(turn), std::cos(turn)), tilted(std::cos(turn), std::sin(turn))};
 }
@@ -62,7 +62,7 @@ TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
   const Rig rig = load_rig("scanner");
   const ChessboardPlace place = leaning();
   const ChessboardScene board(rig, kShape, place);
-  // Squares by the corner at their end: 0..across of them, and one more to each side.
+  // Squares by the corner at their end: 0..across of them, and one more on each side.
   for (int across = -1; across <= kShape.across + 1; ++across) {
     for (int down = -1; down <= kShape.down + 1; ++down) {
       const bool outside = across < 0 || down < 0 || across > kShape.across || down > kShape.down;
@@ -123,7 +123,7 @@ TEST(BoardPlaces, CameraAndProjectorSeeAllOfItFromManySides) {
       }
     }
   }
-  // Together they reach most of what the projector lights of the image.
+  // Together they cover most of the part of the image that the projector lights.
   EXPECT_GT(columns[1] - columns[0], 0.8 * rig.camera.columns);
   EXPECT_GT(rows[1] - rows[0], 0.6 * rig.camera.rows);
 }

@@ -1,4 +1,4 @@
-// The figures of B4's faces, of depth images made by hand.
+// Tests the figures of B4's faces on depth images made by hand.
 #include "sim/experiment/cuboid_faces.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 struct Images {
   FloatImage truth, depth, difference;
 
-  // A row of so many pixels that see the plane.
+  // A row of pixels that see the plane.
   Images(const Rig& rig, int pixels) : truth(1, pixels, static_cast<float>(rig.plane_z_mm)), depth(truth) {
     difference = FloatImage(1, pixels, 0.5F);
   }
@@ -62,8 +62,7 @@ TEST(CuboidFaces, PixelsWithoutADepthCountForTheShareAlone) {
   EXPECT_NEAR(figures[Face::letter].height, 0, 1e-4);
 }
 
-// The plane over the whole image but for a square of the low cuboid's height where that is: faces begin 3 pixels
-// inside.
+// The whole image shows the plane, except for a square at the height of the low cuboid. Faces begin 3 pixels inside.
 TEST(CuboidFaces, InteriorsAreThreePixelsFromEveryEdge) {
   const Rig rig = load_rig("scanner");
   FloatImage truth(rig.camera.rows, rig.camera.columns, static_cast<float>(rig.plane_z_mm));

@@ -24,7 +24,7 @@ TEST(Evaluation, StepsAreLeftOutToBothSides) {
   EXPECT_EQ(near_steps(truth, 0.5, 3, 0), (Mask{0, 0, 0, 1, 1, 1, 1, 1, 1, 0, 0, 0}));
   EXPECT_EQ(near_steps(truth, 0.5, 1, 0), (Mask{0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0}));
   EXPECT_EQ(near_steps(truth, 1.5, 3, 3), Mask(12, 0));
-  truth.row(0)[1] = kNone;  // a gap is two steps, and left out itself
+  truth.row(0)[1] = kNone;  // a gap makes two steps, and is itself left out
   EXPECT_EQ(near_steps(truth, 1.5, 2, 0), (Mask{1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
@@ -36,7 +36,7 @@ TEST(Evaluation, StepsFromFrameToFrameAreLeftOutToo) {
   EXPECT_EQ(near_steps(truth, 0.5, 0, 2), (Mask{0, 0, 0, 1, 0, 1, 0, 1, 0, 1, 0, 0}));
 }
 
-// Against the definition, entry by entry, on random maps.
+// Compares with the definition, entry by entry, on random maps.
 TEST(Evaluation, NearStepsIsItsDefinition) {
   for (const std::uint64_t seed : test::seeds(50)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
@@ -56,7 +56,7 @@ TEST(Evaluation, NearStepsIsItsDefinition) {
     for (int r = 0; r < truth.rows; ++r) {
       for (int c = 0; c < truth.columns; ++c) {
         bool near = std::isnan(truth.row(r)[c]);
-        for (int k = 0; k + 1 < truth.columns; ++k) {  // the step lies at k + 1/2
+        for (int k = 0; k + 1 < truth.columns; ++k) {  // the step is at k + 1/2
           near = near || (step(r, k, r, k + 1) && std::abs(c - (k + 0.5)) < columns);
         }
         for (int k = 0; k + 1 < truth.rows; ++k) {
@@ -68,7 +68,7 @@ TEST(Evaluation, NearStepsIsItsDefinition) {
   }
 }
 
-// Heights that are off by known amounts from a slope that moves with the frames.
+// Heights that differ by known amounts from a slope that moves with the frames.
 TEST(Evaluation, HeightErrorsAreThoseThatWerePutIn) {
   const auto truth = [](int frame, double x, double y) { return 10 + 0.5 * x + 0.25 * y - 0.125 * frame; };
   FloatImage height(3, 4);

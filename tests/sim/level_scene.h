@@ -1,5 +1,5 @@
-// A simple scene, images of it as numbers, and the closed forms of the method, in its angles, so that they share
-// nothing with the renderer's matrices and rays.
+// A simple scene, images of it as numbers, and the closed forms of the method in its angles. They share nothing with
+// the renderer's matrices and rays.
 #ifndef SELFPROJ_TESTS_SIM_LEVEL_SCENE_H
 #define SELFPROJ_TESTS_SIM_LEVEL_SCENE_H
 
@@ -16,7 +16,7 @@
 
 namespace selfproj::test {
 
-// Without any disturbance.
+// Options without any disturbance.
 inline RenderOptions ideal() {
   return {.shot_noise = false,
           .read_noise = false,
@@ -27,7 +27,7 @@ inline RenderOptions ideal() {
           .falloff = false};
 }
 
-// A level surface and on it a block that is level too, of a width along x and endless along y.
+// A level surface with a level block on it, which has a width along x and is endless along y.
 class LevelScene : public Scene {
  public:
   double floor = 0;                           // height beside the block

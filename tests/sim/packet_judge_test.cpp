@@ -1,4 +1,4 @@
-// What the judge of packets lets pass and what not.
+// Tests which packets the judge accepts and which it does not.
 #include "sim/board/packet_judge.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ constexpr std::uint8_t kMoments = spec::kKindMoments;
 constexpr std::uint8_t kCodes = spec::kKindCodes;
 constexpr std::uint8_t kImage = spec::kKindImage;
 
-// A packet of 8 columns with 32 bytes of payload: as the model gives it, and as a board that lost `lost` before it.
+// A packet of 8 columns with 32 bytes of payload, as the model gives it, and as a board sends it after losing `lost`.
 BoardPacket expected(std::uint64_t sequence, std::uint8_t kind = kMoments, std::uint32_t status = 0) {
   BoardPacket packet;
   packet.header.kind = kind;

@@ -1,5 +1,5 @@
-// Images under whole patterns: against those of Renderer, which traces every sub-pixel of every frame, and against
-// closed forms written here once more.
+// Compares images under whole patterns with those of Renderer, which traces every sub-pixel of every frame, and with
+// closed forms written out here.
 
 #include "sim/scene/pattern_renderer.h"
 
@@ -166,8 +166,8 @@ TEST(PatternRenderer, StillSurfaceLooksAsWithRenderer) {
   }
 }
 
-// The same block on the plane, once as part of the surface and once as a body, moving by several pixels in an exposure:
-// its faces, its edges, its shadow, its blur. Corners of its shadow that fall between the nodes of a block are missed.
+// The same block on the plane, once as part of the surface and once as a body, moves by several pixels in an exposure.
+// Compares faces, edges, shadow and blur. Corners of its shadow that fall between the nodes of a block are missed.
 TEST(PatternRenderer, MovingBlockLooksAsWithRenderer) {
   Rig rig = small_rig();
   constexpr double kTop = 50;
@@ -197,7 +197,7 @@ TEST(PatternRenderer, MovingBlockLooksAsWithRenderer) {
   }
 }
 
-// Half an ellipsoid on the plane, as a surface and as a body: what curves is found by parabolas through a few rays.
+// Half an ellipsoid on the plane, as a surface and as a body. Parabolas through a few rays find curved surfaces.
 class MovingDome : public Scene {
  public:
   MovingDome(double rx, double ry, double top, double v) : rx_(rx), ry_(ry), top_(top), v_(v) {}
@@ -247,7 +247,8 @@ TEST(PatternRenderer, MovingDomeLooksAsWithRenderer) {
   }
 }
 
-// What a pixel sees of a hovering ball, of a finger and of the plane behind them, and which of the plane is dark.
+// What a pixel sees of a hovering ball, of a finger and of the plane behind them, and which parts of the plane are
+// dark.
 TEST(PatternRenderer, DepthOfBodiesAndTheirShadows) {
   const Rig rig = small_rig();
   const Point3 centre{10, 20, 430};
@@ -262,7 +263,7 @@ TEST(PatternRenderer, DepthOfBodiesAndTheirShadows) {
   const Point3 b{60, -120, 450};
   const BodyScene finger([&](double /*t*/) { return one(std::make_unique<Capsule>(a, b, 15)); }, 0);
 
-  // Whether a straight line from p along d comes nearer than r to the point c, or to a line from c to e.
+  // Whether a straight line from p along d comes closer than r to the point c, or to a line from c to e.
   const auto distance_to = [](Point3 p, Point3 c, Point3 e) {
     const Point3 axis = e - c;
     const double length_2 = dot(axis, axis);
@@ -282,7 +283,7 @@ TEST(PatternRenderer, DepthOfBodiesAndTheirShadows) {
     renderer.depth(0, z);
     renderer.lit_depth(0, lit);
     const Point3 projector{rig.projector.x_mm, 0, rig.projector.z_mm};
-    // The first point within the radius, by small steps along the line from p to q; 1 where there is none.
+    // The first point within the radius, in small steps along the line from p to q; 1 if there is none.
     const auto first = [&](Point3 p, Point3 q) {
       constexpr int kSteps = 4000;
       for (int i = 0; i <= kSteps; ++i) {
@@ -305,7 +306,7 @@ TEST(PatternRenderer, DepthOfBodiesAndTheirShadows) {
         on_body += s < 1 ? 1 : 0;
         if (s == 1) {
           const double nearest = first(on_plane, projector);
-          // not where a shadow's edge is nearer than the steps tell
+          // Skips points nearer to a shadow's edge than the steps can tell.
           if (nearest == 1) {
             EXPECT_FALSE(std::isnan(lit[at])) << r << ", " << c;
           } else {
@@ -320,7 +321,7 @@ TEST(PatternRenderer, DepthOfBodiesAndTheirShadows) {
   }
 }
 
-// Ellipsoids along any directions: every point that a ray meets lies on the surface, its normal stands upright on it.
+// Ellipsoids with random axes: every point that a ray meets lies on the surface, and its normal is perpendicular to it.
 TEST(Body, RaysMeetAnEllipsoidOnItsSurface) {
   const double angle = 0.6;
   const std::array<Point3, 3> axes{

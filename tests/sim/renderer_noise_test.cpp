@@ -1,4 +1,4 @@
-// Noise, rounding and repetition of rendered images against what statistics says of them.
+// Compares noise, rounding and repeatability of rendered images with statistics.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ struct Statistics {
   double variance;
 };
 
-// Of the difference between noisy frames and the ideal one.
+// Statistics of the difference between noisy frames and the ideal one.
 Statistics noise_of(const Rig& rig, const Scene& scene, const FloatImage& pattern, const RenderOptions& options) {
   const Frame ideal_frame(rig, Renderer(rig, scene, pattern, ideal()), 0);
   const Renderer renderer(rig, scene, pattern, options);

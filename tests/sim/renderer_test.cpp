@@ -1,4 +1,4 @@
-// Rendered images against what optics says of them.
+// Compares rendered images with optics.
 
 #include "sim/scene/renderer.h"
 
@@ -43,7 +43,7 @@ TEST(Renderer, StraightLineIsSeenWhere34Says) {
       const Frame frame(rig, renderer, 0);
       const double t = tan_theta(rig, line);
       const double expected = row_of(rig, (rig.projector.x_mm + rig.projector.z_mm * t) / z - t);
-      for (const int column : {14, 100, 256, 497}) {  // the projector's columns end beside these at 39 mm
+      for (const int column : {14, 100, 256, 497}) {  // at 39 mm the projector's columns end beside these
         EXPECT_NEAR(frame.centroid(column, rig.imaging.ambient), expected, 0.01) << height << ' ' << offset;
       }
     }
@@ -56,7 +56,7 @@ TEST(Renderer, LineOf39FallsOnTheMiddleOfTheImage) {
   const RigProjector& p = rig.projector;
   const auto scene = make_scene("mountain", rig);
   const int middle = 700;
-  // for steps of y along the reference: projector column, and line by (3.9), corrected
+  // For steps of y along the reference: the projector column, and the line by (3.9), corrected.
   std::vector<double> columns;
   std::vector<double> lines;
   for (double y = -65; y <= 65; y += 0.05) {
@@ -94,7 +94,7 @@ TEST(Renderer, LineOf39FallsOnTheMiddleOfTheImage) {
   }
 }
 
-// Centroid, then (3.4), against the truth, on a slope that is smooth and where nothing disturbs.
+// Centroid and (3.4) against the truth, on a smooth slope without disturbances.
 TEST(Renderer, TriangulatedHeightsAreTheTrueOnes) {
   const Rig rig = load_rig("light-section");
   const auto scene = make_scene("mountain", rig);
@@ -176,8 +176,8 @@ TEST(Renderer, BlurKeepsTheLightOfALineAndItsPlace) {
   }
 }
 
-// A cliff runs along x through the line, 1.2 mm wide, while the frame is exposed: the rows of the upper level are lit
-// for the share of the exposure that the cliff has passed them.
+// A cliff moves along x through the line, by 1.2 mm, during the exposure of the frame. The rows of the upper level are
+// lit for the share of the exposure in which the cliff has passed them.
 TEST(Renderer, MotionBlurAveragesOverTheExposure) {
   Rig rig = load_rig("light-section");
   rig.camera.frame_rate_hz = 1e4;
@@ -200,7 +200,7 @@ TEST(Renderer, MotionBlurAveragesOverTheExposure) {
     const double share = 0.5 - place / way;
     EXPECT_NEAR((frame.at(row, 256) - 8) / (still.at(row, 256) - 8), share, 0.03) << place;
     EXPECT_GT(lit, 0);
-    // without it, the line is where the middle of the exposure has it
+    // Without motion blur the line is where the middle of the exposure puts it.
     const Frame middle(rig, Renderer(rig, scene, line, ideal()), 0);
     EXPECT_NEAR((middle.at(row, 256) - 8) / (still.at(row, 256) - 8), place < 0 ? 1 : 0, 1e-6) << place;
   }
@@ -208,7 +208,7 @@ TEST(Renderer, MotionBlurAveragesOverTheExposure) {
 
 // ------------------------------------------------------------------ shadow and occlusion
 
-// A wall 5 mm high from x = 2 to 6 under full light from +x: its shadow on the plane ends where the ray over its far
+// A wall 5 mm high from x = 2 to 6 under full light from +x. Its shadow on the plane ends where the ray over its far
 // edge lands.
 TEST(Renderer, WallThrowsItsShadow) {
   const Rig rig = load_rig("light-section");
@@ -220,7 +220,7 @@ TEST(Renderer, WallThrowsItsShadow) {
   const Frame frame(rig, renderer, 0);
   const double end = 2 - 350.0 / (588 - 5) * 5;
   const double first = row_of(rig, end / 1167);
-  const double last = row_of(rig, 2.0 / 1162);  // from there the wall's top hides what is behind
+  const double last = row_of(rig, 2.0 / 1162);  // from there on the wall's top hides what is behind
   const auto share_lit = [&](int row) { return (frame.at(row, 256) - 8) / (frame.at(20, 256) - 8); };
   for (int row = 0; row < 96; ++row) {
     if (row < first - 1) {
@@ -238,7 +238,7 @@ TEST(Renderer, WallThrowsItsShadow) {
   EXPECT_NEAR(dark, last - first, 0.3);
 }
 
-// The top of a tower hides the plane behind its edge: the border of the reflectances is seen at the edge.
+// The top of a tower hides the plane behind its edge: the border between the reflectances is seen at the edge.
 TEST(Renderer, TowerHidesWhatIsBehind) {
   const Rig rig = load_rig("light-section");
   LevelScene scene;
@@ -266,7 +266,7 @@ TEST(Renderer, TruthIsTheHeightOnTheLightSheet) {
   EXPECT_NEAR(heights[256], 39, 1e-3);
   EXPECT_NEAR(heights[400], 21, 1e-3);
   EXPECT_TRUE(std::isnan(heights[2])) << "the plane's line is out of the image";
-  renderer.truth(1399, heights);  // of the part, the sheet still meets the highest tread alone
+  renderer.truth(1399, heights);  // of the part, the sheet meets only the highest tread
   EXPECT_TRUE(std::isnan(heights[100]));
   EXPECT_NEAR(heights[256], 39, 1e-3);
   EXPECT_TRUE(std::isnan(heights[400]));
@@ -297,7 +297,7 @@ TEST(Renderer, TruthOnASlopeLiesOnTheSurface) {
   }
 }
 
-// Where a wall takes the light with the face that the camera does not see, there is no truth.
+// Where a wall catches the light on the face that the camera does not see, there is no truth.
 TEST(Renderer, NoTruthInTheShadow) {
   const Rig rig = load_rig("light-section");
   LevelScene scene;

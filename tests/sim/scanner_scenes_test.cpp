@@ -1,4 +1,4 @@
-// The scenes of rig B: what moves, where, how fast.
+// Tests the scenes of rig B: what moves, where, and how fast.
 
 #include "sim/scene/scanner_scenes.h"
 
@@ -25,7 +25,7 @@ namespace {
 constexpr double kCrater = 10;
 constexpr double kSize = 12;
 
-// The integral of ring_wave.h, by Simpson's rule with steps far finer than the table's.
+// The integral of ring_wave.h by Simpson's rule, with steps far finer than the table's.
 double wave_by_simpson(double r, double t, double c) {
   constexpr int kSteps = 20000;
   constexpr double kLast = 7 / kSize;
@@ -54,7 +54,7 @@ TEST(RingWave, IsTheIntegral) {
   }
 }
 
-// At first the crater that was asked for, and later crests that run outwards at the speed of long waves.
+// At first there is the requested crater, and later there are crests that run outwards at the speed of long waves.
 TEST(RingWave, BeginsAsACraterAndRunsAtItsSpeed) {
   const RingWave wave(30, kCrater, kSize, 0.4);
   const RingWave::Profile first = wave.profile(0);
@@ -94,7 +94,7 @@ TEST(Waves, WaterIsLevelBeforeTheImpactAndKeepsToItsWallsAfter) {
   const Rig rig = load_rig("scanner");
   const auto scene = make_scene("waves", rig);
   const double level = rig.plane_z_mm - PoolWave::kDepth;
-  // the body hangs above the place of the impact, and is on the water at 1.36 s
+  // The body hangs above the place of the impact, and touches the water at 1.36 s.
   const auto bottom = [&](double t) { return scene->bodies(t)[1]->bounds().high.z; };
   EXPECT_NEAR(bottom(0), level - 100, 1e-9);
   EXPECT_NEAR(bottom(PoolWave::kImpact), level, 1e-9);
@@ -111,7 +111,7 @@ TEST(Waves, WaterIsLevelBeforeTheImpactAndKeepsToItsWallsAfter) {
       EXPECT_NEAR(meeting.normal.z, -1, 1e-12);
       ASSERT_TRUE(after[0]->meets(down, 1000, meeting));
       most = std::max(most, std::abs(meeting.s - level));
-      // the water cannot go through the walls: it is level along their normals
+      // The water cannot pass through the walls, so it is level along their normals.
       if (std::abs(y) > 169) {
         EXPECT_NEAR(meeting.normal.y, 0, 0.003);
       }
@@ -146,7 +146,7 @@ TEST(Fist, GoesRoundASlantedCircle) {
     const Point3 way = centre(t + 1e-6) - centre(t);
     EXPECT_LE(std::sqrt(dot(way, way)) / 1e-6, scene->body_speed() * 1.0001);
   }
-  EXPECT_NEAR(low, 80, 0.5);  // its upper side, which is seen, 100 to 200 mm
+  EXPECT_NEAR(low, 80, 0.5);  // its upper side, which the camera sees, is at 100 to 200 mm
   EXPECT_NEAR(high, 180, 0.5);
 }
 
@@ -170,7 +170,7 @@ TEST(Keys, TwoPixelsSeeFingersThatTapByTurns) {
     EXPECT_NEAR(high - low, KeyTaps::kStroke, 0.5);
     EXPECT_NEAR(std::fmod(when + 0.05, 0.2), pixel.row == KeyTaps::kFirst.row ? 0.05 : 0.15, 0.003);
   }
-  // and the keys go down under them by 3.5 mm
+  // The keys go down under them by 3.5 mm.
   for (const std::size_t key : {0U, 1U}) {
     const auto top = [&](double t) { return rig.plane_z_mm - scene->bodies(t)[key]->bounds().low.z; };
     EXPECT_NEAR(top(key == 0 ? 0.0 : 0.1), 26.5, 1e-9);

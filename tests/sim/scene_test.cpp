@@ -1,4 +1,4 @@
-// Scenes and how rays meet them; pinholes; projected light.
+// Tests scenes and how rays meet them, pinholes, and projected light.
 
 #include "sim/scene/scene.h"
 
@@ -81,7 +81,7 @@ TEST(Scene, ListedOnesExistAndNameTheirReference) {
             "fist: is a scene for a rig of kind scanner; light-section is none");
 }
 
-// The part comes to x = 0 5 mm after the first frame and has passed 5 mm before the last.
+// The part reaches x = 0 5 mm after the first frame, and has passed by 5 mm at the last.
 TEST(Scene, PartsPassAtTheSpeedOfTheConveyor) {
   const Rig rig = load_rig("light-section");
   const auto stairs = make_scene("stairs", rig);
@@ -116,13 +116,13 @@ TEST(Scene, HeightsAreThoseOfTheExperiments) {
   EXPECT_EQ(marked->height(0, 0, t), 38) << "cross";
   EXPECT_EQ(marked->height(9, 9, t), 38);
   EXPECT_EQ(marked->height(9, 0, t), 39);
-  // later frames see smaller x and lie further down: the triangle's base is up, its tip down
+  // Later frames see smaller x and lie further down: the triangle's base is up, its tip down.
   EXPECT_EQ(marked->height(9.5, 35 + 9, t), 20) << "triangle";
   EXPECT_EQ(marked->height(-9.5, 35, t), 20);
   EXPECT_EQ(marked->height(-9.5, 35 + 9, t), 21);
 }
 
-// Their extent and the share that is carved, against what their strokes are made of.
+// Compares their extent and the carved share with the strokes they consist of.
 TEST(Scene, MarksHaveTheirSizeAndStroke) {
   constexpr double kStep = 0.05;
   constexpr double kHalf = 15;
@@ -223,7 +223,7 @@ TEST(Scene, ErrorsNameWhatIsWrong) {
 
 // ------------------------------------------------------------------ rays
 
-// Against small steps along the ray.
+// Compares with small steps along the ray.
 TEST(Ray, FirstHitAndShadowAreThoseOfSmallSteps) {
   constexpr double kStep = 0.01;  // mm of height
   constexpr double kTop = 70;
@@ -242,7 +242,7 @@ TEST(Ray, FirstHitAndShadowAreThoseOfSmallSteps) {
           expected -= kStep;
         }
         const double found = first_hit(*scene, ray, t, 0, kTop);
-        // steps may pass through an edge that the ray only just touches: then it must be one
+        // Steps may miss an edge that the ray only just touches. Then it must be one.
         if (std::abs(found - expected) > 2 * kStep) {
           EXPECT_GT(found, expected);
           EXPECT_LE(clearance(found - 2 * kHeightTolerance), 2 * kStep);

@@ -1,4 +1,4 @@
-// The experiments on a few of their frames: all figures wanted are reached, and none of them by chance.
+// Runs the experiments on a few of their frames: all goals are reached, and none of them by chance.
 #include "sim/experiment/section_experiment.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(Experiment, StairsAndMarksAreMeasured) {
   EXPECT_GE(result.conventional.modes[0].range.greatest, 96);  // more than the rig's image has rows
 }
 
-// The checks can fail: with ten times the noise the error is seen.
+// The checks can fail: with ten times the noise the error is noticed.
 TEST(Experiment, NoiseIsSeen) {
   SectionOptions options = every(400);
   options.rig.imaging.read_noise *= 10;

@@ -1,4 +1,4 @@
-// B4 in simulation, with the reference scanned by Gray codes: all figures wanted are reached. B7 in a few depth images.
+// B4 in simulation, with the reference scanned by Gray codes: all goals are reached. B7 in a few depth images.
 #include "sim/experiment/structured_light.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ TEST(StructuredLight, CuboidsAreMeasured) {
   EXPECT_EQ(result.difference.rows, 512);
 }
 
-// The mouse in three depth images on a rig with a quarter of the pixels along each side, whose codes are worth four
+// The mouse in three depth images, on a rig with a quarter of the pixels along each side. Its codes are worth four
 // times as much.
 TEST(MovingThings, MouseIsMeasuredInEveryDepthImage) {
   MovingOptions options;

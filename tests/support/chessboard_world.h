@@ -1,5 +1,5 @@
-// A camera, a projector and a chessboard between them, by vectors and straight from OpenCV's lens model: what
-// calibration is tested against. Shares no code with host/.
+// A camera, a projector and a chessboard between them, by vectors and directly from OpenCV's lens model. Calibration is
+// tested against it. Shares no code with host/.
 #ifndef SELFPROJ_TESTS_SUPPORT_CHESSBOARD_WORLD_H
 #define SELFPROJ_TESTS_SUPPORT_CHESSBOARD_WORLD_H
 
@@ -29,7 +29,7 @@ struct WorldLens {
   [[nodiscard]] cv::Vec2d pixel(const cv::Vec3d& p) const { return pixel(p[0] / p[2], p[1] / p[2]); }
 };
 
-// Turns about x, then y, then z, in degrees.
+// Rotates about x, then y, then z, in degrees.
 inline cv::Matx33d turn(double x, double y, double z) {
   constexpr double kRad = 3.14159265358979323846 / 180;
   const auto c = [](double a) { return std::cos(a * kRad); };
@@ -67,13 +67,13 @@ struct World {
     return pixel;
   }
 
-  // The board's middle at (x, y, z), turned about its middle.
+  // A pose with the board's middle at (x, y, z), turned about its middle.
   [[nodiscard]] ChessboardPose pose(double x, double y, double z, const cv::Matx33d& turned) const {
     const cv::Vec3d middle(0.5 * square * (chessboard_columns - 1), 0.5 * square * (chessboard_rows - 1), 0);
     return {turned, cv::Vec3d(x, y, z) - turned * middle};
   }
 
-  // Poses in which camera and projector see the chessboard, as different from each other as one would turn it.
+  // Poses in which camera and projector see the chessboard, as different from each other as a user would turn it.
   [[nodiscard]] std::vector<ChessboardPose> poses() const {
     return {pose(0, 10, 560, turn(0, 0, 0)),     pose(-20, 0, 560, turn(28, 4, 3)),
             pose(20, 5, 570, turn(-26, 0, -4)),  pose(10, 10, 550, turn(3, 27, 2)),
@@ -83,8 +83,8 @@ struct World {
 };
 
 // An image of the world's Gray-code sequence: the camera sees the chessboard, white with black squares and a white
-// margin of one square, under a pattern; beyond the chessboard there is nothing. 6 x 6 points over 1.8 x 1.8 pixels
-// each, as a lens would blur. Lenses without distortion.
+// margin of one square, under a pattern. Beyond the chessboard there is nothing. Each pixel averages 6 x 6 points over
+// 1.8 x 1.8 pixels, like a lens blur. Lenses have no distortion.
 class ChessboardImages {
  public:
   ChessboardImages(const World& world, const ChessboardPose& pose) : world_(world) {
@@ -116,7 +116,8 @@ class ChessboardImages {
     }
   }
 
-  // Under a pattern of projector_rows x projector_columns, 0 or 255; grey values with noise of this standard deviation.
+  // The image under a pattern of projector_rows x projector_columns values of 0 or 255. Grey values have noise of this
+  // standard deviation.
   [[nodiscard]] std::vector<std::uint8_t> image(const std::vector<std::uint8_t>& pattern, double noise,
                                                 std::mt19937_64& random) const {
     constexpr double kDark = 6;

@@ -1,4 +1,4 @@
-// What every implementation of the column moments refuses.
+// The arguments that every implementation of the column moments refuses.
 #ifndef SELFPROJ_TESTS_SUPPORT_MOMENTS_REFUSALS_H
 #define SELFPROJ_TESTS_SUPPORT_MOMENTS_REFUSALS_H
 
@@ -12,8 +12,8 @@
 
 namespace selfproj::test {
 
-// Expects that `compute`, which is called as column_moments is, throws for each argument that is out of range, having
-// written nothing, and takes good ones.
+// Expects that `compute`, called like column_moments, throws for each argument that is out of range without writing
+// anything, and accepts good ones.
 template <class Compute>
 void expect_refusals_of_moments(Compute compute) {
   const std::vector<std::uint8_t> pixels(64, 255);

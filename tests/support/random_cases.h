@@ -1,4 +1,4 @@
-// Seeded random cases that can be repeated.
+// Seeded random cases that can be repeated:
 //
 //     for (const std::uint64_t seed : seeds(200)) {
 //       SCOPED_TRACE(how_to_repeat(seed));
@@ -6,8 +6,8 @@
 //       ...
 //     }
 //
-// runs 200 cases, or, where the environment variable SELFPROJ_SEED is set, the one that it names, or the first
-// SELFPROJ_CASES of them. A failure says how to repeat its case.
+// This runs 200 cases. If the environment variable SELFPROJ_SEED is set, it runs only the case with that seed; if
+// SELFPROJ_CASES is set, only that many cases. A failure says how to repeat its case.
 #ifndef SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H
 #define SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H
 
@@ -22,12 +22,12 @@
 
 namespace selfproj::test {
 
-// All cases run: what they found together can be judged.
+// Whether all cases run, so that their combined results can be judged.
 inline bool runs_all_cases() {
   return std::getenv("SELFPROJ_SEED") == nullptr && std::getenv("SELFPROJ_CASES") == nullptr;
 }
 
-// The seeds 1..count, or only that of SELFPROJ_SEED, or the first SELFPROJ_CASES, where they are set.
+// The seeds 1..count, or only that of SELFPROJ_SEED, or the first SELFPROJ_CASES, if these are set.
 inline std::vector<std::uint64_t> seeds(int count) {
   if (const char* wanted = std::getenv("SELFPROJ_SEED"); wanted != nullptr) {
     return {std::strtoull(wanted, nullptr, 0)};
@@ -42,7 +42,7 @@ inline std::vector<std::uint64_t> seeds(int count) {
   return all;
 }
 
-// The command, from the root of the project, that repeats a case of the test that runs now.
+// The command, from the root of the project, that repeats a case of the current test.
 inline std::string how_to_repeat(std::uint64_t seed) {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string name = std::string(info->test_suite_name()) + "." + info->name();

@@ -1,5 +1,6 @@
-// The Gray-code decoder and the median by their definitions: from the history of frames, with no state of a pixel. What
-// the model, the circuit and the host must equal. And random sequences of frames with all that can happen to them.
+// The Gray-code decoder and the median by their definitions: from the history of frames, without any state of a pixel.
+// The model, the circuit and the host must equal them. Also random sequences of frames with everything that can happen
+// to them.
 #ifndef SELFPROJ_TESTS_SUPPORT_REFERENCE_GRAY_H
 #define SELFPROJ_TESTS_SUPPORT_REFERENCE_GRAY_H
 
@@ -20,7 +21,7 @@ struct GrayFrame {
   bool good = true;
 };
 
-// Keeps the unbroken run of frames that began with plane 0, and works a code image out of it anew.
+// Keeps the unbroken run of frames that began with plane 0, and computes each code image from it anew.
 class ReferenceGray {
  public:
   explicit ReferenceGray(const GraySettings& settings) : settings_(settings) {}
@@ -62,7 +63,7 @@ class ReferenceGray {
     int ambiguous = 0;
     for (std::size_t pair = pairs - bits; pair < pairs; ++pair) {
       const std::size_t plane = pair % bits;
-      bool bit = false;  // the sum modulo 2 over the planes 0..plane of the pair's own cycle (4.17)
+      bool bit = false;  // sum modulo 2 over the planes 0..plane of the pair's own cycle (4.17)
       for (std::size_t k = pair - plane; k <= pair; ++k) {
         bit = bit != binarized(k, pixel).first;
       }
@@ -103,8 +104,8 @@ inline std::vector<std::uint16_t> reference_median(const std::vector<std::uint16
   return out;
 }
 
-// A sequence of frames of m pairs whose pixels lie above, below and within the threshold of each other; now and then a
-// frame is missing, comes twice, is flagged or has a wrong index.
+// A sequence of frames of m pairs whose pixels differ by more or less than the threshold, in both directions. Sometimes
+// a frame is missing, comes twice, is flagged or has a wrong index.
 class GraySequence {
  public:
   GraySequence(const GraySettings& settings, Random& random) : settings_(settings), random_(random) {
@@ -115,7 +116,7 @@ class GraySequence {
     const int patterns = 2 * settings_.bits;
     GrayFrame frame;
     if (random_.chance(trouble_)) {
-      pattern_ = (pattern_ + random_.between(0, patterns - 1)) % patterns;  // missing, or come again
+      pattern_ = (pattern_ + random_.between(0, patterns - 1)) % patterns;  // frames are missing, or come again
     }
     frame.pattern = random_.chance(trouble_) ? random_.between(0, 40) : pattern_;
     frame.good = !random_.chance(trouble_);
@@ -125,7 +126,7 @@ class GraySequence {
     frame.pixels = random_.bytes(size);
     if (frame.pattern % 2 == 1 && positive_.size() == size) {
       const int threshold = settings_.threshold;
-      for (std::size_t i = 0; i < size; ++i) {  // about the threshold, on both sides
+      for (std::size_t i = 0; i < size; ++i) {  // around the threshold, on both sides
         const int edge = (frame.pixels[i] & 1) != 0 ? threshold : -threshold;
         const int near = positive_[i] - edge + random_.between(-2, 2);
         if (random_.chance(60) && near >= 0 && near <= 255) {

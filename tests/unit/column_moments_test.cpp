@@ -1,5 +1,5 @@
-// The definition of the column moments against values worked out by hand or in closed form. Integer sums are exact:
-// nothing here has a tolerance.
+// Compares the definition of the column moments with values computed by hand or in closed form. Integer sums are exact,
+// so no test here has a tolerance.
 #include "model/column_moments.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ ImageView view_of(const std::vector<std::uint8_t>& pixels, int rows, int columns
 
 std::size_t area(int rows, int columns) { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns); }
 
-// What a lit pixel weighs.
+// The weight of a lit pixel.
 std::uint32_t weight_of(Mode mode, int value, int threshold) {
   return static_cast<std::uint32_t>(mode == Mode::binary ? 1 : mode == Mode::grey ? value : value - threshold);
 }
@@ -129,7 +129,7 @@ TEST(ColumnMoments, FirstAndLastRow) {
   }
 }
 
-// The largest image, as bright as can be: the largest sums of all, which are those the number formats are made for.
+// The largest and brightest image gives the largest sums, for which the number formats are designed.
 TEST(ColumnMoments, LargestSums) {
   const std::vector<std::uint8_t> pixels(area(spec::kMaxRows, spec::kMaxColumns), 255);
   const ImageView image = view_of(pixels, spec::kMaxRows, spec::kMaxColumns);
@@ -186,7 +186,7 @@ TEST(ColumnMoments, Strides) {
   }
 }
 
-// An image is the sum of its upper and its lower part: of the lower one all rows count for more.
+// An image is the sum of its upper and its lower part. In the lower part all row numbers are greater.
 TEST(ColumnMoments, PartsOfRandomImages) {
   for (const std::uint64_t seed : seeds(300)) {
     SCOPED_TRACE(how_to_repeat(seed));

@@ -1,5 +1,5 @@
-// The model of the Gray-code decoder and of the median against their definitions, written down here once more and
-// differently: from the whole history of frames, pixel by pixel, and by sorting. Nothing here has a tolerance.
+// Compares the model of the Gray-code decoder and of the median with their definitions, written out here in another
+// way: from the whole history of frames, pixel by pixel, and by sorting. No test here has a tolerance.
 #include "model/gray_decoder.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ ImageView view_of(const GrayFrame& frame, const GraySettings& settings) {
   return {frame.pixels.data(), settings.rows, settings.columns, settings.columns};
 }
 
-// The code image of the model, or nothing where none is due; what must not be touched is seen not to be.
+// The code image of the model, or nothing if none is due. Checks that nothing else is touched.
 std::optional<std::vector<std::uint16_t>> codes_of(GrayDecoder& decoder, const GrayFrame& frame) {
   const GraySettings settings = decoder.settings();
   std::vector<std::uint16_t> codes(frame.pixels.size(), kUntouched);
@@ -37,7 +37,7 @@ std::optional<std::vector<std::uint16_t>> codes_of(GrayDecoder& decoder, const G
 }
 
 // The frame with pattern `pattern` of a scene whose pixel i has the code codes[i] (4.1): plane p of the code's Gray
-// code, lit pixels with 200 and the others with 30.
+// code, with 200 for lit pixels and 30 for the others.
 GrayFrame frame_of_codes(const std::vector<std::uint16_t>& codes, int bits, int pattern) {
   GrayFrame frame;
   frame.pattern = pattern;
@@ -70,7 +70,8 @@ TEST(GrayDecoder, EveryCodeOfEveryLength) {
   }
 }
 
-// Every difference of two pixels under some thresholds: strictly above and strictly below are certain, the rest is not.
+// Every difference of two pixels under some thresholds: differences strictly above or below are certain, others are
+// not.
 TEST(GrayDecoder, ThresholdIsStrict) {
   constexpr int kValues = 256;
   for (const int threshold : {0, 1, 5, 128, 254, 255}) {
@@ -104,7 +105,7 @@ TEST(GrayDecoder, ThresholdIsStrict) {
 TEST(GrayDecoder, AmbiguityWindow) {
   constexpr int kBits = 4;
   GrayDecoder decoder({.rows = 1, .columns = 1, .bits = kBits, .threshold = 5});
-  // Whether the newest codes are measurable, having taken pairs that are ambiguous where `ambiguous` says so.
+  // Whether the newest codes are measurable after pairs that are ambiguous according to `ambiguous`.
   std::vector<bool> ambiguous = {false, true, false, false, false, true, false, true, false, false, false, false};
   std::vector<int> seen;
   for (std::size_t pair = 0; pair < ambiguous.size(); ++pair) {
@@ -122,7 +123,8 @@ TEST(GrayDecoder, AmbiguityWindow) {
 TEST(GrayDecoder, WaitsForPlaneZero) {
   constexpr int kBits = 2;
   GrayDecoder decoder({.rows = 1, .columns = 1, .bits = kBits, .threshold = 5});
-  // Each letter is a frame: its pattern index, "x" after it where it is flagged. "!" is what must give a code image.
+  // Each letter is a frame: its pattern index, followed by "x" if it is flagged. "!" marks those that must give a code
+  // image.
   const auto dues = [&](const std::string& frames) {
     std::string result;
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -156,7 +158,7 @@ TEST(GrayDecoder, WaitsForPlaneZero) {
   EXPECT_EQ(dues("23"), ".!");
 }
 
-// Random sequences with all that can happen, against the reference.
+// Random sequences with everything that can happen, against the reference.
 TEST(GrayDecoder, RandomSequences) {
   for (const std::uint64_t seed : seeds(120)) {
     SCOPED_TRACE(how_to_repeat(seed));
@@ -184,7 +186,7 @@ TEST(GrayDecoder, RandomSequences) {
   }
 }
 
-// Piece by piece with a break in the middle: the lines before it are decoded, then the decoder waits for plane 0.
+// Piece by piece with a break in the middle: the lines before it are decoded, and then the decoder waits for plane 0.
 TEST(GrayDecoder, BrokenFrame) {
   const GraySettings settings{.rows = 2, .columns = 3, .bits = 1, .threshold = 5};
   GrayDecoder decoder(settings);

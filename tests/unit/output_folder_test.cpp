@@ -70,7 +70,7 @@ TEST(OutputFolder, WithoutACommitNothingRemains) {
   EXPECT_EQ(test::read_text(scratch.path() / "there" / "a"), "old");
 }
 
-// The second of three files cannot be put in place: the first one is the old one again.
+// The second of three files cannot be put in place: the first one becomes the old one again.
 TEST(OutputFolder, AFailureWhileMovingIsUndone) {
   const test::ScratchFolder scratch;
   fs::create_directories(scratch / "results" / "b");
@@ -102,7 +102,7 @@ TEST(OutputFolder, ImpossibleNamesAreFoundAtOnce) {
   }
 }
 
-// Where no more can be written (here: a limit on file sizes, which fails like a full disk) what was there stays.
+// If no more can be written (here because of a limit on file sizes, which acts like a full disk), old files stay.
 TEST(OutputFolder, AFullDiskLeavesWhatWasThere) {
   const test::ScratchFolder scratch;
   fs::create_directory(scratch / "results");

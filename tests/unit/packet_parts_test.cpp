@@ -14,7 +14,7 @@
 namespace selfproj::test {
 namespace {
 
-// A stamped packet is that which would have been built with the stamp.
+// A stamped packet equals one that was built with the stamp.
 TEST(Packet, StampsAndHeadersAreWrittenAnew) {
   for (Bytes packet : packets_of_all_kinds(24)) {
     PacketView view;
@@ -32,7 +32,7 @@ TEST(Packet, StampsAndHeadersAreWrittenAnew) {
         {.sequence = header.sequence, .time_stamp = header.time_stamp, .encoder = header.encoder, .lost = header.lost});
     EXPECT_EQ(got, want);
 
-    header.sequence = view.header.sequence;  // that of the trailer stays
+    header.sequence = view.header.sequence;  // the trailer's sequence stays
     header.threshold = 9;
     want.clear();
     append_packet(header, view.payload, view.status, want);

@@ -1,4 +1,4 @@
-// Payloads: words at their bits, there and back.
+// Tests payloads: words have their fields at the right bits, in both directions.
 #include "model/packet_payload.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ TEST(PayloadWords, RoundTripUpToTheLargest) {
   }
 }
 
-// One column each with a single field at its largest: the words of the specification, byte for byte.
+// One column each with a single field at its largest value: compares the words with the specification, byte for byte.
 TEST(PayloadWords, FieldsAtTheirBits) {
   const auto word_of = [](Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
     std::array<std::uint8_t, kBeat> bytes{};
@@ -83,7 +83,7 @@ TEST(PayloadWords, FieldsAtTheirBits) {
   EXPECT_EQ(word_of(Mode::grey, 0, 0x7FFFFFF, 0), 0x0000000007FFFFFFU);
   EXPECT_EQ(word_of(Mode::grey, 0x3FFFF, 0, 0), 0x00001FFFF8000000U);
   EXPECT_EQ(word_of(Mode::grey_over, 0, 0, 0x3FF), 0x007FE00000000000U);
-  // What is too wide for its field does not spill into the next.
+  // A value too wide for its field does not spill into the next.
   EXPECT_EQ(word_of(Mode::binary, 0, 0xFFFFFFFF, 0), 0x00000000000FFFFFU);
   EXPECT_EQ(word_of(Mode::grey, 0xFFFFFFFF, 0, 0), 0x00001FFFF8000000U);
   EXPECT_EQ(word_of(Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);

@@ -1,4 +1,4 @@
-// The packet: what goes in comes out, and whatever is damaged on the way is refused.
+// Tests packets: what goes in comes out, and whatever is damaged on the way is refused.
 #include "model/packet.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace selfproj::test {
 namespace {
 
-// The packet with another value in `bytes` bytes at `offset`, and the check word made right again.
+// The packet with another value in `bytes` bytes at `offset`, and its check word corrected.
 Bytes forged(Bytes packet, std::size_t offset, std::size_t bytes, std::uint64_t value) {
   for (std::size_t i = 0; i < bytes; ++i) {
     packet[offset + i] = static_cast<std::uint8_t>(value >> (8 * i));
@@ -53,7 +53,7 @@ TEST(Packet, RoundTrip) {
   }
 }
 
-// Each field stands at its own bytes and nowhere else, low byte first.
+// Each field is at its own bytes and nowhere else, low byte first.
 TEST(Packet, EveryFieldAtItsPlace) {
   const PacketHeader zero;
   Bytes base;
@@ -109,7 +109,8 @@ TEST(Packet, CheckWordIsThatOfTheSpecification) {
   EXPECT_THROW(check_word(Bytes(24)), std::invalid_argument);
 }
 
-// 32 bytes 0, 1, .. 31, computed by hand-written code in another language from the prose of the specification alone.
+// 32 bytes 0, 1, .. 31. The value was computed by code in another language, written only from the text of the
+// specification.
 TEST(Packet, CheckWordOfKnownBytes) {
   Bytes bytes;
   for (int i = 0; i < 32; ++i) {
@@ -144,7 +145,7 @@ TEST(Packet, EverySwapOfBeatsIsSeen) {
   }
 }
 
-// In an own piece of memory of exactly its size, so that the address sanitizer sees any access beyond.
+// Uses memory of exactly its size, so that the address sanitizer notices any access beyond.
 TEST(Packet, CutAnywhereIsTooShort) {
   for (const Bytes& good : packets_of_all_kinds(32)) {
     for (std::size_t size = 0; size < good.size(); ++size) {
@@ -179,7 +180,7 @@ TEST(Packet, MissingOrDoubledBeatIsSeen) {
   }
 }
 
-// Wrong in one field, with a check word that is right: the field itself is looked at.
+// One field is wrong, but the check word is right, so the field itself must be checked.
 TEST(Packet, NamesWhatIsWrong) {
   const Bytes moments = packet_of(header_of(spec::kKindMoments, Mode::grey, 32));
   const Bytes image = packet_of(header_of(spec::kKindImage, Mode::binary, 32));
@@ -241,7 +242,7 @@ TEST(Packet, EmptyNeedsAStatus) {
   }
 }
 
-// Any bytes at all, and packets damaged in many places: never good, never an access outside (address sanitizer).
+// Arbitrary bytes, and packets damaged in many places: never good, and never an access outside (address sanitizer).
 TEST(Packet, RandomBytesAndDamage) {
   const std::vector<Bytes> good = packets_of_all_kinds(16);
   for (const std::uint64_t seed : seeds(2000)) {

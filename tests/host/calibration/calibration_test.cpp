@@ -1,5 +1,5 @@
-// Calibration against worlds of known truth: corners from codes, the least squares and their standard deviations, what
-// is left out and what is warned of.
+// Tests calibration against worlds of known truth: corners from codes, the least squares and their standard deviations,
+// rejection and warnings.
 
 #include <gtest/gtest.h>
 
@@ -109,7 +109,7 @@ TEST(Calibrate, ExactCornersGiveTheTruth) {
   }
 }
 
-// Errors over their estimated standard deviations have the mean square 1, parameter by parameter.
+// Errors divided by their estimated standard deviations have mean square 1, for each parameter.
 TEST(Calibrate, StandardDeviationsAreThoseOfTheErrors) {
   const World world = distorted();
   CalibrateSettings settings = settings_of(world);
@@ -165,7 +165,7 @@ TEST(Calibrate, RejectsAndSaysSo) {
   }
   EXPECT_GE(used, 8 * 35 - 5);
   EXPECT_NEAR(report.calibration.camera.fx, world.camera.fx, 2);
-  // Asked not to, it keeps them.
+  // It keeps them if told to.
   CalibrateSettings keep = settings_of(world);
   keep.reject = 0;
   EXPECT_TRUE(calibrate(poses, keep).poses[2].corners[11].used);
@@ -299,7 +299,7 @@ TEST(CornerCode, TooLittleIsNothing) {
   test::Random random(1);
   for (const CornerMethod method : {CornerMethod::homography, CornerMethod::direct}) {
     Window window = window_of(random, 0);
-    EXPECT_FALSE(corner_code(window.capture, window.camera, 24, {method, 0, 1e-4}).valid);  // not that sure
+    EXPECT_FALSE(corner_code(window.capture, window.camera, 24, {method, 0, 1e-4}).valid);  // not that certain
     for (std::size_t i = 0; i < window.capture.projector_row.size(); ++i) {
       if (i % 80 > 38) {  // nothing on the right
         window.capture.projector_column[i] = window.capture.projector_row[i] = Capture::kNone;

@@ -1,5 +1,5 @@
-// Calibration from captures that others have made (../shared/data, not part of the project): a chessboard in three
-// poses. Says that it is skipped where they, or OpenCV's structured_light module, are not there.
+// Calibrates from captures made by others (../shared/data, not part of the project): a chessboard in three poses.
+// Reports that it is skipped if they, or OpenCV's structured_light module, are missing.
 
 #include <gtest/gtest.h>
 
@@ -100,7 +100,7 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
         EXPECT_EQ(found.deviation.projector[i] > 0 && std::isfinite(found.deviation.projector[i]), estimated) << i;
       }
       EXPECT_GE(used, reject > 0 ? 150 : 3 * 63);
-      // Corners are in the middle of both images only.
+      // The corners lie only in the middle of both images.
       const auto covers = [](const std::string& warning) {
         return warning.find("corners cover only") != std::string::npos;
       };
@@ -112,7 +112,7 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
 
-// Its white threshold one above ours, as it accepts a difference equal to its threshold.
+// OpenCV's white threshold is one above ours, because it accepts a difference equal to its threshold.
 TEST(RealCalibration, ProjectorPixelsAreThoseOfOpenCv) {
   if (!fs::exists(folder_of(0))) {
     GTEST_SKIP() << "no " << folder_of(0);

@@ -1,4 +1,4 @@
-// Recorded streams and pipes.
+// Tests recorded streams and pipes.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -107,7 +107,7 @@ TEST(FileDevice, Pipe) {
 }
 
 TEST(FileDevice, TenThousandStartsInTheMiddle) {
-  // A pipe whose reader comes and goes: the bytes that lie in it then begin anywhere.
+  // A pipe whose reader comes and goes: the bytes in it then begin anywhere.
   const Bytes stream = moments_stream(0, 40);
   const ScratchFolder folder;
   const std::string pipe = folder / "pipe";

@@ -1,4 +1,4 @@
-// Packets out of damaged streams: each fault is counted, and the frame after it is right.
+// Finds packets in damaged streams: each fault is counted, and the frame after it is right.
 #include "host/driver/packet_reader.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using Sequences = std::vector<std::uint64_t>;
 
-// A reader and what it gave.
+// The results of a reader.
 struct Outcome {
   Counters counters;
   Sequences given;
@@ -177,7 +177,7 @@ TEST(PacketStreamReader, AnyDamagedPayloadLength) {
   }
 }
 
-// Many lines in one packet are allowed by the format, and sent by no board: a damaged number of lines must not make the
+// The format allows many lines in one packet, but no board sends them. A damaged number of lines must not make the
 // reader wait for megabytes.
 TEST(PacketStreamReader, PacketThatNoBoardSends) {
   PacketHeader header = moments_header(1, 2048);
@@ -244,7 +244,7 @@ TEST(PacketStreamReader, RestartDiscardsWhatWasBegun) {
   EXPECT_EQ(counters.resynchronized, 1U);
 }
 
-// Random faults, one after another, between good frames: everything that was not touched is given, nothing else is.
+// Random faults, one after another, between good frames: everything that was not touched is given, and nothing else.
 TEST(PacketStreamReader, RandomFaults) {
   for (const std::uint64_t seed : seeds(200)) {
     SCOPED_TRACE(how_to_repeat(seed));
@@ -288,7 +288,7 @@ TEST(PacketStreamReader, RandomFaults) {
   }
 }
 
-// 10^4 times a stream is entered at a random byte: what is given first is always a whole frame, the next one.
+// Enters a stream 10^4 times at a random byte: the first thing given is always a whole frame, the next one.
 TEST(PacketStreamReader, TenThousandStarts) {
   constexpr int kFrames = 50;
   const Bytes stream = moments_stream(0, kFrames);

@@ -1,4 +1,4 @@
-// What the headers say about packets that never came.
+// Tests what the headers say about packets that never came.
 #include "host/driver/packet_tally.h"
 
 #include <gtest/gtest.h>
@@ -92,7 +92,7 @@ TEST(PacketTally, Restart) {
   EXPECT_EQ(counters.missing, 2U);
 }
 
-// The reader was away longer than the board's first life: its new sequence is ahead of the old one.
+// The reader was away for longer than the board's first life, and the board's new sequence is ahead of the old one.
 TEST(PacketTally, RestartBehindTheReadersBack) {
   Counters counters;
   PacketTally tally(counters);

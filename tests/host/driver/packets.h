@@ -26,7 +26,7 @@ inline PacketHeader moments_header(std::uint64_t sequence, int columns = 16) {
   return header;
 }
 
-// Its packet, with a payload that belongs to this sequence alone.
+// Its packet, with a payload that is unique to this sequence.
 inline Bytes moments_packet(const PacketHeader& header, std::uint32_t status = 0) {
   Bytes packet;
   append_packet(header, Random(header.sequence + 1).bytes(moments_payload_bytes(Mode::grey_over, header.columns)),
@@ -37,7 +37,7 @@ inline Bytes moments_packet(std::uint64_t sequence, int columns = 16) {
   return moments_packet(moments_header(sequence, columns));
 }
 
-// Frames first..first + count - 1, one behind the other.
+// The packets of frames first..first + count - 1, one after another.
 inline Bytes moments_stream(std::uint64_t first, int count, int columns = 16) {
   Bytes stream;
   for (int i = 0; i < count; ++i) {
@@ -47,7 +47,7 @@ inline Bytes moments_stream(std::uint64_t first, int count, int columns = 16) {
   return stream;
 }
 
-// Whether the packet is, to the last byte, what moments_packet makes of its header.
+// Whether the packet equals, to the last byte, what moments_packet makes of its header.
 inline bool is_intact(const PacketView& packet) {
   const Bytes right = Random(packet.header.sequence + 1).bytes(packet.payload.size());
   return packet.payload.size() == packet.header.payload_size &&

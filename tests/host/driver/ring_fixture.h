@@ -21,7 +21,7 @@ namespace selfproj::test {
 
 inline constexpr std::uint32_t kSlots = 16;
 
-// A ring name of its own for every test, gone at its end.
+// Gives every test a ring name of its own, and removes the ring at its end.
 class Ring : public ::testing::Test {
  protected:
   void SetUp() override { remove_ring(name_); }
@@ -31,7 +31,7 @@ class Ring : public ::testing::Test {
     return open_device("ring:" + name_, options);
   }
 
-  // A reader that does not mind the board's absence.
+  // A reader that accepts the board's absence.
   [[nodiscard]] std::unique_ptr<Device> open_patient() const { return open_ring({.wait_for_board = true}); }
 
   [[nodiscard]] RingInfo info() const {
@@ -52,7 +52,7 @@ inline void write(RingWriter& writer, std::uint64_t first, int count) {
   }
 }
 
-// All that is there now.
+// Reads all that is there now.
 inline std::vector<std::uint64_t> read(Device& device) {
   std::vector<std::uint64_t> sequences;
   PacketView packet;

@@ -1,4 +1,4 @@
-// The ring in shared memory: whatever happens to its writer, its reader or itself is counted, and what is read is
+// Tests the ring in shared memory: whatever happens to its writer, its reader or itself is counted, and what is read is
 // right.
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -186,7 +186,7 @@ TEST_F(Ring, ReaderCrashed) {
   EXPECT_EQ(info().readers, 2U);
 }
 
-// While nobody reads, what finds the ring full is counted, and the next reader says so.
+// Losses while nobody reads are counted, and the next reader reports them.
 TEST_F(Ring, LossesWhileThereIsNoReaderAreCountedByTheNext) {
   RingWriter writer(name_, kSlots);
   { const auto device = open_ring(); }
@@ -242,7 +242,7 @@ TEST_F(Ring, DamagedSlots) {
   EXPECT_EQ(device->counters().bad, 3U);
   EXPECT_EQ(device->counters().resynchronized, 3U);
   EXPECT_EQ(device->counters().missing, 3U);
-  // A count that cannot be.
+  // An impossible count.
   memory.header().written.fetch_add(1000);
   EXPECT_TRUE(read(*device).empty());
   EXPECT_EQ(device->counters().bad, 4U);

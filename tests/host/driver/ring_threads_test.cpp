@@ -1,4 +1,4 @@
-// The ring in shared memory while its writer and its reader run at once, come and go, and for long.
+// Tests the ring in shared memory while its writer and its reader run at once, come and go, and run for long.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -18,8 +18,8 @@ namespace {
 std::atomic<std::uint64_t> allocations{0};
 }
 
-// Counts what is allocated, for the test that nothing is. Kept out of line, so that the compiler does not pair the free
-// below with an operator new that it knows.
+// Counts allocations, for the test that there are none. Not inlined, so that the compiler does not pair the free below
+// with an operator new that it knows.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   if (void* memory = std::malloc(size); memory != nullptr) {
@@ -39,7 +39,7 @@ using std::chrono::seconds;
 
 using RingThreads = Ring;
 
-// Writer and reader at once, as fast as they can, by each way of waiting. With back pressure nothing may be lost.
+// Writer and reader run at once at full speed, with each way of waiting. With back pressure nothing may be lost.
 TEST_F(RingThreads, TwoThreads) {
   constexpr std::uint64_t kCount = 3000;
   for (const Wait wait : {Wait::polling, Wait::blocking, Wait::polling_then_blocking}) {
@@ -65,7 +65,7 @@ TEST_F(RingThreads, TwoThreads) {
   }
 }
 
-// The same without back pressure and with a reader that dawdles: what is lost is counted to the last packet.
+// The same without back pressure and with a slow reader: every loss is counted, to the last packet.
 TEST_F(RingThreads, TwoThreadsWithLosses) {
   constexpr std::uint64_t kCount = 50000;
   const auto device = open_patient();
@@ -95,7 +95,7 @@ TEST_F(RingThreads, TwoThreadsWithLosses) {
   EXPECT_EQ(counters.delivered + counters.lost_ring, kCount + 1 + (counters.lost_ring - counters.missing));
 }
 
-// 10^4 times a reader and a board come and go: what is read is whole, in order, and all that was written.
+// A reader and a board come and go 10^4 times: what is read is whole, in order, and all that was written.
 TEST_F(RingThreads, TenThousandStartsAndStops) {
   Random random(1);
   auto writer = std::make_unique<RingWriter>(name_, kSlots);
@@ -116,7 +116,7 @@ TEST_F(RingThreads, TenThousandStartsAndStops) {
       ASSERT_TRUE(is_intact(packet));
       ASSERT_EQ(packet.header.sequence, expected++) << "start " << i;
       if (random.chance(50)) {
-        device->release();  // otherwise closed with the packet in hand: it counts as read
+        device->release();  // closing with the packet in hand counts it as read
       }
     }
     ASSERT_EQ(device->counters().bad + device->counters().lost_ring, 0U);
@@ -125,7 +125,7 @@ TEST_F(RingThreads, TenThousandStartsAndStops) {
   EXPECT_EQ(info().readers, 10000U);
 }
 
-// The same while the board writes on in its own time.
+// The same while the board goes on writing in its own time.
 TEST_F(RingThreads, ReadersComeAndGoWhileTheBoardWrites) {
   RingWriter writer(name_, kSlots);
   std::atomic<bool> stop{false};

@@ -1,4 +1,4 @@
-// The device inside a simulation: beats in, packets out, by turns.
+// Tests the device inside a simulation: beats go in and packets come out in turn.
 #include "host/driver/sim_device.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 using std::chrono::nanoseconds;
 constexpr std::size_t kBeat = spec::kPacketBeatBytes;
 
-// Pushes the packet beat by beat; the number of beats that were taken.
+// Pushes the packet beat by beat; returns the number of beats that were taken.
 std::size_t push(SimDevice& device, const Bytes& packet) {
   std::size_t taken = 0;
   for (std::size_t at = 0; at < packet.size(); at += kBeat) {

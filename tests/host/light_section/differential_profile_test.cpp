@@ -1,4 +1,4 @@
-// The profile of a frame: points that were made go through column and centroid and come back.
+// Tests the profile of a frame: known points become columns and centroids, and must come back.
 #include "host/light_section/differential_profile.h"
 
 #include <gtest/gtest.h>
@@ -31,12 +31,12 @@ Rig random_rig(Random& random) {
   rig.projector.x_mm = uniform(random, 50, 500);
   rig.projector.z_mm = uniform(random, -300, 700);
   rig.projector.tilt_rad = uniform(random, 0, 30) * kPi / 180;
-  rig.measure.max_z_per_line_mm = 1e6;  // tested apart
+  rig.measure.max_z_per_line_mm = 1e6;  // tested separately
   rig.measure.max_lit_px = 1023;
   return rig;
 }
 
-// Moments whose centroid is `centroid` to 2e-6 rows: as fine as 18 bits of M0 make it.
+// Moments whose centroid is `centroid` to 2e-6 rows, as fine as 18 bits of M0 allow.
 struct Columns {
   Moments moments;
   explicit Columns(int count) { moments.resize(count); }
@@ -53,7 +53,7 @@ double x_of_plane(const Rig& rig, double tan_theta, double z) {
   return rig.projector.x_mm - (z - rig.projector.z_mm) * tan_theta;
 }
 
-// A row of this many mm, from the pinhole.
+// The row, from 1, of the point (x, 0, z) by the pinhole.
 double row_from_one(const Rig& rig, double x, double z) { return camera_sees(rig.camera, {x, 0, z}).row + 1; }
 
 TEST(DifferentialProfile, PointsComeBack) {
@@ -77,7 +77,7 @@ TEST(DifferentialProfile, PointsComeBack) {
       reference.offset_px[k] = offset;
       reference.tan_theta[k] = (rig.projector.x_mm - x_r) / (z_r - rig.projector.z_mm);
       reference.valid[k] = 1;
-      // A point of the same light plane that the camera's image holds.
+      // A point of the same light plane within the camera's image.
       double z = 0;
       double row = 0;
       do {
@@ -99,7 +99,7 @@ TEST(DifferentialProfile, PointsComeBack) {
       ASSERT_NEAR(profile.x[k], points[k].x, kShape);
       ASSERT_NEAR(profile.y[k], points[k].y, kShape);
       ASSERT_NEAR(profile.z[k], points[k].z, kShape);
-      // The differences do not suffer from the size of z: 40 mm to 1e-6, and the centroid's 32 units of 2^-24.
+      // The size of z does not affect the differences: 40 mm to 1e-6, and the centroid's 32 units of 2^-24.
       constexpr double kDifference = 3e-4;
       ASSERT_NEAR(profile.dx[k], points[k].x - met[k].x, kDifference);
       ASSERT_NEAR(profile.dy[k], points[k].y - met[k].y, kDifference);
@@ -185,7 +185,7 @@ TEST(DifferentialProfile, StraightLineMeasuresTheSame) {
       ASSERT_NEAR(b.z[k], z[k], 1e-3) << "column " << i;
       ASSERT_NEAR(a.dz[k], b.dz[k], 2e-4) << "column " << i;
       ASSERT_NEAR(a.dy[k], b.dy[k], 2e-4) << "column " << i;
-      // x is where the line is: not the same, but each its own difference.
+      // x is where the line is. It is not the same, but each has its own difference.
       ASSERT_NEAR(b.dx[k], x_of_plane(rig, straight, z[k]) - x_of_plane(rig, straight, self_projected.z_mm[k]), 3e-4);
     }
   }
@@ -240,7 +240,7 @@ TEST(DifferentialProfile, OutOfRangeWhereTriangulationFails) {
   const auto bad = static_cast<std::uint8_t>(Validity::out_of_range);
   EXPECT_EQ(profile.validity, (std::vector<std::uint8_t>{0, bad, 0, bad}));
 
-  // One projector line's worth of z, by the difference of two lines.
+  // What one projector line is worth in z, from the difference of two lines.
   const auto z_at = [&](double row, double line) {
     const double tan_alpha = (row - 512) * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
     const double xp = rig.projector.center_xp_mm + (line - 255.5) * rig.projector.line_pitch_mm;
@@ -323,7 +323,7 @@ TEST(DifferentialProfile, PayloadsOfAllModesAgainstDoublePrecision) {
         const double first = c - 0.5 * n - 1.5;  // 0 where the line leaves just the first row free
         const double last = rig.camera.rows - 0.5 - c - 0.5 * n;
         if (n > 0 && mode != Mode::binary && std::min(std::abs(first), std::abs(last)) < 1e-5) {
-          continue;  // floats may see it either way
+          continue;  // floats may decide either way
         }
         const Validity right = n == 0                       ? Validity::unlit
                                : n < rig.measure.min_lit_px ? Validity::too_few
@@ -356,8 +356,8 @@ TEST(DifferentialProfile, PayloadsOfAllModesAgainstDoublePrecision) {
   }
 }
 
-// Lines of light that move over the first and the last row, blurred, with noise, beside the same lines in an image that
-// holds all of them.
+// Blurred lines of light with noise move over the first and the last row, beside the same lines in an image that holds
+// all of them.
 TEST(DifferentialProfile, LinesCutOffByTheBorder) {
   constexpr int kRows = 40;
   constexpr int kBeyond = 30;  // rows of the larger image above and below

@@ -1,4 +1,4 @@
-// The fast column moments against the model. Integer sums are exact: nothing here has a tolerance.
+// Compares the fast column moments with the model. Integer sums are exact, so no test here has a tolerance.
 #include "host/light_section/fast_moments.h"
 
 #include <gtest/gtest.h>
@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::array kModes = {Mode::binary, Mode::grey, Mode::grey_over};
 
-// What stands in output arrays beyond the columns, and must be there afterwards.
+// A value beyond the columns of output arrays, which must still be there afterwards.
 constexpr std::uint32_t kUntouched = 0xDEADBEEF;
 
-// This file is also built for instruction sets that the processor at hand may lack; then nothing is tested.
+// This file is also built for instruction sets that the processor may lack; then nothing is tested.
 class FastMoments : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -32,7 +32,7 @@ class FastMoments : public ::testing::Test {
 #endif
   }
 
-  // The fast moments, having made sure that nothing is written beyond the columns.
+  // The fast moments. Checks that nothing is written beyond the columns.
   static Moments moments_of(const ImageView& image, Mode mode, int threshold) {
     constexpr int kGuard = 64;
     Moments moments;
@@ -64,7 +64,7 @@ ImageView view_of(const std::vector<std::uint8_t>& pixels, int rows, int columns
 
 std::size_t area(int rows, int columns) { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns); }
 
-// Sizes about the widths of vectors and of strips, and about the height of a block.
+// Sizes around the widths of vectors and of strips, and around the height of a block.
 constexpr std::array kColumnEdges = {1, 2, 3, 4, 5, 15, 16, 17, 31, 32, 33, 63, 64, 65, 508, 511, 512, 513, 1024, 1028};
 constexpr std::array kRowEdges = {1, 2, 7, 8, 9, 21, 22, 23, 43, 44, 45, 96, 127, 128, 255, 256};
 

@@ -1,4 +1,4 @@
-// References as files: what is written is read back, and whatever is wrong with a file is said in one line.
+// Tests references as files: what is written is read back, and every fault of a file gives a one-line error.
 #include "host/light_section/reference_file.h"
 
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST(ReferenceFile, ComesBackToTheLastBit) {
       ASSERT_TRUE(std::isnan(read.z_mm[i]));
     }
   }
-  // Also for the rig that went through its own YAML.
+  // It is also accepted for the rig that went through its own YAML.
   EXPECT_NO_THROW(parse_reference_csv(parse_rig(to_yaml(rig), "y"), reference_csv(rig, reference), "r.csv"));
 }
 
@@ -90,7 +90,7 @@ TEST(ReferenceFile, DamageIsSeen) {
   EXPECT_EQ(message(""), "r.csv: is no reference (selfproj pattern makes them)");
   EXPECT_EQ(message("frame,column,m0,m1,n\n"), "r.csv: is no reference (selfproj pattern makes them)");
   EXPECT_EQ(message("# selfproj reference 2\n"), "r.csv: is of version 2; this program reads version 1");
-  // Cut off anywhere it is noticed.
+  // A cut at any place is noticed.
   for (std::size_t size = 0; size < text.size(); size += 37) {
     ASSERT_NE(message(text.substr(0, size)), "no error") << size;
   }

@@ -1,4 +1,4 @@
-// References and the pattern of (3.9), against pinholes by vectors.
+// Compares references and the pattern of (3.9) with pinholes by vectors.
 #include "host/light_section/reference.h"
 
 #include <gtest/gtest.h>
@@ -93,7 +93,7 @@ TEST(Reference, PatternLightsTheHillAtTheMiddleRow) {
     }
     ++lit;
     const double z = rig.projector.x_mm / tan_theta(rig.projector, lines[i]) + rig.projector.z_mm;
-    // The y in which the projector's column meets the surface there.
+    // The y at which the projector's column meets the surface.
     double low = -70;
     double high = 70;
     for (int step = 0; step < 60; ++step) {

@@ -1,4 +1,4 @@
-// What camera and projector of a rig see of a surface z(x, y): by rays and pinholes, apart from the host's code.
+// What camera and projector of a rig see of a surface z(x, y), by rays and pinholes, independent of the host's code.
 #ifndef SELFPROJ_TESTS_HOST_LIGHT_SECTION_SEEN_SURFACE_H
 #define SELFPROJ_TESTS_HOST_LIGHT_SECTION_SEEN_SURFACE_H
 
@@ -22,7 +22,7 @@ inline Surface plane_at(double z) {
   return [z](double, double) { return z; };
 }
 
-// The rig `scanner` with pixels of camera and projector `factor` times as large and as many times fewer.
+// The rig `scanner` with pixels of camera and projector `factor` times as large and correspondingly fewer.
 inline Rig coarse_scanner(int factor) {
   Rig rig = load_rig("scanner");
   rig.camera.rows /= factor;
@@ -40,8 +40,8 @@ inline Point3 on_ray(const RigCamera& camera, double row, double column, double 
   return {(row - 0.5 * (camera.rows - 1)) * scale, (column - 0.5 * (camera.columns - 1)) * scale, z};
 }
 
-// The first point of the surface on the ray of a camera pixel, between z = near and z = far, by steps of `step` mm of z
-// and halving; none if the ray does not meet it.
+// The first point of the surface on the ray of a camera pixel, between z = near and z = far, found by steps of `step`
+// mm of z and bisection; none if the ray does not meet it.
 inline std::optional<Point3> seen_point(const RigCamera& camera, double row, double column, const Surface& surface,
                                         double near, double far, double step) {
   const auto below = [&](double z) {

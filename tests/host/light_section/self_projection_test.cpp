@@ -1,5 +1,5 @@
-// The whole chain on rendered images, camera noise and all: reference, pattern, image, moments, profile, against what
-// the scene is. The bounds are those that the project has set itself for rig A.
+// The whole chain on rendered images with camera noise: reference, pattern, image, moments, profile, compared with the
+// scene. The bounds are those that the project has set itself for rig A.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ Image image_of(const Rig& rig, const Renderer& renderer, int frame) {
   return image;
 }
 
-// Where the line is seen on a part, the mean of a few frames in its middle.
+// Where the line is seen on a part: the mean of a few frames in its middle.
 std::vector<double> seen_on(const Rig& rig, const Scene& part, const FloatImage& pattern, int frames) {
   CentroidMean mean(rig);
   const Renderer renderer(rig, part, pattern);
@@ -137,7 +137,7 @@ std::vector<int> frames_between(int first, int last, int step) {
   return frames;
 }
 
-// The threshold keeps clear of what is not the line.
+// The threshold stays clear of everything that is not the line.
 TEST(SelfProjection, ThresholdIsSevenDeviationsOverTheAmbientLight) {
   const Rig rig = load_rig("light-section");
   const RigImaging& light = rig.imaging;
@@ -196,7 +196,7 @@ TEST(SelfProjection, MarksOfAMillimetreOnStairs) {
   }
 }
 
-// The pattern found by a sweep over the part itself, every fourth line to save time.
+// The pattern found by a sweep over the part itself; every fourth line, to save time.
 TEST(SelfProjection, ScanOfTheMountain) {
   const Rig rig = load_rig("light-section");
   const std::unique_ptr<Scene> part = make_scene("mountain", rig);
@@ -223,7 +223,7 @@ TEST(SelfProjection, ScanOfTheMountain) {
   EXPECT_LE(errors.rms(), 0.03);
 }
 
-// A projector that is turned by 0.02 degrees against what the rig says: the residual says so.
+// A projector that is turned by 0.02 degrees against the rig: the residual shows it.
 TEST(SelfProjection, ResidualTakesOutAWrongRig) {
   const Rig rig = load_rig("light-section");
   Rig real = rig;

@@ -1,4 +1,4 @@
-// A small inspection with known numbers: every file is read back and compared.
+// Writes a small inspection with known numbers, reads every file back and compares it.
 #include "host/light_section/inspection.h"
 
 #include <gtest/gtest.h>
@@ -38,8 +38,7 @@ struct Sample {
   Profile profile;
 };
 
-// Frame i (from 0), whose every number can be told from its place; one column a frame is invalid, each for another
-// reason.
+// Frame i (from 0). Every number reveals its place. In each frame one column is invalid, each for another reason.
 Sample sample(int i) {
   Sample s;
   s.header.kind = spec::kKindMoments;
@@ -172,7 +171,7 @@ TEST_F(WrittenInspection, ProfileOfEveryValidColumn) {
   }
 }
 
-// x less 10 counts of 0.01 mm a frame.
+// x is less by 10 counts of 0.01 mm for each frame.
 TEST_F(WrittenInspection, CloudIsCarriedBackByTheBelt) {
   const std::string ply = test::read_text(file("cloud.ply"));
   const std::string end = "end_header\n";
@@ -256,7 +255,7 @@ TEST_F(WrittenInspection, SummaryCounts) {
   EXPECT_EQ(json["tables"][0]["rows"][0][2], "30.01");
 }
 
-// One file: no address outside of it; and what the program says is text, not markup.
+// One file without outside addresses, in which texts of the program are text and not markup.
 TEST_F(WrittenInspection, ReportStandsAlone) {
   const std::string html = test::read_text(file("report.html"));
   EXPECT_EQ(html.find("http"), std::string::npos);

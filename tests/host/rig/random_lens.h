@@ -1,4 +1,4 @@
-// Lenses at random, and OpenCV's lens model written out: what host/rig/lens is tested against.
+// Random lenses, and OpenCV's lens model written out, against which host/rig/lens is tested.
 #ifndef SELFPROJ_TESTS_HOST_RIG_RANDOM_LENS_H
 #define SELFPROJ_TESTS_HOST_RIG_RANDOM_LENS_H
 
@@ -11,7 +11,7 @@
 
 namespace selfproj::test {
 
-// Uniform in low..high.
+// A uniform number in low..high.
 inline double uniform(Random& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random.between(0, 1 << 30)) / (1 << 30);
 }
@@ -26,7 +26,7 @@ inline std::pair<double, double> distorted(const Lens& lens, double x, double y)
           lens.fy * (y * q + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y) + lens.cy};
 }
 
-// Of an image of columns x rows, about whose middle its centre lies; `focal` in pixels.
+// A lens for an image of columns x rows, with its centre near the middle; `focal` is in pixels.
 inline Lens random_lens(Random& random, double focal, int columns, int rows) {
   Lens lens{focal * uniform(random, 0.95, 1.05),
             focal,

@@ -1,5 +1,5 @@
-// Camera and projector as pinholes, by vectors and straight from the definitions of host/rig/rig.h:
-// what host/structured_light is tested against.
+// Camera and projector as pinholes, by vectors and directly from the definitions of host/rig/rig.h.
+// host/structured_light is tested against them.
 #ifndef SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_PINHOLE_H
 #define SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_PINHOLE_H
 
@@ -15,7 +15,7 @@ struct Point3 {
   double z;
 };
 
-// Coordinates in an image, both from 0: row and column of the camera, line and column of the projector.
+// Coordinates in an image, from 0: row and column of the camera, or line and column of the projector.
 struct Pixel {
   double row;
   double column;

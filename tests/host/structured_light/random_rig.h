@@ -1,4 +1,4 @@
-// Rigs at random, and what tests of codes and depth have in common.
+// Random rigs, and what tests of codes and depth have in common.
 #ifndef SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_RANDOM_RIG_H
 #define SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_RANDOM_RIG_H
 
@@ -23,7 +23,7 @@ inline std::pair<double, double> place_of(std::size_t i, int columns) {
   return {static_cast<double>(at.quot), static_cast<double>(at.rem)};
 }
 
-// Rig B with other images, focal length, projector and limit. The camera sees about the same field.
+// Rig B with another image size, focal length, projector and limit. The camera sees about the same field.
 inline Rig random_rig(Random& random) {
   Rig rig = load_rig("scanner");
   rig.camera.rows = random.between(1, 60);
