@@ -8,8 +8,9 @@
 //
 // A step is a clock: the tool pipelines it with an initiation interval of 1.
 //
-// The sums are those of rtl/moments/README.md. In mode binary a lit pixel adds its row to A, which is M1. In the grey
-// modes A adds up the M0 before each row. The last row waits in a line buffer, and as its columns leave, two a step,
+// The sums are those of docs/circuits/moments.md. In mode binary a lit pixel adds its row to A, which is M1. In the
+// grey modes A adds up the M0 before each row. The last row waits in a line buffer, and as its columns leave, two a
+// step,
 //
 //     M0 = M0' + v,   N = N' + [v > 0],   M1 = R M0 - (A + M0')
 //

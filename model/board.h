@@ -87,7 +87,7 @@ class BoardModel {
   static constexpr std::uint64_t kTakeDistance = 7;
 
   // Two frames are not consecutive for the decoder if the later one starts less than kDecodeDistance clocks after the
-  // last beat of one with fewer beats (rtl/gray/README.md). If the median is built, the same holds for a frame whose
+  // last beat of one with fewer beats (docs/circuits/gray.md). If the median is built, the same holds for a frame whose
   // codes are due no later than kMedianClocks + columns / 4 clocks after the last beat of the previous frame with
   // codes.
   static constexpr std::uint64_t kDecodeDistance = 6;

@@ -2,7 +2,7 @@
 // translate clocked threads.
 //
 // With the same inputs in every clock the outputs equal those of the RTL in every clock: one beat a clock, no bubble.
-// The tests compare both clock by clock. The timing in rtl/moments/README.md thus holds for this module, too.
+// The tests compare both clock by clock. The timing in docs/using-the-circuits.md thus holds for this module, too.
 //
 // The operations on pixels, sums and words are the pure functions of hls/moments_arithmetic.h. This file decides when
 // they happen, with the sums in moments_sums.h and the drain in moments_drain.h. The registers have the names of the

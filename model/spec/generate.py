@@ -28,7 +28,7 @@ PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
 TABLES = {
     ROOT / "docs" / "packet-reference.md": ["formats", "header", "trailer", "values", "check", "reader"],
     ROOT / "docs" / "register-reference.md": ["registers", "fields"],
-    ROOT / "rtl" / "gray" / "README.md": ["gray_memory"],
+    ROOT / "docs" / "circuits" / "gray.md": ["gray_memory"],
 }
 
 # Fields of the header that tell of the frame, not of the packet, each with the bits of it that a build has.

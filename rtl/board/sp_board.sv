@@ -7,7 +7,7 @@
 //
 // Guarantees: every accepted frame start gives a moments packet or is counted as lost. Packets are
 // whole. The camera is never stalled. Frames of equal settings need no gap if they have at least as
-// many beats as a packet plus a small gap (rtl/board/README.md); shorter ones are counted as lost.
+// many beats as a packet plus a few clocks; what is lost at shorter distances is counted.
 `default_nettype none
 
 module sp_board #(
@@ -18,8 +18,7 @@ module sp_board #(
   parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
   parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
   parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits, 1..12
-  // log2 of the depth of the packet FIFOs, in beats of 16 bytes; 9 fills the smallest block RAMs.
-  // One and a half moments packets, four image lines, four lines of codes:
+  // log2 of the depth of a packet FIFO, in beats of 16 bytes; 9 fills the smallest block RAMs:
   parameter int MomentsLogDepth = MaxColumns > (Grey ? 512 : 1024) ?
                                   $clog2(MaxColumns * (Grey ? 3 : 2) / 4 + 5) : 9,
   parameter int ImageLogDepth = MaxColumns > 1952 ? $clog2(MaxColumns / 4 + 24) : 9,

@@ -24,59 +24,58 @@
 `default_nettype none
 
 module sp_gray_decoder #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
-  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // largest image width, a multiple of 4
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // largest image height
+  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // largest m, 1..12
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int WordBits = 4 * (sp_spec_pkg::PixelBits + 2 * MaxBits)
 ) (
-  input  wire logic                  clk_i,
-  input  wire logic                  rst_i,
+  input  wire logic                  clk_i,                   // pixel clock
+  input  wire logic                  rst_i,                   // active high, synchronous
 
   // Settings
-  input  wire logic                  take_i,
-  input  wire logic                  decode_i,
-  input  wire logic [3:0]            bits_i,       // m, 1..MaxBits
-  input  wire logic [7:0]            threshold_i,
-  // a change restarts the decoder; it has no other use
-  input  wire logic [ColumnBits-1:0] columns_i,
-  input  wire logic [RowBits-1:0]    rows_i,
+  input  wire logic                  take_i,                  // the settings below are taken over
+  input  wire logic                  decode_i,                // decode the frames
+  input  wire logic [3:0]            bits_i,                  // m, 1..MaxBits
+  input  wire logic [7:0]            threshold_i,  // ambiguous where the pair differs by no more
+  input  wire logic [ColumnBits-1:0] columns_i,               // a change restarts the decoder
+  input  wire logic [RowBits-1:0]    rows_i,                  // a change restarts the decoder
 
   // Beats and breaks of sp_frame_tracker
-  input  wire logic                  beat_valid_i,
-  input  wire logic [31:0]           beat_pixels_i,
-  input  wire logic                  beat_line_start_i,
-  input  wire logic                  beat_line_end_i,
-  input  wire logic                  beat_last_row_i,
-  input  wire logic                  frame_start_i,
-  input  wire logic                  break_i,
-  input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,
-  input  wire logic [15:0]           pattern_i,
+  input  wire logic                  beat_valid_i,            // a beat of four pixels
+  input  wire logic [31:0]           beat_pixels_i,           // leftmost pixel in 7..0
+  input  wire logic                  beat_line_start_i,       // first beat of a line
+  input  wire logic                  beat_line_end_i,         // last beat of a line
+  input  wire logic                  beat_last_row_i,         // the row is the last of the frame
+  input  wire logic                  frame_start_i,           // first beat of a frame
+  input  wire logic                  break_i,                 // the frame breaks
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,  // why, with break_i
+  input  wire logic [15:0]           pattern_i,  // read four clocks after the start of a frame
 
   // Memory port
-  output logic                       mem_read_o,
-  output logic                       mem_read_first_o,   // first word of the frame
-  input  wire logic [WordBits-1:0]   mem_data_i,         // two clocks after mem_read_o
-  input  wire logic                  mem_late_i,         // the word came too late and is void
-  output logic                       mem_write_o,
-  output logic                       mem_write_first_o,
-  output logic      [WordBits-1:0]   mem_data_o,
+  output logic                       mem_read_o,              // the next word is asked for
+  output logic                       mem_read_first_o,        // first word of the frame
+  input  wire logic [WordBits-1:0]   mem_data_i,              // two clocks after mem_read_o
+  input  wire logic                  mem_late_i,              // the word came too late and is void
+  output logic                       mem_write_o,             // the next word is written
+  output logic                       mem_write_first_o,       // first word of the frame
+  output logic      [WordBits-1:0]   mem_data_o,              // with mem_write_o
   output logic                       mem_end_o,  // the frame is over: no write of it comes later
 
   // Codes: leftmost in 15..0
   input  wire logic                  busy_i,  // codes of a frame that starts cannot be taken
-  output logic                       codes_valid_o,
-  output logic      [63:0]           codes_o,
-  output logic                       codes_start_o,      // first beat of a frame
-  output logic                       codes_line_start_o,
-  output logic                       codes_line_end_o,
-  output logic                       codes_last_row_o,
-  output logic                       codes_break_o,
-  output logic [sp_spec_pkg::StatusBits-1:0] codes_status_o,
+  output logic                       codes_valid_o,           // a beat of four codes
+  output logic      [63:0]           codes_o,                 // format code of the packets
+  output logic                       codes_start_o,           // first beat of a frame
+  output logic                       codes_line_start_o,      // first beat of a line
+  output logic                       codes_line_end_o,        // last beat of a line
+  output logic                       codes_last_row_o,        // the row is the last of the frame
+  output logic                       codes_break_o,           // the frame breaks
+  output logic [sp_spec_pkg::StatusBits-1:0] codes_status_o,  // why, with codes_break_o
 
-  output logic      [31:0]           abandoned_o
+  output logic      [31:0]           abandoned_o              // frames given up, as listed above
 );
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;

@@ -24,34 +24,34 @@ module sp_gray_match #(
   // derived, do not set
   parameter int AddressBits = $clog2(Groups) + Bits
 ) (
-  input  wire logic        clk_i,
-  input  wire logic        rst_i,
+  input  wire logic        clk_i,                              // pixel clock
+  input  wire logic        rst_i,                              // active high, synchronous
 
   // Codes of sp_gray_decoder or sp_median3x3, leftmost in 15..0
-  input  wire logic        s_valid_i,
-  input  wire logic [63:0] s_codes_i,
-  input  wire logic        s_start_i,
-  input  wire logic        s_line_start_i,
-  input  wire logic        s_line_end_i,
-  input  wire logic        s_break_i,
-  input  wire logic [sp_spec_pkg::StatusBits-1:0] s_status_i,
+  input  wire logic        s_valid_i,                          // a beat of four codes
+  input  wire logic [63:0] s_codes_i,                          // leftmost code in 15..0
+  input  wire logic        s_start_i,                          // first beat of a frame
+  input  wire logic        s_line_start_i,                     // first beat of a line
+  input  wire logic        s_line_end_i,                       // last beat of a line
+  input  wire logic        s_break_i,                          // the frame breaks
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] s_status_i,  // why, with s_break_i
 
   // Memory port: lane i in bits AddressBits * i and 16 * i
-  output logic             mem_read_o,
-  output logic [4*AddressBits-1:0] mem_address_o,
-  input  wire logic [63:0] mem_data_i,   // Latency clocks after mem_read_o
-  input  wire logic        mem_late_i,   // the word came too late and is void
+  output logic             mem_read_o,                         // four words are asked for
+  output logic [4*AddressBits-1:0] mem_address_o,              // lane i in AddressBits * i
+  input  wire logic [63:0] mem_data_i,  // lane i in 16 * i, Latency clocks after mem_read_o
+  input  wire logic        mem_late_i,  // the words came too late and are void
 
   // Projector lines in units of 1/64, or None (0xFFFF)
-  output logic             m_valid_o,
-  output logic [63:0]      m_lines_o,
-  output logic             m_start_o,
-  output logic             m_line_start_o,
-  output logic             m_line_end_o,
-  output logic             m_break_o,
-  output logic [sp_spec_pkg::StatusBits-1:0] m_status_o,
+  output logic             m_valid_o,                          // a beat of four lines
+  output logic [63:0]      m_lines_o,                          // leftmost in 15..0
+  output logic             m_start_o,                          // first beat of a frame
+  output logic             m_line_start_o,                     // first beat of a line
+  output logic             m_line_end_o,                       // last beat of a line
+  output logic             m_break_o,                          // the frame breaks
+  output logic [sp_spec_pkg::StatusBits-1:0] m_status_o,       // why, with m_break_o
 
-  output logic [31:0]      late_o
+  output logic [31:0]      late_o                              // frames that lost a word
 );
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;

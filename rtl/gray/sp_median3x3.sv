@@ -19,31 +19,31 @@
 `default_nettype none
 
 module sp_median3x3 #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns  // largest image width, a multiple of 4
 ) (
-  input  wire logic        clk_i,
-  input  wire logic        rst_i,
+  input  wire logic        clk_i,                              // pixel clock
+  input  wire logic        rst_i,                              // active high, synchronous
 
   // Codes of sp_gray_decoder
-  input  wire logic        s_valid_i,
-  input  wire logic [63:0] s_codes_i,
-  input  wire logic        s_start_i,
-  input  wire logic        s_line_start_i,
-  input  wire logic        s_line_end_i,
-  input  wire logic        s_last_row_i,
-  input  wire logic        s_break_i,
-  input  wire logic [sp_spec_pkg::StatusBits-1:0] s_status_i,
-  input  wire logic        s_median_i,     // with s_start_i, for the whole frame: send the median
-  output logic             busy_o,         // a frame is open, or its last line is still leaving
+  input  wire logic        s_valid_i,                          // a beat of four codes
+  input  wire logic [63:0] s_codes_i,                          // leftmost code in 15..0
+  input  wire logic        s_start_i,                          // first beat of a frame
+  input  wire logic        s_line_start_i,                     // first beat of a line
+  input  wire logic        s_line_end_i,                       // last beat of a line
+  input  wire logic        s_last_row_i,                       // the row is the last of the frame
+  input  wire logic        s_break_i,                          // a frame breaks
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] s_status_i,  // why, with s_break_i
+  input  wire logic        s_median_i,  // with s_start_i, for the whole frame: send the median
+  output logic             busy_o,  // a frame is open, or its last line is still leaving
 
   // Codes
-  output logic             m_valid_o,
-  output logic      [63:0] m_codes_o,
-  output logic             m_start_o,
-  output logic             m_line_start_o,
-  output logic             m_line_end_o,
-  output logic             m_break_o,
-  output logic [sp_spec_pkg::StatusBits-1:0] m_status_o
+  output logic             m_valid_o,                          // a beat of four codes
+  output logic      [63:0] m_codes_o,                          // leftmost code in 15..0
+  output logic             m_start_o,                          // first beat of a frame
+  output logic             m_line_start_o,                     // first beat of a line
+  output logic             m_line_end_o,                       // last beat of a line
+  output logic             m_break_o,                          // the frame breaks
+  output logic [sp_spec_pkg::StatusBits-1:0] m_status_o        // why, with m_break_o
 );
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;

@@ -23,34 +23,34 @@
 `default_nettype none
 
 module sp_column_moments #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
-  parameter bit Grey = 1'b1,
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
+  parameter bit Grey = 1'b1,  // modes grey and grey_over
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int RowBits = $clog2(MaxRows + 1)
 ) (
-  input  wire logic                 clk_i,
-  input  wire logic                 rst_i,
+  input  wire logic                 clk_i,             // pixel clock
+  input  wire logic                 rst_i,             // active high, synchronous
 
-  input  wire logic                 beat_valid_i,
-  input  wire logic [31:0]          beat_pixels_i,  // leftmost pixel in 7..0
-  input  wire logic [GroupBits-1:0] beat_group_i,
-  input  wire logic [RowBits-1:0]   beat_row_i,
-  input  wire logic                 beat_first_row_i,
-  input  wire logic                 beat_last_row_i,
-  input  wire logic                 beat_line_end_i,
-  input  wire logic                 one_group_i,    // the frame has 4 columns
-  input  wire logic                 two_groups_i,   // the frame has 8 columns
-  input  wire logic [1:0]           mode_i,
-  input  wire logic [7:0]           threshold_i,
-  input  wire logic                 break_i,
-  input  wire logic                 accept_i,
+  input  wire logic                 beat_valid_i,  // a beat of four pixels
+  input  wire logic [31:0]          beat_pixels_i,     // leftmost pixel in 7..0
+  input  wire logic [GroupBits-1:0] beat_group_i,      // group of four columns, from 0
+  input  wire logic [RowBits-1:0]   beat_row_i,        // row, from 1
+  input  wire logic                 beat_first_row_i,  // the row is the first of the frame
+  input  wire logic                 beat_last_row_i,   // the row is the last of the frame
+  input  wire logic                 beat_line_end_i,   // the group is the last of its line
+  input  wire logic                 one_group_i,       // the frame has 4 columns
+  input  wire logic                 two_groups_i,      // the frame has 8 columns
+  input  wire logic [1:0]           mode_i,            // 0 binary, 1 grey, 2 grey_over
+  input  wire logic [7:0]           threshold_i,       // a pixel is lit where it is greater
+  input  wire logic                 break_i,           // the frame ends early, in its last row
+  input  wire logic                 accept_i,          // the beat of four clocks ago is wanted
 
-  output logic                      moments_valid_o,
-  output logic [127:0]              moments_data_o,
-  output logic                      moments_break_o,
-  output logic                      spoiled_o
+  output logic                      moments_valid_o,   // a payload beat
+  output logic [127:0]              moments_data_o,  // four or two columns, leftmost lowest
+  output logic                      moments_break_o,  // no further payload beat of this frame comes
+  output logic                      spoiled_o          // the sums of the frame are void: see above
 );
 
   localparam int WeightBits = Grey ? 8 : 1;

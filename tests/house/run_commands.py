@@ -5,10 +5,10 @@
 
 BUILD is the folder of a build, for the names of its tests. PROGRAMS is the folder of selfproj and selfproj-sim. The
 blocks `sh` of a document that have no comment `not run` (check_commands.py) are run one after another, each by bash
--eu, in one empty folder, in which build/bin is PROGRAMS; PROGRAMS is on the PATH, too. For every command line, run or
-not, it checks that the options of our programs stand in their --help, that ctest finds tests by its -R and -L, and
-that the test of `run by` exists. The lines of a block `text` under the comment `output` must be among those that the
-block run last has printed.
+-eu, in one folder that is empty but for rtl, tests, and build/bin, which is PROGRAMS; PROGRAMS is on the PATH, too.
+For every command line, run or not, it checks that the options of our programs stand in their --help, that ctest finds
+tests by its -R and -L, and that the test of `run by` exists. The lines of a block `text` under the comment `output`
+must be among those that the block run last has printed.
 """
 
 import functools
@@ -145,6 +145,8 @@ class Checker:
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "build").mkdir()
             (pathlib.Path(folder) / "build/bin").symlink_to(self.programs)
+            for sources in ("rtl", "tests"):
+                (pathlib.Path(folder) / sources).symlink_to(self.root / sources)
             environment = {**os.environ, "PATH": f"{self.programs}:{os.environ['PATH']}"}
             for block, text in scripts:
                 if text is None:

@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint8_t kMoments = spec::kKindMoments;
 constexpr std::uint8_t kImage = spec::kKindImage;
 
-// What must lie between the starts of two frames beyond the beats of a moments packet (rtl/board/README.md).
+// What must lie between the starts of two frames beyond the beats of a moments packet (docs/using-the-circuits.md).
 int small_gap(Mode mode) { return mode == Mode::binary ? 8 : 14; }
 
 void expect_plausible(const FrameCounts& counts) {

@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""Puts what the sources say of themselves into documents: parameters, ports, head comments, whole examples.
+
+    module_tables.py            write the documents
+    module_tables.py --check    write nothing; exit 1 and name each document that differs
+
+In docs/*.md, the lines between `<!-- BEGIN GENERATED KIND WHAT -->` and `<!-- END GENERATED KIND WHAT -->` are replaced:
+* `head MODULE`: the comment at the head of the module's file, drawings as text blocks;
+* `parameters MODULE`, `ports MODULE`: tables, from the declarations and the comments beside them;
+* `file PATH`: the file as a code block.
+Parameters below "derived, do not set", and ports for the proofs, are left out. Standard library only.
+"""
+
+import argparse
+import pathlib
+import re
+import sys
+import textwrap
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+MARKER = re.compile(r"<!-- BEGIN GENERATED (head|parameters|ports|file) (\S+) -->\n.*?<!-- END GENERATED \1 \2 -->",
+                    re.DOTALL)
+PORT = re.compile(r"(input|output)\s+(?:wire\s+)?logic\s*(?:\[([^\]]+):0\])?\s*(\w+)$")
+PARAMETER = re.compile(r"parameter\s+(?:\w+\s+)?(?:\[[^\]]+\]\s*)?(\w+)\s*=\s*(.+)$", re.DOTALL)
+
+
+class SourceError(Exception):
+    """A module or file is not there, or is written in a way that this script does not know."""
+
+
+def source_of(module):
+    for path in sorted(ROOT.glob(f"rtl/*/{module}.sv")):
+        return path.read_text(encoding="utf-8")
+    raise SourceError(f"no module {module} under rtl/")
+
+
+SETTINGS = ("grey_over",)  # values, written as words
+
+
+def marked(text):
+    """The text with names as code."""
+    names = r"(?<![\w`/])([a-z][a-z0-9]*(?:_[a-z0-9*]+)+|[A-Z][a-z]+[A-Z]\w*|[a-z]+(?:/[\w.-]+)+)(?![\w`])"
+    return re.sub(names, lambda name: name.group() if name.group() in SETTINGS else f"`{name.group()}`", text)
+
+
+def head(module):
+    """The comment at the head of a module's file, as Markdown."""
+    lines = []
+    for line in source_of(module).splitlines():
+        if not line.startswith("//"):
+            break
+        lines.append(line[3:])
+    out, at = [], 0
+    while at < len(lines):
+        line = lines[at]
+        if line.startswith("  ") and not (out and out[-1].startswith("* ")):
+            block = []
+            while at < len(lines) and (lines[at].startswith("  ") or not lines[at] and block and at + 1 < len(lines)
+                                       and lines[at + 1].startswith("  ")):
+                block.append(lines[at])
+                at += 1
+            out += ["```text", *textwrap.dedent("\n".join(block)).splitlines(), "```"]
+            continue
+        at += 1
+        if not line:
+            out.append("")
+            continue
+        text = line
+        while at < len(lines) and lines[at] and not lines[at].startswith("* ") and (
+                line.startswith("* ") or not lines[at].startswith("  ")):
+            text += " " + lines[at].strip()
+            at += 1
+        out += textwrap.wrap(marked(text), 120, subsequent_indent="  " if line.startswith("* ") else "",
+                             break_on_hyphens=False, break_long_words=False)
+    return out
+
+
+def declarations(module, opening, closing):
+    """(heading or None, declaration, comment) of the module's list between two lines."""
+    text = re.sub(r"`ifdef FORMAL\n.*?`endif\n", "", source_of(module), flags=re.DOTALL)
+    found = re.search(rf"^module {module} .*?{opening}\n(.*?)^{closing}", text, re.DOTALL | re.MULTILINE)
+    if not found:
+        raise SourceError(f"{module}: no list from {opening} to {closing}")
+    heading, pending, comment, was_note = None, "", "", False
+    lines = found.group(1).splitlines()
+    for number, line in enumerate(lines):
+        code, _, note = line.partition("//")
+        code, note = code.strip(), note.strip()
+        if not code:
+            if not note:
+                heading = None
+            elif not pending:
+                heading = f"{heading} {note}" if heading and was_note else note
+            was_note = True
+            continue
+        was_note = False
+        pending, comment = f"{pending} {code}".strip(), f"{comment} {note}".strip()
+        if code.endswith(",") or number == len(lines) - 1:
+            yield heading, pending.rstrip(","), comment
+            pending, comment = "", ""
+
+
+def value_of(text):
+    """A default with the values of the package in the place of their names."""
+    package = (ROOT / "rtl/common/sp_spec_pkg.sv").read_text(encoding="utf-8")
+    text = re.sub(r"sp_spec_pkg::(\w+)",
+                  lambda name: re.search(rf"\b{name.group(1)} = ([^;]+);", package).group(1), text)
+    return re.sub(r"\b1'b([01])\b", r"\1", text)
+
+
+def parameters(module):
+    out = ["| parameter | default | meaning |", "|---|---|---|"]
+    for heading, text, comment in declarations(module, r"#\(", r"\) \("):
+        if heading == "derived, do not set":
+            break
+        found = PARAMETER.match(text)
+        if not found:
+            raise SourceError(f"{module}: cannot read '{text}'")
+        default = value_of(found.group(2))
+        meaning = comment or (heading or "").rstrip(":")
+        out.append(f"| `{found.group(1)}` | `{default}` | {marked(meaning)} |")
+    return out
+
+
+def bits_of(msb):
+    """How many bits [msb:0] has: a number, or an expression."""
+    if msb is None:
+        return "1"
+    if msb.isdigit():
+        return str(int(msb) + 1)
+    return f"`{msb[:-2]}`" if msb.endswith("-1") else f"`{msb} + 1`"
+
+
+def ports(module):
+    out, last = ["| port | | bits | meaning |", "|---|---|---:|---|"], None
+    opening = r"\) \(" if re.search(rf"^module {module} #", source_of(module), re.MULTILINE) else r"\("
+    for heading, text, comment in declarations(module, opening, r"\);"):
+        found = PORT.match(re.sub(r"\s+", " ", text))
+        if not found:
+            raise SourceError(f"{module}: cannot read '{text}'")
+        if heading and heading != last:
+            out.append(f"| *{marked(heading.rstrip('.'))}* | | | |")
+        last = heading
+        direction = {"input": "in", "output": "out"}[found.group(1)]
+        bits = bits_of(found.group(2) and found.group(2).replace("sp_spec_pkg::", ""))
+        out.append(f"| `{found.group(3)}` | {direction} | {bits} | {marked(comment)} |")
+    return out
+
+
+def file(path):
+    language = {".sv": "systemverilog", ".sh": "sh", ".tcl": "tcl", ".xdc": "tcl"}.get(pathlib.Path(path).suffix, "text")
+    try:
+        text = (ROOT / path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise SourceError(f"{path}: {error.strerror}") from error
+    return [f"```{language}", *text.rstrip().splitlines(), "```"]
+
+
+MAKERS = {"head": head, "parameters": parameters, "ports": ports, "file": file}
+
+
+def filled(text):
+    def lines(match):
+        kind, what = match.groups()
+        return "\n".join([f"<!-- BEGIN GENERATED {kind} {what} -->", *MAKERS[kind](what),
+                          f"<!-- END GENERATED {kind} {what} -->"])
+    return MARKER.sub(lines, text)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 where a document differs")
+    arguments = parser.parse_args()
+    stale = 0
+    try:
+        for path in sorted(ROOT.glob("docs/**/*.md")):
+            old = path.read_text(encoding="utf-8")
+            new = filled(old)
+            if new == old:
+                continue
+            if arguments.check:
+                stale = 1
+                print(f"module_tables.py: {path.relative_to(ROOT)} differs from the sources; "
+                      "run scripts/module_tables.py", file=sys.stderr)
+            else:
+                path.write_text(new, encoding="utf-8")
+    except SourceError as error:
+        print(f"module_tables.py: {error}", file=sys.stderr)
+        return 2
+    return stale
+
+
+if __name__ == "__main__":
+    sys.exit(main())
