@@ -147,7 +147,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
   }
 }
 
-// As many clocks and frames as need more than one chain of the counters.
+// As many clocks and frames as need two chains of the counters, and 21 bits.
 TEST(FrameInfo, CountsOn) {
   constexpr std::uint64_t kLate = spec::kHeaderSequence / spec::kPacketBeatBytes - 1;  // clocks after frames_o
   Clocked<Vsp_frame_info> info;
@@ -155,7 +155,7 @@ TEST(FrameInfo, CountsOn) {
   info->take_i = 0;
   info.reset();
   info->frame_start_i = 1;
-  for (std::uint64_t clock = 0; clock < 200'000; ++clock) {
+  for (std::uint64_t clock = 0; clock < 1'100'000; ++clock) {
     info.settle();
     const std::uint64_t frames = clock < 4 ? 0 : clock - 3;
     const std::uint64_t sequence = field(info->info_o, spec::kHeaderSequence, 8);
