@@ -1,11 +1,14 @@
-// sp_board behind a few pins, for place and route on parts with fewer pins than its buses have wires.
+// sp_board behind a few pins, for place and route on parts with fewer pins than its buses have
+// wires.
 //
-// Every input of the board comes from a shift register, every output is folded into one (xor with the stage before), each
-// in the clock of its port; nothing of it is in a path from or to the board longer than a wire. The reports leave it out.
+// A shift register feeds every input of the board. Another one collects every output (xor with the
+// stage before). Each runs in the clock of its ports, and no path between them and the board is
+// longer than a wire. The reports leave these registers out.
 `default_nettype none
 
-// The inputs, kept apart from the board: a tool that optimizes over registers would else see that all of them are one stream, so
-// that no beat comes without a reset a clock before, and take away whatever a reset keeps from working.
+// The inputs, kept apart from the board. A tool that optimizes across registers would otherwise see
+// that all inputs are one stream, so that no beat comes without a reset one clock before, and would
+// remove whatever a reset keeps from working.
 (* keep_hierarchy *)
 module sp_pins_in #(
   parameter int Width = 2
@@ -36,10 +39,10 @@ module sp_board_pins #(
   output logic      bus_o
 );
 
-  // Video clock: reset, valid, data, start, end, encoder in; ready and triggers out
+  // Video clock, in: reset, valid, data, start, end, encoder; out: ready, triggers
   localparam int VideoIn = 1 + 1 + 32 + 1 + 1 + 2;
   localparam int VideoOut = 3;
-  // Bus clock: reset, packet ready, AXI4-Lite in; packets, AXI4-Lite out
+  // Bus clock, in: reset, packet ready, AXI4-Lite; out: packets, AXI4-Lite
   localparam int BusIn = 1 + 1 + 1 + 8 + 1 + 32 + 4 + 1 + 1 + 8 + 1;
   localparam int BusOut = 1 + 128 + 1 + 1 + 1 + 1 + 2 + 1 + 1 + 32 + 2;
 

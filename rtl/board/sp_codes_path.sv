@@ -1,11 +1,14 @@
-// From beats to code packets, one a line: the Gray-code decoder, the packer, the packets, and the packet FIFO into the bus clock.
+// From beats to code packets, one per line: the Gray-code decoder, the packer, the packets, and the
+// packet FIFO into the bus clock.
 //
-// Guarantees: every line whose codes began gives a packet or is counted in lost_o; packets come out whole. Lines of 88 columns and
-// more may follow each other without a gap.
-// Codes come so much later than their pixels (seven clocks; with the median a line more) that the header fields of
-// sp_frame_info may already be those of a later frame. They are therefore held from the frame's first codes on, each so late that the
-// header before it is out (sp_frame_info tells when headers read). Where a later frame has started by then (possible only
-// where frames follow each other by fewer clocks than that delay) the frame's packets are dropped, and counted.
+// Guarantees: every line whose codes began gives a packet or is counted in lost_o; packets come out
+// whole. Lines of 88 columns and more may follow each other without a gap.
+//
+// Codes come seven clocks after their pixels, or one line later with the median. By then the header
+// fields of sp_frame_info may belong to a later frame. They are therefore held from the first codes
+// of a frame on, each so late that the header before it is out (sp_frame_info says when headers
+// read). If a later frame has started by then, which needs frames closer than that delay, the
+// packets of the frame are dropped and counted.
 `default_nettype none
 
 module sp_codes_path #(
@@ -13,7 +16,7 @@ module sp_codes_path #(
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter int MaxBits = sp_spec_pkg::CodeCodeBits,
   parameter bit Median = 1'b1,
-  parameter int LogDepth = 9,  // of the packet FIFO, in beats of 16 bytes
+  parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1)
@@ -22,7 +25,7 @@ module sp_codes_path #(
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
 
-  // Settings as written, those that sp_frame_tracker does not take over
+  // Settings as written that sp_frame_tracker does not take over
   input  wire logic                  decode_i,
   input  wire logic                  median_i,
   input  wire logic [3:0]            bits_i,
@@ -59,17 +62,19 @@ module sp_codes_path #(
   localparam int StatusBits = sp_spec_pkg::StatusBits;
   localparam int PayloadBits = $clog2(MaxColumns / 8 + 2);
 
-  // --- Settings: sp_frame_tracker takes over those of the clock before take_i ---
+  // --- Settings: sp_frame_tracker takes over those of one clock before take_i ---
   logic       decode_q, median_q;
   logic [3:0] bits_q;
   logic [7:0] code_threshold_q;
 
   always_ff @(posedge clk_i) begin
-    {decode_q, median_q, bits_q, code_threshold_q} <= {decode_i, median_i, bits_i, code_threshold_i};
+    {decode_q, median_q, bits_q, code_threshold_q} <=
+        {decode_i, median_i, bits_i, code_threshold_i};
   end
 
   // --- Codes ---
-  logic                  raw_start, codes_valid, codes_start, codes_line_start, codes_line_end, codes_break;
+  logic                  raw_start, codes_valid, codes_start, codes_line_start, codes_line_end,
+      codes_break;
   logic [63:0]           codes;
   logic [StatusBits-1:0] codes_status;
 
@@ -122,13 +127,13 @@ module sp_codes_path #(
   end
 
   // --- Header fields, held ---
-  logic [6:1]            out_q;      // codes_start, so many clocks ago
-  logic [6:1]            begun_q;    // frame_start_i
-  logic                  later_q;    // a later frame has started than that of the codes before the median
-  logic                  later1_q, later2_q;  // of the codes that the decoder gave, one and two clocks ago
-  logic                  spoiled_q;  // the header's fields are those of a later frame: the frame's packets are dropped
-  logic [ColumnBits-1:0] columns_before_q;  // columns_i, a clock ago
-  logic [ColumnBits-1:0] line_columns, line_columns_q;  // of the frame that the codes are of
+  logic [6:1]            out_q;      // codes_start, one to six clocks ago
+  logic [6:1]            begun_q;    // frame_start_i, one to six clocks ago
+  logic                  later_q;    // a frame later than that of the raw codes has started
+  logic                  later1_q, later2_q;  // the same for raw codes one and two clocks ago
+  logic                  spoiled_q;  // the header fields are those of a later frame
+  logic [ColumnBits-1:0] columns_before_q;  // columns_i one clock ago
+  logic [ColumnBits-1:0] line_columns, line_columns_q;  // of the frame that the codes belong to
   logic [sp_spec_pkg::HeaderBits-1:0] held_q;  // info_i
 
   always_ff @(posedge clk_i) begin
@@ -145,20 +150,23 @@ module sp_codes_path #(
     if (out_q[2]) spoiled_q <= later2_q;
   end
 
-  // A beat of the header is held in the clock after sp_frame_info has it, the half with the sequence, which sp_packetizer reads a
-  // clock before its beat, a clock earlier. The sequence fills a half: fields of 64 bits are aligned.
+  // A beat of the header is held one clock after sp_frame_info has it. The half with the sequence
+  // is held one clock earlier, since sp_packetizer reads it one clock before its beat. The sequence
+  // fills a half, because fields of 64 bits are aligned.
   localparam int HalfBits = sp_spec_pkg::PacketBeatBits / 2;
-  localparam logic [sp_spec_pkg::HeaderBits-1:0] FrameBits = sp_spec_pkg::frame_mask(ColumnBits, RowBits);
+  localparam logic [sp_spec_pkg::HeaderBits-1:0] FrameBits =
+      sp_spec_pkg::frame_mask(ColumnBits, RowBits);
   for (genvar half = 0; half < sp_spec_pkg::HeaderBits / HalfBits; half++) begin : gen_half
     localparam bit HasSequence = half == sp_spec_pkg::HeaderSequenceLsb / HalfBits;
     always_ff @(posedge clk_i) begin
-      if (out_q[half/2+(HasSequence?2:3)]) held_q[half*HalfBits+:HalfBits] <= info_i[half*HalfBits+:HalfBits] &
+      if (out_q[half/2+(HasSequence?2:3)]) held_q[half*HalfBits+:HalfBits] <=
+          info_i[half*HalfBits+:HalfBits] &
                                                                              FrameBits[half*HalfBits+:HalfBits];
     end
   end
 
-  // The columns in force in the clock before the frame's first codes: where a later frame has started by then the packets are
-  // dropped.
+  // The columns in force one clock before the first codes of the frame. If a later frame has
+  // started by then, the packets are dropped anyway.
   assign line_columns = codes_start ? columns_before_q : line_columns_q;
 
   always_ff @(posedge clk_i) begin

@@ -1,15 +1,16 @@
 // Quadrature encoder input, counted fourfold.
 //
-// A leads B: the count rises. A level counts once it has been the same in three clocks (shorter pulses are suppressed); a
-// step in which both lines change is no step and counts as an error. Both counts wrap.
-// Latency: a change of a line that was sampled by clock edge e is in count_o for clock edge e + 7, in errors_o for e + 6.
+// The count rises while A leads B. A level counts once it has been the same for three clocks, so
+// shorter pulses are suppressed. A step in which both lines change is not counted but is an error.
+// Both counts wrap. Latency: a change of a line that clock edge e samples is in count_o for clock
+// edge e + 7, and in errors_o for e + 6.
 `default_nettype none
 
 module sp_encoder (
   input  wire logic clk_i,
   input  wire logic rst_i,
 
-  input  wire logic a_i,  // any clock
+  input  wire logic a_i,  // from any clock
   input  wire logic b_i,
 
   output logic [31:0] count_o,
@@ -18,18 +19,18 @@ module sp_encoder (
 
   typedef struct packed {
     logic        settled;  // level has come from the pins
-    logic [3:0]  start;    // clocks since reset, as many ones
-    logic [1:0]  level;    // without short pulses
-    logic        step;     // one line has changed level a clock ago
+    logic [3:0]  start;    // clocks since reset, as that many ones
+    logic [1:0]  level;    // of the lines, without short pulses
+    logic        step;     // one line changed its level one clock ago
     logic        down;     // B leads
-    logic        error;    // both have changed
+    logic        error;    // both lines changed
   } lines_t;
 
   typedef struct packed {
-    logic       moved;    // a step was a clock ago
+    logic       moved;    // there was a step one clock ago
     logic       down;     // its direction
     logic       hand_on;  // the lowest chain wrapped with it
-    logic       further;  // and so will the middle one then
+    logic       further;  // the middle chain will wrap, too
     logic [7:0] low;
   } chain_t;
 
@@ -37,11 +38,11 @@ module sp_encoder (
   chain_t      chain_q;
   logic [15:0] errors_q;
   logic [31:0] count_q;
-  logic        zero_q, full_q;        // its middle chain is 0, is all ones
+  logic        zero_q, full_q;        // the middle chain is all zeros, all ones
   logic [1:0]  now;                   // {b, a}, synchronized
-  logic [1:0]  before1_q, before2_q;  // one clock ago, two clocks ago
-  logic [1:0]  changes;               // a line takes another level
-  logic        awake_q;               // the lines did not stand at level a clock ago, or it is soon after reset
+  logic [1:0]  before1_q, before2_q;  // one and two clocks ago
+  logic [1:0]  changes;               // lines that take a new level
+  logic        awake_q;               // a line differed from level one clock ago, or reset was
   logic [2:0]  stirred_q;             // awake_q, one to three clocks ago
   logic        follow_q;              // the counts may move: awake up to four clocks ago
 
@@ -54,10 +55,10 @@ module sp_encoder (
     .q_o  (now)
   );
 
-  // The level of a line changes where three samples are the same, and other than it.
+  // The level of a line changes when three samples are equal and differ from it.
   assign changes = (lines_q.level ^ now) & ~(now ^ before1_q) & ~(now ^ before2_q);
 
-  // Once the lines have come to rest everything below holds its value: nothing moves then.
+  // Once the lines are at rest, everything below holds its value.
   always_ff @(posedge clk_i) begin
     before2_q <= before1_q;
     before1_q <= now;
@@ -66,15 +67,16 @@ module sp_encoder (
     follow_q  <= awake_q || stirred_q != '0;
   end
 
-  // The lines may stand anywhere at reset: the first levels are taken over without counting. Reset lasts longer than a clock,
-  // so that all is awake in it.
+  // The lines may have any level at reset: the first levels are taken over without counting. Reset
+  // lasts longer than one clock, so everything is awake in it.
   always_ff @(posedge clk_i) begin
     if (awake_q) begin
       lines_q.settled <= !rst_i && lines_q.start[3];
       lines_q.start   <= rst_i ? 4'd0 : {lines_q.start[2:0], 1'b1};
       lines_q.level   <= lines_q.settled ? lines_q.level ^ changes : now;
       lines_q.step    <= lines_q.settled && ^changes;
-      lines_q.down    <= lines_q.level[0] ^ changes[0] ^ lines_q.level[1] ^ 1'b1;  // {b, a} runs 00, 01, 11, 10 where A leads
+      // {b, a} runs 00, 01, 11, 10 where A leads
+      lines_q.down    <= lines_q.level[0] ^ changes[0] ^ lines_q.level[1] ^ 1'b1;
       lines_q.error   <= lines_q.settled && &changes;
     end
   end
@@ -84,7 +86,8 @@ module sp_encoder (
     else errors_q <= errors_q + 16'(lines_q.error);
   end
 
-  // --- Count, in three chains: the lowest a clock ahead of what is told, the others follow it ---
+  // --- The count, in three chains: the lowest runs one clock ahead of count_o, the others follow
+  // ---
   always_ff @(posedge clk_i) if (follow_q) begin
     if (rst_i) begin
       chain_q <= '0;
@@ -92,7 +95,8 @@ module sp_encoder (
       chain_q.moved   <= lines_q.step;
       chain_q.down    <= lines_q.down;
       chain_q.further <= lines_q.down ? zero_q : full_q;
-      {chain_q.hand_on, chain_q.low} <= {1'b0, chain_q.low} + {{8{lines_q.step && lines_q.down}}, lines_q.step};
+      {chain_q.hand_on, chain_q.low} <= {1'b0, chain_q.low} +
+                                        {{8{lines_q.step && lines_q.down}}, lines_q.step};
     end
   end
 
@@ -102,12 +106,14 @@ module sp_encoder (
     end else begin
       if (chain_q.moved) count_q[7:0] <= chain_q.low;
       if (chain_q.hand_on) count_q[19:8] <= count_q[19:8] + {{11{chain_q.down}}, 1'b1};
-      if (chain_q.hand_on && chain_q.further) count_q[31:20] <= count_q[31:20] + {{11{chain_q.down}}, 1'b1};
+      if (chain_q.hand_on && chain_q.further) count_q[31:20] <= count_q[31:20] +
+              {{11{chain_q.down}}, 1'b1};
     end
   end
 
   always_ff @(posedge clk_i) if (follow_q) begin
-    // A clock late: the lowest chain wraps again no sooner than three clocks later, when a line has gone back.
+    // One clock late: the lowest chain wraps again after three clocks at the earliest, when a line
+    // has gone back.
     zero_q <= count_q[19:8] == 12'h000;
     full_q <= count_q[19:8] == 12'hFFF;
   end

@@ -1,13 +1,16 @@
-// What the header of a packet says of its frame: sequence, time stamp, encoder count, pattern index, settings.
+// The frame's fields in the header of a packet: sequence, time stamp, encoder count, pattern index,
+// settings.
 //
-// info_o is a header in which the other fields are 0; the specification places the fields (sp_spec_pkg).
+// info_o is a header in which all other fields are 0. The specification places the fields
+// (sp_spec_pkg).
 //
-// A header of four beats is written at most seven clocks after the event that causes it, while the next frame may already
-// have begun. Each field is therefore taken so late that the header before it is out, and so early that its own is not
-// yet: a header caused by an event of clock e (sp_packetizer) reads its beat b in clock e + 3 + b, and the sequence, which it
-// keeps for the trailer, a clock before its beat. The event is one clock after the beat that causes it (a last row's first, a
-// line's last), or in the clock of the next frame's start where that breaks the frame; so what a frame that starts in clock c
-// has in beat b shows from clock c + 4 + b on:
+// A header of four beats is written at most seven clocks after the event that causes it, while the
+// next frame may already have begun. Each field is therefore taken so late that the header before
+// it is out, and so early that its own header has not read it yet. For an event in clock e,
+// sp_packetizer reads beat b of the header in clock e + 3 + b, and the sequence, which it keeps for
+// the trailer, one clock before its beat. The event is one clock after the beat that causes it (the
+// first of a last row, the last of a line), or the clock of the next frame start if that breaks the
+// frame. So the fields of a frame that starts in clock c show in beat b from clock c + 4 + b on:
 //
 //   clk_i           _/1\_/2\_/3\_/4\_/5\_/6\_/7\_/8\_/9\_
 //   frame_start_i   _/ A \___________________/ B \_______     (c = 1)
@@ -15,14 +18,15 @@
 //   pattern_i       _____________< A >___________________
 //   pattern_o       _________________< A                      c + 4, as header beat 0
 //   info_o, beat 0  _________________< A                      c + 4
-//   info_o, beat 1  _____________________< A                  c + 5; so do beats 2 and 3 a clock later each
+//   info_o, beat 1  _____________________< A                  c + 5; beats 2, 3 one clock later each
 //
-// The time stamp is nevertheless that of the frame's first beat at the video input (the counter runs ahead by the
-// delay), and so is the encoder count (sp_encoder is late by the same number of clocks). They are known too late for every beat: the
-// time stamp can stand in beat 1 or later, the encoder count in beat 2 or later, the sequence in beat 1 or later.
+// Time stamp and encoder count are nevertheless those of the frame's first beat at the video input:
+// the time counter runs ahead by the delay, and sp_encoder is late by the same number of clocks.
+// They are known too late for the first beats: sequence and time stamp can stand in beat 1 or
+// later, the encoder count in beat 2 or later.
 //
-// Formats: those of the header; columns and rows have the build's bits, those above are 0. Nothing overflows but by wrapping:
-// time and sequence after 2^64, frames_o after 2^32.
+// Columns and rows have the bits of the build; the bits above are 0. Nothing overflows except by
+// wrapping: time and sequence after 2^64, frames_o after 2^32.
 `default_nettype none
 
 module sp_frame_info #(
@@ -32,7 +36,7 @@ module sp_frame_info #(
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
 
-  // Starts of frames, and the settings in force, of sp_frame_tracker
+  // Frame starts and settings in force, of sp_frame_tracker
   input  wire logic                  frame_start_i,
   input  wire logic                  stray_before_i,
   input  wire logic                  take_i,
@@ -45,15 +49,17 @@ module sp_frame_info #(
   input  wire logic [31:0]           encoder_i,
   input  wire logic [15:0]           pattern_i,
 
-  output logic [63:0]                time_o,      // clocks since reset, less 6; from the second clock on
-  output logic [31:0]                frames_o,    // frames accepted
-  output logic                       captured_o,  // the pattern index is captured at the end of the next clock
-  output logic [15:0]                pattern_o,   // the frame's, from its fourth clock on
+  // clocks since reset, minus 6; from the second clock on
+  output logic [63:0]                time_o,
+  output logic [31:0]                frames_o,    // accepted frames
+  // the pattern index is captured after the next clock
+  output logic                       captured_o,
+  output logic [15:0]                pattern_o,   // of the frame, from its fourth clock on
   output logic [sp_spec_pkg::HeaderBits-1:0] info_o
 );
 
   localparam int BeatBits = sp_spec_pkg::PacketBeatBits;
-  // Beats in which the fields stand
+  // Beats of the fields
   localparam int StreamBeat = sp_spec_pkg::HeaderStreamLsb / BeatBits;
   localparam int PatternBeat = sp_spec_pkg::HeaderPatternLsb / BeatBits;
   localparam int ModeBeat = sp_spec_pkg::HeaderModeLsb / BeatBits;
@@ -66,14 +72,15 @@ module sp_frame_info #(
   localparam int LinesBeat = sp_spec_pkg::HeaderLinesLsb / BeatBits;
   localparam int FlagsBeat = sp_spec_pkg::HeaderFlagsLsb / BeatBits;
 
-  // Clocks from the edge that takes a frame's first beat at the video input to the edge that captures the time.
+  // Clocks from the edge that takes the first beat at the video input to the edge that captures the
+  // time
   localparam logic [63:0] CaptureDelay = 64'd6;
 
-  logic [6:1]  started_q;  // frame_start_i, so many clocks ago
-  logic [6:1]  taken_q;    // take_i
-  logic [6:1]  stray_q;    // stray_before_i
-  logic        awake_q;    // a frame started in the last six clocks; else nothing moves but the time
-  logic [63:0] accepted;   // frames
+  logic [6:1]  started_q;  // frame_start_i, one to six clocks ago
+  logic [6:1]  taken_q;    // take_i, one to six clocks ago
+  logic [6:1]  stray_q;    // stray_before_i, one to six clocks ago
+  logic        awake_q;    // a frame started in the last six clocks; else only the time moves
+  logic [63:0] accepted;   // accepted frames
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -92,7 +99,7 @@ module sp_frame_info #(
   // --- Counters ---
   sp_counter #(
     .Width     (64),
-    .ResetValue(64'd1 - CaptureDelay)  // it tells its count two clocks later, not one
+    .ResetValue(64'd1 - CaptureDelay)  // count_o follows two clocks later, not one
   ) u_time (
     .clk_i  (clk_i),
     .rst_i  (rst_i),
@@ -100,7 +107,8 @@ module sp_frame_info #(
     .count_o(time_o)
   );
 
-  // The first frame has sequence 0: the number of those before it, as it is told three clocks after the start.
+  // The first frame has sequence 0: the number of frames before it, as counted three clocks after
+  // the start.
   sp_counter #(
     .Width(64)
   ) u_frames (
@@ -113,7 +121,7 @@ module sp_frame_info #(
   assign frames_o   = accepted[31:0];
   assign captured_o = started_q[2];
 
-  // --- Fields that stand in one clock only ---
+  // --- Fields that are there for one clock only ---
   logic [15:0] pattern;
   logic [63:0] sequence_number, time_stamp;
   logic [31:0] encoder;
@@ -177,12 +185,12 @@ module sp_frame_info #(
     .value_o  (encoder)
   );
 
-  // --- Settings stand still for seven clocks and more: each is taken where its beat needs it ---
+  // --- Settings stand still for at least seven clocks: each is taken when its beat needs it ---
   logic [7:0]            stream_q, threshold_q;
   logic [1:0]            mode_q;
   logic [ColumnBits-1:0] columns_q;
   logic [RowBits-1:0]    rows_q, lines_q;
-  logic                  stray_before_q;  // of the frame, not of the settings
+  logic                  stray_before_q;  // belongs to the frame, not to the settings
 
   always_ff @(posedge clk_i) begin
     if (taken_q[3+StreamBeat]) stream_q <= stream_i;

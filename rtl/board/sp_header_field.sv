@@ -1,13 +1,15 @@
-// A field of the header of packets: taken in the clock in which it is known, handed on until the header before it is out.
+// One field of a packet header: taken in the clock in which it is known, and passed on until the
+// header before it is out.
 //
-// Guarantees: value_o is that of a frame from Shown clocks after the frame's start until Shown clocks after the next one's, however
-// close the two are. One register for each clock between Known and Shown.
+// Guarantees: value_o is that of a frame from Shown clocks after its start until Shown clocks after
+// the next start, however close the two are. There is one register for each clock between Known and
+// Shown.
 `default_nettype none
 
 module sp_header_field #(
   parameter int Width = 16,
-  parameter int Known = 3,  // clocks after the frame's start
-  parameter int Shown = 4   // likewise; more than Known
+  parameter int Known = 3,  // clocks after the frame start
+  parameter int Shown = 4   // clocks after the frame start; more than Known
 ) (
   input  wire logic                 clk_i,
 
@@ -18,17 +20,20 @@ module sp_header_field #(
 
 `ifndef SYNTHESIS
   initial if (Shown <= Known) begin
-    $fatal(1, "sp_header_field: known %0d clocks after the start, too late to show after %0d", Known, Shown);
+    $fatal(1, "sp_header_field: known %0d clocks after the start, too late to show after %0d",
+           Known, Shown);
   end
 `endif
 
-  logic [(Shown-Known)*Width-1:0] value_q;  // taken Known clocks after the start, Known + 1, ...; the earliest lowest
+  // taken after Known clocks, Known + 1, ...; the earliest lowest
+  logic [(Shown-Known)*Width-1:0] value_q;
 
   for (genvar k = Known; k < Shown; k++) begin : gen_stage
     if (k == Known) begin : gen_take
       always_ff @(posedge clk_i) if (started_i[k]) value_q[0+:Width] <= value_i;
     end else begin : gen_hand_on
-      always_ff @(posedge clk_i) if (started_i[k]) value_q[(k-Known)*Width+:Width] <= value_q[(k-Known-1)*Width+:Width];
+      always_ff @(posedge clk_i) if (started_i[k]) value_q[(k-Known)*Width+:Width] <=
+          value_q[(k-Known-1)*Width+:Width];
     end
   end
 

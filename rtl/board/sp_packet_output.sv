@@ -1,17 +1,17 @@
-// The way out of every kind of packet: sp_packetizer, and the sp_packet_fifo into the bus clock behind it.
+// The end of every packet path: sp_packetizer, and behind it the sp_packet_fifo into the bus clock.
 //
-// Guarantees: each request gives a packet or is counted in lost_o; packets come out whole. Latency and overflow rule are those of
-// the two modules, which this one only connects.
+// Guarantees: each request gives a packet or is counted in lost_o; packets come out whole. This
+// module only connects the two, which have the latency and the overflow rule.
 `default_nettype none
 
 module sp_packet_output #(
   parameter logic [7:0] Kind = sp_spec_pkg::KindMoments,
   parameter int         ColumnBits = 12,
   parameter int         RowBits = 10,
-  parameter int         PayloadBits = 11,  // of the number of payload beats
-  parameter int         LogDepth = 11      // of the FIFO, in beats of 16 bytes
+  parameter int         PayloadBits = 11,  // bits of the number of payload beats
+  parameter int         LogDepth = 11      // log2 of the depth of the FIFO, in beats of 16 bytes
 ) (
-  // Video clock domain: as sp_packetizer has them
+  // Video clock domain: the ports of sp_packetizer
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,
 

@@ -1,37 +1,45 @@
-// Builds packets: header, payload beats as they come, trailer with the check word; decides at the start of each whether its
-// FIFO has room for all of it. The specification says where in header and trailer the fields stand (sp_spec_pkg).
+// Builds packets: header, payload beats as they come, trailer with the check word. Before each
+// packet it decides whether its FIFO has room for all of it. The specification places the fields
+// (sp_spec_pkg).
 //
-// start_i asks for a packet with payload_beats_i beats of payload, a break without break_later_i for an empty one (a frame that
-// broke before its header left). Overflow: where the FIFO cannot take all of it, or the packet before is not finished, the packet
-// is dropped and counted; the count, which wraps, is in every later header. Each such request is thus delivered or counted.
-// Once begun a packet is always completed: where the payload ends early (payload_break_i) zeros fill it up. The trailer has
-// the status given with the request or, while the packet is under way, with a break and break_later_i.
+// start_i asks for a packet with payload_beats_i beats of payload. A break without break_later_i
+// asks for an empty packet, for a frame that broke before its header left. Overflow: if the FIFO
+// cannot take the whole packet, or the packet before is not finished, the packet is dropped and
+// counted; all later headers carry the count, which wraps. So each request is delivered or counted.
+// A packet that has begun is always completed: zeros fill a payload that ends early
+// (payload_break_i). The trailer has the status given with the request, or with a break and
+// break_later_i while the packet is under way.
 //
-// Latency: the decision two clocks after the request, the header's beats four to seven clocks after it, a payload beat one
-// clock after it came, the trailer's beat four clocks after the last payload beat came. A packet of two payload beats, requested in
-// clock 0, with a gap before the second:
+// Latency: the decision follows two clocks after the request, the beats of the header four to seven
+// clocks after it, a payload beat one clock after it came, the trailer four clocks after the last
+// payload beat came. A packet of two payload beats, with a gap before the second:
 //
 //   clock             0   1   2   3   4   5   6   7   8   9  10  11  12  13  14  15  16
 //   start_i          _/1\_______________________________________________________________
-//   fifo_free_i      -----< F >---------------------------------------------------------  counts here
-//   decision         _________/1\_______________________________________________________  take; spoiled_i counts here
-//   accept_o         -------------/1111111111111111111111111111111111111111111111111111111  to the next decision about a start
-//   info_i, beat     -------------<0 ><1 ><2 ><3 >---------------------------------------  the sequence a clock before its beat
-//   payload_valid_i  _____________________________/1\_____/2\___________________________  from clock 7 on
+//   fifo_free_i      -----< F >---------------------------------------------------------  (a)
+//   decision         _________/1\_______________________________________________________  (b)
+//   accept_o         -------------/1111111111111111111111111111111111111111111111111111111  (c)
+//   info_i, beat     -------------<0 ><1 ><2 ><3 >---------------------------------------  (d)
+//   payload_valid_i  _____________________________/1\_____/2\___________________________  (e)
 //   fifo_valid_o     _________________/H0\/H1\/H2\/H3\/1 \____/2 \________/T \____________
 //   state            -------------<H0><H1><H2><H3><Payload   ><Trailer   ><Settle    >---
 //   busy             _____________/111111111111111111111111111111111111111111111111111\___
 //
-// So the packetizer is busy until seven clocks after its last payload beat. The two requests never come in one clock, and a later
-// break before the next request (sp_frame_tracker sees to it).
+//   (a) counts in this clock   (b) take; spoiled_i counts in this clock
+//   (c) until the next decision about a start   (d) the sequence one clock before its beat
+//   (e) from clock 7 on
+//
+// The packetizer is busy until seven clocks after its last payload beat. The two requests never
+// come in one clock, and a later break comes before the next request; sp_frame_tracker sees to
+// both.
 `default_nettype none
 
 module sp_packetizer #(
   parameter logic [7:0] Kind = sp_spec_pkg::KindMoments,
   parameter int         ColumnBits = 12,
   parameter int         RowBits = 10,
-  parameter int         PayloadBits = 11,  // of the number of payload beats
-  parameter int         LogDepth = 11      // of the FIFO
+  parameter int         PayloadBits = 11,  // bits of the number of payload beats
+  parameter int         LogDepth = 11      // log2 of the depth of the FIFO
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,
@@ -39,9 +47,9 @@ module sp_packetizer #(
   // Requests
   input  wire logic                   start_i,
   input  wire logic [PayloadBits-1:0] payload_beats_i,
-  input  wire logic [RowBits-1:0]     line_i,          // with start_i, kind image: the line; else not used
+  input  wire logic [RowBits-1:0]     line_i,  // kinds codes and image: the line, with start_i
   input  wire logic                   spoiled_i,       // at the decision: count the packet as lost
-  input  wire logic                   break_i,         // the frame broke:
+  input  wire logic                   break_i,         // the frame broke
   input  wire logic                   break_later_i,   // with its start_i or after it
   input  wire logic [sp_spec_pkg::StatusBits-1:0] start_status_i,
   input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,  // with break_i
@@ -50,9 +58,10 @@ module sp_packetizer #(
   // Payload
   input  wire logic                   payload_valid_i,
   input  wire logic [127:0]           payload_data_i,
-  input  wire logic                   payload_break_i,  // no more will come, after payload_valid_i of the same clock
+  // after payload_valid_i of this clock, no more comes
+  input  wire logic                   payload_break_i,
 
-  // Fields of the header that tell of the frame: see sp_frame_info for when each beat of them is read
+  // The frame's fields of the header; sp_frame_info says when each beat of them is read
   input  wire logic [sp_spec_pkg::HeaderBits-1:0] info_i,
 
   // FIFO
@@ -65,7 +74,8 @@ module sp_packetizer #(
 );
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
-  localparam int Overhead = (sp_spec_pkg::HeaderBytes + sp_spec_pkg::TrailerBytes) / sp_spec_pkg::PacketBeatBytes;
+  localparam int Overhead =
+      (sp_spec_pkg::HeaderBytes + sp_spec_pkg::TrailerBytes) / sp_spec_pkg::PacketBeatBytes;
   localparam int CountBits = LogDepth + 1 > PayloadBits + 1 ? LogDepth + 1 : PayloadBits + 1;
   localparam bit PerLine = Kind != sp_spec_pkg::KindMoments;
 
@@ -81,7 +91,8 @@ module sp_packetizer #(
   localparam int LineBeat = sp_spec_pkg::HeaderFirstLineLsb / BeatBits;
   localparam int LineAt = sp_spec_pkg::HeaderFirstLineLsb % BeatBits;
 
-  // The bits that are taken from info_i: a packet of a line has its own number of lines, and the sequence is kept for the trailer.
+  // The bits taken from info_i. A packet of a line has its own number of lines, and the sequence is
+  // kept for the trailer.
   localparam logic [HeaderBits-1:0] FrameBits = sp_spec_pkg::frame_mask(ColumnBits, RowBits) &
     ~(~({HeaderBits{1'b1}} << 64) << sp_spec_pkg::HeaderSequenceLsb) &
     ~(~({HeaderBits{1'b1}} << (PerLine ? 16 : 0)) << sp_spec_pkg::HeaderLinesLsb);
@@ -95,46 +106,52 @@ module sp_packetizer #(
 
 `ifndef SYNTHESIS
   initial begin
-    if (sp_spec_pkg::HeaderBytes != 64 || sp_spec_pkg::TrailerBytes != 16) $fatal(1, "sp_packetizer: made for 4 beats and 1");
-    if (SequenceBeat < 1) $fatal(1, "sp_packetizer: the sequence is not known for the header's first beat");
-    if (LostBeat < 1 || LostBeat > 2) $fatal(1, "sp_packetizer: the count of lost packets is right in beats 1 and 2 only");
+    if (sp_spec_pkg::HeaderBytes != 64 || sp_spec_pkg::TrailerBytes != 16) $fatal(1,
+            "sp_packetizer: made for 4 beats and 1");
+    if (SequenceBeat < 1) $fatal(1,
+                                 "sp_packetizer: the sequence is not known for the header's first beat");
+    if (LostBeat < 1 || LostBeat > 2) $fatal(1,
+                                             "sp_packetizer: the count of lost packets is right in beats 1 and 2 only");
   end
 `endif
 
-  // --- Requests on their way to the decision, and what the block is about ---
+  // --- Requests on their way to the decision, and the state of the block ---
   localparam int StateBits = 12;
 
   typedef struct packed {
-    logic [11:0]          asked;     // {start, break first, break later}, one to four clocks ago, the latest lowest
-    logic                 awake;     // something was asked in the last five clocks, or a packet is under way
-    logic                 lost_now;  // counted late enough for the header of a packet decided on the clock before
+    logic [11:0]          asked;     // {start, break first, break later}, one to four clocks ago
+    logic                 awake;     // a request in the last five clocks, or a packet
+    logic                 lost_now;  // a loss, late enough for the header before it
     logic                 valid;     // a beat is at the FIFO
-    logic                 last;      // the packet's last
-    logic                 fold;      // what stands at the FIFO goes into the check word
-    logic                 numbered;  // the beat now made has the sequence: that of the header which has it, the trailer
-    logic                 busy;      // a packet is under way:
-    logic [StateBits-1:0] state;     // then one bit is set, see below
+    logic                 last;      // it is the last of the packet
+    logic                 fold;      // the beat at the FIFO goes into the check word
+    logic                 numbered;  // the beat being made has the sequence
+    logic                 busy;      // a packet is under way
+    logic [StateBits-1:0] state;     // then one bit of these is set, see below
   } control_t;
 
-  // of asked, two and three clocks ago
+  // Bits of asked, two and three clocks ago
   localparam int Start2 = 5, BreakFirst2 = 4, BreakLater2 = 3, BreakLater3 = 6;
 
   control_t               q;
   logic                   asked, awake;
-  logic [PayloadBits-1:0] payload1_q, payload2_q;  // payload beats asked for: a clock ago, two clocks ago
+  // payload beats asked for, one and two clocks ago
+  logic [PayloadBits-1:0] payload1_q, payload2_q;
   logic                   one2_q;                  // payload2_q is 1
-  logic [RowBits-1:0]     line1_q, line2_q;        // line_i beside them
+  logic [RowBits-1:0]     line1_q, line2_q;        // line_i, likewise
   logic [CountBits-1:0]   need1_q;                 // places of the FIFO that the packet needs
-  logic                   room, room2_q;           // it has them
+  logic                   room, room2_q;           // the FIFO has them
   logic [CountBits-1:0]   unused_room;
-  logic [StatusBits-1:0]  status1_q, status2_q;    // status beside them
-  logic [StatusBits-1:0]  status3_q;               // that of a later break, for the packet under way
+  logic [StatusBits-1:0]  status1_q, status2_q;    // status, likewise
+  logic [StatusBits-1:0]  status3_q;               // of a later break, for the packet under way
 
   assign asked = start_i || break_i;
-  // Asleep nothing below moves.
+  // Nothing below moves while the block sleeps.
   assign awake = asked || q.awake;
-  // Free places less those needed: the carry, as a bit of the sum it stays at the end of its chain. Not used in reset.
-  assign {room, unused_room} = {rst_i, CountBits'(fifo_free_i)} + {1'b0, ~need1_q} + (CountBits + 1)'(1);
+  // Free places minus those needed. The carry is taken as a bit of the sum, so that it stays at the
+  // end of its chain. Not used in reset.
+  assign {room, unused_room} = {rst_i, CountBits'(fifo_free_i)} + {1'b0, ~need1_q} +
+                               (CountBits + 1)'(1);
 
   always_ff @(posedge clk_i) begin
     if (asked) begin
@@ -158,23 +175,23 @@ module sp_packetizer #(
     if (q.asked[BreakLater2]) status3_q <= status2_q;
   end
 
-  // --- State: its bits, the lowest first ---
-  localparam int Header = 0;     // 4 bits: beat 0 .. 3 of the header
+  // --- State bits, the lowest first ---
+  localparam int Header = 0;     // 4 bits: beats 0 to 3 of the header
   localparam int Payload = 4;
-  localparam int Fill = 5;       // zeros to the payload's end
-  localparam int Trailer = 6;    // 3 bits: the check word is complete in the third clock
+  localparam int Fill = 5;       // zeros to the end of the payload
+  localparam int Trailer = 6;    // 3 bits: the check word is complete in the third
   localparam int Settle = 9;     // 3 bits: until fifo_free_i counts this packet
 
-  logic [PayloadBits-1:0] left_q;          // payload beats to come; in the header, all
+  logic [PayloadBits-1:0] left_q;          // payload beats to come; in the header, all of them
   logic                   one_left_q;      // left_q is 1
-  logic                   empty_q;         // no payload
-  logic [RowBits-1:0]     line_q;          // of a packet of a line, that line
+  logic                   empty_q;         // the packet has no payload
+  logic [RowBits-1:0]     line_q;          // kinds codes and image: the line
   logic [63:0]            sequence_q;      // kept from the header for the trailer
   logic [StatusBits-1:0]  status_q;        // for the trailer
-  logic [31:0]            check_q;         // check word of the beats up to the one at the FIFO
-  logic                   take, take_empty;  // a packet with payload, one without, is decided and begins
-  logic                   put_payload;       // the beat now made is of the payload
-  logic                   all_put;           // and its last
+  logic [31:0]            check_q;         // of the beats before the one at the FIFO
+  logic                   take, take_empty;  // a packet with, without payload begins
+  logic                   put_payload;       // the beat being made is payload
+  logic                   all_put;           // and the last of it
 
   assign take        = q.asked[Start2] && room2_q && !spoiled_i && !q.busy;
   assign take_empty  = q.asked[BreakFirst2] && room2_q && !q.busy;
@@ -196,9 +213,11 @@ module sp_packetizer #(
       q.state    <= {q.state[Settle+:2], q.state[Trailer+2],
                      q.state[Trailer+:2], q.state[Header+3] && empty_q || all_put,
                      (q.state[Fill] || q.state[Payload] && payload_break_i) && !all_put,
-                     q.state[Header+3] && !empty_q || q.state[Payload] && !payload_break_i && !all_put,
+                     q.state[Header+3] && !empty_q ||
+                         q.state[Payload] && !payload_break_i && !all_put,
                      q.state[Header+:3], take || take_empty};
-      q.numbered <= q.state[Header+SequenceBeat-1] || q.state[Header+3] && empty_q || all_put || q.state[Trailer+:2] != '0;
+      q.numbered <= q.state[Header+SequenceBeat-1] || q.state[Header+3] && empty_q || all_put ||
+                    q.state[Trailer+:2] != '0;
     end
   end
 
@@ -207,7 +226,7 @@ module sp_packetizer #(
     else if (q.asked[Start2]) accept_o <= take;
   end
 
-  // What stands here in the last clock before it is busy is that of the packet.
+  // The values in the last clock before busy are those of the packet.
   always_ff @(posedge clk_i) begin
     if (q.awake) begin
       if (!q.busy) begin
@@ -233,8 +252,8 @@ module sp_packetizer #(
     .count_o(lost_o)
   );
 
-  // --- The beat for the FIFO. Its four words have few sources each: what the header and the trailer have in common stands
-  // at the same place. ---
+  // --- The beat for the FIFO. Header and trailer have their common fields at the same place, so
+  // each of the four words has few sources. ---
   assign fifo_valid_o = q.valid;
   assign fifo_last_o  = q.last;
 
@@ -242,8 +261,10 @@ module sp_packetizer #(
     beat_if = {128{now}} & beat;
   endfunction
 
-  // Check word, one clock behind the beats. The trailer counts with its check field 0, before it is written.
-  function automatic logic [31:0] folded(input logic [31:0] w0, input logic [31:0] w1, input logic [31:0] w2,
+  // Check word, one clock behind the beats. The trailer counts before its check field is written,
+  // which is then 0.
+  function automatic logic [31:0] folded(input logic [31:0] w0, input logic [31:0] w1,
+                                         input logic [31:0] w2,
                                          input logic [31:0] w3);
     folded = w0 ^ {w1[23:0], w1[31:24]} ^ {w2[15:0], w2[31:16]} ^ {w3[7:0], w3[31:8]};
   endfunction
@@ -260,9 +281,10 @@ module sp_packetizer #(
     end
   end
 
-  // A beat of the header, but for its sequence
+  // A beat of the header without its sequence
   function automatic logic [127:0] header_beat(
-    input int beat, input logic [127:0] info, input logic [127:0] frame_bits, input logic [127:0] common
+    input int beat, input logic [127:0] info, input logic [127:0] frame_bits,
+        input logic [127:0] common
   );
     header_beat = info & frame_bits | common | beat_if(beat == LostBeat, 128'(lost_o) << LostAt) |
                   beat_if(beat == SizeBeat,
@@ -270,7 +292,7 @@ module sp_packetizer #(
                   beat_if(beat == LineBeat && PerLine, 128'(line_q) << LineAt);
   endfunction
 
-  logic [127:0] sequence_word;  // the sequence where the beat now made has it
+  logic [127:0] sequence_word;  // the sequence, where the beat being made has it
   if (SequenceAt == sp_spec_pkg::TrailerSequenceLsb) begin : gen_same_place
     assign sequence_word = 128'(sequence_q) << SequenceAt;
   end else begin : gen_two_places
@@ -284,7 +306,8 @@ module sp_packetizer #(
         sequence_q <= info_i[sp_spec_pkg::HeaderSequenceLsb+:64];
       end
       fifo_data_o <=
-        beat_if(q.state[Header], header_beat(0, info_i[0+:128], FrameBits[0+:128], Common[0+:128])) |
+        beat_if(q.state[Header],
+                header_beat(0, info_i[0+:128], FrameBits[0+:128], Common[0+:128])) |
         beat_if(q.state[Header+1],
                 header_beat(1, info_i[128+:128], FrameBits[128+:128], Common[128+:128])) |
         beat_if(q.state[Header+2],
@@ -299,7 +322,8 @@ module sp_packetizer #(
   end
 
 `ifdef FORMAL
-  // Reset once, at the beginning. Requests as sp_frame_tracker gives them; a payload has a beat at least.
+  // One reset at the beginning. Requests come as sp_frame_tracker gives them; a payload has at
+  // least one beat.
   logic f_ran_q = 1'b0;
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
   always_comb begin
@@ -307,7 +331,7 @@ module sp_packetizer #(
     assume (!(start_i && break_i && !break_later_i));
     if (start_i) assume (payload_beats_i != '0);
   end
-  // The FIFO: it never promises a place that is not there; places come free at any time.
+  // The FIFO never promises a place that is not there. Places become free at any time.
   (* anyseq *) logic [LogDepth:0] f_freed;
   logic [LogDepth:0] f_free_q;
   always_comb begin
@@ -319,9 +343,10 @@ module sp_packetizer #(
     else f_free_q <= f_free_q + f_freed - (LogDepth + 1)'(fifo_valid_o);
   end
 
-  // Rule 1: delivered + lost = requested, always (but for those on their way to the decision or to the counter).
+  // Rule 1: delivered + lost = requested, always, except for requests on their way to the decision
+  // or to the counter.
   logic [3:0] f_asked_q, f_taken_q;  // modulo 16
-  logic       f_counting_q;          // a loss is in the counter, and it does not tell it yet
+  logic       f_counting_q;          // a loss that the counter does not show yet
   always_ff @(posedge clk_i) begin
     if (rst_i) {f_asked_q, f_taken_q, f_counting_q} <= '0;
     else begin
@@ -331,18 +356,21 @@ module sp_packetizer #(
     end
   end
 
-  // Rule 2: whole packets only: header, payload as announced, trailer; fifo_last_o with the last beat and no other.
+  // Rule 2: only whole packets: header, payload as announced, trailer; fifo_last_o with the last
+  // beat and no other.
   // Rule 3: no beat without a place in the FIFO.
   localparam int FLeftBits = PayloadBits + 1 > 4 ? PayloadBits + 1 : 4;
-  logic [FLeftBits-1:0] f_left_q, f_after;  // beats of the packet that have not left; less that at the FIFO
+  logic [FLeftBits-1:0] f_left_q, f_after;  // beats still to leave; without the one at the FIFO
   always_ff @(posedge clk_i) begin
     if (rst_i) f_left_q <= '0;
-    else if (take || take_empty) f_left_q <= FLeftBits'(take ? payload2_q : PayloadBits'(0)) + FLeftBits'(Overhead);
+    else if (take || take_empty) f_left_q <= FLeftBits'(take ? payload2_q : PayloadBits'(0)) +
+                                             FLeftBits'(Overhead);
     else if (fifo_valid_o) f_left_q <= f_left_q - FLeftBits'(1);
   end
   assign f_after = f_left_q - FLeftBits'(fifo_valid_o);
   always_comb if (f_ran_q && !rst_i) begin
-    assert (f_asked_q == f_taken_q + lost_o[3:0] + 4'(q.asked[2]) + 4'(q.asked[Start2]) + 4'(q.asked[1]) +
+    assert (f_asked_q == f_taken_q + lost_o[3:0] + 4'(q.asked[2]) + 4'(q.asked[Start2]) +
+            4'(q.asked[1]) +
             4'(q.asked[BreakFirst2]) + 4'(q.lost_now) + 4'(f_counting_q));
     assert (!(q.asked[2] && q.asked[1]) && !(q.asked[Start2] && q.asked[BreakFirst2]));
     if (q.asked[1]) assert (payload1_q == '0);
@@ -360,7 +388,7 @@ module sp_packetizer #(
     // A loss on its way to the counter keeps the block awake.
     if (q.lost_now) assert (q.asked[8] || q.asked[7]);
     if (f_counting_q) assert (q.asked[11] || q.asked[10]);
-    // Asleep nothing is asked or under way.
+    // While the block sleeps nothing is asked or under way.
     if (!q.awake) assert (q.asked == '0 && !q.busy && q.lost_now == '0 && !fifo_valid_o);
     assert ($countones(q.state) == 32'(q.busy));
     assert (q.fold == (fifo_valid_o && !fifo_last_o || q.state[Trailer+1]));

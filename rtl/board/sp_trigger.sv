@@ -1,17 +1,24 @@
 // Trigger sequencer: pulses for projector and camera, and the index of the pattern shown.
 //
-// While run_i is high: every period_i clocks (at least 1) a projector pulse, camera_i clocks after it a camera pulse, each
-// width_i clocks long (0: none; a pulse that is not over when the next of its kind begins runs into it). The pattern index
-// advances with every projector pulse: 0 to last_pattern_i, and again. pattern_o, for the frames that come in, is the index at
-// the last camera pulse: a camera that misses a pulse does not shift the indices of the frames after it. A frame must
-// start before the next camera pulse after its own; camera_i is below period_i, else there is no camera pulse.
-// While run_i is low and on_frame_i is high there are no pulses, and every frame start advances pattern_o: the first frame
-// has index 0. With both low, and where run_i changes, pattern_o goes back to 0. Settings change while run_i is low;
-// last_pattern_i no later than with run_i or on_frame_i, and not while they are high. set_i is high in the clock before they
-// change. With nothing of this for six clocks nothing moves.
-// Latency: the first projector pulse begins four clocks after run_i; two clocks after run_i has fallen no pulse is left and
-// pattern_o is 0. Frames count from captured_i in the third clock after on_frame_i on. pattern_o stands with the first clock of
-// the camera pulse, and in the second clock after captured_i.
+// While run_i is high, a projector pulse comes every period_i clocks (at least 1), and a camera
+// pulse camera_i clocks after it. Both last width_i clocks (0: no pulses); a pulse that lasts until
+// the next one of its kind runs into it. If camera_i is not below period_i there is no camera
+// pulse. The pattern index counts from 0 to last_pattern_i and begins again. pattern_o is the index
+// at the last camera pulse, so a camera that misses a pulse does not shift the indices of later
+// frames. A frame must start before the next camera pulse after its own.
+//
+// While run_i is low and on_frame_i is high there are no pulses, and every frame start advances
+// pattern_o; the first frame has index 0. With both low, and whenever run_i changes, pattern_o
+// returns to 0.
+//
+// Settings change while run_i is low. last_pattern_i changes no later than run_i or on_frame_i
+// rises, and not while they are high. set_i is high one clock before settings change. After six
+// clocks without any of these nothing moves.
+//
+// Latency: the first projector pulse begins four clocks after run_i. Two clocks after run_i falls,
+// no pulse is left and pattern_o is 0. Frames count from the captured_i of the third clock after
+// on_frame_i on. pattern_o is there with the first clock of the camera pulse, and in the second
+// clock after captured_i.
 `default_nettype none
 
 module sp_trigger (
@@ -25,20 +32,20 @@ module sp_trigger (
   input  wire logic [23:0] period_i,
   input  wire logic [23:0] camera_i,
   input  wire logic [15:0] width_i,
-  input  wire logic        captured_i,  // a frame captures pattern_o at the end of the next clock
+  input  wire logic        captured_i,  // a frame captures pattern_o after the next clock
 
   output logic             projector_o,
   output logic             camera_o,
   output logic      [15:0] pattern_o
 );
 
-  // --- What is wanted ---
-  logic [1:0] run_q;     // for a clock, for two clocks
-  logic       stop_q;    // not so
-  logic [2:0] frames_q;  // without pulses, for one to three clocks
-  logic       rest_q;    // neither for two clocks, or no more: the index is 0
-  logic [4:0] stirred_q; // something was asked, one to five clocks ago
-  logic       awake_q;   // something is, or was up to six clocks ago
+  // --- Requests ---
+  logic [1:0] run_q;     // run_i for one clock, for two clocks
+  logic       stop_q;    // run_i is low
+  logic [2:0] frames_q;  // on_frame_i alone, for one to three clocks
+  logic       rest_q;    // the index is 0: neither is on for two clocks
+  logic [4:0] stirred_q;  // a request, one to five clocks ago
+  logic       awake_q;   // a request now or up to six clocks ago
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -55,14 +62,15 @@ module sp_trigger (
     awake_q   <= rst_i || set_i || run_i || on_frame_i || stirred_q != '0;
   end
 
-  // --- Of the settings, which stand still: known two clocks later, the upper bits a clock before ---
+  // --- Facts about the settings, which stand still. They are known two clocks later, the upper
+  // bits one clock before. ---
   logic [1:0] period_zero_q, camera_zero_q;    // in two parts, without the lowest two bits
   logic       width_zero_q;                    // without the lowest bit
-  logic [3:1] period_is_q;                     // so much
+  logic [3:1] period_is_q;                     // the value is 1, 2, 3
   logic [3:0] camera_is_q;
-  logic       some_q, one_q;                   // of the width: not 0, 1
+  logic       some_q, one_q;                   // the width is not 0, is 1
   logic       one_pattern_q;
-  logic [7:0] before_last_q;                   // the index before the last, if there is one
+  logic [7:0] before_last_q;                   // index before the last one, if there is one
 
   always_ff @(posedge clk_i) if (awake_q) begin
     if (!run_q[1]) begin
@@ -78,13 +86,14 @@ module sp_trigger (
     before_last_q <= one_pattern_q ? 8'd0 : last_pattern_i - 8'd1;
   end
 
-  // --- Period: its clocks are counted in two chains, three ahead; where a setting is reached is known a clock later in
-  // pieces, and another clock later of all. What a period below 4 would have needed earlier comes by itself. ---
+  // --- Period. Two chains count its clocks, three ahead. Whether a setting is reached is known one
+  // clock later in pieces, and two clocks later as a whole. Periods below 4, which would need it
+  // earlier, are known from the facts above. ---
   localparam int Piece = 6, Pieces = 4;
 
   logic              begins_q;  // a period begins
-  logic              started_q; // one did a clock ago
-  logic              due_q;     // one begins with the next clock
+  logic              started_q;  // a period began one clock ago
+  logic              due_q;     // a period begins with the next clock
   logic              due_soon_q;
   logic [11:0]       low_q, high_q;
   logic              low_full_q;
@@ -97,12 +106,13 @@ module sp_trigger (
       due_q      <= 1'b1;
       due_soon_q <= 1'b0;
     end else begin
-      due_q      <= period_is_q[1] || (begins_q ? period_is_q[2] : due_soon_q || period_equal_q == '1);
+      due_q      <= period_is_q[1] ||
+                    (begins_q ? period_is_q[2] : due_soon_q || period_equal_q == '1);
       due_soon_q <= begins_q && period_is_q[3];
     end
   end
 
-  // What belongs to a period is dropped where the next begins.
+  // Whatever belongs to a period is dropped when the next one begins.
   always_ff @(posedge clk_i) if (awake_q) begin
     if (stop_q || begins_q) begin
       period_equal_q <= '0;
@@ -128,10 +138,10 @@ module sp_trigger (
     end
   end
 
-  // --- Camera pulse: a clock after camera_i clocks of the period, as the projector's; it comes with the next clock, with
-  // the second and the third ---
+  // --- Camera pulse: one clock after camera_i clocks of the period, as the projector pulse. It
+  // comes with the next clock, the second, or the third. ---
   logic camera_due_q, camera_due2_q, camera_due3_q, camera_reached_q;
-  logic step_q;  // the camera pulse begins with the next clock, or frames are to be counted: the index advances
+  logic step_q;  // the index advances with the next clock: a camera pulse, or frames count
 
   always_ff @(posedge clk_i) if (awake_q) begin
     step_q <= run_q[0] && (begins_q ? camera_is_q[0] : camera_due_q) ||
@@ -156,8 +166,8 @@ module sp_trigger (
 
   // --- Pattern index ---
   logic [7:0] pattern_q;
-  logic [7:0] next_q;  // the one after it
-  logic       wraps_q; // that is the last
+  logic [7:0] next_q;  // the index after it
+  logic       wraps_q;  // pattern_q is the last index
   logic       captured_q;  // a frame that counts captures the index
 
   assign pattern_o = {8'd0, pattern_q};

@@ -1,10 +1,10 @@
 // Dual-clock FIFO: Gray-coded pointers through two-flop synchronizers, block RAM, output register.
 //
-// Guarantees: 2^LogDepth words plus the one in the output register; one word in and one out a clock; order kept, for any
-// two clocks. wr_free_o, a register, counts the free places; it never promises one that is not there (places freed by the
-// reader show four to five write clocks later, those taken by the writer at once). The writer looks first: there is no write
-// with wr_free_o = 0.
-// Reset: both sides together, each in its clock.
+// Guarantees: it holds 2^LogDepth words plus the one in the output register, takes and gives one
+// word per clock, and keeps the order, for any two clocks. wr_free_o is a register that counts the
+// free places and never promises one that is not there: places taken by the writer count at once,
+// places freed by the reader count four to five write clocks later. The writer looks first and
+// never writes while wr_free_o is 0. Reset: both sides together, each in its clock.
 `default_nettype none
 
 module sp_async_fifo #(
@@ -28,16 +28,16 @@ module sp_async_fifo #(
     gray_of = binary ^ (binary >> 1);
   endfunction
 
-  // write side
+  // Write side
   logic [LogDepth:0] wr_ptr_q;
-  logic [LogDepth:0] wr_next_q;  // wr_ptr_q + 1, so that no carry chain stands before the Gray code
+  logic [LogDepth:0] wr_next_q;  // wr_ptr_q + 1: no carry chain before the Gray code
   logic [LogDepth:0] wr_gray_q;
   logic [LogDepth:0] rd_gray_seen;
   logic [LogDepth:0] rd_part_seen, rd_part_q;
   logic [LogDepth:0] rd_bin;
   logic              write;
 
-  // read side
+  // Read side
   logic [LogDepth:0] rd_ptr_q;
   logic [LogDepth:0] rd_gray_q;
   logic [LogDepth:0] wr_gray_seen;
@@ -71,11 +71,13 @@ module sp_async_fifo #(
 `endif
   );
 
-  // Gray to binary: bit i is the exclusive or of all bits from i on, for up to 16 bits: of four, and a clock later of all
-  assign rd_part_seen = rd_gray_seen ^ (rd_gray_seen >> 1) ^ (rd_gray_seen >> 2) ^ (rd_gray_seen >> 3);
+  // Gray to binary: bit i is the exclusive or of all bits from i on, for up to 16 bits; first of
+  // four bits, one clock later of all.
+  assign rd_part_seen = rd_gray_seen ^ (rd_gray_seen >> 1) ^ (rd_gray_seen >> 2) ^
+                        (rd_gray_seen >> 3);
   assign rd_bin       = rd_part_q ^ (rd_part_q >> 4) ^ (rd_part_q >> 8) ^ (rd_part_q >> 12);
 
-  // depth + read - written, and less what is being written: as a borrow of the difference
+  // depth + read - written, and 1 less for the word being written, as a borrow of the difference
   logic [LogDepth:0] free;
   logic              unused_free;
   assign {free, unused_free} = {rd_bin ^ {1'b1, {LogDepth{1'b0}}}, 1'b0} - {wr_ptr_q, write};
@@ -121,7 +123,8 @@ module sp_async_fifo #(
 `endif
   );
 
-  // A word is read at the earliest two read clocks after its write, and overwritten only after its place was freed.
+  // A word is read at least two read clocks after its write, and overwritten only after its place
+  // was freed.
   sp_ram #(
     .Width   (Width),
     .LogDepth(LogDepth)
@@ -158,14 +161,14 @@ module sp_async_fifo #(
     .b_two_o (f_rd_two),
     .run_o   (f_run)
   );
-  // Inputs change with their clock only; the writer looks first.
+  // Inputs change only with their clock. The writer looks first.
   always_comb if (wr_valid_i) assume (!wr_rst_i && wr_free_o != '0);
   always_ff @(posedge f_moment) if (f_run) begin
     if (!f_wr_rise) assume ($stable(wr_valid_i) && $stable(wr_data_i));
     if (!f_rd_rise) assume ($stable(rd_ready_i));
   end
 
-  // Pointers on their way, as binary numbers.
+  // Pointers on their way, as binary numbers
   logic [LogDepth:0] f_rd_before, f_rd_meta, f_wr_before, f_wr_meta;
   function automatic logic [LogDepth:0] f_binary(input logic [LogDepth:0] gray);
     f_binary = gray;
@@ -182,7 +185,8 @@ module sp_async_fifo #(
     else if (fetch) f_at_output_q <= rd_ptr_q == f_mark;
   end
 
-  logic [LogDepth:0] f_step1a, f_step1b, f_step1, f_step2, f_step3, f_step4, f_step5, f_step6, f_step7, f_held, f_before_mark;
+  logic [LogDepth:0] f_step1a, f_step1b, f_step1, f_step2, f_step3, f_step4, f_step5, f_step6,
+      f_step7, f_held, f_before_mark;
   assign f_step1a = rd_bin - (wr_ptr_q + wr_free_o - (LogDepth + 1)'(1 << LogDepth));
   assign f_step1b = f_binary(rd_gray_seen) - rd_bin;
   assign f_step1 = f_binary(f_rd_meta) - f_binary(rd_gray_seen);
@@ -196,8 +200,9 @@ module sp_async_fifo #(
   assign f_before_mark = f_mark - rd_ptr_q;
 
   always_comb if (f_run) begin
-    // Rule 1: what either side knows of the other's pointer is behind it, in order: read as the writer sees it, read,
-    // written as the reader sees it, written – and all of it within the depth.
+    // Rule 1: what one side knows of the other's pointer lies behind it. In order: read as the
+    // writer sees it, read, written as the reader sees it, written. All of these lie within the
+    // depth.
     assert (wr_gray_q == (wr_ptr_q ^ (wr_ptr_q >> 1)));
     assert (wr_next_q == wr_ptr_q + (LogDepth + 1)'(1));
     assert (rd_gray_q == (rd_ptr_q ^ (rd_ptr_q >> 1)));
@@ -209,7 +214,7 @@ module sp_async_fifo #(
     assert (f_step7 <= (LogDepth + 1)'(1));
     // Rule 2: a place that is promised is there.
     assert ((LogDepth + 2)'(wr_free_o) + (LogDepth + 2)'(f_held) <= (LogDepth + 2)'(1 << LogDepth));
-    // Rule 3: the memory holds what was written, and the output shows it, in order.
+    // Rule 3: the memory holds what was written, and the output shows it in order.
     if (f_before_mark < f_held) assert (f_there == f_word_q);
     if (rd_valid_o && f_at_output_q) assert (rd_data_o == f_word_q);
     if (f_at_output_q) assert (rd_ptr_q == f_mark + (LogDepth + 1)'(1));
@@ -217,17 +222,19 @@ module sp_async_fifo #(
     if (fetch && write) assert (wr_ptr_q[LogDepth-1:0] != rd_ptr_q[LogDepth-1:0]);
   end
 
-  // Reset leaves nothing behind: one rise clears a side's pointers, two what has come to it of the other's.
+  // Reset leaves nothing behind: one clock edge clears the pointers of a side, two clear what has
+  // come from the other side.
   always_comb if (!f_run) begin
     if (f_wr_one) assert (wr_ptr_q == '0 && wr_gray_q == '0 && f_rd_meta == '0 && rd_part_q == '0);
     if (f_wr_one) assert (wr_next_q == (LogDepth + 1)'(1));
     if (f_wr_one) assert (wr_free_o == (LogDepth + 1)'(1 << LogDepth));
-    if (f_rd_one) assert (rd_ptr_q == '0 && rd_gray_q == '0 && f_wr_meta == '0 && !rd_valid_o && !f_at_output_q);
+    if (f_rd_one) assert (rd_ptr_q == '0 && rd_gray_q == '0 && f_wr_meta == '0 && !rd_valid_o &&
+                          !f_at_output_q);
     if (f_wr_two) assert (rd_gray_seen == '0 && f_wr_before == '0);
     if (f_rd_two) assert (wr_gray_seen == '0 && f_rd_before == '0);
   end
 
-  // Rule 5: what waits at the output does not change.
+  // Rule 5: a word that waits at the output does not change.
   always_ff @(posedge f_moment) if (f_run) begin
     if ($past(f_run && rd_valid_o && !rd_ready_i)) assert (rd_valid_o && $stable(rd_data_o));
   end

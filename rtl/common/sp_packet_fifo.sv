@@ -1,16 +1,16 @@
 // Dual-clock packet FIFO: a packet shows at the output only once its last word is in.
 //
-// Guarantees: packets come out whole and without waiting for the writer in between (a word may come a few read clocks
-// after the one before it, never later), in order, for any two clocks. wr_free_o counts the free places and never promises
-// one that is not there. Reset: both sides together.
-// The writer begins a packet only where all of it has room, and each packet has PacketWords words or
-// more.
+// Guarantees: packets come out whole and in order, for any two clocks. Within a packet the output
+// never waits for the writer; a word may come a few read clocks after the one before it. wr_free_o
+// counts the free places and never promises one that is not there. The writer begins a packet only
+// if all of it has room, and gives each packet at least PacketWords words. Reset: both sides
+// together.
 `default_nettype none
 
 module sp_packet_fifo #(
   parameter int Width = 128,
   parameter int LogDepth = 9,
-  parameter int PacketWords = 1  // the least of a packet
+  parameter int PacketWords = 1  // least number of words of a packet
 ) (
   input  wire logic              wr_clk_i,
   input  wire logic              wr_rst_i,
@@ -27,12 +27,12 @@ module sp_packet_fifo #(
   output logic      [Width-1:0]  rd_data_o
 );
 
-  // Packets are counted modulo more than there can be in the FIFO: whole packets, and one of which
-  // only the last word is left.
+  // Packets are counted modulo more than the FIFO can hold: whole packets, and one with only its
+  // last word left.
   localparam int CountBits = $clog2((1 << LogDepth) / PacketWords + 2);
 
-  // Packets written, Gray coded: it moves one step a packet, so it may cross as it is.
-  logic [CountBits-1:0] written_next_q;  // one more: no carry chain stands before the Gray code
+  // Packets written, Gray-coded: one step per packet, so the count may cross as it is.
+  logic [CountBits-1:0] written_next_q;  // one more: no carry chain before the Gray code
   logic [CountBits-1:0] written_gray_q;
   logic [CountBits-1:0] written_gray_seen;
   logic [CountBits-1:0] read_q;
@@ -104,9 +104,9 @@ module sp_packet_fifo #(
     .b_two_o (f_rd_two),
     .run_o   (f_run)
   );
-  // Inputs change with their clock only; the writer looks for a place first, and its packets have
+  // Inputs change only with their clock. The writer looks for a place first, and its packets have
   // PacketWords words or more.
-  logic [4:0] f_words_q;  // of the packet being written, so far
+  logic [4:0] f_words_q;  // words of the packet being written, so far
   always_ff @(posedge wr_clk_i) begin
     if (wr_rst_i) f_words_q <= '0;
     else if (wr_valid_i) f_words_q <= wr_last_i ? 5'd0 : f_words_q + 5'd1;
@@ -118,8 +118,9 @@ module sp_packet_fifo #(
     if (!f_rd_rise) assume ($stable(rd_ready_i));
   end
 
-  // Rule 1: a packet shows at the output only once its last word is in, and then to its end without a wait for the writer:
-  // whole packets written are more than packets read, from the first word at the output to the last.
+  // Rule 1: a packet shows at the output only once its last word is in, and then goes on to its end
+  // without waiting for the writer. From its first word to its last, more packets are written than
+  // read.
   logic [4:0] f_in_q, f_out_q, f_whole;  // modulo 32: more than fit
   logic       f_inside_q;
   assign f_whole = f_in_q - f_out_q;
@@ -140,9 +141,10 @@ module sp_packet_fifo #(
     assert (f_whole <= 5'((1 << LogDepth) / PacketWords + 1));
   end
 
-  // Rule 2: what waits at the output does not change (AXI4-Stream).
+  // Rule 2: a word that waits at the output does not change (AXI4-Stream).
   always_ff @(posedge f_moment) if (f_run) begin
-    if ($past(f_run && rd_valid_o && !rd_ready_i)) assert (rd_valid_o && $stable(rd_data_o) && $stable(rd_last_o));
+    if ($past(f_run && rd_valid_o && !rd_ready_i)) assert (rd_valid_o && $stable(rd_data_o) &&
+                                                           $stable(rd_last_o));
     cover (rd_valid_o && f_inside_q && rd_last_o);
   end
 `endif
