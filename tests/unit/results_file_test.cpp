@@ -1,0 +1,62 @@
+#include "host/io/results_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "tests/cli/program.h"
+
+namespace selfproj::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class ResultsFile : public ::testing::Test {
+ protected:
+  ~ResultsFile() override { unsetenv(kResultsFolder); }
+
+  static void name_folder(const std::string& folder) { setenv(kResultsFolder, folder.c_str(), 1); }
+
+  ScratchFolder folder_;
+};
+
+// The same keys in the same order as scripts/results.py writes them (tests/house/results_test.py).
+TEST_F(ResultsFile, HasTheEnvelope) {
+  name_folder(folder_ / "results");
+  write_results("speed", "How fast it is", {{"per_s", 38834.2}, {"steps", {0.1234567891, 3}}});
+  const Json file = Json::parse(read_text(folder_ / "results/speed.json"));
+  std::vector<std::string> keys;
+  for (const auto& entry : file.items()) {
+    keys.push_back(entry.key());
+  }
+  EXPECT_EQ(keys, (std::vector<std::string>{"about", "command", "date", "commit", "machine", "results"}));
+  EXPECT_EQ(file["about"], "How fast it is");
+  EXPECT_EQ(file["command"].get<std::string>().find("/tmp"), std::string::npos);
+  EXPECT_NE(file["command"].get<std::string>().find("unit_results"), std::string::npos);
+  EXPECT_EQ(file["date"].get<std::string>().size(), std::string("2026-01-02").size());
+  EXPECT_GE(file["machine"]["cores"], 1);
+  EXPECT_GT(file["machine"]["memory_gib"], 0);
+  EXPECT_TRUE(file["machine"].contains("cpu") && file["machine"].contains("load"));
+  EXPECT_EQ(file["results"], (Json{{"per_s", 38834.2}, {"steps", {0.123457, 3}}}));
+}
+
+TEST_F(ResultsFile, IsNotWrittenUnlessAFolderIsNamed) {
+  unsetenv(kResultsFolder);
+  write_results("speed", "", {{"per_s", 1}});
+  name_folder("");
+  write_results("speed", "", {{"per_s", 1}});
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{});
+}
+
+TEST_F(ResultsFile, ThatCannotBeWrittenIsAnError) {
+  write_text(folder_ / "file", "");
+  name_folder(folder_ / "file");
+  EXPECT_THROW(write_results("speed", "", {{"per_s", 1}}), UserError);
+}
+
+}  // namespace
+}  // namespace selfproj::test
