@@ -49,6 +49,11 @@ class CheckSizes(unittest.TestCase):
     def test_python(self):
         self.expect(["f has 81 lines, 80 at most"], "a.py", "def f():\n" + "    pass\n" * 80)
 
+    def test_the_front_page(self):
+        self.expect([], "README.md", "ab\n" * 2048)
+        self.expect(["6145 bytes, 6144 at most"], "README.md", "ab\n" * 2048 + "\n")
+        self.expect([], "host/README.md", "ab\n" * 3000)
+
     def test_lines(self):
         self.expect([], "a.cpp", "/" * 118 + " a\n")
         self.expect(["121 characters, 120 at most"], "a.cpp", "/" * 119 + " a\n")
