@@ -32,11 +32,11 @@ chain() {
   local folder=$out/$rig
   mkdir "$folder"
   "$host" pattern gray --rig "$rig" --out "$folder/patterns"
-  "$sim" capture --rig "$rig" --patterns "$folder/patterns" --board "$board" --square "$square" --poses 8 \
+  "$sim" capture --rig "$rig" --patterns "$folder/patterns" --chessboard "$board" --square "$square" --poses 8 \
     --tilt "$tilt" --out "$folder/captures"
   for way in homography direct; do
     echo "rig $rig, $way:"
-    "$host" calibrate --board "$board" --square "$square" --projector "$projector" --rig "$rig" --corners "$way" "$@" \
+    "$host" calibrate --chessboard "$board" --square "$square" --projector "$projector" --rig "$rig" --corners "$way" "$@" \
       --out "$folder/$way" "$folder"/captures/pose_*
   done
   echo "truth of rig $rig:"

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "host/io/command_line.h"
 #include "host/io/output_folder.h"
 #include "host/io/user_error.h"
 #include "host/rig/rig.h"
@@ -115,20 +116,42 @@ void run_accuracy(const AccuracyOptions& options) {
 }  // namespace
 
 void add_accuracy_command(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("accuracy", "Quantization error and range of structured light, beside the published figures");
+  CLI::App* command = add_command(
+      app,
+      {.name = "accuracy",
+       .purpose = "Prints quantization error and depth range of a scanner, beside the published figures.",
+       .details = "The error is what half a pixel of projector and camera means in z. Numbers in parentheses are those "
+                  "of the equations in the thesis.",
+       .examples = R"(
+# Error and range of the built-in scanner.
+selfproj accuracy
+
+# The same with 8 codes below the reference, and a map of the error.
+selfproj accuracy --e 8 --out accuracy
+)"});
   const auto options = std::make_shared<AccuracyOptions>();
-  command->add_option("--rig", options->rig, "Built-in rig or YAML file, of kind scanner")->capture_default_str();
-  command->add_option("--bits", options->bits, "m")->check(CLI::Range(1, Stripes::kMaxBits))->capture_default_str();
-  command->add_option("--rows-per-code", options->width, "a, width of a code in camera rows")
-      ->check(CLI::Range(1, Stripes::kMaxWidth))
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind scanner.")
+      ->type_name("RIG")
       ->capture_default_str();
-  command->add_option("--e", options->e, "Codes below the reference, 0..2^m - 1")->capture_default_str();
-  command->add_option("--line-width", options->line_width, "a' of the printed window, projector lines a code")
-      ->check(CLI::Range(0.1, 100.0))
+  command->add_option("--bits", options->bits, "Bits of the code, m.")
+      ->transform(whole_number(1, Stripes::kMaxBits))
+      ->type_name("M")
+      ->capture_default_str();
+  command->add_option("--rows-per-code", options->width, "Width of a code in camera rows, a.")
+      ->transform(whole_number(1, Stripes::kMaxWidth))
+      ->type_name("A")
+      ->capture_default_str();
+  command->add_option("--e", options->e, "Codes that are searched below the reference, less than 2^m.")
+      ->transform(whole_number(0, (1 << Stripes::kMaxBits) - 1))
+      ->type_name("E")
+      ->capture_default_str();
+  command->add_option("--line-width", options->line_width, "Projector lines of a code in the printed window, a'.")
+      ->transform(real_number(0.1, 100))
+      ->type_name("LINES")
       ->capture_default_str();
   command
-      ->add_option("--out", options->out, "Folder for error_map.csv: 16 x 16 points over the central 320 x 320 pixels")
+      ->add_option("--out", options->out,
+                   "Folder for error_map.csv: the error at 16 x 16 points of the central 320 x 320 pixels.")
       ->type_name("DIR");
   command->callback([options] { run_accuracy(*options); });
 }

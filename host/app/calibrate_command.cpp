@@ -15,6 +15,7 @@
 #include "host/calibration/calibrate.h"
 #include "host/calibration/calibration_output.h"
 #include "host/calibration/capture.h"
+#include "host/io/command_line.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
@@ -60,14 +61,14 @@ std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report)
 
 void run_calibrate(CalibrateOptions options) {
   constexpr int kMostCorners = 200;
-  const FrameSize corners = size_of_text("--board", options.chessboard, kMostCorners);
+  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
   if (corners.columns < 3 || corners.rows < 3) {
-    throw UserError("--board",
+    throw UserError("--chessboard",
                     fmt::format("is {}; at least 3 inner corners are needed along both sides", options.chessboard));
   }
   const FrameSize projector = size_of_text("--projector", options.projector, 1 << GrayDecoder::kMaxBits);
   if (std::set<std::string>(options.poses.begin(), options.poses.end()).size() != options.poses.size()) {
-    throw UserError("POSE", "a folder is there twice");
+    throw UserError("POSE", "a folder is given twice");
   }
   CalibrateSettings& settings = options.calibrate;
   settings.chessboard.columns = corners.columns;
@@ -111,81 +112,103 @@ void run_calibrate(CalibrateOptions options) {
 }  // namespace
 
 void add_calibrate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "calibrate", "Calibrate camera and projector from captures of a chessboard under the patterns of `pattern gray`");
+  CLI::App* command = add_command(
+      app,
+      {.name = "calibrate",
+       .purpose = "Calibrates camera and projector from captures of a chessboard under Gray-code patterns.",
+       .details = "Project the patterns of `selfproj pattern gray` on a flat chessboard and capture one image of each. "
+                  "Repeat that for several poses of the chessboard, each in a folder of its own. Two poses are "
+                  "needed; use 5 or more that lean in different directions.\n\n"
+                  "The output folder gets\n"
+                  "- calibration.yaml: camera, projector and the pose between them, as OpenCV YAML\n"
+                  "- rig.yaml: the same as a rig, unless no rig can say it\n"
+                  "- report.json, corners.csv, coverage.png, residuals.png: how good it is, and what was left out",
+       .examples = R"(
+# Capture a simulated chessboard in 4 poses, and calibrate from the captures.
+selfproj pattern gray --projector 1024x768 --out patterns
+selfproj-sim capture --rig scanner --patterns patterns --chessboard 9x7 --square 21 --poses 4 \
+  --out captures
+selfproj calibrate --chessboard 9x7 --square 21 --projector 1024x768 --out calibration captures/pose_*
+)"});
   const auto options = std::make_shared<CalibrateOptions>();
   CalibrateSettings& settings = options->calibrate;
-  command->add_option("--board", options->chessboard, "Inner corners of the board, along both sides")
+  begin_group(*command, "Chessboard and projector");
+  command->add_option("--chessboard", options->chessboard, "Inner corners along the two sides of the chessboard.")
       ->type_name("NxM")
       ->required();
-  command->add_option("--square", settings.chessboard.square_mm, "Side of a square")
-      ->check(CLI::PositiveNumber)
+  command->add_option("--square", settings.chessboard.square_mm, "Side of a square in mm.")
+      ->transform(number_above_zero())
       ->type_name("MM")
       ->required();
-  command->add_option("--projector", options->projector, "Columns and rows of the projector")
+  command->add_option("--projector", options->projector, "Columns and rows of the projector in pixels.")
       ->type_name("WxH")
       ->required();
   command
-      ->add_option("--corners", options->corners,
-                   "How a corner is found in the projector: by a local homography, or by a direct polynomial fit")
-      ->check(CLI::IsMember({"homography", "direct"}))
+      ->add_option("--rig", options->rig,
+                   "Rig whose pixel pitches, rates, conveyor and measuring are copied to rig.yaml.")
+      ->type_name("RIG")
       ->capture_default_str();
+  begin_group(*command, "Decoding");
   command
-      ->add_option("--window", settings.corners.window_px,
-                   "Half the side of the window around a corner (default: 0.7 of the corners' spacing)")
-      ->check(CLI::Range(2.0, 1000.0))
-      ->type_name("PX");
-  command
-      ->add_option("--max-sd", settings.corners.max_sd_px,
-                   "Corners of a greater standard deviation in the projector are left out")
-      ->check(CLI::PositiveNumber)
-      ->type_name("PX")
-      ->capture_default_str();
-  command->add_option("--min-corners", settings.min_corners, "Poses of fewer usable corners are left out")
-      ->check(CLI::Range(6, 40000))
-      ->type_name("N")
-      ->capture_default_str();
-  command
-      ->add_option("--reject", settings.reject,
-                   "Corners whose residual is more than so many standard deviations are left out; 0: none")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->type_name("K")
-      ->capture_default_str();
-  const CLI::IsMember distortions({0, 1, 2, 4, 5});
-  command
-      ->add_option("--camera-distortion", settings.free.camera,
-                   "How many of k1, k2, p1, p2, k3 are estimated, the others being 0")
-      ->check(distortions)
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--projector-distortion", settings.free.projector, "Likewise of the projector")
-      ->check(distortions)
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--threshold", options->decode.threshold, "Differences of a pair up to this are ambiguous")
-      ->check(CLI::Range(0, 255))
+      ->add_option("--threshold", options->decode.threshold,
+                   "A pair of images that differs by at most this many grey levels is ambiguous.")
+      ->transform(whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
   command
       ->add_option("--contrast", options->decode.contrast,
-                   "Pixels where the white image is not more than this above the black one have no code")
-      ->check(CLI::Range(0, 255))
+                   "A pixel has a code where white is brighter than black by more than this many grey levels.")
+      ->transform(whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
-  command->add_option("--channel", options->channel, "What to take of colour images")
-      ->check(CLI::IsMember(channel_names()));
+  add_channel_option(*command, options->channel);
+  begin_group(*command, "Corners");
   command
-      ->add_option("--rig", options->rig,
-                   "Rig of which rig.yaml keeps what calibration does not tell: pitches, rates, conveyor, measuring")
-      ->type_name("RIG")
+      ->add_option("--corners", options->corners,
+                   "How the projector position of a corner follows from the codes around it: by a local homography, or "
+                   "by a polynomial fitted directly.")
+      ->check(one_of({"homography", "direct"}))
+      ->type_name("METHOD")
       ->capture_default_str();
-  command->add_option("--out", options->out, "Folder for the results, written whole or not at all")
-      ->type_name("DIR")
-      ->required();
   command
-      ->add_option("POSE", options->poses,
-                   "Folders of images, one a pose, each the whole sequence in the order of its names")
-      ->type_name("DIR")
+      ->add_option("--window", settings.corners.window_px,
+                   "Half the side of the window around a corner, in camera pixels.")
+      ->transform(real_number(2, 1000))
+      ->type_name("PX")
+      ->default_str("0.7 of the distance between corners");
+  command
+      ->add_option("--max-sd", settings.corners.max_sd_px,
+                   "Leave out corners with a larger standard deviation in the projector, in projector pixels.")
+      ->transform(number_above_zero())
+      ->type_name("PX")
+      ->capture_default_str();
+  command->add_option("--min-corners", settings.min_corners, "Leave out poses with fewer usable corners.")
+      ->transform(whole_number(6, 40000))
+      ->type_name("N")
+      ->capture_default_str();
+  begin_group(*command, "Estimation");
+  command
+      ->add_option("--reject", settings.reject,
+                   "Leave out corners whose residual exceeds this many standard deviations. 0 keeps all.")
+      ->transform(real_number(0, 1000))
+      ->type_name("K")
+      ->capture_default_str();
+  const std::vector<std::string> distortions = {"0", "1", "2", "4", "5"};
+  command
+      ->add_option("--camera-distortion", settings.free.camera,
+                   "How many of k1, k2, p1, p2, k3 are estimated for the camera. The others are 0.")
+      ->check(one_of(distortions))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--projector-distortion", settings.free.projector, "The same for the projector.")
+      ->check(one_of(distortions))
+      ->type_name("N")
+      ->capture_default_str();
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
+  add_files(
+      *command, "POSE", options->poses,
+      "Folders of images, one for each pose. Each holds the whole sequence, numbered in the order of the patterns.")
       ->required();
   command->callback([options] { run_calibrate(*options); });
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/command_line.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_sequence.h"
@@ -134,85 +135,125 @@ void run_depth(const DepthOptions& options) {
 }  // namespace
 
 void add_depth_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "depth", "Depth images of recorded Gray-code images, pos0 neg0 pos1 neg1 ..., or of a board that decodes");
+  CLI::App* command = add_command(
+      app,
+      {.name = "depth",
+       .purpose = "Computes depth images from Gray-code images, or from a board that decodes them.",
+       .details = "The images are the positive and the negative of each bit in turn, most significant bit first: pos0 "
+                  "neg0 pos1 neg1 ... From pair M on, every pair completes a depth image. With --row-bits the pairs of "
+                  "the projector's columns come first, then those of its rows, and all of them give one depth "
+                  "image.\n\n"
+                  "The output folder gets depth.tiff (z in mm, NaN where there is none) and pictures of the newest "
+                  "depth image, cloud.ply, shares.csv (why pixels have no depth), summary.json, depth_KKKK.tiff of "
+                  "each pair K where there are several, and with --background moved.csv and moved.tiff.",
+       .examples = R"(
+# Render a scene under 8-bit Gray codes, and compute its depth image.
+selfproj-sim scene render desk --count 16 --out codes
+selfproj depth --rig scanner --bits 8 --median --out depth codes/frame_*.png
+
+# Follow what moves before a known background, on a board (needs hardware)
+selfproj depth --rig scanner --bits 8 --device ring:line1 --background depth/depth.tiff --out moved
+)"});
   const auto options = std::make_shared<DepthOptions>();
   DepthGeometry& geometry = options->setup.geometry;
   ScannerSettings& scanner = options->setup.scanner;
-  const CLI::Range positive(std::numeric_limits<double>::min(), 1e6, "a number greater than 0");
-  command->add_option("--rig", geometry.rig, "Geometry: a built-in rig or a YAML file")->type_name("RIG");
+  begin_group(*command, "Geometry");
+  command->add_option("--rig", geometry.rig, "Built-in rig or YAML file. This or --calibration is needed.")
+      ->type_name("RIG");
   command
       ->add_option("--calibration", geometry.calibration,
-                   "Geometry: OpenCV YAML with cam_K, cam_kc, pro_K, pro_kc, R, T")
+                   "Calibration as OpenCV YAML with cam_K, cam_kc, pro_K, pro_kc, R and T.")
       ->type_name("FILE.yaml");
-  command->add_option("--bits", geometry.bits, "Pairs of patterns in a cycle; with --row-bits, of the column code")
-      ->check(CLI::Range(1, GrayDecoder::kMaxBits))
+  command->add_option("--lines", geometry.lines, "With --calibration: projector columns that the 2^M codes cover.")
+      ->transform(number_above_zero())
+      ->type_name("N")
+      ->default_str("2^M, one column for each code");
+  command->add_option("--row-lines", geometry.row_lines, "With --calibration: projector rows that the 2^N codes cover.")
+      ->transform(number_above_zero())
+      ->type_name("N")
+      ->default_str("2^N, one row for each code");
+  begin_group(*command, "Decoding");
+  command->add_option("--bits", geometry.bits, "Bits of the code, which are pairs of images.")
+      ->transform(whole_number(1, GrayDecoder::kMaxBits))
       ->type_name("M")
       ->required();
-  command
-      ->add_option("--row-bits", geometry.row_bits,
-                   "Both axes: so many pairs of the projector rows' code follow those of its columns")
-      ->check(CLI::Range(1, GrayDecoder::kMaxBits))
+  command->add_option("--row-bits", geometry.row_bits, "Bits of a second code, along the projector's rows.")
+      ->transform(whole_number(1, GrayDecoder::kMaxBits))
       ->type_name("N");
-  command->add_option("--threshold", scanner.threshold, "Differences of a pair up to this are ambiguous")
-      ->check(CLI::Range(0, 255))
+  command
+      ->add_option("--threshold", scanner.threshold,
+                   "A pair of images that differs by at most this many grey levels is ambiguous.")
+      ->transform(whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
-  command->add_flag("--median", scanner.median, "3 x 3 median of the code image");
-  command->add_flag("--strict", scanner.strict, "No depth where even one pair is ambiguous (default: two)");
-  command->add_option("--channel", options->channel, "What to take of colour images")
-      ->check(CLI::IsMember(channel_names()));
-  command
-      ->add_option("--lines", geometry.lines,
-                   "Calibration: projector columns that the 2^M codes cover (default: 2^M, a code a column)")
-      ->check(positive)
-      ->type_name("H");
-  command->add_option("--row-lines", geometry.row_lines, "Likewise rows and 2^N")->check(positive)->type_name("H");
-  command->add_option("--min-z", geometry.limits.min_z_mm, "Smallest depth in mm")
+  command->add_flag("--median", scanner.median, "Apply a 3 x 3 median to the code image.");
+  command->add_flag(
+      "--strict", scanner.strict,
+      "Leave out pixels with one ambiguous pair. Without it, two or more ambiguous pairs leave a pixel out.");
+  add_channel_option(*command, options->channel);
+  begin_group(*command, "Limits");
+  command->add_option("--min-z", geometry.limits.min_z_mm, "Smallest depth in mm.")
+      ->transform(real_number(-1e6, 1e6))
       ->type_name("MM")
       ->capture_default_str();
-  command->add_option("--max-z", geometry.limits.max_z_mm, "Greatest depth in mm (default: none)")->type_name("MM");
+  command->add_option("--max-z", geometry.limits.max_z_mm, "Largest depth in mm.")
+      ->transform(real_number(-1e6, 1e6))
+      ->type_name("MM")
+      ->default_str("none");
   command
       ->add_option("--max-z-per-line", geometry.limits.max_z_per_line_mm,
-                   "No depth where a projector line is worth more (default: the rig's; none for a calibration)")
-      ->check(positive)
-      ->type_name("MM");
+                   "Leave out pixels where one projector line is worth more than this many mm of z.")
+      ->transform(number_above_zero())
+      ->type_name("MM")
+      ->default_str("the rig's; none for a calibration");
   command
       ->add_option("--max-residual", geometry.max_residual_px,
-                   "Both axes: no depth where ray and codes are further apart in the projector image")
-      ->check(positive)
+                   "With --row-bits: leave out pixels whose ray passes the point of their codes at more than this many "
+                   "projector pixels.")
+      ->transform(number_above_zero())
       ->type_name("PX")
       ->capture_default_str();
+  begin_group(*command, "What moved");
   command
       ->add_option("--background", options->setup.background,
-                   "Depth image of what does not move: moved.csv, moved.tiff")
+                   "Depth image of what does not move. Pixels that differ from it have moved.")
       ->type_name("FILE.tiff");
-  command->add_option("--min-difference", scanner.min_difference_mm, "From the background, for what counts as moved")
-      ->check(CLI::NonNegativeNumber)
+  command
+      ->add_option("--min-difference", scanner.min_difference_mm,
+                   "A pixel has moved only if it differs from the background by more than this many mm.")
+      ->transform(real_number(0, 1e6))
       ->type_name("MM")
       ->capture_default_str();
   command
       ->add_option("--max-change", scanner.steady.most_change_mm,
-                   "Of depth from one depth image to the next, for what counts as moved [any]")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("MM");
+                   "A pixel has moved only if its depth changed by at most this many mm since the last depth image.")
+      ->transform(real_number(0, 1e6))
+      ->type_name("MM")
+      ->default_str("any");
   command
       ->add_option("--min-neighbours", scanner.steady.least_neighbours,
-                   "Of the 8 pixels around, moved and no further off in z than --max-change, for what counts as moved")
-      ->check(CLI::Range(0, 8))
+                   "A pixel has moved only if at least this many of the 8 pixels around it have moved too and are as "
+                   "close in z as --max-change says.")
+      ->transform(whole_number(0, 8))
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--compare", options->compare, "Say how far the points lie from those of this cloud")
+  begin_group(*command, "Evaluation");
+  command->add_option("--compare", options->compare, "Print how far the points lie from those of this cloud.")
       ->type_name("FILE.ply");
-  command->add_flag("--compare-opengl", options->compare_opengl, "The cloud's y and z have the other sign");
-  command->add_flag("--plane", options->plane, "Fit a plane to the newest depth image and say how flat it is");
+  command->add_flag("--compare-opengl", options->compare_opengl, "y and z of that cloud have the opposite sign.");
+  command->add_flag("--plane", options->plane, "Fit a plane to the newest depth image, and print how flat it is.");
+  begin_group(*command, "Input and output");
   command
       ->add_option("--device", options->device,
-                   "In place of images, a board that decodes: ring:NAME, file:PATH; until it ends, --count or Ctrl-C")
+                   "Instead of images, a board that decodes: ring:NAME or file:PATH. The run ends with the device, "
+                   "--count or Ctrl-C.")
       ->type_name("URI");
-  command->add_option("--count", options->count, "Device: so many code images")->check(CLI::PositiveNumber);
-  command->add_option("--out", options->out, "Folder for the results")->type_name("DIR")->required();
-  command->add_option("IMAGE", options->images, "8-bit images of one size")->type_name("FILE");
+  command->add_option("--count", options->count, "With --device: number of code images to take.")
+      ->transform(whole_number(1))
+      ->type_name("N")
+      ->default_str("all");
+  command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
+  add_files(*command, "IMAGE", options->images, "8-bit images of one size. These or --device are needed.");
   command->callback([options] { run_depth(*options); });
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/driver/ring_list.h"
+#include "host/io/command_line.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
@@ -42,9 +43,23 @@ void list() {
 }  // namespace
 
 void add_devices_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("devices", "List the rings of this machine and who writes and reads them");
+  CLI::App* command = add_command(
+      app,
+      {.name = "devices",
+       .purpose = "Lists the shared-memory rings of this machine, and who writes and reads them.",
+       .details = "A line shows the ring's URI for --device, the processes of board and reader and how often each has "
+                  "crashed, the packets written, lost because the ring was full, and not yet read, and the slots of "
+                  "the ring.",
+       .examples = R"(
+# Make a ring, list it and remove it.
+selfproj-sim board --line 512x96 --ring line1 --count 100 --keep
+selfproj devices
+selfproj devices --remove line1
+)"});
   auto remove = std::make_shared<std::string>();
-  command->add_option("--remove", *remove, "Take this ring away instead; what is in it is still read to its end")
+  command
+      ->add_option("--remove", *remove,
+                   "Remove this ring instead of listing. A reader that has it open still reads what is in it.")
       ->type_name("NAME");
   command->callback([remove] {
     if (remove->empty()) {

@@ -19,10 +19,10 @@
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "host/driver/open_device.h"
+#include "host/io/command_line.h"
 #include "host/io/duration_histogram.h"
 #include "host/io/output_file.h"
 #include "host/io/output_folder.h"
-#include "host/io/program_main.h"
 #include "host/io/status_line.h"
 #include "host/io/stop_signal.h"
 #include "host/io/user_error.h"
@@ -289,9 +289,6 @@ void run_inspect(const InspectOptions& options) {
   if (!options.json.empty()) {
     json.emplace(options.json);
   }
-  if (!(options.seconds >= 0) || options.seconds > 1e9) {
-    throw UserError("--seconds", "a number from 0 to 1e9 is needed");
-  }
   const ReferenceProfile reference =
       options.reference.empty() ? plane_reference(rig) : load_reference(rig, options.reference);
   const DifferentialProfiler profiler(rig, reference);
@@ -326,39 +323,73 @@ void run_inspect(const InspectOptions& options) {
 }  // namespace
 
 void add_inspect_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("inspect", "Light section on-line: packets of a device into profiles");
+  CLI::App* command = add_command(
+      app, {.name = "inspect",
+            .purpose = "Inspects parts on-line by light section: turns the packets of a board into profiles.",
+            .details =
+                "A terminal shows frames per second, losses, and the delay from a packet's arrival to its profile. The "
+                "run ends after --count profiles, after --seconds, at Ctrl-C, or when the device has ended and "
+                "everything is read.\n\n"
+                "The folder of --out gets moments.csv, profile.csv, cloud.ply, height.tiff and .png, difference.tiff "
+                "and .png, summary.json and report.html.",
+            .examples = R"(
+# Record packets of a simulated board, then inspect the recording.
+selfproj-sim cosim --engine model --count 50 --packets part.packets
+selfproj inspect --device file:part.packets --out part
+
+# Inspect at 10,000 frames a second: the board runs in a process of its own.
+selfproj-sim board --line 512x96 --ring line1 --count 20000 --wait-for-reader &
+selfproj inspect --device ring:line1 --wait-for-board --count 20000 --json counts.json
+
+# Inspect what a real board delivers, beside a good part (needs hardware)
+selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --count 100000 \
+  --out part
+)"});
   const auto options = std::make_shared<InspectOptions>();
-  command->add_option("--device", options->device, "ring:NAME, or file:PATH (recorded, pipe, character device)")
+  begin_group(*command, "Input");
+  command
+      ->add_option("--device", options->device,
+                   "Where packets come from: ring:NAME, or file:PATH for a recording, a pipe or a character device.")
       ->type_name("URI")
       ->required();
-  command->add_option("--rig", options->rig, "A built-in rig or a YAML file")->capture_default_str();
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file.")->type_name("RIG")->capture_default_str();
   command
-      ->add_option(
-          "--reference", options->reference,
-          "What the projected pattern was made for: the folder that `selfproj pattern` wrote; else the empty plane")
-      ->type_name("DIR");
+      ->add_option("--reference", options->reference,
+                   "Folder that `selfproj pattern` wrote for the good part whose pattern is projected.")
+      ->type_name("DIR")
+      ->default_str("the empty plane");
   command
       ->add_option("--pixel-clock-hz", options->pixel_clock_hz,
-                   fmt::format("Of the board, in which its time stamps count [the rig's; without one {:.0f}]",
-                               kDefaultPixelClockHz))
-      ->check(CLI::Range(kLeastPixelClockHz, kMostPixelClockHz))
-      ->type_name("HZ");
-  command->add_option("--out", options->out, "Folder for tables, cloud, images and report")->type_name("DIR");
-  command->add_option("--keep", options->keep, "Frames kept for --out; those that follow are only counted")
-      ->check(CLI::Range(1, 10'000'000))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--json", options->json, "File for the counts, as JSON")->type_name("FILE");
-  command->add_option("--count", options->count, "End after so many profiles")->type_name("N");
-  command->add_option("--seconds", options->seconds, "End so long after the first packet")->type_name("S");
-  command->add_option("--wait", options->wait, "How to wait for packets: poll, block, poll-then-block")
-      ->check(CLI::IsMember(std::vector<std::string>{"poll", "block", "poll-then-block"}))
+                   "Pixel clock of the board in Hz, which its time stamps count.")
+      ->transform(real_number(kLeastPixelClockHz, kMostPixelClockHz))
+      ->type_name("HZ")
+      ->default_str(fmt::format("the rig's, or {:.0f}", kDefaultPixelClockHz));
+  command
+      ->add_option("--wait", options->wait,
+                   "How to wait for packets: poll takes a whole core and is quickest, block sleeps in the system.")
+      ->check(one_of({"poll", "block", "poll-then-block"}))
+      ->type_name("HOW")
       ->capture_default_str();
   command->add_flag("--wait-for-board", options->wait_for_board,
-                    "Wait where there is no ring or no board yet, and again when it has gone; Ctrl-C ends");
+                    "Wait while there is no ring or no board, also when the board has gone. Ctrl-C ends the run.");
   command->add_flag("--newest", options->newest,
-                    "Begin with the newest packet of the ring, not with the first unread one");
-  command->add_flag("--check", options->check, "Exit status 1 if anything was lost, bad or missing");
+                    "Begin with the newest packet of the ring, not the oldest unread one.");
+  begin_group(*command, "End of the run");
+  command->add_option("--count", options->count, "End after this many profiles.")
+      ->transform(whole_number(1))
+      ->type_name("N");
+  command->add_option("--seconds", options->seconds, "End this many seconds after the first packet.")
+      ->transform(number_above_zero(1e9))
+      ->type_name("S");
+  command->add_flag("--check", options->check,
+                    "Exit with status 1 unless every frame became a profile and nothing was lost, bad or missing.");
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for tables, cloud, pictures and report.")->type_name("DIR");
+  command->add_option("--keep", options->keep, "Frames kept in memory for --out. Later ones are only counted.")
+      ->transform(whole_number(1, 10'000'000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--json", options->json, "File for the counts as JSON.")->type_name("FILE");
   command->callback([options] { run_inspect(*options); });
 }
 

@@ -12,7 +12,19 @@
 
 int main(int argc, char** argv) {
   return selfproj::program_main(
-      "selfproj", "3-D inspection by self-projection: the production PC's side",
+      {.name = "selfproj",
+       .purpose = "Measures 3-D shapes on the production PC: patterns, calibration, light section, structured light.",
+       .details = "The exit status is 0 for success, 1 for a failed check and 2 for bad usage or input. An error is "
+                  "one line on "
+                  "standard error that names the file or option and the reason.\n\n"
+                  "Output files and folders are written whole or not at all. Missing parent folders are made.\n\n"
+                  "Numbered files are taken by number, img2 before img10: all files of a folder, and lists in "
+                  "alphabetical order, as a shell expands img*.png. Lists in any other order are taken as given.",
+       .examples = R"(
+# List the built-in rigs, and print one of them.
+selfproj rig
+selfproj rig light-section
+)"},
       [](CLI::App& app) {
         selfproj::add_rig_command(app);
         selfproj::add_pattern_command(app);

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "host/app/stripes_command.h"
+#include "host/io/command_line.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
@@ -46,7 +46,7 @@ struct PatternOptions {
   std::string residual;
   std::optional<int> frame;
   int every = 1;
-  std::optional<Channel> channel;
+  std::string channel;  // empty: none asked for
 };
 
 // Hands over the images one after another, each of the camera's size.
@@ -72,14 +72,14 @@ ReferenceProfile scanned(const Rig& rig, const PatternOptions& options) {
                                               files.size(), options.every, lines.size(), lines.front(), lines.back()));
   }
   LineScan scan(rig, options.every);
-  for_each_image(rig, files, options.channel,
+  for_each_image(rig, files, channel_of(options.channel),
                  [&](std::size_t i, const Image& image) { scan.add(lines[i], image.view()); });
   return scan.reference();
 }
 
 ReferenceProfile with_residual_out(const Rig& rig, const PatternOptions& options, const ReferenceProfile& reference) {
   CentroidMean mean(rig);
-  for_each_image(rig, files_of_folder(options.residual), options.channel,
+  for_each_image(rig, files_of_folder(options.residual), channel_of(options.channel),
                  [&](std::size_t, const Image& image) { mean.add(image.view()); });
   return without_residual(rig, reference, mean.centroids());
 }
@@ -176,7 +176,7 @@ struct GrayOptions {
 
 void make_gray(const GrayOptions& options) {
   if (options.projector.empty() == options.rig.empty()) {
-    throw UserError("--projector, --rig", "one of them is needed, and not both");
+    throw UserError("--projector, --rig", "give one of them, not both");
   }
   FrameSize size;
   if (options.rig.empty()) {
@@ -201,50 +201,104 @@ void make_gray(const GrayOptions& options) {
 }
 
 CLI::App* add_gray(CLI::App& pattern) {
-  CLI::App* command = pattern.add_subcommand(
-      "gray", "The Gray-code patterns of both axes, positive and negative in turn, then white and black");
+  CLI::App* command = add_command(
+      pattern,
+      {.name = "gray",
+       .purpose = "Writes the Gray-code patterns of both projector axes.",
+       .details = "The sequence is: each bit of the column code, most significant first, as a positive and its "
+                  "negative; the same for the row code; white; black. Capture one image of each, in this order. "
+                  "`selfproj calibrate` and `selfproj pattern stripes --gray-code` take such captures.",
+       .examples = R"(
+# The patterns of a projector of 1024 x 768 pixels: 42 images.
+selfproj pattern gray --projector 1024x768 --out patterns
+)"});
   const auto options = std::make_shared<GrayOptions>();
-  command->add_option("--projector", options->projector, "Columns and rows of the projector")->type_name("WxH");
-  command->add_option("--rig", options->rig, "Instead, a built-in rig or a YAML file; its lines are the rows");
-  command->add_option("--out", options->out, "Folder for pattern_00.png ...")->type_name("DIR")->required();
+  command
+      ->add_option("--projector", options->projector,
+                   "Columns and rows of the projector in pixels. This or --rig is needed.")
+      ->type_name("WxH");
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file with the projector. Its lines are the rows.")
+      ->type_name("RIG");
+  command->add_option("--out", options->out, "Folder for pattern_00.png and so on.")->type_name("DIR")->required();
   command->callback([options] { make_gray(*options); });
   return command;
+}
+
+void add_source_options(CLI::App& command, PatternOptions& options) {
+  begin_group(command, "Source of the pattern (one of them is required)");
+  auto* reference =
+      command
+          .add_option("--reference", options.reference,
+                      "Shape of the part: a CSV table y_mm,z_mm of its section, or a TIFF of heights in mm "
+                      "with one column for each camera column. A folder that this command wrote, to take "
+                      "out its residual.")
+          ->type_name("FILE|DIR");
+  auto* scan = command
+                   .add_option("--scan", options.scan,
+                               "Folder of the camera images under the lines of --sweep, numbered in their order.")
+                   ->type_name("DIR");
+  auto* line =
+      command
+          .add_option("--line", options.line, "No part: a straight line at this line of the projector, counted from 0.")
+          ->transform(real_number(0, 1e6))
+          ->type_name("LINE");
+  auto* sweep = command.add_flag("--sweep", options.sweep, "No part: the straight lines with which a part is scanned.");
+  reference->excludes(scan)->excludes(line)->excludes(sweep);
+  scan->excludes(line)->excludes(sweep);
+  line->excludes(sweep);
+  begin_group(command, "Refinement");
+  command
+      .add_option(
+          "--residual", options.residual,
+          "Folder of camera images of the part under its own pattern. Their mean is taken as the straight line, "
+          "column by column.")
+      ->type_name("DIR")
+      ->excludes(line)
+      ->excludes(sweep);
+  command.add_option("--frame", options.frame, "Frame of the TIFF of heights to use, from 1.")
+      ->transform(whole_number(1, 1'000'000))
+      ->type_name("N")
+      ->default_str("the median of all frames")
+      ->needs(reference);
+  command.add_option("--every", options.every, "Distance of two lines of a sweep, in projector lines.")
+      ->transform(whole_number(1, 64))
+      ->type_name("N")
+      ->capture_default_str()
+      ->excludes(reference)
+      ->excludes(line);
+  add_channel_option(command, options.channel);
 }
 
 }  // namespace
 
 void add_pattern_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "pattern", "Make the pattern whose line a reference part straightens, from the part's shape or from a scan");
+  CLI::App* command = add_command(
+      app,
+      {.name = "pattern",
+       .purpose = "Computes the pattern that the camera sees as a straight line on a good part.",
+       .details = "The shape of the part is known (--reference) or scanned: --sweep writes straight lines to project, "
+                  "and --scan takes the camera images of them. The output folder gets pattern.png and pattern.tiff for "
+                  "the projector, preview.png, and reference.csv; `selfproj inspect --reference` takes this "
+                  "folder.\n\n"
+                  "The commands gray and stripes make patterns for structured light.",
+       .examples = R"(
+# The pattern for a part whose section is known: a roof 20 mm high on the plane at z = 1167 mm.
+printf 'y_mm,z_mm\n-50,1167\n0,1147\n50,1167\n' > roof.csv
+selfproj pattern --reference roof.csv --out roof
+
+# The lines to scan a part with.
+selfproj pattern --sweep --every 4 --out lines
+
+# The pattern from the camera images of these lines on the part (needs captures)
+selfproj pattern --scan captures --every 4 --out part
+)"});
   auto options = std::make_shared<PatternOptions>();
-  command->add_option("--rig", options->rig, "a built-in rig or a YAML file (light-section)");
-  command->add_option("--out", options->out, "folder for the results, written whole or not at all");
-  auto* source = command->add_option_group("what from", "one of");
-  auto* reference = source->add_option(
-      "--reference", options->reference,
-      "the part's section: CSV y_mm,z_mm, or a TIFF of heights per camera column; or a reference folder");
-  auto* scan = source->add_option("--scan", options->scan,
-                                  "folder of the images seen under the patterns of --sweep, in the order of names");
-  auto* line = source->add_option("--line", options->line, "only a straight line at this projector line (from 0)");
-  auto* sweep = source->add_flag("--sweep", options->sweep, "only the straight lines to scan a part with");
-  source->require_option(0, 1);
-  command
-      ->add_option("--residual", options->residual,
-                   "folder of images of the part under its own pattern: takes each column's residual out")
-      ->excludes(line)
-      ->excludes(sweep);
-  command->add_option("--frame", options->frame, "frame (from 1) of the TIFF of heights; else the median of all")
-      ->needs(reference);
-  command->add_option("--every", options->every, "a sweep by this many lines (1)")
-      ->check(CLI::Range(1, 64))
-      ->excludes(reference)
-      ->excludes(line);
-  std::map<std::string, Channel> channels;
-  for (const std::string& name : channel_names()) {
-    channels[name] = *channel_of(name);
-  }
-  command->add_option("--channel", options->channel, "what to take of colour images: red, green, blue or grey")
-      ->transform(CLI::CheckedTransformer(channels));
+  begin_group(*command, "Rig and output");
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind light-section.")
+      ->type_name("RIG")
+      ->capture_default_str();
+  command->add_option("--out", options->out, "Folder for the results. Required.")->type_name("DIR");
+  add_source_options(*command, *options);
   const CLI::App* gray = add_gray(*command);
   const CLI::App* stripes = add_stripes_command(*command);
   // What is required where no subcommand is: CLI11 would ask for it beside a subcommand too.
@@ -255,8 +309,8 @@ void add_pattern_command(CLI::App& app) {
     if (options->out.empty()) {
       throw UserError("--out", "is required");
     }
-    if (reference->empty() && scan->empty() && line->empty() && sweep->empty()) {
-      throw UserError("--reference, --scan, --line, --sweep", "one of them is needed, or a subcommand: gray, stripes");
+    if (options->reference.empty() && options->scan.empty() && !options->line && !options->sweep) {
+      throw UserError("--reference, --scan, --line, --sweep", "one of them is required, or a command: gray, stripes");
     }
     run_pattern(*options);
   });

@@ -6,14 +6,27 @@
 #include <memory>
 #include <string>
 
+#include "host/io/command_line.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {
 
 void add_rig_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("rig", "Check a rig and print it as YAML, or list the built-in ones");
+  CLI::App* command = add_command(
+      app,
+      {.name = "rig",
+       .purpose = "Checks a rig and prints it as YAML, or lists the built-in rigs.",
+       .details = "A rig describes camera, projector, conveyor and measuring. The name of each key ends in its unit.",
+       .examples = R"(
+# List the built-in rigs.
+selfproj rig
+
+# Copy a built-in rig to edit it, then check the copy.
+selfproj rig light-section > my-rig.yaml
+selfproj rig my-rig.yaml
+)"});
   auto name = std::make_shared<std::string>();
-  command->add_option("RIG", *name, "a built-in rig or a YAML file; without it the built-in ones are listed");
+  command->add_option("RIG", *name, "Built-in rig or YAML file. Without it, the built-in rigs are listed.");
   command->callback([name] {
     if (name->empty()) {
       fmt::print("{}\n", fmt::join(built_in_rigs(), "\n"));

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/command_line.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
@@ -231,54 +232,113 @@ void run_match(const MatchOptions& options) {
 }  // namespace
 
 CLI::App* add_stripes_command(CLI::App& pattern) {
-  CLI::App* command = pattern.add_subcommand(
-      "stripes",
-      "Self-projected structured light: patterns to scan a reference with, and the reference folder of them");
+  CLI::App* command = add_command(
+      pattern,
+      {.name = "stripes",
+       .purpose = "Makes the self-projected patterns of structured light from the scan of a reference.",
+       .details =
+           "The reference is scanned once, line by line (--sweep writes the patterns) or by the Gray codes of "
+           "`selfproj pattern gray`. From the camera images of the scan (--scan) follow the patterns that the camera "
+           "sees as straight stripes on the reference. The output folder is the --reference of `selfproj match`.",
+       .examples = R"(
+# Scan the empty plane of a simulated scanner by Gray codes, and make its 4-bit patterns.
+selfproj pattern gray --rig scanner --out codes
+selfproj-sim capture --rig scanner --scene plane --patterns codes --out captures
+selfproj pattern stripes --scan captures --gray-code --bits 4 --out reference
+
+# The patterns of a scan line by line: 1792 images (takes minutes)
+selfproj pattern stripes --sweep --out lines
+)"});
   const auto options = std::make_shared<StripesOptions>();
-  command->add_option("--rig", options->rig, "Built-in rig or YAML file, of kind scanner")->capture_default_str();
-  command->add_flag("--sweep", options->sweep, "Only the patterns of a scan: each line, then each column");
-  command->add_option("--scan", options->scan, "Folder of the images seen under them, in the order of names")
+  begin_group(*command, "Scan (one of --scan and --sweep is required)");
+  command
+      ->add_option("--scan", options->scan,
+                   "Folder of the camera images under the patterns of the scan, numbered in their order.")
       ->type_name("DIR");
-  command->add_flag("--gray-code", options->gray_code, "The scan's images are those under `selfproj pattern gray`");
-  command->add_option("--bits", options->stripes.bits, "m, pairs of patterns")
-      ->check(CLI::Range(1, Stripes::kMaxBits))
+  command->add_flag("--sweep", options->sweep, "Only write the patterns of a scan: every line, then every column.");
+  command->add_flag("--gray-code", options->gray_code,
+                    "The images of --scan were taken under the patterns of `selfproj pattern gray`.");
+  add_channel_option(*command, options->channel);
+  begin_group(*command, "Stripes");
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind scanner.")
+      ->type_name("RIG")
       ->capture_default_str();
-  command->add_option("--rows-per-code", options->stripes.width, "a, width of a code in camera rows")
-      ->check(CLI::Range(1, Stripes::kMaxWidth))
+  command->add_option("--bits", options->stripes.bits, "Bits of the code, m. 2m patterns are written.")
+      ->transform(whole_number(1, Stripes::kMaxBits))
+      ->type_name("M")
       ->capture_default_str();
-  command->add_flag("--reflected", options->reflected, "The code as printed in the thesis (default: cyclic)");
-  command->add_option("--channel", options->channel, "What to take of colour images")
-      ->check(CLI::IsMember(channel_names()));
-  command->add_option("--out", options->out, "Folder for the results, written whole or not at all")
-      ->type_name("DIR")
-      ->required();
+  command->add_option("--rows-per-code", options->stripes.width, "Width of a code in camera rows, a.")
+      ->transform(whole_number(1, Stripes::kMaxWidth))
+      ->type_name("A")
+      ->capture_default_str();
+  command->add_flag(
+      "--reflected", options->reflected,
+      "Use the reflected code as printed in the thesis. Without it the code is cyclic, so that a window of "
+      "2^m codes has each of them once.");
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   command->callback([options] { run_stripes(*options); });
   return command;
 }
 
 void add_match_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "match",
-      "Depth and difference from a reference, of images under its self-projected patterns, pos0 neg0 pos1 ...");
+  CLI::App* command = add_command(
+      app,
+      {.name = "match",
+       .purpose = "Measures depth, and its difference from a reference, from images under self-projected patterns.",
+       .details = "The images are the positive and the negative of each bit in turn, as `selfproj pattern stripes` "
+                  "numbers its patterns. From pair m on, every pair completes a depth image.\n\n"
+                  "The output folder gets depth.tiff (z in mm), difference.tiff (in mm, positive towards the camera), "
+                  "pictures, cloud.ply, shares.csv, summary.json, and depth_KKKK.tiff and difference_KKKK.tiff of each "
+                  "pair K where there are several. Numbers in parentheses are those of the equations in the thesis.",
+       .examples = R"(
+# Scan the empty plane of a simulated scanner, and make its patterns.
+selfproj pattern gray --rig scanner --out codes
+selfproj-sim capture --rig scanner --scene plane --patterns codes --out captures
+selfproj pattern stripes --scan captures --gray-code --out reference
+
+# Capture a block under these patterns, and measure it.
+mkdir -p stripes
+cp reference/pattern_*.png stripes
+selfproj-sim capture --rig scanner --scene block --patterns stripes --out block
+selfproj match --reference reference --e 8 --out depth block/image_*.png
+)"});
   const auto options = std::make_shared<MatchOptions>();
-  command->add_option("--rig", options->rig, "Built-in rig or YAML file, of kind scanner")->capture_default_str();
-  command->add_option("--reference", options->reference, "Folder of `selfproj pattern stripes`")
+  begin_group(*command, "Rig and reference");
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind scanner.")
+      ->type_name("RIG")
+      ->capture_default_str();
+  command->add_option("--reference", options->reference, "Folder that `selfproj pattern stripes` wrote.")
       ->type_name("DIR")
       ->required();
-  command->add_option("--e", options->settings.e, "Codes below the reference that are searched, 0..2^m - 1")
+  begin_group(*command, "Decoding");
+  command
+      ->add_option("--threshold", options->threshold,
+                   "A pair of images that differs by at most this many grey levels is ambiguous.")
+      ->transform(whole_number(0, 255))
+      ->type_name("T")
+      ->default_str("the rig's");
+  add_channel_option(*command, options->channel);
+  begin_group(*command, "Search");
+  command
+      ->add_option(
+          "--e", options->settings.e,
+          "Codes that are searched below the reference, less than 2^m. The other 2^m - e are searched above it.")
+      ->transform(whole_number(0, (1 << Stripes::kMaxBits) - 1))
+      ->type_name("E")
       ->capture_default_str();
   command->add_flag("--printed-direction", options->settings.printed_direction,
-                    "Search along Xp at constant Yp, as printed in (4.19)");
+                    "Search along Xp at constant Yp, as printed in (4.19), instead of along the epipolar line.");
   command->add_flag("--printed-window", options->settings.printed_window,
-                    "Window of projector lines, as printed in (4.20)");
-  command->add_option("--line-width", options->settings.line_width, "a' of the printed window, projector lines a code")
+                    "Search a window of projector lines, as printed in (4.20), instead of one of codes.");
+  command
+      ->add_option("--line-width", options->settings.line_width, "Projector lines of a code in the printed window, a'.")
+      ->transform(number_above_zero())
+      ->type_name("LINES")
       ->capture_default_str();
-  command->add_option("--threshold", options->threshold, "Differences of a pair up to this are ambiguous (the rig's)")
-      ->check(CLI::Range(0, 255));
-  command->add_option("--channel", options->channel, "What to take of colour images")
-      ->check(CLI::IsMember(channel_names()));
-  command->add_option("--out", options->out, "Folder for the results")->type_name("DIR")->required();
-  command->add_option("IMAGE", options->images, "8-bit images of the camera's size")->type_name("FILE")->required();
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
+  add_files(*command, "IMAGE", options->images, "8-bit images of the camera's size.")->required();
   command->callback([options] { run_match(*options); });
 }
 

@@ -12,8 +12,10 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
+#include "host/io/natural_order.h"
 #include "host/io/stderr_capture.h"
 #include "host/io/user_error.h"
 
@@ -139,8 +141,7 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   if (files.empty()) {
     throw UserError(folder, "has no images");
   }
-  std::sort(files.begin(), files.end());
-  return files;
+  return in_natural_order(std::move(files));
 }
 
 std::string encode_png(const Image& image) {

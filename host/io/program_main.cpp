@@ -5,10 +5,16 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "host/io/command_line.h"
+#include "host/io/help_text.h"
 #include "host/io/user_error.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -26,26 +32,103 @@ int report(const std::string& program, std::string message, int status) {
   return status;
 }
 
+// The command of the command line.
+const CLI::App* command_given(const CLI::App& program) {
+  const CLI::App* command = &program;
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+  }
+  return command;
+}
+
+std::string full_name(const CLI::App* command) {
+  const CLI::App* parent = command->get_parent();
+  return parent == nullptr ? command->get_name() : full_name(parent) + " " + command->get_name();
+}
+
+// "--a requires --b" becomes "--a: goes only with --b".
+std::string with_relation(const std::string& text, const std::string& word, const std::string& relation) {
+  const std::size_t at = text.find(" " + word + " ");
+  return at == std::string::npos ? text
+                                 : text.substr(0, at) + ": " + relation + " " + text.substr(at + word.size() + 2);
+}
+
+// What CLI11 has to say about a command line, in the words of the house: the option first, then the reason.
+std::string explained(const CLI::App& program, const CLI::ParseError& error) {
+  const CLI::App* command = command_given(program);
+  const std::string see = fmt::format("; see {} --help", full_name(command));
+  const std::string text = error.what();
+  if (const std::vector<std::string> unknown = program.remaining(true); !unknown.empty()) {
+    const bool option = unknown.front().starts_with('-');
+    const bool no_command = command->get_require_subcommand_min() > 0;
+    return unknown.front() +
+           (option       ? ": unknown option"
+            : no_command ? ": unknown command"
+                         : ": unexpected argument") +
+           see;
+  }
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
+    return (text == "A subcommand is required" ? "a command is missing" : with_relation(text, "is", "is")) + see;
+  }
+  if (dynamic_cast<const CLI::RequiresError*>(&error) != nullptr) {
+    return with_relation(text, "requires", "goes only with");
+  }
+  if (dynamic_cast<const CLI::ExcludesError*>(&error) != nullptr) {
+    return with_relation(text, "excludes", "cannot be combined with");
+  }
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    const std::size_t colon = text.find(": ");
+    return colon == std::string::npos ? text + see : text.substr(0, colon) + ": a value is missing" + see;
+  }
+  return text;
+}
+
+// With --check-usage as the first word, a command line is only read, not carried out: the tests of the documents use
+// it.
+bool take_check_usage(CLI::App& program, std::vector<std::string>& words) {
+  if (words.empty() || words.front() != "--check-usage") {
+    return false;
+  }
+  words.erase(words.begin());
+  std::vector<CLI::App*> commands = {&program};
+  while (!commands.empty()) {
+    CLI::App* const command = commands.back();
+    commands.pop_back();
+    command->callback(nullptr);
+    const std::vector<CLI::App*> inner = command->get_subcommands([](CLI::App*) { return true; });
+    commands.insert(commands.end(), inner.begin(), inner.end());
+  }
+  return true;
+}
+
 }  // namespace
 
-int program_main(const std::string& name, const std::string& description,
-                 const std::function<void(CLI::App&)>& add_commands, int argc, char** argv) {
+int program_main(const CommandText& text, const std::function<void(CLI::App&)>& add_commands, int argc, char** argv) {
+  const std::string& name = text.name;
   try {
-    CLI::App app(description, name);
+    CLI::App app("", name);
+    app.formatter(std::make_shared<HelpFormatter>());
     app.require_subcommand(1);
-    app.set_version_flag("--version", fmt::format("{}, specification {}.{}, hash 0x{:08X}", name, spec::kVersion >> 8U,
-                                                  spec::kVersion & 0xFFU, spec::kHash));
+    app.set_help_flag("-h,--help", "Print this help and end.");
+    app.set_version_flag("--version",
+                         fmt::format("{}, specification {}.{}, hash 0x{:08X}", name, spec::kVersion >> 8U,
+                                     spec::kVersion & 0xFFU, spec::kHash),
+                         "Print the version of the packets' specification and end.");
+    set_text(app, text);
     add_commands(app);
+    std::vector<std::string> words(argv + 1, argv + argc);
+    if (words == std::vector<std::string>{"--help-json"}) {  // for scripts/command_pages.py
+      fmt::print("{}", help_json(app));
+      return 0;
+    }
+    static_cast<void>(take_check_usage(app, words));
+    std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
     try {
-      app.parse(argc, argv);
+      app.parse(std::move(words));
     } catch (const CLI::Success& success) {  // --help, --version
       return app.exit(success);
     } catch (const CLI::ParseError& error) {
-      // CLI11 says only that a subcommand is missing where there is one that it does not know.
-      const bool unknown = app.get_subcommands().empty() && app.remaining_size() > 0;
-      return report(name,
-                    unknown ? app.remaining().front() + ": unknown subcommand or option; see --help" : error.what(),
-                    kBadInput);
+      return report(name, explained(app, error), kBadInput);
     }
   } catch (const UserError& error) {
     return report(name, error.what(), kBadInput);

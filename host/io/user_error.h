@@ -13,6 +13,11 @@ class UserError : public std::runtime_error {
   UserError(const std::string& subject, const std::string& reason) : std::runtime_error(subject + ": " + reason) {}
 };
 
+// A check that the program was asked for did not hold: exit status 1, where UserError gives 2.
+class CheckFailed : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 }  // namespace selfproj
 
 #endif  // SELFPROJ_HOST_IO_USER_ERROR_H

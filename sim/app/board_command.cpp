@@ -20,6 +20,7 @@
 #include "host/driver/clock.h"
 #include "host/driver/ring_list.h"
 #include "host/driver/ring_writer.h"
+#include "host/io/command_line.h"
 #include "host/io/frame_options.h"
 #include "host/io/output_file.h"
 #include "host/io/progress.h"
@@ -219,45 +220,75 @@ void run_board(const BoardOptions& options) {
 }  // namespace
 
 void add_board_command(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("board", "A board in real time: recorded packets, or those of a moving line, into a ring");
+  CLI::App* command = add_command(
+      app, {.name = "board",
+            .purpose = "Plays a board in real time into a shared-memory ring, for a driver in another process.",
+            .details =
+                "Packets come from a recording (--replay) or from a line of light that moves (--line); they go into a "
+                "ring (--ring) or a file (--record). Sequence numbers, time stamps, encoder counts and check words "
+                "are written anew, so that repetitions follow each other as one run.\n\n"
+                "Frames are due at fixed times from the start. A late frame follows at once. The last line says how "
+                "many frames were played, how many found the ring full, and how late the latest was.",
+            .examples = R"(
+# Record the packets of a moving line.
+selfproj-sim board --line 512x96 --record line.slfp
+
+# Play them at 10,000 frames a second for 2 seconds, to a reader in another process.
+selfproj-sim board --replay line.slfp --ring line1 --seconds 2 --wait-for-reader &
+selfproj inspect --device ring:line1 --wait-for-board --count 20000
+)"});
   const auto options = std::make_shared<BoardOptions>();
-  command->add_option("--replay", options->replay, "Packets recorded by --record, or by `selfproj-sim cosim`")
+  begin_group(*command, "Source (one of --replay and --line is required)");
+  command
+      ->add_option("--replay", options->replay,
+                   "Recorded packets, of --record or of `selfproj-sim cosim --packets`. Bad ones are left out.")
       ->type_name("FILE");
-  command->add_option("--line", options->line, "Instead: a line of light that moves, through the model of the board")
-      ->type_name("COLUMNSxROWS");
-  command->add_option("--mode", options->mode, "Of --line: binary, grey, grey-over")
-      ->check(CLI::IsMember(mode_names()))
+  command
+      ->add_option("--line", options->line,
+                   "A line of light that moves in frames of this size, in pixels, sent through the model of the board.")
+      ->type_name("WxH");
+  command->add_option("--mode", options->mode, "With --line: what a lit pixel weighs.")
+      ->check(one_of(mode_names()))
+      ->type_name("MODE")
       ->capture_default_str();
-  command->add_option("--threshold", options->threshold, "Of --line: a pixel is lit where it is greater than this")
-      ->check(CLI::Range(0, 255))
+  command->add_option("--threshold", options->threshold, "With --line: a pixel is lit where its grey value is greater.")
+      ->transform(whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
-  command->add_option("--line-frames", options->line_frames, "Of --line: frames after which it is where it began")
-      ->check(CLI::Range(1, 100000))
+  command->add_option("--line-frames", options->line_frames, "With --line: frames until the line is where it began.")
+      ->transform(whole_number(1, 100000))
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--ring", options->ring, "Ring in shared memory to play into, for the device ring:NAME")
+  begin_group(*command, "Destination (one of --ring and --record is required)");
+  command->add_option("--ring", options->ring, "Ring to write into. A driver reads it as ring:NAME.")
       ->type_name("NAME");
-  command->add_option("--record", options->record, "Instead: file to write the same packets to, at once")
+  command->add_option("--slots", options->slots, "Packets that the ring holds, a power of two.")
+      ->transform(whole_number(1, 65536))
+      ->type_name("N")
+      ->default_str(fmt::format("{}, or fewer where /dev/shm is small", RingWriter::kDeepSlots));
+  command->add_flag("--wait-for-reader", options->wait_for_reader, "Begin when a reader has opened the ring.");
+  command->add_flag("--keep", options->keep, "Leave the ring in place at the end, for a later reader.");
+  command->add_option("--record", options->record, "File for the same packets, written as fast as possible.")
       ->type_name("FILE");
-  command->add_option("--rate", options->rate, "Frames a second; 0 is as fast as it can, whether read or not")
+  begin_group(*command, "Timing");
+  command
+      ->add_option("--rate", options->rate,
+                   "Frames a second. 0 plays as fast as possible, whether they are read or not.")
+      ->transform(real_number(0, 1e9))
       ->type_name("FPS")
       ->capture_default_str();
-  command->add_option("--pixel-clock-hz", options->pixel_clock_hz, "Of the board, in which its time stamps count")
-      ->check(CLI::Range(kLeastPixelClockHz, kMostPixelClockHz))
+  command->add_option("--pixel-clock-hz", options->pixel_clock_hz, "Pixel clock in Hz, which the time stamps count.")
+      ->transform(real_number(kLeastPixelClockHz, kMostPixelClockHz))
       ->type_name("HZ")
       ->capture_default_str();
-  command->add_option("--count", options->count, "Frames to play; without it, all of the source once")->type_name("N");
-  command->add_option("--seconds", options->seconds, "How long to play, again and again")->type_name("S");
-  command->add_flag("--loop", options->loop, "Play again and again, until Ctrl-C");
-  command
-      ->add_option("--slots", options->slots,
-                   fmt::format("Packets that the ring holds, a power of two [{}, or fewer where /dev/shm is small]",
-                               RingWriter::kDeepSlots))
-      ->type_name("N");
-  command->add_flag("--wait-for-reader", options->wait_for_reader, "Begin when someone has opened the ring");
-  command->add_flag("--keep", options->keep, "Leave the ring there at the end, for a reader that comes later");
+  command->add_option("--count", options->count, "Frames to play, repeating the source as needed.")
+      ->transform(whole_number(1))
+      ->type_name("N")
+      ->default_str("the source once");
+  command->add_option("--seconds", options->seconds, "Seconds to play, repeating the source as needed.")
+      ->transform(real_number(0, 1e9))
+      ->type_name("S");
+  command->add_flag("--loop", options->loop, "Repeat the source until Ctrl-C.");
   command->callback([options] { run_board(*options); });
 }
 

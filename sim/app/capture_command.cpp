@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/command_line.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
@@ -32,7 +33,7 @@ struct CaptureOptions {
   std::string scene;
   std::string rig;
   std::string patterns;
-  std::string board;
+  std::string chessboard;
   double square_mm = 0;
   int poses = 8;
   double tilt_deg = 30;
@@ -44,15 +45,15 @@ struct CaptureOptions {
 
 void run_capture(const CaptureOptions& options) {
   constexpr int kMostCorners = 200;
-  if (options.scene.empty() == options.board.empty()) {
-    throw UserError("--scene, --board", "one of them is needed, and not both");
+  if (options.scene.empty() == options.chessboard.empty()) {
+    throw UserError("--scene, --chessboard", "give one of them, not both");
   }
-  if (!options.board.empty() && !(options.square_mm > 0)) {
-    throw UserError("--square", "is needed with --board");
+  if (!options.chessboard.empty() && !(options.square_mm > 0)) {
+    throw UserError("--square", "is required with --chessboard");
   }
   OutputFolder out(options.out);
-  if (!options.board.empty() && std::filesystem::exists(options.out)) {
-    throw UserError(options.out, "is there already; poses need a new folder");
+  if (!options.chessboard.empty() && std::filesystem::exists(options.out)) {
+    throw UserError(options.out, "exists already; poses need a new folder");
   }
   Rig rig = load_rig(options.rig);
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
@@ -68,7 +69,7 @@ void run_capture(const CaptureOptions& options) {
   settings.render.shot_noise = settings.render.read_noise = !options.without_noise;
   settings.threads = options.threads;
   settings.done = [&] { progress->update(++done); };
-  if (options.board.empty()) {
+  if (options.chessboard.empty()) {
     const std::unique_ptr<Scene> scene = make_scene(options.scene, rig);
     if (scene->speed() != 0) {
       throw UserError(options.scene, "moves on this rig's conveyor; patterns are captured of what stands still");
@@ -76,7 +77,7 @@ void run_capture(const CaptureOptions& options) {
     progress.emplace("image", files.size());
     capture_scene(rig, *scene, patterns, settings, out);
   } else {
-    const FrameSize corners = size_of_text("--board", options.board, kMostCorners);
+    const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
     const ChessboardShape shape{corners.columns, corners.rows, options.square_mm};
     const std::vector<ChessboardPlace> places = chessboard_places(rig, shape, options.poses, options.tilt_deg);
     progress.emplace("image", files.size() * places.size());
@@ -85,44 +86,65 @@ void run_capture(const CaptureOptions& options) {
   progress.reset();
   out.commit();
   fmt::print("{} images of {}, {}, rig {}, seed {} → {}\n", done, size_text(rig.camera.rows, rig.camera.columns),
-             options.board.empty() ? "scene " + options.scene
-                                   : fmt::format("board of {} corners in {} poses", options.board, options.poses),
+             options.chessboard.empty()
+                 ? "scene " + options.scene
+                 : fmt::format("chessboard of {} corners in {} poses", options.chessboard, options.poses),
              rig.name, rig.imaging.seed, out.name());
 }
 
 }  // namespace
 
 void add_capture_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "capture", "The camera's images under each pattern of a folder: of a scene, or of a chessboard in several poses");
+  CLI::App* command = add_command(
+      app, {.name = "capture",
+            .purpose = "Captures a scene or a chessboard under each pattern of a folder, with a simulated camera.",
+            .details = "A scene (--scene) gives image_00.png and so on. A chessboard (--chessboard) gives "
+                       "pose_01/image_00.png and so on, and truth.json with the true camera, projector and poses.",
+            .examples = R"(
+# Capture a scene under the patterns of its projector.
+selfproj pattern gray --rig scanner --out patterns
+selfproj-sim capture --rig scanner --scene desk --patterns patterns --out desk
+
+# Capture a chessboard in 2 poses, as `selfproj calibrate` takes it.
+selfproj-sim capture --rig scanner --patterns patterns --chessboard 9x7 --square 21 --poses 2 \
+  --out captures
+)"});
   const auto options = std::make_shared<CaptureOptions>();
-  command->add_option("--rig", options->rig, "A built-in rig or a YAML file")->required();
-  command->add_option("--patterns", options->patterns, "Folder of images of the projector's size, as of `pattern gray`")
+  begin_group(*command, "Rig and patterns");
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file.")->type_name("RIG")->required();
+  command
+      ->add_option("--patterns", options->patterns,
+                   "Folder of images of the projector's size, such as `selfproj pattern gray` writes.")
       ->type_name("DIR")
       ->required();
-  command->add_option("--scene", options->scene, "A scene that stands still: image_00.png ...")->type_name("SCENE");
-  command
-      ->add_option(
-          "--board", options->board,
-          "Instead, a chessboard of so many inner corners along columns and rows: pose_01/image_00.png ... and "
-          "truth.json")
+  begin_group(*command, "What is captured (one of --scene and --chessboard is required)");
+  command->add_option("--scene", options->scene, "A scene that stands still, of `selfproj-sim scene list`.")
+      ->type_name("NAME");
+  command->add_option("--chessboard", options->chessboard, "Inner corners along the two sides of a chessboard.")
       ->type_name("NxM");
-  command->add_option("--square", options->square_mm, "Side of its squares")
-      ->check(CLI::PositiveNumber)
+  command->add_option("--square", options->square_mm, "Side of a square in mm. Required with --chessboard.")
+      ->transform(number_above_zero())
       ->type_name("MM");
-  command->add_option("--poses", options->poses, "Number of its poses")
-      ->check(CLI::Range(1, 99))
+  command->add_option("--poses", options->poses, "Number of poses of the chessboard.")
+      ->transform(whole_number(1, 99))
+      ->type_name("N")
       ->capture_default_str();
-  command->add_option("--tilt", options->tilt_deg, "How far it leans in all poses but the first")
-      ->check(CLI::Range(0.0, 60.0))
+  command->add_option("--tilt", options->tilt_deg, "Angle in degrees by which it leans in all poses but the first.")
+      ->transform(real_number(0, 60))
       ->type_name("DEG")
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of the noise, instead of the rig's");
-  command->add_flag("--without-noise", options->without_noise, "No shot noise and no read noise");
-  command->add_option("--threads", options->threads, "Threads; default: one a core")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
-  command->add_option("--out", options->out, "Folder for the images; of a board, a new one")
+  begin_group(*command, "Simulation");
+  command->add_option("--seed", options->seed, "Seed of the noise.")
+      ->transform(whole_number(0))
+      ->type_name("N")
+      ->default_str("the rig's");
+  command->add_flag("--without-noise", options->without_noise, "Leave out shot noise and read noise.");
+  command->add_option("--threads", options->threads, "Threads to use.")
+      ->transform(whole_number(1, 1024))
+      ->type_name("N")
+      ->default_str("one for each core");
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for the images. With --chessboard it must be new.")
       ->type_name("DIR")
       ->required();
   command->callback([options] { run_capture(*options); });

@@ -1,11 +1,12 @@
 #include "sim/app/cosim_command.h"
 
 #include <CLI/CLI.hpp>
-#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "host/io/command_line.h"
 #include "host/io/frame_options.h"
 #include "host/structured_light/stripe_code.h"
 #include "model/gray_decoder.h"
@@ -14,117 +15,189 @@
 #include "sim/scene/renderer.h"
 
 namespace selfproj {
+namespace {
 
-void add_cosim_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "cosim", "Frames through camera, board and driver to profiles; every packet compared with the model");
-  const auto options = std::make_shared<CosimOptions>();
-  CLI::Option* scene = command->add_option("--scene", options->scene, "Scene under the simulated camera (scene list)")
-                           ->type_name("NAME")
-                           ->capture_default_str();
-  CLI::Option* frames =
-      command
-          ->add_option("--frames", options->frames, "Recorded images instead: files, or patterns such as 'run/*.png'")
-          ->type_name("PATTERN")
-          ->excludes(scene);
-  command
-      ->add_option("--background", options->background,
-                   "The same views without the line, one for each frame, to be subtracted before the board sees them")
+constexpr std::int64_t kLastFrame = std::int64_t{1} << 30U;
+
+void add_source_options(CLI::App& command, CosimOptions& options) {
+  begin_group(command, "Source of the frames");
+  CLI::Option* scene =
+      command.add_option("--scene", options.scene, "Scene under the simulated camera, of `selfproj-sim scene list`.")
+          ->type_name("NAME")
+          ->capture_default_str();
+  CLI::Option* frames = add_files(command, "--frames", options.frames,
+                                  "Recorded images instead: files, or quoted patterns such as 'run/*.png'.")
+                            ->type_name("PATTERN")
+                            ->excludes(scene);
+  add_files(
+      command, "--background", options.background,
+      "The same views without the line, one for each frame. They are subtracted before the board sees the frames.")
       ->type_name("PATTERN")
       ->needs(frames);
-  command->add_option("--engine", options->engine, "What computes: the board's RTL, the HLS kernel, the model")
-      ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
+  add_channel_option(command, options.channel);
+  command.add_option("--first", options.first, "First frame to take, from 1.")
+      ->transform(whole_number(1, kLastFrame))
+      ->type_name("N")
       ->capture_default_str();
-  command
-      ->add_option("--rig", options->rig,
-                   "Built-in rig or its YAML file (scenes: light-section, or scanner; recorded images: none, so that "
-                   "only moments "
-                   "and centroids come out)")
-      ->type_name("RIG");
-  command->add_flag("--residual", options->residual,
-                    "Measure the reference part once with its own pattern, keep each column's offset and remove it");
-  command
-      ->add_option("--real-rig", options->real_rig,
-                   "Rig that takes the images, where it is not quite what --rig says (an error of calibration)")
-      ->type_name("RIG");
-  command->add_option("--channel", options->channel, "What to take of colour images")
-      ->check(CLI::IsMember(channel_names()));
-  command
-      ->add_option("--mode", options->mode,
-                   "A lit pixel weighs 1 (binary), its value (grey), its value - T (grey-over) [the rig's]")
-      ->check(CLI::IsMember(mode_names()));
-  command
-      ->add_option("--threshold", options->threshold,
-                   "A pixel is lit where it is greater than this; a scanner's pair is ambiguous where it differs "
-                   "by no more [the rig's]")
-      ->check(CLI::Range(0, 255))
-      ->type_name("T");
-  command->add_option("--seed", options->seed, "Of all that is random [the rig's]")->type_name("N");
+  command.add_option("--count", options.count, "Number of frames to take.")
+      ->transform(whole_number(1, kLastFrame))
+      ->type_name("N")
+      ->default_str("all");
   std::vector<std::string> names;
   for (const auto& [name, flag] : kDisturbances) {
     if (flag != &RenderOptions::quantization) {  // the board takes 8 bits
       names.emplace_back(name);
     }
   }
-  command->add_option("--without", options->without, "Leaves these out of the simulated camera's image, comma between")
+  command
+      .add_option("--without", options.without, "Disturbances to leave out of the images, with commas between them.")
       ->delimiter(',')
-      ->check(CLI::IsMember(names));
-  command->add_option("--first", options->first, "Frame to begin with")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30U))
+      ->check(one_of(names))
+      ->type_name("NAME,...");
+  command.add_option("--seed", options.seed, "Seed of everything random.")
+      ->transform(whole_number(0))
       ->type_name("N")
+      ->default_str("the rig's");
+}
+
+void add_measuring_options(CLI::App& command, CosimOptions& options) {
+  begin_group(command, "Measuring");
+  command
+      .add_option("--engine", options.engine,
+                  "What computes: the board's RTL, the same with the HLS circuits in place of its own, or the model.")
+      ->check(one_of({"rtl", "hls", "model"}))
+      ->type_name("ENGINE")
       ->capture_default_str();
-  command->add_option("--count", options->count, "Frames [all]")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30U))
-      ->type_name("N");
-  command->add_option("--bus-stall", options->bus_stall, "Share of the bus's clocks in which it takes nothing, percent")
-      ->check(CLI::Range(0, 95))
+  command
+      .add_option("--rig", options.rig,
+                  "Built-in rig or YAML file. Recorded images need one for profiles; without it only moments and "
+                  "centroids come out.")
+      ->type_name("RIG")
+      ->default_str("the scene's");
+  command
+      .add_option(
+          "--threshold", options.threshold,
+          "A pixel is lit where its grey value is greater than T. With a scanner, a pair of images that differs "
+          "by at most T is ambiguous.")
+      ->transform(whole_number(0, 255))
+      ->type_name("T")
+      ->default_str("the rig's");
+  command
+      .add_option("--bus-stall", options.bus_stall,
+                  "Share of the bus clocks in which the bus takes nothing, in percent.")
+      ->transform(whole_number(0, 95))
       ->type_name("PERCENT")
       ->capture_default_str();
-  command->add_option("--out", options->out, "Folder for tables, cloud, images, report; without it only the comparison")
+  begin_group(command, "Light section");
+  command
+      .add_option("--mode", options.mode,
+                  "What a lit pixel weighs: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
+      ->check(one_of(mode_names()))
+      ->type_name("MODE")
+      ->default_str("the rig's");
+  command.add_flag("--residual", options.residual,
+                   "Measure the good part once under its own pattern, and subtract each column's offset.");
+  command
+      .add_option("--real-rig", options.real_rig,
+                  "Rig that takes the images where it differs from --rig, as an error of calibration.")
+      ->type_name("RIG")
+      ->default_str("--rig");
+}
+
+void add_scanner_options(CLI::App& command, CosimOptions& options) {
+  begin_group(command, "Scenes of a scanner");
+  command.add_option("--bits", options.bits, "Bits of the Gray code.")
+      ->transform(whole_number(1, GrayDecoder::kMaxBits))
+      ->type_name("M")
+      ->default_str("8; 4 where self-projected");
+  command.add_flag("--no-median", options.no_median, "Take the codes without the 3 x 3 median.");
+  command
+      .add_option("--min-difference", options.min_difference,
+                  "A pixel has moved only if it differs from the background by more than this many mm.")
+      ->transform(real_number(0, 1000))
+      ->type_name("MM")
+      ->default_str("10");
+  command
+      .add_option("--max-change", options.max_change,
+                  "A pixel has moved only if its depth changed by at most this many mm since the last depth image.")
+      ->transform(real_number(0, 1000))
+      ->type_name("MM")
+      ->default_str("10");
+  command
+      .add_option("--min-neighbours", options.min_neighbours,
+                  "A pixel has moved only if at least this many of the 8 pixels around it have moved too and are as "
+                  "close in z.")
+      ->transform(whole_number(0, 8))
+      ->type_name("N")
+      ->default_str("6");
+  command.add_option("--e", options.e, "Self-projected structured light: codes that are searched below the reference.")
+      ->transform(whole_number(0, (1 << Stripes::kMaxBits) - 1))
+      ->type_name("E")
+      ->default_str("8 for the cuboids, else 0");
+}
+
+void add_output_options(CLI::App& command, CosimOptions& options) {
+  begin_group(command, "Output");
+  command
+      .add_option("--out", options.out,
+                  "Folder for tables, cloud, images and report. Without it the packets are only compared.")
       ->type_name("DIR");
   command
-      ->add_option("--picture-frame", options->pictures,
-                   "Frames of this run, from 1, to show as frame_K.png with the line found [the middle one; of "
-                   "recorded images the first ten]")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30U))
-      ->type_name("K");
-  command->add_option("--packets", options->packets, "Keeps the stream of packets, for selfproj-sim board --replay")
+      .add_option("--picture-frame", options.pictures,
+                  "Frames of this run, from 1, to save as frame_K.png with the line found. With a scanner they must "
+                  "complete a code image.")
+      ->transform(whole_number(1, kLastFrame))
+      ->type_name("K")
+      ->default_str("the middle one; of recorded images the first ten; with a scanner four");
+  command.add_option("--packets", options.packets, "File for the stream of packets, as a device delivers it.")
       ->type_name("FILE");
-  command
-      ->add_option("--bits", options->bits,
-                   "With a scanner's scene: bits of the Gray code [8; 4 where it is self-projected]")
-      ->check(CLI::Range(1, GrayDecoder::kMaxBits))
-      ->type_name("M");
-  command->add_flag("--no-median", options->no_median, "With a scanner's scene: codes without the 3 x 3 median");
-  command
-      ->add_option("--min-difference", options->min_difference,
-                   "With a scanner's scene: from the background, mm, of what counts as moved [10]")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->type_name("MM");
-  command
-      ->add_option("--max-change", options->max_change,
-                   "With a scanner's scene: from one depth image to the next, mm, of what counts as moved [10]")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->type_name("MM");
-  command
-      ->add_option(
-          "--min-neighbours", options->min_neighbours,
-          "With a scanner's scene: of the 8 pixels around, moved and as near in z, for what counts as moved [6]")
-      ->check(CLI::Range(0, 8))
-      ->type_name("N");
-  command
-      ->add_option("--e", options->e,
-                   "With a scene of self-projected structured light: cells below the reference that are searched [8 of "
-                   "the cuboids, else 0]")
-      ->check(CLI::Range(0, (1 << Stripes::kMaxBits) - 1))
-      ->type_name("CELLS");
   CLI::Option* trace =
-      command->add_option("--trace", options->trace, "Waveforms of the board (engine rtl)")->type_name("FILE.fst");
-  command->add_option("--trace-from", options->trace_from, "... from this frame of this run on, from 1")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30U))
+      command.add_option("--trace", options.trace, "File for the waveforms of the board (engine rtl).")
+          ->type_name("FILE.fst");
+  command.add_option("--trace-from", options.trace_from, "First frame of this run, from 1, in the waveforms.")
+      ->transform(whole_number(1, kLastFrame))
       ->type_name("F")
       ->needs(trace)
       ->capture_default_str();
+}
+
+}  // namespace
+
+void add_cosim_command(CLI::App& app) {
+  CLI::App* command = add_command(
+      app,
+      {.name = "cosim",
+       .purpose =
+           "Sends frames through camera, board and driver to profiles, and compares every packet with the model.",
+       .details =
+           "Camera, conveyor, board and bus run in SystemC with their real timing; the driver is the one of the real "
+           "board. The pattern is computed from the scene's good part, so that its line is straight where the part "
+           "is as it should be. The last line says what was compared; the exit status is 1 where a packet "
+           "differs.\n\n"
+           "With a scene of a scanner the projector shows Gray codes, and the board decodes them. From frame 2M on, "
+           "every second frame completes a depth image. A cycle of frames of the scene's background is decoded "
+           "beforehand.\n\n"
+           "Recorded images have 8 bits, one size and a multiple of 4 columns. With --rig they are measured from the "
+           "straight line on the plane.",
+       .examples = R"(
+# 20 frames of the marked stairs, with all results in the folder part.
+selfproj-sim cosim --count 20 --out part
+
+# Recorded images, by the model, with the packets kept.
+selfproj-sim scene render stairs --count 4 --out frames
+selfproj-sim cosim --frames 'frames/*.png' --threshold 60 --engine model --packets seen.packets
+
+# Waveforms of the board from the second frame on.
+selfproj-sim cosim --scene mountain --count 2 --trace board.fst --trace-from 2
+
+# A fist before a scanner, two turns (takes minutes)
+selfproj-sim cosim --scene fist --count 588 --out fist
+)"});
+  const auto options = std::make_shared<CosimOptions>();
+  add_source_options(*command, *options);
+  add_measuring_options(*command, *options);
+  add_scanner_options(*command, *options);
+  add_output_options(*command, *options);
   command->callback([options] { run_cosim(*options); });
 }
 

@@ -16,6 +16,7 @@
 #include <system_error>
 #include <vector>
 
+#include "host/io/command_line.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
@@ -140,33 +141,45 @@ void run_decode(const DecodeOptions& options) {
 }  // namespace
 
 void add_decode_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "decode",
-      "Gray codes of image files: positive and negative of plane 0 (the most significant bit), of plane 1, ...");
+  CLI::App* command = add_command(
+      app,
+      {.name = "decode",
+       .purpose = "Decodes Gray-code images to code images, as the board does.",
+       .details = "The images are the positive and the negative of each bit in turn, most significant bit first: pos0 "
+                  "neg0 pos1 neg1 ... From pair M on, every pair completes a code image. The output folder gets, for "
+                  "pair K counted from 0,\n"
+                  "- code_KKKK.png: 16-bit codes, 0 where not measurable\n"
+                  "- measurable_KKKK.png: 255 where measurable, else 0\n\n"
+                  "The images have 8 bits, one size and a multiple of 4 columns. The RTL and the HLS kernel take up to "
+                  "4096 columns and 4095 rows.",
+       .examples = R"(
+# Render a scene under 8-bit Gray codes, and decode the images with the board's RTL.
+selfproj-sim scene render desk --count 16 --out codes
+selfproj-sim decode --bits 8 --out decoded codes/frame_*.png
+)"});
   const auto options = std::make_shared<DecodeOptions>();
-  command->add_option("--engine", options->engine, "What decodes them: the board's RTL, the HLS kernel, the model")
-      ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
+  begin_group(*command, "Decoding");
+  command
+      ->add_option("--engine", options->engine,
+                   "What decodes the images: the board's RTL, the HLS kernel or the model. They give the same.")
+      ->check(one_of({"rtl", "hls", "model"}))
+      ->type_name("ENGINE")
       ->capture_default_str();
-  command->add_option("--bits", options->bits, "Pairs of images in a cycle")
-      ->check(CLI::Range(1, GrayDecoder::kMaxBits))
+  command->add_option("--bits", options->bits, "Bits of the code, which are pairs of images.")
+      ->transform(whole_number(1, GrayDecoder::kMaxBits))
       ->type_name("M")
       ->required();
-  command->add_option("--threshold", options->threshold, "A pair is ambiguous where it differs by no more than this")
-      ->check(CLI::Range(0, 255))
+  command
+      ->add_option("--threshold", options->threshold,
+                   "A pair of images that differs by at most this many grey levels is ambiguous.")
+      ->transform(whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
-  command->add_flag("--median", options->median, "3 x 3 median of the measurable codes");
-  command->add_option("--channel", options->channel, "What to take of colour images")
-      ->check(CLI::IsMember(channel_names()));
-  command
-      ->add_option("--out", options->out,
-                   "Folder for code_KKKK.png (16 bits, 0 where not measurable) and measurable_KKKK.png (0 or 255), "
-                   "KKKK = number of the pair, from 0")
-      ->type_name("DIR")
-      ->required();
-  command->add_option("IMAGE", options->images, "8-bit images of one size, columns a multiple of 4, an even number")
-      ->type_name("FILE")
-      ->required();
+  command->add_flag("--median", options->median, "Apply a 3 x 3 lower median to the measurable codes.");
+  add_channel_option(*command, options->channel);
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for the code images.")->type_name("DIR")->required();
+  add_files(*command, "IMAGE", options->images, "Images in the order of the patterns, an even number.")->required();
   command->callback([options] { run_decode(*options); });
 }
 

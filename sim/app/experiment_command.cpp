@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/command_line.h"
 #include "host/structured_light/stripe_code.h"
 #include "sim/experiment/experiment.h"
 #include "sim/scene/renderer.h"
@@ -14,39 +15,58 @@ namespace selfproj {
 
 void add_experiment_command(CLI::App& app) {
   auto options = std::make_shared<ExperimentOptions>();
-  CLI::App* command = app.add_subcommand(
-      "experiment", "Run an experiment of the thesis in simulation: published figures beside measured ones");
-  command
-      ->add_option(
-          "NAME", options->name,
-          "A1 (mountain), A2 (stairs with carved marks); structured light: B4 (cuboids), B7 (mouse), B8 (hands)")
+  CLI::App* command = add_command(
+      app, {.name = "experiment",
+            .purpose = "Repeats an experiment of the thesis in simulation, and compares it with the published figures.",
+            .details = "The experiments are\n"
+                       "- A1: light section of a mountain\n"
+                       "- A2: light section of stairs with carved marks\n"
+                       "- B4: structured light on cuboids\n"
+                       "- B7: structured light on a moving mouse\n"
+                       "- B8: structured light on two moving hands\n\n"
+                       "The exit status is 1 where a figure is not reached.",
+            .examples = R"(
+# Experiment A1 on every 50th frame, as a quick look.
+selfproj-sim experiment A1 --every 50 --out mountain
+
+# All of A2, with a table of what each source of error costs (takes minutes)
+selfproj-sim experiment A2 --sources --out stairs
+)"});
+  command->add_option("NAME", options->name, "Name of the experiment.")
       ->required()
-      ->check(CLI::IsMember({"A1", "A2", "B4", "B7", "B8"}));
-  command->add_option("--rig", options->rig, "Built-in rig or YAML file (default: that of the experiment)");
-  command->add_option("--out", options->out, "Folder for the files of the inspection and the report");
-  command->add_option("--every", options->every, "Take every so many frames only")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_flag_callback(
-      "--no-residual", [options] { options->residual = false; }, "Do not measure and remove the reference's residual");
-  command->add_flag_callback(
-      "--gray-scan", [options] { options->scan = ScanMethod::gray_codes; },
-      "B4, B7, B8: scan the reference by Gray codes, not line by line");
-  command
-      ->add_option("--e", options->e,
-                   "B4, B7, B8: cells below the reference that are searched [that of the experiment: 8, 0, 0]")
-      ->check(CLI::Range(0, (1 << Stripes{}.bits) - 1))
-      ->type_name("CELLS");
+      ->check(one_of({"A1", "A2", "B4", "B7", "B8"}));
+  begin_group(*command, "Settings");
+  command->add_option("--rig", options->rig, "Built-in rig or YAML file.")
+      ->type_name("RIG")
+      ->default_str("that of the experiment");
   std::vector<std::string> sources;
   for (const Disturbance& source : kDisturbances) {
     sources.emplace_back(source.name);
   }
-  command->add_option("--off", options->off, "Switch error sources off, comma between")
+  command->add_option("--off", options->off, "Sources of error to switch off, with commas between them.")
       ->delimiter(',')
-      ->check(CLI::IsMember(sources));
-  command->add_flag(
-      "--sources", options->sources,
-      "Also the table of error sources: the self-projected measurement with each of them off in its turn");
+      ->check(one_of(sources))
+      ->type_name("NAME,...");
+  begin_group(*command, "Light section (A1, A2)");
+  command->add_option("--every", options->every, "Take only one frame of so many.")
+      ->transform(whole_number(1, 1000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_flag_callback(
+      "--no-residual", [options] { options->residual = false; },
+      "Do not measure and remove the residual of the reference.");
+  command->add_flag("--sources", options->sources,
+                    "Also print the table of error sources: the measurement with each of them off in turn.");
+  begin_group(*command, "Structured light (B4, B7, B8)");
+  command->add_flag_callback(
+      "--gray-scan", [options] { options->scan = ScanMethod::gray_codes; },
+      "Scan the reference by Gray codes, not line by line.");
+  command->add_option("--e", options->e, "Codes that are searched below the reference.")
+      ->transform(whole_number(0, (1 << Stripes{}.bits) - 1))
+      ->type_name("E")
+      ->default_str("8 for B4, 0 for B7 and B8");
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for images, tables and report.")->type_name("DIR");
   command->callback([options] { run_experiment(*options); });
 }
 

@@ -11,7 +11,20 @@
 
 int main(int argc, char** argv) {
   return selfproj::program_main(
-      "selfproj-sim", "Simulated board of the light-section inspection",
+      {.name = "selfproj-sim",
+       .purpose = "Simulates what surrounds the board, and runs the board's circuits cycle by cycle.",
+       .details =
+           "The exit status is 0 for success, 1 for a failed check and 2 for bad usage or input. An error is one line "
+           "on "
+           "standard error that names the file or option and the reason.\n\n"
+           "Output files and folders are written whole or not at all. Missing parent folders are made.\n\n"
+           "Numbered files are taken by number, img2 before img10: all files of a folder or a quoted pattern, and "
+           "lists in alphabetical order, as a shell expands img*.png. Lists in any other order are taken as "
+           "given.",
+       .examples = R"(
+# Send 20 simulated frames through the board's RTL and the driver, and compare every packet with the model.
+selfproj-sim cosim --count 20 --out part
+)"},
       [](CLI::App& app) {
         selfproj::add_cosim_command(app);
         selfproj::add_moments_command(app);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/command_line.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_file.h"
@@ -108,28 +109,41 @@ void run_moments(const MomentsOptions& options) {
 }  // namespace
 
 void add_moments_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("moments", "Column moments of image files, one image a frame, rows down");
+  CLI::App* command = add_command(
+      app,
+      {.name = "moments",
+       .purpose = "Computes the column moments of image files, as the board does for camera frames.",
+       .details =
+           "Each image is a frame. The table has the columns frame, column, m0, m1 and n. Frames, columns and rows "
+           "are counted from 1; n is the number of lit pixels. The line crosses a column at row m1 / m0.\n\n"
+           "The images have 8 bits, one size, a multiple of 4 columns up to 2048, and up to 1023 rows.",
+       .examples = R"(
+# Render 4 frames, and compute their moments with the board's RTL.
+selfproj-sim scene render stairs --count 4 --out frames
+selfproj-sim moments --mode grey-over --threshold 60 --out moments.csv frames/frame_*.png
+)"});
   const auto options = std::make_shared<MomentsOptions>();
-  command->add_option("--engine", options->engine, "What computes them: the board's RTL, the HLS kernel, the model")
-      ->check(CLI::IsMember(std::vector<std::string>{"rtl", "hls", "model"}))
-      ->capture_default_str();
-  command->add_option("--threshold", options->threshold, "A pixel is lit where it is greater than this")
-      ->check(CLI::Range(0, 255))
-      ->type_name("T")
+  begin_group(*command, "Measuring");
+  command
+      ->add_option("--engine", options->engine,
+                   "What computes the moments: the board's RTL, the HLS kernel or the model. They give the same.")
+      ->check(one_of({"rtl", "hls", "model"}))
+      ->type_name("ENGINE")
       ->capture_default_str();
   command
       ->add_option("--mode", options->mode,
-                   "A lit pixel weighs 1 (binary), its value (grey), its value - T (grey-over)")
-      ->check(CLI::IsMember(mode_names()))
+                   "What a lit pixel weighs: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
+      ->check(one_of(mode_names()))
+      ->type_name("MODE")
       ->capture_default_str();
-  command->add_option("--channel", options->channel, "What to take of colour images")
-      ->check(CLI::IsMember(channel_names()));
-  command->add_option("--out", options->out, "Table to write: frame,column,m0,m1,n, counted from 1")
-      ->type_name("FILE.csv")
-      ->required();
-  command->add_option("IMAGE", options->images, "8-bit images of one size, columns a multiple of 4")
-      ->type_name("FILE")
-      ->required();
+  command->add_option("--threshold", options->threshold, "A pixel is lit where its grey value is greater than T.")
+      ->transform(whole_number(0, 255))
+      ->type_name("T")
+      ->capture_default_str();
+  add_channel_option(*command, options->channel);
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Table to write.")->type_name("FILE.csv")->required();
+  add_files(*command, "IMAGE", options->images, "Images in the order of the frames.")->required();
   command->callback([options] { run_moments(*options); });
 }
 

@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/command_line.h"
 #include "host/io/float_image.h"
 #include "host/io/image_files.h"
 #include "host/io/output_file.h"
@@ -272,62 +273,93 @@ void list() {
   }
 }
 
-void add_render(CLI::App& scene) {
-  CLI::App* command = scene.add_subcommand("render", "Write the camera's images of a scene, and the true heights");
-  const auto options = std::make_shared<SceneOptions>();
-  CLI::Option* name = command->add_option("SCENE", options->scene, "One of `scene list`");
-  CLI::Option* map = command->add_option("--height-map", options->height_map,
-                                         "A part instead of a scene: heights over the plane in mm, 32-bit floats, rows "
-                                         "along the conveyor (first row first), NaN bare plane");
+void add_part_options(CLI::App& command, SceneOptions& options) {
+  CLI::Option* name = command.add_option("SCENE", options.scene, "A scene of `selfproj-sim scene list`.");
+  begin_group(command, "Part and rig");
+  CLI::Option* map =
+      command.add_option("--height-map", options.height_map,
+                         "A part instead of a scene: heights over the plane in mm as 32-bit floats. Rows run "
+                         "along the conveyor, the first one first; NaN is bare plane.");
   map->type_name("FILE.tiff")->excludes(name);
   CLI::Option* scale =
-      command->add_option("--mm-per-pixel", options->mm_per_pixel, "Side of a pixel of the height map");
-  scale->type_name("S")->needs(map);
+      command.add_option("--mm-per-pixel", options.mm_per_pixel, "Side of a pixel of the height map in mm.");
+  scale->transform(number_above_zero())->type_name("MM")->needs(map);
   map->needs(scale);
-  command->add_option("--rig", options->rig, "A built-in rig or a YAML file; default: the scene's own");
-  command
-      ->add_option("--pattern", options->patterns,
-                   "What the projector shows, its lines x columns: light 0..1 in 32-bit floats (.tiff) or 0..255 "
-                   "(.png); default: a straight line in the middle of the image of the plane. With a scanner: "
-                   "several (once each, or commas between), one a frame, over and over; default: Gray codes")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->type_name("FILE");
-  command->add_option("--bits", options->bits, "With a scanner: Gray codes of so many bits [8]")
-      ->check(CLI::Range(1, kMostBits))
-      ->type_name("M");
-  command->add_option("--first", options->first, "First frame, from 1")
-      ->check(CLI::Range(1, kMostFrames))
+  command.add_option("--rig", options.rig, "Built-in rig or YAML file.")->type_name("RIG")->default_str("the scene's");
+  begin_group(command, "Frames");
+  command.add_option("--first", options.first, "First frame, from 1.")
+      ->transform(whole_number(1, kMostFrames))
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--count", options->count, "Number of frames; default: to the scene's end")
-      ->check(CLI::Range(1, kMostFrames))
-      ->type_name("N");
-  command->add_option("--seed", options->seed, "Of the noise, instead of the rig's");
+  command.add_option("--count", options.count, "Number of frames.")
+      ->transform(whole_number(1, kMostFrames))
+      ->type_name("N")
+      ->default_str("all to the end of the scene");
+}
+
+void add_light_options(CLI::App& command, SceneOptions& options) {
+  begin_group(command, "Light and camera");
+  add_files(command, "--pattern", options.patterns,
+            "Image of the projector's size that it shows: light 0 to 1 as 32-bit floats (.tiff), or 0 to 255. With a "
+            "scanner several, with commas between them: one for each frame, over and over.")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->default_str("a straight line on the plane; Gray codes with a scanner");
+  command.add_option("--bits", options.bits, "With a scanner: bits of the Gray codes that are shown.")
+      ->transform(whole_number(1, kMostBits))
+      ->type_name("M")
+      ->default_str(std::to_string(kDefaultBits));
   std::vector<std::string> switches;
   std::transform(kDisturbances.begin(), kDisturbances.end(), std::back_inserter(switches),
                  [](const Disturbance& entry) { return entry.name; });
   command
-      ->add_option("--without", options->without,
-                   "Sources of error to turn off, with commas between; without quantization frames are 32-bit TIFF")
+      .add_option(
+          "--without", options.without,
+          "Disturbances to leave out, with commas between them. Without quantization the frames are 32-bit TIFF.")
       ->delimiter(',')
-      ->check(CLI::IsMember(switches));
-  command->add_flag("--falloff", options->falloff, "Light falls with the squared distance from the projector");
-  command->add_option("--threads", options->threads, "Threads; default: one a core")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
+      ->check(one_of(switches))
+      ->type_name("NAME,...");
+  command.add_flag("--falloff", options.falloff, "Light falls with the squared distance from the projector.");
+  command.add_option("--seed", options.seed, "Seed of the noise.")
+      ->transform(whole_number(0))
+      ->type_name("N")
+      ->default_str("the rig's");
+  command.add_option("--threads", options.threads, "Threads to use.")
+      ->transform(whole_number(1, 1024))
+      ->type_name("N")
+      ->default_str("one for each core");
+}
+
+void add_render(CLI::App& scene) {
+  CLI::App* command = add_command(
+      scene,
+      {.name = "render",
+       .purpose = "Renders the camera images of a scene, and the true heights.",
+       .details = "The output folder gets frame_00001.png and so on, and pattern.tiff with what the projector shows. "
+                  "Frames of another run in the folder are an error. With a scanner the first frame that is rendered "
+                  "shows the first pattern, and there is no pattern.tiff.",
+       .examples = R"(
+# 4 frames of stairs that pass under the camera, with the true heights.
+selfproj-sim scene render stairs --first 700 --count 4 --truth frames/truth.tiff --out frames
+
+# A desk under 8-bit Gray codes, without noise.
+selfproj-sim scene render desk --count 16 --without shot-noise,read-noise --out codes
+)"});
+  const auto options = std::make_shared<SceneOptions>();
+  add_part_options(*command, *options);
+  add_light_options(*command, *options);
+  begin_group(*command, "Output");
   command
       ->add_option(
           "--truth", options->truth,
-          "True heights on the light sheet, mm: a row a frame, NaN where unseen. With a scanner: z of what each "
-          "pixel sees, mm, the frames one below the other")
+          fmt::format("True heights in mm where the light falls, one row for each frame, NaN where unseen. With a "
+                      "scanner: z in mm of what each pixel sees, frame below frame, up to {} frames.",
+                      kMostDepths))
       ->type_name("FILE.tiff");
-  command->add_option("--out", options->out, "Folder for frame_00001.png ... and pattern.tiff")
-      ->type_name("DIR")
-      ->required();
+  command->add_option("--out", options->out, "Folder for the frames.")->type_name("DIR")->required();
   command->callback([options] {
     if (options->scene.empty() && options->height_map.empty()) {
-      throw UserError("scene render", "name a scene, or give --height-map; `scene list` lists the scenes");
+      throw UserError("SCENE", "name a scene, or give --height-map; `selfproj-sim scene list` lists the scenes");
     }
     render(*options);
   });
@@ -336,9 +368,24 @@ void add_render(CLI::App& scene) {
 }  // namespace
 
 void add_scene_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("scene", "Scenes before the simulated camera");
+  CLI::App* command = add_command(app, {.name = "scene",
+                                        .purpose = "Lists and renders the scenes under the simulated camera.",
+                                        .details = {},
+                                        .examples = R"(
+# What scenes there are.
+selfproj-sim scene list
+)"});
   command->require_subcommand(1);
-  command->add_subcommand("list", "List the built-in scenes")->callback(list);
+  add_command(*command,
+              {.name = "list",
+               .purpose = "Lists the built-in scenes.",
+               .details = "A line shows the scene, its number of frames, its rig, its good part or background, "
+                          "and what is to be seen.",
+               .examples = R"(
+# What scenes there are.
+selfproj-sim scene list
+)"})
+      ->callback(list);
   add_render(*command);
 }
 

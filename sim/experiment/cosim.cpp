@@ -20,7 +20,6 @@
 #include "host/io/image_files.h"
 #include "host/io/output_file.h"
 #include "host/io/output_folder.h"
-#include "host/io/program_main.h"
 #include "host/io/progress.h"
 #include "host/io/results_file.h"
 #include "host/io/user_error.h"

@@ -12,7 +12,6 @@
 
 #include "host/io/float_image.h"
 #include "host/io/output_folder.h"
-#include "host/io/program_main.h"
 #include "host/io/progress.h"
 #include "host/io/results_file.h"
 #include "host/io/user_error.h"

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/io/frame_options.h"
+#include "host/io/natural_order.h"
 #include "host/io/user_error.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -78,9 +79,9 @@ std::vector<std::string> files_of_pattern(const std::string& option, const std::
   std::vector<std::string> files(found.gl_pathv, found.gl_pathv + (result == 0 ? found.gl_pathc : 0));
   globfree(&found);
   if (files.empty()) {
-    throw UserError(option + " " + pattern, "no such files");
+    throw UserError(option + " " + pattern, "no file matches");
   }
-  return files;
+  return in_natural_order(std::move(files));
 }
 
 }  // namespace selfproj

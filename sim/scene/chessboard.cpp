@@ -154,9 +154,10 @@ std::vector<ChessboardPlace> chessboard_places(const Rig& rig, const ChessboardS
       }
     }
     if (!visible(place)) {
-      throw UserError("--board", fmt::format("camera and projector do not both see all of it in pose {}; give smaller "
-                                             "squares or fewer of them",
-                                             k + 1));
+      throw UserError("--chessboard",
+                      fmt::format("camera and projector do not both see all of it in pose {}; give smaller "
+                                  "squares or fewer of them",
+                                  k + 1));
     }
     if (k > 0) {
       const double towards = 3 * lean + 0.5;

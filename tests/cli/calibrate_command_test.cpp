@@ -57,7 +57,7 @@ class CalibrateCommand : public ::testing::Test {
 
   static std::vector<std::string> usual(const std::string& out, const std::vector<std::string>& poses,
                                         const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"--board", "7x5", "--square", "40", "--projector", "96x80", "--out", out};
+    std::vector<std::string> arguments{"--chessboard", "7x5", "--square", "40", "--projector", "96x80", "--out", out};
     arguments.insert(arguments.end(), more.begin(), more.end());
     arguments.insert(arguments.end(), poses.begin(), poses.end());
     return arguments;
@@ -194,19 +194,20 @@ TEST_F(CalibrateCommand, WrongInputIsOneLine) {
   const std::vector<std::string> poses = all_poses();
   expect_refused(calibrate(usual("out", {"pose_0"})), "calibrate: 1 of 1 poses can be used; at least 2 are needed");
   const Outcome smaller =
-      calibrate({"--board", "6x5", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0", "pose_2"});
+      calibrate({"--chessboard", "6x5", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0", "pose_2"});
   expect_refused(smaller, "calibrate: 0 of 2 poses can be used; at least 2 are needed");
   EXPECT_NE(smaller.err.find("inner corners is seen, not one of 6 x 5"), std::string::npos) << smaller.err;
   expect_refused(
-      calibrate({"--board", "9x8", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0", "pose_1"}),
+      calibrate({"--chessboard", "9x8", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0", "pose_1"}),
       "calibrate: 0 of 2 poses can be used");
-  expect_refused(calibrate({"--board", "2x5", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0"}),
-                 "--board: is 2x5");
+  expect_refused(calibrate({"--chessboard", "2x5", "--square", "40", "--projector", "96x80", "--out", "out", "pose_0"}),
+                 "--chessboard: is 2x5");
   expect_refused(
-      calibrate({"--board", "7x5", "--square", "40", "--projector", "128x128", "--out", "out", "pose_0"}),
+      calibrate({"--chessboard", "7x5", "--square", "40", "--projector", "128x128", "--out", "out", "pose_0"}),
       "");  // codes mean other pixels, the number of images is the same: too few decode to the chessboard's place
-  expect_refused(calibrate({"--board", "7x5", "--square", "40", "--projector", "256x80", "--out", "out", "pose_0"}),
-                 "pose_0: has 30 images; 32 are due for a projector of 256 x 80: 8 pairs for columns, 7 for rows");
+  expect_refused(
+      calibrate({"--chessboard", "7x5", "--square", "40", "--projector", "256x80", "--out", "out", "pose_0"}),
+      "pose_0: has 30 images; 32 are due for a projector of 256 x 80: 8 pairs for columns, 7 for rows");
   expect_refused(calibrate(usual("out", {"pose_0", "nowhere"})), "nowhere: there is no such folder");
   expect_refused(calibrate(usual("out", {"pose_0", "pose_0"})), "POSE: a folder is there twice");
   fs::create_directory(*folder_ / "short");

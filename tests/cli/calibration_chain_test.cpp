@@ -47,11 +47,11 @@ class CalibrationChain : public ::testing::Test {
 
 TEST_F(CalibrationChain, ClosesOnItself) {
   ASSERT_EQ(host({"pattern", "gray", "--rig", "half.yaml", "--out", "patterns"}).status, 0);
-  const Outcome captured = sim({"capture", "--rig", "half.yaml", "--patterns", "patterns", "--board", "9x7", "--square",
-                                "21", "--poses", "6", "--out", "captures"});
+  const Outcome captured = sim({"capture", "--rig", "half.yaml", "--patterns", "patterns", "--chessboard", "9x7",
+                                "--square", "21", "--poses", "6", "--out", "captures"});
   ASSERT_EQ(captured.status, 0) << captured.err;
-  std::vector<std::string> calibrate{"calibrate", "--board", "9x7",       "--square", "21",    "--projector",
-                                     "512x384",   "--rig",   "half.yaml", "--out",    "result"};
+  std::vector<std::string> calibrate{"calibrate", "--chessboard", "9x7",       "--square", "21",    "--projector",
+                                     "512x384",   "--rig",        "half.yaml", "--out",    "result"};
   for (int pose = 1; pose <= 6; ++pose) {
     calibrate.push_back("captures/pose_0" + std::to_string(pose));
   }
@@ -119,16 +119,16 @@ TEST_F(CalibrationChain, WrongInputIsOneLine) {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   };
-  refused(with({"patterns"}), "--scene, --board: one of them is needed");
-  refused(with({"patterns", "--board", "9x7"}), "--square: is needed with --board");
-  refused(with({"patterns", "--board", "9x7", "--square", "80"}),
-          "--board: camera and projector do not both see all of it in pose 1");
+  refused(with({"patterns"}), "--scene, --chessboard: one of them is needed");
+  refused(with({"patterns", "--chessboard", "9x7"}), "--square: is needed with --chessboard");
+  refused(with({"patterns", "--chessboard", "9x7", "--square", "80"}),
+          "--chessboard: camera and projector do not both see all of it in pose 1");
   refused(with({"patterns", "--scene", "nothing"}), "nothing: is no scene");
   refused(with({"none", "--scene", "plane"}), "none: there is no such folder");
   refused(with({"small", "--scene", "plane"}), "small/pattern_00.png: ");
   std::filesystem::create_directory(folder_ / "there");
-  const Outcome outcome = sim({"capture", "--rig", "half.yaml", "--out", "there", "--patterns", "patterns", "--board",
-                               "5x5", "--square", "10", "--poses", "1"});
+  const Outcome outcome = sim({"capture", "--rig", "half.yaml", "--out", "there", "--patterns", "patterns",
+                               "--chessboard", "5x5", "--square", "10", "--poses", "1"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err.rfind("selfproj-sim: there: is there already", 0), 0U) << outcome.err;
 }
