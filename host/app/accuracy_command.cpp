@@ -65,11 +65,11 @@ std::string error_map(const Rig& rig) {
 void run_accuracy(const AccuracyOptions& options) {
   const Rig rig = load_rig(options.rig);
   if (rig.kind != RigKind::scanner) {
-    throw UserError("--rig", fmt::format("{} is no rig of kind scanner", options.rig));
+    throw UserError("--rig", fmt::format("{} is not a rig of kind scanner", options.rig));
   }
   const int codes = 1 << options.bits;
   if (options.e < 0 || options.e >= codes) {
-    throw UserError("--e", fmt::format("is {}; with {} bits it is 0 to {}", options.e, options.bits, codes - 1));
+    throw UserError("--e", fmt::format("is {}; {} bits allow 0 to {}", options.e, options.bits, codes - 1));
   }
   const double lines = options.line_width * codes;
   const double row = 0.5 * (rig.camera.rows - 1);

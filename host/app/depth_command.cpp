@@ -43,29 +43,30 @@ void check_options(const DepthOptions& options) {
   const DepthGeometry& geometry = options.setup.geometry;
   const ScannerSettings& scanner = options.setup.scanner;
   if (geometry.rig.empty() == geometry.calibration.empty()) {
-    throw UserError("--rig, --calibration", "one of them is needed, and not both");
+    throw UserError("--rig, --calibration", "give one of them, not both");
   }
   if (!geometry.rig.empty() && (geometry.row_bits > 0 || geometry.lines > 0 || geometry.row_lines > 0)) {
-    throw UserError("--row-bits, --lines, --row-lines", "go with --calibration; a rig has its own lines");
+    throw UserError("--row-bits, --lines, --row-lines", "go only with --calibration; a rig has its own lines");
   }
   if (geometry.row_bits > 0 && (scanner.median || !options.setup.background.empty())) {
-    throw UserError("--row-bits", "is for a single measurement; --median and --background go with one axis");
+    throw UserError("--row-bits", "measures once with both axes; --median and --background go only with one axis");
   }
   if (scanner.strict && scanner.median) {
-    throw UserError("--strict, --median", "exclude each other: the median fills what --strict leaves out");
+    throw UserError("--strict", "cannot be combined with --median, which fills what --strict leaves out");
   }
   if (options.images.empty() == options.device.empty()) {
-    throw UserError("IMAGE, --device", "one of them is needed, and not both");
+    throw UserError("IMAGE, --device", "give one of them, not both");
   }
   if (!options.device.empty()) {
     if (geometry.row_bits > 0 || scanner.strict || scanner.median || !options.channel.empty()) {
-      throw UserError("--device",
-                      "brings codes decoded on the board; --row-bits, --strict, --median, --channel are for images");
+      throw UserError(
+          "--device",
+          "delivers codes that the board has decoded; --row-bits, --strict, --median, --channel go only with images");
     }
     return;
   }
   if (options.count > 0) {
-    throw UserError("--count", "goes with --device");
+    throw UserError("--count", "goes only with --device");
   }
   const std::size_t count = options.images.size();
   const auto need = 2 * static_cast<std::size_t>(geometry.bits + geometry.row_bits);
@@ -78,7 +79,8 @@ void check_options(const DepthOptions& options) {
                                          geometry.bits + geometry.row_bits));
   }
   if (geometry.row_bits > 0 && count != need) {
-    throw UserError("IMAGE", fmt::format("{} images are too many; with --row-bits {} are taken", count, need));
+    throw UserError("IMAGE",
+                    fmt::format("{} images are too many; with --row-bits, exactly {} are needed", count, need));
   }
 }
 

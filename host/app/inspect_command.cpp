@@ -124,7 +124,7 @@ ReferenceProfile plane_reference(const Rig& rig) {
 Rig rig_of(const InspectOptions& options) {
   Rig rig = load_rig(options.rig);
   if (rig.kind != RigKind::light_section) {
-    throw UserError(options.rig, "is no rig for light section");
+    throw UserError(options.rig, "is not a rig of kind light-section");
   }
   if (options.pixel_clock_hz) {
     rig.board = RigBoard{.pixel_clock_hz = *options.pixel_clock_hz};
@@ -339,7 +339,7 @@ selfproj inspect --device file:part.packets --out part
 
 # Inspect at 10,000 frames a second: the board runs in a process of its own.
 selfproj-sim board --line 512x96 --ring line1 --count 20000 --wait-for-reader &
-selfproj inspect --device ring:line1 --wait-for-board --count 20000 --json counts.json
+selfproj inspect --device ring:line1 --wait-for-board --seconds 3 --json counts.json
 
 # Inspect what a real board delivers, beside a good part (needs hardware)
 selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --count 100000 \

@@ -68,8 +68,9 @@ ReferenceProfile scanned(const Rig& rig, const PatternOptions& options) {
   const std::vector<std::string> files = files_of_folder(options.scan);
   const std::vector<int> lines = sweep_lines(rig, options.every);
   if (files.size() != lines.size()) {
-    throw UserError(options.scan, fmt::format("has {} images; a sweep by {} of this rig has {}, of the lines {}..{}",
-                                              files.size(), options.every, lines.size(), lines.front(), lines.back()));
+    throw UserError(options.scan,
+                    fmt::format("has {} images; a sweep of this rig with --every {} has {}, of the lines {} to {}",
+                                files.size(), options.every, lines.size(), lines.front(), lines.back()));
   }
   LineScan scan(rig, options.every);
   for_each_image(rig, files, channel_of(options.channel),
@@ -97,7 +98,8 @@ void make_reference(const Rig& rig, const PatternOptions& options) {
   FloatImage pattern;
   if (made_before) {
     if (options.residual.empty()) {
-      throw UserError("--reference", options.reference + " has its pattern; with --residual its residual is taken out");
+      throw UserError("--reference",
+                      options.reference + " is a finished reference; give --residual to take out its residual");
     }
     reference = load_reference(rig, options.reference);
     pattern = load_pattern(rig, options.reference);
@@ -114,13 +116,13 @@ void make_reference(const Rig& rig, const PatternOptions& options) {
   }
   const std::string& source = options.scan.empty() ? options.reference : options.scan;
   if (reference.valid_columns() == 0) {
-    throw UserError(source, options.scan.empty() ? "no camera column sees it in the projector's light"
+    throw UserError(source, options.scan.empty() ? "no camera column sees the part in the projector's light"
                                                  : "no camera column sees the line cross its middle row");
   }
   if (!options.residual.empty()) {
     reference = with_residual_out(rig, options, reference);
     if (reference.valid_columns() == 0) {
-      throw UserError(options.residual, "the line is seen in none of the reference's columns");
+      throw UserError(options.residual, "no column of the reference sees the line");
     }
   }
   folder.append("reference.csv", reference_csv(rig, reference));
@@ -133,7 +135,7 @@ void make_reference(const Rig& rig, const PatternOptions& options) {
 void make_line(const Rig& rig, const PatternOptions& options) {
   if (!std::isfinite(*options.line) || *options.line < 0 || *options.line > rig.projector.lines - 1) {
     throw UserError("--line",
-                    fmt::format("is {}; the projector has the lines 0..{}", *options.line, rig.projector.lines - 1));
+                    fmt::format("is {}; the projector has lines 0 to {}", *options.line, rig.projector.lines - 1));
   }
   OutputFolder folder(options.out);
   const FloatImage pattern = draw_straight_line(rig, *options.line);
@@ -156,7 +158,7 @@ void make_sweep(const Rig& rig, const PatternOptions& options) {
 void run_pattern(const PatternOptions& options) {
   const Rig rig = load_rig(options.rig);
   if (sweep_lines(rig, options.every).empty()) {
-    throw UserError(options.rig, fmt::format("measure.line_width_px is {}; the projector has {} lines",
+    throw UserError(options.rig, fmt::format("measure.line_width_px is {}, too wide for the {} lines of the projector",
                                              rig.measure.line_width_px, rig.projector.lines));
   }
   if (options.line) {
@@ -289,7 +291,7 @@ selfproj pattern --reference roof.csv --out roof
 # The lines to scan a part with.
 selfproj pattern --sweep --every 4 --out lines
 
-# The pattern from the camera images of these lines on the part (needs captures)
+# The pattern from the camera images of these lines on the part (needs your files)
 selfproj pattern --scan captures --every 4 --out part
 )"});
   auto options = std::make_shared<PatternOptions>();

@@ -39,7 +39,7 @@ namespace {
 Rig scanner_rig(const std::string& name) {
   Rig rig = load_rig(name);
   if (rig.kind != RigKind::scanner) {
-    throw UserError("--rig", fmt::format("{} is no rig of kind scanner", name));
+    throw UserError("--rig", fmt::format("{} is not a rig of kind scanner", name));
   }
   return rig;
 }
@@ -110,10 +110,10 @@ ProjectorPoints scanned(const Rig& rig, const StripesOptions& options) {
 
 void run_stripes(const StripesOptions& options) {
   if (options.sweep == !options.scan.empty()) {
-    throw UserError("--scan, --sweep", "one of them is needed, and not both");
+    throw UserError("--scan, --sweep", "give one of them, not both");
   }
   if (options.gray_code && options.sweep) {
-    throw UserError("--gray-code", "goes with --scan; selfproj pattern gray makes its patterns");
+    throw UserError("--gray-code", "goes only with --scan; `selfproj pattern gray` writes its patterns");
   }
   const Rig rig = scanner_rig(options.rig);
   OutputFolder folder(options.out);
@@ -129,7 +129,7 @@ void run_stripes(const StripesOptions& options) {
   try {
     reference = make_self_reference(rig, points, stripes);
   } catch (const std::invalid_argument&) {
-    throw UserError(options.scan, "no camera pixel sees the light of a line and of a column");
+    throw UserError(options.scan, "no camera pixel sees both a line and a column of the scan");
   }
   write_self_reference(rig, reference, folder);
   folder.append("preview.png",
@@ -163,16 +163,16 @@ struct MatchOptions {
 void check_options(const MatchOptions& options, const Rig& rig, int bits) {
   const int codes = 1 << bits;
   if (options.settings.e < 0 || options.settings.e >= codes) {
-    throw UserError("--e", fmt::format("is {}; the reference has {} bits, so that e is 0 to {}", options.settings.e,
-                                       bits, codes - 1));
+    throw UserError("--e",
+                    fmt::format("is {}; a reference of {} bits allows 0 to {}", options.settings.e, bits, codes - 1));
   }
   if (!(options.settings.line_width > 0) || options.settings.line_width > rig.projector.lines) {
-    throw UserError("--line-width", fmt::format("is {}; a' is greater than 0 and at most the projector's {} lines",
+    throw UserError("--line-width", fmt::format("is {}; it must be above 0, and at most the {} lines of the projector",
                                                 options.settings.line_width, rig.projector.lines));
   }
   const auto patterns = static_cast<std::size_t>(2 * bits);
   if (options.images.size() < patterns || options.images.size() % 2 != 0) {
-    throw UserError("IMAGE", fmt::format("{} images are {}; {} or more are needed, each positive before its negative",
+    throw UserError("IMAGE", fmt::format("{} images are {}; {} or more are needed, a positive and its negative in turn",
                                          options.images.size(),
                                          options.images.size() < patterns ? "too few" : "an odd number", patterns));
   }

@@ -101,10 +101,11 @@ Capture decode_capture(const std::string& name, const std::vector<std::string>& 
     throw UserError("--projector", fmt::format("has a side of more than {} pixels", 1 << kMostBits));
   }
   if (files.size() != static_cast<std::size_t>(sequence.count())) {
-    throw UserError(name, fmt::format("has {} images; {} are due for a projector of {}: {} pairs for columns, {} for "
-                                      "rows, white, black",
-                                      files.size(), sequence.count(), size_text(sequence.rows(), sequence.columns()),
-                                      sequence.column_bits(), sequence.row_bits()));
+    throw UserError(name,
+                    fmt::format("has {} images; {} are expected for a projector of {}: {} pairs for columns, {} for "
+                                "rows, white, black",
+                                files.size(), sequence.count(), size_text(sequence.rows(), sequence.columns()),
+                                sequence.column_bits(), sequence.row_bits()));
   }
   for (const std::string& file : files) {
     check_image_file(file);

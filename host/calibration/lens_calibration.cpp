@@ -65,7 +65,7 @@ LensCalibration calibrate_lens(const std::vector<View>& views, cv::Size size, in
       return result;
     }
   }
-  throw UserError("calibrate", "the poses do not determine a lens; turn the board more between them");
+  throw UserError("calibrate", "the poses do not determine the lens; lean the chessboard in more directions");
 }
 
 Pose stereo_pose(const LensCalibration& camera, const LensCalibration& projector) {

@@ -71,7 +71,8 @@ FrameSize size_of_text(const std::string& option, const std::string& text, int m
   if (std::sscanf(text.c_str(), "%dx%d%c", &size.columns, &size.rows, &more) != 2 || size.columns < 1 ||
       size.columns > max_side || size.rows < 1 || size.rows > max_side) {
     throw UserError(
-        option, fmt::format("is '{}'; a size such as 1024x768 is expected, columns and rows 1 to {}", text, max_side));
+        option, fmt::format("is '{}'; a size such as 1024x768 is expected, with columns and rows from 1 to {}", text,
+                            max_side));
   }
   return size;
 }
@@ -82,10 +83,10 @@ void check_frame_size(const std::string& file, const Image& image, int max_rows,
                     fmt::format("has {} columns; a multiple of {} is needed", image.columns, spec::kPixelsPerBeat));
   }
   if (image.columns > max_columns) {
-    throw UserError(file, fmt::format("has {} columns; at most {} are taken", image.columns, max_columns));
+    throw UserError(file, fmt::format("has {} columns; at most {} are possible", image.columns, max_columns));
   }
   if (image.rows > max_rows) {
-    throw UserError(file, fmt::format("has {} rows; at most {} are taken", image.rows, max_rows));
+    throw UserError(file, fmt::format("has {} rows; at most {} are possible", image.rows, max_rows));
   }
 }
 

@@ -67,16 +67,17 @@ PacketRecording make_line(const BoardOptions& options) {
   char more = 0;
   if (std::sscanf(options.line.c_str(), "%dx%d%c", &columns, &rows, &more) != 2 || columns < spec::kPixelsPerBeat ||
       columns > spec::kMaxColumns || columns % spec::kPixelsPerBeat != 0 || rows < 1 || rows > spec::kMaxRows) {
-    throw UserError("--line " + options.line,
-                    fmt::format("is no image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
-                                spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
+    throw UserError(
+        "--line " + options.line,
+        fmt::format("is not a frame size such as 512x96: columns must be a multiple of {} up to {}, rows at most {}",
+                    spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
   }
   return moving_line(rows, columns, options.line_frames, mode_of(options.mode), options.threshold);
 }
 
 PacketRecording source_of(const BoardOptions& options) {
   if (options.replay.empty() == options.line.empty()) {
-    throw UserError("board", "one of --replay FILE and --line COLUMNSxROWS is needed");
+    throw UserError("--replay, --line", "give one of them, not both");
   }
   if (!options.line.empty()) {
     return make_line(options);
@@ -116,7 +117,7 @@ void record(const BoardOptions& options, const PacketRecording& source) {
   const double bytes =
       static_cast<double>(source.bytes()) / static_cast<double>(source.frames()) * static_cast<double>(frames);
   if (bytes > kMostBytes) {
-    throw UserError("--record " + options.record, "would be more than 4 GB; --count or --seconds says how much");
+    throw UserError("--record " + options.record, "would be larger than 4 GB; limit it with --count or --seconds");
   }
   const double clocks = clocks_per_frame(options);
   std::string stream;
@@ -201,7 +202,7 @@ void play(const BoardOptions& options, const PacketRecording& source) {
 
 void run_board(const BoardOptions& options) {
   if (options.ring.empty() == options.record.empty()) {
-    throw UserError("board", "one of --ring NAME and --record FILE is needed");
+    throw UserError("--ring, --record", "give one of them, not both");
   }
   if (!(options.rate >= 0) || options.rate > 1e9) {
     throw UserError("--rate", "a number from 0 (as fast as it can) to 1e9 is needed");
@@ -235,7 +236,7 @@ selfproj-sim board --line 512x96 --record line.slfp
 
 # Play them at 10,000 frames a second for 2 seconds, to a reader in another process.
 selfproj-sim board --replay line.slfp --ring line1 --seconds 2 --wait-for-reader &
-selfproj inspect --device ring:line1 --wait-for-board --count 20000
+selfproj inspect --device ring:line1 --wait-for-board --seconds 3
 )"});
   const auto options = std::make_shared<BoardOptions>();
   begin_group(*command, "Source (one of --replay and --line is required)");

@@ -72,7 +72,7 @@ void run_capture(const CaptureOptions& options) {
   if (options.chessboard.empty()) {
     const std::unique_ptr<Scene> scene = make_scene(options.scene, rig);
     if (scene->speed() != 0) {
-      throw UserError(options.scene, "moves on this rig's conveyor; patterns are captured of what stands still");
+      throw UserError(options.scene, "moves on this rig's conveyor; capture only scenes that stand still");
     }
     progress.emplace("image", files.size());
     capture_scene(rig, *scene, patterns, settings, out);

@@ -72,10 +72,12 @@ void check_files(const DecodeOptions& options) {
   const std::size_t total = options.images.size();
   const auto cycle = static_cast<std::size_t>(2 * options.bits);
   if (total % 2 != 0) {
-    throw UserError("IMAGE", fmt::format("{} images are no pairs; an even number is needed", total));
+    throw UserError("IMAGE",
+                    fmt::format("{} images are an odd number; each positive is followed by its negative", total));
   }
   if (total < cycle) {
-    throw UserError("IMAGE", fmt::format("{} images; at least {} are needed for {} bits", total, cycle, options.bits));
+    throw UserError(
+        "IMAGE", fmt::format("{} images are too few; at least {} are needed for {} bits", total, cycle, options.bits));
   }
   for (const std::string& file : options.images) {
     check_image_file(file);

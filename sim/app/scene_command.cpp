@@ -129,7 +129,7 @@ void check_for_other_frames(const std::string& folder, int first, int count, boo
     }
     const int number = std::atoi(name.c_str() + std::strlen("frame_"));
     if (number < first || number >= first + count || name != frame_file(number, quantized)) {
-      throw UserError("--out " + folder, "holds frames of another run, " + name + " for one; give another folder");
+      throw UserError("--out " + folder, "holds frames of another run, such as " + name + "; give another folder");
     }
   }
 }
@@ -151,10 +151,10 @@ struct FrameMaker {
 FrameMaker light_section(const SceneOptions& options, const Rig& rig, const Scene& scene,
                          const RenderOptions& render_with) {
   if (options.bits > 0) {
-    throw UserError("--bits", "is for rigs of kind scanner; " + rig.name + " is none");
+    throw UserError("--bits", "goes only with rigs of kind scanner; " + rig.name + " is not one");
   }
   if (options.patterns.size() > 1) {
-    throw UserError("--pattern", "one is enough for a light section");
+    throw UserError("--pattern", "a light section takes only one");
   }
   FrameMaker maker;
   maker.pattern = pattern_of(options, rig);
@@ -167,10 +167,10 @@ FrameMaker light_section(const SceneOptions& options, const Rig& rig, const Scen
 FrameMaker whole_patterns(const SceneOptions& options, const Rig& rig, const Scene& scene,
                           const RenderOptions& render_with) {
   if (scene.speed() != 0) {
-    throw UserError("--rig " + rig.name, "its conveyor moves; the surface before a scanner stands still");
+    throw UserError("--rig " + rig.name, "its conveyor moves; a scanner needs a surface that stands still");
   }
   if (options.bits > 0 && !options.patterns.empty()) {
-    throw UserError("--bits, --pattern", "exclude each other");
+    throw UserError("--bits", "cannot be combined with --pattern");
   }
   const auto light = std::make_shared<std::vector<ProjectedLight>>();
   const double blur = render_with.projector_blur ? rig.imaging.projector_blur_px : 0;
@@ -219,7 +219,7 @@ void render(const SceneOptions& options) {
                                                         : light_section(options, rig, *scene, render_with);
   if (!options.truth.empty() && maker.truth_rows > 1 && count > kMostDepths) {
     throw UserError("--truth " + options.truth,
-                    fmt::format("is for {} frames of depth at most, not {}", kMostDepths, count));
+                    fmt::format("takes at most {} frames of depth, not {}", kMostDepths, count));
   }
   if (!maker.pattern.values.empty()) {
     out.append(kPatternFile, encode_float_tiff(kPatternFile, maker.pattern));

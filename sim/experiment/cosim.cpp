@@ -102,11 +102,11 @@ PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measu
   platform.bus.stall_percent = options.bus_stall;
   if (!options.trace.empty()) {
     if (platform.engine != PlatformEngine::rtl) {
-      throw UserError("--trace " + options.trace, "only --engine rtl has waveforms");
+      throw UserError("--trace " + options.trace, "goes only with --engine rtl");
     }
     const std::size_t total = measurement.source().total();
     if (options.trace_from > total) {
-      throw UserError(fmt::format("--trace-from {}", options.trace_from), fmt::format("there are {} frames", total));
+      throw UserError(fmt::format("--trace-from {}", options.trace_from), fmt::format("the run has {} frames", total));
     }
     platform.trace_file = options.trace + ".part";
     platform.trace_from = options.trace_from;

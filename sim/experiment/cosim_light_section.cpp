@@ -54,7 +54,7 @@ struct Setup {
 Rig light_section_rig(const std::string& name) {
   Rig rig = load_rig(name);
   if (rig.kind != RigKind::light_section) {
-    throw UserError("--rig " + name, "is not a light section");
+    throw UserError("--rig " + name, "is not a rig of kind light-section");
   }
   return rig;
 }
@@ -77,9 +77,9 @@ Rig real_rig_of(const CosimOptions& options, const Rig& rig) {
   }
   Rig real = light_section_rig(options.real_rig);
   if (real.camera.rows != rig.camera.rows || real.camera.columns != rig.camera.columns) {
-    throw UserError("--real-rig " + options.real_rig,
-                    fmt::format("has images of {}, --rig of {}", size_text(real.camera.rows, real.camera.columns),
-                                size_text(rig.camera.rows, rig.camera.columns)));
+    throw UserError("--real-rig " + options.real_rig, fmt::format("has images of {}, but --rig has images of {}",
+                                                                  size_text(real.camera.rows, real.camera.columns),
+                                                                  size_text(rig.camera.rows, rig.camera.columns)));
   }
   real.imaging.seed = rig.imaging.seed;
   return real;
@@ -144,7 +144,7 @@ std::unique_ptr<FrameSource> recorded_frames(const CosimOptions& options) {
   std::vector<std::string> background = files_of("--background", options.background);
   if (!background.empty() && background.size() != files.size()) {
     throw UserError("--background " + options.background.front(),
-                    fmt::format("{} files for {} frames", background.size(), files.size()));
+                    fmt::format("has {} files for {} frames", background.size(), files.size()));
   }
   for (auto* list : {&files, &background}) {
     if (!list->empty()) {
@@ -166,10 +166,10 @@ std::unique_ptr<FrameSource> recorded_frames(const CosimOptions& options) {
 
 Setup recorded_setup(const CosimOptions& options) {
   if (!options.without.empty()) {
-    throw UserError("--without", "recorded images are as they are");
+    throw UserError("--without", "goes only with scenes, not with recorded images");
   }
   if (options.residual || !options.real_rig.empty()) {
-    throw UserError(options.residual ? "--residual" : "--real-rig", "is for scenes, not for recorded images");
+    throw UserError(options.residual ? "--residual" : "--real-rig", "goes only with scenes, not with recorded images");
   }
   Setup setup;
   setup.source = recorded_frames(options);
@@ -181,7 +181,7 @@ Setup recorded_setup(const CosimOptions& options) {
   if (options.rig.empty()) {
     // Without a rig only the grey values of the images are known.
     if (!options.threshold) {
-      throw UserError("--frames", "needs --threshold (or --rig, which has one)");
+      throw UserError("--frames", "needs --threshold, or --rig, which has one");
     }
     return setup;
   }
@@ -239,7 +239,7 @@ class LightSectionCosim final : public CosimMeasurement {
     pictures_ = options_.pictures;
     for (const std::size_t frame : pictures_) {
       if (frame > total) {
-        throw UserError(fmt::format("--picture-frame {}", frame), fmt::format("there are {} frames", total));
+        throw UserError(fmt::format("--picture-frame {}", frame), fmt::format("the run has {} frames", total));
       }
     }
     if (!pictures_.empty()) {

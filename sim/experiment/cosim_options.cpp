@@ -16,13 +16,13 @@ void check_options(const CosimOptions& options, SceneMethod method) {
   if (method == SceneMethod::light_section) {
     if (options.bits || options.no_median || of_moved || options.e) {
       throw UserError("--bits, --no-median, --min-difference, --max-change, --min-neighbours, --e",
-                      "are for the scenes of a scanner");
+                      "go only with the scenes of a scanner");
     }
     return;
   }
   const auto refuse = [&](bool given, const char* option) {
     if (given) {
-      throw UserError(option, fmt::format("is not for scene {}, which a scanner sees", options.scene));
+      throw UserError(option, fmt::format("does not go with scene {}, which a scanner measures", options.scene));
     }
   };
   refuse(!options.mode.empty(), "--mode");
@@ -33,10 +33,10 @@ void check_options(const CosimOptions& options, SceneMethod method) {
   const bool self_projected = method == SceneMethod::self_projected;
   if (self_projected && (options.no_median || of_moved)) {
     throw UserError("--no-median, --min-difference, --max-change, --min-neighbours",
-                    "are not for scenes of self-projected structured light");
+                    "do not go with scenes of self-projected structured light");
   }
   if (!self_projected && options.e) {
-    throw UserError("--e", "is for scenes of self-projected structured light");
+    throw UserError("--e", "goes only with scenes of self-projected structured light");
   }
 }
 

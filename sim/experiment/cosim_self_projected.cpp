@@ -50,10 +50,11 @@ int bits_of(const CosimOptions& options, int cells_below) {
   }
   if (bits > GrayMatch::kMaxBits) {
     throw UserError(fmt::format("--bits {}", bits),
-                    fmt::format("self-projected codes have {} bits at most", GrayMatch::kMaxBits));
+                    fmt::format("self-projected codes have at most {} bits", GrayMatch::kMaxBits));
   }
   if (cells_below >= 1 << bits) {
-    throw UserError(fmt::format("--e {}", cells_below), fmt::format("is not in 0..{}", (1 << bits) - 1));
+    throw UserError(fmt::format("--e {}", cells_below),
+                    fmt::format("is out of range; {} bits allow 0 to {}", bits, (1 << bits) - 1));
   }
   return bits;
 }

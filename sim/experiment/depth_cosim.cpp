@@ -30,18 +30,18 @@ Rig scanner_rig(const CosimOptions& options) {
   const std::string name = options.rig.empty() ? "scanner" : options.rig;
   Rig rig = load_rig(name);
   if (rig.kind != RigKind::scanner) {
-    throw UserError("--rig " + name, fmt::format("is no scanner, as scene {} needs", options.scene));
+    throw UserError("--rig " + name, fmt::format("is not a scanner, which scene {} needs", options.scene));
   }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   rig.measure.code_threshold = options.threshold.value_or(rig.measure.code_threshold);
   if (engine_of(options) != PlatformEngine::model) {
     constexpr int kMost = 512;  // size of the Verilated board with codes
     if (rig.camera.rows > kMost || rig.camera.columns > kMost) {
-      throw UserError("--rig " + rig.name, "the simulated board with codes takes images up to 512 x 512");
+      throw UserError("--rig " + rig.name, "the simulated board that decodes takes images of up to 512 x 512 pixels");
     }
   }
   if (rig.camera.columns % spec::kPixelsPerBeat != 0) {
-    throw UserError("--rig " + rig.name, "the board takes images of a multiple of 4 columns");
+    throw UserError("--rig " + rig.name, "its images need a multiple of 4 columns");
   }
   return rig;
 }
@@ -53,7 +53,7 @@ std::size_t frames_of_cycles(const CosimOptions& options, const Scene& scene, in
       frames_of_run(options, static_cast<std::size_t>(scene.frames()), scene_text(options), cycle);
   if (frames < cycle) {
     throw UserError(fmt::format("--count {}", frames),
-                    fmt::format("is less than the {} frames that codes of {} bits take", cycle, bits));
+                    fmt::format("is too few; codes of {1} bits take {0} frames", cycle, bits));
   }
   return frames;
 }
@@ -120,7 +120,7 @@ void DepthCosim::choose_pictures() {
     if (frame > total || frame < cycle || frame % 2 != 0) {
       throw UserError(
           fmt::format("--picture-frame {}", frame),
-          fmt::format("completes no code image; those are {}, {}, ... {}", cycle, cycle + 2, total / 2 * 2));
+          fmt::format("completes no code image; frames {}, {}, ... {} do", cycle, cycle + 2, total / 2 * 2));
     }
   }
   if (!pictures_.empty()) {

@@ -98,7 +98,7 @@ Options structured_light_options(const ExperimentOptions& options, const Rig& ri
 std::vector<std::string> run_structured_light(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
   const Rig rig = load_rig(options.rig.empty() ? "scanner" : options.rig);
   if (rig.kind != RigKind::scanner) {
-    throw UserError("--rig", fmt::format("{} is no rig of kind scanner", options.rig));
+    throw UserError("--rig", fmt::format("{} is not a rig of kind scanner", options.rig));
   }
   StructuredLightResult result;
   {
@@ -157,7 +157,7 @@ std::vector<std::string> run_light_section(const ExperimentOptions& options, std
 void run_experiment(const ExperimentOptions& options) {
   const bool structured_light = options.name.starts_with('B');
   if (!structured_light && (options.scan == ScanMethod::gray_codes || options.e)) {
-    throw UserError(options.scan == ScanMethod::gray_codes ? "--gray-scan" : "--e", "goes with B4, B7, B8");
+    throw UserError(options.scan == ScanMethod::gray_codes ? "--gray-scan" : "--e", "goes only with B4, B7 and B8");
   }
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) {
@@ -169,7 +169,7 @@ void run_experiment(const ExperimentOptions& options) {
     fmt::print("not reached: {}\n", line);
   }
   if (!not_reached.empty()) {
-    throw CheckFailed(fmt::format("{}: {} of the figures wanted are not reached", options.name, not_reached.size()));
+    throw CheckFailed(fmt::format("{}: {} of the wanted figures are not reached", options.name, not_reached.size()));
   }
   fmt::print("{}: all figures reached\n", options.name);
 }

@@ -62,7 +62,7 @@ const Published& published(const std::string& name) {
   const auto found =
       std::find_if(published().begin(), published().end(), [&](const Published& entry) { return entry.name == name; });
   if (found == published().end()) {
-    throw UserError(name, "is no experiment (there are A1, A2)");
+    throw UserError(name, "is not an experiment of light section; these are A1 and A2");
   }
   return *found;
 }

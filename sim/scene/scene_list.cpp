@@ -41,13 +41,13 @@ const SceneInfo& find_scene(const std::string& name) {
   for (const SceneInfo& info : scenes()) {
     names += (names.empty() ? "" : ", ") + info.name;
   }
-  throw UserError(name, fmt::format("is no scene (there are {})", names));
+  throw UserError(name, fmt::format("is not a scene; the scenes are {}", names));
 }
 
 std::unique_ptr<Scene> make_scene(const std::string& name, const Rig& rig) {
   const SceneInfo& info = find_scene(name);
   if (info.method != SceneMethod::light_section && rig.kind != RigKind::scanner) {
-    throw UserError(name, fmt::format("is a scene for a rig of kind scanner; {} is none", rig.name));
+    throw UserError(name, fmt::format("needs a rig of kind scanner; {} is not one", rig.name));
   }
   return info.make(rig);
 }

@@ -209,14 +209,14 @@ TEST_F(CalibrateCommand, WrongInputIsOneLine) {
       calibrate({"--chessboard", "7x5", "--square", "40", "--projector", "256x80", "--out", "out", "pose_0"}),
       "pose_0: has 30 images; 32 are due for a projector of 256 x 80: 8 pairs for columns, 7 for rows");
   expect_refused(calibrate(usual("out", {"pose_0", "nowhere"})), "nowhere: there is no such folder");
-  expect_refused(calibrate(usual("out", {"pose_0", "pose_0"})), "POSE: a folder is there twice");
+  expect_refused(calibrate(usual("out", {"pose_0", "pose_0"})), "POSE: a folder is given twice");
   fs::create_directory(*folder_ / "short");
   for (const fs::directory_entry& entry : fs::directory_iterator(*folder_ / "pose_0")) {
     if (entry.path().filename() != "image_07.png") {
       fs::copy(entry.path(), *folder_ / "short" / entry.path().filename());
     }
   }
-  expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short: has 29 images; 30 are due");
+  expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short: has 29 images; 30 are expected");
   write_text(*folder_ / "short" / "image_07.png", "no image");
   expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short/image_07.png: not an image");
   fs::copy_file(*folder_ / "pose_1" / "image_07.png", *folder_ / "short" / "image_07.png",

@@ -119,18 +119,18 @@ TEST_F(CalibrationChain, WrongInputIsOneLine) {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   };
-  refused(with({"patterns"}), "--scene, --chessboard: one of them is needed");
-  refused(with({"patterns", "--chessboard", "9x7"}), "--square: is needed with --chessboard");
+  refused(with({"patterns"}), "--scene, --chessboard: give one of them, not both");
+  refused(with({"patterns", "--chessboard", "9x7"}), "--square: is required with --chessboard");
   refused(with({"patterns", "--chessboard", "9x7", "--square", "80"}),
           "--chessboard: camera and projector do not both see all of it in pose 1");
-  refused(with({"patterns", "--scene", "nothing"}), "nothing: is no scene");
+  refused(with({"patterns", "--scene", "nothing"}), "nothing: is not a scene");
   refused(with({"none", "--scene", "plane"}), "none: there is no such folder");
   refused(with({"small", "--scene", "plane"}), "small/pattern_00.png: ");
   std::filesystem::create_directory(folder_ / "there");
   const Outcome outcome = sim({"capture", "--rig", "half.yaml", "--out", "there", "--patterns", "patterns",
                                "--chessboard", "5x5", "--square", "10", "--poses", "1"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err.rfind("selfproj-sim: there: is there already", 0), 0U) << outcome.err;
+  EXPECT_EQ(outcome.err.rfind("selfproj-sim: there: exists already", 0), 0U) << outcome.err;
 }
 
 }  // namespace

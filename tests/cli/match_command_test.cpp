@@ -158,7 +158,7 @@ TEST_F(MatchCommand, RefusesWrongReferencesAndSettings) {
     return with(arguments);
   };
   refused(match({"--e", "16"}), {"--e", "0 to 15"});
-  refused(match({"--e", "-1"}), {"--e", "0 to 15"});
+  refused(match({"--e", "-1"}), {"--e", "0 to 255"});
   refused(match({"--line-width", "0"}), {"--line-width"});
   refused({"match", "--rig", "rig.yaml", "--reference", "ref", "--out", "out", "scan/000.png"}, {"too few"});
   refused(with({"match", "--rig", "rig.yaml", "--reference", "nowhere", "--out", "out"}), {"nowhere"});

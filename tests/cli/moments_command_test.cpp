@@ -379,7 +379,7 @@ TEST_F(MomentsCommand, FullDeviceIsAnError) {
 TEST_F(MomentsCommand, BadUsageIsOneLineAndStatus2) {
   save("a.pgm", cv::Mat(4, 8, CV_8UC1, cv::Scalar(9)));
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{}, "subcommand"},
+      {{}, "command"},
       {{"bogus"}, "bogus"},
       {{"moments"}, "--out"},
       {{"moments", "--out", "out.csv"}, "IMAGE"},

@@ -83,7 +83,7 @@ TEST(PatternCommand, GraySequence) {
   EXPECT_EQ(read_image((folder / "rig" / "pattern_37.png").string(), {}).rows, 512);
   expect_refused(folder, pattern(folder, {"gray", "--projector", "5x", "--out", "out"}), "--projector: is '5x'");
   expect_refused(folder, pattern(folder, {"gray", "--projector", "0x5", "--out", "out"}), "--projector: is '0x5'");
-  expect_refused(folder, pattern(folder, {"gray", "--out", "out"}), "--projector, --rig: one of them is needed");
+  expect_refused(folder, pattern(folder, {"gray", "--out", "out"}), "--projector, --rig: give one of them, not both");
   expect_refused(folder, pattern(folder, {"gray", "--projector", "4x4"}), "--out");
 }
 
@@ -102,7 +102,8 @@ TEST(PatternCommand, WrongInputIsOneLine) {
   refused({"--out", "out"}, "");
   refused({"--reference", "plane.csv"}, "--out");
   write_text(folder / "away.csv", "y_mm,z_mm\n-80,3000\n80,3000\n");
-  refused({"--reference", "away.csv", "--out", "out"}, "away.csv: no camera column sees it in the projector's light");
+  refused({"--reference", "away.csv", "--out", "out"},
+          "away.csv: no camera column sees the part in the projector's light");
   write_float_tiff((folder / "narrow.tiff").string(), FloatImage(1, 500));
   refused({"--reference", "narrow.tiff", "--out", "out"}, "narrow.tiff: has 500 columns; the rig's camera has 512");
   write_text(folder / "rig.yaml", "name: mine\n");

@@ -156,13 +156,13 @@ TEST_F(SceneCommand, WholePatternsOfAScanner) {
   EXPECT_EQ(frame("frame_00045.png").pixels, expected);
   fs::remove_all(folder_ / "out");
   expect_refused({"render", "fist", "--rig", "small.yaml", "--out", "out", "--bits", "2", "--pattern", "p0.png"},
-                 "--bits, --pattern: exclude each other");
+                 "--bits: cannot be combined with --pattern");
   expect_refused({"render", "fist", "--rig", "small.yaml", "--out", "out", "--truth", "t.tiff"},
-                 "--truth t.tiff: is for 256 frames of depth at most, not 2000");
+                 "--truth t.tiff: takes at most 256 frames of depth, not 2000");
   expect_refused({"render", "stairs", "--out", "out", "--bits", "2"},
-                 "--bits: is for rigs of kind scanner; light-section is none");
+                 "--bits: goes only with rigs of kind scanner; light-section is not one");
   expect_refused({"render", "fist", "--rig", "light-section", "--out", "out"},
-                 "fist: is a scene for a rig of kind scanner; light-section is none");
+                 "fist: needs a rig of kind scanner; light-section is not one");
 }
 
 // The line that is the default lies in the middle of the plane's image.
@@ -267,9 +267,9 @@ TEST_F(SceneCommand, BadInputIsOneLineAndNothingWritten) {
     arguments.insert(arguments.begin(), {"render", "--out", "out"});
     return arguments;
   };
-  expect_refused(with_out({"hill"}), "hill: is no scene (there are plane, ");
-  expect_refused(with_out({}), "scene render: name a scene, or give --height-map");
-  expect_refused({"render", "plane"}, "--out is required");
+  expect_refused(with_out({"hill"}), "hill: is not a scene; the scenes are plane, ");
+  expect_refused(with_out({}), "SCENE: name a scene, or give --height-map");
+  expect_refused({"render", "plane"}, "--out: is required");
   expect_refused(with_out({"plane", "--first", "101"}), "--first 101: the scene ends after 100 frames");
   expect_refused(with_out({"plane", "--first", "0"}), "--first: ");
   expect_refused(with_out({"plane", "--count", "0"}), "--count: ");
@@ -293,11 +293,12 @@ TEST_F(SceneCommand, BadHeightMapsAreNamed) {
     return std::vector<std::string>{"render", "--out", "out", "--height-map", file, "--mm-per-pixel", scale};
   };
   save("map.tiff", FloatImage(4, 4, 1));
-  expect_refused(map("map.tiff", "0"), "map.tiff: has a scale of 0 mm a pixel");
-  expect_refused(map("map.tiff", "-1"), "map.tiff: has a scale of -1 mm a pixel");
-  expect_refused(map("map.tiff", "wide"), "Could not convert: --mm-per-pixel");
-  expect_refused({"render", "--out", "out", "--height-map", "map.tiff"}, "--height-map requires --mm-per-pixel");
-  expect_refused({"render", "--out", "out", "plane", "--mm-per-pixel", "1"}, "--mm-per-pixel requires --height-map");
+  expect_refused(map("map.tiff", "0"), "--mm-per-pixel: is '0'; a number above 0");
+  expect_refused(map("map.tiff", "-1"), "--mm-per-pixel: is '-1'; a number above 0");
+  expect_refused(map("map.tiff", "wide"), "--mm-per-pixel: is 'wide'; a number above 0");
+  expect_refused({"render", "--out", "out", "--height-map", "map.tiff"}, "--height-map: goes only with --mm-per-pixel");
+  expect_refused({"render", "--out", "out", "plane", "--mm-per-pixel", "1"},
+                 "--mm-per-pixel: goes only with --height-map");
   write_text(folder_ / "empty.tiff", "");
   expect_refused(map("empty.tiff", "1"), "empty.tiff: not an image");
   save("high.tiff", FloatImage(4, 4, 600));
@@ -311,7 +312,7 @@ TEST_F(SceneCommand, BadHeightMapsAreNamed) {
 TEST_F(SceneCommand, FramesOfAnotherRunAreNotMixedIn) {
   EXPECT_EQ(render({"plane", "--count", "3"}).status, 0);
   expect_refused({"render", "plane", "--count", "2", "--out", "out"},
-                 "--out out: holds frames of another run, frame_00003.png for one");
+                 "--out out: holds frames of another run, such as frame_00003.png");
   EXPECT_EQ(render({"plane", "--count", "3"}).status, 0);
   EXPECT_EQ(names("out").size(), 4U);
 }

@@ -203,34 +203,35 @@ TEST_F(CosimScanner, WhatIsWrongOfSelfProjectedScenesIsSaidInOneLine) {
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     EXPECT_NE(outcome.err.find(about), std::string::npos) << outcome.err;
   };
-  refused({"--scene", "cuboids-marked", "--e", "16"}, "--e 16: is not in 0..15");
-  refused({"--scene", "cuboids-marked", "--engine", "model", "--bits", "9"}, "--bits 9: self-projected codes have 8");
-  refused({"--scene", "cuboids-marked", "--no-median"}, "are not for scenes of self-projected structured light");
-  refused({"--scene", "cuboids-marked", "--count", "6"}, "--count 6: is less than the 8 frames");
-  refused({"--scene", "fist", "--e", "3"}, "--e: is for scenes of self-projected structured light");
+  refused({"--scene", "cuboids-marked", "--e", "16"}, "--e 16: is out of range; 4 bits allow 0 to 15");
+  refused({"--scene", "cuboids-marked", "--engine", "model", "--bits", "9"},
+          "--bits 9: self-projected codes have at most 8");
+  refused({"--scene", "cuboids-marked", "--no-median"}, "do not go with scenes of self-projected structured light");
+  refused({"--scene", "cuboids-marked", "--count", "6"}, "--count 6: is too few; codes of 4 bits take 8 frames");
+  refused({"--scene", "fist", "--e", "3"}, "--e: goes only with scenes of self-projected structured light");
 #ifdef SELFPROJ_HAS_RTL_PLATFORM
   refused({"--scene", "cuboids-marked", "--bits", "5"}, "--bits 5: the simulated matching block is built for 4 bits");
 #endif
 }
 
 TEST_F(CosimScanner, WhatIsWrongIsSaidInOneLine) {
-  expect_refused({"--scene", "fist", "--mode", "grey"}, "--mode: is not for scene fist");
-  expect_refused({"--scene", "fist", "--trace", "a.fst"}, "--trace: is not for scene fist");
-  expect_refused({"--scene", "fist", "--count", "11"}, "--count 11: is less than the 12 frames");
+  expect_refused({"--scene", "fist", "--mode", "grey"}, "--mode: does not go with scene fist");
+  expect_refused({"--scene", "fist", "--trace", "a.fst"}, "--trace: does not go with scene fist");
+  expect_refused({"--scene", "fist", "--count", "11"}, "--count 11: is too few; codes of 6 bits take 12 frames");
   expect_refused({"--scene", "fist", "--first", "1999", "--count", "20"}, "--count 20: scene fist has 2 frames");
   expect_refused({"--scene", "fist", "--first", "2001"}, "--first 2001: scene fist has 2000 frames");
   expect_refused({"--scene", "fist", "--count", "40", "--out", "o", "--picture-frame", "13"},
-                 "--picture-frame 13: completes no code image; those are 12, 14, ... 40");
+                 "--picture-frame 13: completes no code image; frames 12, 14, ... 40 do");
   const auto plain = [&](const std::vector<std::string>& arguments) {
     return run_program(SELFPROJ_SIM_PROGRAM, arguments, folder_.path());
   };
   const Outcome wrong_rig = plain({"cosim", "--scene", "fist", "--rig", "light-section"});
   EXPECT_EQ(wrong_rig.status, 2);
-  EXPECT_NE(wrong_rig.err.find("--rig light-section: is no scanner, as scene fist needs"), std::string::npos)
+  EXPECT_NE(wrong_rig.err.find("--rig light-section: is not a scanner, which scene fist needs"), std::string::npos)
       << wrong_rig.err;
   const Outcome no_scanner = plain({"cosim", "--scene", "stairs", "--bits", "8"});
   EXPECT_EQ(no_scanner.status, 2);
-  EXPECT_NE(no_scanner.err.find("are for the scenes of a scanner"), std::string::npos) << no_scanner.err;
+  EXPECT_NE(no_scanner.err.find("go only with the scenes of a scanner"), std::string::npos) << no_scanner.err;
 }
 
 #ifdef SELFPROJ_HAS_RTL_PLATFORM

@@ -51,8 +51,8 @@ class Checker:
         program = pathlib.PurePosixPath(words[0]).name
         commands = []
         text = self.help_of(program)
-        while text and "Subcommands:" in text and len(commands) + 1 < len(words):
-            known = re.findall(r"^  ([a-z][\w-]*)", text.split("Subcommands:")[1], re.MULTILINE)
+        while text and "\nCommands:\n" in text and len(commands) + 1 < len(words):
+            known = re.findall(r"^  ([a-z][\w-]*)", text.split("\nCommands:\n")[1].split("\n\n")[0], re.MULTILINE)
             word = words[len(commands) + 1]
             if word not in known:
                 if commands or word.startswith("-") or word.isupper():

@@ -10,9 +10,9 @@ import run_commands
 
 PROGRAM = r"""#!/bin/bash
 case "$*" in
-  --help) printf 'Subcommands:\n  cosim  all of it\n  scene  scenes\n' ;;
+  --help) printf '\nCommands:\n  cosim  all of it\n  scene  scenes\n' ;;
   "cosim --help") printf 'Options:\n  --count N\n  --out DIR\n' ;;
-  "scene --help") printf 'Subcommands:\n  list  them\n' ;;
+  "scene --help") printf '\nCommands:\n  list  them\n' ;;
   "scene list --help") printf 'Options:\n  --all\n' ;;
   cosim*) echo "$@" >> made ;;
   *) exit 1 ;;

@@ -1,0 +1,135 @@
+#include "host/io/command_line.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "host/io/frame_options.h"
+#include "host/io/natural_order.h"
+
+namespace selfproj {
+namespace {
+
+// The number that all of the text spells, or none.
+template <class Number>
+std::optional<Number> number_of_text(const std::string& text) {
+  Number number{};
+  const char* const end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && last == end ? std::optional<Number>(number) : std::nullopt;
+}
+
+std::string expected(const std::string& text, const std::string& what) {
+  return fmt::format("is '{}'; {} is expected", text, what);
+}
+
+// "1e6", not "1e+06".
+std::string short_text(double number) {
+  std::string text = fmt::format("{:g}", number);
+  const std::size_t e = text.find("e+");
+  return e == std::string::npos ? text : text.substr(0, e + 1) + text.substr(text.find_first_not_of('0', e + 2));
+}
+
+// What the help says of a range, and what an error says.
+struct Range {
+  std::string in_help;
+  std::string in_error;
+};
+
+Range range_of(const std::string& least, const std::string& most) {
+  const std::string range = fmt::format("{} to {}", least, most);
+  return {range, "from " + range};
+}
+
+CLI::Validator real_validator(const Range& range, double least, double most, bool least_is_allowed) {
+  return CLI::Validator(
+      [=](std::string& text) {
+        const std::optional<double> number = number_of_text<double>(text);
+        const bool good = number && std::isfinite(*number) && *number <= most &&
+                          (least_is_allowed ? *number >= least : *number > least);
+        return good ? std::string() : expected(text, "a number " + range.in_error);
+      },
+      range.in_help);
+}
+
+}  // namespace
+
+CLI::App* add_command(CLI::App& parent, const CommandText& text) {
+  CLI::App* command = parent.add_subcommand(text.name);
+  set_text(*command, text);
+  return command;
+}
+
+void set_text(CLI::App& app, const CommandText& text) {
+  app.description(text.details.empty() ? text.purpose : text.purpose + "\n\n" + text.details);
+  app.footer(text.examples);
+  for (CLI::Option* option : app.get_options()) {  // --help, --version
+    option->group("Help");
+  }
+}
+
+void begin_group(CLI::App& command, const std::string& name) { command.option_defaults()->group(name); }
+
+CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
+  const Range range = most == kNoLimit ? Range{fmt::format("{} or more", least), fmt::format("of {} or more", least)}
+                                       : range_of(std::to_string(least), std::to_string(most));
+  return CLI::Validator(
+      [=](std::string& text) {
+        const std::optional<std::int64_t> number = number_of_text<std::int64_t>(text);
+        if (!number || *number < least || *number > most) {
+          return expected(text, "a whole number " + range.in_error);
+        }
+        text = std::to_string(*number);
+        return std::string();
+      },
+      range.in_help);
+}
+
+CLI::Validator real_number(double least, double most) {
+  return real_validator(range_of(short_text(least), short_text(most)), least, most, true);
+}
+
+CLI::Validator number_above_zero(double most) {
+  return real_validator({"above 0", "above 0, at most " + short_text(most)}, 0, most, false);
+}
+
+CLI::Validator one_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    list += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+  }
+  return CLI::Validator(
+      [=](std::string& text) {
+        for (const std::string& name : names) {
+          if (text == name) {
+            return std::string();
+          }
+        }
+        return expected(text, list);
+      },
+      list);
+}
+
+CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<std::string>& files,
+                       const std::string& text) {
+  return command
+      .add_option_function<std::vector<std::string>>(
+          name, [&files](const std::vector<std::string>& given) { files = in_listed_order(given); }, text)
+      ->type_name("FILE");
+}
+
+CLI::Option* add_channel_option(CLI::App& command, std::string& channel) {
+  return command
+      .add_option("--channel", channel, "Channel to take of colour images. Without it, colour images are refused.")
+      ->check(one_of(channel_names()))
+      ->type_name("CHANNEL");
+}
+
+}  // namespace selfproj
