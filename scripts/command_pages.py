@@ -44,9 +44,9 @@ def linked(text, commands, name):
 
 
 def wrapped(text, indent=""):
-    """Words in lines of at most WIDTH characters; code spans and links may be cut between words only."""
+    """Words in lines of at most WIDTH characters. Code spans and links are one word."""
     lines, line = [], ""
-    for word in text.split():
+    for word in re.findall(r"(?:\[[^\]]*\]\([^)]*\)|`[^`]*`|\S)+", text):
         if line and len(line) + 1 + len(word) > WIDTH:
             lines.append(line)
             line = indent + word
