@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
-"""Between Yosys and nextpnr-ecp5: the registers behind block RAMs go into them, and every block RAM gets its site on an LFE5U-85F.
+"""Between Yosys and nextpnr-ecp5: puts output registers into the block RAMs, and places the block RAMs on an LFE5U-85F.
 
     ecp5_memories.py NETLIST.json TO.json [--sites]
 
-Registers. A DP16KD has a register at each output, from whose edge a word needs 0.7 ns instead of the 4.3 ns from the array itself.
-Yosys leaves the flip-flops that rtl/ has there outside, and the wires to them are the slowest of the part. Where every output of a
-block RAM in use goes to a flip-flop of the same clock and enable, without a reset, and nowhere else, the flip-flops go, and the
-block RAM has OUTREG; the enable goes to its OCE. The memory behaves as before, but for what it holds before the first word.
+Registers. A DP16KD has a register at each output. From its clock edge a word takes 0.7 ns, instead of 4.3 ns from the
+array itself. Yosys leaves the flip-flops that rtl/ has there outside, and the wires to them are the slowest of the
+part. If every used output of a block RAM goes to a flip-flop of the same clock and enable, without a reset, and nowhere
+else, this script removes the flip-flops, sets OUTREG on the block RAM, and connects the enable to OCE. The memory
+behaves as before, except for its contents before the first word.
 
-Sites, with --sites. The Gray decoder's memory takes most of the part, and left alone the placer puts the other block RAMs where
-there is room, far from their circuits. The four rows of 52 are a path here, two rows wide, along the lower two and back along the
-upper two: first the small memories, then the groups of the large one (sp_gray_memory) from the last to the first, so that every
-group stands beside the next, and both its ends near what reads and writes it.
+Sites, with --sites. The Gray decoder's memory takes most of the part. By itself the placer puts the other block RAMs
+where there is room, far from their circuits. Here the four rows of 52 sites form a path that is two rows wide: along
+the lower two and back along the upper two. The small memories come first, then the groups of the large one
+(sp_gray_memory) from the last to the first. So every group is beside the next, and both ends are near the circuits that
+read and write.
 
 Standard library only.
 """
@@ -42,10 +44,17 @@ def top_of(netlist):
     return tops[0]
 
 
+def kind_of(register):
+    """All of a flip-flop but its data, as text: its parameters, clock, enable and reset."""
+    pins = {pin: bits for pin, bits in register["connections"].items() if pin not in ("DI", "Q")}
+    return json.dumps([register["parameters"], pins], sort_keys=True)
+
+
 def absorb(module):
     """Puts the registers behind the block RAMs of module into them; how many flip-flops went."""
     cells = module["cells"]
-    loads = collections.Counter(bit for body in module["ports"].values() if body["direction"] != "input" for bit in body["bits"])
+    outputs = [body for body in module["ports"].values() if body["direction"] != "input"]
+    loads = collections.Counter(bit for body in outputs for bit in body["bits"])
     takers = {}
     for name, cell in cells.items():
         for port, bits in cell["connections"].items():
@@ -57,12 +66,12 @@ def absorb(module):
     for ram in [cell for cell in cells.values() if cell["type"] == "DP16KD"]:
         pins = ram["connections"]
         used = {port: bits[0] for port, bits in pins.items() if OUTPUT.fullmatch(port) and bits and loads[bits[0]]}
-        registers = {port: takers[bit][0] for port, bit in used.items()
-                     if loads[bit] == 1 and bit in takers and takers[bit][1] == "DI" and cells[takers[bit][0]]["type"] == "TRELLIS_FF"}
+        alone = {port: takers[bit] for port, bit in used.items() if loads[bit] == 1 and bit in takers}
+        registers = {port: name for port, (name, pin) in alone.items()
+                     if pin == "DI" and cells[name]["type"] == "TRELLIS_FF"}
         if not used or len(registers) != len(used):
             continue
-        kinds = {json.dumps([cells[name]["parameters"], {pin: bits for pin, bits in cells[name]["connections"].items()
-                                                         if pin not in ("DI", "Q")}], sort_keys=True) for name in registers.values()}
+        kinds = {kind_of(cells[name]) for name in registers.values()}
         like = cells[next(iter(registers.values()))]
         wide = int(ram["parameters"]["DATA_WIDTH_B"], 2) == 36
         sides = {"A", "B"} if wide else {OUTPUT.fullmatch(port)[1] for port in used}
@@ -71,7 +80,8 @@ def absorb(module):
         edges.add(like["parameters"].get("CLKMUX", "CLK") == "CLK")
         # Yosys writes a blank behind a text of digits.
         enable = {"CE": like["connections"].get("CE"), "1": ["1"]}.get(like["parameters"].get("CEMUX", "1").strip())
-        if len(kinds) != 1 or len(clocks) != 1 or len(edges) != 1 or like["connections"].get("LSR", ["0"]) != ["0"] or not enable:
+        has_reset = like["connections"].get("LSR", ["0"]) != ["0"]
+        if len(kinds) != 1 or len(clocks) != 1 or len(edges) != 1 or has_reset or not enable:
             continue
         for side in sides:
             ram["parameters"][f"REGMODE_{side}"] = "OUTREG"

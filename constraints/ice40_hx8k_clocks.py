@@ -1,4 +1,4 @@
-# Run by nextpnr-ice40 (--pre-pack): the two clocks. Paths between them are cut by the tool itself; see README.md for what
-# makes them safe.
+# nextpnr-ice40 runs this file (--pre-pack): the two clocks. The tool itself ignores the paths between them; README.md
+# says what makes them safe.
 ctx.addClock("clk_i", 151.2)
 ctx.addClock("bus_clk_i", 62.5)

@@ -1,7 +1,7 @@
 # vivado -mode batch -source constraints/xilinx7.tcl -tclargs PART [NAME=VALUE...]
-# From the sources to timing and utilization reports of sp_board in build/vivado/. Not run here: the vendor's tools are not at hand.
-# PART is for example xc7a200tfbg676-2 or xc7k325tffg900-2; NAME=VALUE are parameters of sp_board. Synthesis is out of context: the
-# board's buses go on to other blocks of the FPGA.
+# From the sources to reports of timing and utilization of sp_board in build/vivado/. It has not been run yet, because
+# the vendor's tools were not at hand. PART is for example xc7a200tfbg676-2 or xc7k325tffg900-2; NAME=VALUE are
+# parameters of sp_board. Synthesis is out of context, because the board's buses go on to other blocks of the FPGA.
 if {$argc < 1} { error "usage: vivado -mode batch -source constraints/xilinx7.tcl -tclargs PART ?NAME=VALUE ...?" }
 set here [file dirname [file normalize [info script]]]
 set root [file dirname $here]

@@ -1,10 +1,10 @@
-# sp_board on Artix-7 and Kintex-7 (Vivado): clocks and the paths between them. Not run here: the vendor's tools are not at
-# hand. xilinx7.tcl reads it.
+# sp_board on Artix-7 and Kintex-7 (Vivado): the clocks and the paths between them. xilinx7.tcl reads this file. It has
+# not been run yet, because the vendor's tools were not at hand.
 create_clock -name video -period 6.613 [get_ports clk_i]
 create_clock -name bus   -period 16.000 [get_ports bus_clk_i]
 
-# Between the clocks: Gray-coded pointers and toggles may spread over no more than a period of the clock that takes them;
-# words that cross stand still for more than two (rtl/crossings.txt).
+# Between the clocks: the bits of a Gray-coded pointer or a toggle may arrive at most one period of the sending clock
+# apart; words that cross are stable for more than two periods (rtl/crossings.txt).
 set_max_delay -datapath_only -from [get_clocks video] -to [get_clocks bus] 6.613
 set_max_delay -datapath_only -from [get_clocks bus] -to [get_clocks video] 6.613
 set_bus_skew -from [get_cells -hierarchical -filter {NAME =~ *wr_gray_q_reg*}] \

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""check_sources.py [FILE...]: looks in the kernels and shells of hls/ (or in the files named) for what synthesis tools refuse.
+"""check_sources.py [FILE...]: finds what synthesis tools refuse in the kernels and shells of hls/, or in FILEs.
 
-Everywhere: dynamic allocation, virtual functions, exceptions and run-time types, the standard library but for its integers,
-floating point, goto, loops whose bounds are not constants, recursion, headers that are not of the kernels. In files under a folder
-`shells` besides: processes other than clocked threads with a synchronous reset and methods; threads without a reset section, or with a
-path without wait(); what the open compiler ICSC does not take.
+Everywhere these are findings: dynamic allocation, virtual functions, exceptions and run-time types, the standard
+library except its integers, floating point, goto, loops whose bounds are not constants, recursion, and headers that do
+not belong to the kernels. In files under a folder `shells` there are more: processes other than methods and clocked
+threads with a synchronous reset; threads without a reset section, or with a path without wait(); whatever the open
+compiler ICSC does not take.
 
-Looked at is what an HLS tool sees: the branches of SELFPROJ_HLS_VENDOR_TYPES in shared headers. One line a finding; exit status 1
-where there is one.
+The check reads what an HLS tool sees: in shared headers, the branches of SELFPROJ_HLS_VENDOR_TYPES. It prints one line
+a finding, and its exit status is then 1.
 """
 import pathlib
 import re
@@ -29,12 +30,18 @@ WORDS = [
     ("goto", r"\bgoto\b"),
 ]
 SHELL_WORDS = [
-    ("not for ICSC", r"\b(sc_event|sc_fifo|sc_mutex|sc_semaphore|sc_buffer|sc_inout|sc_export|sc_logic|sc_lv|sc_bv|sc_bit|"
-                     r"sc_signal_resolved|sc_signal_rv|sc_fixed|sc_ufixed|sc_time|sc_spawn|SC_FORK)\b"),
+    (
+        "not for ICSC",
+        r"\b(sc_event|sc_fifo|sc_mutex|sc_semaphore|sc_buffer|sc_inout|sc_export|sc_logic|sc_lv|sc_bv|sc_bit|"
+        r"sc_signal_resolved|sc_signal_rv|sc_fixed|sc_ufixed|sc_time|sc_spawn|SC_FORK)\b",
+    ),
     ("process that is not clocked", r"\bSC_THREAD\b"),
     ("not for ICSC", r"\b(next_trigger|notify|const_cast|reinterpret_cast)\b"),
 ]
-KEYWORDS = {"if", "for", "while", "switch", "return", "sizeof", "static_cast", "static_assert", "defined", "alignof", "decltype"}
+KEYWORDS = {
+    "if", "for", "while", "switch", "return", "sizeof", "static_cast", "static_assert", "defined", "alignof",
+    "decltype",
+}
 
 
 def blank(match):
@@ -43,7 +50,7 @@ def blank(match):
 
 
 def seen(text):
-    """The source as a tool sees it: no comments, no contents of strings, no branches that are not compiled; lines kept."""
+    """The source as a tool sees it: without comments, texts and branches that are not compiled; lines are kept."""
     text = re.sub(r"//[^\n]*|/\*.*?\*/", blank, text, flags=re.S)
     out = []
     branches = []  # of conditions: whether what is inside counts
@@ -121,7 +128,7 @@ class Source:
 
     @staticmethod
     def waits(body):
-        """Every path through a block comes to a wait(): one stands in it by itself, and nothing leaves the block before."""
+        """Every path through a block comes to a wait(), which stands there by itself, and nothing leaves it before."""
         flat = body
         while True:
             inner = re.sub(r"\{[^{}]*\}", blank, flat)
@@ -133,7 +140,9 @@ class Source:
     # --- Processes of a shell ---
 
     def check_processes(self):
-        for process in re.finditer(r"\bSC_CTHREAD\(\s*(\w+)\s*,\s*\w+\.pos\(\)\s*\)\s*;\s*(reset_signal_is\()?", self.code):
+        for process in re.finditer(
+            r"\bSC_CTHREAD\(\s*(\w+)\s*,\s*\w+\.pos\(\)\s*\)\s*;\s*(reset_signal_is\()?", self.code
+        ):
             if not process.group(2):
                 self.find(process.start(), f"thread {process.group(1)} without a reset")
             body = re.search(rf"\bvoid {process.group(1)}\(\)\s*\{{", self.code)
@@ -216,13 +225,17 @@ def check(files):
 
 def kernel_files():
     # late_memory.h is for tests; tools never see it.
-    return sorted(f for pattern in ("*.h", "*.cpp", "shells/*.h") for f in FOLDER.glob(pattern) if f.name != "late_memory.h")
+    return sorted(
+        f for pattern in ("*.h", "*.cpp", "shells/*.h") for f in FOLDER.glob(pattern) if f.name != "late_memory.h"
+    )
 
 
 def main():
     files = [pathlib.Path(name) for name in sys.argv[1:]] or kernel_files()
     try:
-        findings = check([(str(f.relative_to(FOLDER.parent) if FOLDER in f.parents else f), f.read_text()) for f in files])
+        findings = check(
+            [(str(f.relative_to(FOLDER.parent) if FOLDER in f.parents else f), f.read_text()) for f in files]
+        )
     except OSError as error:
         print(f"check_sources.py: {error.filename}: {error.strerror}", file=sys.stderr)
         return 2

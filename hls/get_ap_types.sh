@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# get_ap_types.sh: brings the open vendor headers (ap_int.h, hls_stream.h; Apache licence) out of PyPI's wheel of hls4ml to
-# build/ap_types/, where the build looks for them. With an HLS tool installed its own do as well: cmake -D SELFPROJ_AP_TYPES=FOLDER.
+# get_ap_types.sh: takes the open vendor headers (ap_int.h, hls_stream.h; Apache licence) out of PyPI's wheel of hls4ml
+# and puts them into build/ap_types/, where the build looks for them. Those of an installed HLS tool work as well:
+# cmake -D SELFPROJ_AP_TYPES=FOLDER.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

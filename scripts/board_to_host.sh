@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# board_to_host.sh [--seconds S] [--rate FPS] [--rising] [--realtime]: two processes, a board that plays 512 x 96 pixels in
-# mode grey-over in real time into a ring (default: 10,000 frames a second for 60 s), and the on-line inspection of it. Fails
-# unless every frame became a profile: nothing lost, bad or missing.
-# --rising then doubles the rate from there, 5 s each, as long as that holds, and ends with the board as fast as it can, which
-# says how many profiles a second the host makes. --realtime gives both processes real-time priority (needs the right to it)
-# and lets the host sleep while it waits: on a machine that is busy with other things they would else not get a processor
-# for longer than the ring holds, 1.6 s.
+# board_to_host.sh [--seconds S] [--rate FPS] [--rising] [--realtime]: runs two processes. One is a board that plays
+# 512 x 96 pixels in mode grey-over in real time into a ring (by default 10,000 frames a second for 60 s); the other is
+# the on-line inspection. It fails unless every frame became a profile: nothing lost, bad or missing.
+# --rising then doubles the rate, 5 s each, as long as that holds. At the end the board plays as fast as it can, which
+# shows how many profiles a second the host makes. --realtime gives both processes real-time priority, which needs the
+# right to it, and lets the host sleep while it waits. On a busy machine they would otherwise not get a processor for
+# longer than the ring holds, 1.6 s.
 set -euo pipefail
+[[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 seconds=60
@@ -20,11 +21,16 @@ while (($# > 0)); do
     --rate) rate=${2:?"board_to_host.sh: --rate needs a number"}; shift 2 ;;
     --rising) rising=true; shift ;;
     --realtime) realtime=(chrt -f 10) wait=block; shift ;;
-    *) echo "usage: scripts/board_to_host.sh [--seconds S] [--rate FPS] [--rising] [--realtime]" >&2; exit 2 ;;
+    *)
+      echo "board_to_host.sh: $1: unknown;" \
+        "usage: scripts/board_to_host.sh [--seconds S] [--rate FPS] [--rising] [--realtime]" >&2
+      exit 2
+      ;;
   esac
 done
 for program in selfproj selfproj-sim; do
-  [[ -x build/bin/$program ]] || { echo "board_to_host.sh: build/bin/$program is missing; run scripts/build.sh" >&2; exit 2; }
+  [[ -x build/bin/$program ]] ||
+    { echo "board_to_host.sh: build/bin/$program is missing; run scripts/build.sh" >&2; exit 2; }
 done
 
 ring=board-to-host-$$
@@ -35,12 +41,14 @@ trap 'build/bin/selfproj devices --remove "$ring" 2>/dev/null || true' EXIT
 run() {
   local rate=$1 seconds=$2 status=0
   shift 2
-  "${realtime[@]}" build/bin/selfproj-sim board --line 512x96 --rate "$rate" --seconds "$seconds" --ring "$ring" --wait-for-reader \
+  "${realtime[@]}" build/bin/selfproj-sim board --line 512x96 --rate "$rate" --seconds "$seconds" \
+    --ring "$ring" --wait-for-reader \
     --keep >"build/$ring.txt" &
   local board=$!
   # The ring is kept until both have ended, so that the reader is there from the first packet to the last.
   until build/bin/selfproj devices | grep -q "ring:$ring  *process"; do sleep 0.05; done
-  "${realtime[@]}" build/bin/selfproj inspect --device "ring:$ring" --wait "$wait" --json "build/$ring.json" "$@" || status=$?
+  "${realtime[@]}" build/bin/selfproj inspect --device "ring:$ring" --wait "$wait" \
+    --json "build/$ring.json" "$@" || status=$?
   wait "$board"
   sed 's/^/    board: /' "build/$ring.txt"
   while read -r key value; do results+=("$rate/$key=$value"); done < <(python3 -c '

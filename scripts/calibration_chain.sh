@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# The whole chain of calibration on itself, both rigs at full size: patterns, captures of a virtual chessboard, calibration
-# in both ways, depth of a known plane. Prints what came out beside the truth (host/calibration/README.md has the figures).
-#
-#     scripts/calibration_chain.sh [--out DIR]     # keeps what it makes in DIR, a new folder
+# calibration_chain.sh [--out DIR]: the whole chain of calibration in simulation, both rigs at full size: patterns,
+# captures of a virtual chessboard, calibration in both ways, depth of a known plane. It prints the results beside the
+# truth. With --out it keeps its files in DIR, a new folder.
 set -euo pipefail
+[[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 host=$root/build/bin/selfproj
 sim=$root/build/bin/selfproj-sim
 for program in "$host" "$sim"; do
   if [[ ! -x $program ]]; then
-    echo "calibration_chain.sh: $program is not there; run scripts/build.sh release" >&2
+    echo "calibration_chain.sh: $program is not there; run scripts/build.sh" >&2
     exit 2
   fi
 done
@@ -36,8 +36,8 @@ chain() {
     --tilt "$tilt" --out "$folder/captures"
   for way in homography direct; do
     echo "rig $rig, $way:"
-    "$host" calibrate --chessboard "$board" --square "$square" --projector "$projector" --rig "$rig" --corners "$way" "$@" \
-      --out "$folder/$way" "$folder"/captures/pose_*
+    "$host" calibrate --chessboard "$board" --square "$square" --projector "$projector" --rig "$rig" \
+      --corners "$way" "$@" --out "$folder/$way" "$folder"/captures/pose_*
   done
   echo "truth of rig $rig:"
   python3 - "$folder/captures/truth.json" <<'END'

@@ -1,20 +1,22 @@
 #!/usr/bin/env bash
-# coverage.sh [--no-build]: line and toggle coverage of rtl/ by the tests of its blocks and of the board. Builds them with
-# counting models in build/coverage, runs them (of each random test the first 20 cases), lists every point that no test reached,
-# and compares with tests/rtl/coverage_exceptions.txt.
-# Exit status 1 where a point was not reached and no exception, with its reason, covers it.
+# coverage.sh [--no-build]: line and toggle coverage of rtl/ by the tests of its blocks and of the board. It builds them
+# with counting models in build/coverage, runs them (the first 20 cases of each random test), lists every point that no
+# test reached, and compares the list with tests/rtl/coverage_exceptions.txt.
+# Exit status 1 where a point was not reached and no exception gives a reason.
 set -euo pipefail
+[[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 build=build/coverage
 case "${1:-}" in
   --no-build) ;;
   "")
-    cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG" -DSELFPROJ_COVERAGE=ON >/dev/null
+    cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG" \
+      -DSELFPROJ_COVERAGE=ON >/dev/null
     cmake --build "$build" --target rtl_blocks board_test board_codes_test
     ;;
   *)
-    echo "usage: coverage.sh [--no-build]" >&2
+    echo "coverage.sh: $1: unknown; usage: scripts/coverage.sh [--no-build]" >&2
     exit 2
     ;;
 esac
@@ -23,6 +25,7 @@ rm -rf "$build/counts"
 mkdir -p "$build/counts"
 export SELFPROJ_CASES=20 SELFPROJ_COVERAGE_FILE="$PWD/$build/counts/coverage.dat"
 # The longest first. Each in one program: a model is reused from test to test, with its reset counted.
+# shellcheck disable=SC2016  # $0 and $1 are those of the inner bash
 printf '%s\n' 'board/board_test Board.*' 'board/board_codes_test CodesBoard.*' 'blocks/rtl_blocks *' |
   (cd "$build/tests/rtl" && xargs -L 1 -P "$(nproc)" bash -c '"./$0" --gtest_brief=1 "--gtest_filter=$1"')
 unset SELFPROJ_CASES SELFPROJ_COVERAGE_FILE

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""coverage_report.py --exceptions FILE FOLDER: line and toggle coverage of rtl/ from the counts that Verilated models wrote.
+"""coverage_report.py --exceptions FILE FOLDER: line and toggle coverage of rtl/ from the counts of Verilated models.
 
-Points are merged over all programs, models, parameters and instances: a point is a place in a source file (toggle: a bit of
-a signal), covered where any instance reached it (toggle: in both directions). An exception is a line `file | pattern | reason`;
-both file and pattern are regular expressions, the pattern for a whole signal name with its bit (toggle) or a whole source
-line (line).
+Points are merged over all programs, models, parameters and instances. A point is a place in a source file (toggle: a
+bit of a signal), and is covered where any instance reached it (toggle: in both directions). An exception is a line
+`file | pattern | reason`, which indented lines continue. File and pattern are regular expressions; the pattern is for a
+whole signal name with its bit (toggle) or for a whole source line (line).
 """
 import argparse
 import collections
@@ -12,6 +12,7 @@ import pathlib
 import re
 import sys
 
+import reason_list
 import results
 
 POINT = re.compile(rb"^C '(.*)' (\d+)$")
@@ -42,20 +43,52 @@ def read_counts(folder, root):
     return files, counts
 
 
-def read_exceptions(path):
-    exceptions = []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-        if not line.strip() or line.startswith("#"):
-            continue
-        parts = [part.strip() for part in line.split(" | ", 2)]
-        if len(parts) != 3 or not all(parts):
-            sys.exit(f"coverage_report.py: {path}:{number}: not `file | pattern | reason`")
-        exceptions.append((re.compile(parts[0]), re.compile(parts[1]), line))
-    return exceptions
+class Tally:
+    """How many points of each source and kind there are and are covered, and what became of the others."""
+
+    def __init__(self, counts, exceptions, root):
+        self.sources = collections.defaultdict(lambda: {kind: [0, 0] for kind in NEEDED})
+        self.total = {kind: [0, 0] for kind in NEEDED}
+        self.missing = []
+        self.excused = 0
+        self.not_needed = set(exceptions)
+        for (source, line, kind, name), count in sorted(counts.items()):
+            covered = count >= NEEDED[kind]
+            for points in (self.sources[source][kind], self.total[kind]):
+                points[0] += covered
+                points[1] += 1
+            if covered:
+                continue
+            text = (root / source).read_text(encoding="utf-8").splitlines()[line - 1].strip()
+            target = name if kind == "toggle" else text
+            fitting = [rule for rule in exceptions if rule[0].fullmatch(source) and rule[1].fullmatch(target)]
+            self.not_needed.difference_update(fitting)
+            if fitting:
+                self.excused += 1
+            else:
+                self.missing.append(f"{source}:{line}: {kind}: {target}")
+
+    def print(self):
+        print(f"{'file':40} {'lines':>14} {'toggles':>16}")
+        for source, kinds in sorted(self.sources.items()):
+            lines, toggles = ("{}/{}".format(*kinds[kind]) for kind in NEEDED)
+            print(f"{source:40} {lines:>14} {toggles:>16}")
+        for point in self.missing:
+            print(f"not covered: {point}")
+        for file, pattern, reason in sorted(self.not_needed, key=str):
+            print(f"exception not needed: {file.pattern} | {pattern.pattern} | {reason}")
 
 
 def percent(covered, total):
     return "-" if total == 0 else f"{100 * covered / total:.1f} %"
+
+
+def figures(kinds, share=False):
+    """The points of each kind, for the results file."""
+    return {
+        kind: {"covered": covered, "points": points} | ({"share": covered / max(1, points)} if share else {})
+        for kind, (covered, points) in kinds.items()
+    }
 
 
 def main():
@@ -68,51 +101,29 @@ def main():
     files, counts = read_counts(args.folder, root)
     if not counts:
         sys.exit(f"coverage_report.py: {args.folder}: no counts of rtl/")
-    exceptions = read_exceptions(args.exceptions)
-    used = set()
-    tally = collections.defaultdict(lambda: {"line": [0, 0], "toggle": [0, 0]})
-    missing = []
-    excused = 0
-    for (source, line, kind, name), count in sorted(counts.items()):
-        tally[source][kind][1] += 1
-        if count >= NEEDED[kind]:
-            tally[source][kind][0] += 1
-            continue
-        text = (root / source).read_text(encoding="utf-8").splitlines()[line - 1].strip()
-        target = name if kind == "toggle" else text
-        reasons = [e for e in exceptions if e[0].fullmatch(source) and e[1].fullmatch(target)]
-        if reasons:
-            used.update(e[2] for e in reasons)
-            excused += 1
-        else:
-            missing.append(f"{source}:{line}: {kind}: {target}")
-
+    try:
+        exceptions = reason_list.read(args.exceptions)
+    except ValueError as error:
+        sys.exit(f"coverage_report.py: {error}")
+    tally = Tally(counts, exceptions, root)
     print(f"{len(files)} files of counts")
-    print(f"{'file':40} {'lines':>14} {'toggles':>16}")
-    total = {"line": [0, 0], "toggle": [0, 0]}
-    for source, kinds in sorted(tally.items()):
-        cells = []
-        for kind in ("line", "toggle"):
-            covered, points = kinds[kind]
-            total[kind][0] += covered
-            total[kind][1] += points
-            cells.append(f"{covered}/{points}")
-        print(f"{source:40} {cells[0]:>14} {cells[1]:>16}")
-    for line in missing:
-        print(f"not covered: {line}")
-    for _, _, line in exceptions:
-        if line not in used:
-            print(f"exception not needed: {line}")
-    print(f"line {percent(*total['line'])}, toggle {percent(*total['toggle'])}, {excused} points under "
-          f"{len(exceptions)} exceptions, {len(missing)} uncovered")
-    results.write("coverage", "Lines and toggles of rtl/ that the tests of its blocks and of the board reach",
-                  "scripts/coverage.sh",
-                  {"files": {source: {kind: {"covered": points[0], "points": points[1]} for kind, points in kinds.items()}
-                             for source, kinds in sorted(tally.items())},
-                   "all": {kind: {"covered": points[0], "points": points[1], "share": points[0] / max(1, points[1])}
-                           for kind, points in total.items()},
-                   "excused": excused, "exceptions": len(exceptions), "uncovered": len(missing)})
-    sys.exit(1 if missing else 0)
+    tally.print()
+    print(f"line {percent(*tally.total['line'])}, toggle {percent(*tally.total['toggle'])}, "
+          f"{tally.excused} points under {len(exceptions)} exceptions, {len(tally.missing)} uncovered")
+    results.write(
+        "coverage",
+        "Lines and toggles of rtl/ that the tests of its blocks and of the board reach",
+        "scripts/coverage.sh",
+        {
+            "files": {source: figures(kinds) for source, kinds in sorted(tally.sources.items())},
+            "all": figures(tally.total, share=True),
+            "excused": tally.excused,
+            "exceptions": len(exceptions),
+            "uncovered": len(tally.missing),
+        },
+    )
+    sys.exit(1 if tally.missing else 0)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -3,13 +3,14 @@
 
     crossings.py [--rtl FOLDER] [--parameters NAME=VALUE ...]
 
-Yosys elaborates the board; a crossing is a register or memory of one clock in whose inputs a register or memory of another
-has a part. Each has to be a synchronizer's first flop (sp_sync) with no logic before it, or stand in rtl/crossings.txt, whose lines are
+Yosys elaborates the board. A crossing is a register or memory of one clock whose inputs depend on a register or memory
+of another. Each must be a synchronizer's first flop (sp_sync) with no logic before it, or stand in rtl/crossings.txt,
+whose lines are
 
     from | to | why it is safe
 
-with regular expressions for the two names. Exit status 1 and one line for each crossing that is neither, and for each line
-that fits none. Standard library only.
+with regular expressions for the two names; an indented line continues the one before. Exit status 1 and one line for
+each crossing that is neither, and for each line that fits none. Standard library only.
 """
 
 import argparse
@@ -21,6 +22,7 @@ import subprocess
 import sys
 import tempfile
 
+import reason_list
 import rtl_tree
 
 ROOT = rtl_tree.ROOT
@@ -83,7 +85,9 @@ class Graph:
         bits, parameters = cell["connections"], cell["parameters"]
         name = parameters.get("MEMID", name).lstrip("\\")
         write = (name, self.names.get(bits["WR_CLK"][0])) if bits["WR_CLK"] else (name, None)
-        self.inputs[write] |= {bit for port in ("WR_EN", "WR_ADDR", "WR_DATA") for bit in bits[port] if isinstance(bit, int)}
+        self.inputs[write] |= {
+            bit for port in ("WR_EN", "WR_ADDR", "WR_DATA") for bit in bits[port] if isinstance(bit, int)
+        }
         address = [bit for port in ("RD_ADDR", "RD_EN") for bit in bits[port] if isinstance(bit, int)]
         if "1" in parameters["RD_CLK_ENABLE"]:
             read = (name + " (read)", self.names.get(bits["RD_CLK"][0]))
@@ -121,28 +125,16 @@ class Graph:
                       key=str)
 
 
-def read_list():
-    rules = []
-    for number, line in enumerate(LIST.read_text().splitlines(), 1):
-        if not line.strip() or line.startswith("#"):
-            continue
-        fields = [field.strip() for field in line.split(" | ", 2)]
-        if len(fields) != 3:
-            raise CrossingError(f"{LIST.relative_to(ROOT)}:{number}: not three fields: from | to | why")
-        rules.append((re.compile(fields[0]), re.compile(fields[1]), fields[2]))
-    return rules
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rtl", type=pathlib.Path, default=ROOT / "rtl", metavar="FOLDER", help="default: rtl/")
     parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of sp_board")
     arguments = parser.parse_args()
     try:
-        rules = read_list()
+        rules = reason_list.read(LIST)
         graph = Graph(netlist(arguments.rtl, arguments.parameters))
         crossings = graph.crossings()
-    except (CrossingError, OSError, re.error) as error:
+    except (CrossingError, OSError, ValueError) as error:
         print(f"crossings.py: {error}", file=sys.stderr)
         return 1
     used = set()
@@ -156,8 +148,11 @@ def main():
         else:
             fitting = [i for i, (of, to, _) in enumerate(rules) if of.fullmatch(source) and to.fullmatch(target)]
             if not fitting:
-                print(f"crossings.py: {source} ({source_clock}) -> {target} ({target_clock}): neither a synchronizer nor in "
-                      f"{LIST.relative_to(ROOT)}", file=sys.stderr)
+                print(
+                    f"crossings.py: {source} ({source_clock}) -> {target} ({target_clock}): "
+                    f"neither a synchronizer nor in {LIST.relative_to(ROOT)}",
+                    file=sys.stderr,
+                )
                 wrong += 1
                 continue
             used.update(fitting)
@@ -165,7 +160,10 @@ def main():
         print(f"{source} ({source_clock}) -> {target} ({target_clock}): {how}")
     for i, (of, to, _) in enumerate(rules):
         if i not in used:
-            print(f"crossings.py: {LIST.relative_to(ROOT)}: nothing crosses from {of.pattern} to {to.pattern}", file=sys.stderr)
+            print(
+                f"crossings.py: {LIST.relative_to(ROOT)}: nothing crosses from {of.pattern} to {to.pattern}",
+                file=sys.stderr,
+            )
             wrong += 1
     if not crossings:
         print("crossings.py: no crossing found at all", file=sys.stderr)

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# lint_rtl.sh [MODULE...]: every module of rtl/ (or those named), as top, through the three tools that must accept it:
-# Verilator (-Wall -Wpedantic), Icarus (-g2012 -Wall) and Yosys (elaborates, and its checks pass); sp_board also in
-# other configurations than its default. A word from any of them is a failure, but for those filtered below, each with its reason.
+# lint_rtl.sh [MODULE...]: gives every module of rtl/ (or those named), as top, to the three tools that must accept it:
+# Verilator (-Wall -Wpedantic), Icarus (-g2012 -Wall) and Yosys (it elaborates, and its checks pass); sp_board in other
+# configurations as well. Any message is a failure, except those filtered below, each with its reason.
 set -euo pipefail
+[[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 package=rtl/common/sp_spec_pkg.sv  # the only package, read first
@@ -20,7 +21,8 @@ if grep -nE "(^|[^A-Za-z0-9_) '\`]|[=(,?:] )[~!-][A-Za-z_][A-Za-z0-9_:]*'\(" "${
   exit 1
 fi
 
-# Parameters of sp_board to look at besides the default: the original's, with grey, with raw images, tiny, with the decoder.
+# Parameters of sp_board to lint besides the default: the original's, with grey, with raw images, tiny, with the
+# decoder.
 board_configurations=(
   "MaxColumns=512 MaxRows=127 Grey=1'b0 Image=1'b0"
   "MaxColumns=512 MaxRows=127 Grey=1'b1 Image=1'b0"
@@ -35,7 +37,8 @@ board_configurations=(
 verilator_lint() {
   local search=() parameters=("${@:2}") folder
   for folder in "${folders[@]}"; do search+=(-y "$folder"); done
-  verilator --lint-only -Wall -Wpedantic --top-module "$1" "${parameters[@]/#/-G}" "${search[@]}" "$package" "$(file_of "$1")" 2>&1
+  verilator --lint-only -Wall -Wpedantic --top-module "$1" "${parameters[@]/#/-G}" "${search[@]}" \
+    "$package" "$(file_of "$1")" 2>&1
 }
 
 iverilog_lint() {
@@ -75,6 +78,7 @@ lint() {
   return "$status"
 }
 
+[[ ${1:-} != -* ]] || { echo "lint_rtl.sh: $1: unknown; usage: scripts/lint_rtl.sh [MODULE...]" >&2; exit 2; }
 if (($# > 0)); then
   modules=("$@")
   for module in "${modules[@]}"; do

@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
-# netlists.sh [NAME...]: the tests of tests/rtl on synthesized netlists in the place of the RTL, every block and the board,
-# mapped to the iCE40 by Yosys. Builds them in build/release and runs them: a line each with the tests passed and the time.
-# NAMEs (streams, packetizer, board, ...) are the tests' sources; without one, all. SELFPROJ_SEED=N runs one random case of each
-# test instead of all. Exit status 1 where a test fails.
+# netlists.sh [NAME...]: runs the tests of tests/rtl on synthesized netlists in place of the RTL: every block and the
+# board, mapped to the iCE40 by Yosys. It builds them in build/release and prints a line each with the tests passed and
+# the time. NAMEs (streams, packetizer, board, ...) are the tests' sources; without one, all. SELFPROJ_SEED=N runs one
+# random case of each test instead of all. Exit status 1 where a test fails.
 set -euo pipefail
+[[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+[[ ${1:-} != -* ]] || { echo "netlists.sh: $1: unknown; usage: scripts/netlists.sh [NAME...]" >&2; exit 2; }
 build=build/release
 [[ -e $build/build.ninja ]] || cmake --preset release --log-level=NOTICE
 targets=("${@/#/mapped_}")
 ((${#targets[@]})) || targets=(mapped_all)
 cmake --build "$build" --target "${targets[@]}"
 if [[ ${targets[0]} == mapped_all ]]; then
-  mapfile -t targets < <(cd "$build/tests/netlist" && find . -maxdepth 1 -type f -executable -name 'mapped_*' -printf '%f\n' | sort)
+  mapfile -t targets < <(cd "$build/tests/netlist" &&
+    find . -maxdepth 1 -type f -executable -name 'mapped_*' -printf '%f\n' | sort)
 fi
 
 failed=0

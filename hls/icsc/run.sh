@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# run.sh [FOLDER]: translates the SystemC shells to SystemVerilog by ICSC, where ICSC_HOME says that there is one (1.6.8), puts the memories
-# in, and lints the result with Verilator. Results in FOLDER (build/icsc). Not run here: ICSC comes as sources that build LLVM.
+# run.sh [FOLDER]: translates the SystemC shells to SystemVerilog by ICSC 1.6.8, if ICSC_HOME names an installation,
+# adds the memories, and lints the result with Verilator. The results are in FOLDER (build/icsc). It has not been run
+# yet: ICSC comes as sources that build LLVM.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -15,7 +16,8 @@ cmake -S hls/icsc -B "$to" -DCMAKE_PREFIX_PATH="$ICSC_HOME" -DCMAKE_BUILD_TYPE=R
 for name in column_moments gray_decoder median3x3; do
   cmake --build "$to" --target "${name}_shell_sctool"
   (cd "$to" && "./${name}_shell_sctool")
-  [[ -s $to/sv_out/${name}_shell.sv ]] || { echo "icsc/run.sh: $to/sv_out/${name}_shell.sv was not written" >&2; exit 1; }
+  [[ -s $to/sv_out/${name}_shell.sv ]] ||
+    { echo "icsc/run.sh: $to/sv_out/${name}_shell.sv was not written" >&2; exit 1; }
 done
 
 # What ICSC writes is its own style: of its lint only what may be wrong counts.

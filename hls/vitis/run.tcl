@@ -1,7 +1,8 @@
-# A kernel through Vitis HLS: C simulation, synthesis, co-simulation, export as an IP. Called by column_moments.tcl and gray_decoder.tcl.
+# A kernel through Vitis HLS: C simulation, synthesis, co-simulation, export as an IP. column_moments.tcl and
+# gray_decoder.tcl call it.
 #
-# Not run here: the tool is not free. Written for Vitis HLS 2022.2 and later; the C++ it names is compiled and run by the tests, with the
-# open headers of the tool's integers (tests/hls).
+# It has not been run yet, because the tool is not free. It is written for Vitis HLS 2022.2 and later. The tests compile
+# and run the C++ that it names with the open headers of the tool's integers (tests/hls).
 
 # run_kernel NAME PART PERIOD_NS: the top function NAME_top of hls/NAME.cpp with the bench hls/vitis/NAME_tb.cpp
 proc run_kernel {name part period} {

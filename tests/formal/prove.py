@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Proves the rules written inside the RTL modules (`ifdef FORMAL), with Yosys and yosys-smtbmc and z3, or Yosys's own ABC.
+"""Proves the rules inside the RTL modules (`ifdef FORMAL) with Yosys and yosys-smtbmc and z3, or with Yosys's own ABC.
 
     prove.py [NAME...]           the proofs named, or all; the table of README.md as they end
     prove.py --faults [NAME...]  the planted faults: each must make its proof fail
     prove.py --list              what the tests run, a name a line: proofs, then faults
 
-A proof of depth K by induction: no trace of K steps from the beginning breaks a rule, and K steps that keep the rules
-are never followed by one that breaks them. Bounded: no trace of K steps from the beginning breaks one. Covers: traces up to the
-depth given reach every cover statement, so that the rules do not hold for want of traces.
+A proof of depth K by induction shows that no trace of K steps from the beginning breaks a rule, and that K steps which
+keep the rules are never followed by one that breaks them. A bounded proof shows that no trace of K steps from the
+beginning breaks a rule. Covers show that traces up to the given depth reach every cover statement, so that the rules do
+not hold just for want of traces.
 
 Standard library only.
 """
@@ -60,7 +61,8 @@ PROOFS = [
     Proof("axil_bridge", "sp_axil_bridge", ("AddressBits=2", "TimeoutBits=2"), "induction", 3, 36, clocks=2),
     Proof("gray_axi_memory", "sp_gray_axi_memory", ("Width=1", "AddressBits=13", "LogDepth=4", "BurstWords=4"),
           "induction", 3, 24),
-    Proof("packetizer", "sp_packetizer", ("ColumnBits=4", "RowBits=2", "PayloadBits=3", "LogDepth=4"), "induction", 2, 40),
+    Proof("packetizer", "sp_packetizer", ("ColumnBits=4", "RowBits=2", "PayloadBits=3", "LogDepth=4"), "induction", 2,
+          40),
     Proof("packet_fifo", "sp_packet_fifo", ("Width=1", "LogDepth=1"), "bounded", 36, 20, clocks=2),
     Proof("packet_fifo_of_two", "sp_packet_fifo", ("Width=1", "LogDepth=2", "PacketWords=2"), "bounded", 36, 24,
           clocks=2),
@@ -76,7 +78,8 @@ FAULTS = [
     Fault("skid_buffer/always_ready", "skid_buffer", "common/sp_skid_buffer.sv",
           "assign s_ready_o = !spare_valid_q;", "assign s_ready_o = 1'b1;", 12),
     Fault("fifo/one_too_many", "fifo", "common/sp_fifo.sv",
-          "assign s_ready_o = wr_ptr_q != {!rd_ptr_q[LogDepth], rd_ptr_q[LogDepth-1:0]};", "assign s_ready_o = 1'b1;", 12),
+          "assign s_ready_o = wr_ptr_q != {!rd_ptr_q[LogDepth], rd_ptr_q[LogDepth-1:0]};",
+          "assign s_ready_o = 1'b1;", 12),
     Fault("fifo/narrow_word", "fifo", "common/sp_fifo.sv",
           ".wr_data_i(s_data_i),", ".wr_data_i(Width'(s_data_i[Width-2:0])),", 12),
     Fault("async_fifo/no_synchronizer", "async_fifo", "common/sp_async_fifo.sv",
@@ -88,13 +91,16 @@ FAULTS = [
     Fault("packet_fifo_of_two/too_few_bits", "packet_fifo_of_two", "common/sp_packet_fifo.sv",
           "$clog2((1 << LogDepth) / PacketWords + 2)", "$clog2((1 << LogDepth) / PacketWords + 1) - 1"),
     Fault("packet_arbiter/changes_inside", "packet_arbiter", "board/sp_packet_arbiter.sv",
-          "assign second         = busy_q ? of_second_q : !first_valid_i;", "assign second         = !first_valid_i;", 12),
+          "assign second         = busy_q ? of_second_q : !first_valid_i;",
+          "assign second         = !first_valid_i;", 12),
     Fault("frame_tracker/takes_any_time", "frame_tracker", "board/sp_frame_tracker.sv",
-          "may_take_q  <= run_i && !hold_i && !s1_take_q && took_q == '0;", "may_take_q  <= run_i && !hold_i && !s1_take_q;", 16),
+          "may_take_q  <= run_i && !hold_i && !s1_take_q && took_q == '0;",
+          "may_take_q  <= run_i && !hold_i && !s1_take_q;", 16),
     Fault("frame_tracker/row_too_many", "frame_tracker", "board/sp_frame_size.sv",
           "new_rows_less_2_q   <= rows_i - RowBits'(2);", "new_rows_less_2_q   <= rows_i - RowBits'(1);", 16),
     Fault("axil_bridge/forgets_an_answer", "axil_bridge", "board/sp_axil_bridge.sv",
-          "if (!late_q && reading_q) s_axil_rvalid_o <= 1'b1;", "if (!late_q && reading_q) s_axil_rvalid_o <= !timed_out_q;"),
+          "if (!late_q && reading_q) s_axil_rvalid_o <= 1'b1;",
+          "if (!late_q && reading_q) s_axil_rvalid_o <= !timed_out_q;"),
     Fault("packetizer/no_fill", "packetizer", "board/sp_packetizer.sv",
           "(q.state[Fill] || q.state[Payload] && payload_break_i) && !all_put,", "q.state[Fill] && !all_put,", 24),
     Fault("packetizer/loses_uncounted", "packetizer", "board/sp_packetizer.sv",
@@ -141,9 +147,13 @@ def run(command, limit_s, folder):
 
 
 def yosys(proof, rtl, folder, path, commands):
-    """Yosys on the module with its rules, flat, its memories registers, free clocks as data; the commands write the path."""
+    """Runs Yosys on the module with its rules: flat, memories as registers, free clocks as data.
+
+    `commands` write the file `path`.
+    """
     two_clocks = "clk2fflogic; " if proof.clocks == 2 else ""
-    read = rtl_tree.read_command(proof.module, proof.parameters, rtl, [ROOT / "tests/formal/sp_formal_clocks.sv"], formal=True)
+    clocks = ROOT / "tests/formal/sp_formal_clocks.sv"
+    read = rtl_tree.read_command(proof.module, proof.parameters, rtl, [clocks], formal=True)
     script = (read + f"hierarchy -check -top {proof.module}; proc; chformal -cover -remove A:top %n; "
               f"prep -nordff -flatten; memory_map; {two_clocks}opt -full; dffunmap; {commands}")
     result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
@@ -179,7 +189,8 @@ def write_aiger(proof, rtl, folder, covers=False):
                         "\\$assert _TECHMAP_REPLACE_ (.A(!A), .EN(EN)); endmodule\n")
     statements = f"chformal -assert -remove; techmap -map {contrary}; " if covers else "chformal -cover -remove; "
     yosys(proof, rtl, folder, path, f"{statements}opt -full; setundef -undriven -anyseq; formalff -clk2ff -ff2anyinit; "
-          f"techmap; simplemap; dffunmap; delete -output; opt_clean; abc -g AND -fast; opt_clean; write_aiger -B -zinit {path}")
+          f"techmap; simplemap; dffunmap; delete -output; opt_clean; abc -g AND -fast; opt_clean; "
+          f"write_aiger -B -zinit {path}")
     return path
 
 

@@ -1,4 +1,5 @@
-"""The check of the kernels' sources: they pass it, and whatever fault is put into one of them is found, at its line, and nothing else."""
+"""The kernels' sources pass their check, and it finds every planted fault, at its line, and nothing else."""
+
 import pathlib
 import sys
 import unittest
@@ -24,26 +25,57 @@ FAULTS = [
     ("floating point", "constexpr auto kF = 1e3;  // HERE"),
     ("goto", "inline void f() {\nagain:\n  goto again;  // HERE\n}"),
     ("loop without a bound", "inline int f(int a) {\n  while (a > 0) {  // HERE\n    a = a - 1;\n  }\n  return a;\n}"),
-    ("loop without a bound", "inline int f(int a) {\n  do {\n    a = a - 1;  \n  } while (a > 0);  // HERE\n  return a;\n}"),
-    ("loop whose bounds", "inline int f(int n) {\n  int s = 0;\n  for (int i = 0; i < n; ++i) {  // HERE\n    s += i;\n  }\n  return s;\n}"),
+    (
+        "loop without a bound",
+        "inline int f(int a) {\n  do {\n    a = a - 1;  \n  } while (a > 0);  // HERE\n  return a;\n}",
+    ),
+    (
+        "loop whose bounds",
+        "inline int f(int n) {\n  int s = 0;\n  for (int i = 0; i < n; ++i) {  // HERE\n    s += i;\n  }\n"
+        "  return s;\n}",
+    ),
     ("loop whose bounds", "inline int f() {\n  int s = 0;\n  for (;;) {  // HERE\n    s += 1;\n  }\n}"),
-    ("loop whose bounds", "inline int f() {\n  int s = 0;\n  for (int i = 0; i < kLanes; i += 2) {  // HERE\n    s += i;\n  }\n  return s;\n}"),
-    ("loop that changes", "inline int f() {\n  int s = 0;\n  for (int i = 0; i < kLanes; ++i) {  // HERE\n    i = 0;\n  }\n  return s;\n}"),
+    (
+        "loop whose bounds",
+        "inline int f() {\n  int s = 0;\n  for (int i = 0; i < kLanes; i += 2) {  // HERE\n    s += i;\n  }\n"
+        "  return s;\n}",
+    ),
+    (
+        "loop that changes",
+        "inline int f() {\n  int s = 0;\n  for (int i = 0; i < kLanes; ++i) {  // HERE\n    i = 0;\n  }\n"
+        "  return s;\n}",
+    ),
     ("recursion: f", "inline int f(int a) {  // HERE\n  return a == 0 ? 1 : f(a - 1);\n}"),
-    ("recursion: F::g", "struct F {\n  int f(int a) { return g(a); }\n  int g(int a) { return a == 0 ? 1 : f(a - 1); }  // HERE\n};"),
+    (
+        "recursion: F::g",
+        "struct F {\n  int f(int a) { return g(a); }\n  int g(int a) { return a == 0 ? 1 : f(a - 1); }  // HERE\n};",
+    ),
     ("recursion: F::f", "struct F {\n  int f(F& other) { return other.f(*this); }  // HERE\n};"),
     ("header", "#include <algorithm>  // HERE"),
     ("header", '#include "sim/board/shell_ram.h"  // HERE'),
 ]
 SHELL_FAULTS = [
     ("process that is not clocked", "struct F {\n  F() { SC_THREAD(f); }  // HERE\n};"),
-    ("thread f without a reset", "struct F {\n  F() { SC_CTHREAD(f, clk_i.pos()); }  // HERE\n  void f() {\n    wait();\n"
-                                 "    while (true) {\n      wait();\n    }\n  }\n};"),
-    ("thread f without a reset section", "struct F {\n  F() {\n    SC_CTHREAD(f, clk_i.pos());\n    reset_signal_is(rst_i, true);\n  }\n"
-                                         "  void f() {  // HERE\n    while (true) {\n      wait();\n    }\n  }\n};"),
-    ("loop without a bound", "struct F {\n  void f() {\n    while (true) {  // HERE\n      if (a.read()) {\n        wait();\n      }\n    }\n  }\n};"),
-    ("loop without a bound", "struct F {\n  void f() {\n    while (true) {  // HERE\n      if (a.read()) {\n        continue;\n      }\n"
-                             "      wait();\n    }\n  }\n};"),
+    (
+        "thread f without a reset",
+        "struct F {\n  F() { SC_CTHREAD(f, clk_i.pos()); }  // HERE\n  void f() {\n    wait();\n"
+        "    while (true) {\n      wait();\n    }\n  }\n};",
+    ),
+    (
+        "thread f without a reset section",
+        "struct F {\n  F() {\n    SC_CTHREAD(f, clk_i.pos());\n    reset_signal_is(rst_i, true);\n  }\n"
+        "  void f() {  // HERE\n    while (true) {\n      wait();\n    }\n  }\n};",
+    ),
+    (
+        "loop without a bound",
+        "struct F {\n  void f() {\n    while (true) {  // HERE\n      if (a.read()) {\n"
+        "        wait();\n      }\n    }\n  }\n};",
+    ),
+    (
+        "loop without a bound",
+        "struct F {\n  void f() {\n    while (true) {  // HERE\n      if (a.read()) {\n        continue;\n      }\n"
+        "      wait();\n    }\n  }\n};",
+    ),
     ("method f waits", "struct F {\n  F() { SC_METHOD(f); }\n  void f() { wait(); }  // HERE\n};"),
     ("not for ICSC", "struct F {\n  sc_core::sc_event e;  // HERE\n};"),
     ("not for ICSC", "struct F {\n  sc_core::sc_inout<bool> p;  // HERE\n};"),
@@ -53,7 +85,8 @@ FINE = [
     "// a new word, delete it, while (true), 1.5",
     'constexpr const char* kName = "new float 1.5";',
     "inline int f(const F& other) {\n  return other.g(1);\n}",
-    "inline int f(int a) {\n  int s = a;\n  for (int i = kLanes - 1; i >= 0; --i) {\n    if (i == 2) {\n      s = s + i;\n    }\n  }\n  return s;\n}",
+    "inline int f(int a) {\n  int s = a;\n  for (int i = kLanes - 1; i >= 0; --i) {\n    if (i == 2) {\n"
+    "      s = s + i;\n    }\n  }\n  return s;\n}",
     "#ifdef SELFPROJ_HLS_LATE_MEMORY\n#include <vector>\n#endif",
     "#ifndef SELFPROJ_HLS_VENDOR_TYPES\n#include <deque>\n#else\n#endif",
 ]
@@ -75,7 +108,9 @@ class CheckSources(unittest.TestCase):
         self.assertEqual(check_sources.check(files), [])
 
     def test_every_fault_is_found(self):
-        faults = [(name, *fault) for name in (KERNEL, SHELL) for fault in FAULTS] + [(SHELL, *fault) for fault in SHELL_FAULTS]
+        faults = [(name, *fault) for name in (KERNEL, SHELL) for fault in FAULTS] + [
+            (SHELL, *fault) for fault in SHELL_FAULTS
+        ]
         for name, kind, lines in faults:
             with self.subTest(file=name, kind=kind, lines=lines):
                 files, first = self.with_lines(name, lines)

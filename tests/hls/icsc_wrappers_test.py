@@ -1,5 +1,6 @@
-"""The modules that put memories beside the translated shells (hls/icsc/sp_*_hls.sv), linted by Verilator with an empty module in the
-shell's place that has the ports of the SystemC source: every port is connected, at its width, and the outer ports are those of the RTL."""
+"""The modules that put memories beside the translated shells (hls/icsc/sp_*_hls.sv), linted by Verilator with an empty
+module in the shell's place that has the ports of the SystemC source: every port is connected, at its width, and the
+outer ports are those of the RTL."""
 import pathlib
 import re
 import subprocess
@@ -7,8 +8,21 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BITS = {"bool": 1, "Pixels": 32, "Group": 9, "Row": 10, "ModeBits": 2, "Pixel": 8, "WideUint<128>": 128, "Uint<kMBits>": 56,
-        "Uint<kABits>": 54, "Uint<64>": 64, "CodeStatus": 5, "CodeGroup": 9, "CodeLine": 52}
+BITS = {
+    "bool": 1,
+    "Pixels": 32,
+    "Group": 9,
+    "Row": 10,
+    "ModeBits": 2,
+    "Pixel": 8,
+    "WideUint<128>": 128,
+    "Uint<kMBits>": 56,
+    "Uint<kABits>": 54,
+    "Uint<64>": 64,
+    "CodeStatus": 5,
+    "CodeGroup": 9,
+    "CodeLine": 52,
+}
 
 
 def ports(shell):
@@ -37,12 +51,22 @@ def main():
         wrapper = ROOT / "hls" / "icsc" / f"{name}.sv"
         module = re.search(r"hls_\w+Shell", wrapper.read_text()).group()
         listed = ports(shell)
-        lines = [f"  {'input wire' if direction == 'in' else 'output'} logic [{bits - 1}:0] {port}" for direction, bits, port in listed]
+        lines = [
+            f"  {'input wire' if direction == 'in' else 'output'} logic [{bits - 1}:0] {port}"
+            for direction, bits, port in listed
+        ]
         with tempfile.TemporaryDirectory() as folder:
             stub = pathlib.Path(folder) / f"{module}.sv"
             stub.write_text(f"module {module} (\n" + ",\n".join(lines) + "\n);\nendmodule\n")
-            lint = subprocess.run(["verilator", "--lint-only", "-Wall", "-Wno-UNDRIVEN", "-Wno-UNUSED", "--top-module", name,
-                                   ROOT / "rtl" / "common" / "sp_ram.sv", stub, wrapper], capture_output=True, text=True, check=False)
+            lint = subprocess.run(
+                [
+                    "verilator", "--lint-only", "-Wall", "-Wno-UNDRIVEN", "-Wno-UNUSED", "--top-module", name,
+                    ROOT / "rtl" / "common" / "sp_ram.sv", stub, wrapper,
+                ],
+                capture_output=True,
+                text=True,
+                check=False,
+            )
         if lint.returncode or lint.stderr:
             print(f"{name}: {lint.stderr}", file=sys.stderr)
             failed = 1

@@ -1,9 +1,9 @@
-# tclsh vitis_scripts_test.tcl FOLDER: the scripts of hls/vitis with the tool's commands in name only: that they are Tcl, ask for all steps
-# in their order, and name files that there are.
+# tclsh vitis_scripts_test.tcl FOLDER: runs the scripts of hls/vitis with commands that only have the names of the
+# tool's. It checks that they are Tcl, ask for all steps in their order, and name files that exist.
 set folder [lindex $argv 0]
 set ::asked {}
-foreach command {open_project set_top add_files open_solution set_part create_clock config_rtl csim_design csynth_design cosim_design
-                 export_design} {
+foreach command {open_project set_top add_files open_solution set_part create_clock config_rtl
+                 csim_design csynth_design cosim_design export_design} {
   proc $command {args} "lappend ::asked \[list $command \$args\]"
 }
 rename exit tcl_exit
@@ -25,8 +25,8 @@ foreach name {column_moments gray_decoder} {
       }
     }
   }
-  set want {open_project set_top add_files add_files open_solution set_part create_clock config_rtl csim_design csynth_design cosim_design
-            export_design}
+  set want {open_project set_top add_files add_files open_solution set_part create_clock config_rtl
+            csim_design csynth_design cosim_design export_design}
   if {$steps ne [concat {*}$want]} {
     puts stderr "$name.tcl: asks for $steps"
     tcl_exit 1

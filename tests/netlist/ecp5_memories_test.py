@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""constraints/ecp5_memories.py puts into block RAMs the registers that may go there and no others, and gives each RAM one site.
+"""constraints/ecp5_memories.py puts into block RAMs the registers that may go there and no others, and gives each RAM
+one site.
 
 What the registers do in there is for the tests of the kind ecp5 (netlist.py). Standard library only.
 """
@@ -35,11 +36,22 @@ class Ecp5Memories(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="ecp5_memories.") as name:
             folder = pathlib.Path(name)
             (folder / "top.v").write_text(MEMORY % {"last": width - 1, "behind": behind})
-            subprocess.run(["yosys", "-q", "-p", "read_verilog top.v; synth_ecp5 -no-rw-check -nolutram -top top; write_json top.json"],
-                           cwd=folder, check=True)
+            subprocess.run(
+                [
+                    "yosys", "-q", "-p",
+                    "read_verilog top.v; synth_ecp5 -no-rw-check -nolutram -top top; write_json top.json",
+                ],
+                cwd=folder,
+                check=True,
+            )
             before = json.loads((folder / "top.json").read_text())["modules"]["top"]["cells"]
-            result = subprocess.run([sys.executable, TOOL, "top.json", "to.json", *arguments], cwd=folder, capture_output=True,
-                                    text=True, check=True)
+            result = subprocess.run(
+                [sys.executable, TOOL, "top.json", "to.json", *arguments],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                check=True,
+            )
             after = json.loads((folder / "to.json").read_text())["modules"]["top"]["cells"]
             gone = int(re.match(r"\d+", result.stdout)[0])
             flip_flops = [sum(cell["type"] == "TRELLIS_FF" for cell in cells.values()) for cells in (before, after)]
@@ -70,7 +82,11 @@ class Ecp5Memories(unittest.TestCase):
         self.check("always @(posedge other) q <= word;" + ONE_LOAD, 0)
         self.check("always @(negedge clk) q <= word;" + ONE_LOAD, 0)
         self.check("always @(posedge clk) q <= word; assign q2 = word;", 0)
-        self.check("always @(posedge clk) begin if (enable) q[8:0] <= word[8:0]; if (enable2) q[17:9] <= word[17:9]; end" + ONE_LOAD, 0)
+        self.check(
+            "always @(posedge clk) begin if (enable) q[8:0] <= word[8:0]; if (enable2) q[17:9] <= word[17:9]; end"
+            + ONE_LOAD,
+            0,
+        )
         self.check("always @(posedge clk) q <= ~word;" + ONE_LOAD, 0)
         self.check("always @(posedge clk) q <= {word[17:9], data[8:0]}; assign q2 = word[8:0];", 0)
 
@@ -83,13 +99,30 @@ class Ecp5Memories(unittest.TestCase):
     def test_too_many_memories(self):
         with tempfile.TemporaryDirectory(prefix="ecp5_memories.") as name:
             folder = pathlib.Path(name)
-            cells = {f"u_memory.gen_group[0].u_ram.{i}": {"type": "DP16KD", "attributes": {}, "parameters": {}, "connections": {},
-                                                           "port_directions": {}} for i in range(209)}
-            (folder / "full.json").write_text(json.dumps({"modules": {"top": {"attributes": {"top": "1"}, "ports": {}, "cells": cells}}}))
-            result = subprocess.run([sys.executable, TOOL, "full.json", "to.json", "--sites"], cwd=folder, capture_output=True, text=True,
-                                    check=False)
+            cells = {
+                f"u_memory.gen_group[0].u_ram.{i}": {
+                    "type": "DP16KD",
+                    "attributes": {},
+                    "parameters": {},
+                    "connections": {},
+                    "port_directions": {},
+                }
+                for i in range(209)
+            }
+            (folder / "full.json").write_text(
+                json.dumps({"modules": {"top": {"attributes": {"top": "1"}, "ports": {}, "cells": cells}}})
+            )
+            result = subprocess.run(
+                [sys.executable, TOOL, "full.json", "to.json", "--sites"],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                check=False,
+            )
             self.assertEqual(result.returncode, 1)
-            self.assertEqual(result.stderr, "ecp5_memories.py: full.json: 209 block RAMs have no room in 4 rows of 52\n")
+            self.assertEqual(
+                result.stderr, "ecp5_memories.py: full.json: 209 block RAMs have no room in 4 rows of 52\n"
+            )
             self.assertFalse((folder / "to.json").exists())
 
 

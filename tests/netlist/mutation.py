@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """mutation.py [--sample N] [--jobs N] [--table FILE] FOLDER [NAME...]: runs the tests of rtl/ on mutants of its blocks.
 
-FOLDER holds what tests/netlist/CMakeLists.txt built: programs mutants_*, and mutants/MODEL/MODEL.mutants. NAMEs are models
-(Vsp_fifo); without one, all that are there. A mutant is killed where a test that uses the model fails, or does not end within
-ten times what it takes without. The tests run one by one, the quickest first: with one seed those that are quick then; what
-survives is handed to Yosys: where every output of it is proved equal to the original's it is no mutant at all. What is not
-proved meets all tests with all seeds.
-With --sample only the first N mutants of each model run, without proofs: a quick check that the machinery still bites.
-Exit status 1 where fewer than 95 % of those that are not proved equal are killed. Standard library only.
+FOLDER holds what tests/netlist/CMakeLists.txt built: programs mutants_*, and mutants/MODEL/MODEL.mutants. NAMEs are
+models (Vsp_fifo); without one, all that are there. A mutant is killed where a test that uses the model fails, or does
+not end within ten times what it takes without. The tests run one by one, the quickest first: with one seed those that
+are quick then; what survives is handed to Yosys: where every output of it is proved equal to the original's it is no
+mutant at all. What is not proved meets all tests with all seeds. With --sample only the first N mutants of each model
+run, without proofs: a quick check that the machinery still bites. Exit status 1 where fewer than 95 % of those that are
+not proved equal are killed. Standard library only.
 """
 
 import argparse
@@ -61,7 +61,9 @@ class Mutant:
         places = [place.split("rtl/", 1)[1] for place in options["src"] if "/rtl/" in place]
         wire = "".join(f" of {w}[{b}]" for w, b in zip(options["wire"], options["wirebit"]))
         cell = re.sub(r"\$(/\S+/)?", "", options["cell"][0]) if options["cell"] else ""
-        return (f"{options['mode'][0]} {cell}.{options['port'][0]}[{options['portbit'][0]}]{wire}: " + ", ".join(places[:3]))
+        return f"{options['mode'][0]} {cell}.{options['port'][0]}[{options['portbit'][0]}]{wire}: " + ", ".join(
+            places[:3]
+        )
 
 
 def environment(**more):
@@ -74,7 +76,9 @@ def look_at(path):
     uses = collections.defaultdict(set)
     seconds, one_seed = {}, {}
     for seed in ({}, {"SELFPROJ_SEED": "1"}):
-        result = subprocess.run([path], env=environment(SELFPROJ_MUTANT_USES="1", **seed), capture_output=True, text=True, check=False)
+        result = subprocess.run(
+            [path], env=environment(SELFPROJ_MUTANT_USES="1", **seed), capture_output=True, text=True, check=False
+        )
         if result.returncode != 0 and not seed:
             raise MutationError(f"{path.name} fails without a mutation")
         test = ""
@@ -89,13 +93,18 @@ def look_at(path):
 
 
 def fails(mutant, times, seed):
-    """killed, hangs or nothing: these tests of the model (program, test: seconds), the quickest first, until one fails."""
+    """Runs these tests of the model (program, test: seconds), the quickest first, until one fails: killed or hangs."""
     for program, test in sorted(times, key=times.get):
         command = [program, "--gtest_filter=" + test, "--gtest_break_on_failure", "--gtest_brief=1"]
         try:
-            result = subprocess.run(command, env=environment(SELFPROJ_MUTANT=f"{mutant.model} {mutant.number}", **seed),
-                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=10 + 10 * times[program, test],
-                                    check=False)
+            result = subprocess.run(
+                command,
+                env=environment(SELFPROJ_MUTANT=f"{mutant.model} {mutant.number}", **seed),
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                timeout=10 + 10 * times[program, test],
+                check=False,
+            )
         except subprocess.TimeoutExpired:
             return "hangs"
         if result.returncode != 0:
@@ -111,8 +120,8 @@ def memory_bits(netlist):
 
 
 def changes_nothing(mutant, flat):
-    """Whether the bit was tied to what it was before, or nothing reads it: flat and without what nothing reads, the netlists are
-    the same."""
+    """Whether the bit was tied to what it was before, or nothing reads it: flat and without what nothing reads, the
+    netlists are the same."""
     with tempfile.TemporaryDirectory() as folder:
         before, after = pathlib.Path(folder) / "before", pathlib.Path(folder) / "after"
         flatten = "setattr -mod -unset keep_hierarchy *; flatten; opt_expr; opt_clean -purge"
@@ -126,28 +135,35 @@ def changes_nothing(mutant, flat):
 
 
 def without_memories(netlist):
-    """The text of a netlist in Yosys's own format, of one module, with its memories outside: what they take is an output, what they
-    give an input."""
+    """The text of a netlist in Yosys's own format, of one module, with its memories outside: what they take is an
+    output, what they give an input."""
     ports = itertools.count(10000)
 
     def outside(cell):
         name = re.match(r"  cell \$mem\S* \\?(\S+)", cell[0])[1]
         lines = []
-        sizes = {key: int(value) for key, value in re.findall(r"parameter \\(ABITS|WIDTH|RD_PORTS|WR_PORTS) (\d+)", cell[0])}
+        sizes = {
+            key: int(value) for key, value in re.findall(r"parameter \\(ABITS|WIDTH|RD_PORTS|WR_PORTS) (\d+)", cell[0])
+        }
         for port, signal in re.findall(r"^    connect \\(\S+) (.*)$", cell[0], re.M):
-            each = {"ADDR": sizes["ABITS"], "DATA": sizes["WIDTH"]}.get(port[3:], sizes["WIDTH"] if port == "WR_EN" else 1)
+            each = {"ADDR": sizes["ABITS"], "DATA": sizes["WIDTH"]}.get(
+                port[3:], sizes["WIDTH"] if port == "WR_EN" else 1
+            )
             wire = f"\\{name}.{port}"
             gives = port == "RD_DATA"
-            lines += [f"  wire width {each * sizes[port[:2] + '_PORTS']} {'input' if gives else 'output'} {next(ports)} {wire}",
-                      f"  connect {signal} {wire}" if gives else f"  connect {wire} {signal}"]
+            lines += [
+                f"  wire width {each * sizes[port[:2] + '_PORTS']} "
+                f"{'input' if gives else 'output'} {next(ports)} {wire}",
+                f"  connect {signal} {wire}" if gives else f"  connect {wire} {signal}",
+            ]
         return "\n".join(lines)
 
     return re.sub(r"^  cell \$mem\S* .*?^  end$", outside, netlist, flags=re.M | re.S)
 
 
 def proved_equal(mutant, folder):
-    """Whether the mutant changes nothing, or Yosys proves it equal: of netlists with their memories outside, then of those with
-    small memories inside."""
+    """Whether the mutant changes nothing, or Yosys proves it equal: of netlists with their memories outside, then of
+    those with small memories inside."""
     flat = folder / "mutants" / mutant.model / f"{mutant.model}.il"
     if changes_nothing(mutant, flat):
         return True
@@ -156,7 +172,11 @@ def proved_equal(mutant, folder):
     with tempfile.TemporaryDirectory() as working:
         before, after = pathlib.Path(working) / "before.il", pathlib.Path(working) / "after.il"
         before.write_text(flat.read_text())
-        subprocess.run(["yosys", "-q", "-p", f"read_rtlil {flat}; {mutant.line}; write_rtlil {after}"], capture_output=True, check=True)
+        subprocess.run(
+            ["yosys", "-q", "-p", f"read_rtlil {flat}; {mutant.line}; write_rtlil {after}"],
+            capture_output=True,
+            check=True,
+        )
         module = re.search(r"-module (\S+)", mutant.line)[1]
         small = memory_bits(flat) <= PROOF_MEMORY_BITS
         if small and induction(module, before, after, pathlib.Path(working)):
@@ -171,20 +191,27 @@ def proved_equal(mutant, folder):
 def induction(module, before, after, working):
     """Whether Yosys proves every output of two netlists equal, by induction over registers.
 
-    At first every register is to be equal too; then those that differ are left out, and the rest has to follow without them."""
+    At first every register is to be equal too. Then those that differ are left out, and the rest must follow without
+    them.
+    """
     outputs = set(re.findall(r"^  wire .*\boutput \d+ (\S+)$", before.read_text(), re.M))
     differ = set()
     left_out = working / "left_out"
-    script = (f"read_rtlil {before}; rename {module} gold; memory_map; opt_clean -purge; splitnets; design -stash gold; read_rtlil {after}; "
-              f"rename {module} gate; memory_map; opt_clean -purge; splitnets; design -stash gate; "
-              "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
-              f"equiv_make -blacklist {left_out} gold gate both; hierarchy -top both; "
-              "equiv_simple; equiv_induct; equiv_status")
+    script = (
+        f"read_rtlil {before}; rename {module} gold; memory_map; opt_clean -purge; splitnets; design -stash gold; "
+        f"read_rtlil {after}; "
+        f"rename {module} gate; memory_map; opt_clean -purge; splitnets; design -stash gate; "
+        "design -copy-from gold -as gold gold; design -copy-from gate -as gate gate; "
+        f"equiv_make -blacklist {left_out} gold gate both; hierarchy -top both; "
+        "equiv_simple; equiv_induct; equiv_status"
+    )
     ends = time.monotonic() + PROOF_LIMIT_S
     while (seconds := ends - time.monotonic()) > 0:
         left_out.write_text("".join(name + "\n" for name in sorted(differ)))
         try:
-            said = subprocess.run(["yosys", "-p", script], capture_output=True, text=True, timeout=seconds, check=True).stdout
+            said = subprocess.run(
+                ["yosys", "-p", script], capture_output=True, text=True, timeout=seconds, check=True
+            ).stdout
         except subprocess.TimeoutExpired:
             return False
         if "Equivalence successfully proven!" in said:
@@ -224,7 +251,9 @@ def collect(folder, names, sample):
     for model in sorted(set(programs) & set(names) if names else programs):
         listing = folder / "mutants" / model / f"{model}.mutants"
         lines = listing.read_text().splitlines() if listing.exists() else []
-        mutants += [Mutant(model, number, line, programs[model]) for number, line in enumerate(lines[:sample or None], 1)]
+        mutants += [
+            Mutant(model, number, line, programs[model]) for number, line in enumerate(lines[: sample or None], 1)
+        ]
     return mutants
 
 
@@ -241,9 +270,17 @@ def report(mutants):
         dead = fates["killed"] + fates["hangs"]
         real = total - fates["equal"]
         score = f"{100 * dead / real:.1f} %" if real else "–"
-        figures[model.strip("*")] = {"mutants": total, "killed": dead, "by_time": fates["hangs"], "equal": fates["equal"],
-                                     "survive": fates["survives"], "score": dead / real if real else None}
-        lines.append(f"| {model} | {total} | {dead} | {fates['hangs']} | {fates['equal']} | {fates['survives']} | {score} |")
+        figures[model.strip("*")] = {
+            "mutants": total,
+            "killed": dead,
+            "by_time": fates["hangs"],
+            "equal": fates["equal"],
+            "survive": fates["survives"],
+            "score": dead / real if real else None,
+        }
+        lines.append(
+            f"| {model} | {total} | {dead} | {fates['hangs']} | {fates['equal']} | {fates['survives']} | {score} |"
+        )
     survivors = [f"{mutant.model} {mutant.number}: {mutant.text()}" for mutant in mutants if mutant.fate == "survives"]
     fates = by_model["**all**"]
     return lines, survivors, (fates["killed"] + fates["hangs"]) / max(1, len(mutants) - fates["equal"]), figures
@@ -262,15 +299,31 @@ def main():
     if not mutants:
         raise MutationError(f"{args.folder}: no mutants there; build the target mutants_all")
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
-        for number, mutant in enumerate(pool.map(lambda m: judge(m, args.folder.resolve(), not args.sample), mutants), 1):
+        for number, mutant in enumerate(
+            pool.map(lambda m: judge(m, args.folder.resolve(), not args.sample), mutants), 1
+        ):
             if mutant.fate == "survives" or number % 100 == 0:
-                print(f"{number}/{len(mutants)} {mutant.model} {mutant.number} {mutant.fate}", file=sys.stderr, flush=True)
+                print(
+                    f"{number}/{len(mutants)} {mutant.model} {mutant.number} {mutant.fate}", file=sys.stderr, flush=True
+                )
     table, survivors, score, figures = report(mutants)
     if not args.sample and not args.names:
-        results.write("mutation", "Mutants of the blocks and the board under the tests of the RTL", "scripts/mutation.sh",
-                      {"all": figures.pop("all"), "models": figures, "seconds": round(time.monotonic() - started)})
-    text = "\n".join([*table, "", *survivors, "", f"{len(mutants)} mutants, {100 * score:.1f} % of those not proved equal killed, "
-                      f"{time.monotonic() - started:.0f} s"])
+        results.write(
+            "mutation",
+            "Mutants of the blocks and the board under the tests of the RTL",
+            "scripts/mutation.sh",
+            {"all": figures.pop("all"), "models": figures, "seconds": round(time.monotonic() - started)},
+        )
+    text = "\n".join(
+        [
+            *table,
+            "",
+            *survivors,
+            "",
+            f"{len(mutants)} mutants, {100 * score:.1f} % of those not proved equal killed, "
+            f"{time.monotonic() - started:.0f} s",
+        ]
+    )
     print(text)
     if args.table:
         args.table.write_text(text + "\n")

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
 """netlist.py mapped|ecp5|mutants --top MODULE --prefix NAME --out FOLDER [--mutants N] [--parameters NAME=VALUE...]
 
-A module of rtl/ as a netlist that Yosys wrote, and of that a Verilated model, class NAME, in FOLDER:
+Makes a netlist of a module of rtl/ by Yosys, and of that netlist a Verilated model, class NAME, in FOLDER:
 
-    mapped   mapped to the cells of the iCE40 as scripts/fpga.sh maps the board: LUTs, carry chains, flip-flops, block RAM;
-             the cells are those of Yosys's own simulation library
-    ecp5     the same for the ECP5, every memory in block RAM, with what constraints/ecp5_memories.py does to it; the block RAM is
-             that of dp16kd.vh
-    mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations and an input `mutant` of 16 bits
-             that turns on the one of its number (0: none); NAME.mutants lists them, a line each, from number 1 on. What is in
-             sp_counter changes in its own netlist only, and of the board only what is in no block: glue, and the blocks' ports;
-             of one with a decoder only what the decoder brings
+    mapped   mapped to the cells of the iCE40 as scripts/fpga.sh maps the board: LUTs, carry chains, flip-flops, block
+             RAM. The cells are those of Yosys's own simulation library.
+    ecp5     the same for the ECP5, with every memory in block RAM and treated by constraints/ecp5_memories.py. The
+             block RAM is that of dp16kd.vh.
+    mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations. An input `mutant` of 16 bits
+             turns on the mutation of its number (0: none), and NAME.mutants lists them, one a line, from number 1 on.
+             sp_counter is mutated in its own netlist only. In the board only what is in no block is mutated: glue and
+             the blocks' ports; in a board with the decoder, only what the decoder adds.
 
-Written: NAME.v, NAME.cpp (all that Verilator makes), NAME.h, NAME_ports.h (for tests/rtl/blocks/recorder.h).
+It writes NAME.v, NAME.cpp (all that Verilator makes), NAME.h, NAME_ports.h (for tests/rtl/blocks/recorder.h).
 Standard library only.
 """
 
@@ -31,7 +31,8 @@ import rtl_tree  # noqa: E402
 
 SELECT_BITS = 16
 BOARD = "sp_board"
-COUNTER = "sp_counter"  # from zero, as its users have it, no run reaches its upper chains; by itself it begins before each carry
+# From zero, where its users start it, no run reaches its upper chains; by itself it begins just before each carry.
+COUNTER = "sp_counter"
 
 
 class NetlistError(Exception):
@@ -49,9 +50,12 @@ def run(command, folder=None):
 def cells_of(netlist, family):
     """The models of the primitives that the netlist has, out of Yosys's library.
 
-    Of iCE40 Verilator takes neither ports with default values nor the primitives that need them; none is left open here (it
-    says so)."""
-    path = pathlib.Path(shutil.which("yosys") or "/usr/bin/yosys").resolve().parents[1] / f"share/yosys/{family}/cells_sim.v"
+    Of iCE40 Verilator takes neither ports with default values nor the primitives that need them; none is left open here
+    (it says so)."""
+    path = (
+        pathlib.Path(shutil.which("yosys") or "/usr/bin/yosys").resolve().parents[1]
+        / f"share/yosys/{family}/cells_sim.v"
+    )
     library = path.read_text()
     macros = "`define NO_ICE40_DEFAULT_ASSIGNMENTS\n" + library[:library.index("module ")] if family == "ice40" else ""
     models = {match[1]: match[0] for match in re.finditer(r"^module (\w+)\b.*?^endmodule", library, re.M | re.S)}
@@ -71,7 +75,12 @@ def cells_of(netlist, family):
 def write_mapped(top, read, path):
     command = fpga.mapping("ice40", top)
     # single wires instead of vectors: else a vector that feeds one of its own bits looks like a loop
-    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; {command}; splitnets; write_verilog -noattr {path}"])
+    run(
+        [
+            "yosys", "-q", "-p",
+            f"{read}hierarchy -check -top {top}; rename -top {top}; {command}; splitnets; write_verilog -noattr {path}",
+        ]
+    )
     netlist = path.read_text()
     path.write_text(cells_of(netlist, "ice40") + netlist)
 
@@ -80,7 +89,9 @@ def write_ecp5(top, read, path):
     mapped, absorbed = (path.with_suffix(suffix) for suffix in (".mapped.json", ".json"))
     command = f"{fpga.mapping('ecp5', top)} -nolutram"
     run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; {command}; write_json {mapped}"])
-    print(f"{top}:", run([sys.executable, str(ROOT / "constraints/ecp5_memories.py"), str(mapped), str(absorbed)]).strip())
+    print(
+        f"{top}:", run([sys.executable, str(ROOT / "constraints/ecp5_memories.py"), str(mapped), str(absorbed)]).strip()
+    )
     run(["yosys", "-q", "-p", f"read_json {absorbed}; splitnets; write_verilog -noattr {path}"])
     netlist = path.read_text()
     path.write_text(cells_of(netlist, "ecp5") + netlist)
@@ -96,8 +107,15 @@ def write_mutants(top, read, path, mutants, codes):
     while not lines or len(lines) < mutants and len(listed) == asked:
         asked = mutants + len(listed) - len(lines)
         choose = f"mutate -list {asked} -seed 1 -o {listing} {cells}; " if mutants else ""
-        run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; proc; {blocks}flatten; opt -full; memory -nomap; "
-             f"opt_dff; opt_clean; check -assert; {choose}write_rtlil {flat}"])
+        run(
+            [
+                "yosys",
+                "-q",
+                "-p",
+                f"{read}hierarchy -check -top {top}; rename -top {top}; proc; {blocks}flatten; opt -full; "
+                f"memory -nomap; opt_dff; opt_clean; check -assert; {choose}write_rtlil {flat}",
+            ]
+        )
         if not mutants:
             break
         listed = listing.read_text().splitlines()
@@ -107,7 +125,9 @@ def write_mutants(top, read, path, mutants, codes):
     script = [f"read_rtlil {flat}"]
     for number, line in enumerate(lines, 1):
         script.append(line.replace("mutate ", f"mutate -ctrl mutant {SELECT_BITS} {number} ", 1))
-    script += ["setattr -mod -unset keep_hierarchy *", "flatten", "splitnets", "opt_clean", f"write_verilog -noattr {path}"]
+    script += [
+        "setattr -mod -unset keep_hierarchy *", "flatten", "splitnets", "opt_clean", f"write_verilog -noattr {path}",
+    ]
     commands = path.with_suffix(".ys")
     commands.write_text("\n".join(script) + "\n")
     run(["yosys", "-q", "-s", str(commands)])
@@ -116,8 +136,12 @@ def write_mutants(top, read, path, mutants, codes):
 def verilate(top, prefix, path):
     folder = path.parent / f"{prefix}.dir"
     shutil.rmtree(folder, ignore_errors=True)  # of another netlist: it may have had more files
-    run(["verilator", "--cc", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--top", top, "--prefix", prefix, "--Mdir",
-         str(folder), "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Werror-PINMISSING", str(path)])
+    run(
+        [
+            "verilator", "--cc", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--top", top, "--prefix", prefix,
+            "--Mdir", str(folder), "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Werror-PINMISSING", str(path),
+        ]
+    )
     sources = sorted(folder.glob("*.cpp"))
     path.with_suffix(".cpp").write_text("".join(f'#include "{source}"\n' for source in sources))
     path.with_suffix(".h").write_text(f'#include "{folder}/{prefix}.h"\n')

@@ -15,11 +15,24 @@ import rtl_tree  # noqa: E402
 
 # File below rtl/, text, what takes its place, and what has to be said.
 FAULTS = [
-    ("common/sp_packet_fifo.sv", "assign whole      = written_gray_seen !=", "assign whole      = written_gray_q !=",
-     "neither a synchronizer nor in"),
-    ("common/sp_async_fifo.sv", ".d_i  (rd_gray_q),", ".d_i  (rd_ptr_q ^ (rd_ptr_q >> 1)),", "logic before the synchronizer"),
-    ("board/sp_axil_bridge.sv", "assign request_o    = toggle_there !=", "assign request_o    = toggle_q !=",
-     "neither a synchronizer nor in"),
+    (
+        "common/sp_packet_fifo.sv",
+        "assign whole      = written_gray_seen !=",
+        "assign whole      = written_gray_q !=",
+        "neither a synchronizer nor in",
+    ),
+    (
+        "common/sp_async_fifo.sv",
+        ".d_i  (rd_gray_q),",
+        ".d_i  (rd_ptr_q ^ (rd_ptr_q >> 1)),",
+        "logic before the synchronizer",
+    ),
+    (
+        "board/sp_axil_bridge.sv",
+        "assign request_o    = toggle_there !=",
+        "assign request_o    = toggle_q !=",
+        "neither a synchronizer nor in",
+    ),
 ]
 
 
@@ -27,8 +40,15 @@ def main():
     for file, old, new, said in FAULTS:
         with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
             copy = rtl_tree.plant(folder, file, old, new)
-            result = subprocess.run([sys.executable, ROOT / "scripts" / "crossings.py", "--rtl", copy, "--parameters",
-                                     "MaxColumns=64", "MaxRows=40", "Image=1'b0"], capture_output=True, text=True, check=False)
+            result = subprocess.run(
+                [
+                    sys.executable, ROOT / "scripts" / "crossings.py", "--rtl", copy, "--parameters", "MaxColumns=64",
+                    "MaxRows=40", "Image=1'b0",
+                ],
+                capture_output=True,
+                text=True,
+                check=False,
+            )
             if result.returncode != 1 or said not in result.stderr:
                 print(f"crossings_test.py: the fault in {file} was not found:\n{result.stderr}", file=sys.stderr)
                 return 1

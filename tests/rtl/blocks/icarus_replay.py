@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """icarus_replay.py --top MODULE --vectors NAME [--parameter P=V]... --out FOLDER FILE...
 
-Replays in Icarus what a Verilated model was given (NAME.ports and NAME.vectors, see recorder.h) and compares every output
-after every evaluation. FILEs are the Verilog sources, RTL or a netlist, of the module. An x in the recording says that
-nobody may rely on the output there; anywhere else the output must be the same to the last bit, and an x of Icarus is wrong.
-Prints how many outputs were compared in how many evaluations; exit status 1 where one differs or nothing was compared.
+Replays in Icarus what a Verilated model was given (NAME.ports and NAME.vectors, see recorder.h) and compares every
+output after every evaluation. FILEs are the Verilog sources, RTL or a netlist, of the module. An x in the recording
+says that nobody may rely on the output there; anywhere else the output must be the same to the last bit, and an x of
+Icarus is wrong. Prints how many outputs were compared in how many evaluations; exit status 1 where one differs or
+nothing was compared.
 """
 import argparse
 import pathlib
@@ -85,7 +86,9 @@ def run(command):
 def main():
     parser = argparse.ArgumentParser(description="Replays a recording in Icarus and compares every output.")
     parser.add_argument("--top", required=True, help="the module")
-    parser.add_argument("--vectors", required=True, type=pathlib.Path, help="the recording, without .ports and .vectors")
+    parser.add_argument(
+        "--vectors", required=True, type=pathlib.Path, help="the recording, without .ports and .vectors"
+    )
     parser.add_argument("--parameter", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--out", required=True, type=pathlib.Path, help="folder for bench and simulation")
     parser.add_argument("files", nargs="+", type=pathlib.Path)

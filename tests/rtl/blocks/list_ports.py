@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""list_ports.py PREFIX HEADER: from the header of a Verilated model, the C++ function that gives its ports to a Recorder."""
+"""list_ports.py PREFIX HEADER: prints the C++ function that gives a Verilated model's ports to a Recorder."""
+
 import re
 import sys
 
