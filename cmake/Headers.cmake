@@ -28,7 +28,18 @@ function(selfproj_use_precompiled name)
   endforeach()
 endfunction()
 
+# selfproj_compile_as_one(TARGET...)
+#
+# Compiles the sources of each target as one, except in preset dev. The templates of JSON, fmt and OpenCV that many
+# sources of a library use are then instantiated once, which takes half the time. So the names in unnamed namespaces
+# must differ within a library. A source with compile options of its own stays alone.
+function(selfproj_compile_as_one)
+  if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+    set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  endif()
+endfunction()
+
 set(SELFPROJ_STANDARD_HEADERS
-  algorithm array bit chrono cmath cstddef cstdint cstdio cstdlib cstring deque filesystem fstream functional iterator limits
-  map memory numbers numeric optional random set span sstream stdexcept string string_view system_error thread utility
-  variant vector)
+  algorithm array bit chrono cmath cstddef cstdint cstdio cstdlib cstring deque filesystem fstream functional iterator
+  limits map memory numbers numeric optional random set span sstream stdexcept string string_view system_error thread
+  utility variant vector)

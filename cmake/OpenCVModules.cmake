@@ -20,10 +20,12 @@ set_property(TARGET opencv::imgproc APPEND PROPERTY INTERFACE_LINK_LIBRARIES ope
 set_property(TARGET opencv::imgcodecs APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::imgproc)
 set_property(TARGET opencv::calib3d APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::imgproc)
 
-# selfproj_find_opencv_structured_light(FOUND): the peer that decoding is compared with, in package libopencv-contrib-dev,
-# which brings several hundred MB along. Optional: FOUND is true where it is there, as target opencv::structured_light.
+# selfproj_find_opencv_structured_light(FOUND): the peer that decoding is compared with, in package
+# libopencv-contrib-dev, which brings several hundred MB along. It is optional: FOUND is true where it is installed, as
+# target opencv::structured_light.
 function(selfproj_find_opencv_structured_light found)
-  find_path(SELFPROJ_OPENCV_STRUCTURED_LIGHT_INCLUDE_DIR opencv2/structured_light/graycodepattern.hpp PATH_SUFFIXES opencv4)
+  find_path(SELFPROJ_OPENCV_STRUCTURED_LIGHT_INCLUDE_DIR opencv2/structured_light/graycodepattern.hpp
+    PATH_SUFFIXES opencv4)
   find_library(SELFPROJ_OPENCV_structured_light opencv_structured_light)
   mark_as_advanced(SELFPROJ_OPENCV_STRUCTURED_LIGHT_INCLUDE_DIR SELFPROJ_OPENCV_structured_light)
   if(NOT SELFPROJ_OPENCV_STRUCTURED_LIGHT_INCLUDE_DIR OR NOT SELFPROJ_OPENCV_structured_light)

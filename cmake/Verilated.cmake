@@ -1,15 +1,21 @@
-# selfproj_verilate(TARGET TOP module PREFIX name [TRACE] [UNCOUNTED] [OPEN file] [CLOCKS port...] [PARAMETERS Name=Value...])
+# selfproj_verilate(TARGET TOP module PREFIX name [TRACE] [UNCOUNTED] [OPEN file] [CLOCKS port...]
+#                   [PARAMETERS Name=Value...])
 #
-# Adds the Verilated model of an RTL module to the library TARGET, as class `name` (header `name`.h). All of rtl/ is given to
-# Verilator, the package first; what the top does not instantiate is left out. Every model of a program belongs into one
-# library, since each library carries Verilator's runtime.
+# Adds the Verilated model of an RTL module to the library TARGET, as class `name` (header `name`.h). Verilator gets all
+# of rtl/, the package first, and leaves out what the top does not instantiate. Each library has Verilator's runtime, so
+# a program takes all its models from one library, or from two that share it (selfproj_share_runtime).
 #
-# With CLOCKS, the ports that are clocks, the model is one that clocks.h (sim/board) steps: it gets rise(), and its code
-# that runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer instructions).
+# With CLOCKS, the ports that are clocks, clocks.h (sim/board) can step the model: it gets rise(), and the code that
+# runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer instructions).
 #
-# With OPEN, a configuration file of Verilator's, the registers that it makes public can be set through VPI (settle() of clocks.h).
+# With OPEN, a configuration file for Verilator, VPI can set the registers that the file makes public (settle() of
+# clocks.h).
 #
-# With UNCOUNTED the model counts no coverage, also where SELFPROJ_COVERAGE is set: others count what it holds.
+# With UNCOUNTED the model counts no coverage, even where SELFPROJ_COVERAGE is set, because other models count the same.
+
+# Set beforehand, because Verilator's package takes seconds to find these out, and uses only -pthread of them.
+set(VERILATOR_CFLAGS "")
+set(VERILATOR_MT_CFLAGS -pthread)
 find_package(verilator REQUIRED HINTS $ENV{VERILATOR_ROOT})
 find_package(Threads REQUIRED)
 
@@ -32,9 +38,10 @@ function(selfproj_verilate target)
   if(arg_OPEN)
     list(APPEND options --vpi "${arg_OPEN}")
   endif()
-  # The model is always built for speed: an unoptimized one is ten times slower, and there is nothing to step through. Its
-  # scattered bits are no vectors: gathering them costs more than it saves. One that counts is built once for one run, and
-  # the function that names its thousands of points takes minutes with any optimization.
+  # The model is always built for speed: without optimization it is ten times slower, and there is nothing to step
+  # through. Vectorization is off because gathering the scattered bits costs more than it saves. A model that counts
+  # coverage is built for one run only, and any optimization of the function that names its thousands of points takes
+  # minutes.
   set(optimization "-O3 -fno-tree-vectorize -fno-tree-slp-vectorize")
   set(seldom_optimization -O1)
   set(features "")
@@ -53,8 +60,8 @@ function(selfproj_verilate target)
   endif()
   verilate(${target} ${features} SOURCES ${SELFPROJ_RTL} TOP_MODULE ${arg_TOP} PREFIX ${arg_PREFIX}
     VERILATOR_ARGS ${options} OPT_FAST ${optimization} OPT_SLOW ${seldom_optimization} OPT_GLOBAL -O2)
-  # Verilator writes a dozen files a model, each of which reads the same headers: what runs seldom becomes one, and so does
-  # what runs often. (Not with coverage, whose functions are too many for one.)
+  # Verilator writes a dozen files a model, and each reads the same headers. So the code that runs seldom is compiled as
+  # one file, and the code that runs often as another. (Not with coverage, which has too many functions for one file.)
   get_target_property(seldom ${target} SOURCES)
   list(FILTER seldom INCLUDE REGEX "/${arg_PREFIX}[.]dir/[^/]*[.]cpp$")
   set(often ${seldom})
@@ -68,7 +75,7 @@ function(selfproj_verilate target)
   elseif(NOT counted)
     selfproj_join_sources(${target} ${arg_PREFIX}__often "${optimization}" ${often})
   endif()
-  # Verilator's header, which each of those files begins with, is most of what a small one costs; its runtime has it otherwise.
+  # Verilator's header is most of the cost of a small file. The runtime includes it in another way.
   get_target_property(precompiled ${target} PRECOMPILE_HEADERS)
   if(NOT SELFPROJ_COVERAGE)
     get_target_property(runtime ${target} SOURCES)
@@ -86,7 +93,21 @@ function(selfproj_verilate target)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${SELFPROJ_RTL})
 endfunction()
 
-# In the target, the file `name`.cpp, compiled with `flags`, in place of these sources.
+# selfproj_share_runtime(TARGET OTHER): takes Verilator's runtime out of the library TARGET as far as the library OTHER,
+# which it links, has it. So a program can have models of both.
+function(selfproj_share_runtime target other)
+  get_target_property(sources ${target} SOURCES)
+  get_target_property(runtime ${other} SOURCES)
+  list(FILTER runtime INCLUDE REGEX "/verilated[a-z_]*[.]cpp$")
+  list(REMOVE_ITEM sources ${runtime})
+  set_property(TARGET ${target} PROPERTY SOURCES ${sources})
+  foreach(feature COVERAGE TRACE TRACE_FST)  # the runtime's headers depend on them
+    get_target_property(value ${other} VERILATOR_${feature})
+    set_property(TARGET ${target} PROPERTY VERILATOR_${feature} ${value})
+  endforeach()
+endfunction()
+
+# selfproj_join_sources(TARGET name flags source...): compiles the sources as one file, `name`.cpp, with these flags.
 function(selfproj_join_sources target name flags)
   set(includes "")
   foreach(source IN LISTS ARGN)
@@ -99,8 +120,9 @@ function(selfproj_join_sources target name flags)
   target_sources(${target} PRIVATE "${file}")
 endfunction()
 
-# The file PREFIX__clocked.cpp of a model with CLOCKS: rise(), of the parts of Verilator 5.006's own eval(). Other versions may
-# name them in another way; then this does not compile, and `model.eval()` in their place is right, only slower.
+# The file PREFIX__clocked.cpp of a model with CLOCKS: rise(), made of the parts of eval() as Verilator 5.006 writes it.
+# Other versions may name them differently. Then this does not compile, and `model.eval()` in their place is right but
+# slower.
 function(selfproj_verilated_clocks target prefix waveforms counted optimization)
   get_target_property(fast ${target} SOURCES)
   list(FILTER fast INCLUDE REGEX "/${prefix}[.]dir/[^/]*[.]cpp$")
@@ -122,7 +144,8 @@ function(selfproj_verilated_clocks target prefix waveforms counted optimization)
   # A model with waveforms or coverage keeps a book of what eval() does.
   if(NOT counted AND NOT waveforms)
     set(evaluate "${before}  ${prefix}___024root___eval_triggers__act(root);\n")
-    string(APPEND evaluate "  root->__VnbaTriggered = root->__VactTriggered;\n  ${prefix}___024root___eval_nba(root);\n")
+    string(APPEND evaluate "  root->__VnbaTriggered = root->__VactTriggered;\n")
+    string(APPEND evaluate "  ${prefix}___024root___eval_nba(root);\n")
   endif()
   set(low "")
   foreach(clock IN LISTS ARGN)

@@ -281,9 +281,9 @@ class Waves final : public Pool {
 
   // The body falls from rest, and disappears in the white water.
   [[nodiscard]] Bodies bodies(double t) const override {
-    constexpr double kGravity = 9800;  // mm/s²
+    constexpr double kAcceleration = 9800;  // mm/s²
     const double left = PoolWave::kImpact - t;
-    const double fall = std::min(kFall, left > 0 ? kGravity / 2 * left * left : kSink * left);
+    const double fall = std::min(kFall, left > 0 ? kAcceleration / 2 * left * left : kSink * left);
     const double bottom = plane_z() - PoolWave::kDepth - fall;  // z of its lower side
     Bodies bodies;
     bodies.push_back(water(-left));

@@ -17,7 +17,7 @@
 namespace selfproj::test {
 namespace {
 
-// A register of the board that sim/board/counters.vlt makes public.
+// A register of the board that tests/rtl/board/counters.vlt makes public.
 class Register {
  public:
   explicit Register(std::string name) : handle_(vpi_handle_by_name(name.data(), nullptr)) {
