@@ -1,16 +1,36 @@
 #!/usr/bin/env bash
-# build.sh [PRESET [TARGET]]: installs what is missing, configures and builds all, or TARGET. PRESET: release (default),
-# dev, sanitizers.
-# The programs of preset release, built for speed, are then in build/bin/.
+# build.sh [PRESET [TARGET...]]: installs missing packages, configures, and builds. PRESET is release (default), dev or
+# sanitizers. Without a TARGET it builds the programs alone; TARGET all builds the tests as well.
+# Preset release builds for speed and puts the programs into build/bin/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-if (($# > 2)) || [[ ${1:-} == -* || ${2:-} == -* ]]; then
-  echo "usage: scripts/build.sh [release|dev|sanitizers [TARGET]]" >&2
-  exit 2
-fi
+case ${1:-release} in
+  release | dev | sanitizers) ;;
+  -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' scripts/build.sh; exit 0 ;;
+  *) echo "build.sh: $1: no such preset; usage: scripts/build.sh [release|dev|sanitizers [TARGET...]]" >&2; exit 2 ;;
+esac
 preset=${1:-release}
+targets=("${@:2}")
+((${#targets[@]} > 0)) || targets=(programs)
 
-scripts/setup.sh
-cmake --preset "$preset" --log-level=NOTICE
-cmake --build --preset "$preset" --target "${2:-all}"
+tests=false
+for target in "${targets[@]}"; do
+  case $target in
+    programs | selfproj | selfproj-sim) ;;
+    -*) echo "build.sh: $target: no target; usage: scripts/build.sh [PRESET [TARGET...]]" >&2; exit 2 ;;
+    *) tests=true ;;
+  esac
+done
+
+options=()
+if $tests; then
+  scripts/setup.sh tests
+  options=(-DBUILD_TESTING=ON)
+else
+  scripts/setup.sh programs
+  # A folder that has been configured with the tests keeps them; they are just not built.
+  [[ -e build/$preset/CMakeCache.txt ]] || options=(-DBUILD_TESTING=OFF)
+fi
+cmake --preset "$preset" --log-level=NOTICE "${options[@]}" >/dev/null
+cmake --build --preset "$preset" --target "${targets[@]}"

@@ -1,26 +1,40 @@
 #!/usr/bin/env bash
-# Installs what building and testing need and this machine lacks, from the packages of Debian 12.
-# Where everything is there it says so in one line and asks for no rights.
+# setup.sh [programs|tests]: installs the missing packages of Debian 12, either those that the programs and the demo
+# need or those of the tests as well (default). Where nothing is missing it asks for no rights and says so in one line.
 set -euo pipefail
 
-packages=(
-  g++ cmake ninja-build git python3          # build, generator
-  verilator yosys iverilog                   # simulation, synthesis, lint
-  z3                                         # proofs
+for_programs=(
+  g++ cmake ninja-build                      # build
+  verilator zlib1g-dev                       # simulation of the circuits, compressed waveforms
   libsystemc-dev                             # co-simulation
   libopencv-core-dev libopencv-imgcodecs-dev libopencv-imgproc-dev  # image files, colour conversion
   libopencv-calib3d-dev                      # calibration
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   nlohmann-json3-dev                         # summaries
+)
+for_tests=(
+  git python3 python3-pip                    # lists of sources, checks, headers of HLS tools
+  yosys iverilog z3                          # synthesis, lint, proofs
+  nextpnr-ice40                              # placement (scripts/fpga.sh)
   libgtest-dev libbenchmark-dev              # tests, benchmarks
-  clang-format-14 clang-tidy-14              # checks of the sources
+  libopencv-contrib-dev                      # the peer of the Gray decoder and of the calibration
+  clang-format-14 clang-tidy-14 shellcheck   # checks of the sources
   clang-14 libclang-rt-14-dev                # fuzzing
+  tcl                                        # check of the scripts for HLS tools
 )
 
 fail() {
   printf 'setup.sh: %s\n' "$1" >&2
   exit 2
 }
+
+(($# <= 1)) || fail "usage: scripts/setup.sh [programs|tests]"
+case ${1:-tests} in
+  programs) packages=("${for_programs[@]}") ;;
+  tests) packages=("${for_programs[@]}" "${for_tests[@]}") ;;
+  -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  *) fail "$1: unknown; usage: scripts/setup.sh [programs|tests]" ;;
+esac
 
 if ! { command -v dpkg-query && command -v apt-get; } >/dev/null; then
   fail "this machine has no apt (Debian 12 is expected); install by hand: ${packages[*]}"
