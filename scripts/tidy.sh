@@ -1,52 +1,66 @@
 #!/usr/bin/env bash
-# tidy.sh [SOURCE...]: clang-tidy over all our C++ sources (or those named), as preset release compiles them; that must
-# have been built. Sources of a folder that are compiled alike are looked at together (tidy_groups.py); such a group that
-# passed is not looked at again until a source, a header of ours that it includes, the settings or the compile command
-# change (stamps in build/tidy/).
+# tidy.sh [SOURCE...]: clang-tidy over all our C++ sources, or those named, as preset release compiles them; that preset
+# must have been built. A source that passed is checked again only after a change of what its result depends on: the
+# source, a header of ours that it includes, the settings, the compile options, the versions of tools and libraries
+# (tidy_groups.py; what passed is kept in build/tidy/good). Exit status 1 where there is a finding.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+case ${1:-} in
+  -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' scripts/tidy.sh; exit 0 ;;
+  -*) echo "tidy.sh: $1: unknown; usage: scripts/tidy.sh [SOURCE...]" >&2; exit 2 ;;
+esac
+
 build=build/release
-stamps=build/tidy
-[[ -f $build/compile_commands.json ]] || { echo "tidy.sh: $build is missing; run scripts/build.sh first" >&2; exit 2; }
-mkdir -p "$stamps"
+folder=build/tidy
+[[ -f $build/compile_commands.json ]] ||
+  { echo "tidy.sh: $build is missing; run scripts/build.sh release all" >&2; exit 2; }
+mkdir -p "$folder/good"
+rm -f "$folder"/UnifiedSource_*.cpp
 
 if (($# > 0)); then
   sources=("$@")
 else
   # The fuzzer is built by clang alone, in a build of its own (scripts/fuzz.sh).
-  mapfile -t sources < <(git ls-files --cached --others --exclude-standard '*.cpp' | grep -v -e '/generated/' -e '^tests/fuzz/')
+  mapfile -t sources < <(git ls-files --cached --others --exclude-standard '*.cpp' |
+    grep -v -e '/generated/' -e '^tests/fuzz/')
 fi
 
-# One line a group: its stamp, a hash of all the verdict depends on, the file that is it, and its sources. The list ends
-# with the word "end".
-mapfile -t jobs < <(ninja -C "$build" -t deps | python3 scripts/tidy_groups.py "$build" "$stamps" "${sources[@]}")
+# One line a file to check: the file, and STATE:SOURCE for each source in it. The list ends with the word "end".
+mapfile -t jobs < <(python3 scripts/tidy_groups.py "$build" "$folder" "${sources[@]}")
 [[ ${jobs[-1]:-} == end ]] || exit 1
 unset 'jobs[-1]'
 
-look_at() {
-  # The compile commands are those of g++, some of whose warnings clang does not know.
-  clang-tidy-14 -p "$stamps" --quiet --header-filter="^$PWD/(hls|host|model|sim|tests)/" \
+# find_faults FILE
+find_faults() {
+  # The compile commands are those of g++, and clang does not know some of its warnings.
+  clang-tidy-14 -p "$folder" --quiet --header-filter="^$PWD/(hls|host|model|sim|tests)/" \
     --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option "$1" 2>/dev/null
 }
 
+# check FILE STATE:SOURCE...: notes the states that passed
 check() {
-  local stamp=$stamps/$1 file=$2 output source failed=0
-  shift 2
-  if ! output=$(look_at "$file"); then
-    failed=1
-    # What does not compile may do so source by source: two of them may have the same name for what each has to itself.
-    if (($# > 1)) && [[ $output == *'[clang-diagnostic-error'* ]]; then
-      failed=0
-      grep -m 1 'clang-diagnostic-error' <<<"$output" | sed 's/^/tidy.sh: looked at one by one: /'
-      for source; do
-        output=$(look_at "$source") || { failed=1; printf 'tidy.sh: %s:\n%s\n' "$source" "$output" >&2; }
-      done
-    else
-      printf 'tidy.sh: %s\n' "$output" >&2
-    fi
+  local file=$1 output part failed=0
+  shift
+  if output=$(find_faults "$file"); then
+    for part; do touch "$folder/good/${part%%:*}"; done
+    return 0
   fi
-  ((failed == 0)) && touch "$stamp"
+  if (($# == 1)) || [[ $output != *'[clang-diagnostic-error'* ]]; then
+    printf 'tidy.sh: %s\n' "$output" >&2
+    return 1
+  fi
+  # Two sources may use one name for things of their own. Then they do not compile together, but one by one they may.
+  grep -m 1 'clang-diagnostic-error' <<<"$output" | sed 's/^/tidy.sh: checked one by one: /'
+  for part; do
+    if output=$(find_faults "${part#*:}"); then
+      touch "$folder/good/${part%%:*}"
+    else
+      failed=1
+      printf 'tidy.sh: %s:\n%s\n' "${part#*:}" "$output" >&2
+    fi
+  done
+  return "$failed"
 }
 
 failed=0
@@ -54,8 +68,7 @@ running=0
 count=0
 for job in "${jobs[@]}"; do
   read -ra words <<<"$job"
-  [[ -f $stamps/${words[0]} ]] && continue
-  count=$((count + ${#words[@]} - 2))
+  count=$((count + ${#words[@]} - 1))
   if ((running == $(nproc))); then
     wait -n || failed=1
     running=$((running - 1))
@@ -68,4 +81,4 @@ while ((running > 0)); do
   running=$((running - 1))
 done
 ((failed == 0)) || exit 1
-echo "tidy.sh: ${#sources[@]} sources are clean, $count of them looked at now"
+echo "tidy.sh: ${#sources[@]} sources are clean, $count of them checked now"

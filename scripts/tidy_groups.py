@@ -1,37 +1,33 @@
 #!/usr/bin/env python3
-"""For tidy.sh: what clang-tidy is to look at in one go, and what its verdict depends on, as a hash.
+"""For tidy.sh: which sources clang-tidy must check, and how they are grouped.
 
-    ninja -C BUILD -t deps | tidy_groups.py BUILD FOLDER SOURCE...
+    tidy_groups.py BUILD FOLDER SOURCE...
 
 Most of clang-tidy's time goes into the headers of libraries. So the sources of a folder that are compiled with the same
-options are included by one file in FOLDER, and FOLDER/compile_commands.json tells how that is compiled, and each of
-them. Prints "HASH FILE SOURCE..." for each such file (FILE is SOURCE where there is but one), then "end". The hash
-covers the sources, the headers they include (but those of the system), the compile command and the settings. A source
-that the build does not compile is an error. Standard library only.
+options are checked together: a file in FOLDER includes them all, and FOLDER/compile_commands.json says how that file
+and each source are compiled. A source is left out if it passed before in the same state. Its state is a hash of all
+that the result depends on: the source, the headers it includes directly or through others, the compile options, the
+settings of clang-tidy, the versions of clang-tidy and of the libraries' packages. FOLDER/good/HASH exists for each
+state that passed.
+
+Prints "FILE HASH:SOURCE..." for each file to check (FILE is the source itself where there is but one), then "end". It
+is an error if the build does not compile a source. Standard library only.
 """
 
+import functools
 import hashlib
 import json
 import pathlib
 import re
+import shutil
+import subprocess
 import sys
 
 MOST = 20  # sources of a group, so that there are enough groups for the cores
-INCLUDE = re.compile(r'^#include "(.*)"', re.MULTILINE)
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<](.*)[">]', re.MULTILINE)
 ALONE = re.compile(r"^(int (sc_)?main|.*\boperator (new|delete))\(", re.MULTILINE)
 VERILATED = re.compile(r'^#include ("V|<verilated)', re.MULTILINE)
-
-
-def included(build, lines):
-    """The files each object was made from: {object: [file, ...]}, from the output of `ninja -t deps`."""
-    files = {}
-    for line in lines:
-        if line.startswith("    "):
-            files[current].append((build / line.strip()).resolve())
-        elif ":" in line:
-            current = line.split(":")[0]
-            files[current] = []
-    return files
+ROOT = pathlib.Path.cwd()
 
 
 def options_of(words):
@@ -46,59 +42,152 @@ def options_of(words):
     return options
 
 
+def folders_of(build, options):
+    """The folders of this project in which the compiler looks for headers; others are known by their packages."""
+    folders = []
+    for at, word in enumerate(options):
+        if word.startswith("-I"):
+            folders.append(build / word[2:])
+        elif word == "-isystem":
+            folders.append(build / options[at + 1])
+    return tuple(folder for folder in folders if ROOT == folder or ROOT in folder.parents)
+
+
+@functools.cache
+def text_of(path):
+    return path.read_bytes()
+
+
+@functools.cache
+def found(folder, name):
+    path = folder / name
+    return path.resolve() if path.is_file() else None
+
+
+@functools.cache
+def included(path, folders):
+    """The headers of this project that a file includes itself. Conditions are not looked at: all count."""
+    headers = set()
+    for name in INCLUDE.findall(text_of(path).decode(errors="replace")):
+        header = next((at for folder in (path.parent, *folders) if (at := found(folder, name))), None)
+        if header is not None and ROOT in header.parents:
+            headers.add(header)
+    return headers
+
+
+def all_included(path, folders):
+    """The file and all that it includes, directly and through others."""
+    seen = {path}
+    ahead = [path]
+    while ahead:
+        more = included(ahead.pop(), folders) - seen
+        seen |= more
+        ahead += more
+    return seen
+
+
+def said(*command):
+    return subprocess.run(command, capture_output=True, check=False).stdout if shutil.which(command[0]) else b""
+
+
+def common_digest():
+    """What every result depends on: settings, this script and its caller, versions."""
+    digest = hashlib.sha256(said("clang-tidy-14", "--version"))
+    packages = said("dpkg-query", "--show", "*-dev").splitlines()
+    digest.update(b"\n".join(sorted(package for package in packages if package.split(b"\t")[-1])))
+    settings = [path for path in ROOT.glob("**/.clang-tidy") if "build" not in path.relative_to(ROOT).parts]
+    for path in sorted(settings) + [ROOT / "scripts" / "tidy.sh", ROOT / "scripts" / "tidy_groups.py"]:
+        digest.update(str(path.relative_to(ROOT)).encode() + path.read_bytes())
+    return digest
+
+
+def compiled_sources(build):
+    """The options of each source that the build compiles."""
+    compiled = {}
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        file = (build / entry["file"]).resolve()
+        options = options_of(entry["command"].split())
+        joined = INCLUDE.findall(file.read_text()) if file.name.startswith("unity_") else [file]  # by CMake
+        for source in joined:
+            compiled.setdefault(pathlib.Path(source), options)
+    return compiled
+
+
+def state_of(source, options, folders, common):
+    digest = common.copy()
+    digest.update(" ".join(options).encode())
+    for file in sorted(all_included(source, folders)):
+        digest.update(str(file.relative_to(ROOT)).encode() + text_of(file))
+    return digest.hexdigest()
+
+
+def add_to_groups(groups, source, options):
+    """Puts a source into the first group of its folder and options that can take it."""
+    text = text_of(source).decode()
+    # Verilator's headers cannot come after SystemC's; and each program has but one main function and one operator new.
+    of_folder = groups.setdefault((source.parent, " ".join(options), bool(VERILATED.search(text))), [])
+    alone = bool(ALONE.search(text))
+    with_room = (group for group in of_folder if len(group["sources"]) < MOST and not (alone and group["alone"]))
+    group = next(with_room, None)
+    if group is None:
+        of_folder.append(group := {"sources": [], "alone": False})
+    group["sources"].append(source)
+    group["alone"] = group["alone"] or alone
+
+
+def unknown_groups(build, folder, names):
+    """The groups of the sources whose state is not known to be good, and the state of every source."""
+    compiled = compiled_sources(build)
+    common = common_digest()
+    states = {}
+    groups = {}
+    for name in names:
+        source = pathlib.Path(name).resolve()
+        if source not in compiled:
+            raise ValueError(f"{name}: the build does not compile it")
+        options = compiled[source]
+        states[source] = state_of(source, options, folders_of(build, options), common)
+        if not (folder / "good" / states[source]).exists():
+            add_to_groups(groups, source, options)
+    return groups, states
+
+
+def write_jobs(build, folder, groups, states):
+    """[(file to check, its sources)]; writes the files of groups and the compile commands."""
+    database = []
+    jobs = []
+
+    def add(file, options):
+        database.append({"directory": str(build), "file": str(file), "command": f"{options} -c {file}"})
+
+    for (_, options, _), parts in groups.items():
+        for sources in (part["sources"] for part in parts):
+            file = sources[0]
+            if len(sources) > 1:
+                # Clang's analyzer looks into the functions of included sources only where the file has such a name.
+                name = hashlib.sha256("".join(states[source] for source in sources).encode()).hexdigest()
+                file = folder / f"UnifiedSource_{name}.cpp"
+                line = '#include "{}"  // NOLINT(bugprone-suspicious-include)\n'
+                file.write_text("".join(line.format(source) for source in sources))
+                add(file, options)
+            for source in sources:
+                add(source, options)
+            jobs.append((file, sources))
+    (folder / "compile_commands.json").write_text(json.dumps(database, indent=1))
+    return jobs
+
+
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
     folder = pathlib.Path(sys.argv[2]).resolve()
-    root = pathlib.Path.cwd()
-    files_of = included(build, sys.stdin)
-    compiled = {}
-    for entry in json.loads((build / "compile_commands.json").read_text()):
-        words = entry["command"].split()
-        files = files_of.get(words[words.index("-o") + 1], [])
-        ours = [file for file in files if root in file.parents]
-        file = (build / entry["file"]).resolve()
-        joined = INCLUDE.findall(file.read_text()) if file.name.startswith("unity_") else [file]  # by CMake
-        for source in joined:
-            compiled.setdefault(pathlib.Path(source), (" ".join(options_of(words)), ours))
-    groups = {}
-    for source in sys.argv[3:]:
-        path = pathlib.Path(source).resolve()
-        if path not in compiled:
-            print(f"tidy.sh: {source}: no part of the build", file=sys.stderr)
-            return 1
-        text = path.read_text()
-        # Verilator's headers do not bear SystemC's before them; and each program has but one main function and one
-        # operator new.
-        of_folder = groups.setdefault((path.parent, compiled[path][0], bool(VERILATED.search(text))), [])
-        alone = bool(ALONE.search(text))
-        part = next((part for part in of_folder if len(part[0]) < MOST and not (alone and part[1])), None)
-        if part is None:
-            of_folder.append(part := ([], []))
-        part[0].append(path)
-        if alone:
-            part[1].append(path)
-    settings = [path for path in root.glob("**/.clang-tidy") if "build" not in path.relative_to(root).parts]
-    settings += [root / "scripts" / "tidy.sh", root / "scripts" / "tidy_groups.py"]
-    database = []
-    jobs = []
-    for (_, options, _), parts in groups.items():
-        for sources, _ in parts:
-            digest = hashlib.sha256(options.encode())
-            for file in sorted(set(sources).union(settings, *(compiled[source][1] for source in sources))):
-                digest.update(file.read_bytes())
-            hashed = digest.hexdigest()
-            file = sources[0]
-            if len(sources) > 1:
-                # Clang's analyzer looks into the functions of included sources only where the file is called so.
-                file = folder / f"UnifiedSource_{hashed}.cpp"
-                file.write_text("".join(f'#include "{source}"  // NOLINT(bugprone-suspicious-include)\n' for source in sources))
-                database.append({"directory": str(build), "file": str(file), "command": f"{options} -c {file}"})
-            for source in sources:
-                database.append({"directory": str(build), "file": str(source), "command": f"{options} -c {source}"})
-            jobs.append((hashed, file, sources))
-    (folder / "compile_commands.json").write_text(json.dumps(database, indent=1))
-    for hashed, file, sources in sorted(jobs, key=lambda job: -len(job[2])):  # the longest first
-        print(hashed, file, *sources)
+    try:
+        groups, states = unknown_groups(build, folder, sys.argv[3:])
+    except ValueError as error:
+        print(f"tidy.sh: {error}", file=sys.stderr)
+        return 1
+    jobs = write_jobs(build, folder, groups, states)
+    for file, sources in sorted(jobs, key=lambda job: -len(job[1])):  # the longest first
+        print(file, *(f"{states[source]}:{source}" for source in sources))
     print("end")
     return 0
 
