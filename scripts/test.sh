@@ -1,40 +1,147 @@
 #!/usr/bin/env bash
-# Every check and test of the project: generated files, format, RTL lint, the build of two presets, clang-tidy, and the
-# tests, first some of them with the sanitizers, then all of them built for speed. Stops at the first failure.
+# test.sh [--again]: every check and test of the project, the quickest first; stops at the first failure. It says first
+# what it will do, and how long each step took in the last run on this machine (build/test/).
+#
+# A step that passed is left out as long as nothing has changed that its result can depend on: a file of the project, a
+# package, the captures beside the project. clang-tidy checks each source for itself in that way (scripts/tidy.sh).
+# --again repeats all steps but clang-tidy's. A run from scratch, without build/, does everything.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-step() { printf '\n== %s\n' "$*"; }
+again=false
+case ${1:-} in
+  "") ;;
+  --again) again=true ;;
+  -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' scripts/test.sh; exit 0 ;;
+  *) echo "test.sh: $1: unknown; usage: scripts/test.sh [--again]" >&2; exit 2 ;;
+esac
 
-scripts/setup.sh
+passed=build/test
+mkdir -p "$passed"
 
-step "headers of HLS tools"
-hls/get_ap_types.sh || echo "the kernels are not tested with the vendor's integers"
+# The files of the project, but for those that are deleted.
+sources() {
+  local file
+  git ls-files -z --cached --others --exclude-standard "$@" | while IFS= read -r -d '' file; do
+    if [[ -f $file ]]; then printf '%s\n' "$file"; fi
+  done
+}
 
-step "generated files"
-python3 model/spec/generate.py --check
-echo "they are what model/spec/selfproj.json gives"
+# A hash of all that the steps depend on.
+state_of_all() {
+  {
+    sources | tr '\n' '\0' | LC_ALL=C sort -z | xargs -0 sha256sum
+    dpkg-query --show
+    find ../shared/data build/ap_types -type f -printf '%p %s\n' 2>/dev/null | LC_ALL=C sort || true
+  } | sha256sum | cut -d ' ' -f 1
+}
 
-step "format of the C++ sources"
-mapfile -t files < <(git ls-files --cached --others --exclude-standard '*.cpp' '*.h' | grep -v '/generated/')
-clang-format-14 --dry-run --Werror "${files[@]}"
-echo "${#files[@]} files"
+# ---- the steps ----
 
-step "lint of the RTL"
-scripts/lint_rtl.sh
+check_generated() { python3 model/spec/generate.py --check; }
 
-step "build: all for speed, what works on raw memory with the sanitizers"
-scripts/build.sh release
-scripts/build.sh sanitizers sanitized_tests
+check_rules() {
+  local rule
+  for rule in layers names links sizes; do python3 -B "tests/house/check_$rule.py"; done
+  python3 -B scripts/results.py check
+}
 
-# Tests and benchmarks are left to scripts/tidy.sh by hand: a source takes some ten seconds, and there are 150.
-step "clang-tidy of host, model and sim"
-mapfile -t files < <(git ls-files --cached --others --exclude-standard 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' | grep -v '/generated/')
-scripts/tidy.sh "${files[@]}"
+check_scripts() {
+  local files
+  mapfile -t files < <(sources '*.sh' .ci/run)
+  shellcheck "${files[@]}"
+  echo "${#files[@]} scripts"
+}
 
-step "tests with the sanitizers"
+check_format() {
+  local files
+  mapfile -t files < <(sources '*.cpp' '*.h' | grep -v '/generated/')
+  clang-format-14 --dry-run --Werror "${files[@]}"
+  echo "${#files[@]} files"
+}
+
+lint_rtl() { scripts/lint_rtl.sh; }
+
+build_sanitized() { scripts/build.sh sanitizers sanitized_tests; }
+
 # What has not been built has no label.
-ctest --preset sanitizers --label-regex '^(unit|host)$' --parallel "$(nproc)" --progress
+test_sanitized() { ctest --preset sanitizers --label-regex '^(unit|host)$' --parallel "$(nproc)" --progress; }
 
-step "all tests"
-ctest --preset release --parallel "$(nproc)" --progress
+build_all() { scripts/build.sh release all; }
+
+# Tests and benchmarks are left to scripts/tidy.sh by hand.
+tidy() {
+  local files
+  mapfile -t files < <(sources 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' | grep -v '/generated/')
+  scripts/tidy.sh "${files[@]}"
+}
+
+test_all() { ctest --preset release --parallel "$(nproc)" --progress; }
+
+# Their names, and what they do.
+steps=(check_generated check_rules check_scripts check_format lint_rtl build_sanitized test_sanitized build_all tidy
+  test_all)
+declare -A does=(
+  [check_generated]="generated files are those of the specification"
+  [check_rules]="rules of the project: layers, names, links, sizes, figures in documents"
+  [check_scripts]="shellcheck on the scripts"
+  [check_format]="format of the C++ sources"
+  [lint_rtl]="lint of the RTL by Verilator, Icarus and Yosys"
+  [build_sanitized]="build with the address and undefined-behaviour sanitizers"
+  [test_sanitized]="tests with the sanitizers"
+  [build_all]="build for speed: programs, tests, benchmarks"
+  [tidy]="clang-tidy on host, model and sim"
+  [test_all]="all tests"
+)
+# Always run: they find out by themselves what there is to do.
+incremental=" build_sanitized build_all tidy "
+
+# is_known STEP: whether the step has passed in the state of now
+is_known() {
+  ! $again && [[ $incremental != *" $1 "* && -f $passed/$1 && $(<"$passed/$1") == "$state" ]]
+}
+
+# time_of STEP: the seconds it took when it was last run
+time_of() { if [[ -f $passed/$1.seconds ]]; then cat "$passed/$1.seconds"; fi; }
+
+minutes() { printf '%d:%02d min' "$(($1 / 60))" "$(($1 % 60))"; }
+
+scripts/setup.sh tests
+hls/get_ap_types.sh ||
+  echo "test.sh: skipped for want of PyPI: tests of the HLS kernels with the vendor's integers (kernels_ap)"
+state=$(state_of_all)
+
+echo "test.sh will do this, in this order, with the times of the last run here:"
+sum=0
+for step in "${steps[@]}"; do
+  seconds=$(time_of "$step")
+  if is_known "$step"; then
+    when="nothing changed since it passed: left out"
+  elif [[ -n $seconds ]]; then
+    when=$(minutes "$seconds")
+    sum=$((sum + seconds))
+  else
+    when="not run here yet"
+  fi
+  printf '  %-76s %s\n' "${does[$step]}" "$when"
+done
+if [[ -f $passed/test_all.seconds ]]; then
+  echo "$(minutes "$sum") in all; builds and clang-tidy take less where little has changed"
+else
+  echo "20 minutes at most on two free cores; later runs take less where little has changed"
+fi
+
+for step in "${steps[@]}"; do
+  is_known "$step" && continue
+  printf '\n== %s\n' "${does[$step]}"
+  SECONDS=0
+  "$step"
+  echo "$SECONDS" >"$passed/$step.seconds"
+  echo "$state" >"$passed/$step"
+done
+
+echo
+echo "test.sh: everything passed; the steps took"
+for step in "${steps[@]}"; do
+  printf '  %-76s %s\n' "${does[$step]}" "$(minutes "$(time_of "$step")")"
+done
