@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # board_to_host.sh [--seconds S] [--rate FPS] [--rising] [--realtime]: runs two processes. One is a board that plays
 # 512 x 96 pixels in mode grey-over in real time into a ring (by default 10,000 frames a second for 60 s); the other is
-# the on-line inspection. It fails unless every frame became a profile: nothing lost, bad or missing.
+# the on-line inspection. The script fails unless every frame became a profile, with nothing lost, bad or missing.
 # --rising then doubles the rate, 5 s each, as long as that holds. At the end the board plays as fast as it can, which
-# shows how many profiles a second the host makes. --realtime gives both processes real-time priority, which needs the
-# right to it, and lets the host sleep while it waits. On a busy machine they would otherwise not get a processor for
-# longer than the ring holds, 1.6 s.
+# shows how many profiles a second the host makes. --realtime gives both processes real-time priority, for which the
+# user needs permission, and lets the host sleep while it waits. Without it, on a busy machine the processes may wait
+# for a processor for longer than the ring holds packets, 1.6 s.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -45,7 +45,7 @@ run() {
     --ring "$ring" --wait-for-reader \
     --keep >"build/$ring.txt" &
   local board=$!
-  # The ring is kept until both have ended, so that the reader is there from the first packet to the last.
+  # The ring exists until both processes have ended, so that the reader gets every packet from the first to the last.
   until build/bin/selfproj devices | grep -q "ring:$ring  *process"; do sleep 0.05; done
   "${realtime[@]}" build/bin/selfproj inspect --device "ring:$ring" --wait "$wait" \
     --json "build/$ring.json" "$@" || status=$?

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""calibration_results.py FOLDER: what calibration_chain.sh found beside the truth, as results/calibration_chain.json.
+"""calibration_results.py FOLDER: writes the findings of calibration_chain.sh, beside the truth, to
+results/calibration_chain.json.
 
 Nothing is written unless SELFPROJ_RESULTS names a folder. Standard library only.
 """
@@ -17,7 +18,8 @@ def read(path):
 
 
 def lens(found, truth):
-    """Parameters with their standard deviations and truths; a mirrored projector has a negative focal length."""
+    """Returns parameters with their standard deviations and true values. A mirrored projector has a negative focal
+    length."""
     names = {"fx": "column_focal_px", "fy": "row_focal_px", "cx": "column_centre_px", "cy": "row_centre_px"}
     lengths = {name: abs if name.startswith("f") else float for name in names}
     return {name: {"value": lengths[name](found[name]["value"]), "sd": found[name]["sd"],

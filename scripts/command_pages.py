@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the pages of the commands, docs/commands/, from what the programs say of themselves.
+"""Writes the pages of the commands, docs/commands/, from the help of the programs.
 
     command_pages.py [--check] [PROGRAMS]
 
 PROGRAMS is the folder of selfproj and selfproj-sim, build/bin unless given. A page has everything that --help of its
-command says. What stands below the line `<!-- notes -->` of a page is written by hand and kept. With --check nothing is
-written; the exit status is 1 where a page is not what it would be.
+command says. Text below the line `<!-- notes -->` of a page is written by hand and kept. With --check nothing is
+written, and the exit status is 1 if a page is out of date.
 """
 
 import json
@@ -23,7 +23,7 @@ WIDTH = 120
 
 
 def describe(programs):
-    """{name of a command: what it says of itself}, both programs and all their commands."""
+    """Returns {name of a command: its description} for all commands of both programs."""
     commands = {}
     for program in PROGRAMS:
         run = subprocess.run([str(programs / program), "--help-json"], capture_output=True, text=True, check=True)
@@ -36,7 +36,7 @@ def page_of(name):
 
 
 def linked(text, commands, name):
-    """The text with a link at each command that it speaks of, but for the one that the page is about."""
+    """Returns the text with a link at each command that it mentions, except the command of this page."""
     def link(match):
         command = match.group(1)
         return f"[`{command}`]({page_of(command)})" if command in commands and command != name else match.group()
@@ -65,7 +65,7 @@ def paragraphs(texts, commands, name):
 
 
 def example_groups(text):
-    """(what it does, lines, why it is not run or None) of each group of lines under a comment."""
+    """Returns (purpose, lines, why it is not run or None) of each group of lines under a comment."""
     groups = []
     for line in text.splitlines():
         if line.startswith("# "):
@@ -132,7 +132,7 @@ def index(commands):
 
 
 def pages(programs):
-    """{file: what it must be}; of a page that is there the notes stay."""
+    """Returns {file: its text}. Notes of existing pages are kept."""
     commands = describe(programs)
     folder = ROOT / "docs/commands"
     texts = {folder / page_of(name): page(name, commands) for name in commands if " " in name}

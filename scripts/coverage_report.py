@@ -44,7 +44,7 @@ def read_counts(folder, root):
 
 
 class Tally:
-    """How many points of each source and kind there are and are covered, and what became of the others."""
+    """Counts the points of each source and kind, those that are covered, and the reasons for the others."""
 
     def __init__(self, counts, exceptions, root):
         self.sources = collections.defaultdict(lambda: {kind: [0, 0] for kind in NEEDED})

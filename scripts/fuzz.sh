@@ -2,8 +2,8 @@
 # fuzz.sh [--runs N] [--jobs J] [--seed S]: builds the libFuzzer target of the packet reader with clang in build/fuzz
 # and runs N cases (default 10,000,000) in J processes (default: one a processor) under the address and
 # undefined-behaviour sanitizers. Inputs that reached new code are kept in build/fuzz/corpus, and those that failed in
-# build/fuzz. With a seed there is one process that starts from nothing and keeps nothing, so that the run can be
-# repeated. Exit status 77 where no clang has libFuzzer.
+# build/fuzz. With a seed one process runs without the corpus and keeps nothing, so that the run can be repeated. The
+# exit status is 77 if no clang with libFuzzer is installed.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# lint_rtl.sh [MODULE...]: gives every module of rtl/ (or those named), as top, to the three tools that must accept it:
-# Verilator (-Wall -Wpedantic), Icarus (-g2012 -Wall) and Yosys (it elaborates, and its checks pass); sp_board in other
-# configurations as well. Any message is a failure, except those filtered below, each with its reason.
+# lint_rtl.sh [MODULE...]: lints every module of rtl/, or those named, as top module with Verilator (-Wall -Wpedantic),
+# Icarus (-g2012 -Wall) and Yosys (elaboration and checks). It lints sp_board in other configurations as well. Any
+# message is a failure, except those filtered below with their reasons.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -15,7 +15,7 @@ for source in "${sources[@]}"; do
   grep -Eq "^module $name\\b" "$source" || { echo "lint_rtl.sh: $source: holds no module $name" >&2; exit 1; }
 done
 
-# Yosys 0.23 takes ~Width'(0) for a cast to ~Width bits and makes zero of it without a word.
+# Yosys 0.23 reads ~Width'(0) as a cast to ~Width bits and silently makes it zero.
 if grep -nE "(^|[^A-Za-z0-9_) '\`]|[=(,?:] )[~!-][A-Za-z_][A-Za-z0-9_:]*'\(" "${sources[@]}" >&2; then
   echo "lint_rtl.sh: the lines above put a unary operator before a cast, of which Yosys makes a wrong netlist" >&2
   exit 1
@@ -43,8 +43,8 @@ verilator_lint() {
 
 iverilog_lint() {
   local parameters=("${@:2}")
-  # Icarus 11 says "sorry" where always_comb reads a constant part of a vector: it then waits for the whole vector,
-  # which changes no result. It tells of an inherited time scale, which nothing here uses.
+  # Icarus 11 says "sorry" if always_comb reads a constant part of a vector. It then waits for the whole vector, which
+  # changes no result. It also reports an inherited time scale, which nothing here uses.
   iverilog -g2012 -Wall -Wno-timescale -t null -s "$1" "${parameters[@]/#/-P$1.}" "$package" "${sources[@]}" 2>&1 |
     grep -v 'sorry: constant selects in always_\* processes are not currently supported' || [[ ${PIPESTATUS[0]} == 0 ]]
 }
@@ -52,7 +52,7 @@ iverilog_lint() {
 yosys_lint() {
   local set="" parameter
   for parameter in "${@:2}"; do set+=" -set ${parameter/=/ }"; done
-  # Small memories that Yosys turns into registers are meant: sp_ blocks say so where they are larger.
+  # Yosys may turn small memories into registers; larger ones are marked in the sp_ blocks.
   yosys -q -p "read_verilog -sv $package ${sources[*]}; ${set:+chparam$set $1;} hierarchy -check -top $1; proc; flatten
     opt; check -assert" 2>&1 | grep -v 'Replacing memory .* with list of registers' || [[ ${PIPESTATUS[0]} == 0 ]]
 }
@@ -94,7 +94,7 @@ for module in "${modules[@]}"; do
   [[ $module == sp_board ]] && jobs+=("${board_configurations[@]/#/sp_board }")
 done
 
-# As many at once as there are processors.
+# One job for each processor.
 failed=0
 running=0
 for job in "${jobs[@]}"; do

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts what the sources say of themselves into documents: parameters, ports, head comments, whole examples.
+"""Copies descriptions from the sources into documents: parameters, ports, head comments, whole examples.
 
     module_tables.py            write the documents
     module_tables.py --check    write nothing; exit 1 and name each document that differs
@@ -25,7 +25,7 @@ PARAMETER = re.compile(r"parameter\s+(?:\w+\s+)?(?:\[[^\]]+\]\s*)?(\w+)\s*=\s*(.
 
 
 class SourceError(Exception):
-    """A module or file is not there, or is written in a way that this script does not know."""
+    """A module or file is missing, or has a form that this script does not know."""
 
 
 def source_of(module):
@@ -38,13 +38,13 @@ SETTINGS = ("grey_over",)  # values, written as words
 
 
 def marked(text):
-    """The text with names as code."""
+    """Returns the text with names marked as code."""
     names = r"(?<![\w`/])([a-z][a-z0-9]*(?:_[a-z0-9*]+)+|[A-Z][a-z]+[A-Z]\w*|[a-z]+(?:/[\w.-]+)+)(?![\w`])"
     return re.sub(names, lambda name: name.group() if name.group() in SETTINGS else f"`{name.group()}`", text)
 
 
 def head(module):
-    """The comment at the head of a module's file, as Markdown."""
+    """Returns the comment at the head of a module's file as Markdown."""
     lines = []
     for line in source_of(module).splitlines():
         if not line.startswith("//"):
@@ -101,7 +101,7 @@ def declarations(module, opening, closing):
 
 
 def value_of(text):
-    """A default with the values of the package in the place of their names."""
+    """Returns a default in which names of the package are replaced by their values."""
     package = (ROOT / "rtl/common/sp_spec_pkg.sv").read_text(encoding="utf-8")
     text = re.sub(r"sp_spec_pkg::(\w+)",
                   lambda name: re.search(rf"\b{name.group(1)} = ([^;]+);", package).group(1), text)
@@ -123,7 +123,7 @@ def parameters(module):
 
 
 def bits_of(msb):
-    """How many bits [msb:0] has: a number, or an expression."""
+    """Returns the number of bits of [msb:0], as a number or an expression."""
     if msb is None:
         return "1"
     if msb.isdigit():

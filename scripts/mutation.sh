@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # mutation.sh [MODEL...]: runs the tests of tests/rtl on more than a thousand mutants of the blocks and the board, or on
-# those of the models named (Vsp_fifo, ...). It builds them in build/release; tests/netlist/mutation.py says what is
-# counted. Exit status 1 where fewer than 95 % are killed.
+# those of the models named (Vsp_fifo, ...). It builds them in build/release; tests/netlist/mutation.py says what
+# counts. The exit status is 1 if fewer than 95 % are killed.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

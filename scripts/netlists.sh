@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # netlists.sh [NAME...]: runs the tests of tests/rtl on synthesized netlists in place of the RTL: every block and the
-# board, mapped to the iCE40 by Yosys. It builds them in build/release and prints a line each with the tests passed and
-# the time. NAMEs (streams, packetizer, board, ...) are the tests' sources; without one, all. SELFPROJ_SEED=N runs one
-# random case of each test instead of all. Exit status 1 where a test fails.
+# board, mapped to the iCE40 by Yosys. It builds them in build/release and prints one line for each, with the tests that
+# passed and the time. A NAME (streams, packetizer, board, ...) is the source of a test; by default all run.
+# SELFPROJ_SEED=N runs one random case of each test instead of all. The exit status is 1 if a test fails.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,4 +1,4 @@
-"""Reads the lists of exceptions, in which a line is `pattern | pattern | reason`.
+"""Reads lists of exceptions with lines of the form `pattern | pattern | reason`.
 
 An indented line continues the one before. Empty lines and lines that begin with # are left out. Standard library only.
 """

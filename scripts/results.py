@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""results.py: figures as data (results/*.json), and the tables of the documents that are made of them.
+"""results.py: handles figures as data (results/*.json), and the tables of the documents that are generated from them.
 
     results.py update [ROOT]     rewrites the tables and figures in all Markdown files
     results.py check [ROOT]      exit status 1 where one differs from what results/ says, or is typed a second time
@@ -39,12 +39,13 @@ HEADS = {"what": "what", "published": "thesis", "goal": "goal", "result": "measu
 BLOCK = re.compile(r"^<!-- table (\S+) -->\n(?:(?!<!--).*\n)*?<!-- end -->$", re.M)
 FIGURE = re.compile(r"<!-- =(\S.*?) -->(.*?)<!-- end -->")
 REFERENCE = re.compile(r"\{([^{}]+)\}")
-# A number with a comma or a point; one of four digits and more, zeros at its ends aside, is looked for elsewhere.
+# A number with a comma or a point. A number of at least four digits, apart from zeros at its ends, is searched for
+# elsewhere.
 LONG = re.compile(r"(?<![\w.,/-])(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d+\.\d+)(?![\w/]|[.,]\d)")
 
 
 class ResultsError(Exception):
-    """What is wrong with a result, a table or a document."""
+    """Says what is wrong with a result, a table or a document."""
 
 
 # ---- writing ----
@@ -69,7 +70,8 @@ def machine():
 
 
 def write(name, about, command, results, folder=None):
-    """results/NAME.json into `folder`, or into the one that SELFPROJ_RESULTS names; without either nothing."""
+    """Writes NAME.json into `folder`, or else into the folder that SELFPROJ_RESULTS names. Without either it does
+    nothing."""
     folder = folder or os.environ.get(VARIABLE)
     if not folder:
         return
@@ -108,7 +110,7 @@ def record(args):
 
 
 class Results:
-    """results/*.json of a tree, by reference."""
+    """Gives the values of results/*.json of a tree by reference."""
 
     def __init__(self, root):
         self.files = {}
@@ -123,7 +125,7 @@ class Results:
             self.files[path.stem] = file
 
     def value(self, path, row=None):
-        """Of NAME/KEY/...; of /KEY/... in the object `row`."""
+        """Returns the value of NAME/KEY/..., or of /KEY/... in the object `row`."""
         name, *keys = path.split("/")
         if name == "" and row is not None:
             found = row
@@ -161,7 +163,7 @@ def is_distinct(figure):
 
 
 class Cells:
-    """Texts with references, filled in."""
+    """Fills references in texts."""
 
     def __init__(self, results):
         self.results = results
@@ -184,7 +186,7 @@ class Cells:
         return text
 
     def met(self, text):
-        """yes, **no**, or – where no goal stands in the text."""
+        """Returns yes, **no**, or – if the text has no goal."""
         answers = []
         for reference in REFERENCE.findall(text):
             if goal := re.fullmatch(r"(.+?) (>=|<=|==) (.*)", reference):
@@ -199,7 +201,7 @@ class Cells:
 
 
 class Tables:
-    """results/tables.toml, and what it makes of the results."""
+    """The tables that results/tables.toml defines."""
 
     def __init__(self, root):
         self.results = Results(root)
@@ -270,13 +272,13 @@ def documents(root):
 
 
 def without_code(text):
-    """The text with what stands in fences and in `quotes` blanked out, so that examples are no markers."""
+    """Returns the text with fences and `quotes` blanked out, so that examples do not count as markers."""
     blank = lambda match: re.sub(r"[^\n]", " ", match[0])
     return re.sub(r"^    .*$", blank, re.sub(r"^```.*?^```$|`[^`\n]*`", blank, text, flags=re.M | re.S), flags=re.M)
 
 
 def filled(text, tables):
-    """The document with its tables and figures as results/ says."""
+    """Returns the document with its tables and figures brought up to date."""
     code_free = without_code(text)
     for opening in re.finditer(r"<!-- (?:table \S+|=\S.*?) -->", code_free):
         if not (BLOCK.match(text, opening.start()) or FIGURE.match(text, opening.start())):
@@ -304,7 +306,7 @@ def line_of(text, at):
 
 
 def typed_again(text, shown):
-    """Figures of generated tables that stand outside of them: (line, figure, reference)."""
+    """Yields figures of generated tables that are typed elsewhere: (line, figure, reference)."""
     blank = lambda match: re.sub(r"[^\n]", " ", match[0])
     rest = re.sub(r"<!-- BEGIN GENERATED.*?<!-- END GENERATED[^>]*-->", blank, text, flags=re.S)
     rest = FIGURE.sub(blank, BLOCK.sub(blank, rest))
@@ -313,7 +315,7 @@ def typed_again(text, shown):
 
 
 def faults(root):
-    """What is wrong with the documents of a tree, a line each."""
+    """Returns the faults of the documents of a tree, one line for each."""
     found = []
     tables = Tables(root)
     for name in tables.definitions:

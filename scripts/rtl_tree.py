@@ -1,4 +1,5 @@
-"""rtl/ as the scripts in Python take it: the command with which Yosys reads it, and copies, plain or with a fault.
+"""Helpers of the Python scripts for rtl/: the command with which Yosys reads it, and copies, plain or with a planted
+fault.
 
 Standard library only.
 """
@@ -12,24 +13,26 @@ PACKAGE = pathlib.Path("common") / "sp_spec_pkg.sv"
 
 
 class PlantError(Exception):
-    """A fault has no place in rtl/."""
+    """A fault cannot be planted in rtl/."""
 
 
 def sources(rtl=ROOT / "rtl"):
-    """Every file of rtl, the package first."""
+    """Returns every file of rtl, the package first."""
     others = sorted(path for path in rtl.rglob("sp_*.sv") if not path.name.endswith("_pkg.sv"))
     return [rtl / PACKAGE, *others]
 
 
 def read_command(top, parameters=(), rtl=ROOT / "rtl", more=(), formal=False):
-    """Commands of Yosys that read rtl, and the files `more`, and set parameters ("NAME=VALUE") of the module `top`."""
+    """Returns Yosys's commands that read rtl and the files `more`, and set parameters ("NAME=VALUE") of the module
+    `top`."""
     files = " ".join(map(str, [*sources(rtl), *more]))
     sets = "".join(f" -set {text.replace('=', ' ', 1)}" for text in parameters)
     return f"read_verilog {'-formal ' if formal else ''}-sv {files}; " + (f"chparam{sets} {top}; " if sets else "")
 
 
 def plain(text):
-    """A source as a circuit alone: no comments, proofs or checks of simulators, single blanks, a line a statement."""
+    """Returns only the circuit of a source: without comments, proofs and simulation checks, one statement a line,
+    single blanks."""
     text = re.sub(r"//[^\n]*|/\*.*?\*/", "", text, flags=re.S)
     text = re.sub(r"`ifdef FORMAL\b(.*?)(?:`else\b(.*?))?`endif\b", lambda match: match[2] or "", text, flags=re.S)
     text = re.sub(r"`ifndef SYNTHESIS\b.*?`endif\b", "", text, flags=re.S)
@@ -41,12 +44,12 @@ def plain(text):
 
 
 def plain_texts(more=()):
-    """The plain text of every source, and of the files `more`, by its name below the root, in the order of reading."""
+    """Returns the plain text of every source, and of the files `more`, by name below the root, in reading order."""
     return {path.relative_to(ROOT): plain(path.read_text()) for path in [*sources(), *more]}
 
 
 def plant(folder, file, old, new):
-    """A copy of rtl/ in folder, in whose file (below rtl/) the one occurrence of old is new; its path."""
+    """Copies rtl/ into folder, replaces the one occurrence of old in the file by new, and returns the path."""
     copy = pathlib.Path(folder) / "rtl"
     shutil.copytree(ROOT / "rtl", copy)
     text = (copy / file).read_text()

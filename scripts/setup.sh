@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# setup.sh [programs|tests]: installs the missing packages of Debian 12, either those that the programs and the demo
-# need or those of the tests as well (default). Where nothing is missing it asks for no rights and says so in one line.
+# setup.sh [programs|tests]: installs missing packages of Debian 12: those that the programs and the demo need, or also
+# those of the tests (default). If nothing is missing, it says so in one line and asks for no rights.
 set -euo pipefail
 
 for_programs=(
@@ -17,7 +17,7 @@ for_tests=(
   yosys iverilog z3                          # synthesis, lint, proofs
   nextpnr-ice40                              # placement (scripts/fpga.sh)
   libgtest-dev libbenchmark-dev              # tests, benchmarks
-  libopencv-contrib-dev                      # the peer of the Gray decoder and of the calibration
+  libopencv-contrib-dev                      # compared with the Gray decoder and the calibration
   clang-format-14 clang-tidy-14 shellcheck   # checks of the sources
   clang-14 libclang-rt-14-dev                # fuzzing
   tcl                                        # check of the scripts for HLS tools

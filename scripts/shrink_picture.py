@@ -19,7 +19,7 @@ CHANNELS = 3
 
 
 def predict(kind, left, up, corner):
-    """The value that a filter of PNG expects."""
+    """Returns the value that a PNG filter predicts."""
     if kind == 4:
         base = left + up - corner
         return min((left, up, corner), key=lambda value: abs(base - value))
@@ -55,7 +55,7 @@ def read(data):
 
 
 def shrunk(width, rows, k):
-    """The mean of each k x k pixels; what is left over at the right and at the bottom is cut off."""
+    """Returns the mean of each k x k pixels. Pixels left over at the right and at the bottom are cut off."""
     out = []
     for top in range(0, len(rows) - k + 1, k):
         line = bytearray()

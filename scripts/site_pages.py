@@ -1,6 +1,6 @@
 """For mkdocs (mkdocs.yml): the READMEs of the folders become pages of the site, and links follow them there.
 
-A link to a file that is no page, such as a source, becomes plain text: the site has no sources.
+A link to a file that is not a page, such as a source, becomes plain text, because the site has no sources.
 """
 
 import pathlib

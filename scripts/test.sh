@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# test.sh [--again]: every check and test of the project, the quickest first; stops at the first failure. It says first
-# what it will do, and how long each step took in the last run on this machine (build/test/).
+# test.sh [--again]: runs every check and test of the project, the quickest first, and stops at the first failure. It
+# begins with a list of its steps and the time each took in the last run on this machine (build/test/).
 #
-# A step that passed is left out as long as nothing has changed that its result can depend on: a file of the project, a
-# package, the captures beside the project. clang-tidy checks each source for itself in that way (scripts/tidy.sh).
+# It leaves out a step that passed before, as long as nothing has changed that the result can depend on: files of the
+# project, packages, and the captures beside the project. clang-tidy does the same for each source (scripts/tidy.sh).
 # --again repeats all steps but clang-tidy's. A run from scratch, without build/, does everything.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -19,7 +19,7 @@ esac
 passed=build/test
 mkdir -p "$passed"
 
-# The files of the project, but for those that are deleted.
+# The files of the project, except deleted ones.
 sources() {
   local file
   git ls-files -z --cached --others --exclude-standard "$@" | while IFS= read -r -d '' file; do
@@ -64,12 +64,12 @@ lint_rtl() { scripts/lint_rtl.sh; }
 
 build_sanitized() { scripts/build.sh sanitizers sanitized_tests; }
 
-# What has not been built has no label.
+# Tests that have not been built have no label.
 test_sanitized() { ctest --preset sanitizers --label-regex '^(unit|host)$' --parallel "$(nproc)" --progress; }
 
 build_all() { scripts/build.sh release all; }
 
-# Tests and benchmarks are left to scripts/tidy.sh by hand.
+# Tests and benchmarks are left out; run scripts/tidy.sh for them by hand.
 tidy() {
   local files
   mapfile -t files < <(sources 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' | grep -v '/generated/')
@@ -93,10 +93,10 @@ declare -A does=(
   [tidy]="clang-tidy on host, model and sim"
   [test_all]="all tests"
 )
-# Always run: they find out by themselves what there is to do.
+# These always run, and decide themselves what they have to do.
 incremental=" build_sanitized build_all tidy "
 
-# is_known STEP: whether the step has passed in the state of now
+# is_known STEP: whether the step has passed in the present state
 is_known() {
   ! $again && [[ $incremental != *" $1 "* && -f $passed/$1 && $(<"$passed/$1") == "$state" ]]
 }

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # tidy.sh [SOURCE...]: clang-tidy over all our C++ sources, or those named, as preset release compiles them; that preset
-# must have been built. A source that passed is checked again only after a change of what its result depends on: the
-# source, a header of ours that it includes, the settings, the compile options, the versions of tools and libraries
-# (tidy_groups.py; what passed is kept in build/tidy/good). Exit status 1 where there is a finding.
+# must have been built. A source that passed is checked again only if something has changed that its result depends on:
+# the source, a header of ours that it includes, the settings, the compile options, the versions of tools and libraries.
+# tidy_groups.py decides this; build/tidy/good keeps the list of sources that passed. The exit status is 1 if there is a
+# finding.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -50,7 +51,7 @@ check() {
     printf 'tidy.sh: %s\n' "$output" >&2
     return 1
   fi
-  # Two sources may use one name for things of their own. Then they do not compile together, but one by one they may.
+  # Two sources may use the same name for different things. Then they compile only one by one.
   grep -m 1 'clang-diagnostic-error' <<<"$output" | sed 's/^/tidy.sh: checked one by one: /'
   for part; do
     if output=$(find_faults "${part#*:}"); then

@@ -66,7 +66,7 @@ def found(folder, name):
 
 @functools.cache
 def included(path, folders):
-    """The headers of this project that a file includes itself. Conditions are not looked at: all count."""
+    """Returns the headers of this project that a file includes itself, whatever the conditions around the includes."""
     headers = set()
     for name in INCLUDE.findall(text_of(path).decode(errors="replace")):
         header = next((at for folder in (path.parent, *folders) if (at := found(folder, name))), None)
@@ -76,7 +76,7 @@ def included(path, folders):
 
 
 def all_included(path, folders):
-    """The file and all that it includes, directly and through others."""
+    """Returns the file and everything that it includes, directly or indirectly."""
     seen = {path}
     ahead = [path]
     while ahead:
@@ -91,7 +91,7 @@ def said(*command):
 
 
 def common_digest():
-    """What every result depends on: settings, this script and its caller, versions."""
+    """Returns what every result depends on: settings, this script and its caller, versions."""
     digest = hashlib.sha256(said("clang-tidy-14", "--version"))
     packages = said("dpkg-query", "--show", "*-dev").splitlines()
     digest.update(b"\n".join(sorted(package for package in packages if package.split(b"\t")[-1])))
@@ -136,7 +136,7 @@ def add_to_groups(groups, source, options):
 
 
 def unknown_groups(build, folder, names):
-    """The groups of the sources whose state is not known to be good, and the state of every source."""
+    """Returns the groups of sources whose state is not known to be good, and the state of every source."""
     compiled = compiled_sources(build)
     common = common_digest()
     states = {}

@@ -1,5 +1,5 @@
-// The drain of ColumnMomentsShell. In the grey modes a frame's last row waits in a line buffer. As its groups are read
-// again, two columns in each clock are finished and leave.
+// The drain of ColumnMomentsShell. In the grey modes the last row of a frame waits in a line buffer. The drain reads it
+// group by group, and completes and sends two columns in each clock.
 #ifndef SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
 #define SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
 
@@ -15,7 +15,7 @@ struct MomentsDrain {
   // The contents of the line buffer
   Uint<bits_for(spec::kMaxColumns / kLanes)> waiting;  // groups
   bool ended, break_wait, odd;
-  bool active, was_active;  // in this clock, and in the one before
+  bool active, was_active;  // in this clock, and in the previous one
   Group drain_group;
   Row rows;
   bool one_row, one_group;
@@ -74,7 +74,7 @@ struct MomentsDrain {
     }
   }
 
-  // The end of a clock, stages 11 to 3: two columns at a time. `line` is what the line buffer shows.
+  // Updates stages 11 to 3 at the end of a clock, two columns at a time. `line` is the output of the line buffer.
   void finish_words(const MomentsRead& read, const MomentsSums& sums, Pixels line) {
     for (int i = 7; i > 0; --i) {
       if (d_valid[i]) {
@@ -140,8 +140,8 @@ struct MomentsDrain {
     d2_first = odd;
   }
 
-  // The end of a clock, after finish_words: updates what waits, and its reads. `drain`: a group was requested. `push`:
-  // `beat` goes into the line buffer. `broken`: its frame breaks.
+  // Updates the line buffer and its reads at the end of a clock, after finish_words. `drain`: a group was requested.
+  // `push`: `beat` goes into the line buffer. `broken`: the frame of `beat` breaks.
   void step(bool drain, bool push, bool broken, const MomentsBeat& beat) {
     was_active = active;
     const bool last_read = drain && ended && waiting == 1;

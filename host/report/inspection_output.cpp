@@ -39,7 +39,7 @@ constexpr std::array<const char*, 7> kValidityLabels = {"points",
                                                         "columns without a reference",
                                                         "columns out of range"};
 
-// Collects text and appends it to a file of the folder a megabyte at a time.
+// Collects text and appends it to a file of the folder, one megabyte at a time.
 class Table {
  public:
   Table(OutputFolder& folder, std::string file) : folder_(folder), file_(std::move(file)), text_(kBytes, '\0') {}
@@ -50,7 +50,8 @@ class Table {
     end(at + text.size());
   }
 
-  // Room for up to `bytes` characters, which must be less than kBytes. Call `end` with the place after the last one.
+  // Returns space for up to `bytes` characters, fewer than kBytes. Then call `end` with the position after the last
+  // one.
   char* room(std::size_t bytes) {
     if (used_ + bytes > kBytes) {
       flush();
@@ -73,7 +74,7 @@ class Table {
   std::size_t used_ = 0;
 };
 
-// A 32-bit number in little-endian order, on every machine.
+// Writes a 32-bit number in little-endian order on every machine.
 char* append_float(char* to, float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   for (unsigned i = 0; i < 4; ++i) {
@@ -112,7 +113,7 @@ Statistics statistics(const FloatImage& image) {
   return result;
 }
 
-// Rounded to four digits after the point, tenths of a micrometre.
+// Rounds to four decimals: tenths of a micrometre.
 double rounded(double millimetres) { return std::round(millimetres * 1e4) / 1e4; }
 
 nlohmann::ordered_json to_json(const Statistics& s) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kReach = 4;  // reach of the blur, in standard deviations
 
-// The pattern, blurred, with `margin` dark pixels around it.
+// The blurred pattern with `margin` dark pixels around it.
 FloatImage blurred(const FloatImage& pattern, int margin, double sigma) {
   FloatImage image(pattern.rows + 2 * margin, pattern.columns + 2 * margin);
   for (int r = 0; r < pattern.rows; ++r) {

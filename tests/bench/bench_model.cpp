@@ -1,11 +1,12 @@
-// How fast the host's column moments are, beside how fast this machine reads memory; and the reading of packets.
+// Measures the speed of the host's column moments, beside the speed at which this machine reads memory, and the speed
+// of reading packets.
 //
 //     bench_model [--frames=N] [--benchmark_...]
 //
 // Frames of 96 x 512 pixels lie one after another in a buffer far larger than the caches (N of them, 8000 by default:
-// 393 MB). One thread takes the moments of all of them, in each mode; and reads all of them as fast as it can, in two
-// ways, the faster of which is the ceiling. The measurements are repeated (7 times) in random order; what is compared
-// are medians. Before anything is timed the results are compared with the model; a difference ends the program with
+// 393 MB). One thread computes the moments of all frames in each mode. It also reads all frames as fast as it can, in
+// two ways; the faster one is the ceiling. The measurements are repeated 7 times in random order, and their medians are
+// compared. Before the first measurement the results are compared with the model; a difference ends the program with
 // exit status 1.
 #include <benchmark/benchmark.h>
 

@@ -2,8 +2,9 @@
 //
 //     gray_soak [PIXELS] [FIRST_SEED]      10,000,000 pixels from seed 1 on by default
 //
-// One third with on-chip memory, one third with words that come too late at random, one third with an external memory
-// of random latency and stalls. Ends with a line that says what was compared; exit status 1 at the first mismatch.
+// A third of the sequences runs with on-chip memory, a third with a memory whose words come too late at random, and a
+// third with an external memory of random latency and stalls. The last line says what was compared. The first mismatch
+// ends the program with exit status 1.
 #include <gtest/gtest.h>
 
 #include <cstdint>
