@@ -1,4 +1,4 @@
-// The counter in chains and the pipelined multiplier.
+// Tests the counter in chains and the pipelined multiplier.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ void count_from(std::uint64_t reset_value) {
     counter->inc_i = 1;  // must not count in reset
     counter.reset();
     std::uint64_t count = reset_value;
-    bool counting = false;  // the clock before had inc_i: that is told in the next
+    bool counting = false;  // inc_i was high in the previous clock; this shows in the next one
     const int percent = random.between(1, 100);
     for (int i = 0; i < 200; ++i) {
       counter->inc_i = random.chance(percent);
@@ -43,7 +43,7 @@ void count_from(std::uint64_t reset_value) {
   }
 }
 
-// Without a pause, through the first carry of the lowest chain and the next three, of which none but it hands on.
+// Counts without a pause through the first four carries. Only the lowest chain passes a carry on.
 template <typename Dut>
 void carry_from_the_lowest_only(std::uint64_t count) {
   Clocked<Dut> counter;
@@ -55,12 +55,12 @@ void carry_from_the_lowest_only(std::uint64_t count) {
     if (counter->count_o != count) {
       FAIL() << "clock " << i;
     }
-    count += i > 0 ? 1 : 0;  // two clocks after the first with inc_i it has counted
+    count += i > 0 ? 1 : 0;  // the count rises two clocks after the first inc_i
     counter.rise();
   }
 }
 
-constexpr std::uint64_t kCarry = 0x7FFF'FFFF'FFFF'FFFDU;  // all chains but the highest hand on, in the third clock
+constexpr std::uint64_t kCarry = 0x7FFF'FFFF'FFFF'FFFDU;  // all chains except the highest pass a carry on
 constexpr std::uint64_t kWrap = 0xFFFF'FFFF'FFFF'FFFDU;
 constexpr std::uint64_t kFull = 0x0000'0000'FFFF'FFFDU;
 
@@ -75,7 +75,7 @@ TEST(Counter64, CarriesFromItsLowestChainOnly) {
   carry_from_the_lowest_only<Vsp_counter64_wrap>(kWrap);
 }
 
-// Feeds x values, one a clock or with gaps, and holds k for as long as a product needs it: a product comes four clocks
+// Feeds x values, one a clock or with gaps, and holds k for as long as a product needs it. A product comes four clocks
 // after its x.
 template <typename Dut>
 class Scale {
@@ -89,7 +89,7 @@ class Scale {
     gap();
   }
 
-  // k must rest for four clocks after each x: wait before a new one.
+  // k must not change for four clocks after each x: wait before a new one.
   void set_k(std::uint64_t k) {
     for (int i = 0; i < 4; ++i) {
       gap();
@@ -104,8 +104,8 @@ class Scale {
     step(x * k_);
   }
 
-  // A clock without an x; what stands at the input does not count. Where no product is on its way nothing needs to
-  // move.
+  // A clock without an x; the value at the input does not count. If no product is on its way, no register needs to
+  // change.
   void gap() {
     scale_->move_i =
         std::any_of(expected_.begin(), expected_.end(), [](const auto& product) { return product.has_value(); });
@@ -148,7 +148,7 @@ void every_product(int x_bits, int k_bits) {
       }
     }
   }
-  scale.set_k(0);  // the last products come out
+  scale.set_k(0);  // until the last products have come out
 }
 
 TEST(Scale, EveryProductOf8And4Bits) { every_product<Vsp_scale_small>(8, 4); }
@@ -163,7 +163,7 @@ void random_products(int x_bits, int k_bits) {
     Random random(seed);
     Scale<Dut> scale;
     for (int run = 0; run < 40; ++run) {
-      // the largest, single bits, and any
+      // the largest value, single bits, and random values
       scale.set_k(run == 0 ? k_max : run <= k_bits ? 1ULL << (run - 1) : random.bits() & k_max);
       for (int i = 0; i < 60; ++i) {
         scale.feed(i == 0 ? x_max : i <= x_bits ? 1ULL << (i - 1) : random.bits() & x_max);

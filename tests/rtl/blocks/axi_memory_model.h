@@ -1,4 +1,4 @@
-// A memory behind an AXI4 port with latency and stalls, as simple as can be: bursts of 16-byte words, in order.
+// A simple model of a memory behind an AXI4 port, with latency and stalls: bursts of 16-byte words, in order.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_AXI_MEMORY_MODEL_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_AXI_MEMORY_MODEL_H
 
@@ -18,15 +18,15 @@ class AxiMemory {
  public:
   AxiMemory(Random& random, std::size_t words) : random_(random), words_(words) {}
 
-  std::uint64_t base = 0;  // the address of its first word
-  int stall_percent = 0;   // clocks in which a channel is not ready, or gives nothing
+  std::uint64_t base = 0;  // address of the first word
+  int stall_percent = 0;   // share of clocks in which a channel is not ready or gives nothing
   int latency = 1;         // clocks from a read's address to its first word, and from a burst's last word to its answer
-  int answer_latency = 0;  // the latter, where it is another
-  int write_pause = 0;     // after every write's address none is taken for so many clocks
+  int answer_latency = 0;  // the latter, if it differs
+  int write_pause = 0;     // clocks for which no address is taken after a write address
 
-  std::size_t most_unanswered = 0;  // bursts written and not answered
+  std::size_t most_unanswered = 0;  // bursts that were written but not answered
 
-  // At the beginning: the base is told, nothing is asked for, and the memory drives nothing. `dut` as below.
+  // At the start: sets the base; nothing is requested, and the memory drives nothing. `dut` as below.
   template <typename Dut>
   void at_rest(Dut& dut) const {
     dut.base_i = static_cast<IData>(base);
@@ -40,14 +40,14 @@ class AxiMemory {
     dut.m_axi_wready_i = 0;
   }
 
-  // Before the clock's edge: what the memory drives in this clock. `dut` has the ports of sp_gray_axi_memory.
+  // Before the clock edge: sets the outputs of the memory for this clock. `dut` has the ports of sp_gray_axi_memory.
   template <typename Dut>
   void drive(Dut& dut, std::int64_t now) {
     dut.m_axi_arready_i = !stalls();
     dut.m_axi_awready_i = now >= aw_from_ && !stalls();
     dut.m_axi_wready_i = !stalls();
     dut.m_axi_rvalid_i = !reads_.empty() && reads_.front().from <= now && (offered_r_ || !stalls());
-    offered_r_ = dut.m_axi_rvalid_i != 0;  // what was offered stays
+    offered_r_ = dut.m_axi_rvalid_i != 0;  // an offer stays until it is taken
     Word128 word{};
     for (std::uint32_t& part : word) {
       part = static_cast<std::uint32_t>(random_.bits());
@@ -56,7 +56,7 @@ class AxiMemory {
     dut.m_axi_bvalid_i = !answers_.empty() && answers_.front() <= now;
   }
 
-  // At the edge: what was taken. The rules of AXI4 are checked.
+  // At the clock edge: takes over what the circuit offered, and checks the rules of AXI4.
   template <typename Dut>
   void edge(Dut& dut, std::int64_t now) {
     if (waiting_ar_) {
@@ -85,7 +85,7 @@ class AxiMemory {
       unanswered_.pop_front();
     }
     if (dut.m_axi_arvalid_o != 0 && dut.m_axi_arready_i != 0) {
-      // A memory may answer reads before writes: who wants the new word waits for the write's answer.
+      // A memory may answer reads before writes. To read a new word, wait for the answer to its write.
       for (const std::uint64_t burst : unanswered_) {
         ASSERT_NE(dut.m_axi_araddr_o, burst) << "read before its write was answered, clock " << now;
       }

@@ -1,4 +1,4 @@
-// Both sides of the bridge: a master that accesses at random, and registers behind it, each with its own clock.
+// Both sides of the bridge: a master with random accesses and the registers behind it, each with its own clock.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_AXIL_BRIDGE_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_AXIL_BRIDGE_BENCH_H
 
@@ -32,11 +32,11 @@ struct Answer {
   std::uint32_t data = 0;  // reads
 };
 
-// Addresses the registers behind the bridge refuse.
+// Whether the registers behind the bridge refuse this address.
 inline bool refused(std::uint8_t address) { return (address & 0x70U) == 0x70U; }
 
-// The bridge between a bus master (writes and reads in order, each kind by itself) and registers that answer after a
-// random while. a is the video clock, b the bus clock.
+// The bridge between a bus master and registers that answer after a random time. The master keeps writes in order, and
+// reads in order. a is the video clock, b the bus clock.
 class Bench {
  public:
   Bench(Random& random, TwoClocks clocks) : random_(random), clocks_(clocks) {
@@ -81,14 +81,14 @@ class Bench {
     bridge_.outputs_are_known();
   }
 
-  // What the master is to do; percent = how soon each of the five channels acts.
+  // The tasks of the master. `percent` is the probability per clock that a channel acts.
   void ask(const Access& access) { (access.write ? writes_ : reads_).push_back(access); }
   int eager_request = 100;
   int eager_answer = 100;
   bool registers_answer_at_once = false;
   bool video_stopped = false;
 
-  // To the next rising edge of either clock.
+  // Steps to the next rising edge of either clock.
   void step() {
     const auto rises = clocks_.next();
     if (rises.a && video_stopped && !rises.b) {
@@ -112,7 +112,7 @@ class Bench {
     set_high(live);
   }
 
-  // Until all is answered; false where that takes too long.
+  // Runs until all accesses are answered. Returns false if that takes too long.
   bool finish(int steps) {
     for (int i = 0; i < steps; ++i) {
       if (writes_.empty() && reads_.empty() && write_under_way_ == 0 && read_under_way_ == 0) {
@@ -127,7 +127,7 @@ class Bench {
 
   std::vector<Answer> write_answers;
   std::vector<Answer> read_answers;
-  std::vector<bool> order;        // of the requests at the registers: true = write
+  std::vector<bool> order;        // kinds of the requests at the registers: true = write
   std::vector<Access> requested;  // likewise
   std::map<std::uint8_t, std::uint32_t> registers;
   std::int64_t last_answer_clock = 0;
@@ -152,7 +152,7 @@ class Bench {
     bridge_.eval();
   }
 
-  // Valid rises at random, and then stays with its data until it is taken; ready is free.
+  // Valid rises at random, and then stays with its data until it is taken. Ready changes at random.
   void set_bus() {
     if (!aw_valid_ && aw_sent_ < writes_.size() && random_.chance(eager_request)) {
       aw_valid_ = true;
@@ -232,7 +232,7 @@ class Bench {
     ++bus_clock_;
   }
 
-  // The registers answer one request, some clocks later.
+  // The registers answer one request at a time, some clocks later.
   void set_video() {
     bridge_->answer_i = 0;
     if (pending_ && (registers_answer_at_once || random_.chance(30))) {
@@ -258,7 +258,7 @@ class Bench {
       requested.push_back(*pending_);
       order.push_back(pending_->write);
     }
-    if (pending_) {  // they stay until the answer
+    if (pending_) {  // they must not change before the answer
       EXPECT_EQ(bridge_->address_o, pending_->address);
       EXPECT_EQ(bridge_->write_o, pending_->write);
       EXPECT_EQ(bridge_->write_data_o, pending_->write ? pending_->data : bridge_->write_data_o);

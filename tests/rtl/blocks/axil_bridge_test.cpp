@@ -1,5 +1,5 @@
-// The AXI4-Lite bridge: every access answered once, with the right answer, over any two clocks and any delays; time-out
-// and recovery when the video clock stops; fairness.
+// Tests the AXI4-Lite bridge: it answers every access once and correctly, with any two clocks and any delays. It times
+// out and recovers when the video clock stops, and is fair to both kinds of access.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -12,13 +12,13 @@
 namespace selfproj::test::axil_bridge {
 namespace {
 
-// Writes and reads at the same time. What a read gives is one of the values its register had while it could be under
-// way; so each address is written by one write and read after it, in phases.
+// Writes and reads at the same time. A read may return any value that its register had while the read was under way.
+// Therefore each address is written once in one phase and read in the next.
 TEST(AxilBridge, EveryAccessIsAnsweredRight) {
   for (const std::uint64_t seed : seeds(60)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    // nearly equal clocks: no access runs into the time-out
+    // nearly equal clocks: no access times out
     Bench bench(random, {1000, 900 + random.between(0, 700), random.between(0, 900)});
     bench.registers_answer_at_once = true;
     std::map<std::uint8_t, std::uint32_t> reference;
@@ -66,7 +66,7 @@ TEST(AxilBridge, EveryAccessIsAnsweredRight) {
   }
 }
 
-// Any two clocks, however far apart: every access is answered; where the video clock is fast enough (no time-out),
+// With any two clocks every access is answered. If the video clock is fast enough for no time-out, every answer is
 // right.
 TEST(AxilBridge, AnyTwoClocks) {
   for (const std::uint64_t seed : seeds(60)) {
@@ -102,7 +102,7 @@ TEST(AxilBridge, ReadsAndWritesTakeTurns) {
   }
 }
 
-// Both come in the same clock, and nothing else is under way: the kind goes first that the last access was not of.
+// If a write and a read come in the same clock, the kind that did not come last goes first.
 TEST(AxilBridge, TheOtherKindThanTheLastGoesFirst) {
   Random random(1);
   Bench bench(random, {1000, 1100, 300});
@@ -120,8 +120,8 @@ TEST(AxilBridge, TheOtherKindThanTheLastGoesFirst) {
   EXPECT_FALSE(::testing::Test::HasFailure());
 }
 
-// The camera is off: SLVERR after 2^TimeoutBits bus clocks, at once from then on; when the clock is back, the late
-// answer goes to nobody and the next access is right.
+// The camera is off: the first access gets SLVERR after 2^TimeoutBits bus clocks, further ones immediately. When the
+// clock is back, the late answer is discarded and the next access is right.
 TEST(AxilBridge, TimesOutWhileTheVideoClockStandsAndRecovers) {
   for (const std::uint64_t seed : seeds(40)) {
     SCOPED_TRACE(how_to_repeat(seed));
@@ -148,7 +148,7 @@ TEST(AxilBridge, TimesOutWhileTheVideoClockStandsAndRecovers) {
     EXPECT_GE(waited, kTimeout);
     EXPECT_LE(waited, kTimeout + 4);
 
-    // at once from now on
+    // immediately from now on
     for (int i = 0; i < 6; ++i) {
       const bool next_write = random.chance(50);
       bench.ask({next_write, 0x14, 0x4444'4444, 15});

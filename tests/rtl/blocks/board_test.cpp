@@ -1,6 +1,6 @@
-// A small whole board, for the recordings that Icarus and netlists are held to: register writes and reads, frames in
-// every mode, broken ones, a sink that stalls. What comes out is checked for whole packets here, and against the model
-// by tests/rtl/board.
+// A small but complete board, for the recordings that Icarus and the netlists must reproduce: register writes and
+// reads, frames in every mode, broken frames, a sink that stalls. This test checks that the packets are whole;
+// tests/rtl/board compares them with the model.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -44,7 +44,7 @@ class Bench {
     for (int i = 0; i < 40; ++i) {
       step();
     }
-    received.clear();  // before the reset anything may have stood at the outputs
+    received.clear();  // before the reset the outputs may have had any value
     board_->rst_i = 0;
     board_->bus_rst_i = 0;
     board_.outputs_are_known();
@@ -97,9 +97,9 @@ class Bench {
   }
 
   std::vector<std::uint8_t> received;
-  bool video_stands = false;  // no edges of the video clock
-  int encoder_step = 1;       // of the belt: 1, or -1 where it runs back; 2 where both lines jump
-  int encoder_percent = 10;   // share of the clocks in which it goes on
+  bool video_stands = false;  // without edges of the video clock
+  int encoder_step = 1;       // direction of the belt: 1, or -1 backwards; 2 if both lines jump
+  int encoder_percent = 10;   // share of clocks in which the belt moves
 
   // The answer of the last access was an error.
   bool refused() const { return refused_; }
@@ -153,7 +153,7 @@ class Bench {
       board_->bus_clk_i = 1;
     }
     board_.eval();
-    // taken over with the edge: inputs change in the next clock
+    // taken over with the edge; inputs change in the next clock
     board_->s_axil_awvalid = board_->s_axil_awvalid && !aw_taken;
     board_->s_axil_wvalid = board_->s_axil_wvalid && !w_taken;
     board_->s_axil_arvalid = board_->s_axil_arvalid && !ar_taken;
@@ -218,7 +218,7 @@ void small_frames(bool grey, bool image) {
   bench.sink_percent = 100;
   bench.run(2000);
 
-  // whole packets, one after the other; every frame delivered or counted
+  // whole packets, one after another; every frame is delivered or counted
   std::uint32_t moments = 0;
   std::uint32_t images = 0;
   std::size_t at = 0;
@@ -234,7 +234,8 @@ void small_frames(bool grey, bool image) {
   EXPECT_EQ(images > 0, image);
 }
 
-// Every bit of every register crosses both ways; what is refused says so, and so does all while the video clock stands.
+// Every bit of every register crosses in both directions. Refused accesses get an error, and so does every access while
+// the video clock stands still.
 TEST(BoardSmall, RegistersBitByBit) {
   Random random(3);
   Bench<Vsp_board_small> bench(random, {1000, 1234, 500});
@@ -262,7 +263,7 @@ TEST(BoardSmall, RegistersBitByBit) {
   }
   bench.write(spec::kRegId, 0xFFFF'FFFF);
   EXPECT_TRUE(bench.refused());
-  // No register, one that is only read, and addresses between two.
+  // Addresses without a register, of a read-only register, and between two registers.
   for (const std::uint32_t address :
        {0xFCU, 0x80U, spec::kRegFrames, spec::kRegLostMoments, spec::kRegTimeout + 1, spec::kRegTimeout + 2}) {
     bench.write(address, 9);
@@ -286,7 +287,7 @@ TEST(BoardSmall, RegistersBitByBit) {
   EXPECT_EQ(bench.read(spec::kRegTimeout), 9U);
 }
 
-// A belt that runs back and forth over the count zero, and lines that jump.
+// The belt runs back and forth across count zero, and both lines jump.
 TEST(BoardSmall, EncoderRunsBack) {
   Random random(4);
   Bench<Vsp_board_small> bench(random, {1000, 1234, 500});
@@ -308,7 +309,7 @@ TEST(BoardSmall, EncoderRunsBack) {
   }
 }
 
-// Lines that jump are counted as errors, up to the last bit of that count, and move nothing.
+// Jumps of both lines count as errors, up to the last bit of that counter, and do not change the position.
 TEST(BoardSmall, EncoderErrorsWrap) {
   Random random(5);
   Bench<Vsp_board_small> bench(random, {1000, 1000, 500});

@@ -1,8 +1,8 @@
-// Stepping a Verilated model through its clocks.
+// Steps a Verilated model through its clocks.
 //
-// A clock is the time up to its rising edge. In each the inputs are set, the model is evaluated with the clock low
-// (settle(): outputs now show what belongs to this clock, also where they follow an input at once), then the clock
-// rises (rise()). What an edge writes is seen in the next clock.
+// A clock is the time up to its rising edge. In each clock, set the inputs, call settle() to evaluate the model with
+// the clock low (the outputs then have their values of this clock, also those that depend on inputs of this clock), and
+// call rise() for the rising edge. Values written by the edge show in the next clock.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_CLOCKED_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_CLOCKED_H
 
@@ -35,7 +35,7 @@ void set128(Wide& wide, const Word128& value) {
   }
 }
 
-// A model in a context of its own. Whatever the RTL does not reset begins with a random value.
+// A model in its own context. Registers without a reset begin with random values.
 template <typename Dut>
 class Model {
  public:
@@ -70,7 +70,7 @@ class Model {
 
  private:
 #ifdef SELFPROJ_COVERAGE
-  static constexpr int kBegin = 0;  // zeros: a random value that the reset clears would count as a toggle
+  static constexpr int kBegin = 0;  // zeros, because clearing a random value would count as a toggle
 #else
   static constexpr int kBegin = 2;  // random values
 #endif
@@ -84,7 +84,7 @@ class Model {
 #endif
   };
 
-  inline static int models_ = 0;  // each begins with other values
+  inline static int models_ = 0;  // each model begins with different values
   Reusable<Held> held_;
   std::unique_ptr<Recorder> recorder_;
 };
@@ -127,7 +127,7 @@ class Clocked : public Model<Dut> {
   std::int64_t clock_ = 0;
 };
 
-// The rising edges of two unrelated clocks, in the order of time.
+// The rising edges of two unrelated clocks in order of time.
 class TwoClocks {
  public:
   // Periods and the time of the first edge of b (a's is 0), in any unit.
@@ -139,7 +139,7 @@ class TwoClocks {
     bool b;
   };
 
-  // Which clocks rise next; both where they do so at the same time.
+  // Which clocks rise next, possibly both at the same time.
   Rises next() {
     const Rises rises = {next_a_ <= next_b_, next_b_ <= next_a_};
     now_ = rises.a ? next_a_ : next_b_;

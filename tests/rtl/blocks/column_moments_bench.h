@@ -1,5 +1,5 @@
-// Frames into the column moments as sp_frame_tracker gives them, accepted as sp_packetizer does, and every word
-// compared with the model, in the clock that the header of sp_column_moments states.
+// Sends frames into the column moments as sp_frame_tracker does, accepts them as sp_packetizer does, and compares every
+// word with the model in the clock that the header of sp_column_moments states.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_COLUMN_MOMENTS_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_COLUMN_MOMENTS_BENCH_H
 
@@ -24,10 +24,10 @@ namespace selfproj::test::moments {
 
 constexpr int kAcceptDelay = 4;     // from the first beat of the last row to accept_i
 constexpr int kBusyAfter = 7;       // sp_packetizer: from a packet's last payload beat to the next decision
-constexpr int kGreyFirstDelay = 6;  // from a beat to its drain read; and from there:
-constexpr int kDrainDelay = 10;     // to the first two columns of the group; the other two come a clock later
+constexpr int kGreyFirstDelay = 6;  // from a beat to its read by the drain; and from there:
+constexpr int kDrainDelay = 10;     // to the first two columns of the group; the other two come one clock later
 
-// From a beat to its word in mode binary; a break comes a clock behind its beat.
+// From a beat to its word in mode binary. A break comes one clock after its beat.
 template <typename Dut>
 constexpr int kBinaryDelay = 10;  // of a grey build
 
@@ -38,7 +38,7 @@ struct Frame {
   int threshold = 0;
   std::vector<std::uint8_t> pixels;
   int gaps = 0;        // percent of clocks without a beat
-  bool wanted = true;  // its packet is taken, where that can be
+  bool wanted = true;  // its packet is taken if possible
   int stop_row = 0;    // the frame breaks after `stop_beats` beats of this row; 0: it does not break
   int stop_beats = 0;
   int break_after = 1;  // clocks from its last beat to break_i
@@ -61,7 +61,7 @@ class Bench {
     moments_.reset();
   }
 
-  // Plays a frame; the next clock is the one after its last beat.
+  // Plays a frame up to its last beat.
   void play(Frame settings) {
     auto frame = std::make_shared<Frame>(std::move(settings));
     prepare(*frame);
@@ -92,7 +92,7 @@ class Bench {
     }
   }
 
-  // Until everything expected has left.
+  // Runs until all expected words have left.
   void finish() {
     while (!::testing::Test::HasFatalFailure() &&
            (!expected_.empty() || !last_row_.empty() || !breaks_.empty() || !decisions_.empty())) {
@@ -147,7 +147,7 @@ class Bench {
     Word128 word{};
     for (std::size_t i = 0; i < 16; ++i) {
       const auto at = 16 * static_cast<std::size_t>(index) + i;
-      // a payload of 8 columns and grey is whole beats; of 4 columns and binary, too
+      // 8 columns in a grey mode fill whole beats, and so do 4 columns in mode binary
       word[i / 4] |= static_cast<std::uint32_t>(frame.words[at]) << (8 * (i % 4));
     }
     return word;
@@ -201,7 +201,7 @@ class Bench {
       }
     }
     moments_.settle();
-    // a beat of a last row, four clocks ago: its frame's fate is known
+    // four clocks after a beat of a last row the decision about its frame is known
     while (!last_row_.empty() && last_row_.front().clock + kAcceptDelay == now) {
       const LastRowBeat beat = last_row_.front();
       last_row_.erase(last_row_.begin());
@@ -288,7 +288,7 @@ inline Frame random_frame(Random& random, int columns, int rows, Mode mode) {
   frame.threshold = random.chance(20) ? 0 : random.chance(10) ? 255 : random.between(0, 255);
   const auto size = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   frame.pixels = random.bytes(size);
-  if (random.chance(15)) {  // all of one value, the extreme ones above all
+  if (random.chance(15)) {  // all pixels of one value, mostly an extreme one
     std::fill(frame.pixels.begin(), frame.pixels.end(),
               static_cast<std::uint8_t>(random.chance(70) ? 255 : random.between(0, 255)));
   }
@@ -297,7 +297,7 @@ inline Frame random_frame(Random& random, int columns, int rows, Mode mode) {
 
 constexpr std::array<Mode, 3> kModes = {Mode::binary, Mode::grey, Mode::grey_over};
 
-// All small sizes, frames one after the other as soon as their packets allow it.
+// All small sizes; each frame comes as soon as the packet of the previous one allows it.
 template <typename Dut>
 void small_sizes(const std::vector<Mode>& modes) {
   Random random(1);
@@ -321,7 +321,7 @@ void small_sizes(const std::vector<Mode>& modes) {
   }
 }
 
-// The extremes: every pixel at its largest, in the largest images, so that every sum takes its largest value.
+// The largest pixels in the largest images, so that every sum takes its largest value.
 template <typename Dut>
 void large_size(int columns, int rows, const std::vector<Mode>& modes) {
   Random random(1);
@@ -333,15 +333,15 @@ void large_size(int columns, int rows, const std::vector<Mode>& modes) {
     std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
     bench.play(frame);
     frame = random_frame(random, columns, rows, mode);
-    bench.play(frame);  // right behind it
+    bench.play(frame);  // immediately after it
     bench.finish();
     ASSERT_EQ(bench.frames_accepted, 2);
     ASSERT_EQ(bench.frames_spoiled, 0);
   }
 }
 
-// Frames of one size without a gap between them, some refused, with gaps inside, some broken in their last row or
-// before.
+// Frames of one size without gaps between them but with gaps inside. Some are refused, some break in their last row or
+// earlier.
 template <typename Dut>
 void random_frames(Random& random, const std::vector<Mode>& modes, int max_columns, int max_rows, bool sizes_change) {
   Bench<Dut> bench(random);
@@ -367,7 +367,7 @@ void random_frames(Random& random, const std::vector<Mode>& modes, int max_colum
     }
     bench.play(frame);
     ASSERT_FALSE(::testing::Test::HasFatalFailure()) << "frame " << i;
-    // the next frame begins at once, or with the break, or later
+    // the next frame begins immediately, with the break, or later
     if (frame.stop_row == rows) {
       bench.idle(frame.break_after - 1 + (random.chance(50) ? 0 : 1));
     }

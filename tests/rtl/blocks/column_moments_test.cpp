@@ -1,4 +1,4 @@
-// The column moments of the RTL against the model, beat by beat.
+// Compares the column moments of the RTL with the model, beat by beat.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -27,7 +27,7 @@ TEST(ColumnMoments, OriginalImage) { large_size<Vsp_column_moments>(512, 96, {kM
 TEST(ColumnMomentsSmall, LargestImage) { large_size<Vsp_column_moments_small>(512, 127, {Mode::binary}); }
 TEST(ColumnMomentsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_moments_small>(4, 127, {Mode::binary}); }
 
-// The delays as they are to be stated: from a frame's last pixel to its last word, without gaps.
+// The delays as documents state them: from the last pixel of a frame without gaps to its last word.
 TEST(ColumnMoments, DelayIs10ClocksInBinaryAndGroupsAnd16InTheGreyModes) {
   Random random(1);
   for (const Mode mode : kModes) {
@@ -66,14 +66,14 @@ TEST(ColumnMomentsSmall, RandomFrames) {
   }
 }
 
-// A frame of three rows while a much larger one before it still drains is void, says so, and its packet is not taken;
-// the frame after it is right. (A frame so soon after is refused anyway by a busy packetizer; a long drain and a short
-// frame with many rows is where the two differ.)
+// A frame of three rows comes while a much larger one still drains. Its sums are void, spoiled_o says so, and its
+// packet is not taken; the next frame is right. (A busy packetizer usually refuses such a frame anyway. It does not if
+// the drain is long and the frame is narrow with many rows.)
 TEST(ColumnMoments, ASpoiledFrameSaysSo) {
   Random random(1);
   Bench<Vsp_column_moments> bench(random);
   bench.play(random_frame(random, 2048, 2, Mode::grey));
-  bench.play(random_frame(random, 8, 400, Mode::grey));  // its second row meets the drain, its last row does not
+  bench.play(random_frame(random, 8, 400, Mode::grey));  // its second row collides with the drain
   EXPECT_EQ(bench.frames_accepted, 1);
   bench.idle(5);
   EXPECT_EQ(bench.frames_spoiled, 1);

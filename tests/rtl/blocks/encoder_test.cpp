@@ -1,4 +1,4 @@
-// The quadrature decoder against a walk of the two lines, sample by sample.
+// Compares the quadrature decoder with a reference that follows the two lines sample by sample.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,13 +15,13 @@ namespace {
 // Position in the cycle 00, 01, 11, 10 of {b, a}.
 constexpr int position(int a, int b) { return b != 0 ? (a != 0 ? 2 : 3) : a; }
 
-// What the samples of the two lines, one a clock, count to.
+// Counts the samples of the two lines, one in each clock.
 class Reference {
  public:
   // The lines have stood at these levels since before the reset ended.
   Reference(int a, int b) : level_{a, b}, last_{a, b} {}
 
-  // The sample of one clock. Counts are those of all levels that are settled with it.
+  // Takes the sample of one clock. The counts include all levels that are stable with this sample.
   void sample(int a, int b) {
     const std::array<int, 2> now = {a, b};
     const int before = position(level_[0], level_[1]);
@@ -56,8 +56,8 @@ class Reference {
   std::array<int, 2> same_ = {3, 3};
 };
 
-// The third of three equal samples is taken by edge e + 2 where the change was by edge e, and that is in count_o for
-// edge e + 7: five clocks after the third sample. Errors are told a clock before.
+// If edge e samples a change, edge e + 2 takes the third of three equal samples, and count_o contains the change for
+// edge e + 7, five clocks after the third sample. Errors show one clock earlier.
 constexpr std::size_t kDelay = 5;
 
 class Bench {
@@ -120,7 +120,7 @@ TEST(Encoder, CountsUpWhereALeadsAndDownWhereBLeads) {
   EXPECT_EQ(bench.errors(), 0);
 }
 
-// Through every value of the lower chain, up and down, as fast as steps are counted.
+// Steps through every value of the lower chain, up and down, as fast as steps can be counted.
 TEST(Encoder, CountsFarUpAndFarDown) {
   Bench bench(0, 0);
   int at = 0;
@@ -137,7 +137,7 @@ TEST(Encoder, CountsFarUpAndFarDown) {
   EXPECT_EQ(bench.errors(), 0);
 }
 
-// A change sampled by edge e is in count_o for edge e + 7, not before.
+// A change sampled by edge e is in count_o for edge e + 7, and not earlier.
 TEST(Encoder, LatencyIsSevenClocks) {
   Clocked<Vsp_encoder> encoder;
   encoder->a_i = 0;
@@ -210,7 +210,7 @@ TEST(Encoder, RandomWalksWithPulsesAndErrors) {
   }
 }
 
-// Both counts wrap; 65,536 errors and a few more, and a count below zero.
+// Both counters wrap: a few more than 65,536 errors, and a count below zero.
 TEST(Encoder, CountsWrap) {
   Bench bench(0, 0);
   for (int i = 1; i <= 65540; ++i) {

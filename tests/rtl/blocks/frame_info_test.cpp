@@ -1,4 +1,5 @@
-// The header fields of a frame: each from the clock of its header's beat on, until the next frame's.
+// Tests the header fields of a frame. Each must be valid from the clock of its header beat until the next frame
+// replaces it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@
 namespace selfproj::test {
 namespace {
 
-constexpr int kTakeDistance = 7;  // sp_frame_tracker: clocks from a take-over to the next, at least
+constexpr int kTakeDistance = 7;  // sp_frame_tracker: least number of clocks from one take-over to the next
 constexpr int kTrackerDelay = 2;  // from a frame's first beat at the video input to frame_start_i
 constexpr int kEncoderDelay = 7;  // from a change of the encoder's lines to encoder_i
 
@@ -42,7 +43,7 @@ std::uint64_t field(const Wide& info, std::size_t at, std::size_t bytes) {
   return value;
 }
 
-// shown(beat) is the frame whose fields of that beat of the header stand now, null where there is none yet.
+// shown(beat) is the frame whose fields of this header beat are valid now, or null.
 template <typename Wide, typename Shown>
 void expect_fields(const Wide& info, const Shown& shown) {
   struct Field {
@@ -116,7 +117,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       bool captured = false;
       for (auto frame = frames.rbegin(); frame != frames.rend() && frame->start > now - 12; ++frame) {
         captured = captured || frame->start + 2 == now;
-        if (frame->start + 3 == now) {  // the index counts that stands in the clock after captured_o
+        if (frame->start + 3 == now) {  // the index in the clock after captured_o counts
           frame->pattern = info->pattern_i;
         }
         if (frame->start - kTrackerDelay + kEncoderDelay == now) {
@@ -126,7 +127,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       ASSERT_EQ(info->captured_o, captured ? 1 : 0);
       ASSERT_EQ(info->time_o, static_cast<std::uint64_t>(std::max<std::int64_t>(now, 1) - 6));
 
-      // the frame whose fields of header beat `beat` stand now
+      // the frame whose fields of header beat `beat` are valid now
       const auto shown = [&](std::size_t beat) -> const Frame* {
         for (auto frame = frames.rbegin(); frame != frames.rend(); ++frame) {
           if (frame->start + 4 + static_cast<std::int64_t>(beat) <= now) {
@@ -147,7 +148,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
   }
 }
 
-// As many clocks and frames as need two chains of the counters, and 21 bits.
+// Runs for enough clocks and frames to use two chains of the counters, and 21 bits.
 TEST(FrameInfo, CountsOn) {
   constexpr std::uint64_t kLate = spec::kHeaderSequence / spec::kPacketBeatBytes - 1;  // clocks after frames_o
   Clocked<Vsp_frame_info> info;

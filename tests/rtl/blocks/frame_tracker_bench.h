@@ -1,4 +1,4 @@
-// The frame tracker beside a small reference of its own, clock by clock.
+// Compares the frame tracker with a small reference clock by clock.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_FRAME_TRACKER_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_FRAME_TRACKER_BENCH_H
 
@@ -30,7 +30,7 @@ struct Settings {
   int stream = 0;
 };
 
-// All outputs in one clock. Fields of a beat count only where beat is set, those of a break where break_status is.
+// All outputs in one clock. Fields of a beat count only if beat is set, those of a break only if break_status is set.
 struct Outputs {
   bool take = false;
   std::optional<Beat> beat;
@@ -43,19 +43,19 @@ struct Outputs {
   bool break_in_last_row = false;
 };
 
-// Steps through the clocks; knows the beat of the clock before and the settings of this one, as the tracker does.
+// Steps through the clocks. Like the tracker it knows the beat of the previous clock and the settings of this one.
 class Reference {
  public:
-  // So many clocks in which there was no beat and nothing happened.
+  // Skips this many clocks in which no beat came and nothing happened.
   void pass(int clocks) {
     empty_clocks_ += clocks;
     clocks_since_take_ += clocks;
   }
 
-  // What the outputs are in the next clock, given the beat at the input in the clock before.
+  // Returns the outputs of the next clock, given the beat at the input in the previous clock.
   Outputs step(const std::optional<Beat>& beat, bool run, bool hold, const Settings& settings, int timeout) {
     Outputs out;
-    // Whether a frame may start, and take the settings over, was decided two clocks ago.
+    // The decision whether a frame may start and take settings over was made two clocks ago.
     const Permit permit = permits_[0];
     permits_[0] = permits_[1];
     ++clocks_since_take_;
@@ -184,7 +184,7 @@ class Bench {
   Settings settings;
   int timeout = 0;
 
-  // Settings that come with hold_i in their first clock and in the two before it.
+  // Settings come with hold_i in their first clock and in the two clocks before.
   void set(const Settings& now) {
     announced_ = now;
     held_ = 3;
@@ -219,7 +219,7 @@ class Bench {
     }
   }
 
-  // Likewise, in all of which but the first and the last eight only the frame is looked at: it stays open.
+  // The same, but except in the first and the last eight clocks it checks only that the frame stays open.
   void wait(int clocks) {
     idle(8);
     for (int i = 8; i < clocks - 8; ++i) {
@@ -273,7 +273,7 @@ class Bench {
       ASSERT_EQ(tracker_->break_in_last_row_o, want.break_in_last_row);
     }
     ASSERT_EQ(tracker_->frame_open_o, reference_.open);
-    // counted a clock later, and told in the next
+    // counted one clock later, and shown in the next
     ASSERT_EQ(tracker_->broken_o, broken_before_);
     ASSERT_EQ(tracker_->stray_o, stray_before_[0]);
     broken_before_ = broken_;
@@ -298,7 +298,7 @@ class Bench {
   Outputs expected_;
   std::optional<Beat> before_;
   Settings announced_;
-  int held_ = 1;  // clocks for which hold_i is high, whatever `hold` says; of reset, too
+  int held_ = 1;  // clocks for which hold_i is high regardless of `hold`, also in reset
   bool broke_ = false;
   std::uint32_t broken_ = 0;
   std::uint32_t broken_before_ = 0;              // a clock ago

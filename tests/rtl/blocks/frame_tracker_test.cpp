@@ -1,5 +1,5 @@
-// The frame tracker against a reference that walks through the beats: good frames of every shape, everything that can
-// be broken, settings that change at any time, time-outs; every output in every clock.
+// Compares every output of the frame tracker in every clock with a reference: good frames of every shape, every kind of
+// broken frame, settings that change at any time, and time-outs.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -57,13 +57,13 @@ TEST(FrameTracker, TimeOutAfterExactlySoManyClocks) {
   }
 }
 
-// A time-out of each bit by itself.
+// Time-outs with a single bit set.
 TEST(FrameTracker, LongTimeOutsToTheClock) {
   std::vector<int> timeouts;
   for (int bit = 5; bit < 24; ++bit) {
     timeouts.push_back(1 << bit);
   }
-  // around and short of where the upper half of the counter goes on
+  // around and just below the carry into the upper half of the counter
   timeouts.insert(timeouts.end(), {0xFFF, 0x1001, 0x1FC0, 0x1FFF, 0x2FBF});
   for (const int timeout : timeouts) {
     SCOPED_TRACE(::testing::Message() << "time-out " << timeout);
@@ -80,7 +80,7 @@ TEST(FrameTracker, LongTimeOutsToTheClock) {
   }
 }
 
-// Without a time-out a frame stays open, longer than any that can be set.
+// Without a time-out a frame stays open for longer than the longest time-out.
 TEST(FrameTracker, NoTimeOutIsNever) {
   Bench bench;
   bench.set({false, 8, 2, 0, 0, 0});
@@ -91,18 +91,18 @@ TEST(FrameTracker, NoTimeOutIsNever) {
   EXPECT_EQ(bench.broken(), 0U);
 }
 
-// As many as need the upper half of the counters.
+// Enough events to use the upper half of the counters.
 TEST(FrameTracker, ManyBrokenFramesAndStrayBeatsAreCounted) {
   constexpr std::uint32_t kMany = 70'000;
   Bench bench;
   bench.set({false, 8, 2, 0, 0, 0});
   bench.idle(5);
   for (std::uint32_t i = 0; i < kMany; ++i) {
-    bench.clock(Beat{i, true, false});  // each but the first breaks the frame before
+    bench.clock(Beat{i, true, false});  // each except the first breaks the previous frame
     ASSERT_FALSE(::testing::Test::HasFatalFailure());
   }
   for (std::uint32_t i = 0; i < kMany; ++i) {
-    bench.clock(Beat{i, false, false});  // the first breaks the last frame
+    bench.clock(Beat{i, false, false});  // the first one breaks the last frame
     ASSERT_FALSE(::testing::Test::HasFatalFailure());
   }
   bench.idle(4);
@@ -110,7 +110,7 @@ TEST(FrameTracker, ManyBrokenFramesAndStrayBeatsAreCounted) {
   EXPECT_EQ(bench.reference().stray, kMany - 1);
 }
 
-// Settings that are written while frames come one after the other; take-overs at least seven clocks apart.
+// Settings are written while frames follow each other; take-overs are at least seven clocks apart.
 TEST(FrameTracker, SettingsChangeAtAFramesStartOnly) {
   for (const std::uint64_t seed : seeds(40)) {
     SCOPED_TRACE(how_to_repeat(seed));
@@ -133,8 +133,8 @@ TEST(FrameTracker, SettingsChangeAtAFramesStartOnly) {
   }
 }
 
-// Beats with tuser and tlast anywhere, gaps, settings and run_i that change at any time: every output as the reference
-// says.
+// Beats with tuser and tlast anywhere, gaps, and changes of settings and run_i at any time: every output equals the
+// reference.
 TEST(FrameTracker, BrokenInputOfEveryKind) {
   for (const std::uint64_t seed : seeds(150)) {
     SCOPED_TRACE(how_to_repeat(seed));
@@ -179,7 +179,7 @@ TEST(FrameTracker, BrokenInputOfEveryKind) {
         }
       }
       ASSERT_FALSE(::testing::Test::HasFatalFailure());
-      if (random.chance(errors) && random.chance(10)) {  // a pause: a time-out where there is one
+      if (random.chance(errors) && random.chance(10)) {  // a pause: a time-out if one is set
         bench.idle(random.between(1, 12));
       }
     }

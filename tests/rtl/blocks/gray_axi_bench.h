@@ -1,4 +1,4 @@
-// The Gray-code decoder with its state in an external memory, both Verilated, before the model of such a memory.
+// The Gray-code decoder and its port to an external memory, both Verilated, in front of a model of the memory.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_GRAY_AXI_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_GRAY_AXI_BENCH_H
 
@@ -23,8 +23,8 @@ namespace selfproj::test {
 
 inline constexpr std::size_t kMemoryWords = 4096;
 
-// Both circuits and the memory. What goes in is kept, and judged at the end, when it is known which words came too
-// late.
+// Both circuits and the memory. The bench keeps the inputs, and judges the outputs at the end, when it knows which
+// words came too late.
 class GrayAxiBench {
  public:
   GrayAxiBench(Random& random, const GraySettings& settings)
@@ -41,7 +41,7 @@ class GrayAxiBench {
     for (const char* port : {"m_axi_wdata_o", "m_axi_wlast_o"}) {
       port_.valid_when(port, [this] { return port_->m_axi_wvalid_o != 0; });
     }
-    // anywhere a burst may begin, but for the end of the addresses: it reads ahead
+    // any place where a burst may begin, except at the end of the address range, because the circuit reads ahead
     memory_.base = 0x100U * static_cast<std::uint64_t>(random.between(1, 0xFF'FE00));
     memory_.at_rest(port_.dut());
     decoder_->take_i = 0;
@@ -61,7 +61,7 @@ class GrayAxiBench {
 
   AxiMemory& memory() { return memory_; }
 
-  // One frame, in `gaps` per cent of the clocks no beat; broken after `cut` beats where that is less than all.
+  // Plays one frame. `gaps` percent of the clocks have no beat. The frame breaks after `cut` beats if it has more.
   void frame(const std::vector<std::uint8_t>& image, int pattern, int gaps, int cut) {
     const int groups = settings_.columns / 4;
     for (int i = 0; i < settings_.rows * groups && i < cut; ++i) {
@@ -101,7 +101,7 @@ class GrayAxiBench {
     }
   }
 
-  // All that came out is what the model gives.
+  // Checks that all outputs are those of the model.
   void judge() {
     GrayDecoder model(settings_);
     const int groups = settings_.columns / 4;

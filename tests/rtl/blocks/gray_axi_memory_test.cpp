@@ -1,6 +1,6 @@
-// The Gray-code decoder with its state in an external memory that has latency and stalls: what comes in time is decoded
-// as the model does it, what comes too late abandons its frame, is flagged and counted, and nothing wrong ever comes
-// out.
+// Tests the Gray-code decoder with its state in an external memory that has latency and stalls. Frames whose words come
+// in time are decoded like in the model. A word that comes too late abandons its frame, which is flagged and counted.
+// No wrong code ever comes out.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,11 +18,11 @@
 namespace selfproj::test {
 namespace {
 
-// A memory without stalls that is fast enough keeps up with a beat in every clock; between frames it needs a pause.
+// A fast enough memory without stalls keeps up with a beat in every clock, but needs a pause between frames.
 TEST(GrayAxiMemory, KeepsUpWithEveryClock) {
   Random random(1);
   const GraySettings settings{.rows = 16, .columns = 64, .bits = 3, .threshold = 20};
-  for (const int latency : {1, 20, 40}) {  // below the depth of the FIFO less a burst
+  for (const int latency : {1, 20, 40}) {  // below the depth of the FIFO minus a burst
     GrayAxiBench bench(random, settings);
     bench.memory().latency = latency;
     for (int frame = 0; frame < 12; ++frame) {
@@ -37,11 +37,11 @@ TEST(GrayAxiMemory, KeepsUpWithEveryClock) {
   }
 }
 
-// The longest code there is: every bit of a word in the memory is used.
+// The longest code uses every bit of a word in the memory.
 TEST(GrayAxiMemory, EveryBitOfTheState) {
   Random random(2);
   const GraySettings settings{.rows = 4, .columns = 64, .bits = GrayDecoder::kMaxBits, .threshold = 90};
-  for (int run = 0; run < 4; ++run) {  // each at another place of the memory
+  for (int run = 0; run < 4; ++run) {  // each at a different place in the memory
     GrayAxiBench bench(random, settings);
     for (int frame = 0; frame < 4 * settings.bits; ++frame) {
       bench.idle(120);
@@ -67,8 +67,8 @@ TEST(GrayAxiMemory, LatencyAndStalls) {
   }
 }
 
-// The port by itself, with frames larger than those of the decoder beside it: a word is asked for in every clock, and
-// written back, another one, five clocks later.
+// Tests the port alone, with frames larger than those of the decoder. Every clock requests a word; a changed word is
+// written back five clocks later.
 class WordsBench {
  public:
   explicit WordsBench(Random& random) : random_(random), memory_(random, kMemoryWords) {
@@ -79,7 +79,7 @@ class WordsBench {
 
   AxiMemory& memory() { return memory_; }
 
-  // Words of the frame that came in time, from its first on.
+  // The number of words of the frame that came in time, counted from the first.
   std::size_t frame(std::size_t words) {
     stored_.resize(std::max(stored_.size(), words));
     std::size_t in_time = 0;
@@ -138,11 +138,11 @@ class WordsBench {
   Clocked<Vsp_gray_axi_memory> port_;
   AxiMemory memory_;
   std::vector<Word128> stored_;  // what the frames wrote
-  std::size_t known_ = 0;        // of it, from the first word on
+  std::size_t known_ = 0;        // words of it, from the first on
 };
 
-// However many bursts are on their way, the next frame's words are read only when all are answered; a frame with more
-// of them than are counted (127) is given up.
+// The words of the next frame are read only when all bursts of this one are answered. A frame with more open bursts
+// than the counter holds (127) is given up.
 TEST(GrayAxiMemory, AnswersThatTakeLong) {
   Random random(3);
   WordsBench bench(random);
@@ -157,7 +157,7 @@ TEST(GrayAxiMemory, AnswersThatTakeLong) {
   EXPECT_EQ(bench.memory().most_unanswered, 127U);
 }
 
-// A memory that takes few write addresses: words wait until there is no place for more, and the frame is given up.
+// The memory takes few write addresses, so the write FIFO fills up and the frame is given up.
 TEST(GrayAxiMemory, WritesThatAreRefused) {
   Random random(4);
   WordsBench bench(random);

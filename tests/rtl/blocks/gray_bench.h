@@ -1,4 +1,4 @@
-// Frames into the Gray-code decoder, in front of any memory, and every output compared with the model, clock by clock.
+// Sends frames into the Gray-code decoder with any memory, and compares every output with the model clock by clock.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_GRAY_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_GRAY_BENCH_H
 
@@ -19,7 +19,7 @@
 
 namespace selfproj::test {
 
-// A beat as sp_frame_tracker gives it.
+// A beat of sp_frame_tracker.
 struct GrayBeat {
   std::array<std::uint8_t, 4> pixels{};
   bool start = false;
@@ -35,7 +35,7 @@ class GrayBench {
   static constexpr int kTooClose = 6;
   static constexpr int kTakeDistance = 7;
 
-  // The memory behind the decoder, where the bench has to stand for it.
+  // The memory behind the decoder, if the bench plays its part.
   static constexpr bool kOwnMemory = requires(Dut & dut) { dut.mem_read_o; };
 
   explicit GrayBench(Random& random) : random_(random), model_({.rows = 1, .columns = 4, .bits = 1}) {
@@ -62,16 +62,17 @@ class GrayBench {
   [[nodiscard]] std::uint64_t abandoned() const { return abandoned_; }
   [[nodiscard]] std::uint64_t late() const { return late_; }
 
-  // What the next frame that takes the settings over will have.
+  // The settings that the next take-over will apply.
   GraySettings settings;
   bool decode = true;
-  int busy_percent = 0;   // share of frames for whose codes there is no place, where the median is the bench's
-  int late_permille = 0;  // share of words that come too late, where the memory is the bench's
+  int busy_percent = 0;   // share of frames for whose codes the median has no room, if the bench plays the median
+  int late_permille = 0;  // share of words that come too late, if the bench plays the memory
 
   // Whether a frame that starts in this clock may take over settings.
   [[nodiscard]] bool may_take() { return dut_.clock() >= next_take_; }
 
-  // One clock: a beat or none, of a frame with `pattern`, and a break of the frame before it with a status.
+  // One clock, with or without a beat of a frame with `pattern`, and with a break of the previous frame if a status is
+  // given.
   void clock(const std::optional<GrayBeat>& beat, int pattern, std::uint32_t break_status) {
     const std::int64_t now = dut_.clock();
     Dut& dut = dut_.dut();
@@ -89,7 +90,7 @@ class GrayBench {
     patterns_.drive(dut, now);
     if (beat) {
       drive(*beat, pattern, now);
-    } else {  // nothing may depend on these
+    } else {  // no output may depend on these
       dut.beat_pixels_i = static_cast<IData>(random_.bits());
       dut.beat_line_start_i = random_.bits() & 1U;
       dut.beat_line_end_i = random_.bits() & 1U;
@@ -226,7 +227,7 @@ class GrayBench {
     if (late) {
       lost_ = true;
       ++late_;
-      abandoned_ += beat.start && close_ ? 0 : 1;  // a frame counts once
+      abandoned_ += beat.start && close_ ? 0 : 1;  // a frame is counted once
       model_.end(false);
       if (due_) {
         breaks_.push_back({now + kLatency + 1, spec::kStatusLateMemory});
@@ -273,7 +274,7 @@ class GrayBench {
     }
   }
 
-  // Takes the front of `queue` where it is of this clock.
+  // Takes the front of `queue` if it belongs to this clock.
   template <typename Queue>
   static auto due_now(Queue& queue, std::int64_t now) -> std::optional<typename Queue::value_type> {
     if (queue.empty() || queue.front().clock != now) {
@@ -329,7 +330,7 @@ class GrayBench {
     }
   }
 
-  // Breaks of one clock may lie in the queue in either order.
+  // Breaks of one clock may be in the queue in either order.
   std::optional<std::uint32_t> take_break(std::int64_t now) {
     for (auto it = breaks_.begin(); it != breaks_.end() && it->clock <= now + 1; ++it) {
       if (it->clock == now) {
@@ -341,7 +342,7 @@ class GrayBench {
     return std::nullopt;
   }
 
-  // The count is seen some clocks after what is counted.
+  // The count shows some clocks after the event.
   std::uint64_t abandoned_settled(std::int64_t now) { return now - last_beat_ > 8 ? abandoned_ : dut_->abandoned_o; }
 
   Random& random_;
@@ -372,8 +373,8 @@ class GrayBench {
   std::vector<Word128> memory_ = std::vector<Word128>(kOwnMemory ? 1U << 16U : 0U);
   std::size_t read_at_ = 0;
   std::size_t write_at_ = 0;
-  Word128 word0_{};  // asked for in the clock before
-  Word128 word1_{};  // in the one before that
+  Word128 word0_{};  // requested in the previous clock
+  Word128 word1_{};  // in the clock before that
 };
 
 }  // namespace selfproj::test

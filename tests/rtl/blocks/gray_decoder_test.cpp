@@ -1,4 +1,4 @@
-// The Gray-code decoder against its model: with its own memory, and with a memory that the bench stands for, whose
+// Compares the Gray-code decoder with its model: with its own memory, and with a memory played by the bench, whose
 // words may come too late.
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ TEST(GrayCore, RandomSequencesEqualTheModel) {
   }
 }
 
-// A build for fewer bits and a small image, all of whose memory is used.
+// A build for fewer bits and a small image that uses all of the memory.
 TEST(GrayCoreSmall, RandomSequencesEqualTheModel) {
   std::uint64_t pixels = 0;
   for (const std::uint64_t seed : seeds(60)) {
@@ -46,8 +46,8 @@ TEST(GrayCoreSmall, RandomSequencesEqualTheModel) {
   }
 }
 
-// Every m, several cycles without a gap, each followed by the next m: a code image after every pair from the m-th on.
-// The image has more words than sp_gray_memory keeps near.
+// Plays several cycles of every m without a gap. A code image comes after every pair from the m-th on. The image has
+// more words than the near memories of sp_gray_memory.
 template <typename Dut>
 void every_number_of_bits() {
   constexpr int kRows = 3;
@@ -80,7 +80,7 @@ void every_number_of_bits() {
 TEST(GrayCore, EveryNumberOfBits) { every_number_of_bits<Vsp_gray_core>(); }
 TEST(GrayDecoder, EveryNumberOfBits) { every_number_of_bits<Vsp_gray_decoder>(); }
 
-// ... and frames for whose codes there is no place
+// ... and frames for whose codes there is no room
 TEST(GrayDecoder, WordsThatComeTooLate) {
   std::uint64_t pixels = 0;
   std::uint64_t late = 0;

@@ -16,8 +16,8 @@
 
 namespace selfproj::test {
 
-// All m, changing settings, patterns that are missing, come twice or are wrong,
-// frames that break anywhere, gaps between beats and between frames, down to frames of one beat without any gap.
+// All m, changing settings, missing, repeated and wrong patterns, frames that break anywhere, gaps between beats and
+// between frames, and also frames of one beat without any gap.
 struct GrayCases {
   int max_columns = 40;
   int max_rows = 6;
@@ -45,7 +45,7 @@ void play_gray_frames(GrayBench<Dut>& bench, const GrayCases& cases, Random& ran
       gaps = random.chance(60) ? 0 : random.between(1, 60);
       spaced = random.chance(50) ? 0 : random.between(0, 12);
     }
-    // Where it does not take the new settings over, the frame has the size of those in force; it is easier to wait.
+    // A frame that does not take over the new settings has the old size; it is easier to wait.
     while (!bench.may_take()) {
       bench.clock(std::nullopt, 0, pending_break);
       pending_break = 0;
@@ -61,7 +61,7 @@ void play_gray_frames(GrayBench<Dut>& bench, const GrayCases& cases, Random& ran
     pattern = (pattern + 1) % (2 * settings.bits);
     std::vector<std::uint8_t> pixels = random.bytes(size);
     if (shown % 2 == 1 && positive.size() == size) {
-      for (std::size_t i = 0; i < size; ++i) {  // about the threshold, on both sides
+      for (std::size_t i = 0; i < size; ++i) {  // around the threshold, on both sides
         const int edge = (pixels[i] & 1) != 0 ? settings.threshold : -settings.threshold;
         const int near = positive[i] - edge + random.between(-2, 2);
         if (random.chance(60) && near >= 0 && near <= 255) {

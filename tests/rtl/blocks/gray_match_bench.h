@@ -1,4 +1,4 @@
-// Code images through the matching block, every word compared with its model at the clock that the header of
+// Sends code images through the matching block, and compares every word with the model in the clock that the header of
 // sp_gray_match states.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_GRAY_MATCH_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_GRAY_MATCH_BENCH_H
@@ -19,7 +19,7 @@
 
 namespace selfproj::test {
 
-// What a build has.
+// The parameters of a build.
 struct GrayMatchBuild {
   int groups;
   int bits;
@@ -48,14 +48,14 @@ class GrayMatchBench {
   }
 
   int late_permille = 0;
-  std::uint32_t lates_before = 0;  // what late_o counted before the first frame
+  std::uint32_t lates_before = 0;  // late_o before the first frame
   Dut& dut() { return match_.dut(); }
 
   [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
   [[nodiscard]] std::uint64_t lates() const { return lates_; }
 
-  // One frame of random codes, `gaps` per cent of the clocks without a beat; it breaks after `cut` beats where that is
-  // less than all.
+  // Plays one frame of random codes. `gaps` percent of the clocks have no beat. The frame breaks after `cut` beats if
+  // it has more.
   void frame(int groups_of_line, int lines, int gaps, int cut) {
     const int groups = groups_of_line * lines;
     std::vector<std::uint16_t> codes;
@@ -156,7 +156,7 @@ class GrayMatchBench {
   }
 
   void clock() {
-    // The memory: what was asked for Latency clocks before.
+    // The memory gives the words that were requested Latency clocks ago.
     const std::int64_t now = match_.clock();
     const auto due = answers_.find(now);
     match_->mem_data_i = due != answers_.end() ? due->second.first : random_.bits();
@@ -169,7 +169,7 @@ class GrayMatchBench {
       for (int lane = 0; lane < 4; ++lane) {
         const std::uint64_t at = address(lane);
         ASSERT_EQ(at >> static_cast<unsigned>(build_.bits), static_cast<std::uint64_t>(read->second.group));
-        // By pixels in the model's table, by groups and lanes here.
+        // The model's table is ordered by pixels, this one by groups and lanes.
         const std::uint64_t code = at & ((1U << static_cast<unsigned>(build_.bits)) - 1);
         const auto pixel = static_cast<std::size_t>(4 * read->second.group + lane);
         data |= std::uint64_t{table_[(pixel << static_cast<unsigned>(build_.bits)) + code]} << (16 * lane);

@@ -1,5 +1,5 @@
-// The matching block's count of late words where it stands high: it carries through every bit and wraps. (Not for
-// netlists, whose registers have other names.)
+// Starts the matching block's count of late words near its end, where it carries through every bit and wraps. (Not for
+// netlists, because their registers have other names.)
 #include <gtest/gtest.h>
 
 #include <cstdint>

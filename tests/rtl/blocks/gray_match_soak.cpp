@@ -2,7 +2,7 @@
 //
 //     gray_match_soak [LOOKUPS] [FIRST_SEED]      10,000,000 look-ups from seed 1 on by default
 //
-// Ends with a line that says what was compared; exit status 1 at the first mismatch.
+// The last line says what was compared. The first mismatch ends the program with exit status 1.
 #include <gtest/gtest.h>
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The matching block against its model.
+// Compares the matching block with its model.
 #include "model/gray_match.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ void random_frames(const GrayMatchBuild& build, int cases) {
 TEST(GrayMatch, RandomFramesEqualTheModel) { random_frames<Vsp_gray_match>({1024, 4, 2}, 40); }
 TEST(GrayMatchSmall, RandomFramesEqualTheModel) { random_frames<Vsp_gray_match_small>({6, 2, 5}, 40); }
 
-// As many as need the upper half of the counter: frames of one beat, each of which waits for its word in vain.
+// Enough late words to use the upper half of the counter: each frame has one beat, whose word never comes.
 TEST(GrayMatch, ManyLateFramesAreCounted) {
   constexpr int kLatency = 2;
   Clocked<Vsp_gray_match> match;
@@ -47,7 +47,7 @@ TEST(GrayMatch, ManyLateFramesAreCounted) {
   }
 }
 
-// The model itself, by its definition.
+// Compares the model with its definition.
 TEST(GrayMatchModel, TakesTheWordOfPixelAndCode) {
   const std::vector<std::uint16_t> table{10, 11, 12, 13, 20, 21, 22, 23, 30, 31, 32, 33};
   const std::vector<std::uint16_t> codes{0x8000, 0x8003, 0x0001};

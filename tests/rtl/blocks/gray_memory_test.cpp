@@ -1,5 +1,5 @@
-// The on-chip memory of the Gray-code decoder: every word that is asked for is the one that was last written there, two
-// clocks later, for frames of any length in any order and any gaps.
+// Tests the on-chip memory of the Gray-code decoder: two clocks after a request it gives the word that was last written
+// there, for frames of any length in any order with any gaps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace selfproj::test {
 namespace {
 
-// Reads of frame after frame; each word is written, changed, so many clocks after its read, as the decoder does it.
+// Reads frame after frame. Like the decoder it writes each word back, changed, a fixed number of clocks after its read.
 constexpr int kWriteBack = 5;
 constexpr int kNowhere = -1;
 
@@ -29,10 +29,10 @@ class MemoryBench {
     memory_.reset(0);
   }
 
-  // A frame of the first `length` words; in each clock one is asked for with this probability, in percent.
+  // Plays a frame of the first `length` words. In each clock it requests one with this probability, in percent.
   void frame(int length, int eagerness) {
     for (int place = 0; place < length;) {
-      // A word is there in the clock after it was written: it was asked for kWriteBack clocks before.
+      // A word can be read in the clock after its write. It was requested kWriteBack clocks before.
       const bool waits = std::find(write_back_.begin(), write_back_.end(), place) != write_back_.end();
       const bool read = !waits && random_.chance(eagerness);
       clock(read ? place : kNowhere);
@@ -51,7 +51,7 @@ class MemoryBench {
 
  private:
   void clock(int read) {
-    // Before what is written now: the two never meet in one word.
+    // Before the write of this clock; the two never touch the same word.
     asked_.push_back(read == kNowhere ? std::nullopt : words_[static_cast<std::size_t>(read)]);
     write_back_.push_back(read);
     const int write = write_back_.front();
@@ -77,8 +77,8 @@ class MemoryBench {
   Random& random_;
   Clocked<Dut> memory_;
   std::vector<std::optional<std::uint32_t>> words_;                     // what was written
-  std::deque<int> write_back_ = std::deque<int>(kWriteBack, kNowhere);  // places read in the last clocks
-  // what was asked for in the last clocks, where it is known
+  std::deque<int> write_back_ = std::deque<int>(kWriteBack, kNowhere);  // addresses read in the last clocks
+  // expected words of the last clocks, if known
   std::deque<std::optional<std::uint32_t>> asked_ = std::deque<std::optional<std::uint32_t>>(2);
   int checked_ = 0;
 };
@@ -89,9 +89,9 @@ void random_frames(int cases, int words) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     MemoryBench<Dut> bench(random, words);
-    bench.idle(20);  // what the registers begin with
+    bench.idle(20);  // initial values of the registers
     for (int frame = 0; frame < 30; ++frame) {
-      // Short ones often: of those the next frame asks at once for what is not written yet.
+      // Often short ones: the next frame then requests words that are not written yet.
       const int length = random.chance(50) ? random.between(1, std::min(words, 60)) : random.between(1, words);
       bench.frame(length, random.chance(50) ? 100 : random.between(20, 99));
       ASSERT_FALSE(::testing::Test::HasFatalFailure());
@@ -105,7 +105,7 @@ void random_frames(int cases, int words) {
 // 38 banks in ten groups, of 16 words each, the last of 8.
 TEST(GrayMemory, RandomFrames) { random_frames<Vsp_gray_memory>(30, 600); }
 
-// One bank, no longer than what is read ahead; it is smaller than the head and the ring together.
+// One bank, no longer than the words read ahead, and smaller than the head and the ring together.
 TEST(GrayMemoryOne, RandomFrames) { random_frames<Vsp_gray_memory_one>(30, 45); }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The packer of raw image lines: a packet asked for when a line is done, its words in order with zeros after the last
-// pixel, at the clocks its header states; lines that are not wanted, not accepted, or that broke.
+// Tests the packer of raw image lines. It requests a packet when a line is done, and sends its words in order, with
+// zeros after the last pixel, in the clocks that its header states. Some lines are not wanted, not accepted, or broken.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -47,7 +47,7 @@ class Bench {
   int columns = 4;
   int refusals = 0;  // percent
 
-  // One clock: a beat or none, and a break of the frame before it.
+  // One clock, with or without a beat, and with or without a break of the previous frame.
   void clock(const std::optional<Beat>& beat, bool breaks) {
     const std::int64_t now = packer_.clock();
     SCOPED_TRACE(::testing::Message() << "clock " << now);
@@ -158,7 +158,8 @@ class Bench {
   std::int64_t idle_from_ = 0;
 };
 
-// Without a gap: every line of 60 columns or more is taken; of shorter ones as many as packets can follow each other.
+// Without gaps every line of 60 columns or more is taken. Of shorter lines as many are taken as packets can follow each
+// other.
 TEST(ImagePacker, LinesOfEveryLengthWithoutGaps) {
   Random random(1);
   std::vector<int> lengths = {512, 511, 509};  // in beats; 512 is the largest
@@ -195,7 +196,7 @@ TEST(ImagePacker, RandomLinesGapsRefusalsAndBreaks) {
       const int columns = 4 * (random.chance(5) ? random.between(1, 512) : random.between(1, 40));
       const int beats = columns / 4;
       bool broken = false;
-      const int first_row = random.between(1, 1017);  // any will do
+      const int first_row = random.between(1, 1017);  // any value will do
       const int rows = random.between(1, 6);
       for (int row = first_row; row < first_row + rows && !broken; ++row) {
         for (int i = 0; i < beats && !broken; ++i) {
@@ -213,7 +214,7 @@ TEST(ImagePacker, RandomLinesGapsRefusalsAndBreaks) {
           ASSERT_FALSE(::testing::Test::HasFatalFailure());
         }
         if (!broken && random.chance(2)) {
-          bench.clock(std::nullopt, true);  // a break between lines is none of the packer's
+          bench.clock(std::nullopt, true);  // a break between lines does not concern the packer
           break;
         }
       }

@@ -1,4 +1,4 @@
-// Code images through the 3 x 3 median and every code compared with its model, at the clock that the header of
+// Sends code images through the 3 x 3 median, and compares every code with the model in the clock that the header of
 // sp_median3x3 states.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_MEDIAN3X3_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_MEDIAN3X3_BENCH_H
@@ -19,7 +19,7 @@
 
 namespace selfproj::test::median {
 
-constexpr int kLatency = 5;      // from a beat to the group left of that above it
+constexpr int kLatency = 5;      // from a beat to the group above and to the left of it
 constexpr int kLastLatency = 6;  // from a line's last beat to the group above it
 constexpr int kBreakLatency = 6;
 constexpr int kAfterBusy = 3;              // clocks before the next frame may begin
@@ -38,7 +38,7 @@ class MedianBench {
     median_.reset();
   }
 
-  // One frame, in `gaps` per cent of the clocks no beat. It breaks after `cut` beats where that is less than all.
+  // Plays one frame. `gaps` percent of the clocks have no beat. The frame breaks after `cut` beats if it has more.
   void frame(const std::vector<std::uint16_t>& codes, int rows, int columns, bool median, int gaps, int cut) {
     const int groups = columns / 4;
     std::vector<std::uint16_t> out(codes.size());
@@ -182,7 +182,7 @@ inline std::vector<std::uint16_t> random_codes(Random& random, int size) {
   return codes;
 }
 
-// Random images, some of which break, with gaps and without, as close to each other as may be.
+// Random images, with and without gaps, as close to each other as allowed. Some break.
 template <typename Dut>
 void random_images(int cases) {
   std::uint64_t pixels = 0;

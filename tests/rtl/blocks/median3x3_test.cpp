@@ -1,4 +1,4 @@
-// The 3 x 3 median of a stream of code images against its model, by itself and behind the decoder.
+// Compares the 3 x 3 median of a stream of code images with its model, alone and behind the decoder.
 #include "model/median3x3.h"
 
 #include <gtest/gtest.h>
@@ -19,8 +19,8 @@ namespace {
 
 TEST(Median3x3, RandomImagesGapsAndBreaks) { median::random_images<Vsp_median3x3>(200); }
 
-// Decoder and median together: whole frames, with the distance from a frame to that of the codes before it that is
-// needed, and one clock less.
+// Decoder and median together: whole frames at the least allowed distance from the frame of the previous codes, and one
+// clock closer.
 class CoreBench {
  public:
   CoreBench() {
@@ -98,7 +98,7 @@ TEST(GrayCoreMedian, DecodesAndFilters) {
       GrayDecoder decoder(settings);
       const auto size = static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns);
       const int groups = settings.columns / 4;
-      int since = 1000;  // clocks from the last beat of the frame with codes before to the frame's first
+      int since = 1000;  // clocks from the last beat of the previous frame with codes to the first beat of the frame
       bool waits = false;
       for (int frame = 0; frame < 8 * settings.bits && !waits; ++frame) {
         const std::vector<std::uint8_t> pixels = random.bytes(size);

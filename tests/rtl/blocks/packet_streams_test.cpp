@@ -1,4 +1,4 @@
-// Streams of packets: the packet FIFO between two clocks, and the arbiter that joins two streams.
+// Tests streams of packets: the packet FIFO between two clocks, and the arbiter that joins two streams.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,8 @@
 namespace selfproj::test::streams {
 namespace {
 
-// A packet FIFO with a writer and a reader, and what has gone in and come out; packets have `shortest` words at least.
+// A packet FIFO with a writer and a reader, and the words that have gone in and come out. Packets have at least
+// `shortest` words.
 template <typename Fifo>
 class PacketFifoBench {
  public:
@@ -33,7 +34,7 @@ class PacketFifoBench {
 
   [[nodiscard]] std::size_t packets_read() const { return packets_read_; }
 
-  // To the next edge: random words and stalls on both sides.
+  // Steps to the next edge, with random words and stalls on both sides.
   void random_step() {
     eagerness_.maybe_change(random_);
     if (random_.chance(1)) {
@@ -59,7 +60,7 @@ class PacketFifoBench {
     }
   }
 
-  // The last packet is written to its end and all are read: every place is free again.
+  // Writes the last packet to its end and reads everything. Every place must then be free.
   void expect_all_read() {
     for (int i = 0; i < 4000; ++i) {
       const auto rises = step(
@@ -88,7 +89,7 @@ class PacketFifoBench {
 
   void drive(TwoClocks::Rises rises) {
     if (rises.a) {
-      // a packet begins only where all of it has room
+      // a packet begins only if all of it fits
       if (left_ == 0 && random_.chance(eagerness_.in)) {
         const int length = random_.between(shortest_, longest_);
         left_ = length <= fifo_->wr_free_o ? length : 0;
@@ -102,7 +103,7 @@ class PacketFifoBench {
     }
   }
 
-  // Whether the reader takes a word with this edge.
+  // Whether the reader takes a word at this edge.
   bool check(TwoClocks::Rises rises) {
     if (fifo_->rd_valid_o) {
       if (packets_read_ >= whole_there_.seen || read_ >= packet_ends_[packets_read_]) {
@@ -134,7 +135,8 @@ class PacketFifoBench {
   Eagerness eagerness_;
 };
 
-// Packets come out whole: nothing of a packet before its last word is in, and all of it without waiting for the writer.
+// Packets come out whole. No word of a packet leaves before its last word is in, and then all of it leaves without
+// waiting for the writer.
 template <typename Fifo>
 void expect_whole_packets(int shortest) {
   for (const std::uint64_t seed : seeds(60)) {
@@ -154,10 +156,10 @@ void expect_whole_packets(int shortest) {
 
 TEST(PacketFifo, APacketShowsOnlyOnceItIsWhole) { expect_whole_packets<Vsp_packet_fifo>(1); }
 
-// Told that packets have five words at least, it counts them with fewer bits.
+// If packets have at least five words, the FIFO counts them with fewer bits.
 TEST(PacketFifo, PacketsOfFiveWordsAtLeast) { expect_whole_packets<Vsp_packet_fifo_of_five>(5); }
 
-// A source of packets for one input of the arbiter: valid stays until its beat is taken.
+// A source of packets for one input of the arbiter. Valid stays until the beat is taken.
 struct PacketSource {
   std::uint32_t tag;
   std::uint32_t next = 0;  // number of the beat
@@ -221,8 +223,7 @@ TEST(PacketArbiter, JoinsWholePacketsAndTheFirstStreamGoesFirst) {
         ASSERT_EQ(arbiter->m_axis_tdata_o, expected.front().data);
         ASSERT_EQ(arbiter->m_axis_tlast_o, expected.front().last);
       }
-      // a beat is taken in every clock in which there is room, from the stream whose packet it is; else the first's
-      // goes first
+      // every clock with room takes a beat: of the stream whose packet is under way, else of the first stream
       const bool room = expected.size() < 2;
       const int from = inside != 0 ? inside : first.valid ? 1 : 2;
       ASSERT_EQ(arbiter->first_valid_i && arbiter->first_ready_o, room && from == 1 && first.valid);

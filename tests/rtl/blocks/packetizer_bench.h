@@ -1,4 +1,4 @@
-// Plays requests and payloads to the packetizer and knows, clock by clock, what it has to answer.
+// Plays requests and payloads to the packetizer, and computes its expected outputs clock by clock.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_PACKETIZER_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_PACKETIZER_BENCH_H
 
@@ -51,7 +51,7 @@ class Bench {
     packetizer_.reset();
   }
 
-  // What is asked in the present clock.
+  // The request of the present clock.
   struct Request {
     bool start = false;
     int payload_beats = 1;
@@ -62,7 +62,7 @@ class Bench {
     std::uint32_t break_status = 0;
   };
 
-  // What follows an accepted start.
+  // The payload that follows an accepted start.
   struct Plan {
     int early = -1;       // payload beats that come before the payload breaks; -1: all come
     int gaps = 0;         // percent
@@ -71,12 +71,12 @@ class Bench {
   };
 
   bool spoil_next = false;
-  int places = 32;  // of the FIFO; the rest of it is always full
+  int places = 32;  // places of the FIFO in use by the test; the rest is always full
   int drain = 100;  // percent of clocks in which the other side takes a beat from the FIFO
 
   void clock(const Request& asked, const Plan& plan = {}) {
     const std::int64_t now = packetizer_.clock();
-    // the break of a frame is never in the clock of another frame's request
+    // a break never comes in the clock of another frame's request
     const Request request = mark_at_ == now ? Request{} : asked;
     packetizer_->start_i = request.start;
     packetizer_->payload_beats_i =
@@ -97,7 +97,7 @@ class Bench {
                              request.line,  breaks ? request.break_status : request.start_status,
                              plan,          free_in(now + 1)};
     }
-    // places in the FIFO: what the writer has put in, less what the other side has taken out and the writer has seen
+    // places in the FIFO that the writer still counts as taken
     set_free();
     if (const auto wanted = free_wanted_.find(now); wanted != free_wanted_.end()) {
       *wanted->second = places - in_fifo_;
@@ -114,7 +114,7 @@ class Bench {
     packetizer_.rise();
   }
 
-  // Until the packet under way has left.
+  // Runs until the packet under way has left.
   void finish() {
     for (int i = 0; i < 400; ++i) {
       clock({});
@@ -152,7 +152,7 @@ class Bench {
     return free;
   }
 
-  // Accepted: idle, room for all of it, not spoiled. Fixes all of the packet but the payload.
+  // Accepted if idle, with room for all of it, and not spoiled. Fixes all of the packet except the payload.
   void decide(std::int64_t now) {
     const auto found = decisions_.find(now);
     if (accept_change_) {
@@ -229,15 +229,15 @@ class Bench {
     }
   }
 
-  // The last payload beat was given in this clock: the trailer's beat is at the FIFO four clocks later.
+  // The last payload beat came in this clock, so the trailer reaches the FIFO four clocks later.
   void payload_done(std::int64_t clock) {
     trailer_at_ = clock + 4;
     idle_from_ = clock + 7;
     payload_from_ = INT64_MAX;
   }
 
-  // A beat of info_i is right only in the clock in which it is read, the sequence in the clock before its beat; before
-  // and after they are anything, and so is what the header says of the packet.
+  // A beat of info_i is valid only in the clock in which it is read, and the sequence in the clock before its beat. At
+  // other times they are random, and so are the fields that the packetizer itself fills in.
   void set_header_fields(std::int64_t now) {
     constexpr std::size_t kSequenceFrom = spec::kHeaderSequence;
     constexpr std::size_t kSequenceTo = kSequenceFrom + sizeof(PacketHeader::sequence);
@@ -326,7 +326,7 @@ class Bench {
   int delivered_ = 0;
   int in_fifo_ = 0;
 
-  // 1 for the bytes of a header that tell of the frame
+  // 1 for header bytes that describe the frame
   static std::array<std::uint8_t, spec::kHeaderBytes> frame_bytes() {
     std::array<std::uint8_t, spec::kHeaderBytes> bytes{};
     const auto mark = [&](std::size_t at, std::size_t size) { std::fill_n(bytes.begin() + at, size, std::uint8_t{1}); };

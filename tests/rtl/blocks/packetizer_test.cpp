@@ -1,5 +1,5 @@
-// The packetizer: whole packets byte by byte as model/packet writes them, decisions and beats at the clocks its header
-// states, nothing dropped without being counted.
+// Tests the packetizer: packets equal those of model/packet byte by byte, decisions and beats come in the clocks that
+// its header states, and every dropped packet is counted.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct KindNames {
 };
 TYPED_TEST_SUITE(Packetizer, Kinds, KindNames);
 
-// One packet after the other, each as soon as the one before is done: all are delivered.
+// Each packet is requested as soon as the previous one is done: all are delivered.
 TYPED_TEST(Packetizer, AStartSevenClocksAfterTheLastPayloadIsTaken) {
   Random random(1);
   for (int early = -1; early < 2; ++early) {
@@ -46,7 +46,7 @@ TYPED_TEST(Packetizer, AStartSevenClocksAfterTheLastPayloadIsTaken) {
   }
 }
 
-// A clock earlier it is not: dropped and counted.
+// One clock earlier it is dropped and counted.
 TYPED_TEST(Packetizer, AStartSixClocksAfterTheLastPayloadIsLost) {
   Random random(1);
   Bench<TypeParam> bench(random);
@@ -63,7 +63,7 @@ TYPED_TEST(Packetizer, AStartSixClocksAfterTheLastPayloadIsLost) {
   EXPECT_EQ(bench.lost(), 1U);
 }
 
-// Each bit of the length by itself, and as many as the FIFO holds: in full, and cut short after a beat.
+// Lengths with a single bit set, and the longest that the FIFO holds: complete, and cut short after one beat.
 TYPED_TEST(Packetizer, LongPayloads) {
   Random random(1);
   constexpr int kDepth = Bench<TypeParam>::kFifoDepth;
@@ -88,7 +88,7 @@ TYPED_TEST(Packetizer, LongPayloads) {
     bench.finish();
     EXPECT_EQ(bench.delivered(), packets);
     EXPECT_EQ(bench.lost(), 1U);
-    // one bit of the number of free places by itself, and a packet that needs one more
+    // free places with a single bit set, and a packet that needs one place more
     std::uint32_t lost = 1;
     for (int places = 8; places < kDepth; places *= 2) {
       bench.places = places;
@@ -101,7 +101,7 @@ TYPED_TEST(Packetizer, LongPayloads) {
   }
 }
 
-// As many as need more than one chain of the counter: each shows five clocks after its request.
+// Enough losses to use more than one chain of the counter. Each shows five clocks after its request.
 TYPED_TEST(Packetizer, ManyLossesAreCounted) {
   Clocked<TypeParam> packetizer;
   packetizer->break_i = 0;
@@ -123,7 +123,7 @@ TYPED_TEST(Packetizer, ManyLossesAreCounted) {
   }
 }
 
-// The header after so many losses, as powers of two and one less.
+// The header after losses of powers of two, and one less.
 TYPED_TEST(Packetizer, HeadersTellManyLosses) {
   Random random(1);
   Bench<TypeParam> bench(random);

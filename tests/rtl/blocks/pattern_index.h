@@ -1,4 +1,5 @@
-// The pattern index as sp_frame_info gives it: some clocks after a frame's start, when the next frame may have begun.
+// Gives the pattern index as sp_frame_info does: some clocks after the start of a frame, when the next frame may
+// already have begun.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_PATTERN_INDEX_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_PATTERN_INDEX_H
 
@@ -12,10 +13,10 @@ class PatternIndex {
  public:
   static constexpr int kDelay = 4;  // clocks from a frame's start to its index
 
-  // A frame with this pattern starts in this clock; in the order of the clocks.
+  // A frame with this pattern starts in this clock. Call in the order of the clocks.
   void start(std::int64_t clock, int pattern) { coming_.emplace_back(clock + kDelay, pattern); }
 
-  // Sets pattern_i where an index comes in this clock; called in every clock.
+  // Sets pattern_i if an index comes in this clock. Call in every clock.
   template <typename Dut>
   void drive(Dut& dut, std::int64_t clock) {
     if (!coming_.empty() && coming_.front().first == clock) {

@@ -1,9 +1,9 @@
-// Writes what a Verilated model is given and what it answers, so that another simulator can be held to it.
+// Records the inputs and outputs of a Verilated model, so that another simulator can be compared with it.
 //
-// Off unless the environment variable SELFPROJ_RECORD names a file; then the first model of the program writes
-// NAME.ports (a line a port: input or output, name, bits) and NAME.vectors (a line an evaluation: every port's value in
-// hexadecimal, inputs before outputs, x for an output that nobody may rely on), at most SELFPROJ_RECORD_STEPS lines
-// (default 12,000).
+// Off unless the environment variable SELFPROJ_RECORD names a file. The first model of the program then writes
+// NAME.ports (one line for each port: input or output, name, bits) and NAME.vectors (one line for each evaluation: the
+// values of all ports in hexadecimal, inputs before outputs, x for an output that is not valid), with at most
+// SELFPROJ_RECORD_STEPS lines (default 12,000).
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_RECORDER_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_RECORDER_H
 
@@ -21,7 +21,7 @@ namespace selfproj::test {
 
 class Recorder {
  public:
-  // The recorder of this program, for the first caller; null for every other and where nothing is to be recorded.
+  // The recorder of this program for the first caller. Null for every other caller, and if nothing is to be recorded.
   static std::unique_ptr<Recorder> claim();
 
   explicit Recorder(const std::string& name, int steps);
@@ -36,13 +36,13 @@ class Recorder {
     outputs_.push_back({name, bits, printer(bits, value), {}});
   }
 
-  // The output counts only while `valid` gives true.
+  // The output counts only while `valid` returns true.
   void valid_when(const std::string& output, std::function<bool()> valid);
 
-  // From now on (the first reset is over) outputs count.
+  // From now on outputs count, because the first reset is over.
   void outputs_are_known() { known_ = true; }
 
-  // After every evaluation.
+  // Call after every evaluation.
   void sample();
 
  private:

@@ -1,4 +1,4 @@
-// Accesses to the register file, and what it has to hold and to answer, clock by clock.
+// Plays accesses to the register file, and checks its contents and answers clock by clock.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_REGISTERS_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_REGISTERS_BENCH_H
 
@@ -23,7 +23,7 @@ struct Build {
   int max_rows;
   bool grey;
   bool image;
-  int code_bits = 0;  // of the Gray-code decoder, which has the median then; 0: there is none
+  int code_bits = 0;  // of the Gray-code decoder, which then has the median; 0: no decoder
 };
 
 template <typename Dut>
@@ -56,7 +56,7 @@ struct State {
   std::uint16_t encoder_errors = 0x8909;
 };
 
-// The registers that can be written, as the specification has them.
+// The writable registers of the specification.
 struct Writable {
   std::uint32_t address;
   std::uint32_t reset;
@@ -81,7 +81,7 @@ inline const std::vector<Writable> kWritable = {
     {spec::kRegTriggerWidth, spec::kRegTriggerWidthReset, field(0, spec::kRegTriggerWidthClocksBits)},
 };
 
-// And of a build with the decoder.
+// Those of a build with the decoder.
 inline std::vector<Writable> writable_of(const Build& build) {
   std::vector<Writable> all = kWritable;
   if (build.code_bits != 0) {
@@ -139,7 +139,7 @@ class Bench {
     registers_->encoder_errors_i = state.encoder_errors;
   }
 
-  // A clock without a request, or with one.
+  // One clock, with or without a request.
   void tick(bool take = false) {
     registers_->take_i = take;
     registers_.settle();
@@ -148,7 +148,7 @@ class Bench {
     pending_ = pending_ && !take;
   }
 
-  // The request, and its answer exactly five clocks later. Address and data stay, as the bridge holds them.
+  // Plays a request, and expects its answer exactly five clocks later. Address and data stay, as behind the bridge.
   Answer access(bool write, std::uint32_t address, std::uint32_t data) {
     registers_->request_i = 1;
     registers_->write_i = write;
@@ -194,7 +194,7 @@ class Bench {
     return answer;
   }
 
-  // What the specification says of a write.
+  // The effect of a write according to the specification.
   static bool good(std::uint32_t address, std::uint32_t data) {
     switch (address) {
       case spec::kRegControl:
@@ -302,7 +302,7 @@ class Bench {
     held_ = std::max(held_ - 1, 0);
   }
 
-  // The settings, in every clock.
+  // Checks the settings in every clock.
   void check_outputs() {
     using namespace spec;
     EXPECT_EQ(registers_->run_o, value(kRegControl, kRegControlRunLsb, 1));
@@ -331,9 +331,9 @@ class Bench {
 
   Clocked<Dut> registers_;
   State state_;
-  std::map<std::uint32_t, std::uint32_t> values_;  // of writables
+  std::map<std::uint32_t, std::uint32_t> values_;  // index of a writable register
   bool pending_ = true;                            // the reset values have not been taken over
-  int held_ = 1;                                   // clocks for which hold_o is high, whatever the register says
+  int held_ = 1;                                   // clocks for which hold_o is high regardless of the register
   bool read_is_good_ = false;
   std::uint32_t time_high_ = 0;
 };

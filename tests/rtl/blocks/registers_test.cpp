@@ -1,5 +1,5 @@
-// The register file against the specification, register by register: reset values, what can be written and what is
-// refused, what reads give, and the settings at the outputs.
+// Compares the register file with the specification, register by register: reset values, accepted and refused writes,
+// reads, and the settings at the outputs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TYPED_TEST(Registers, ReadOnlyAndUnknownAddressesRefuseWrites) {
   bench.expect_all_reads();
 }
 
-// Each bit of each register by itself, all of them, none.
+// Writes each bit of each register alone, all bits, and none.
 TYPED_TEST(Registers, EveryBitIsKeptOrRefused) {
   Bench<TypeParam> bench;
   for (const Writable& writable : bench.writables) {
@@ -123,7 +123,7 @@ TYPED_TEST(Registers, RandomAccesses) {
       const auto address =
           static_cast<std::uint32_t>(random.chance(95) ? 4 * random.between(0, 25) : random.between(0, 255));
       if (random.chance(50)) {
-        // sizes that fit now and then
+        // sizes that fit from time to time
         const auto data = static_cast<std::uint32_t>(
             address == spec::kRegSize && random.chance(70) ? random.bits() & 0x03FF'0FFC : random.bits());
         bench.expect_write(address, data);

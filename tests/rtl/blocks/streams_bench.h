@@ -1,4 +1,4 @@
-// What the tests of streams have in common: sides that are more or less eager, and two clocks.
+// Shared by the tests of streams: sides with changing eagerness, and two clocks.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_STREAMS_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_STREAMS_BENCH_H
 
@@ -11,7 +11,7 @@
 
 namespace selfproj::test::streams {
 
-// How eager the two sides are, in percent, changed now and then within a case: stalls come in spells.
+// How eager the two sides are, in percent. It changes within a case, so that stalls come in bursts.
 struct Eagerness {
   int in = 100;
   int out = 100;
@@ -25,7 +25,7 @@ struct Eagerness {
   }
 };
 
-// A number that one clock writes and the other sees two of its edges later, as through a two-flop synchronizer.
+// A number that one clock writes and the other clock sees two edges later, as behind a two-flop synchronizer.
 struct Crossing {
   std::uint64_t meta = 0;
   std::uint64_t seen = 0;
@@ -35,8 +35,8 @@ struct Crossing {
   }
 };
 
-// Steps a model with a write and a read clock to the next rising edge. `set` gives the inputs of a side that rises;
-// `check` looks at the outputs before the edge.
+// Steps a model with a write and a read clock to the next rising edge. `set` sets the inputs of a side whose clock
+// rises; `check` checks the outputs before the edge.
 template <typename Dut, typename Set, typename Check>
 TwoClocks::Rises step(Model<Dut>& model, TwoClocks& clocks, Set set, Check check) {
   const TwoClocks::Rises rises = clocks.next();
@@ -75,7 +75,7 @@ void reset_both(Model<Dut>& model, TwoClocks& clocks) {
     a += rises.a;
     b += rises.b;
   }
-  // each side leaves its reset in a clock of its own
+  // each side leaves reset in its own clock
   int left = 0;
   while (left != 3) {
     left |= [&] {

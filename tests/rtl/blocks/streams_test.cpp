@@ -1,4 +1,4 @@
-// Streams of single words: skid buffer, FIFO and dual-clock FIFO, each clock by clock beside a queue.
+// Tests streams of single words: compares skid buffer, FIFO and dual-clock FIFO with a queue clock by clock.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace selfproj::test::streams {
 namespace {
 
-// Two words at most: the output register and the spare one behind it.
+// At most two words: the output register and the spare one behind it.
 TEST(SkidBuffer, IsATwoWordQueueWithRegisteredOutputs) {
   for (const std::uint64_t seed : seeds(40)) {
     SCOPED_TRACE(how_to_repeat(seed));
@@ -31,7 +31,7 @@ TEST(SkidBuffer, IsATwoWordQueueWithRegisteredOutputs) {
     Eagerness eagerness;
     for (int i = 0; i < 1500; ++i) {
       eagerness.maybe_change(random);
-      // no path from an input to an output: the outputs are the same before and after the inputs of the clock are set
+      // no path leads from an input to an output: setting the inputs does not change the outputs
       const auto ready_before = buffer->s_ready_o;
       const auto valid_before = buffer->m_valid_o;
       const auto data_before = buffer->m_data_o;
@@ -60,7 +60,7 @@ TEST(SkidBuffer, IsATwoWordQueueWithRegisteredOutputs) {
   }
 }
 
-// The memory and the output register, and when a word moves from one to the other.
+// Models the memory and the output register, and when a word moves from one to the other.
 TEST(Fifo, FollowsItsReferenceClockByClock) {
   constexpr std::size_t kDepth = 8;
   for (const std::uint64_t seed : seeds(40)) {
@@ -121,8 +121,8 @@ TEST(Fifo, AWordIsAtTheOutputTwoClocksAfterItWasWritten) {
   EXPECT_EQ(fifo->m_data_o, 0xC0FFEEU);
 }
 
-// The places, the words, and how long each side takes to see what the other did: exactly, since a simulator has no
-// metastable flops.
+// Models the places, the words, and the delay until each side sees the actions of the other. The delay is exact, since
+// a simulator has no metastable flip-flops.
 TEST(AsyncFifo, FollowsItsReferenceForAnyTwoClocks) {
   constexpr std::uint64_t kDepth = 8;
   for (const std::uint64_t seed : seeds(60)) {
@@ -144,7 +144,7 @@ TEST(AsyncFifo, FollowsItsReferenceForAnyTwoClocks) {
     std::uint64_t most_waiting = 0;
     for (int i = 0; i < 3000; ++i) {
       eagerness.maybe_change(random);
-      if (i / 400 == 3) {  // long enough to fill it, however slow the writer's clock is
+      if (i / 400 == 3) {  // long enough to fill it even with a slow writer's clock
         eagerness = {100, 0};
       }
       bool write = false, fetch = false, take = false;
@@ -172,7 +172,7 @@ TEST(AsyncFifo, FollowsItsReferenceForAnyTwoClocks) {
             take = output && fifo->rd_ready_i;
           });
       ASSERT_FALSE(::testing::Test::HasFailure()) << "step " << i;
-      // both sides see what was before this edge
+      // both sides see the state before this edge
       const std::uint64_t written_before = written.size();
       const std::uint64_t fetched_before = fetched;
       if (rises.a) {

@@ -1,4 +1,4 @@
-// The trigger sequencer against the times its header states.
+// Compares the trigger sequencer with the times that its header states.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,7 +19,8 @@ struct Settings {
   int width = 1;
 };
 
-// What the outputs are in each clock of one run of pulses: run_i is high in the clocks 0..clocks - 1, and low after.
+// The expected outputs in each clock of one run of pulses. run_i is high in the clocks 0..clocks - 1, and low
+// afterwards.
 struct Expected {
   std::vector<int> projector;
   std::vector<int> camera;
@@ -42,7 +43,7 @@ Expected expected_run(const Settings& s, int clocks, int after) {
     if (s.camera < s.period) {
       const int first = begin + s.camera + 4;
       pulse(out.camera, first);
-      // the index stands when the camera pulse begins, also where that is cut short at once
+      // the index is valid when the camera pulse begins, even if the pulse is cut short immediately
       if (first < clocks + 2) {
         for (auto t = static_cast<std::size_t>(first); t < total; ++t) {
           out.pattern[t] = k % (s.last_pattern + 1);
@@ -66,10 +67,10 @@ class Bench {
     trigger_->width_i = 0;
     trigger_.reset();
     set({});
-    trigger_.tick();  // the outputs follow their counters a clock later
+    trigger_.tick();  // the outputs follow their counters one clock later
   }
 
-  // A clock that announces other settings, and one with them.
+  // One clock that announces new settings, and one with them.
   void set(const Settings& s) {
     trigger_->set_i = 1;
     trigger_.tick();
@@ -82,7 +83,7 @@ class Bench {
     trigger_.rise();
   }
 
-  // run_i for `clocks` clocks; frames come at random and must not matter.
+  // Sets run_i for `clocks` clocks. Frames come at random and must have no effect.
   void run(const Settings& s, int clocks, Random& random) {
     set(s);
     constexpr int kAfter = 6;
@@ -115,18 +116,18 @@ TEST(Trigger, EdgesOfTheSettings) {
       {0, 1, 0, 1},                     // a pulse every clock: the lines stay high
       {3, 1, 0, 0},                     // no pulse at all
       {3, 2, 0, 1},                     // every second clock
-      {3, 2, 1, 1},                     // the camera as late as it may be
+      {3, 2, 1, 1},                     // the latest camera pulse
       {3, 10, 9, 3},                    // likewise
-      {3, 10, 10, 3},                   // a camera pulse at the next projector pulse: none
+      {3, 10, 10, 3},                   // a camera delay of one period: no camera pulse
       {3, 10, 11, 3},                   // later: none
       {0, 7, 2, 2},                     // one pattern only
-      {255, 3, 1, 1},                   // all patterns and around
+      {255, 3, 1, 1},                   // all patterns, with a wrap
       {11, 20, 5, 20},                  // a pulse as long as the period
       {11, 20, 5, 50},                  // longer
-      {2, 0xFFFFFF, 0xAAAAAA, 0xAAAA},  // long past the end of this run, but for the first pulse
+      {2, 0xFFFFFF, 0xAAAAAA, 0xAAAA},  // long past the end of this run, except for the first pulse
       {2, 0x555555, 0x555554, 0x5555},
       {1, 300, 260, 258},        // more than 8 bits
-      {5, 0x101, 0x100, 0x100},  // what is special of 0, 1 and 2 is not of their lower bits
+      {5, 0x101, 0x100, 0x100},  // values that share their low bits with the special values 0, 1 and 2
       {5, 0x102, 0x101, 0x200},
       {5, 0x202, 0x102, 0x101},
       {5, 0x1'0001, 0x1'0000, 0x1000},
@@ -156,7 +157,7 @@ TEST(Trigger, RandomSettingsAndRuns) {
   }
 }
 
-// No counter is cut short: pulses of 2^16 - 1 clocks, and every bit of the settings once set and once not.
+// Every counter has its full width: pulses of 2^16 - 1 clocks, and every bit of the settings once set and once clear.
 TEST(Trigger, LongPulses) {
   Random random(1);
   for (const Settings& s : std::vector<Settings>{{1, 70001, 69000, 65535},
@@ -169,7 +170,7 @@ TEST(Trigger, LongPulses) {
   }
 }
 
-// The longest period that there is.
+// The longest period.
 TEST(Trigger, LongestPeriod) {
   constexpr int kPeriod = 0xFF'FFFF;
   constexpr int kCamera = 0xAA'AAAA;
@@ -194,14 +195,14 @@ TEST(Trigger, LongestPeriod) {
   EXPECT_EQ(camera, (std::vector<std::int64_t>{kCamera + 4}));
 }
 
-// Without pulses: each frame start advances the index; the first frame has index 0.
+// Without pulses each frame start advances the index. The first frame has index 0.
 TEST(Trigger, OnFrameTheIndexAdvancesWithEachFrame) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     Bench bench;
     auto& trigger = bench.trigger();
-    // of the eight bits one, all but one, all, or a few of the lower
+    // one of the eight bits, all but one, all, or a few of the lower ones
     const int bit = 1 << (seed % 8);
     const int last = seed <= 8 ? bit : seed <= 16 ? 255 - bit : seed == 17 ? 255 : random.between(0, 12);
     bench.set({last, 5, 1, 2});
@@ -209,7 +210,7 @@ TEST(Trigger, OnFrameTheIndexAdvancesWithEachFrame) {
     std::array<bool, 4> was_on{};  // one clock ago, two, three, four
     bool captured = false;         // a clock ago
     for (int t = 0; t < 1200; ++t) {
-      const bool on = t % 700 < 650 && t % 350 != 300;  // now and then off, also for a clock: the index goes back to 0
+      const bool on = t % 700 < 650 && t % 350 != 300;  // sometimes off, even for one clock: the index goes back to 0
       trigger->on_frame_i = on;
       trigger->captured_i = random.chance(60);
       trigger.settle();
@@ -229,7 +230,7 @@ TEST(Trigger, OnFrameTheIndexAdvancesWithEachFrame) {
   }
 }
 
-// From pulses to frames and back, also for a clock: each begins with index 0, whatever was before.
+// Switches from pulses to frames and back, even for one clock. Each begins with index 0, regardless of the history.
 TEST(Trigger, TheIndexBeginsAnewWhereRunChanges) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
