@@ -45,12 +45,13 @@ KEYWORDS = {
 
 
 def blank(match):
-    """Spaces in place of a text, its lines kept."""
+    """Returns spaces in place of a text, with its line breaks."""
     return re.sub(r"[^\n]", " ", match.group())
 
 
 def seen(text):
-    """The source as a tool sees it: without comments, texts and branches that are not compiled; lines are kept."""
+    """Returns the source as a tool sees it: without comments, texts and branches that are not compiled, with the same
+    lines."""
     text = re.sub(r"//[^\n]*|/\*.*?\*/", blank, text, flags=re.S)
     out = []
     branches = []  # of conditions: whether what is inside counts
@@ -70,7 +71,7 @@ def seen(text):
 
 
 def closing(text, start):
-    """The place behind the bracket that closes the one at `start`."""
+    """Returns the position behind the bracket that closes the one at `start`."""
     pairs = {"{": "}", "(": ")"}
     depth = 0
     for i in range(start, len(text)):
@@ -128,7 +129,7 @@ class Source:
 
     @staticmethod
     def waits(body):
-        """Every path through a block comes to a wait(), which stands there by itself, and nothing leaves it before."""
+        """Returns whether every path through a block reaches a wait() statement before anything leaves the block."""
         flat = body
         while True:
             inner = re.sub(r"\{[^{}]*\}", blank, flat)
@@ -181,7 +182,7 @@ class Source:
 
 
 def recursion(sources):
-    """Finds functions that call themselves, however far around."""
+    """Finds functions that call themselves, directly or through others."""
     functions = {}
     for source in sources:
         for owner, name, at, body, around in source.functions():
@@ -200,7 +201,7 @@ def recursion(sources):
                 else:
                     declared = re.findall(rf"\b(\w+)\s*(?:<[^;(){{}}]*>)?[\s&]+{target}\b", around)
                     kinds = [kind for kind in declared if kind in classes]
-                    # The type of an object that is not known: any class that has such a function.
+                    # If the type of an object is not known: any class with such a function.
                     called.update((kind, what) for kind in (kinds or ([] if declared else classes)))
     found = set()
     for function in functions:

@@ -7,7 +7,7 @@
 Outputs: the C++ header (C++14), the SystemVerilog package, and the tables (tables.py) between the markers
 `<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown files listed in TABLES.
 Standard library only. Every number format is proved here: the largest value that can occur is computed from the sizes
-and must fit its field. Where one does not fit, the generator says so and writes nothing.
+and must fit its field. If one does not fit, the generator says so and writes nothing.
 """
 
 import argparse
@@ -31,13 +31,13 @@ TABLES = {
     ROOT / "docs" / "circuits" / "gray.md": ["gray_memory"],
 }
 
-# Fields of the header that tell of the frame, not of the packet, each with the bits of it that a build has.
+# Fields of the header that describe the frame, not the packet, each with the bits that a build has.
 FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits"), ("mode", "ModeBits"),
                 ("threshold", "HeaderThresholdBits"), ("sequence", "HeaderSequenceBits"),
                 ("time_stamp", "HeaderTimeStampBits"), ("encoder", "HeaderEncoderBits"), ("columns", "column_bits"),
                 ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits")]
-PROSE = ("description", "effect")  # keys that say something to the reader and bind no program
-REGISTER_WORDS = 32  # places of the register file, of four bytes
+PROSE = ("description", "effect")  # keys that are for readers only and do not concern programs
+REGISTER_WORDS = 32  # addresses of the register file, four bytes each
 
 
 class SpecError(Exception):
@@ -45,7 +45,7 @@ class SpecError(Exception):
 
 
 def without_descriptions(node):
-    """The part of the specification that binds two programs: all of it but the prose."""
+    """Returns the part of the specification on which programs must agree: everything except the prose."""
     if isinstance(node, dict):
         return {k: without_descriptions(v) for k, v in node.items() if k not in PROSE}
     if isinstance(node, list):
@@ -54,7 +54,7 @@ def without_descriptions(node):
 
 
 def with_whole_descriptions(node):
-    """The same tree, with descriptions that stand in pieces, one a line of the file, put together."""
+    """Returns the same tree, with descriptions that are split over lines joined."""
     if isinstance(node, dict):
         return {k: "".join(v) if k in PROSE and isinstance(v, list) else with_whole_descriptions(v)
                 for k, v in node.items()}
@@ -238,7 +238,7 @@ def cpp_header(spec):
 
 
 def sv_frame_mask():
-    """The function that says which bits of a header are the frame's, in a build of that size."""
+    """Returns the function that selects the header bits that describe the frame, in a build of that size."""
     terms = [f"~({{HeaderBits{{1'b1}}}} << {bits}) << Header{camel(name)}Lsb" for name, bits in FRAME_FIELDS]
     return ["  // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits",
             "  function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits);",

@@ -1,13 +1,12 @@
-// How fast the host decodes Gray codes and makes depth images of them: 512 x 512 pixels, m = 8, one thread.
+// Measures how fast the host decodes Gray codes and computes depth images: 512 x 512 pixels, m = 8, one thread.
 //
 //     bench_gray [--benchmark_...]
 //
-// One item is one update: a new pair of images to a new code image. In cache the same pair comes again and again; from
-// memory 256 pairs (134 MB) come one after another, and the share of the read ceiling is that of the images' bytes
-// alone. A depth image is the whole: a new pair decoded, median, triangulation on the rig `scanner`. Before anything is
-// timed the results are compared with the models, and the depths with (4.7) in double precision; a difference ends the
-// program with exit status 1. bench_opencv compares the decoder with
-// OpenCV.
+// One item is one update: a new pair of images gives a new code image. "In cache" repeats the same pair. "From memory"
+// uses 256 pairs (134 MB) one after another; the share of the read ceiling counts only the bytes of the images. A depth
+// image takes all steps: decoding a new pair, median, and triangulation on the rig `scanner`. Before the first
+// measurement the results are compared with the models, and the depths with (4.7) in double precision; a difference
+// ends the program with exit status 1. bench_opencv compares the decoder with OpenCV.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -65,7 +64,7 @@ bool results_are_right(const std::uint8_t* images) {
   return true;
 }
 
-// z of (3.4) = (4.8) for the centre of the code, from the angles; NaN where the rules of section 1 say so.
+// z of (3.4) = (4.8) for the centre of the code, from the angles. NaN if the rules of section 1 exclude the point.
 double plain_depth(const Rig& rig, int row, std::uint16_t word) {
   if ((word & GrayDecoder::kMeasurable) == 0) {
     return std::nan("");

@@ -1,13 +1,14 @@
-// How fast the host makes depth images of self-projected structured light: 512 x 512 pixels, m = 4, one thread.
+// Measures how fast the host computes depth images of self-projected structured light: 512 x 512 pixels, m = 4, one
+// thread.
 //
 //     bench_match [--benchmark_...]
 //
-// One item is one update: a new pair of images to a new depth image and its difference from the reference. The images
-// are those of a plane with a bump on it under the patterns of the plane, drawn from the geometry with noise. In cache
-// the same four pairs come again and again; from memory 256 pairs (134 MB) come one after another, and the share of the
-// read ceiling is that of the images' bytes alone. `random` has random images, whose codes make the table's words lie
-// as far apart as can be. Before anything is timed the results are compared with the models; a difference ends the
-// program with exit status 1.
+// One item is one update: a new pair of images gives a new depth image and its difference from the reference. The
+// images show a plane with a bump on it under the patterns of the plane, drawn from the geometry with noise. "In cache"
+// repeats the same four pairs. "From memory" uses 256 pairs (134 MB) one after another; the share of the read ceiling
+// counts only the bytes of the images. `random` has random images, whose codes spread the accesses to the table as far
+// as possible. Before the first measurement the results are compared with the models; a difference ends the program
+// with exit status 1.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -42,7 +43,7 @@ ImageView image_at(const std::uint8_t* bytes, int i) {
   return {bytes + static_cast<std::size_t>(i) * kPixels, kSide, kSide, kSide};
 }
 
-// What there is before the first frame.
+// Everything that is prepared before the first frame.
 struct Setup {
   Rig rig = load_rig("scanner");
   SelfReference reference = make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {});
@@ -132,7 +133,7 @@ void decode(benchmark::State& state, const std::uint8_t* images) {
   set_counters(state);
 }
 
-// The steps after the decoder, each over a whole image. As in the scanner a row's lines stay in one short array.
+// The steps after the decoder, each over a whole image. As in the scanner, the lines of a row stay in one short array.
 enum class Step { search, triangulation, difference };
 void step(benchmark::State& state, const Setup& setup, const std::uint8_t* images, Step which) {
   FastGrayDecoder decoder({kSide, kSide, kBits, 5});

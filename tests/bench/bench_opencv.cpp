@@ -1,17 +1,18 @@
-// Gray decoding beside OpenCV's GrayCodePattern (structured_light, of opencv-contrib), one thread, like with like.
+// Compares Gray decoding with OpenCV's GrayCodePattern (structured_light of opencv-contrib) on the same work, with one
+// thread.
 //
 //     bench_opencv [--benchmark_...]
 //
-// A whole decode takes all images of a sequence and gives the code of every pixel along both axes, as 16-bit images. It
-// is what OpenCV offers (getProjPixel, pixel by pixel); FastGrayDecoder does the same work on the same images:
+// A whole decode takes all images of a sequence and gives the code of every pixel along both axes, as 16-bit images.
+// OpenCV does this with getProjPixel, pixel by pixel; FastGrayDecoder does the same work on the same images:
 //
 //   512    512 x 512 pixels, 8 bits along one axis and 1 along the other, the least that the class takes; in cache
 //   1280   1280 x 1024 pixels, 10 bits along each axis, the 40 images in memory
 //   files  the same 40 images, read from PNG files by each side's own reader (both rest on OpenCV's)
 //
-// Beside them stands `pair`: FastGrayDecoder keeps the codes of all planes but one, so that a new pair of images gives
-// a new code image. That is not the same work, and the comparison says only what a stream of images gains by it.
-// Before anything is timed the codes of both are compared, pixel by pixel; a difference ends the program with status 1.
+// A further row is `pair`: FastGrayDecoder keeps the codes of the other planes, so that a new pair of images gives a
+// new code image. This is not the same work; the row shows only the gain for a stream of images. Before the first
+// measurement the codes of both sides are compared pixel by pixel; a difference ends the program with status 1.
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
@@ -38,10 +39,10 @@ namespace selfproj {
 namespace {
 
 constexpr int kThreshold = 5;
-// A pair is ambiguous for us where it differs by no more than the threshold, for OpenCV where it differs by less.
+// For us a pair is ambiguous if it differs by the threshold or less, for OpenCV only if it differs by less.
 constexpr int kOpenCvThreshold = kThreshold + 1;
 
-// The images of a sequence as a camera sees them that looks straight at the projector's light, with noise.
+// The images of a sequence, with noise, as seen by a camera that looks straight at the projector's light.
 class Capture {
  public:
   Capture(int rows, int columns, int projector_rows, int projector_columns)
@@ -142,7 +143,7 @@ std::vector<cv::Mat> mats_of(const std::vector<Image>& images) {
   return mats;
 }
 
-// The images of a capture as PNG files, in a folder that goes with it.
+// The images of a capture as PNG files, in a folder that is removed with it.
 class Files {
  public:
   explicit Files(const Capture& capture)
@@ -219,7 +220,7 @@ void add_files(const Capture& capture, const Files& files) {
   });
 }
 
-// A new pair of images to a new code image along the first axis.
+// From a new pair of images to a new code image along the first axis.
 void add_pair(const Capture& capture) {
   const int patterns = 2 * capture.sequence().column_bits();
   add("pair/512/ours",

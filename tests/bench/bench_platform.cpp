@@ -1,11 +1,11 @@
-// Clocks a second of the platform in SystemC, beside those of the same Verilated board clocked in a plain loop that
-// does nothing else. Frames of 96 x 512 at 10,000 a second: 15,120 pixel clocks a frame, of which 12,288 carry beats;
-// mode grey-over, encoder turning, bus of 125 MHz.
+// Measures the clocks per second of the platform in SystemC, beside those of the same Verilated board in a plain loop
+// that does nothing else. Frames of 96 x 512 at 10,000 a second: 15,120 pixel clocks a frame, of which 12,288 carry
+// beats; mode grey-over, encoder turning, bus of 125 MHz.
 //
 //     bench_platform [GOOGLE_BENCHMARK_OPTION...]
 //
-// First the packets of both are compared. Ends with the platform's rate as a share of the plain loop's in the same run,
-// and of real time.
+// The program first compares the packets of both. It ends with the platform's rate as a share of the plain loop's in
+// the same run, and as a share of real time.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -55,7 +55,7 @@ std::vector<std::uint8_t> line_image() {
   return pixels;
 }
 
-// The board clocked in a loop, with the beats at the same clocks.
+// The board in a plain loop, with beats in the same clocks.
 class Plain {
  public:
   Plain() { device_.write(kSettings); }
@@ -124,7 +124,7 @@ std::uint64_t run_platform(PlatformEngine engine, const std::vector<std::uint8_t
   return platform.report().clocks;
 }
 
-// The payload of a frame's packet, as the plain loop and as the platform give it.
+// The payload of a frame's packet, from the plain loop and from the platform.
 bool are_equal(const std::vector<std::uint8_t>& pixels, const CameraTiming& timing) {
   std::vector<std::uint8_t> plain;
   Plain board;

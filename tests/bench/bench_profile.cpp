@@ -1,13 +1,14 @@
-// How many profiles a second one core makes of packets: found, checked, triangulated.
+// Measures how many profiles per second one core computes from packets: found, checked, triangulated.
 //
 //     bench_profile [--benchmark_...]
 //
-// Packets of 512 columns lie one after another in a buffer that stays in the second-level cache (64 of them, as the
-// newest ones of a ring do) or in one far larger than the caches. For each: parse_packet, which reads all of it for the
-// check word, and the differential profile of its payload into the same Profile. Beside it the steps alone, and the
-// ceiling: reading the same packets and writing the same profile, in 8-byte words with nothing worked out. Repeated (7
-// times) in random order; what is compared are medians of the same run. Before anything is timed the profiles are
-// compared with the conventional equation in double precision; a difference ends the program with exit status 1.
+// Packets of 512 columns lie one after another in a buffer that stays in the second-level cache (64 of them, like the
+// newest packets of a ring) or in one far larger than the caches. For each packet the program calls parse_packet, which
+// reads all of it for the check word, and computes the differential profile of its payload into the same Profile. It
+// also measures each step alone, and the ceiling: reading the same packets and writing the same profile in 8-byte words
+// without computing anything. The measurements are repeated 7 times in random order, and their medians are compared.
+// Before the first measurement the profiles are compared with the conventional equation in double precision; a
+// difference ends the program with exit status 1.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -133,7 +134,7 @@ void work(benchmark::State& state, const DifferentialProfiler& profiler, const P
   set_counters(state, packets);
 }
 
-// Reads a packet and fills a profile with what it found, in as few instructions as that takes.
+// Reads a packet and fills a profile with its words, in as few instructions as possible.
 SELFPROJ_CLONES void read_and_write(const std::uint8_t* packet, std::size_t size, const ProfileView& out) {
   constexpr std::size_t kLanes = 32;
   std::uint64_t lanes[kLanes] = {};

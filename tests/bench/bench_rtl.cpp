@@ -1,14 +1,14 @@
-// Clocks a second of the Verilated circuits: the moments core by itself, one clock, and the board, two unrelated
-// clocks. Frames of 96 x 512, every pixel clock carries a beat, mode binary.
+// Measures the clocks per second of the Verilated circuits: the moments core alone with one clock, and the board with
+// two unrelated clocks. Frames have 96 x 512 pixels, every pixel clock carries a beat, and the mode is binary.
 //
 //     bench_rtl [GOOGLE_BENCHMARK_OPTION...]
 //
-// First both are checked against the model. Ends with the rates and the board's as a share of the core's: the clocks of
-// both its domains, and beside it its video clocks alone. For this the two take turns, a frame each, and the share is
-// the median of the pairs': on a shared machine rates change by half from second to second, but little between two
-// neighbouring milliseconds. The fastest tenth of the frames tells of a core that nobody else runs on: where its
-// sibling thread is busy, the board, with more code and state, loses more than the core. items_per_second are video
-// clocks, of the core's and the board's frame together.
+// The program first compares both with the model. It ends with the rates, and with the board's rate as a share of the
+// core's: for the clocks of both domains, and for the video clocks alone. Core and board take turns, a frame each, and
+// the share is the median over the pairs of frames: on a shared machine rates change by half from second to second, but
+// little from one millisecond to the next. The fastest tenth of the frames shows the rates on an idle processor core:
+// if its sibling thread is busy, the board loses more than the moments core, because it has more code and state.
+// items_per_second counts the video clocks of both frames of a pair.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> noise() {
   return beats;
 }
 
-// The core, one frame after the other.
+// The moments core, one frame after another.
 template <class Model>
 class Core {
  public:
@@ -78,7 +78,7 @@ class Core {
   Core(const Core&) = delete;
   Core& operator=(const Core&) = delete;
 
-  // Clocks one frame in; what leaves is handed on.
+  // Clocks one frame in, and passes the output on.
   template <class Out>
   void frame(const std::vector<std::uint32_t>& beats, Out out) {
     const std::uint32_t* beat = beats.data();
@@ -115,7 +115,7 @@ class Board {
  public:
   Board() { device_.write(selfproj::BoardSettings{.columns = kColumns, .rows = kRows, .threshold = kThreshold}); }
 
-  // The tight loop: the board's model is clocked here, without the queues of the device.
+  // The tight loop clocks the board's model without the queues of the device.
   template <class Out>
   void frame(const std::vector<std::uint32_t>& beats, Out out) {
     Model& m = device_.model();
@@ -144,10 +144,10 @@ class Board {
   selfproj::BoardClocks clocks_{kVideoPeriodPs, kBusPeriodPs, 1234};
 };
 
-// What a circuit gives of a frame.
+// The output of a circuit for a frame.
 enum class Gives : std::uint8_t { payloads, packets };
 
-// The payload of two frames, as the circuit gave it, against the model.
+// Compares the circuit's payload of two frames with the model.
 template <class Circuit>
 bool is_right(const std::vector<std::uint32_t>& beats, Gives gives) {
   std::vector<std::uint8_t> got;
@@ -183,7 +183,7 @@ bool is_right(const std::vector<std::uint32_t>& beats, Gives gives) {
   return true;
 }
 
-// Of pairs of frames: seconds that the core took for its frame, and the board for its own.
+// For pairs of frames: the seconds that the core took for its frame, and the board for its own.
 struct Pairs {
   std::vector<double> core;
   std::vector<double> board;
@@ -209,7 +209,7 @@ void take_turns(benchmark::State& state, const std::vector<std::uint32_t>& beats
   state.SetItemsProcessed(2 * state.iterations() * kFrameClocks);
 }
 
-// The value below which `share` of them lie.
+// The value below which `share` of the values lie.
 double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];

@@ -1,4 +1,4 @@
-// What the benchmarks share: a reporter that keeps the rates, so that ratios can be printed at the end and written as
+// Shared by the benchmarks: a reporter that keeps the rates, so that ratios can be printed at the end and written as
 // results (host/io/results_file.h).
 #ifndef SELFPROJ_TESTS_BENCH_COLLECTOR_H
 #define SELFPROJ_TESTS_BENCH_COLLECTOR_H
@@ -17,8 +17,8 @@
 
 namespace selfproj::bench {
 
-// Hands the options of the command line to Google Benchmark, after the defaults of all our benchmarks, so that they
-// win: seven repetitions, interleaved. False where one of them is unknown; the message is written.
+// Passes the defaults of our benchmarks (seven repetitions, interleaved) to Google Benchmark, and then the options of
+// the command line, which override them. Prints a message and returns false if an option is unknown.
 inline bool initialize(const char* program, const std::vector<std::string>& options) {
   static std::vector<std::string> words;  // Google Benchmark keeps the pointer to the program's name
   words = {program, "--benchmark_repetitions=7", "--benchmark_enable_random_interleaving=true",
@@ -55,7 +55,7 @@ class Collector : public benchmark::ConsoleReporter {
 
   [[nodiscard]] bool failed() const { return failed_; }
 
-  // Median of the repetitions; 0 where the benchmark did not run (--benchmark_filter).
+  // The median of the repetitions; 0 if the benchmark did not run (--benchmark_filter).
   [[nodiscard]] double median(const std::string& name) const {
     const auto found = rates_.find(name);
     if (found == rates_.end()) {
@@ -72,15 +72,15 @@ class Collector : public benchmark::ConsoleReporter {
   bool failed_ = false;
 };
 
-// What a benchmark measures.
+// Describes the measurement of a benchmark.
 struct About {
-  const char* name;  // of its file in results/
+  const char* name;  // name of its file in results/
   const char* text;
-  const char* rate;  // that counts: "bytes_per_second" or "items_per_second"
+  const char* rate;  // the rate that counts: "bytes_per_second" or "items_per_second"
 };
 
-// Runs what has been registered; then `print` gets the collector, prints ratios and returns the results as JSON, unless
-// a benchmark has failed. The exit status of the program.
+// Runs the registered benchmarks. Unless one fails, `print` then gets the collector, prints ratios and returns the
+// results as JSON. Returns the exit status of the program.
 template <typename Print>
 int run_registered(const About& about, const Print& print) {
   Collector collector(about.rate);
@@ -95,7 +95,7 @@ int run_registered(const About& about, const Print& print) {
   return collector.failed() ? 1 : 0;
 }
 
-// What main returns: run(argc, argv), or 1 and the reason in one line where it throws.
+// Returns the exit status for main: run(argc, argv), or 1 with the reason in one line if it throws.
 template <typename Run>
 int main_of(const char* name, int argc, char** argv, const Run& run) {
   try {

@@ -1,4 +1,4 @@
-// The read ceiling: how fast one thread reads memory, measured in two ways; the faster one counts.
+// Measures the read ceiling, the speed at which one thread reads memory, in two ways. The faster one counts.
 #ifndef SELFPROJ_TESTS_BENCH_READ_CEILING_H
 #define SELFPROJ_TESTS_BENCH_READ_CEILING_H
 
@@ -24,7 +24,7 @@
 
 namespace selfproj::bench {
 
-// Random bytes, in huge pages where the system has them. The size is a multiple of 8.
+// Random bytes, in huge pages if the system has them. The size is a multiple of 8.
 class RandomBuffer {
  public:
   explicit RandomBuffer(std::size_t size) : size_(size) {
@@ -75,7 +75,7 @@ SELFPROJ_CLONES inline std::uint64_t read_one_stream(const std::uint8_t* bytes, 
   return all;
 }
 
-// The same of four neighbouring pages of 4 KiB at once, which keeps more of the processor's prefetchers busy.
+// The same, reading four neighbouring pages of 4 KiB in parallel, which keeps more of the processor's prefetchers busy.
 SELFPROJ_CLONES inline std::uint64_t read_four_streams(const std::uint8_t* bytes, std::size_t size) {
   constexpr std::size_t kPage = 4096;
   constexpr std::size_t kLanes = 16;  // words a round and page: 2 cache lines
@@ -115,7 +115,7 @@ inline void add_read_ceiling(std::span<const std::uint8_t> bytes) {
   }
 }
 
-// Bytes a second, from a collector of "bytes_per_second"; printed as a line.
+// Prints and returns the bytes per second from a collector of "bytes_per_second".
 inline double read_ceiling(const Collector& collector) {
   const double ceiling = std::max(collector.median("read/one_stream"), collector.median("read/four_streams"));
   std::printf("\nread ceiling: %.2f GB/s (one thread, from memory; medians)\n", ceiling * 1e-9);

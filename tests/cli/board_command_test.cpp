@@ -1,4 +1,4 @@
-// selfproj-sim board, selfproj inspect and selfproj devices as their user meets them: two processes and a ring.
+// Tests selfproj-sim board, selfproj inspect and selfproj devices from the command line: two processes and a ring.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -43,7 +43,7 @@ class Board : public ::testing::Test {
   }
   [[nodiscard]] Outcome host(const Words& words) const { return run_program(SELFPROJ_PROGRAM, words, folder_.path()); }
 
-  // A board in a process of its own that begins when someone reads; it has made its ring when this returns.
+  // Starts a board in a separate process that plays when a reader comes. Its ring exists when this returns.
   [[nodiscard]] std::future<Outcome> board_beside(Words words) const {
     words.insert(words.end(), {"--ring", ring_, "--wait-for-reader", "--keep"});
     auto outcome = std::async(std::launch::async, [=, this] { return board(words); });
@@ -166,9 +166,9 @@ TEST_F(Board, EveryFrameBecomesAProfile) {
   EXPECT_GE(counts["delay_max_us"], counts["delay_p99_us"]);
 }
 
-// A ring far too small for a board that does not wait: what is not a profile is counted as lost, to the last frame.
-// The scanner's codes, live: a board that replays code packets in a process of its own, and `selfproj depth` at its
-// ring, whose newest depth image is the one that the simulation made of the same packets.
+// The ring is far too small for a board that does not wait. Every frame becomes a profile or is counted as lost. The
+// scanner's codes, live: a board replays code packets in a separate process, and `selfproj depth` reads its ring. The
+// newest depth image equals that of the simulation from the same packets.
 TEST_F(Board, CodesThroughARingBecomeDepthImages) {
   Rig rig = load_rig("scanner");
   rig.camera.rows = rig.camera.columns = 64;
@@ -232,8 +232,8 @@ TEST_F(Board, CheckFailsWhereSomethingIsMissing) {
   EXPECT_NE(outcome.err.find("--check: 19 profiles, 2 faults"), std::string::npos) << outcome.err;
 }
 
-// A board of 125 MHz without an encoder: where the belt was follows from its time stamps, and from what a clock of it
-// lasts. 10,000 frames a second at 1 m/s are 0.1 mm a frame; a line that stands still is always the same point.
+// A board of 125 MHz without an encoder: the position of the belt follows from the time stamps and from the length of a
+// clock. 10,000 frames a second at 1 m/s are 0.1 mm a frame; a line that stands still is always the same point.
 TEST_F(Board, TimeStampsOfAnotherPixelClock) {
   ASSERT_EQ(board({"--line", "512x96", "--line-frames", "1", "--count", "5", "--pixel-clock-hz", "125e6", "--record",
                    "line.slfp"})
@@ -249,7 +249,7 @@ TEST_F(Board, TimeStampsOfAnotherPixelClock) {
   yaml.insert(yaml.find("measure:\n"), "board:\n  pixel_clock_hz: 125e6\n");
   write_text(folder_ / "rig.yaml", yaml);
 
-  // mm in x from a point of the first frame to the same of the last, in cloud.ply
+  // the distance in x, mm, from a point of the first frame to the same point of the last, in cloud.ply
   const auto way = [&](const Words& more) {
     Words words{"inspect", "--device", "file:line.slfp", "--out", "results"};
     words.insert(words.end(), more.begin(), more.end());

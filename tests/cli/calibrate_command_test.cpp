@@ -1,4 +1,4 @@
-// selfproj calibrate as its user meets it: captures of a small chessboard in, a rig that other commands take out.
+// Tests selfproj calibrate from the command line: captures of a small chessboard give a rig that other commands accept.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -164,7 +164,7 @@ TEST_F(CalibrateCommand, WhatIsLeftOutIsSaid) {
     Image image{world.camera_rows, world.camera_columns, {}};
     image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 20);
     write_text(*folder_ / "empty" / name, encode_png(image));
-    // Behind a screen that keeps the light from three quarters of the chessboard, all but some that is always there.
+    // A screen keeps the projector's light from three quarters of the chessboard; only ambient light remains there.
     std::vector<std::uint8_t> pattern = sequence.image(i);
     for (int p = 0; p < static_cast<int>(pattern.size()); ++p) {
       if (p % world.projector_columns > 35) {

@@ -1,6 +1,6 @@
-// The whole chain on itself: patterns, captures of a virtual chessboard with noise and blur, decoding, calibration, the
-// rig that comes out, and depth of a known plane by it. Rig B's geometry with half as many pixels along each side; the
-// full size is measured by scripts/calibration_chain.sh.
+// Tests the whole chain: patterns, captures of a virtual chessboard with noise and blur, decoding, calibration, the
+// resulting rig, and the depth of a known plane measured with it. The rig has the geometry of rig B with half as many
+// pixels along each side; scripts/calibration_chain.sh runs the full size.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The contract of `selfproj-sim decode`.
+// Tests the contract of `selfproj-sim decode`.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ class DecodeCommand : public ::testing::Test {
     return names;
   }
 
-  // The run failed as the contract says: status 2, one line that begins with `subject` and has `reason`, nothing
+  // Expects a failure as in the contract: status 2, one line that begins with `subject` and contains `reason`, nothing
   // written.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& subject,
                       const std::string& reason) const {

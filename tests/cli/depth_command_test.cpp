@@ -1,4 +1,4 @@
-// The contract of `selfproj depth`.
+// Tests the contract of `selfproj depth`.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -79,7 +79,7 @@ class DepthCommand : public ::testing::Test {
     write_text(folder_ / "cal.yaml", kCalibration);
   }
 
-  // Pixel's code of what stands `height(row, column)` mm over the plane; -1 where it is not lit.
+  // The code of a pixel whose surface is `height(row, column)` mm above the plane; -1 if it is not lit.
   template <class Height>
   std::vector<int> codes_of(Height&& height) const {
     std::vector<int> codes;
@@ -120,7 +120,7 @@ class DepthCommand : public ::testing::Test {
     }
   }
 
-  // What the codes mean, from the classes.
+  // The depths of the codes, computed by the classes.
   FloatImage expected(const std::vector<int>& codes) const {
     std::vector<std::uint16_t> words;
     for (const int code : codes) {
@@ -143,7 +143,7 @@ class DepthCommand : public ::testing::Test {
 
   FloatImage tiff(const std::string& name) const { return read_float_tiff((folder_ / "out" / name).string()); }
 
-  // Status 2, one line with the subject first, and nothing written.
+  // Expects status 2, one line with the subject first, and nothing written.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& subject,
                       const std::string& reason) const {
     SCOPED_TRACE(subject);
@@ -200,7 +200,7 @@ TEST_F(DepthCommand, WritesTheDepthOfOneCycle) {
   EXPECT_NE(summary.find("\"too_coarse\""), std::string::npos);
 }
 
-// A depth image after every pair from the m-th on, and what moved against the background.
+// A depth image comes after every pair from the m-th on, with the pixels that moved against the background.
 TEST_F(DepthCommand, StreamsADepthImageAPairAndFollowsWhatMoves) {
   const std::vector<int> plane = codes_of(flat);
   const std::vector<int> object =
@@ -260,7 +260,7 @@ TEST_F(DepthCommand, TakesACalibrationAndComparesClouds) {
 
 // ------------------------------------------------------------------ codes of a board
 
-// The packets of one code image, a line each; line `skip` (from 0) is lost.
+// The packets of one code image, one for each line. Line `skip` (from 0) is lost.
 void append_code_image(std::vector<std::uint8_t>& stream, std::uint64_t sequence, const std::vector<int>& codes,
                        int skip = -1) {
   for (int row = 0; row < kRows; ++row) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Files as every command takes and makes them: numbered inputs in natural order, missing parent folders of outputs.
+"""Tests the files of every command: numbered inputs in natural order, missing parent folders of outputs.
 
     files_test.py PROGRAMS
 
@@ -32,7 +32,7 @@ class Files(unittest.TestCase):
         return done.stderr
 
     def image(self, name, lit):
-        """An image with so many lit pixels in each column."""
+        """An image with this many lit pixels in each column."""
         path = self.folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         rows = [b"\xff" * COLUMNS if row < lit else b"\x00" * COLUMNS for row in range(ROWS)]
@@ -68,7 +68,7 @@ class NaturalOrder(Files):
             self.assertEqual(self.lit_of_frames("out/moments.csv"), [1, 2, 3] if "?" not in frames else [1, 1, 2, 3])
 
     def test_poses_and_folders(self):
-        """A file that is no image stands at its place in the order: pattern 2 before pattern 10."""
+        """A file that is not an image is reported at its place in the order: pattern 2 before pattern 10."""
         self.shell("selfproj pattern gray --projector 512x512 --out patterns\n"
                    "cd patterns && for file in pattern_0*.png; do mv $file ${file/_0/_}; done\n"
                    "echo text > pattern_10.png; echo text > pattern_2.png")

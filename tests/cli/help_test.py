@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The help of every command: complete, in plain words, and with examples that its program accepts.
+"""Tests the help of every command: it is complete, in plain words, and has examples that the program accepts.
 
     help_test.py PROGRAMS
 

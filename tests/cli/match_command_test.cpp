@@ -1,4 +1,4 @@
-// The contracts of `selfproj pattern stripes`, `selfproj match` and `selfproj accuracy`.
+// Tests the contracts of `selfproj pattern stripes`, `selfproj match` and `selfproj accuracy`.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the camera sees of the points under a pattern of the projector.
+// The camera's image of the points under a pattern of the projector.
 void write_picture(const fs::path& file, const ProjectorPoints& points, const std::vector<std::uint8_t>& pattern,
                    int pattern_columns) {
   cv::Mat image(points.line.rows, points.line.columns, CV_8UC1);
@@ -75,7 +75,7 @@ class MatchCommand : public ::testing::Test {
     ASSERT_EQ(outcome.status, 0) << outcome.err;
   }
 
-  // One line on stderr that has all of these, status 2, and nothing written.
+  // Expects status 2, one line on stderr that contains all of these texts, and nothing written.
   void refused(const std::vector<std::string>& arguments, const std::vector<std::string>& words) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << outcome.err;

@@ -1,4 +1,4 @@
-// The contract of `selfproj-sim moments`.
+// Tests the contract of `selfproj-sim moments`.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ cv::Mat random_image(Random& random, int rows, int columns, int type = CV_8UC1) 
   return image;
 }
 
-// What the table must hold, from the definition of the moments.
+// The expected table, from the definition of the moments.
 std::string expected_csv(const std::vector<cv::Mat>& frames, Mode mode, int threshold) {
   std::string csv = "frame,column,m0,m1,n\n";
   for (std::size_t frame = 0; frame < frames.size(); ++frame) {
@@ -50,7 +50,7 @@ std::string expected_csv(const std::vector<cv::Mat>& frames, Mode mode, int thre
   return csv;
 }
 
-// Both are long: say where they differ rather than print them.
+// Both are long, so print only where they differ.
 ::testing::AssertionResult equal_text(const std::string& found, const std::string& expected) {
   const auto [a, b] = std::mismatch(found.begin(), found.end(), expected.begin(), expected.end());
   if (a == found.end() && b == expected.end()) {
@@ -87,8 +87,8 @@ class MomentsCommand : public ::testing::Test {
 
   std::string table() const { return read_text(folder_ / "out.csv"); }
 
-  // The run failed as the contract says: status 2, one line that begins with the program's name and `subject`, no
-  // word on stdout, and an older table stays as it was, alone with `names`.
+  // Expects a failure as in the contract: status 2, one line that begins with the program's name and `subject`, nothing
+  // on stdout, and an older table unchanged, with only `names` beside it.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& subject,
                       const std::string& reason) const {
     const std::vector<std::string> before = folder_.names();
@@ -314,7 +314,7 @@ TEST_F(MomentsCommand, OutputThatCannotBeIsNamedBeforeTheWorkBegins) {
                                                                {"folder", "Is a directory"}};
   const std::vector<std::string> before = folder_.names();
   for (const auto& [out, reason] : cases) {
-    // The image is not even looked at.
+    // The image is not even opened.
     const Outcome outcome = run({"moments", "--engine", "model", "--out", out, "no-such-image.pgm"});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_EQ(outcome.err, fmt::format("selfproj-sim: {}: {}\n", out, reason));

@@ -1,4 +1,4 @@
-// selfproj pattern as its user meets it.
+// Tests selfproj pattern from the command line.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ Outcome pattern(const ScratchFolder& folder, std::vector<std::string> arguments)
 
 const std::string kPlane = "y_mm,z_mm\n-80,1167\n80,1167\n";
 
-// Bad input: status 2, one line that begins so, nothing written.
+// Bad input: expects status 2, one line that begins with this text, and nothing written.
 void expect_refused(const ScratchFolder& folder, const Outcome& outcome, const std::string& begin) {
   EXPECT_EQ(outcome.status, 2) << outcome.err;
   EXPECT_EQ(outcome.err.rfind("selfproj: " + begin, 0), 0U) << outcome.err;

@@ -1,4 +1,4 @@
-// Runs a program in an empty folder of its own.
+// Runs a program in a new empty folder.
 #ifndef SELFPROJ_TESTS_CLI_PROGRAM_H
 #define SELFPROJ_TESTS_CLI_PROGRAM_H
 
@@ -8,7 +8,7 @@
 
 namespace selfproj::test {
 
-// An empty folder that goes away, with all it contains, at the end.
+// An empty folder that is removed with its contents at the end.
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -19,7 +19,7 @@ class ScratchFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  // The names of what is in it, in order.
+  // The names of its entries, in order.
   [[nodiscard]] std::vector<std::string> names() const;
 
  private:
@@ -27,12 +27,12 @@ class ScratchFolder {
 };
 
 struct Outcome {
-  int status = -1;  // exit status; 128 + number where a signal ended it
+  int status = -1;  // exit status, or 128 + number of the signal that ended it
   std::string out;
   std::string err;
 };
 
-// Runs the program with these arguments in `folder`; what it prints is kept outside of it.
+// Runs the program with these arguments in `folder`. Its output is kept outside of the folder.
 Outcome run_program(const std::string& program, const std::vector<std::string>& arguments,
                     const std::filesystem::path& folder);
 

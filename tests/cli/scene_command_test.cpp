@@ -1,4 +1,4 @@
-// The contract of `selfproj-sim scene`.
+// Tests the contract of `selfproj-sim scene`.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ class SceneCommand : public ::testing::Test {
     return run(all);
   }
 
-  // Status 2, one line that begins with `message`, and nothing written.
+  // Expects status 2, one line that begins with `message`, and nothing written.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& message) const {
     const std::vector<std::string> before = folder_.names();
     const Outcome outcome = run(arguments);
@@ -110,7 +110,7 @@ TEST_F(SceneCommand, FramesAndTruthAreTheRenderers) {
   }
 }
 
-// A scanner's scene: Gray codes frame by frame from the first one rendered, or patterns of the user's.
+// A scene of the scanner: Gray codes frame by frame from the first one rendered, or the user's patterns.
 TEST_F(SceneCommand, WholePatternsOfAScanner) {
   Rig rig = load_rig("scanner");
   rig.camera.rows = rig.camera.columns = 32;
@@ -165,7 +165,7 @@ TEST_F(SceneCommand, WholePatternsOfAScanner) {
                  "fist: needs a rig of kind scanner; light-section is not one");
 }
 
-// The line that is the default lies in the middle of the plane's image.
+// The default line lies in the middle of the plane's image.
 TEST_F(SceneCommand, PatternIsAStraightLineInTheMiddleUnlessGiven) {
   EXPECT_EQ(render({"plane", "--count", "1"}).status, 0);
   const Image image = frame("frame_00001.png");

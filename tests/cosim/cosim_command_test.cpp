@@ -1,4 +1,4 @@
-// Tests selfproj-sim cosim as a user meets it: frames in, folder and exit status out.
+// Tests selfproj-sim cosim from the command line: frames in, folder and exit status out.
 #include <gtest/gtest.h>
 
 #include <algorithm>

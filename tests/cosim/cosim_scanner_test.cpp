@@ -1,4 +1,4 @@
-// Tests selfproj-sim cosim with the scenes of rig B: patterns in, depth images and what moved out.
+// Tests selfproj-sim cosim with the scenes of rig B: patterns in, depth images and motion out.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 """Proves the rules inside the RTL modules (`ifdef FORMAL) with Yosys and yosys-smtbmc and z3, or with Yosys's own ABC.
 
-    prove.py [NAME...]           the proofs named, or all; the table of README.md as they end
-    prove.py --faults [NAME...]  the planted faults: each must make its proof fail
-    prove.py --list              what the tests run, a name a line: proofs, then faults
+    prove.py [NAME...] the proofs named, or all; prints the table of README.md prove.py --faults [NAME...] the planted
+    faults: each must make its proof fail prove.py --list what the tests run, a name a line: proofs, then faults
 
 A proof of depth K by induction shows that no trace of K steps from the beginning breaks a rule, and that K steps which
 keep the rules are never followed by one that breaks them. A bounded proof shows that no trace of K steps from the
 beginning breaks a rule. Covers show that traces up to the given depth reach every cover statement, so that the rules do
-not hold just for want of traces.
+not hold merely because no trace exists.
 
 Standard library only.
 """
@@ -134,7 +133,7 @@ FAULTS = [
 
 
 class ProofError(Exception):
-    """A tool failed, or a fault cannot be planted."""
+    """A tool failed, or a fault could not be planted."""
 
 
 def run(command, limit_s, folder):
@@ -183,7 +182,7 @@ def solve(proof, smt2, options, folder):
 def write_aiger(proof, rtl, folder, covers=False):
     """The module with its rules, or with its covers in their place, as AIGER: the file's path."""
     path = folder / f"{proof.name}{'.covers' * covers}.aig"
-    # a cover is reached where the assertion of its contrary is broken
+    # a cover is reached if the assertion of its opposite fails
     contrary = folder / "contrary.v"
     contrary.write_text("(* techmap_celltype = \"$cover\" *) module contrary(input A, EN); "
                         "\\$assert _TECHMAP_REPLACE_ (.A(!A), .EN(EN)); endmodule\n")
@@ -195,7 +194,7 @@ def write_aiger(proof, rtl, folder, covers=False):
 
 
 def solve_aiger(proof, aiger, depth, folder, every=False):
-    """The steps in which ABC breaks a rule: the first one, or for every rule that can be broken one."""
+    """Returns the steps in which ABC breaks a rule: the first one, or one for every rule that can be broken."""
     command = f"read {aiger.name}; fold; strash; bmc3 -F {depth}{' -a' * every}"
     result = run(["yosys-abc", "-c", command], proof.limit_s, folder)
     output = result.stdout + result.stderr
@@ -206,13 +205,13 @@ def solve_aiger(proof, aiger, depth, folder, every=False):
 
 
 def wrong(output):
-    """The lines that say what failed, without the clock."""
+    """Returns the lines that say what failed, without the clock."""
     lines = [re.sub(r"^##\s+\S+\s+", "", line) for line in output.splitlines()]
     return [line for line in lines if "failed" in line.lower() or "Unreached" in line]
 
 
 def check(proof, rtl, folder):
-    """Raises ProofError where a rule does not hold."""
+    """Raises ProofError if a rule does not hold."""
     if proof.kind == "bounded":
         if broken := solve_aiger(proof, write_aiger(proof, rtl, folder), proof.depth, folder):
             raise ProofError(f"{proof.name}: a rule is broken in step {broken[0]}")
@@ -225,7 +224,7 @@ def check(proof, rtl, folder):
 
 
 def cover(proof, rtl, folder):
-    """How many covers there are; raises ProofError where one is not reached."""
+    """Returns the number of covers; raises ProofError if one is not reached."""
     if proof.kind == "bounded":
         aiger = write_aiger(proof, rtl, folder, covers=True)
         covers = int(aiger.read_bytes().split()[6])  # "aig", maximum, inputs, latches, outputs, gates, bad states
@@ -241,7 +240,7 @@ def cover(proof, rtl, folder):
 
 
 def prove(proof, folder):
-    """One line of the table; raises ProofError where a rule does not hold or a cover is not reached."""
+    """Returns one line of the table; raises ProofError if a rule does not hold or a cover is not reached."""
     begin = time.monotonic()
     check(proof, ROOT / "rtl", folder)
     proved_s = time.monotonic() - begin
@@ -252,7 +251,7 @@ def prove(proof, folder):
 
 
 def expect_failure(fault, folder):
-    """One line about the fault; raises ProofError where its proof does not find it."""
+    """Returns one line about the fault; raises ProofError if its proof does not find it."""
     proof = next(proof for proof in PROOFS if proof.name == fault.proof)
     rtl = rtl_tree.plant(folder, fault.file, fault.old, fault.new)
     if proof.kind == "bounded":

@@ -80,7 +80,7 @@ SHELL_FAULTS = [
     ("not for ICSC", "struct F {\n  sc_core::sc_event e;  // HERE\n};"),
     ("not for ICSC", "struct F {\n  sc_core::sc_inout<bool> p;  // HERE\n};"),
 ]
-# What only looks like one.
+# Code that only looks like a fault.
 FINE = [
     "// a new word, delete it, while (true), 1.5",
     'constexpr const char* kName = "new float 1.5";',
@@ -97,7 +97,7 @@ class CheckSources(unittest.TestCase):
         return [(str(f.relative_to(ROOT)), f.read_text()) for f in check_sources.kernel_files()]
 
     def with_lines(self, name, lines):
-        """A file with the lines within its namespace; and where they are."""
+        """Returns a file with the lines inside its namespace, and their position."""
         head, tail = (ROOT / name).read_text().split("namespace hls {\n", 1)
         head += "namespace hls {\n"
         return [(name, head + lines + "\n" + tail)], head.count("\n") + 1

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Planted faults: command lines that nothing runs and comments that say nothing, in a tree of its own."""
+"""Planted faults: command lines that nothing runs, and comments without a reason, in a small tree."""
 
 import unittest
 

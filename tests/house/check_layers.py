@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Holds layers.json against every #include of the sources.
+"""Checks every #include of the sources against layers.json.
 
     check_layers.py [ROOT]
 
-Fails, with a line each, on an include that the table does not allow, on a room that the table does not know, on a
-circle between rooms and on a circle between files (a source and its header count as one file).
+Fails, with one line for each, on includes that the table does not allow, rooms that the table does not know, circles
+between rooms, and circles between files (a source and its header count as one file).
 """
 
 import fnmatch
@@ -31,7 +31,7 @@ def includes_of(root):
 
 
 def room_of(name, rooms):
-    """The room that a file is in: the longest of the table's that its folder begins with; none where there is none."""
+    """Returns the room of a file: the longest one in the table with which its folder begins, or None."""
     found = [room for room in rooms if name.startswith(room + "/")]
     return max(found, key=len, default=None)
 
@@ -69,7 +69,7 @@ def circles(edges):
 
 
 def problems(root, table):
-    """What is wrong, a line each."""
+    """Yields one line for each fault."""
     rooms = table["rooms"]
     lines = []
     pairs = includes_of(root)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Planted faults: each kind of include that check_layers.py is there to find, in a tree of its own."""
+"""Planted faults: check_layers.py must find each kind of bad include in a small tree."""
 
 import pathlib
 import tempfile
@@ -24,7 +24,7 @@ GOOD = {
 
 
 def problems_of(**changes):
-    """What the check finds in the good tree with some files changed; `__` in a name stands for `/`."""
+    """Returns the findings in the good tree with some files changed; `__` in a name means `/`."""
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
         for name, text in {**GOOD, **changes}.items():

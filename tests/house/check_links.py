@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Every relative link of every Markdown file leads somewhere: to a file, a folder, a picture, a heading.
+"""Checks that every relative link of every Markdown file leads to a file, folder, picture or heading.
 
     check_links.py [ROOT]
 
-An anchor must be the heading's in Markdown viewers and on the site that mkdocs builds. A picture says in words what it
-shows. Every page of docs/ stands in the navigation of mkdocs.yml, and every page there exists.
+An anchor must be that of a heading, both in Markdown viewers and on the site that mkdocs builds. A picture has a text
+that says what it shows. Every page of docs/ is in the navigation of mkdocs.yml, and every page there exists.
 """
 
 import pathlib
@@ -16,7 +16,7 @@ import documents
 
 
 def resolve(name, target):
-    """The path of a relative target from the root, or None where it leaves the tree."""
+    """Returns the path of a relative target from the root, or None if it leaves the tree."""
     parts = []
     for part in (pathlib.PurePosixPath(name).parent / target).parts:
         if part != "..":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Planted faults: links, pictures and anchors that lead nowhere, in a tree of its own."""
+"""Planted faults: links, pictures and anchors that lead nowhere, in a small tree."""
 
 import unittest
 
@@ -29,7 +29,8 @@ class CheckLinks(unittest.TestCase):
         self.assertTrue(any(wanted in line for line in found), f"{wanted!r} is not in {found}")
 
     def test_a_good_tree(self):
-        # Markdown viewers count equal headings by -1, mkdocs by _1: such an anchor leads nowhere on one of them.
+        # Markdown viewers number equal headings with -1, mkdocs with _1, so such an anchor leads nowhere on one of
+        # them.
         self.assertEqual(self.problems_of(), ["docs/index.md:3: no heading for #same-1"])
 
     def test_files_and_folders_that_are_gone(self):

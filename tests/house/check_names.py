@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every file and every name that a comment or a document speaks of is there.
+"""Checks that every file and every name that a comment or a document mentions exists.
 
     check_names.py [ROOT]
 
@@ -8,7 +8,8 @@ Looked at: Markdown, and the comments of C++, SystemVerilog, Python, shell, CMak
   that names it, or, for a bare file name such as files.h, anywhere.
 * A name (snake_case, camelCase, call(), Class::member, --option) must stand somewhere outside comments. Symbols of
   equations, which begin with a single letter (x_camera), and names with a placeholder in capitals (depth_KKKK) pass.
-external.txt beside this file lists the names of others (tools, standards); one that nobody speaks of is an error, too.
+external.txt beside this file lists names of others (tools, standards); a name there that nobody mentions is an error,
+too.
 """
 
 import pathlib
@@ -30,7 +31,7 @@ NAME = re.compile(r"(?<![\w/.$-])(--[a-z][a-z0-9-]+"
 
 
 def split(name, text):
-    """(what is code, what is comment) of a file: two texts with as many lines as the file."""
+    """Returns the code and the comments of a file: two texts with as many lines as the file."""
     suffix = pathlib.Path(name).suffix
     if suffix == ".md":
         return "", text
@@ -58,7 +59,7 @@ def split(name, text):
 
 
 def is_identifier(word):
-    """Whether a word of prose can only be a name: snake_case, camelCase, Two::Parts, call()."""
+    """Returns whether a word of prose can only be a name: snake_case, camelCase, Two::Parts, call()."""
     bare = word.removesuffix("()")
     if re.match(r"[A-Za-z]_", bare) or re.search(r"[A-Z]{4}", bare):
         return False

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Planted faults: files and names that are not there, in comments of each kind, in a tree of its own."""
+"""Planted faults: files and names that do not exist, in comments of each kind, in a small tree."""
 
 import pathlib
 import subprocess

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""No source file is longer than 450 lines, no function than 80, and no line than 120 characters, in RTL 100.
+"""Checks that source files have at most 450 lines, functions 80 lines, and lines 120 characters (RTL: 100).
 
     check_sizes.py [ROOT]
 
@@ -24,7 +24,7 @@ MOST_BYTES_OF_FRONT_PAGE = 6 * 1024
 MOST_CHARACTERS = {".sv": 100, ".v": 100, ".vh": 100}  # of a line; of all others 120
 SOURCES = {".h", ".cpp", ".sv", ".py", ".sh", ".cmake", ".tcl"}
 
-# What opens a block and is no function.
+# Keywords that open a block that is not a function.
 OTHER = re.compile(r"^\s*(namespace|class|struct|enum|union|extern|if|for|while|switch|do|else|try|catch|case|default|"
                    r"constexpr \S+ \w+ = |.*\b(class|struct|union) \w+( final)?( :.*)? \{$|.*= \{$|.*=\s*\[)")
 FUNCTION = re.compile(r"\)[^()]*\{$|\) (const |noexcept |override )*\{$")
@@ -59,7 +59,7 @@ def functions_of_python(text):
 
 
 def long_lines(name, text):
-    """(number from 1, characters, most) of each line that is too long and could be wrapped."""
+    """Yields (number from 1, characters, limit) of each line that is too long and could be wrapped."""
     suffix = pathlib.PurePath(name).suffix
     most = MOST_CHARACTERS.get(suffix, 120)
     generated = False

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Planted faults: files and functions that are one line too long, in a tree of its own."""
+"""Planted faults: files and functions that are one line too long, in a small tree."""
 
 import unittest
 

@@ -1,4 +1,4 @@
-"""What the tests of the documents share: the headings, links, blocks of code and command lines of Markdown files."""
+"""Shared by the tests of the documents: headings, links, blocks of code and command lines of Markdown files."""
 
 import dataclasses
 import pathlib
@@ -52,7 +52,8 @@ class Document:
                 yield number, match.group(2).strip().replace("\\|", "|")
 
     def anchors(self):
-        """The anchors of the headings that Markdown viewers and mkdocs agree upon, and those that are written out."""
+        """Returns the anchors of headings on which Markdown viewers and mkdocs agree, and anchors that are written
+        out."""
         ours, theirs, seen = set(), set(), {}
         for _, _, text in self.headings:
             slug = github_slug(text)
@@ -64,7 +65,7 @@ class Document:
 
 
 def plain(heading):
-    """A heading as it is read: without the marks of code, links and emphasis."""
+    """Returns the text of a heading without the marks of code, links and emphasis."""
     heading = LINK.sub(lambda match: match.group(2), heading)
     return re.sub(r"[`*]", "", heading)
 
@@ -122,7 +123,8 @@ def parse(name, text):
 
 
 def is_indented_code(document):
-    """Whether a line indented by four spaces that comes next is code: it follows a blank line or code, and no list."""
+    """Returns whether a next line that is indented by four spaces is code: it follows a blank line or code, and not a
+    list."""
     if document.prose and document.prose[-1].strip():
         return False
     for line in reversed(document.prose):
@@ -142,7 +144,7 @@ def all_documents(root):
 
 
 def script_lines(text):
-    """(offset of the line in the text, line) with what a backslash continues in one piece."""
+    """Yields (offset of the line in the text, line). Lines continued by a backslash are joined."""
     joined, start = "", None
     for offset, line in enumerate(text.split("\n")):
         start = offset if start is None else start
@@ -156,7 +158,7 @@ def script_lines(text):
 
 
 def words_of(line):
-    """The words of a shell's line, operators such as && and > apart; comments are left out."""
+    """Returns the words of a shell line, with operators such as && and > as separate words, and without comments."""
     lexer = shlex.shlex(line, posix=True, punctuation_chars=True)
     lexer.whitespace_split = True
     lexer.commenters = "#"
@@ -167,7 +169,7 @@ def words_of(line):
 
 
 def simple_commands(line):
-    """The commands of a line, each a list of words, without redirections and assignments before it."""
+    """Returns the commands of a line as lists of words, without redirections and leading assignments."""
     commands, command, skip = [], [], False
     for word in words_of(line):
         if skip:
@@ -194,7 +196,7 @@ def simple_commands(line):
 
 
 def is_ours(words):
-    """Whether a command is one that this project brings, builds or is built by."""
+    """Returns whether the command belongs to this project or to its build."""
     first = words[0].removeprefix("./")
     return (first in PROGRAMS or first in ("ctest", "cmake", "vitis_hls")
             or re.match(r"^(scripts|hls|model|tests|constraints)/[\w/-]+\.(sh|py)$", first) is not None

@@ -1,4 +1,4 @@
-"""A tree of its own for tests with planted faults."""
+"""Makes a small tree of files for tests with planted faults."""
 
 import contextlib
 import pathlib

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/results.py: what it writes, and planted faults in a tree of its own."""
+"""Tests scripts/results.py: its output, and planted faults in a small tree."""
 
 import json
 import os

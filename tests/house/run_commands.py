@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Runs the command lines of the documents and looks up what those that are not run name.
+"""Runs the command lines of the documents. Of those that are not run it checks the names.
 
     run_commands.py BUILD PROGRAMS [DOCUMENT...]
 
-BUILD is the folder of a build, for the names of its tests. PROGRAMS is the folder of selfproj and selfproj-sim. The
-blocks `sh` of a document that have no comment `not run` (check_commands.py) are run one after another, each by bash
--eu, in one folder that is empty but for rtl, tests, and build/bin, which is PROGRAMS; PROGRAMS is on the PATH, too.
-For every command line, run or not, it checks that the options of our programs stand in their --help, that ctest finds
-tests by its -R and -L, and that the test of `run by` exists. The lines of a block `text` under the comment `output`
-must be among those that the block run last has printed.
+BUILD is the folder of a build, for the names of its tests. PROGRAMS is the folder of selfproj and selfproj-sim. Blocks
+`sh` of a document without a comment `not run` (check_commands.py) run one after another, each by bash -eu, in one
+folder. The folder contains only rtl, tests, and build/bin, which is PROGRAMS; PROGRAMS is also on the PATH. For every
+command line, run or not, it checks that the options of our programs stand in their --help, that ctest finds tests by
+its -R and -L, and that the test of `run by` exists. The lines of a block `text` under the comment `output` must be
+among those that the block run last has printed.
 """
 
 import functools
@@ -23,7 +23,7 @@ import time
 
 import documents
 
-LONGEST = 600  # seconds that one block may take; on an idle machine all of them together take less than 60
+LONGEST = 600  # limit in seconds for one block; on an idle machine all blocks together take less than 60
 
 
 class Checker:
@@ -47,7 +47,8 @@ class Checker:
         return run.stdout if run.returncode == 0 else None
 
     def help_for(self, words):
-        """(the commands that a line of one of our programs names, their help); the help is None where it knows none."""
+        """Returns (the commands that a line of one of our programs names, their help). The help is None if a command is
+        unknown."""
         program = pathlib.PurePosixPath(words[0]).name
         commands = []
         text = self.help_of(program)
@@ -112,7 +113,7 @@ class Checker:
                     yield f"{page.name}:{line}: {problem}"
 
     def shortened(self, line, option):
-        """A line with an option added, or in place of its own, where its program knows it."""
+        """Returns the line with the option added or replaced, if its program knows the option."""
         name, _, value = option.partition(" ")
         for words in documents.simple_commands(line):
             if words[0] in documents.PROGRAMS and name in (self.help_for(words)[1] or ""):
@@ -124,7 +125,7 @@ class Checker:
         return line
 
     def script(self, block):
-        """What bash runs of a block, or None; lines of ctest and cmake are looked up and not run."""
+        """Returns the part of a block that bash runs, or None. Lines of ctest and cmake are checked but not run."""
         if block.language != "sh" or any(kind == "not run" for kind, _ in block.marks):
             return None
         lines = []
@@ -136,7 +137,7 @@ class Checker:
         return "\n".join(lines) + "\n" if any(not line.lstrip().startswith("#") for line in lines) else None
 
     def run(self, page):
-        """Runs the blocks of a document; gives its problems."""
+        """Runs the blocks of a document, and returns its problems."""
         scripts = [(block, self.script(block)) for block in page.blocks]
         scripts = [(block, text) for block, text in scripts if text or "output" in dict(block.marks)]
         if not scripts:

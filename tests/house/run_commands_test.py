@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Planted faults: command lines that fail or name what is not there, with programs and a list of tests of its own."""
+"""Planted faults: command lines that fail or name things that do not exist, with dummy programs and a dummy list of
+tests."""
 
 import pathlib
 import unittest
@@ -22,7 +23,7 @@ esac
 
 class RunCommands(unittest.TestCase):
     def problems_of(self, text, ending=""):
-        """The problems of a document, and what the program was called with."""
+        """Returns the problems of a document, and the arguments of the program's calls."""
         with planted.tree({"bin/selfproj-sim": PROGRAM}) as root:
             program = root / "bin/selfproj-sim"
             program.chmod(0o755)

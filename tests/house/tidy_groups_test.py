@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""scripts/tidy_groups.py leaves out the sources that passed, until something changes that their result depends on."""
+"""Tests that scripts/tidy_groups.py leaves out sources that passed until something changes that their result depends
+on."""
 
 import json
 import pathlib

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""constraints/ecp5_memories.py puts into block RAMs the registers that may go there and no others, and gives each RAM
-one site.
+"""Tests that constraints/ecp5_memories.py moves into block RAMs only the registers that may go there, and gives each
+RAM its own site.
 
-What the registers do in there is for the tests of the kind ecp5 (netlist.py). Standard library only.
+Tests of the kind ecp5 (netlist.py) check the behaviour of the registers inside. Standard library only.
 """
 
 import json

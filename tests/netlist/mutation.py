@@ -2,12 +2,12 @@
 """mutation.py [--sample N] [--jobs N] [--table FILE] FOLDER [NAME...]: runs the tests of rtl/ on mutants of its blocks.
 
 FOLDER holds what tests/netlist/CMakeLists.txt built: programs mutants_*, and mutants/MODEL/MODEL.mutants. NAMEs are
-models (Vsp_fifo); without one, all that are there. A mutant is killed where a test that uses the model fails, or does
-not end within ten times what it takes without. The tests run one by one, the quickest first: with one seed those that
-are quick then; what survives is handed to Yosys: where every output of it is proved equal to the original's it is no
-mutant at all. What is not proved meets all tests with all seeds. With --sample only the first N mutants of each model
-run, without proofs: a quick check that the machinery still bites. Exit status 1 where fewer than 95 % of those that are
-not proved equal are killed. Standard library only.
+models (Vsp_fifo); without one, all that are there. A mutant is killed if a test that uses the model fails, or takes
+more than ten times its usual time. The tests run one by one, the quickest first, at first with one seed. Survivors go
+to Yosys: a mutant does not count if every output is proved equal to the original's. Mutants without such a proof then
+meet all tests with all seeds. With --sample only the first N mutants of each model run, without proofs: a quick check
+that the tools still work. The exit status is 1 if fewer than 95 % of the mutants that are not proved equal are killed.
+Standard library only.
 """
 
 import argparse
@@ -30,11 +30,11 @@ import results  # noqa: E402
 TARGET = 0.95
 QUICK_S = 5
 PROOF_LIMIT_S = 20
-PROOF_MEMORY_BITS = 16384  # each becomes a register: of more no proof ends
+PROOF_MEMORY_BITS = 16384  # each becomes a register; with more no proof ends
 
 
 class MutationError(Exception):
-    """The tests fail without a mutation, or a tool does."""
+    """The tests fail without a mutation, or a tool fails."""
 
 
 @dataclasses.dataclass
@@ -54,7 +54,7 @@ class Mutant:
     fate: str = ""   # killed, hangs, equal, survives
 
     def text(self):
-        """What was changed, and the lines of rtl/ it comes from."""
+        """Returns the change, and the lines of rtl/ from which it comes."""
         options = collections.defaultdict(list)
         for key, value in re.findall(r"-(\w+) (\S+)", self.line):
             options[key].append(value)
@@ -72,7 +72,7 @@ def environment(**more):
 
 
 def look_at(path):
-    """The program without a mutation: which test uses which model, and how long it takes."""
+    """Runs the program without a mutation: returns which test uses which model, and how long it takes."""
     uses = collections.defaultdict(set)
     seconds, one_seed = {}, {}
     for seed in ({}, {"SELFPROJ_SEED": "1"}):
@@ -93,7 +93,8 @@ def look_at(path):
 
 
 def fails(mutant, times, seed):
-    """Runs these tests of the model (program, test: seconds), the quickest first, until one fails: killed or hangs."""
+    """Runs these tests of the model (program, test: seconds), the quickest first, until one fails. Returns killed or
+    hangs."""
     for program, test in sorted(times, key=times.get):
         command = [program, "--gtest_filter=" + test, "--gtest_break_on_failure", "--gtest_brief=1"]
         try:
@@ -114,13 +115,13 @@ def fails(mutant, times, seed):
 
 @functools.cache
 def memory_bits(netlist):
-    """What the memories of a netlist in Yosys's own format hold."""
+    """Returns the initial contents of the memories of a netlist in Yosys's own format."""
     cells = re.findall(r"^  cell \$mem\S* .*?^  end$", netlist.read_text(), re.M | re.S)
     return sum(int(re.search(r"\\SIZE (\d+)", cell)[1]) * int(re.search(r"\\WIDTH (\d+)", cell)[1]) for cell in cells)
 
 
 def changes_nothing(mutant, flat):
-    """Whether the bit was tied to what it was before, or nothing reads it: flat and without what nothing reads, the
+    """Returns whether the bit was tied to its old value, or nothing reads it: flattened and without unread logic, the
     netlists are the same."""
     with tempfile.TemporaryDirectory() as folder:
         before, after = pathlib.Path(folder) / "before", pathlib.Path(folder) / "after"
@@ -135,8 +136,8 @@ def changes_nothing(mutant, flat):
 
 
 def without_memories(netlist):
-    """The text of a netlist in Yosys's own format, of one module, with its memories outside: what they take is an
-    output, what they give an input."""
+    """Returns the text of a one-module netlist in Yosys's own format with its memories outside: their inputs become
+    outputs, their outputs become inputs."""
     ports = itertools.count(10000)
 
     def outside(cell):
@@ -162,8 +163,8 @@ def without_memories(netlist):
 
 
 def proved_equal(mutant, folder):
-    """Whether the mutant changes nothing, or Yosys proves it equal: of netlists with their memories outside, then of
-    those with small memories inside."""
+    """Returns whether the mutant changes nothing, or Yosys proves it equal: first with all memories outside, then with
+    small memories inside."""
     flat = folder / "mutants" / mutant.model / f"{mutant.model}.il"
     if changes_nothing(mutant, flat):
         return True
@@ -189,9 +190,9 @@ def proved_equal(mutant, folder):
 
 
 def induction(module, before, after, working):
-    """Whether Yosys proves every output of two netlists equal, by induction over registers.
+    """Returns whether Yosys proves every output of two netlists equal, by induction over registers.
 
-    At first every register is to be equal too. Then those that differ are left out, and the rest must follow without
+    At first every register must be equal too. Then those that differ are left out, and the rest must follow without
     them.
     """
     outputs = set(re.findall(r"^  wire .*\boutput \d+ (\S+)$", before.read_text(), re.M))

@@ -9,8 +9,8 @@ Makes a netlist of a module of rtl/ by Yosys, and of that netlist a Verilated mo
              block RAM is that of dp16kd.vh.
     mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations. An input `mutant` of 16 bits
              turns on the mutation of its number (0: none), and NAME.mutants lists them, one a line, from number 1 on.
-             sp_counter is mutated in its own netlist only. In the board only what is in no block is mutated: glue and
-             the blocks' ports; in a board with the decoder, only what the decoder adds.
+             sp_counter is mutated in its own netlist only. In the board only the logic outside of blocks is mutated:
+             glue and the blocks' ports; in a board with the decoder, only what the decoder adds.
 
 It writes NAME.v, NAME.cpp (all that Verilator makes), NAME.h, NAME_ports.h (for tests/rtl/blocks/recorder.h).
 Standard library only.
@@ -31,7 +31,7 @@ import rtl_tree  # noqa: E402
 
 SELECT_BITS = 16
 BOARD = "sp_board"
-# From zero, where its users start it, no run reaches its upper chains; by itself it begins just before each carry.
+# Its users start it at zero, so no run reaches its upper chains. In its own netlist it begins just before each carry.
 COUNTER = "sp_counter"
 
 
@@ -48,10 +48,10 @@ def run(command, folder=None):
 
 
 def cells_of(netlist, family):
-    """The models of the primitives that the netlist has, out of Yosys's library.
+    """Returns the models of the netlist's primitives from Yosys's library.
 
-    Of iCE40 Verilator takes neither ports with default values nor the primitives that need them; none is left open here
-    (it says so)."""
+    Verilator accepts neither iCE40 ports with default values nor the primitives that need them; no such port is left
+    open here."""
     path = (
         pathlib.Path(shutil.which("yosys") or "/usr/bin/yosys").resolve().parents[1]
         / f"share/yosys/{family}/cells_sim.v"
@@ -74,7 +74,7 @@ def cells_of(netlist, family):
 
 def write_mapped(top, read, path):
     command = fpga.mapping("ice40", top)
-    # single wires instead of vectors: else a vector that feeds one of its own bits looks like a loop
+    # single wires instead of vectors; otherwise a vector that feeds one of its own bits looks like a loop
     run(
         [
             "yosys", "-q", "-p",
@@ -101,7 +101,7 @@ def write_mutants(top, read, path, mutants, codes):
     listing = path.with_suffix(".mutants")
     flat = path.with_suffix(".il")
     cells = "t:*" if top == COUNTER else f"{top}/{'*gen_codes*' if codes else 't:*'} a:src=*{COUNTER}.sv* %d"
-    # what holds blocks in the board is flat, the blocks are cells of it
+    # modules of the board that contain blocks are flattened, and the blocks are their cells
     blocks = f"setattr -mod -set keep_hierarchy 1 *sp_* {BOARD} %d *_path %d; " if top == BOARD else ""
     lines, listed, asked = [], [], 0
     while not lines or len(lines) < mutants and len(listed) == asked:
@@ -119,7 +119,7 @@ def write_mutants(top, read, path, mutants, codes):
         if not mutants:
             break
         listed = listing.read_text().splitlines()
-        # Yosys stops where the clock of one port of a memory is not that of the other.
+        # Yosys stops if the two ports of a memory have different clocks.
         lines = [line for line in listed if not re.search(r" -port (RD|WR)_CLK ", line)][:mutants]
         listing.write_text("".join(line + "\n" for line in lines))
     script = [f"read_rtlil {flat}"]
@@ -135,7 +135,7 @@ def write_mutants(top, read, path, mutants, codes):
 
 def verilate(top, prefix, path):
     folder = path.parent / f"{prefix}.dir"
-    shutil.rmtree(folder, ignore_errors=True)  # of another netlist: it may have had more files
+    shutil.rmtree(folder, ignore_errors=True)  # files of an earlier netlist, which may have had more of them
     run(
         [
             "verilator", "--cc", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--top", top, "--prefix", prefix,

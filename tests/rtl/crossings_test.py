@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/crossings.py finds what it is there for: faults planted in a copy of rtl/, each of which it has to name.
+"""Tests scripts/crossings.py: it must name each fault planted in a copy of rtl/.
 
 Standard library only.
 """
@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 import rtl_tree  # noqa: E402
 
-# File below rtl/, text, what takes its place, and what has to be said.
+# File below rtl/, text, its replacement, and the expected message.
 FAULTS = [
     (
         "common/sp_packet_fifo.sv",

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""scripts/module_tables.py says what the sources say, and sees when a document differs. Standard library only."""
+"""Tests that scripts/module_tables.py copies the sources, and notices when a document differs. Standard library
+only."""
 
 import contextlib
 import io

@@ -1,4 +1,4 @@
-// Frequencies, speeds and rings from samples that are known.
+// Tests frequencies, speeds and rings on known samples.
 #include "sim/experiment/motion_analysis.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Work by several threads.
+// Tests work by several threads.
 
 #include "sim/scene/parallel.h"
 

@@ -1,4 +1,4 @@
-// Runs the experiments on a few of their frames: all goals are reached, and none of them by chance.
+// Runs the experiments on a few of their frames: all goals are reached, and the checks can fail.
 #include "sim/experiment/section_experiment.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The generator of the specification refuses one that contradicts itself, and sees when a file is out of date.
+"""Tests that the generator refuses a specification that contradicts itself, and notices when a file is out of date.
 
 Runs generate.py --check, which writes nothing, on changed copies of selfproj.json. Standard library only.
 """
@@ -15,7 +15,7 @@ SPEC_FOLDER = pathlib.Path(__file__).resolve().parent.parent.parent / "model" / 
 
 
 def named(items, name):
-    """The one of `items` that has the name."""
+    """Returns the one of `items` with this name."""
     return next(item for item in items if item["name"] == name)
 
 

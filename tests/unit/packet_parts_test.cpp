@@ -1,4 +1,4 @@
-// Reading and writing parts of whole packets.
+// Tests reading and writing parts of whole packets.
 #include <gtest/gtest.h>
 
 #include <cstdint>

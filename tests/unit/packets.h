@@ -69,7 +69,7 @@ inline PacketError verdict(const Bytes& bytes) {
   return parse_packet(bytes, view);
 }
 
-// The check word as the specification's prose has it, one bit at a time.
+// The check word as the prose of the specification defines it, one bit at a time.
 inline std::uint32_t plain_check_word(const Bytes& packet) {
   std::uint32_t c = spec::kCheckInit;
   for (std::size_t at = 0; at < packet.size(); at += kBeat) {

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""scripts/shrink_picture.py: pictures survive writing and reading, pixels become their means, bad files are refused."""
+"""Tests scripts/shrink_picture.py: pictures survive writing and reading, pixels become their means, bad files are
+refused."""
 
 import pathlib
 import random

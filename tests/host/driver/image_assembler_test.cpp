@@ -1,4 +1,4 @@
-// Lines become images; an image that lacks one is counted and never given.
+// Tests how lines become images. An image that lacks a line is counted and never returned.
 #include "host/driver/image_assembler.h"
 
 #include <gtest/gtest.h>

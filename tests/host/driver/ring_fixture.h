@@ -21,7 +21,7 @@ namespace selfproj::test {
 
 inline constexpr std::uint32_t kSlots = 16;
 
-// Gives every test a ring name of its own, and removes the ring at its end.
+// Gives every test its own ring name, and removes the ring at the end.
 class Ring : public ::testing::Test {
  protected:
   void SetUp() override { remove_ring(name_); }
@@ -52,7 +52,7 @@ inline void write(RingWriter& writer, std::uint64_t first, int count) {
   }
 }
 
-// Reads all that is there now.
+// Reads all packets that are there now.
 inline std::vector<std::uint64_t> read(Device& device) {
   std::vector<std::uint64_t> sequences;
   PacketView packet;

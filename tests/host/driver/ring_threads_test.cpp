@@ -1,4 +1,4 @@
-// Tests the ring in shared memory while its writer and its reader run at once, come and go, and run for long.
+// Tests the ring in shared memory while writer and reader run in parallel, come and go, and run for a long time.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -18,8 +18,8 @@ namespace {
 std::atomic<std::uint64_t> allocations{0};
 }
 
-// Counts allocations, for the test that there are none. Not inlined, so that the compiler does not pair the free below
-// with an operator new that it knows.
+// Counts allocations, to test that none happen. Not inlined, so that the compiler does not match the free below with
+// its own operator new.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   if (void* memory = std::malloc(size); memory != nullptr) {
@@ -39,7 +39,7 @@ using std::chrono::seconds;
 
 using RingThreads = Ring;
 
-// Writer and reader run at once at full speed, with each way of waiting. With back pressure nothing may be lost.
+// Writer and reader run in parallel at full speed, with each way of waiting. With back pressure nothing may be lost.
 TEST_F(RingThreads, TwoThreads) {
   constexpr std::uint64_t kCount = 3000;
   for (const Wait wait : {Wait::polling, Wait::blocking, Wait::polling_then_blocking}) {
@@ -95,7 +95,7 @@ TEST_F(RingThreads, TwoThreadsWithLosses) {
   EXPECT_EQ(counters.delivered + counters.lost_ring, kCount + 1 + (counters.lost_ring - counters.missing));
 }
 
-// A reader and a board come and go 10^4 times: what is read is whole, in order, and all that was written.
+// A reader and a board come and go 10^4 times. Everything that was written is read whole and in order.
 TEST_F(RingThreads, TenThousandStartsAndStops) {
   Random random(1);
   auto writer = std::make_unique<RingWriter>(name_, kSlots);

@@ -185,7 +185,7 @@ TEST(DifferentialProfile, StraightLineMeasuresTheSame) {
       ASSERT_NEAR(b.z[k], z[k], 1e-3) << "column " << i;
       ASSERT_NEAR(a.dz[k], b.dz[k], 2e-4) << "column " << i;
       ASSERT_NEAR(a.dy[k], b.dy[k], 2e-4) << "column " << i;
-      // x is where the line is. It is not the same, but each has its own difference.
+      // x is the position of the line. It differs, and so does the difference from the reference.
       ASSERT_NEAR(b.dx[k], x_of_plane(rig, straight, z[k]) - x_of_plane(rig, straight, self_projected.z_mm[k]), 3e-4);
     }
   }
@@ -240,7 +240,7 @@ TEST(DifferentialProfile, OutOfRangeWhereTriangulationFails) {
   const auto bad = static_cast<std::uint8_t>(Validity::out_of_range);
   EXPECT_EQ(profile.validity, (std::vector<std::uint8_t>{0, bad, 0, bad}));
 
-  // What one projector line is worth in z, from the difference of two lines.
+  // The change of z from one projector line to the next.
   const auto z_at = [&](double row, double line) {
     const double tan_alpha = (row - 512) * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
     const double xp = rig.projector.center_xp_mm + (line - 255.5) * rig.projector.line_pitch_mm;

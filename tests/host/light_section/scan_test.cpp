@@ -36,7 +36,7 @@ void draw(Image& image, int column, double center, double peak) {
   }
 }
 
-// What the camera sees of a straight line on the surface: (3.4) solved the other way round.
+// The camera's view of a straight line on the surface: (3.4) solved for the row.
 Image view_of(const Rig& rig, const std::vector<double>& z, double line) {
   Image image{rig.camera.rows, rig.camera.columns, {}};
   image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 5);
@@ -52,7 +52,7 @@ Image view_of(const Rig& rig, const std::vector<double>& z, double line) {
 void expect_found(const Rig& rig, const std::vector<double>& z, const ReferenceProfile& found) {
   ASSERT_EQ(found.valid_columns(), rig.camera.columns);
   for (std::size_t i = 0; i < z.size(); ++i) {
-    // Images are rounded to whole grey values, which is worth some thousandths of a row.
+    // Rounding to whole grey values moves the centroid by some thousandths of a row.
     ASSERT_NEAR(line_of(rig.projector, found.tan_theta[i]), line_on_middle(rig.projector, z[i]), 0.02) << i;
     ASSERT_NEAR(found.z_mm[i], z[i], 0.02 * 0.42) << i;
     ASSERT_EQ(found.offset_px[i], 0);

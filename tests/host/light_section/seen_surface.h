@@ -1,4 +1,5 @@
-// What camera and projector of a rig see of a surface z(x, y), by rays and pinholes, independent of the host's code.
+// The views of a surface z(x, y) by camera and projector of a rig, computed with rays and pinholes independently of the
+// host's code.
 #ifndef SELFPROJ_TESTS_HOST_LIGHT_SECTION_SEEN_SURFACE_H
 #define SELFPROJ_TESTS_HOST_LIGHT_SECTION_SEEN_SURFACE_H
 
@@ -22,7 +23,7 @@ inline Surface plane_at(double z) {
   return [z](double, double) { return z; };
 }
 
-// The rig `scanner` with pixels of camera and projector `factor` times as large and correspondingly fewer.
+// The rig `scanner` with pixels of camera and projector `factor` times as large, and fewer of them.
 inline Rig coarse_scanner(int factor) {
   Rig rig = load_rig("scanner");
   rig.camera.rows /= factor;
@@ -80,7 +81,7 @@ inline bool within(const RigProjector& projector, const Pixel& p) {
   return p.row >= -0.5 && p.row < projector.lines - 0.5 && p.column >= -0.5 && p.column < projector.columns - 0.5;
 }
 
-// X_R of the surface, without error; NaN where no light falls on it.
+// X_R of the surface without error; NaN where no light falls.
 inline ProjectorPoints points_of(const Rig& rig, const Surface& surface, double near = 400, double far = 620,
                                  double step = 5) {
   const float nan = std::numeric_limits<float>::quiet_NaN();

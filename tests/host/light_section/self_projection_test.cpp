@@ -1,5 +1,5 @@
-// The whole chain on rendered images with camera noise: reference, pattern, image, moments, profile, compared with the
-// scene. The bounds are those that the project has set itself for rig A.
+// Tests the whole chain on rendered images with camera noise: reference, pattern, image, moments, and profile, compared
+// with the scene. The bounds are the project's goals for rig A.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace selfproj::test {
 namespace {
 
-// The part's section in the middle of its way.
+// The section of the part in the middle of its way.
 ReferenceCurve section_of(const Rig& rig, const Scene& scene) {
   ReferenceCurve curve;
   const int middle = scene.frames() / 2;
@@ -44,7 +44,7 @@ Image image_of(const Rig& rig, const Renderer& renderer, int frame) {
   return image;
 }
 
-// Where the line is seen on a part: the mean of a few frames in its middle.
+// The position of the line on a part: the mean of a few frames in its middle.
 std::vector<double> seen_on(const Rig& rig, const Scene& part, const FloatImage& pattern, int frames) {
   CentroidMean mean(rig);
   const Renderer renderer(rig, part, pattern);
@@ -62,15 +62,15 @@ struct Errors {
   double least_row = 1e9;
   double greatest_row = 0;
   int least_peak = 255;                       // of a column's pixels
-  std::map<int, std::vector<double>> levels;  // measured heights by the true one, in whole mm
+  std::map<int, std::vector<double>> levels;  // measured heights, by true height in whole mm
   std::vector<double> differences;            // of the points where `part` is 1 mm lower than the reference
   [[nodiscard]] double rms() const { return std::sqrt(square / points); }
   [[nodiscard]] double range() const { return greatest_row - least_row; }
 };
 
-// Whether the surface jumps within 3 camera pixels of the place.
+// Whether the surface jumps within 3 camera pixels.
 bool near_step(const Renderer& renderer, int frame, double x, double y, double pixel) {
-  constexpr double kStep = 0.5;  // mm a pixel; the mountain's steepest is 0.17
+  constexpr double kStep = 0.5;  // mm a pixel; the steepest slope of the mountain has 0.17
   for (int i = -3; i <= 3; ++i) {
     for (int j = -3; j <= 3; ++j) {
       const double here = renderer.true_height(frame, x + i * pixel, y + j * pixel);
@@ -137,7 +137,7 @@ std::vector<int> frames_between(int first, int last, int step) {
   return frames;
 }
 
-// The threshold stays clear of everything that is not the line.
+// The threshold is well above everything except the line.
 TEST(SelfProjection, ThresholdIsSevenDeviationsOverTheAmbientLight) {
   const Rig rig = load_rig("light-section");
   const RigImaging& light = rig.imaging;
@@ -162,7 +162,7 @@ TEST(SelfProjection, MountainStaysInThreeRowsAndWithinATenthOfAMillimetre) {
   EXPECT_LE(errors.largest, 0.10);
   EXPECT_LE(errors.rms(), 0.03);
 
-  // The straight line, halfway up the mountain: the same heights, from a much larger piece of the image.
+  // A straight line halfway up the mountain gives the same heights, but needs many more rows of the image.
   const double line = line_on_middle(rig.projector, rig.plane_z_mm - 12);
   const FloatImage straight = draw_straight_line(rig, line);
   const ReferenceProfile straight_reference = reference_of_straight_line(rig, line, seen_on(rig, *part, straight, 8));
@@ -196,7 +196,7 @@ TEST(SelfProjection, MarksOfAMillimetreOnStairs) {
   }
 }
 
-// The pattern found by a sweep over the part itself; every fourth line, to save time.
+// The pattern comes from a sweep over the part itself, with every fourth line to save time.
 TEST(SelfProjection, ScanOfTheMountain) {
   const Rig rig = load_rig("light-section");
   const std::unique_ptr<Scene> part = make_scene("mountain", rig);

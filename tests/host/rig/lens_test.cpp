@@ -1,4 +1,4 @@
-// Lenses against OpenCV's model written out.
+// Compares lenses with OpenCV's model written out.
 
 #include "host/rig/lens.h"
 

@@ -1,4 +1,4 @@
-// Rigs and calibrations into each other, and depth by a rig's full model.
+// Tests the conversions between rigs and calibrations, and depth by the full model of a rig.
 
 #include "host/rig/rig_calibration.h"
 
@@ -65,7 +65,7 @@ TEST(RigCalibration, MapsPointsAsTheRig) {
   }
 }
 
-// Whatever way lines and columns are counted, the rig comes back.
+// The rig is recovered for every way of counting lines and columns.
 TEST(RigCalibration, NearestRigOfARigIsItself) {
   for (const Rig& rig : rigs()) {
     Calibration c = calibration_of(rig);
@@ -109,7 +109,7 @@ TEST(RigCalibration, WhatARigCannotBe) {
   c = calibration_of(rig);
   c.camera_rows = 0;
   EXPECT_THROW(rig_of(c, rig), std::invalid_argument);
-  // Departures from the pinholes are said.
+  // Departures from the pinholes are reported.
   c = calibration_of(rig);
   c.camera.cy += 3;
   EXPECT_GT(pinhole_error(rig_of(c, rig), 550), 1);

@@ -1,4 +1,4 @@
-// Rigs: what is read, what is written, and what is said about a wrong one.
+// Tests reading and writing of rigs, and the errors for wrong ones.
 
 #include "host/rig/rig.h"
 

@@ -1,4 +1,4 @@
-// Errors and ranges against differences of the geometry itself, and the figures of the thesis.
+// Compares errors and ranges with differences of the geometry itself, and with the figures of the thesis.
 
 #include "host/structured_light/accuracy.h"
 
@@ -77,7 +77,7 @@ TEST(Accuracy, DerivedFiguresOfTheThesis) {
 
 TEST(Accuracy, ApproximationIsTheLimitOfSmallAngles) {
   const Rig rig = load_rig("scanner");
-  // Where the light leaves along the projector's axis: θ = θ0, α = 0.
+  // The light leaves along the projector's axis: θ = θ0, α = 0.
   const double z = rig.projector.z_mm + rig.projector.x_mm / std::tan(rig.projector.tilt_rad);
   const ErrorTerms exact = error_terms(rig, {kMiddle, kMiddle, z}, 0.01, 0.01);
   const ErrorTerms approximate = approximate_error(rig, 0.01, 0.01);
@@ -85,7 +85,7 @@ TEST(Accuracy, ApproximationIsTheLimitOfSmallAngles) {
   EXPECT_NEAR(exact.camera.z, approximate.camera.z, 1e-9);
 }
 
-// The window in cells on a plane: at its ends the light belongs to the rows that bound the cells.
+// The window in cells on a plane: the light at its ends falls on the rows that bound the cells.
 TEST(Accuracy, RangeOfCellsEndsAtTheirEdges) {
   const Rig rig = load_rig("scanner");
   for (const double z : {550.0, 525.0, 441.0}) {

@@ -1,4 +1,4 @@
-// The fast decoder and median against the models, bit for bit: integers are exact, so there is no tolerance.
+// Compares the fast decoder and median with the models bit for bit. Integers are exact, so no test has a tolerance.
 
 #include "host/structured_light/fast_decoder.h"
 
@@ -73,7 +73,7 @@ TEST(FastGrayDecoder, EqualsTheModelOverRandomSequences) {
   }
 }
 
-// Every number of measurable neighbours, at every place of the border, with codes that reach the greatest value.
+// Every number of measurable neighbours at every position of the border, with codes up to the largest.
 TEST(FastMedian, EqualsTheModelOverRandomCodes) {
   for (const std::uint64_t seed : test::seeds(400)) {
     SCOPED_TRACE(test::how_to_repeat(seed));

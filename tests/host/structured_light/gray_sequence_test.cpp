@@ -1,4 +1,4 @@
-// The sequence of Gray-code patterns: every pixel's code, the order, and the patterns of real captures.
+// Tests the sequence of Gray-code patterns: the code of every pixel, the order, and the patterns of real captures.
 
 #include "host/structured_light/gray_sequence.h"
 
@@ -34,7 +34,7 @@ TEST(GraySequence, CountsBits) {
   EXPECT_THROW(static_cast<void>(GraySequence(4, 4).image(-1)), std::out_of_range);
 }
 
-// What the decoder makes of the projected images themselves: the column and the row of each pixel.
+// Decoding the projected images themselves gives the column and the row of each pixel.
 TEST(GraySequence, DecodesToColumnAndRow) {
   for (const std::uint64_t seed : test::seeds(20)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
@@ -71,7 +71,7 @@ TEST(GraySequence, DecodesToColumnAndRow) {
   }
 }
 
-// The patterns with which others have made their captures.
+// The patterns of captures made by others.
 TEST(GraySequence, IsThatOfTheRealCaptures) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(SELFPROJ_SOURCE_DIR) / "../shared/data/gray-kamino-pose0/graycode_pattern";

@@ -1,4 +1,4 @@
-// Depth by the full model of lenses: projected back through distortion written out, and against the pinholes.
+// Tests depth by the full lens model: projects points back through distortion written out, and compares with pinholes.
 
 #include "host/structured_light/lens_triangulation.h"
 

@@ -1,4 +1,5 @@
-// Codes of the stripes, and the neighbourhood search against the geometry: which projector line does a pixel see?
+// Tests the codes of the stripes, and compares the neighbourhood search with the geometry: which projector line does a
+// pixel see?
 
 #include "host/structured_light/match_table.h"
 
@@ -64,7 +65,7 @@ TEST(StripeCode, OneBitChangesFromCellToCell) {
       for (int plane = 0; plane < 4; ++plane) {
         changes += is_light({4, 2, code}, cell, plane) != is_light({4, 2, code}, cell + 1, plane) ? 1 : 0;
       }
-      // Where the reflected code turns round no bit changes: two cells have one code.
+      // Where the reflected code reverses, no bit changes: two cells have the same code.
       EXPECT_EQ(changes, code == StripeCode::reflected && (cell + 1) % 16 == 0 ? 0 : 1) << cell;
     }
   }
@@ -95,8 +96,8 @@ struct Outcome {
   long missing = 0;
 };
 
-// Of the pixels that `take` says: light from every quarter of a line of the epipolar line, whose cell lies within the
-// window, must be matched to where it comes from. The place is right where the light's line is in the matched run.
+// For the pixels that `take` selects: light from every quarter line along the epipolar line, if its cell is in the
+// window, must be matched to its origin. A match is right if the line of the light is in the matched run.
 template <class Take>
 Outcome try_all(const Rig& rig, const SelfReference& reference, const MatchSettings& settings, int every_column,
                 const Take& take) {
@@ -109,7 +110,7 @@ Outcome try_all(const Rig& rig, const SelfReference& reference, const MatchSetti
     for (int c = r % every_column; c < rig.camera.columns; c += every_column) {
       const auto i =
           static_cast<std::size_t>(r) * static_cast<std::size_t>(rig.camera.columns) + static_cast<std::size_t>(c);
-      // Where z does not fall with θ nothing is matched.
+      // Nothing is matched where z does not decrease with θ.
       const bool falls = rig.projector.z_mm * test::on_ray(rig.camera, r, c, 1).x < rig.projector.x_mm;
       if (!reference.measurable(i) || !falls || !take(r, c)) {
         continue;
@@ -129,7 +130,7 @@ Outcome try_all(const Rig& rig, const SelfReference& reference, const MatchSetti
           continue;
         }
         const Match& match = matches[static_cast<std::size_t>(code_of_cell(stripes, cell))];
-        // A line: the corner of a projector pixel that the search, by quarters of a line, has passed by.
+        // A line: the corner of a projector pixel that the search misses with its steps of a quarter line.
         const bool right = std::abs(match.line - lit.row) <= match.half_width + 1;
         (match.candidates == 0 ? outcome.missing : right ? outcome.right : outcome.wrong) += 1;
       }
@@ -148,7 +149,7 @@ TEST(MatchSearch, CyclicAndCorrectedIsNeverWrongWhereTheReferenceHasNoSteps) {
       const Outcome outcome = try_all(rig, reference, {e}, 9, kAll);
       EXPECT_EQ(outcome.wrong, 0) << "e " << e;
       EXPECT_GT(outcome.right, 50000) << "e " << e;
-      // Light from the very corner of a projector pixel: the walk by quarters of a line passes such cells by.
+      // Light from the very corner of a projector pixel: steps of a quarter line miss such cells.
       EXPECT_LT(static_cast<double>(outcome.missing), 1e-4 * static_cast<double>(outcome.right)) << "e " << e;
     }
   }
@@ -164,13 +165,13 @@ TEST(MatchSearch, ReflectedCodeIsWrongWhereTwoCellsShareACode) {
   EXPECT_GT(share, 0.1);
 }
 
-// A step of 60 mm: two windows away from it nothing is wrong; nearer, light may come from the other side of it.
+// A step of 60 mm: two windows away from it no match is wrong. Nearer, light may come from the other side of the step.
 TEST(MatchSearch, StepsAreFeltNoFurtherThanAWindow) {
   const Rig rig = test::coarse_scanner(2);
   const auto block = [](double x, double y) { return std::abs(x) < 50 && std::abs(y - 15) < 45 ? 490.0 : 550.0; };
   const ProjectorPoints points = test::points_of(rig, block);
   const SelfReference reference = make_self_reference(rig, points, {4, 1, StripeCode::cyclic});
-  // Whether there is a step, or a place that is not lit, within so many pixels.
+  // Whether a step or an unlit pixel lies within this many pixels.
   const int reach = 16 * reference.stripes.width;
   FloatImage jump(rig.camera.rows, rig.camera.columns);
   for (int r = 1; r + 1 < jump.rows; ++r) {
@@ -200,8 +201,8 @@ TEST(MatchSearch, StepsAreFeltNoFurtherThanAWindow) {
   EXPECT_GT(near.wrong, 0);
 }
 
-// The printed window of 48 lines is not 16 codes: some are missing, some are there twice. The window in cells has each
-// once, but where it leaves the projector's image.
+// The printed window of 48 lines does not hold 16 codes: some are missing, some occur twice. The window in cells holds
+// each code once, except where it leaves the projector's image.
 TEST(MatchTable, PrintedWindowMissesAndDoublesCodes) {
   const Rig rig = test::coarse_scanner(4);
   const SelfReference reference =
@@ -228,8 +229,8 @@ TEST(MatchTable, PrintedWindowMissesAndDoublesCodes) {
   EXPECT_GT(doubled, 0);
 }
 
-// On a plane that faces the camera rows of the camera are lines of the projector, and it does not matter along which
-// columns one searches; on a slanted one it does.
+// On a plane that faces the camera, camera rows correspond to projector lines, so the direction of the search does not
+// matter. On a slanted plane it does.
 TEST(MatchTable, PrintedDirectionIsRightOnlyWithoutVariationAlongY) {
   const Rig rig = test::coarse_scanner(4);
   const auto difference = [&](const Surface& surface) {

@@ -1,4 +1,4 @@
-// What moved, against its definition pixel by pixel.
+// Compares the moved pixels with their definition, pixel by pixel.
 
 #include "host/structured_light/moved.h"
 

@@ -1,5 +1,5 @@
-// Planes seen by the pinholes of a rig and rounded to codes: the plane that comes back, and the residuals that rounding
-// leaves, against their prediction.
+// Planes are seen through the pinholes of a rig and rounded to codes. Compares the fitted plane with the true one, and
+// the residuals with their prediction from rounding.
 #include "host/structured_light/plane_fit.h"
 
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ std::uint16_t word(double place, int count) {
 void expect_plane(const Triangulation& triangulation, const FloatImage& depth) {
   const PlaneFit fit = fit_plane(triangulation, depth);
   EXPECT_EQ(fit.points, triangulation.pixels());
-  // Thousands of errors of about 0.5 mm, and rounding of neighbours is not quite independent.
+  // Thousands of errors of about 0.5 mm; the rounding of neighbours is not fully independent.
   EXPECT_NEAR(fit.z0, kZ0, 0.02);
   EXPECT_NEAR(fit.a, kA, 2e-4);
   EXPECT_NEAR(fit.b, kB, 2e-4);

@@ -1,4 +1,4 @@
-// PLY files as they are written and read, and distances against all pairs.
+// Tests writing and reading of PLY files, and compares distances with those of all pairs.
 
 #include "host/structured_light/point_cloud.h"
 

@@ -1,4 +1,4 @@
-// Random rigs, and what tests of codes and depth have in common.
+// Random rigs, and helpers for tests of codes and depth.
 #ifndef SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_RANDOM_RIG_H
 #define SELFPROJ_TESTS_HOST_STRUCTURED_LIGHT_RANDOM_RIG_H
 

@@ -1,5 +1,6 @@
-// Gray codes that others have captured (../shared/data, not part of the project): decoding against OpenCV's, points
-// against the owner's cloud. Each test says that it is skipped where its data, or OpenCV's module, is not there.
+// Decodes Gray codes that others have captured (../shared/data, not part of the project), and compares the codes with
+// OpenCV's and the points with the owner's cloud. Each test reports that it is skipped if its data or OpenCV's module
+// is missing.
 
 #include <gtest/gtest.h>
 
@@ -43,7 +44,7 @@ std::vector<std::string> files_in(const fs::path& folder, const std::string& ext
   return files;
 }
 
-// The code words of both axes at two thresholds, of one pass over the images.
+// The code words of both axes at two thresholds, from one pass over the images.
 TEST(RealGray, ShellLiesOnTheOwnersCloud) {
   const fs::path folder = data_folder() / "gray-sltk";
   if (!fs::exists(folder)) {
@@ -107,9 +108,9 @@ TEST(RealGray, ShellLiesOnTheOwnersCloud) {
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT
 
-// OpenCV's pixels are valid where no pair of either axis is ambiguous and the code is one of the projector's. Given one
-// axis only (the other has the one bit that its class asks for at least, of a pair that is there anyway), the pixels
-// where it differs from us in validity are exactly those with one ambiguous pair, and those whose code is none.
+// OpenCV's pixels are valid if no pair of either axis is ambiguous and the code belongs to the projector. The test
+// gives it one axis only; the other axis has the one bit that its class requires. Its validity then differs from ours
+// exactly at the pixels with one ambiguous pair, and at those whose code does not exist.
 TEST(RealGray, ChessboardDecodesAsWithOpenCv) {
   const fs::path folder = data_folder() / "gray-kamino-pose0/capture_0";
   if (!fs::exists(folder)) {

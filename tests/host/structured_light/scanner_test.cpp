@@ -1,4 +1,4 @@
-// The scanner against its steps by the models: decoder, median, triangulation, what moved.
+// Compares the scanner with its steps by the models: decoder, median, triangulation, moved pixels.
 
 #include "host/structured_light/scanner.h"
 
@@ -22,7 +22,7 @@ namespace {
 std::size_t allocations = 0;  // since the program began
 }  // namespace
 
-// Not inlined, or the compiler takes malloc and delete for a mismatch.
+// Not inlined; otherwise the compiler reports malloc and delete as a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   void* const memory = std::malloc(size == 0 ? 1 : size);
@@ -132,7 +132,7 @@ TEST(Scanner, TakesCodesOfTheBoard) {
   EXPECT_TRUE(same_bits(scanner.depth(), z));
 }
 
-// Strict: a pixel with one ambiguous pair has a code and no depth.
+// Strict: a pixel with one ambiguous pair has a code but no depth.
 TEST(Scanner, StrictLeavesOutPixelsWithOneAmbiguousPair) {
   Rig rig = load_rig("scanner");
   rig.camera.rows = 1;

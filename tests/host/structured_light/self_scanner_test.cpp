@@ -1,4 +1,4 @@
-// Reference, patterns and scanner of self-projected structured light on images drawn from the geometry.
+// Tests reference, patterns and scanner of self-projected structured light on images drawn from the geometry.
 
 #include "host/structured_light/self_scanner.h"
 
@@ -26,7 +26,7 @@ namespace {
 std::size_t allocations = 0;  // since the program began
 }  // namespace
 
-// Not inlined, or the compiler takes malloc and delete for a mismatch.
+// Not inlined; otherwise the compiler reports malloc and delete as a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   void* const memory = std::malloc(size == 0 ? 1 : size);
@@ -48,7 +48,7 @@ Surface bump() {
   return [](double x, double y) { return 550 - 60 * std::exp(-(x * x + y * y) / (2 * 60 * 60)); };
 }
 
-// What the camera takes of the points under a pattern: light 200 over dark 20.
+// The camera's image of the points under a pattern: light 200, dark 20.
 std::vector<std::uint8_t> picture(const ProjectorPoints& points, const FloatImage& pattern) {
   std::vector<std::uint8_t> pixels;
   for (std::size_t i = 0; i < points.line.values.size(); ++i) {
@@ -86,7 +86,7 @@ TEST(SelfReference, TurnsTheScanRound) {
   EXPECT_GT(seen, 10000);
 }
 
-// A plane that faces the camera goes on as itself where the camera does not see.
+// A plane that faces the camera continues as the same plane where the camera does not see it.
 TEST(SelfReference, ContinuesAPlane) {
   const Rig rig = test::coarse_scanner(4);
   const SelfReference reference = make_self_reference(rig, test::points_of(rig, test::plane_at(550)), {});
@@ -167,7 +167,7 @@ TEST(GrayPattern, IsTheEquationOverTheCodedLines) {
   }
 }
 
-// Frames in, depth out: every step by the models and in double precision; nothing is allocated.
+// Frames in, depth out: compares every step with the models and with double precision. Nothing is allocated.
 TEST(SelfScanner, EqualsItsStepsByTheModels) {
   for (const std::uint64_t seed : test::seeds(12)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
@@ -346,7 +346,7 @@ TEST(AxisScan, TwoPlacesAreNone) {
   }
 }
 
-// Codes of a slanted surface: places are right to a fraction of a line, also where the finest planes are lost.
+// Codes of a slanted surface: positions are right to a fraction of a line, even where the finest planes are lost.
 TEST(CoordinatesOfCodes, AverageTheSteps) {
   Random random(3);
   for (const int lost : {0, 1, 2}) {

@@ -1,4 +1,4 @@
-// Depth from codes against (4.7) solved in double precision, and against the pinholes of the rig.
+// Compares depth from codes with (4.7) solved in double precision, and with the pinholes of the rig.
 
 #include "host/structured_light/triangulation.h"
 
@@ -197,8 +197,7 @@ TEST(PlaneTriangulation, SolvesTheEquationsInAnyWorld) {
   EXPECT_GT(valid, 0U);
 }
 
-// The depth of a plane whose codes are those that its points are lit with: off by half a code at most, and not to one
-// side.
+// The depth of a plane from the codes that light its points: off by half a code at most, and without a bias.
 TEST(PlaneTriangulation, CodeStandsForTheMiddleOfItsCell) {
   const Rig rig = load_rig("scanner");
   constexpr int kBits = 8;

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """icarus_replay.py --top MODULE --vectors NAME [--parameter P=V]... --out FOLDER FILE...
 
-Replays in Icarus what a Verilated model was given (NAME.ports and NAME.vectors, see recorder.h) and compares every
+Replays the inputs of a Verilated model (NAME.ports and NAME.vectors, see recorder.h) in Icarus, and compares every
 output after every evaluation. FILEs are the Verilog sources, RTL or a netlist, of the module. An x in the recording
-says that nobody may rely on the output there; anywhere else the output must be the same to the last bit, and an x of
-Icarus is wrong. Prints how many outputs were compared in how many evaluations; exit status 1 where one differs or
-nothing was compared.
+marks an output that is not valid there. Everywhere else the output must be equal to the last bit, and an x of Icarus is
+wrong. Prints the number of outputs and evaluations compared. The exit status is 1 if one differs or nothing was
+compared.
 """
 import argparse
 import pathlib
@@ -13,7 +13,7 @@ import re
 import subprocess
 import sys
 
-# Icarus 11 says "sorry" where always_comb reads a constant part of a vector: it then waits for the whole vector, which
+# Icarus 11 says "sorry" if always_comb reads a constant part of a vector. It then waits for the whole vector, which
 # changes no result.
 HARMLESS = re.compile(r"sorry: constant selects in always_\* processes are not currently supported")
 SHOWN = 10  # mismatches that are printed one by one

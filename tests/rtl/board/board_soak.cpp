@@ -2,7 +2,7 @@
 //
 //     board_soak [FRAMES] [FIRST_SEED]      1,000,000 frames from seed 1 on by default
 //
-// Ends with a line that says what was compared; exit status 1 at the first mismatch or uncounted loss.
+// The last line says what was compared. The first mismatch or uncounted loss ends the program with exit status 1.
 #include <gtest/gtest.h>
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The whole board against the model, packet by packet and byte by byte.
+// Compares the whole board with the model, packet by packet and byte by byte.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint8_t kMoments = spec::kKindMoments;
 constexpr std::uint8_t kImage = spec::kKindImage;
 
-// What must lie between the starts of two frames beyond the beats of a moments packet (docs/using-the-circuits.md).
+// The gap between the starts of two frames, beyond the beats of a moments packet (docs/using-the-circuits.md).
 int small_gap(Mode mode) { return mode == Mode::binary ? 8 : 14; }
 
 void expect_plausible(const FrameCounts& counts) {
@@ -35,7 +35,7 @@ void expect_plausible(const FrameCounts& counts) {
   }
 }
 
-// 10^5 frames in all with the tests of the small build and of faults below.
+// Together with the tests of the small build and of faults below, 10^5 frames.
 TEST(Board, RandomSmallFramesEqualTheModel) {
   FrameCounts counts;
   for (const std::uint64_t seed : seeds(80)) {
@@ -60,7 +60,8 @@ TEST(OriginalBoard, RandomSmallFramesEqualTheModel) {
   expect_plausible(counts);
 }
 
-// Lines of wrong length, missing, doubled, cut; starts missing or in mid-frame; pauses beyond the time-out.
+// Lines that are missing, repeated, cut or of wrong length; frame starts that are missing or in mid-frame; pauses
+// beyond the time-out.
 TEST(Board, RandomFaultsEqualTheModel) {
   FrameCounts counts;
   for (const std::uint64_t seed : seeds(60)) {
@@ -92,8 +93,8 @@ TEST(OriginalBoard, RandomFaultsEqualTheModel) {
   expect_plausible(counts);
 }
 
-// Each fault in the first, a middle and the last row, each in the first, a middle and the last beat; the good frame
-// that follows without a gap is delivered, with good status, and equal to the model's.
+// Plants each fault in the first, a middle and the last row, and in the first, a middle and the last beat. The good
+// frame that follows without a gap is delivered with good status and equals the model's.
 TEST(Board, TheFrameAfterAFaultIsRight) {
   Random random(7);
   constexpr int kRows = 24;
@@ -130,7 +131,7 @@ TEST(Board, TheFrameAfterAFaultIsRight) {
   }
 }
 
-// The corners of the size range. 2048 x 1023 pixels of 255 need every bit of every sum.
+// The limits of the sizes. 2048 x 1023 pixels of 255 need every bit of every sum.
 TEST(Board, ExtremeSizesEqualTheModel) {
   Random random(11);
   for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
@@ -166,7 +167,7 @@ TEST(Board, ExtremeSizesEqualTheModel) {
   }
 }
 
-// The thesis's frames: 200 of 96 x 512, stalls on both sides.
+// The frames of the thesis: 200 of 96 x 512, with stalls on both sides.
 TEST(Board, FullFramesWithStallsEqualTheModel) {
   for (const std::uint64_t seed : seeds(1)) {
     SCOPED_TRACE(how_to_repeat(seed));
@@ -190,7 +191,7 @@ TEST(Board, FullFramesWithStallsEqualTheModel) {
   }
 }
 
-// 12,288 clocks a frame: every clock carries a beat, and nothing is lost, with raw images too.
+// 12,288 clocks a frame: every clock carries a beat, and nothing is lost, even with raw images.
 TEST(Board, TakesFullFramesBackToBack) {
   Random random(3);
   for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
@@ -210,8 +211,7 @@ TEST(Board, TakesFullFramesBackToBack) {
   }
 }
 
-// Frames that follow each other by the beats of a packet and the stated small gap: none is lost; by one clock less:
-// some are.
+// At a distance of a packet's beats plus the stated small gap no frame is lost. One clock closer, some are lost.
 TEST(Board, SmallestDistanceOfFramesIsAsStated) {
   Random random(5);
   for (const Mode mode : {Mode::binary, Mode::grey}) {
@@ -242,7 +242,7 @@ TEST(Board, SmallestDistanceOfFramesIsAsStated) {
   }
 }
 
-// Lines of 60 columns and more follow each other without a gap; narrower ones are lost, and counted.
+// Lines of 60 columns and more may follow each other without a gap. Narrower lines are lost and counted.
 TEST(Board, RawImageLinesNeedNoGap) {
   Random random(6);
   for (const int columns : {60, 64, 128, 256, 512, 1024, 2048}) {
@@ -263,7 +263,7 @@ TEST(Board, RawImageLinesNeedNoGap) {
   EXPECT_EQ(board.lost(kImage), 10U);
 }
 
-// All lines of the highest raw image.
+// All lines of the tallest raw image.
 TEST(Board, RawImageOf1023Rows) {
   Random random(15);
   Scoreboard<Vboard> board({.bus_period_ps = 6000});
@@ -276,7 +276,7 @@ TEST(Board, RawImageOf1023Rows) {
   EXPECT_EQ(board.lost(kImage), 0U);
 }
 
-// More packets than any FIFO counts to (as many as it has beats, twice).
+// More packets than any FIFO can count: twice as many as it has beats.
 TEST(Board, PacketCountsGoAround) {
   Random random(16);
   Scoreboard<Vboard> board({.bus_period_ps = 6000});
@@ -290,8 +290,8 @@ TEST(Board, PacketCountsGoAround) {
   EXPECT_EQ(board.delivered(kImage), 4200U);
 }
 
-// The bus stands still: as many packets as the FIFO holds are kept, whole; the rest is lost, and the next header says
-// how many.
+// The bus stands still. The FIFO keeps as many whole packets as fit; the others are lost, and the next header says how
+// many.
 TEST(OriginalBoard, OverflowDropsWholePacketsAndCountsThem) {
   Random random(8);
   Scoreboard<Vboard_original> board;

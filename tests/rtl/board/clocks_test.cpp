@@ -1,5 +1,5 @@
-// rise() does what eval() does at the fall and again at the rise: two equal boards, one stepped by each, under the same
-// random inputs, show the same at every output after every edge.
+// rise() is equivalent to eval() at the falling and at the rising edge. Two equal boards, one stepped in each way with
+// the same random inputs, have the same outputs after every edge.
 #include "sim/board/clocks.h"
 
 #include <gtest/gtest.h>
@@ -39,8 +39,8 @@ std::array<std::uint32_t, 17> outputs(const Model& m) {
           m.s_axil_rdata,    m.s_axil_rresp};
 }
 
-// Video of 8 x 3 pixels with random gaps and faults, random register accesses, a bus and an encoder that do what they
-// like, and now and then a reset.
+// Video of 8 x 3 pixels with random gaps and faults, random register accesses, a random bus and encoder, and a reset
+// from time to time.
 template <class Model>
 void expect_equal(std::uint64_t seed) {
   Random random(seed);

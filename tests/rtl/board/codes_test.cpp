@@ -1,5 +1,5 @@
-// The board with the Gray-code decoder against the model, packet by packet and byte by byte: with the median and
-// without.
+// Compares the board with the Gray-code decoder, with and without the median, with the model, packet by packet and byte
+// by byte.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -43,7 +43,7 @@ TEST(CodesBoard, RandomFaultsEqualTheModel) { play_all<Vboard_codes>(30, true, 1
 TEST(RawCodesBoard, RandomSequencesEqualTheModel) { play_all<Vboard_codes_raw>(40, false, 0); }
 TEST(RawCodesBoard, RandomFaultsEqualTheModel) { play_all<Vboard_codes_raw>(30, false, 10); }
 
-// The longest code: all bits of a code, after 24 patterns, in images of the maxima and in lower ones.
+// The longest code: all bits, after 24 patterns, in the largest images and in lower ones.
 TEST(CodesBoard, LongestCodeEqualsTheModel) {
   Random random(2);
   Scoreboard<Vboard_codes> board({.bus_period_ps = 6000});
@@ -69,10 +69,11 @@ TEST(CodesBoard, LongestCodeEqualsTheModel) {
   }
   board.finish();
   EXPECT_EQ(board.delivered(kCodes) + board.lost(kCodes), lines);
-  EXPECT_GE(board.delivered(kCodes), lines / 2);  // lines so short that follow each other without a gap: every other
+  EXPECT_GE(board.delivered(kCodes),
+            lines / 2);  // every other one is lost if such short lines follow each other without a gap
 }
 
-// The pattern index in the headers, up to its last value and around.
+// The pattern index in the headers, up to its last value and past the wrap.
 TEST(CodesBoard, PatternIndexCountsTo255) {
   Random random(3);
   Scoreboard<Vboard_codes> board;
@@ -87,7 +88,7 @@ TEST(CodesBoard, PatternIndexCountsTo255) {
   EXPECT_EQ(board.last_header(spec::kKindMoments).pattern, 599 % 256);
 }
 
-// Lines of codes of 88 columns and more follow each other without a gap; narrower ones are lost, and counted.
+// Lines of codes of 88 columns and more may follow each other without a gap. Narrower lines are lost and counted.
 TEST(RawCodesBoard, LinesNeedNoGap) {
   Random random(1);
   for (const int columns : {84, 88, 92, 128}) {
@@ -103,8 +104,7 @@ TEST(RawCodesBoard, LinesNeedNoGap) {
   }
 }
 
-// Lines into a bus that stands still: the FIFO takes them to its last place, and none beyond; all that it took comes
-// out whole.
+// The bus stands still. The FIFO takes lines until it is full and no further; all lines that it took come out whole.
 TEST(CodesBoard, FifoFillsToTheLastPlace) {
   constexpr std::size_t kPlaces = 512;
   Random random(4);
@@ -130,7 +130,7 @@ TEST(CodesBoard, FifoFillsToTheLastPlace) {
   }
 }
 
-// What this build can do stands in its registers, and what it cannot is refused.
+// The registers say what this build can do, and refuse what it cannot.
 TEST(CodesBoard, SaysWhatItIsAndRefusesTheRest) {
   BoardDevice<Vboard_codes> full;
   EXPECT_EQ(full.read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 3U, 3U);

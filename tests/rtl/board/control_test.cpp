@@ -1,5 +1,5 @@
-// What is set on the board, and when it counts: reset, settings, run, pattern index, FIFO depth, time-out, encoder,
-// trigger, and what the registers say of the build.
+// Tests the control of the board, and when settings take effect: reset, settings, run, pattern index, FIFO depth,
+// time-out, encoder, trigger, and the registers that describe the build.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint8_t kMoments = spec::kKindMoments;
 constexpr std::uint8_t kImage = spec::kKindImage;
 
-// A reset in every part of a frame: what comes after it is right, and counts from zero.
+// A reset in every part of a frame: everything after it is right, and counts from zero.
 TEST(Board, ResetInMidFrame) {
   Random random(9);
   for (const Mode mode : {Mode::binary, Mode::grey}) {
@@ -41,7 +41,7 @@ TEST(Board, ResetInMidFrame) {
   }
 }
 
-// New settings written while a frame comes in: it keeps the old ones, the next has the new ones.
+// New settings are written while a frame comes in. It keeps the old ones; the next frame has the new ones.
 TEST(Board, SettingsChangeOnlyAtAFrameStart) {
   Random random(10);
   const std::vector<BoardSettings> all = {
@@ -69,15 +69,15 @@ TEST(Board, SettingsChangeOnlyAtAFrameStart) {
     EXPECT_EQ(board.device().read(spec::kRegStatus) & (1U << spec::kRegStatusFrameOpenLsb),
               1U << spec::kRegStatusFrameOpenLsb);
     board.play();
-    board.device().run(600);  // a large frame in a grey mode is finished before one of another size begins
+    board.device().run(600);  // a large frame in a grey mode is complete before one of another size begins
   }
   board.finish();
   EXPECT_EQ(board.delivered(kMoments), 60U);
   EXPECT_EQ(board.lost(kMoments), 0U);
 }
 
-// A large frame in a grey mode is still being finished when small ones come (the size changed): those that meet it are
-// lost, counted, and nothing is wrong in the others.
+// The size changes, and small frames come while a large frame in a grey mode still drains. Those that collide with it
+// are lost and counted; the others are right.
 TEST(Board, SmallFramesRightAfterALargeOne) {
   Random random(12);
   for (int rows = 1; rows < 12; ++rows) {
@@ -104,8 +104,8 @@ TEST(Board, SmallFramesRightAfterALargeOne) {
   }
 }
 
-// `run` decides at a frame's start: a frame that has begun is finished, one that begins while it is low is not seen at
-// all.
+// `run` counts at the start of a frame. A frame that has begun is completed; a frame that begins while `run` is low is
+// ignored.
 TEST(Board, RunDecidesAtAFrameStart) {
   Random random(13);
   Scoreboard<Vboard> board;
@@ -123,7 +123,7 @@ TEST(Board, RunDecidesAtAFrameStart) {
       if (beats++ == 600) {
         board.play();
         settings.run = true;
-        board.write(settings);  // within the frame that was not accepted: its rest is discarded, and counted
+        board.write(settings);  // within the frame that was not accepted: its rest is discarded and counted
       }
       board.device().send(beat);
     }
@@ -175,8 +175,8 @@ TEST(Board, PatternIndexTravelsWithTheFrame) {
   EXPECT_EQ(patterns, want);
 }
 
-// Small packets into a bus that stands still: each FIFO takes them to its last place, and none beyond; all that it took
-// comes out whole.
+// Small packets while the bus stands still. Each FIFO takes them until it is full and no further; all packets that it
+// took come out whole.
 TEST(Board, FifosFillToTheLastPlace) {
   constexpr std::size_t kMomentsPlaces = 2048;
   constexpr std::size_t kImagePlaces = 1024;
@@ -200,7 +200,7 @@ TEST(Board, FifosFillToTheLastPlace) {
       board.finish();
       EXPECT_EQ(board.delivered(kMoments), moments);
       EXPECT_EQ(board.delivered(kImage), lines);
-      // One more would not have gone in. A few beats have left the FIFO for the arbiter.
+      // One more would not have fitted. A few beats have left the FIFO for the arbiter.
       const std::size_t beats = packet_beats(moments_payload_bytes(mode, columns));
       const std::size_t line_beats = packet_beats(image_line_payload_bytes(columns));
       EXPECT_GT((moments + 1) * beats, kMomentsPlaces);
@@ -211,8 +211,8 @@ TEST(Board, FifosFillToTheLastPlace) {
   }
 }
 
-// A pause within a frame as long as the time-out does no harm, one clock more breaks the frame: for every bit of the
-// time-out that a run can wait for.
+// A pause as long as the time-out does no harm; one clock more breaks the frame. This holds for every bit of the
+// time-out for which a run can wait.
 TEST(Board, EveryBitOfTheTimeOut) {
   Random random(18);
   for (int bits = 1; bits <= 19; ++bits) {
@@ -240,7 +240,7 @@ TEST(Board, EveryBitOfTheTimeOut) {
   }
 }
 
-// Both lines of the encoder change at once: the register counts every time, and the camera is never held up.
+// Both lines of the encoder change in the same clock: the register counts every time, and the camera is never held up.
 TEST(Board, CountsTheEncodersErrors) {
   BoardDevice<Vboard> device({.bus_period_ps = 6000});
   bool never_held = true;
@@ -259,7 +259,7 @@ TEST(Board, CountsTheEncodersErrors) {
   EXPECT_TRUE(never_held);
 }
 
-// Pulses of the trigger at the clocks that its settings say, for every bit of them that a run can wait for.
+// The trigger pulses in the clocks that its settings give, for every bit for which a run can wait.
 TEST(Board, EveryBitOfTheTriggersSettings) {
   Random random(19);
   for (int bits = 4; bits <= 17; ++bits) {
@@ -301,7 +301,7 @@ TEST(Board, EveryBitOfTheTriggersSettings) {
   }
 }
 
-// What identifies the board stands in its registers.
+// The registers identify the board.
 template <class Model>
 void expect_identity(int max_columns, int max_rows, bool grey, bool image) {
   BoardDevice<Model> device;
@@ -315,7 +315,7 @@ void expect_identity(int max_columns, int max_rows, bool grey, bool image) {
   EXPECT_EQ((capability >> spec::kRegCapabilityImageLsb & 1U) != 0, image);
 }
 
-// Where no register is, reads and writes are refused.
+// Reads and writes of addresses without a register are refused.
 TEST(Board, RefusesWhereNoRegisterIs) {
   BoardDevice<Vboard> device;
   constexpr std::uint32_t kNowhere = 0xFC;

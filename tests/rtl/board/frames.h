@@ -31,7 +31,7 @@ inline TestImage constant_image(int rows, int columns, std::uint8_t value) {
           std::vector<std::uint8_t>(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns), value)};
 }
 
-// Noise mostly; sometimes all dark, all bright, or one bright pixel.
+// Mostly noise; sometimes all dark, all bright, or one bright pixel.
 inline TestImage random_image(Random& random, int rows, int columns) {
   TestImage image = constant_image(rows, columns, 0);
   switch (random.between(0, 7)) {
@@ -66,16 +66,16 @@ inline Lines lines_of(const TestImage& image) {
   return lines;
 }
 
-// What can be wrong with a frame.
+// The faults that a frame can have.
 enum class Fault : std::uint8_t {
   none,
   short_line,      // beats are missing at the end of a line
-  long_line,       // a line has beats too many
+  long_line,       // a line has too many beats
   missing_line,    // a whole line is missing
   doubled_line,    // a line comes twice
   missing_start,   // no beat carries the start
-  start_in_frame,  // a beat within carries a start
-  cut,             // the frame ends after some beat
+  start_in_frame,  // a beat in the middle carries the start
+  cut,             // the frame ends early
 };
 inline constexpr int kFaults = 8;
 

@@ -1,5 +1,5 @@
-// The board after days: its counters are set to what they count by then, and everything they go into, headers and
-// registers, is compared with the model as in every other test, while they carry into their upper bits and wrap.
+// Tests the board after days of operation. Its counters start at high values, carry into their upper bits and wrap. The
+// headers and registers that contain them are compared with the model as in every other test.
 #include <gtest/gtest.h>
 #include <verilated_vpi.h>
 
@@ -53,7 +53,7 @@ class Register {
   vpiHandle handle_;
 };
 
-// An sp_counter of so many bits counts so much more, in the state in which counting would have left it.
+// Advances an sp_counter of `bits` bits, and leaves it in the same state as real counting.
 void count(const std::string& counter, int bits, std::uint64_t more) {
   constexpr int kLow = 8;                // bits of the lowest chain
   const int size = bits > 32 ? 14 : 12;  // of those above it
@@ -61,7 +61,7 @@ void count(const std::string& counter, int bits, std::uint64_t more) {
   Register low(counter + ".low_q");
   Register told(counter + ".told_q");
   Register upper(counter + ".upper_q");
-  const std::uint64_t ahead = (low.get() - told.get()) & 0xFFU;  // counts that are not told yet
+  const std::uint64_t ahead = (low.get() - told.get()) & 0xFFU;  // counts that do not show yet
   const std::uint64_t value = (upper.get() << kLow | told.get()) + more;
   std::uint32_t full = 0;
   std::uint32_t below = 0;
@@ -94,7 +94,7 @@ void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
   board.counted_before(counts);
 }
 
-// The time in the registers is that of the headers, six clocks behind.
+// The time in the registers lags that of the headers by six clocks.
 void expect_time(Scoreboard<Vboard_codes>& board) {
   BoardDevice<Vboard_codes>& device = board.device();
   const std::uint64_t earliest = board.counted_before().clocks + device.clock() - 6;
@@ -103,7 +103,7 @@ void expect_time(Scoreboard<Vboard_codes>& board) {
   EXPECT_LT(time - earliest, 100U) << std::hex << time << ", not before " << earliest;
 }
 
-// Below each place where a chain of a counter carries into the next, below the middle, and below the end.
+// Starts just below each carry from chain to chain, below the middle, and below the end.
 TEST(CodesBoard, CountersCarryAndWrapAfterALongRun) {
   constexpr std::array<std::uint64_t, 8> kPlaces = {0x0000'0000'0001'0000, 0x0000'0001'0000'0000, 0x0001'0000'0000'0000,
                                                     0x8000'0000'0000'0000, 0x0000'0000'0000'0000, 0x0123'4567'8000'0000,

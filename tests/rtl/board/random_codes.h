@@ -24,9 +24,9 @@ struct CodeCounts {
 inline constexpr int kMaxCodeColumns = 64;
 inline constexpr int kMaxCodeRows = 40;
 
-// Sequences of frames of random size, m and content, whose settings change; with gaps or without, faults, and stalls on
-// the bus. Every packet of every kind is compared with the model's; what is missing must be counted. `begin` is called
-// before anything else, and may set what the board has counted before; `end` at the end.
+// Plays sequences of frames of random size, m and content with changing settings, gaps, faults, and stalls on the bus.
+// Every packet of every kind is compared with the model's; missing packets must be counted. `begin` is called first and
+// may preset the board's counters; `end` is called at the end.
 template <class Model>
 void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percent, CodeCounts& counts,
                            const std::function<void(Scoreboard<Model>&, Random&)>& begin = {},

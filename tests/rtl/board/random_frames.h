@@ -11,14 +11,14 @@
 
 namespace selfproj::test {
 
-// What the build under test can do, and how much of it to try.
+// The abilities of the build under test, and how much of them to try.
 struct RandomFrames {
   int max_columns = 64;
   int max_rows = 40;
   bool grey = true;       // modes grey and grey_over
   bool image = true;      // raw images
-  int fault_percent = 0;  // share of frames that break the rules
-  int changes = 100;      // times the settings change; each is followed by 1 to 12 frames
+  int fault_percent = 0;  // share of frames with faults
+  int changes = 100;      // number of changes of the settings, each followed by 1 to 12 frames
 };
 
 // Counts over many runs.
@@ -32,8 +32,8 @@ struct FrameCounts {
   std::map<std::uint32_t, std::uint64_t> by_status;
 };
 
-// Frames of random size, mode, threshold and content, with or without gaps between beats and between frames, stalls on
-// the bus, an encoder that turns. Every packet is compared with the model's; what is missing must be counted.
+// Plays frames of random size, mode, threshold and content, with or without gaps between beats and between frames,
+// stalls on the bus, and a turning encoder. Every packet is compared with the model's; missing packets must be counted.
 template <class Model>
 void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCounts& counts) {
   Random random(seed);

@@ -1,5 +1,5 @@
-// The Verilated board beside the model of the board: every beat goes into both, every packet that comes out must equal,
-// byte by byte, the one the model gives, with the exact number of packets lost before it in its header.
+// The Verilated board beside its model. Every beat goes into both. Every packet of the board must equal the model's
+// byte by byte, with the exact number of packets lost before it in its header.
 #ifndef SELFPROJ_TESTS_RTL_BOARD_SCOREBOARD_H
 #define SELFPROJ_TESTS_RTL_BOARD_SCOREBOARD_H
 
@@ -19,12 +19,12 @@
 
 namespace selfproj::test {
 
-// Beats of a packet with so many bytes of payload.
+// The beats of a packet with this many bytes of payload.
 inline std::size_t packet_beats(std::size_t payload_bytes) {
   return packet_bytes(payload_bytes) / spec::kPacketBeatBytes;
 }
 
-// What the board's counters have counted before a run.
+// The values of the board's counters before a run.
 struct BoardCounts {
   std::uint64_t clocks = 0;
   std::uint64_t frames = 0;
@@ -37,7 +37,7 @@ struct BoardCounts {
 template <class Model>
 class Scoreboard {
  public:
-  // `median_built`: see BoardModel; of no concern in a build without codes.
+  // `median_built`: see BoardModel; ignored in a build without codes.
   explicit Scoreboard(const BoardDeviceOptions& options = {}, bool median_built = true)
       : device_(options),
         median_built_(median_built),
@@ -55,13 +55,13 @@ class Scoreboard {
   BoardDevice<Model>& device() { return device_; }
   BoardModel& model() { return model_; }
 
-  // Settings for the next frame start. Only where no frame can start during the register accesses.
+  // Writes settings for the next frame start. No frame may start during the register accesses.
   void write(const BoardSettings& settings) {
     device_.write(settings);
     model_.write(settings);
   }
 
-  // The board's counters stand so much higher than the model's. Before the first frame.
+  // Presets the board's counters this much above the model's. Call before the first frame.
   void counted_before(BoardCounts counts) {
     before_ = std::move(counts);
     for (const auto& [kind, count] : before_.lost) {
@@ -70,7 +70,7 @@ class Scoreboard {
   }
   [[nodiscard]] const BoardCounts& counted_before() const { return before_; }
 
-  // Both forget everything, in the middle of whatever they were doing.
+  // Resets both at any time.
   void reset() {
     before_ = {};
     device_.reset();
@@ -104,7 +104,7 @@ class Scoreboard {
     encoder_back_ = back;
   }
 
-  // All that was sent is out; what has not come was lost, and the counters of the board say so.
+  // Runs until everything is out. Packets that did not come were lost, and the counters of the board must say so.
   void finish() {
     turn_encoder(0);
     device_.drain();
@@ -141,7 +141,7 @@ class Scoreboard {
     if (clock != 0) {
       model_.idle(clock - 1);
     }
-    // The levels of the first clocks after a reset are taken over without counting.
+    // The encoder takes over the levels of the first clocks after a reset without counting.
     if (encoder_period_ == 0 || clock < 16 || clock % static_cast<std::uint64_t>(encoder_period_) != 0) {
       return;
     }

@@ -1,2 +1,2 @@
-// A library needs a source. This one has the Verilated models that only tests use, which CMake adds.
+// A library needs a source. CMake adds the Verilated models that only tests use.
 #include "Vboard_original.h"

@@ -1,4 +1,4 @@
-// Waveforms on demand, for a window of frames.
+// Tests waveforms for a window of frames.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -18,7 +18,7 @@ std::string scratch(const char* name) {
   return (std::filesystem::path(::testing::TempDir()) / (std::string("selfproj_trace_test_") + name)).string();
 }
 
-// The board with waveforms behaves as without, and a longer window gives a larger file.
+// Waveforms do not change the board's behaviour, and a longer window gives a larger file.
 TEST(BoardTrace, WritesTheWindowAskedFor) {
   std::uintmax_t size[2] = {};
   for (int window = 0; window < 2; ++window) {
