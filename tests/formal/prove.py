@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Proves the rules inside the RTL modules (`ifdef FORMAL) with Yosys and yosys-smtbmc and z3, or with Yosys's own ABC.
 
-    prove.py [NAME...] the proofs named, or all; prints the table of README.md prove.py --faults [NAME...] the planted
-    faults: each must make its proof fail prove.py --list what the tests run, a name a line: proofs, then faults
+    prove.py [NAME...] the proofs named, or all; prints their rows of the table in docs/proofs.md
+    prove.py --faults [NAME...]  the planted faults: each must make its proof fail
+    prove.py --list              what the tests run, a name a line: proofs, then faults
 
 A proof of depth K by induction shows that no trace of K steps from the beginning breaks a rule, and that K steps which
 keep the rules are never followed by one that breaks them. A bounded proof shows that no trace of K steps from the

@@ -6,8 +6,8 @@
 A command line stands in a fenced block `sh`, a script that run_commands.py runs as it stands, or under one of these:
 
     <!-- run shortened: --count 20 -->          with this option added, or in place of the line's own
-    <!-- not run: REASON --> REASON is one of the list below
-    <!-- not run: REASON; run by NAME --> the test NAME of CTest runs it
+    <!-- not run: REASON -->                    REASON is one of the list below
+    <!-- not run: REASON; run by NAME -->       the test NAME of CTest runs it
 
 Lines of ctest and cmake need no comment: run_commands.py looks up what they name. A block `text` under
 

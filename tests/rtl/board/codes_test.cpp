@@ -69,8 +69,8 @@ TEST(CodesBoard, LongestCodeEqualsTheModel) {
   }
   board.finish();
   EXPECT_EQ(board.delivered(kCodes) + board.lost(kCodes), lines);
-  EXPECT_GE(board.delivered(kCodes),
-            lines / 2);  // every other one is lost if such short lines follow each other without a gap
+  // If such short lines follow each other without a gap, every other one is lost.
+  EXPECT_GE(board.delivered(kCodes), lines / 2);
 }
 
 // The pattern index in the headers, up to its last value and past the wrap.
