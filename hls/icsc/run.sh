@@ -20,7 +20,7 @@ for name in column_moments gray_decoder median3x3; do
     { echo "icsc/run.sh: $to/sv_out/${name}_shell.sv was not written" >&2; exit 1; }
 done
 
-# What ICSC writes is its own style: of its lint only what may be wrong counts.
+# ICSC has a style of its own, so only the messages that may mean a fault count.
 lint() { verilator --lint-only --top-module "$1" -Wno-style rtl/common/sp_ram.sv "${@:2}"; }
 lint sp_column_moments_hls "$to/sv_out/column_moments_shell.sv" hls/icsc/sp_column_moments_hls.sv
 lint sp_median3x3_hls "$to/sv_out/median3x3_shell.sv" hls/icsc/sp_median3x3_hls.sv

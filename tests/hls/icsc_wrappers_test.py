@@ -1,6 +1,8 @@
-"""The modules that put memories beside the translated shells (hls/icsc/sp_*_hls.sv), linted by Verilator with an empty
-module in the shell's place that has the ports of the SystemC source: every port is connected, at its width, and the
-outer ports are those of the RTL."""
+"""The modules that put memories beside the translated shells (hls/icsc/sp_*_hls.sv) fit.
+
+Verilator lints them with an empty module in the shell's place that has the ports of the SystemC source. So every port
+is connected, at its width. The outer ports must be those of the RTL.
+"""
 import pathlib
 import re
 import subprocess
