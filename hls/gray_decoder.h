@@ -23,7 +23,7 @@ namespace hls {
 
 constexpr int kMaxCodeBits = spec::kCodeCodeBits;
 
-using Plane = Uint<kMaxCodeBits>;  // one bit for each plane: that of plane p of m is m-1-p
+using Plane = Uint<kMaxCodeBits>;  // one bit for each plane: plane p of m has bit m-1-p
 using PlaneCount = Uint<4>;        // 0..kMaxCodeBits
 using PatternIndex = Uint<16>;
 // The state of a pixel, from the low bits: the positive, 8 bits; the planes' bits; which of them are ambiguous.
@@ -99,7 +99,7 @@ inline Plane mask_of(PlaneCount bits) {
 
 // --- Classes with state ---
 
-// The sequence rules of the model: which frames are next ones, and what each is.
+// The sequence rules of the model: whether a frame is the next one, and its role.
 class GraySequence {
  public:
   // Of the current frame
@@ -171,11 +171,11 @@ class GrayDecoder {
 #pragma HLS bind_storage variable = state_ type = ram_s2p impl = auto
   }
 
-  // A beat of the frame that `sequence` was told of. A frame must begin at least kMemoryDistance steps after the last
+  // A beat of the frame that `sequence` has started. A frame must begin at least kMemoryDistance steps after the last
   // beat of one with fewer beats; GrayDecoderKernel ensures this.
   CodesBeat step(const GrayIn& in, const GraySequence& sequence, GrayPixel threshold) {
 #pragma HLS inline
-// A word is read once a frame, at the earliest kMemoryDistance steps after it was written in the frame before.
+// Each word is read once per frame, at least kMemoryDistance steps after its write in the previous frame.
 #pragma HLS dependence variable = state_ type = inter direction = RAW distance = 4 true
     static_assert(kMemoryDistance == 4, "the distance in the pragma");
     CodesBeat out;
@@ -221,7 +221,8 @@ class GrayDecoder {
 
 // --- Streams ---
 
-// The settings, taken over at each frame's start. A change of any but the median makes the decoder wait for plane 0.
+// The settings, taken over at each frame's start. A change of any setting except the median makes the decoder wait for
+// plane 0.
 struct GraySetup {
   Uint<13> columns = 0;  // a multiple of 4 from 4
   Uint<12> rows = 0;     // from 1

@@ -57,7 +57,7 @@ inline Row next_n(Row n, Pixel weight) {
   return next;
 }
 
-// What a row adds to A: the M0 before it in the grey modes, and the row of a lit pixel in mode binary.
+// The summand of A for a row: the M0 before it in the grey modes, and the row of a lit pixel in mode binary.
 inline Sum1 addend_of(Sum0 m0_before, Pixel weight, Row row, bool grey) {
 #pragma HLS inline
   Sum1 addend = 0;

@@ -3,8 +3,7 @@
 // With SELFPROJ_HLS_VENDOR_TYPES they are those of the HLS tool (ap_int.h, hls_stream.h, and ap_axi_sdata.h if it
 // exists), whose folder must be in the include path. Otherwise they are SystemC's integers, which need no kernel, and a
 // queue. The kernels use only what both have in common: every operation has at least the bits of the exact result, or
-// is put at once into a variable of the intended width. Nothing relies on values that were not assigned.
-// put into a variable of the width that is meant. Nothing relies on the value of what was not assigned.
+// is assigned directly to a variable of the intended width. Nothing relies on values that were not assigned.
 #ifndef SELFPROJ_HLS_TYPES_H
 #define SELFPROJ_HLS_TYPES_H
 

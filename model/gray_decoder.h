@@ -13,9 +13,9 @@
 //
 // Which pairs count: a frame is the next one if its index is one above that of the frame before, modulo 2m. After the
 // start, after a change of settings, after a flagged frame, and after a frame that was not the next one (one was
-// missing, or its index is not in 0..2m-1), the decoder waits for a frame with index 0 and takes it at once. From there
-// m pairs must come in succession before the first code image leaves. The decoder cannot see the loss of a whole number
-// of cycles.
+// missing, or its index is not in 0..2m-1), the decoder waits for a frame with index 0 and takes it immediately. From
+// there m pairs must come in succession before the first code image leaves. The decoder cannot see the loss of a whole
+// number of cycles.
 #ifndef SELFPROJ_MODEL_GRAY_DECODER_H
 #define SELFPROJ_MODEL_GRAY_DECODER_H
 
@@ -72,7 +72,7 @@ class GrayDecoder {
   void end(bool good);
 
  private:
-  // What the decoder keeps of a pixel: 32 bits in the circuit.
+  // The decoder's state of a pixel: 32 bits in the circuit.
   struct Pixel {
     std::uint8_t positive = 0;
     std::uint16_t planes = 0;     // B_p in bit m-1-p: the code

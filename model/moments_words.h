@@ -1,4 +1,4 @@
-// The words of a moments packet, unpacked inside the caller's loop, for code that processes them at once.
+// The words of a moments packet, unpacked inside the caller's loop, for code that processes them immediately.
 // model/packet_payload.h has the same as functions.
 #ifndef SELFPROJ_MODEL_MOMENTS_WORDS_H
 #define SELFPROJ_MODEL_MOMENTS_WORDS_H

@@ -20,7 +20,7 @@ static_assert(spec::kHeaderMagic == 0, "a packet begins with the magic number");
 
 // The check word is a polynomial over GF(2) modulo P. After k beats c is x^k c0 + Σ x^(k-1-i) f_i, where f_i is beat i
 // folded to 32 bits. The sum of up to 32 beats fits in 64 bits and is reduced only then, with tables. Beats thus do not
-// wait for each other, and the compiler processes several at once.
+// wait for each other, and the compiler processes several in parallel.
 constexpr int kBeatsAtOnce = 32;
 constexpr std::ptrdiff_t kBeat = 16;
 static_assert(kBeat == spec::kPacketBeatBytes);

@@ -70,8 +70,8 @@ inline constexpr std::size_t kLargestPacketBytes =
                  8);
 static_assert(kLargestPacketBytes % spec::kPacketBeatBytes == 0);
 
-// What is wrong with a packet. The length of the header is checked first, then the rest in the order of this list, and
-// the length of the packet before its trailer.
+// The faults of a packet. The length of the header is checked first, then the rest in the order of this list, and the
+// length of the packet before its trailer.
 enum class PacketError : std::uint8_t {
   none,
   too_short,  // the bytes end before the packet does; with more bytes it may be complete

@@ -216,7 +216,7 @@ cv::Mat1d covariance_of(const cv::Mat1d& normal) {
   return cv::Mat1d(inverse.mul(scale * scale.t()));
 }
 
-// Of the residuals of camera and projector.
+// The variances of the residuals of camera and projector.
 struct SumsOfSquares {
   double camera = 0;
   double projector = 0;
@@ -290,7 +290,7 @@ class Solver {
     weights_ = {weight_of(sums.camera, sights_), weight_of(sums.projector, sights_)};
   }
 
-  // Takes the first step that does not increase `cost`, with more and more damping. Returns by how much the cost falls,
+  // Takes the first step that does not increase `cost`, with more and more damping. Returns the decrease of the cost,
   // or -1 if there is no such step.
   double improve(double cost) {
     constexpr double kLeastDamping = 1e-12;

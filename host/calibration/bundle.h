@@ -1,4 +1,4 @@
-// Least squares over all unknowns at once: both lenses, the pose between them, and the pose of the chessboard in every
+// Least squares over all unknowns together: both lenses, the pose between them, and the pose of the chessboard in every
 // capture.
 #ifndef SELFPROJ_HOST_CALIBRATION_BUNDLE_H
 #define SELFPROJ_HOST_CALIBRATION_BUNDLE_H

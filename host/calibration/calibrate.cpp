@@ -53,7 +53,7 @@ bool is_mirrored(const std::vector<View>& views) {
   return sum < 0;
 }
 
-// The length above which a residual is no noise: `factor` standard deviations of one direction, estimated from the
+// The length above which a residual is not noise: `factor` standard deviations of one direction, estimated from the
 // median length. At least a hundredth of a pixel, so that exact data lose nothing.
 double limit_of(const std::vector<std::vector<cv::Vec2d>>& residuals, double factor) {
   constexpr double kPerMedian = 0.8493;  // for Rayleigh's distribution: 1/sqrt(2 ln 2)

@@ -10,7 +10,7 @@
 
 namespace selfproj {
 
-// Finds the chessboard in a capture and its corners in the projector. What it does not find is no error.
+// Finds the chessboard in a capture and its corners in the projector. Corners that it does not find are not an error.
 PoseReport observe_pose(const std::string& name, const Capture& capture, const CalibrateSettings& settings);
 
 // Zhang's method for camera and projector, then least squares over everything, including the pose between them. Corners

@@ -1,4 +1,4 @@
-// What `selfproj calibrate` writes (docs/calibration.md lists the files).
+// The files of `selfproj calibrate` (docs/calibration.md lists them).
 #ifndef SELFPROJ_HOST_CALIBRATION_CALIBRATION_OUTPUT_H
 #define SELFPROJ_HOST_CALIBRATION_CALIBRATION_OUTPUT_H
 

@@ -1,4 +1,4 @@
-// What the captures do not determine.
+// Warnings about parameters that the captures do not determine.
 #ifndef SELFPROJ_HOST_CALIBRATION_CALIBRATION_WARNINGS_H
 #define SELFPROJ_HOST_CALIBRATION_CALIBRATION_WARNINGS_H
 

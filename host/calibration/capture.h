@@ -18,8 +18,8 @@ struct DecodeSettings {
   int contrast = 20;  // the white image must exceed the black one by more than this
 };
 
-// What each camera pixel sees of the projector. A pixel has a code if white exceeds black by more than the contrast, no
-// pair of either axis is ambiguous, and column and row are within the projector.
+// The projector pixel that each camera pixel sees. A pixel has a code if white exceeds black by more than the contrast,
+// no pair of either axis is ambiguous, and column and row are within the projector.
 struct Capture {
   static constexpr std::int16_t kNone = -1;
 

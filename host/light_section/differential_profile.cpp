@@ -29,7 +29,7 @@ struct StripMoments {
 
 }  // namespace
 
-// What the kernel reads, from the strip's first column on.
+// The inputs of the kernel, from the strip's first column on.
 struct ProfileTables {
   const float* tan_theta;
   const float* tan_beta;

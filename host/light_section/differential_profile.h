@@ -26,8 +26,8 @@ struct ProfileTables;  // defined in the .cpp file
 //
 // Numbers are 32-bit floats. In images of 96 rows the centroid is within 4e-6 of a row of the exact one (half a unit in
 // the last place of M1, M0 and the quotient each). x, y, z are within two or three units in their last place (0.12 µm
-// at z = 1167). The differences come from k' and not from z, and are within 1e-6 of their own value plus 4e-6 of a
-// row's worth. The camera's noise is some 0.01 rows.
+// at z = 1167). The differences come from k' and not from z, and are exact to 1e-6 of their own value plus the change
+// that 4e-6 rows cause. The camera's noise is some 0.01 rows.
 class DifferentialProfiler {
  public:
   // Throws std::invalid_argument if the reference has another number of columns than the rig.
@@ -49,7 +49,7 @@ class DifferentialProfiler {
  private:
   [[nodiscard]] ProfileTables tables_from(int first) const;
 
-  // Of the rig:
+  // Values of the rig:
   float middle_row_;
   float tan_alpha_per_row_;
   float projector_x_;
@@ -58,7 +58,7 @@ class DifferentialProfiler {
   float rows_;
   std::int32_t min_lit_;
   std::int32_t max_lit_;
-  // Of each column:
+  // Values of each column:
   std::vector<float> tan_theta_;
   std::vector<float> tan_beta_;
   std::vector<float> tan_alpha_r_;

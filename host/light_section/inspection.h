@@ -23,7 +23,7 @@ struct InspectionOptions {
 
 class Inspection {
  public:
-  // What is kept of a frame's header.
+  // The fields kept from a frame's header.
   struct Frame {
     std::uint64_t sequence = 0;
     std::uint64_t time_stamp = 0;

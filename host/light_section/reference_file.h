@@ -31,8 +31,8 @@ namespace selfproj {
 ReferenceCurve parse_curve_csv(const std::string& text, const std::string& source);
 
 // The curve from a file. *.tif and *.tiff are heights (plane_z - z, mm; rows are frames, columns those of the camera,
-// as `scene render --truth` and `height.tiff` have them). Anything else is CSV. Of several frames it takes number
-// `frame` (from 1), or, without a number, the median of each column. Throws UserError with the file if it is unreadable
+// as `scene render --truth` and `height.tiff` have them). Anything else is CSV. From several frames it takes number
+// `frame` (from 1) or, without a number, the median of each column. Throws UserError with the file if it is unreadable
 // or damaged, has other columns than the rig's camera, or has no such frame.
 ReferenceCurve load_curve(const Rig& rig, const std::string& file, std::optional<int> frame);
 

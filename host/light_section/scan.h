@@ -26,9 +26,9 @@ class LineScan {
   // camera's size.
   void add(double line, const ImageView& image);
 
-  // What the sweep tells of each column: the line, with a fraction, at which its centroid crosses the middle row (Xc =
-  // 0), and from it θ(β) and z_r(β) = x0 / tan θ(β) + z0 (3.8). A straight line is fitted to the centroids within 4
-  // rows of the middle, or within 1.5 steps of the sweep if that is more. (Line and row are proportional to 1e-3 of a
+  // The result of the sweep for each column: the line, with a fraction, at which the centroid crosses the middle row
+  // (Xc = 0), and from it θ(β) and z_r(β) = x0 / tan θ(β) + z0 (3.8). A straight line is fitted to the centroids within
+  // 4 rows of the middle, or within 1.5 steps of the sweep if that is more. (Line and row are proportional to 1e-3 of a
   // line there.) This averages the noise of several images. If lines cross at several places, because light is thrown
   // from one surface to another, the crossing with the most light counts. A column is invalid if the line is not seen
   // on both sides of the middle.

@@ -1,4 +1,4 @@
-// What `selfproj depth` writes and prints.
+// The files and the text of `selfproj depth`.
 #ifndef SELFPROJ_HOST_REPORT_DEPTH_SUMMARY_H
 #define SELFPROJ_HOST_REPORT_DEPTH_SUMMARY_H
 
@@ -13,7 +13,7 @@
 
 namespace selfproj {
 
-// What was measured, and what was computed from the newest depth image.
+// The measurements, and the values computed from the newest depth image.
 struct DepthReport {
   DepthSetup setup;
   std::string device;      // URI; empty for recorded images

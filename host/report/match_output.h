@@ -1,4 +1,4 @@
-// What `selfproj match` writes and prints.
+// The files and the text of `selfproj match`.
 #ifndef SELFPROJ_HOST_REPORT_MATCH_OUTPUT_H
 #define SELFPROJ_HOST_REPORT_MATCH_OUTPUT_H
 

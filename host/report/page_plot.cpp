@@ -16,7 +16,7 @@
 namespace selfproj {
 namespace {
 
-// More points than pixels are useless. Of each run of points only the least and the greatest stay.
+// More points than pixels are useless. Keeps only the least and the greatest point of each run.
 ReportTrace thinned(const ReportTrace& trace) {
   constexpr std::size_t kMost = 4000;
   if (trace.x.size() <= kMost) {

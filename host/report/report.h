@@ -14,7 +14,7 @@
 
 namespace selfproj {
 
-// What the program adds to the collected data. All of it is optional.
+// The program's additions to the collected data. All of it is optional.
 struct ReportParts {
   std::string title = "Inspection";
   std::vector<Fact> counters;  // counters of the driver and of checks: "lost_board", ...

@@ -29,7 +29,7 @@ struct ErrorTerms {
 };
 ErrorTerms error_terms(const Rig& rig, const SeenPoint& point, double delta_xp_mm, double delta_xc_mm);
 
-//Δz| of half a pixel of each, added by magnitude as in the published figures.
+// |Δz| of half a pixel of each, added by magnitude as in the published figures.
 double half_pixel_error(const Rig& rig, const SeenPoint& point);
 
 // (4.26): Δz for small α, β, θ - θ0, both terms.
@@ -44,8 +44,8 @@ struct DepthRange {
 };
 DepthRange range_of_lines(const Rig& rig, const SeenPoint& reference, double below, double above);
 
-// The same with the window in cells, -e <= n < 2^m - e, if the reference is a plane z = const about the point. The
-// cells, camera rows `width` wide, are followed along the pixel's ray. Both ends are those of whole cells.
+// The same with the window in cells, -e <= n < 2^m - e, if the reference is a plane z = const through the point. Cells
+// are `width` camera rows high and are followed along the pixel's ray. Both ends are ends of whole cells.
 DepthRange range_of_cells(const Rig& rig, const SeenPoint& reference, int width, int bits, int e);
 
 // The z at which a pixel of this row sees a projector line (4.8).

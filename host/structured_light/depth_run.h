@@ -45,7 +45,8 @@ struct DepthRun {
   std::size_t depth_images = 0;
   FloatImage depth;    // the newest, mm
   DepthShares shares;  // shares of the newest
-  // Of all depth images in order. From a device only of the newest, because explaining takes longer than computing.
+  // Values of all depth images in order. From a device only of the newest, because explaining takes longer than
+  // computing.
   std::vector<OfImage<DepthShares>> all_shares;
   // With a background: of all depth images in order, and the depth in mm of what moved in the newest, NaN elsewhere.
   std::vector<OfImage<Moved>> moved;

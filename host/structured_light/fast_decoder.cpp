@@ -10,7 +10,7 @@
 #include "model/cpu_clones.h"
 
 // The compiler vectorizes the loops over pixels below. All their values have the width of a code, so that one vector
-// instruction handles 64 pixels (AVX-512, m <= 8). Steps that change the width have loops of their own.
+// instruction handles 64 pixels (AVX-512, m <= 8). Steps that change the width are separate loops.
 
 namespace selfproj {
 namespace {
@@ -108,8 +108,8 @@ SELFPROJ_CLONES void words_of_words(const std::uint16_t* codes, const std::uint1
 
 // --- median ---
 
-// How the median works. A code that is not measurable becomes the greatest value of its type. Of nine values in
-// ascending order the measurable ones are then the first k (a measurable code of that value is the same number), and
+// How the median works. A code that is not measurable becomes the greatest value of its type. In ascending order the
+// measurable ones of the nine values are then the first k (a measurable code of that value is the same number), and
 // their lower median is number (k - 1) / 2 from 0. The three values of each column of the neighbourhood are sorted once
 // for the three pixels that use them, l <= m <= h. Sorting the three l, the three m and the three h gives a square
 //

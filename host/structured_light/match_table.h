@@ -36,10 +36,10 @@ struct Match {
 // reference (of f_R at the nearest projector pixel, in steps of a quarter of a line) form runs; pieces less than 2.5
 // lines apart are one run. A run with
 //     n = k - K,   -e <= n < 2^m - e
-// is a candidate for the code of cell K. Of several the one with the smallest |n| is taken (printed window: the one
-// nearest to X_R), and of equals the one nearer to the camera. Its place is the middle of the run, which has the
-// reference's own fractions of a cell. Nothing is matched at pixels that the reference does not show (A_R = 0), or if z
-// does not fall with θ (z0 tan α >= x0).
+// is a candidate for the code of cell K. If there are several, it takes the one with the smallest |n| (printed window:
+// the one nearest to X_R), and of two equal ones the one nearer to the camera. Its place is the middle of the run,
+// which has the reference's own fractions of a cell. Nothing is matched at pixels that the reference does not show (A_R
+// = 0), or if z does not fall with θ (z0 tan α >= x0).
 class MatchSearch {
  public:
   // Rig and reference must outlive the search. Throws std::invalid_argument if a setting is out of range or the
@@ -72,9 +72,9 @@ class MatchSearch {
 };
 
 // The words of one row of the camera image; those of one code lie side by side, column by column. The codes are ordered
-// in planes by n, how many cells a match is nearer to the camera than the reference (modulo 2^m). What is looked up for
-// a surface near the reference is thus one run over rows, which the processor reads ahead. With the reflected code this
-// order has no meaning.
+// in planes by n, how many cells a match is nearer to the camera than the reference (modulo 2^m). The look-ups for a
+// surface near the reference are therefore one run over rows, which the processor prefetches. With the reflected code
+// this order has no meaning.
 struct MatchRow {
   const std::uint16_t* first;  // the first word of plane 0
   std::ptrdiff_t plane;        // words from one plane to the next

@@ -1,4 +1,4 @@
-// What self-projected structured light knows of its reference before the first frame, and the patterns made from it.
+// The reference of self-projected structured light, known before the first frame, and the patterns made from it.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_SELF_REFERENCE_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_SELF_REFERENCE_H
 

@@ -24,7 +24,7 @@ void write_self_reference(const Rig& rig, const SelfReference& reference, Output
 
 // Reads such a folder back (reference.yaml, X_R, f_R and f_r_seen). Throws UserError with file and reason if there is
 // no folder, a file is missing, damaged, of another size or version, or made for a rig of another geometry, the stripes
-// are out of range, or a value of f_R is no number.
+// are out of range, or a value of f_R is not a number.
 SelfReference read_self_reference(const Rig& rig, const std::string& folder);
 
 }  // namespace selfproj

@@ -16,7 +16,7 @@
 namespace selfproj {
 namespace {
 
-// What is the same for all pixels.
+// Values that are the same for all pixels.
 struct Common {
   float e0, e1;
   float origin_z;

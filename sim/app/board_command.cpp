@@ -91,12 +91,12 @@ PacketRecording source_of(const BoardOptions& options) {
   return recording;
 }
 
-// Of the time stamps that are written anew.
+// The clock of the new time stamps.
 double clocks_per_frame(const BoardOptions& options) {
   return options.pixel_clock_hz / (options.rate > 0 ? options.rate : kDefaultRate);
 }
 
-// How many frames are to be played; the largest number where there is no end.
+// How many frames are to be played; the largest number if it is endless.
 std::uint64_t frames_to_play(const BoardOptions& options, const PacketRecording& source) {
   if (options.count > 0) {
     return options.count;
@@ -135,7 +135,7 @@ void record(const BoardOptions& options, const PacketRecording& source) {
 }
 
 // A board in real time. Frames are due at fixed times from the start, not from each other, so that the rate is kept
-// exactly; one that is late follows at once, and how late the latest was is said.
+// exactly; a late one follows immediately. The summary says how late the latest was.
 void play(const BoardOptions& options, const PacketRecording& source) {
   RingWriter writer(options.ring, options.slots.value_or(RingWriter::deep_slots(options.ring)));
   const std::uint64_t lost_before = writer.lost();

@@ -49,7 +49,7 @@ std::unique_ptr<MomentsEngine> make_moments_engine(const std::string& name) {
   throw UserError("--engine " + name, "this engine is not part of this build");
 }
 
-// How many frames are held in memory and handed to the engine at once.
+// The number of frames that are held in memory and passed to the engine together.
 std::size_t batch_size(const Image& image) {
   constexpr std::size_t kBytes = std::size_t{16} << 20U;
   constexpr std::size_t kMost = 64;

@@ -140,7 +140,7 @@ bool is_in(const std::string& folder, const std::string& file) {
   return parent == (fs::absolute(folder) / "").lexically_normal().parent_path();
 }
 
-// What makes the frames of a scene and knows the truth about them.
+// Makes the frames of a scene and knows the truth about them.
 struct FrameMaker {
   std::function<void(int frame, std::span<float> pixels)> render;
   std::function<void(int frame, std::span<float> values)> truth;

@@ -36,7 +36,7 @@ class RtlEngine final : public MomentsEngine {
     });
     board.write(BoardSettings{
         .columns = settings.columns, .rows = settings.rows, .mode = settings.mode, .threshold = settings.threshold});
-    // Frames of few rows must not follow each other at once. Leave the time that two packets need.
+    // Frames of few rows must not follow each other immediately. Leave the time that two packets need.
     const auto gap = static_cast<std::uint32_t>(moments_payload_bytes(settings.mode, settings.columns) / 8 + 64);
     for (const ImageView& frame : frames) {
       board.send(frame);

@@ -17,7 +17,8 @@
 namespace selfproj {
 
 // Every packet must be the next one of its kind that the model expects, or a later one. The packets in between were
-// lost, and the packet's own count of losses must say exactly that. What is still expected at the end was lost too.
+// lost, and the packet's own count of losses must say exactly that. Packets that are still expected at the end were
+// lost too.
 class PacketJudge {
  public:
   // The state of one kind of packet.
@@ -43,7 +44,7 @@ class PacketJudge {
   [[nodiscard]] const Kind& of(std::uint8_t kind) const { return streams_[index(kind)].known; }
   [[nodiscard]] std::uint64_t matched() const;  // packets of all kinds
   [[nodiscard]] std::uint64_t lost() const;     // packets of all kinds
-  // What the board's counter of lost packets of the kind must show, modulo 2^32, including those lost before.
+  // The value that the board's counter of lost packets of this kind must have, modulo 2^32, including earlier losses.
   [[nodiscard]] std::uint32_t lost_in_all(std::uint8_t kind) const { return streams_[index(kind)].lost_in_all(); }
 
   [[nodiscard]] std::uint64_t matched_bytes() const { return matched_bytes_; }

@@ -57,8 +57,8 @@ class PacketRecording {
   std::vector<Frame> frames_;
 };
 
-// Reads a recorded stream to its end. What the driver counts on the way goes to `counters`. Throws UserError if the
-// file cannot be read or has no good packet.
+// Reads a recorded stream to its end. The driver's counts go to `counters`. Throws UserError if the file cannot be read
+// or has no good packet.
 PacketRecording read_recording(const std::string& file, Counters& counters);
 
 // A line of light that moves over the image, through the model of the board: `frames` images of rows x columns 8-bit

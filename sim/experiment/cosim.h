@@ -1,5 +1,5 @@
 // The runner of co-simulations: frames go through the platform, packets through the driver, and every packet is
-// compared with the model's. What is measured from them is up to a CosimMeasurement (cosim_measurement.h).
+// compared with the model's. A CosimMeasurement decides what is measured from them (cosim_measurement.h).
 #ifndef SELFPROJ_SIM_EXPERIMENT_COSIM_H
 #define SELFPROJ_SIM_EXPERIMENT_COSIM_H
 

@@ -16,7 +16,7 @@
 
 namespace selfproj {
 
-// What the runner contributes to a measurement's page.
+// The runner's contribution to a measurement's page.
 struct CosimFacts {
   std::string title;
   std::vector<Fact> counters;
@@ -53,7 +53,7 @@ class CosimMeasurement {
   [[nodiscard]] virtual std::vector<Fact> counters(const CosimResult& /*result*/) const { return {}; }
   [[nodiscard]] virtual std::vector<Fact> settings() const = 0;
 
-  // What was found, if there is a truth to compare with.
+  // The findings, if there is a truth to compare with.
   [[nodiscard]] virtual std::vector<Fact> findings() const { return {}; }
 
   // Writes tables, pictures and page. Does not commit the folder.
@@ -62,7 +62,7 @@ class CosimMeasurement {
   // Complete lines for the terminal: what ran and what was found.
   [[nodiscard]] virtual std::string text() const = 0;
 
-  // What was equal, such as "716800 columns in 1400 frames".
+  // The amount that was equal, such as "716800 columns in 1400 frames".
   [[nodiscard]] virtual std::string matched(const CosimResult& result) const = 0;
 };
 

@@ -64,7 +64,7 @@ struct Stage {
   std::vector<Face> faces;
 };
 
-// What a method measured.
+// The results of a method.
 struct Method {
   std::string name;
   FloatImage depth, difference;
@@ -89,7 +89,7 @@ void scan(const PatternRenderer& renderer, int first, int bits, const std::funct
               });
 }
 
-// The width in z of the cell whose match is the true one for a pixel; NaN if no match is.
+// The width in z of the cell whose match is the true one for a pixel; NaN if there is no match.
 double width_of_match(const Stage& stage, const MatchSearch& search, std::size_t pixel, std::vector<Match>& matches) {
   const PixelPoint light = stage.planes.light(pixel, static_cast<double>(stage.truth.values[pixel]));
   const int columns = stage.rig.camera.columns;

@@ -28,8 +28,8 @@
 
 namespace selfproj {
 
-// What is known before the patterns: the scanner, with the options' seed and threshold, its scene, and the run's
-// length.
+// Values that are known before the patterns: the scanner with the options' seed and threshold, its scene, and the
+// length of the run.
 struct DepthCosimSetup {
   Rig rig;
   std::unique_ptr<Scene> scene;

@@ -1,4 +1,4 @@
-// What the depth images of a scene tell about its motion, as facts, plots and a table, compared with the truth.
+// The motion in the depth images of a scene as facts, plots and a table, compared with the truth.
 #ifndef SELFPROJ_SIM_EXPERIMENT_DEPTH_FINDINGS_H
 #define SELFPROJ_SIM_EXPERIMENT_DEPTH_FINDINGS_H
 

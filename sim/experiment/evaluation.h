@@ -17,8 +17,9 @@ using Mask = std::vector<std::uint8_t>;
 using TrueHeight = std::function<double(int frame, double x, double y)>;
 
 // 1 for the entries within `columns` columns or `rows` rows of a step of the map `truth`, and for those without a
-// value. There a line of finite width lies on two heights at once. A step is where two neighbours, along a row or along
-// a column, differ by more than `min_step`, or only one of them has a value. An entry beside a step is within 1 of it.
+// value. There a line of finite width lies on two heights at the same time. A step is where two neighbours, along a row
+// or along a column, differ by more than `min_step`, or only one of them has a value. An entry beside a step is within
+// 1 of it.
 Mask near_steps(const FloatImage& truth, double min_step, int columns, int rows);
 
 struct HeightErrors {

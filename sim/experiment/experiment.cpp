@@ -54,8 +54,8 @@ void print(const ReportTable& table) {
   fmt::print("\n");
 }
 
-// The tables and what is not reached, as results/experiment_NAME.json; with --sources and --gray-scan under a name of
-// their own.
+// The tables and what is not reached, as results/experiment_NAME.json; with --sources and --gray-scan under a different
+// name.
 void keep_results(const ExperimentOptions& options, const std::vector<ReportTable>& tables,
                   const std::vector<std::string>& not_reached) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();

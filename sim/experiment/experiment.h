@@ -20,7 +20,7 @@ struct ExperimentOptions {
   // For A1 and A2:
   bool residual = true;  // measure the reference's own residual and remove it
   bool sources = false;  // also make the table of error sources
-  int every = 1;         // take only every so many frames
+  int every = 1;         // take only every n-th frame
 
   // For B4, B7 and B8:
   ScanMethod scan = ScanMethod::lines;

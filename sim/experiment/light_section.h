@@ -21,7 +21,7 @@ namespace selfproj {
 
 inline constexpr std::array<Mode, 3> kAllModes = {Mode::grey_over, Mode::grey, Mode::binary};
 
-// What is set up before the part comes: the rig, the pattern, and the reference for each of kAllModes.
+// The setup before the part comes: the rig, the pattern, and the reference for each of kAllModes.
 struct LightSection {
   Rig rig;
   FloatImage pattern;
@@ -32,9 +32,9 @@ struct LightSection {
 ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene);
 
 // Self-projection with the pattern of the reference part, whose shape is known. With `residual` the reference part is
-// measured once (16 frames, with noise of their own), and each column's remaining offset is kept. `real` describes
-// camera and projector as they are. `rig` describes them as they are believed to be, and everything is computed from
-// it. Their images have one size.
+// measured once (16 frames with separate noise), and each column's remaining offset is kept. `real` describes camera
+// and projector as they are. `rig` describes them as they are believed to be, and everything is computed from it. Their
+// images have one size.
 LightSection self_projection(const Rig& rig, const Rig& real, const Scene& reference, const RenderOptions& options,
                              bool residual);
 

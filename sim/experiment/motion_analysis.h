@@ -1,4 +1,4 @@
-// What the depth images of experiments B1 to B3 tell about motion: how often, how far, how fast.
+// Measures motion in the depth images of experiments B1 to B3: frequencies, amplitudes, speeds.
 #ifndef SELFPROJ_SIM_EXPERIMENT_MOTION_ANALYSIS_H
 #define SELFPROJ_SIM_EXPERIMENT_MOTION_ANALYSIS_H
 
@@ -15,7 +15,7 @@ struct SineFit {
   double frequency = 0;  // Hz; NaN if there are too few values
   double mean = 0;
   double amplitude = 0;
-  double residual = 0;  // RMS of what the fit leaves
+  double residual = 0;  // RMS of the residuals of the fit
 };
 
 // Tries all frequencies in low..high, to 0.001 Hz, of which a whole period was seen, and takes the best. Ignores NaN.

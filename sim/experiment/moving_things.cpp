@@ -70,7 +70,7 @@ const std::array<MovingExperiment, 2> kExperiments{{
 constexpr int kConventionalBits = 8;
 constexpr int kStart = 2 * kConventionalBits - 2;  // frames before the first pair with full windows of both methods
 
-// What a method measured of each thing in one depth image.
+// The results of a method for each thing in one depth image.
 struct Instant {
   int frame = 0;  // frame in the middle of the window
   std::vector<ThingFigures> things;
@@ -79,7 +79,7 @@ struct Instant {
 // The number of depth images by each method, and which of them are shown.
 struct Plan {
   int pairs;
-  int still_every;  // shows one in so many; odd, so that each plane takes its turn as the newest
+  int still_every;  // shows one in this many; odd, so that each plane takes its turn as the newest
 
   [[nodiscard]] int frames() const { return kStart + 2 * pairs; }
   [[nodiscard]] int stills() const { return (pairs - still_every / 2 + still_every - 1) / still_every; }
@@ -97,19 +97,19 @@ Plan plan_of(const MovingOptions& options, const Scene& scene) {
   return {pairs, step % 2 == 0 ? step + 1 : step};
 }
 
-// What is measured, and where.
+// The things that are measured, and where.
 struct Setting {
   const MovingOptions& options;
   const MovingExperiment& experiment;
   const Scene& scene;
   const PatternRenderer& renderer;
-  const FloatImage& background_z;  // true z of what stands still
+  const FloatImage& background_z;  // true z of the still surface
   std::vector<Thing> things;
   Plan plan;
   std::function<void()> count;
 };
 
-// What a method measured.
+// The results of a method.
 struct Observation {
   std::string method;
   int window = 0;  // frames

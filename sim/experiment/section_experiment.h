@@ -20,7 +20,7 @@ struct SectionOptions {
   RenderOptions render;
   bool residual = true;  // measure the reference once, and keep each column's remaining offset
   bool sources = false;  // also make the table of error sources
-  int every = 1;         // take only every so many frames
+  int every = 1;         // take only every n-th frame
   int threads = 0;       // 0: one for each core
 };
 

@@ -89,8 +89,8 @@ Mask rows_of(const Mask& mask, int columns, int first, int count) {
   return {begin, begin + static_cast<std::ptrdiff_t>(count) * columns};
 }
 
-// What the light sheet meets in the measured frames and in those up to `reach` frames before and after them; NaN in all
-// others. Rows are the scene's frames.
+// The surface that the light sheet meets in the measured frames and in those up to `reach` frames before and after
+// them; NaN in all others. Rows are the scene's frames.
 FloatImage truth_around(const Measurement& m, const Renderer& renderer, int frames, int reach) {
   FloatImage truth(frames, m.truth.columns, std::numeric_limits<float>::quiet_NaN());
   std::vector<int> wanted;

@@ -15,7 +15,7 @@ namespace selfproj {
 
 inline constexpr int kStepColumns = 3;  // columns left out on each side of a height step or part edge
 
-// What a method found in one mode, compared with the truth. Lengths in mm, centroids in pixels.
+// The results of a method in one mode, compared with the truth. Lengths in mm, centroids in pixels.
 struct SectionFigures {
   HeightErrors errors;             // without points within kStepColumns of a height step or part edge, in any direction
   HeightErrors errors_beyond_2;    // without points within 2 columns

@@ -1,4 +1,4 @@
-// What computes inside the platform's board: the Verilated RTL, or the model with plausible timing.
+// The implementation inside the platform's board: the Verilated RTL, or the model with plausible timing.
 //
 // A core is told its inputs in the order of their clocks, ahead of its own time, and is then run up to a clock. It
 // knows nothing of SystemC.
@@ -70,7 +70,7 @@ class BoardCore {
   virtual void encoder(std::uint64_t clock, bool a, bool b) = 0;
   virtual void stall(std::uint64_t clock, int percent) = 0;
 
-  // Runs up to this clock, not including it. A clock in the past is no error.
+  // Runs up to this clock, not including it. A clock in the past is not an error.
   virtual void run_to(std::uint64_t clock) = 0;
 
   // Runs until no packet is on its way. The sink must not stall forever.

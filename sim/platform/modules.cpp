@@ -148,7 +148,7 @@ void Board::run() {
         break;
       }
       core_->run_to(known);
-      // A core with modules of its own lets others run meanwhile. Do not wait again for what they promised.
+      // A core with modules of its own lets others run meanwhile. Do not wait again for their promises.
       if (std::min({video_until_, encoder_until_, stall_until_}) == known) {
         wait(promised_);
       }
@@ -202,7 +202,7 @@ void BusSink::hold_up() {
               1, static_cast<std::uint64_t>(seconds * 1e12 / static_cast<double>(options_.period_ps))) *
           options_.period_ps);
     };
-    // Announces what will hold from a time on, and sleeps until then.
+    // Announces the state from a time on, and sleeps until then.
     sc_core::sc_time then = sc_core::SC_ZERO_TIME;
     const auto pass = [&](double seconds) {
       then += clocks(seconds);

@@ -123,7 +123,7 @@ class Camera : public GuardedModule {
   std::uint64_t frames_ = 0;
 };
 
-// The belt, whose encoder turns one step every so many clocks (at least 4; 0: it stands still).
+// The belt. Its encoder turns one step every given number of clocks (at least 4; 0: it stands still).
 class Conveyor : public GuardedModule {
  public:
   sc_core::sc_port<EncoderInterface, 2> encoder{"encoder"};
@@ -211,7 +211,7 @@ class BusSink : public GuardedModule, public PacketInterface {
   std::uint64_t hold_ups_ = 0;
 };
 
-// Feeds the model of the board with what the board sees, and keeps the model's packets until the board's are compared
+// Feeds the model of the board with the board's inputs, and keeps the model's packets until the board's are compared
 // with them.
 class ReferenceModel : public sc_core::sc_module, public VideoInterface, public EncoderInterface {
  public:

@@ -24,7 +24,7 @@ class ShellSlot {
   ShellSlot& operator=(const ShellSlot&) = delete;
   ~ShellSlot();
 
-  // One clock with the inputs of `pins`. The block's own clock stands still after nothing has come for so long that
+  // One clock with the inputs of `pins`. The block's own clock stops when nothing has come for long enough that
   // everything under way has left; its outputs then keep their values. Throws std::logic_error at a beat or a break
   // while the kernel does not run.
   const Pins& clock(const Pins& pins);

@@ -64,7 +64,7 @@ class Visible {
   Pinhole camera_, projector_;
 };
 
-// The middle of what both see of the plane z = `z`. Uses rectangles, which both views nearly are.
+// The middle of the area of the plane z = `z` that both see. Uses rectangles, which both views nearly are.
 Point3 middle_of_view(const Rig& rig, double z) {
   const Pinhole camera = Pinhole::of_camera(rig.camera);
   const Pinhole projector = Pinhole::of_projector(rig.projector);

@@ -50,9 +50,9 @@ class ChessboardScene : public Scene {
 };
 
 // `count` places of the board in which camera and projector see it whole, with a margin of one square around it. In the
-// first place it faces the camera in the middle of what both see of the rig's plane. In the others it leans by
-// `tilt_deg` in as many directions, nearer and further away, and is turned and shifted as far as the margin allows, so
-// that the corners fill both images. Throws UserError if a place has no room; then a smaller board is needed.
+// first place it faces the camera, in the middle of the area of the rig's plane that both see. In the others it leans
+// by `tilt_deg` in as many directions, nearer and further away, and is turned and shifted as far as the margin allows,
+// so that the corners fill both images. Throws UserError if a place has no room; then a smaller board is needed.
 std::vector<ChessboardPlace> chessboard_places(const Rig& rig, const ChessboardShape& shape, int count,
                                                double tilt_deg);
 

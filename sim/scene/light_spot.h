@@ -1,4 +1,4 @@
-// What a ray of the camera meets, as far as images under patterns depend on it.
+// The point that a ray of the camera meets, with the properties on which images under patterns depend.
 #ifndef SELFPROJ_SIM_SCENE_LIGHT_SPOT_H
 #define SELFPROJ_SIM_SCENE_LIGHT_SPOT_H
 

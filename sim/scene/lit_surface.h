@@ -29,7 +29,7 @@ class LitSurface {
   [[nodiscard]] HeightRange heights_between(PixelPoint first, PixelPoint last, double t0, double t1,
                                             HeightRange all) const;
 
-  // What the ray of a pixel meets first at the time t, if the surface is known to lie between these heights.
+  // The first point that the ray of a pixel meets at the time t, if the surface is known to lie between these heights.
   [[nodiscard]] Hit hit(PixelPoint pixel, double t, HeightRange heights) const;
 
   // The normal of the surface there, of length 1, towards the camera.

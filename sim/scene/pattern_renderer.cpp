@@ -29,7 +29,7 @@ const Scene& checked(const Scene& scene) {
   return scene;
 }
 
-// What a ray meets when there are bodies.
+// The point that a ray meets if the scene has bodies.
 struct Look {
   LightSpot spot;
   int body = -1;      // -1: the surface

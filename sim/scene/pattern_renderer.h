@@ -1,4 +1,4 @@
-// The camera's images of a scene under whole patterns of the projector, for many frames. What does not move is traced
+// The camera's images of a scene under whole patterns of the projector, for many frames. Still surfaces are traced
 // once, when the renderer is made; a frame then only looks up the pattern for every sub-pixel. Only what bodies cover
 // or shade is traced anew in each frame.
 //
@@ -38,7 +38,8 @@ class PatternRenderer {
   // The same as floating-point grey values, which without quantization are neither rounded nor limited.
   void render(int frame, const ProjectedLight& pattern, std::span<float> pixels) const;
 
-  // The truth: z in mm of what each pixel's centre sees at the middle of the frame's exposure, surface and bodies.
+  // The truth: z in mm of the point that each pixel's centre sees at the middle of the frame's exposure, on surface or
+  // bodies.
   void depth(int frame, std::span<float> z) const { lit_depth(frame, z, -1); }
 
   // The same, but NaN if full light of the projector adds no more grey values than `least_light`: places without light,

@@ -51,7 +51,7 @@ void check_pattern(const FloatImage& pattern, const RigProjector& projector, con
   }
 }
 
-// What is the same for all pixels of a frame.
+// Values that are the same for all pixels of a frame.
 struct Renderer::Light {
   double middle;        // middle of the exposure, s
   double exposure;      // s; 0 without motion blur
@@ -82,8 +82,8 @@ HeightRange Renderer::block_heights(const Light& light, int row, int column) con
                                   light.middle - light.exposure / 2, light.middle + light.exposure / 2, light.heights);
 }
 
-// Whether no light falls on what the rays through a block of pixels meet between these heights. The volume that they
-// pass is convex, and so is its image in the projector, which its corners therefore bound.
+// Whether no light falls on the points that the rays through a block of pixels meet between these heights. The volume
+// that they pass is convex, and so is its image in the projector, which its corners therefore bound.
 bool Renderer::is_dark(int row, int column, HeightRange heights) const {
   double line_0 = std::numeric_limits<double>::max();
   double line_1 = std::numeric_limits<double>::lowest();

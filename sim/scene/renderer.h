@@ -74,9 +74,9 @@ class Renderer {
   // The same as floating-point grey values, which without quantization are neither rounded nor limited.
   void render(int frame, std::span<float> pixels) const;
 
-  // What a light section measures in a frame without any error: for each camera column the height, mm, of the point
-  // where its viewing plane, the light sheet (the middle of the projected line, ProjectedLight::line_centre) and the
-  // surface meet at the middle of the exposure. NaN if the camera does not see the line, or sees it more than once.
+  // The result of a light section without any error: for each camera column the height, mm, of the point where its
+  // viewing plane, the light sheet (the middle of the projected line, ProjectedLight::line_centre) and the surface meet
+  // at the middle of the exposure. NaN if the camera does not see the line, or sees it more than once.
   void truth(int frame, std::span<float> heights) const;
 
   // One such row for each of `count` frames from `first` on, with several threads (0: one for each core).

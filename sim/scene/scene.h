@@ -1,4 +1,4 @@
-// What the camera sees: a surface given by its height above the plane, which may move and change with time.
+// A scene: a surface given by its height above the plane, which may move and change with time.
 #ifndef SELFPROJ_SIM_SCENE_SCENE_H
 #define SELFPROJ_SIM_SCENE_SCENE_H
 

@@ -18,9 +18,9 @@ enum class SceneMethod : std::uint8_t {
   self_projected,  // Gray-code patterns that are straight on the reference
 };
 
-// What is followed through the depth images of a gray_codes scene.
+// The motion that is followed through the depth images of a gray_codes scene.
 enum class SceneAnalysis : std::uint8_t {
-  moved_centroid,  // the centroid of what differs from the background
+  moved_centroid,  // the centroid of the pixels that differ from the background
   wave_front,      // the foremost crest of a ring wave
   key_taps,        // the depth at two pixels
 };

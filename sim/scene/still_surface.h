@@ -39,12 +39,13 @@ class StillSurface {
   [[nodiscard]] const LitSurface& surface() const { return surface_; }
   [[nodiscard]] HeightRange heights() const { return heights_; }  // of the whole surface
 
-  // What the rays through a node and through a pixel's middle meet. Indices are those of the grid, and row by row.
+  // The points that the rays through a node and through a pixel's middle meet. Indices are those of the grid, and row
+  // by row.
   [[nodiscard]] const LightSpot& node(std::size_t index) const { return nodes_[index]; }
   [[nodiscard]] const LightSpot& centre(std::size_t pixel) const { return centres_[pixel]; }
   [[nodiscard]] const Block& block(std::size_t index) const { return blocks_[index]; }
 
-  // What the ray through sub-pixel (i, j) of a block meets.
+  // The point that the ray through sub-pixel (i, j) of a block meets.
   [[nodiscard]] LightSpot sample(const Block& block, int i, int j) const {
     if (block.samples >= 0) {
       return samples_[static_cast<std::size_t>(block.samples + i * kBlockSide + j)];
@@ -56,7 +57,7 @@ class StillSurface {
   // Grey values of a block under a pattern: lit as the surface is, or all in the shadow.
   void values(const Block& block, const ProjectedLight& pattern, Shade shade, BlockValues& values) const;
 
-  // What a ray meets at a given point. `share` of the projector's full light is that of LitSurface::lit_share.
+  // The properties of a point that a ray meets. `share` of the projector's full light is that of LitSurface::lit_share.
   [[nodiscard]] LightSpot spot_of(Point3 point, double share, double albedo) const;
 
  private:
