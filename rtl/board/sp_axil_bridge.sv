@@ -3,8 +3,8 @@
 //
 // Guarantees: every access is answered. OKAY: the registers took it. SLVERR: the registers refused
 // it, wstrb was not all ones, or the video clock gave no answer within 2^TimeoutBits bus clocks
-// (the camera is off). After such a time-out every further access gets SLVERR at once, until the
-// late answer has come. Where a read and a write both wait, they take turns.
+// (the camera is off). After such a time-out every further access gets SLVERR immediately, until
+// the late answer has come. If a read and a write both wait, they take turns.
 //
 // Crossing: the words of request and answer are stable while their toggles pass through two flops.
 `default_nettype none

@@ -1,4 +1,4 @@
-// Tells that no beat came for too long.
+// Reports when no beat has come for too long.
 //
 // Guarantees: if the last beat is at the input in clock 0 and none comes in the timeout_i clocks
 // after it, expired_o is high in the second clock after those and in no other. The caller ignores
@@ -20,7 +20,7 @@ module sp_frame_timeout (
   input  wire logic        clk_i,
 
   input  wire logic        beat_i,     // a beat is at the input
-  input  wire logic        beat1_i,    // a beat was there one clock ago
+  input  wire logic        beat1_i,    // a beat came one clock ago
   input  wire logic [23:0] timeout_i,  // clocks; 0: never
   output logic             expired_o
 );

@@ -2,7 +2,7 @@
 //
 // Guarantees: it holds 2^LogDepth words plus the one in the output register, takes and gives one
 // word per clock, and keeps the order, for any two clocks. wr_free_o is a register that counts the
-// free places and never promises one that is not there: places taken by the writer count at once,
+// free places and never promises one that is not free: places taken by the writer count at once,
 // places freed by the reader count four to five write clocks later. The writer looks first and
 // never writes while wr_free_o is 0. Reset: both sides together, each in its clock.
 `default_nettype none
@@ -212,7 +212,7 @@ module sp_async_fifo #(
             (LogDepth + 4)'(1 << LogDepth));
     assert (f_step3 <= (LogDepth + 1)'(1));
     assert (f_step7 <= (LogDepth + 1)'(1));
-    // Rule 2: a place that is promised is there.
+    // Rule 2: a place that is promised is free.
     assert ((LogDepth + 2)'(wr_free_o) + (LogDepth + 2)'(f_held) <= (LogDepth + 2)'(1 << LogDepth));
     // Rule 3: the memory holds what was written, and the output shows it in order.
     if (f_before_mark < f_held) assert (f_there == f_word_q);

@@ -1,5 +1,5 @@
-// Counter in chains. Each chain knows from registers when it has to count, so that no path is
-// longer than one chain, however wide the counter is.
+// Counter in chains. Registers tell each chain when it has to count, so no path is longer than one
+// chain, however wide the counter is.
 //
 // Guarantees: count_o = ResetValue plus the number of clocks with inc_i from reset to the clock
 // before the last, modulo 2^Width; it is always coherent. The lowest 8 bits of ResetValue are not

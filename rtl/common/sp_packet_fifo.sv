@@ -2,7 +2,7 @@
 //
 // Guarantees: packets come out whole and in order, for any two clocks. Within a packet the output
 // never waits for the writer; a word may come a few read clocks after the one before it. wr_free_o
-// counts the free places and never promises one that is not there. The writer begins a packet only
+// counts the free places and never promises one that is not free. The writer begins a packet only
 // if all of it has room, and gives each packet at least PacketWords words. Reset: both sides
 // together.
 `default_nettype none

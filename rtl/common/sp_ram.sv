@@ -25,7 +25,7 @@ module sp_ram #(
   output logic      [Width-1:0]    rd_data_o
 `ifdef FORMAL
   ,
-  input  wire logic [LogDepth-1:0] f_addr_i,  // a place to look into, for the proofs of the users
+  input  wire logic [LogDepth-1:0] f_addr_i,  // an address to observe, for the proofs of the users
   output logic      [Width-1:0]    f_word_o
 `endif
 );
@@ -37,8 +37,8 @@ module sp_ram #(
   end
 
 `ifdef FORMAL
-  // Read and write of one place at once give any word. (With two clocks, the users prove that this
-  // never happens.)
+  // A read and a write of one address in the same clock give any word. (With two clocks, the users
+  // prove that this never happens.)
   (* anyseq *) logic [Width-1:0] f_any;
   always_ff @(posedge rd_clk_i) begin
     if (rd_en_i) rd_data_o <= wr_en_i && wr_addr_i == rd_addr_i ? f_any : memory[rd_addr_i];

@@ -10,11 +10,11 @@
 // of the frame. Then it reads the first words of the next frame.
 //
 // rd_late_o says that a word came too late; then nothing more of that frame is read or written.
-// This happens when a frame starts before its first word is there, when a later word is not there
+// This happens when a frame starts before its first word has come, when a later word does not come
 // in time, and when the write FIFO might have no room. At most 2^(LogDepth + 1) - 1 bursts are
 // written and not yet answered. Error responses are ignored.
 //
-// Timing: rd_data_o and rd_late_o are there two clocks after rd_en_i. A word of a frame is written
+// Timing: rd_data_o and rd_late_o are valid two clocks after rd_en_i. A word of a frame is written
 // at most WriteDelay clocks after it was asked for.
 `default_nettype none
 
@@ -232,8 +232,8 @@ module sp_gray_axi_memory #(
   end
 
 `ifdef FORMAL
-  // One reset at the beginning. The base stands still. A word that was asked for is written back or
-  // was not there. Words may be asked for, and frames may begin and end, at any time.
+  // One reset at the beginning. The base stands still. A word that was asked for is written back,
+  // or it came too late. Words may be asked for, and frames may begin and end, at any time.
   localparam int FBurstBytes = 16 * BurstWords;
   // counts modulo a power of two that is larger than any number under way
   localparam int FBits = LogDepth + 2;

@@ -10,7 +10,7 @@
 // Bits outside mask_i, left from another m, become 0.
 //
 // Timing: one pixel in every clock. A pixel and its state come in clock t. The threshold is read in
-// t + 1, negative_i to mask_i in t + 2. The new state is there in t + 3, the code word in t + 4.
+// t + 1, negative_i to mask_i in t + 2. The new state is valid in t + 3, the code word in t + 4.
 `default_nettype none
 
 module sp_gray_lane #(

@@ -13,7 +13,7 @@
 // late_o counts. A later break of the same frame is not passed on. A frame of more than Groups
 // groups wraps.
 //
-// Timing, for a beat of clock t: the words are asked for in t + 1, are there in t + 1 + Latency,
+// Timing, for a beat of clock t: the words are asked for in t + 1, are valid in t + 1 + Latency,
 // and leave in t + 2 + Latency. A break takes as long. Nothing can be stalled.
 `default_nettype none
 

@@ -1,7 +1,7 @@
 // On-chip memory for the state of the Gray-code decoder: Words words, never late.
 //
 // It serves the memory port of sp_gray_decoder: both sides go through the words in the order of the
-// frame, starting with its first word. Timing: rd_data_o is there two clocks after rd_en_i. A word
+// frame, starting with its first word. Timing: rd_data_o is valid two clocks after rd_en_i. A word
 // can be read from the clock after its write on.
 //
 // A memory that fills the FPGA is as wide as the FPGA: no address reaches all of it in one clock,

@@ -1,11 +1,11 @@
-// Sequence rules of the Gray-code decoder: what a frame is, from its pattern index and the frames
-// before it.
+// Sequence rules of the Gray-code decoder: the role of a frame, from its pattern index and the
+// frames before it.
 //
 // A frame with the expected index is taken. Any other frame, and the first one after restart_i or
 // lost_i, is taken only if its index is 0. Codes are due from a negative once bits_i pairs have
 // come in succession, starting with index 0.
 //
-// Timing: the outputs are there from the clock after start_i on. restart_i counts before a frame
+// Timing: the outputs are valid from the clock after start_i on. restart_i counts before a frame
 // that starts in the same clock. lost_i belongs to the frame that starts in its clock, or to the
 // open one: that frame stays what it is, but the frame after it no longer follows. A frame whose
 // codes were due while busy_i was high is refused; it counts as a frame with the wrong index.
@@ -120,7 +120,7 @@ module sp_gray_sequence #(
     // 0.
     assert (due_o == f_due_q);
     assert (negative_o == f_negative_q);
-    // Rule 2: a frame is refused only where its codes would be due and cannot be taken.
+    // Rule 2: a frame is refused only if its codes would be due and cannot be taken.
     assert (refused_o == (start_i && f_refused));
     if (due_o) assert (negative_o);
     // The registers say the same in other words.

@@ -15,8 +15,8 @@
 //   early. A pushed group is read two clocks later at the earliest.
 // * Between frames of equal settings, beats that are added one clock after they would be pushed
 //   never meet a drain read: the second row of the next frame begins one clock after the last drain
-//   read. After a change of settings, active_o tells the others to keep away; it falls with the
-//   last drain read.
+//   read. After a change of settings, active_o keeps others from reading; it falls with the last
+//   drain read.
 // * Nothing overflows. M1 fits (sp_spec_pkg). The line buffer has room for one row, and that row is
 //   drained before the next wanted one comes; sp_packetizer refuses a row that comes sooner.
 // * Latency: the first two columns of a group leave ten clocks after its drain read, the other two
