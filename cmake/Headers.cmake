@@ -1,12 +1,12 @@
 # selfproj_precompile(NAME HEADERS header... [OPTIONS option...] [LIBRARIES library...])
 # selfproj_use_precompiled(NAME target...)
 #
-# Headers of libraries that are read once for many sources: they are half of what a source of ours costs. NAME is an
-# object library that reads them with these options and libraries. A source names what it needs as if there were none of
-# this; preset dev and clang-tidy, which do without, say where a header is missing.
+# Precompiles headers of libraries once for many sources; reading them takes half of the compile time of a source. NAME
+# is an object library that reads them with these options and libraries. Sources still include every header that they
+# need. Preset dev and clang-tidy use no precompiled headers, so they find missing includes.
 #
-# g++ takes what it has precompiled only for a source with the same macros and instruction set; -Winvalid-pch, which
-# CMake adds, makes an error of what does not fit.
+# g++ accepts a precompiled header only for a source with the same macros and instruction set. CMake adds -Winvalid-pch,
+# which turns any other use into an error.
 function(selfproj_precompile name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;OPTIONS;LIBRARIES")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_HEADERS)
@@ -32,7 +32,7 @@ endfunction()
 #
 # Compiles the sources of each target as one, except in preset dev. The templates of JSON, fmt and OpenCV that many
 # sources of a library use are then instantiated once, which takes half the time. So the names in unnamed namespaces
-# must differ within a library. A source with compile options of its own stays alone.
+# must differ within a library. A source with its own compile options is compiled alone.
 function(selfproj_compile_as_one)
   if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
     set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)

@@ -1,7 +1,7 @@
 # Targets opencv::core, opencv::imgproc, opencv::imgcodecs and opencv::calib3d.
 #
-# Debian packs OpenCVConfig.cmake only with the package of all modules (libopencv-dev, several hundred MB with what it
-# needs); headers and libraries come module by module, so they are looked up here one by one.
+# Debian ships OpenCVConfig.cmake only with the package of all modules (libopencv-dev, several hundred MB with its
+# dependencies). Headers and libraries come module by module, so this file looks them up one by one.
 find_path(SELFPROJ_OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 mark_as_advanced(SELFPROJ_OPENCV_INCLUDE_DIR)
 
@@ -20,9 +20,9 @@ set_property(TARGET opencv::imgproc APPEND PROPERTY INTERFACE_LINK_LIBRARIES ope
 set_property(TARGET opencv::imgcodecs APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::imgproc)
 set_property(TARGET opencv::calib3d APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::imgproc)
 
-# selfproj_find_opencv_structured_light(FOUND): the peer that decoding is compared with, in package
-# libopencv-contrib-dev, which brings several hundred MB along. It is optional: FOUND is true where it is installed, as
-# target opencv::structured_light.
+# selfproj_find_opencv_structured_light(FOUND): the module with which decoding is compared. It comes with
+# libopencv-contrib-dev, several hundred MB, and is optional: FOUND is true if it is installed, as target
+# opencv::structured_light.
 function(selfproj_find_opencv_structured_light found)
   find_path(SELFPROJ_OPENCV_STRUCTURED_LIGHT_INCLUDE_DIR opencv2/structured_light/graycodepattern.hpp
     PATH_SUFFIXES opencv4)

@@ -1,5 +1,5 @@
-# SELFPROJ_TESTS: whether all that the tests need is installed. Where something is missing, the configuration says what,
-# and builds the programs alone.
+# SELFPROJ_TESTS: whether everything that the tests need is installed. If something is missing, the configuration says
+# what, and builds only the programs.
 set(missing "")
 find_package(GTest QUIET)
 if(NOT GTest_FOUND)

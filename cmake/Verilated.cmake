@@ -13,7 +13,7 @@
 #
 # With UNCOUNTED the model counts no coverage, even where SELFPROJ_COVERAGE is set, because other models count the same.
 
-# Set beforehand, because Verilator's package takes seconds to find these out, and uses only -pthread of them.
+# Set in advance, because Verilator's package takes seconds to determine them, and uses only -pthread.
 set(VERILATOR_CFLAGS "")
 set(VERILATOR_MT_CFLAGS -pthread)
 find_package(verilator REQUIRED HINTS $ENV{VERILATOR_ROOT})
@@ -30,7 +30,7 @@ function(selfproj_verilate target)
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_TOP OR NOT arg_PREFIX)
     message(FATAL_ERROR "selfproj_verilate(${target}): TOP or PREFIX missing, or unknown: ${arg_UNPARSED_ARGUMENTS}")
   endif()
-  set_property(GLOBAL PROPERTY selfproj_model_${arg_PREFIX} ${arg_TOP} ${arg_PARAMETERS})  # for netlists of the same
+  set_property(GLOBAL PROPERTY selfproj_model_${arg_PREFIX} ${arg_TOP} ${arg_PARAMETERS})  # for its netlists
   set(options -Wall -O3 --x-assign fast --x-initial fast --assert)
   foreach(parameter IN LISTS arg_PARAMETERS)
     list(APPEND options "-G${parameter}")
@@ -120,9 +120,9 @@ function(selfproj_join_sources target name flags)
   target_sources(${target} PRIVATE "${file}")
 endfunction()
 
-# The file PREFIX__clocked.cpp of a model with CLOCKS: rise(), made of the parts of eval() as Verilator 5.006 writes it.
-# Other versions may name them differently. Then this does not compile, and `model.eval()` in their place is right but
-# slower.
+# The file PREFIX__clocked.cpp of a model with CLOCKS: rise(), composed of the parts of eval() as Verilator 5.006 writes
+# it. Other versions may name them differently. Then this file does not compile; `model.eval()` in its place is right
+# but slower.
 function(selfproj_verilated_clocks target prefix waveforms counted optimization)
   get_target_property(fast ${target} SOURCES)
   list(FILTER fast INCLUDE REGEX "/${prefix}[.]dir/[^/]*[.]cpp$")
@@ -141,7 +141,7 @@ function(selfproj_verilated_clocks target prefix waveforms counted optimization)
       endif()
     endforeach()
   endif()
-  # A model with waveforms or coverage keeps a book of what eval() does.
+  # A model with waveforms or coverage keeps records in eval().
   if(NOT counted AND NOT waveforms)
     set(evaluate "${before}  ${prefix}___024root___eval_triggers__act(root);\n")
     string(APPEND evaluate "  root->__VnbaTriggered = root->__VactTriggered;\n")
