@@ -25,7 +25,14 @@ import sys
 
 MOST = 20  # sources of a group, so that there are enough groups for the cores
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<](.*)[">]', re.MULTILINE)
-ALONE = re.compile(r"^(int (sc_)?main|.*\boperator (new|delete))\(", re.MULTILINE)
+# What a source defines for itself and another may define as well: types, constants, the main function, operator new.
+OWN = re.compile(
+    r"^(?:class|struct|enum(?: class)?) (\w+)[^;{]*\{"
+    r"|^(?:constexpr|const|static) [^(=;{]*?\b(\w+)(?:\[\w*\])*(?: =|\{|;)"
+    r"|^int (?:sc_)?(main)\("
+    r"|^.*\b(operator (?:new|delete))\(",
+    re.MULTILINE,
+)
 VERILATED = re.compile(r'^#include ("V|<verilated)', re.MULTILINE)
 ROOT = pathlib.Path.cwd()
 
@@ -124,15 +131,15 @@ def state_of(source, options, folders, common):
 def add_to_groups(groups, source, options):
     """Puts a source into the first group of its folder and options that can take it."""
     text = text_of(source).decode()
-    # Verilator's headers cannot come after SystemC's; and each program has but one main function and one operator new.
+    # Verilator's headers cannot come after SystemC's. A source does not compile after another with the same names.
     of_folder = groups.setdefault((source.parent, " ".join(options), bool(VERILATED.search(text))), [])
-    alone = bool(ALONE.search(text))
-    with_room = (group for group in of_folder if len(group["sources"]) < MOST and not (alone and group["alone"]))
+    names = {name for match in OWN.findall(text) for name in match if name}
+    with_room = (group for group in of_folder if len(group["sources"]) < MOST and not names & group["names"])
     group = next(with_room, None)
     if group is None:
-        of_folder.append(group := {"sources": [], "alone": False})
+        of_folder.append(group := {"sources": [], "names": set()})
     group["sources"].append(source)
-    group["alone"] = group["alone"] or alone
+    group["names"] |= names
 
 
 def unknown_groups(build, folder, names):

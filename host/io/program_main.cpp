@@ -57,7 +57,7 @@ std::string with_relation(const std::string& text, const std::string& word, cons
 std::string explained(const CLI::App& program, const CLI::ParseError& error) {
   const CLI::App* command = command_given(program);
   const std::string see = fmt::format("; see {} --help", full_name(command));
-  const std::string text = error.what();
+  std::string text = error.what();
   if (const std::vector<std::string> unknown = program.remaining(true); !unknown.empty()) {
     const bool option = unknown.front().starts_with('-');
     const bool no_command = command->get_require_subcommand_min() > 0;

@@ -15,8 +15,9 @@ SCRIPTS = {f"scripts/{name}": (ROOT / "scripts" / name).read_text() for name in 
 FILES = {
     ".clang-tidy": "Checks: bugprone-*\n",
     "a/one.cpp": '#include "a/one.h"\n',
-    "a/two.cpp": "int two();\n",
+    "a/two.cpp": "constexpr int kTwo = 2;\nint two();\n",
     "a/other.cpp": "int other();\n",
+    "a/twin.cpp": "constexpr int kTwo = 2;\n",
     "b/three.cpp": '#include <made.h>\n',
     "a/one.h": '#include "b/deep.h"\n',
     "b/deep.h": "int deep();\n",
@@ -32,7 +33,7 @@ class TidyGroups(unittest.TestCase):
         self.addCleanup(tree.__exit__, None, None, None)
         (self.root / "build/tidy/good").mkdir(parents=True)
         self.compile_with(OPTIONS)
-        self.assertEqual(self.asked(), [["a/one.cpp", "a/two.cpp"], ["a/other.cpp"], ["b/three.cpp"]])
+        self.assertEqual(self.asked(), [["a/one.cpp", "a/two.cpp"], ["a/other.cpp"], ["a/twin.cpp"], ["b/three.cpp"]])
         self.pass_all()
         self.assertEqual(self.asked(), [])
 
@@ -87,7 +88,7 @@ class TidyGroups(unittest.TestCase):
 
     def test_the_settings(self):
         self.change(".clang-tidy")
-        self.assertEqual(len(self.asked()), 3)
+        self.assertEqual(len(self.asked()), 4)
 
     def test_the_options(self):
         self.compile_with({"a/other.cpp": "-DTHIS"})
