@@ -16,7 +16,8 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PROGRAMS = ("selfproj", "selfproj-sim")
-HEAD = "<!-- Written by scripts/command_pages.py from what the program says of itself. Edit the help in its sources. -->"
+HEAD = ("<!-- Written by scripts/command_pages.py from what the program says of itself. "
+        "Edit the help in its sources. -->")
 NOTES = "<!-- notes -->"
 NOT_RUN = re.compile(r" \((needs hardware|needs your files|takes minutes)\)$")
 WIDTH = 120
@@ -59,7 +60,8 @@ def paragraphs(texts, commands, name):
     parts, item_before = [], False
     for text in texts:
         item = text.startswith("- ")
-        parts.append(("\n" if not (item and item_before) else "") + wrapped(linked(text, commands, name), "  " if item else ""))
+        parts.append(("" if item and item_before else "\n") +
+                     wrapped(linked(text, commands, name), "  " if item else ""))
         item_before = item
     return "\n".join(parts).strip("\n") + "\n"
 
@@ -104,7 +106,7 @@ def list_of(names, commands):
 
 def page(name, commands):
     command = commands[name]
-    parts = [f"# {name}\n", HEAD + "\n", command["purpose"] + "\n", f"```text\n{command['usage']}\n```\n"]
+    parts = [f"# {name}\n", HEAD + "\n", command["purpose"] + "\n", f"```text\nUsage: {command['usage']}\n```\n"]
     if command["details"]:
         parts.append(paragraphs(command["details"], commands, name))
     if command["commands"]:

@@ -191,7 +191,7 @@ std::string usage_of(const CLI::App& app, const std::string& name) {
   return usage;
 }
 
-// "  --name VALUE    text", the text wrapped in its column.
+// An option and its value, then its text, the text wrapped in its column.
 std::string entry(const std::string& name, const std::string& text) {
   std::string line = "  " + name;
   if (width_of(line) + 2 > kTextColumn) {

@@ -26,8 +26,8 @@ class Files(unittest.TestCase):
 
     def shell(self, line, status=0, language="C"):
         environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}", "LC_ALL": language}
-        done = subprocess.run(["bash", "-eu", "-c", line], cwd=self.folder, env=environment, capture_output=True, text=True,
-                              timeout=300)
+        done = subprocess.run(["bash", "-eu", "-c", line], cwd=self.folder, env=environment, capture_output=True,
+                              text=True, timeout=300)
         self.assertEqual(done.returncode, status, f"{line}\n{done.stdout}{done.stderr}")
         return done.stderr
 

@@ -18,7 +18,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import command_pages  # noqa: E402
 
 WIDTH = 100
-RAW = re.compile(r"\b(ENUM|TEXT|UINT|INT|FLOAT|BOOLEAN|VECTOR|POSITIVE|NONNEGATIVE|REQUIRED|OPTIONS|SUBCOMMANDS?|TypeName)\b"
+RAW = re.compile(r"\b(ENUM|TEXT|UINT|INT|FLOAT|BOOLEAN|VECTOR|POSITIVE|NONNEGATIVE|REQUIRED|OPTIONS|SUBCOMMANDS?"
+                 r"|TypeName)\b"
                  r"|value in|INT in|Needs:|Excludes:|\[Option Group|PATH\(|:\{|\{[a-z0-9-]+(,[a-z0-9-]+)+\}")
 programs = pathlib.Path()
 

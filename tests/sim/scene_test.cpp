@@ -207,8 +207,8 @@ TEST(Scene, HeightMapLiesAsHeightsAreMeasured) {
 TEST(Scene, ErrorsNameWhatIsWrong) {
   const Rig rig = load_rig("light-section");
   EXPECT_EQ(error_of([&] { make_scene("hill", rig); }),
-            "hill: is not a scene; the scenes are plane, mountain, stairs, stairs-marked, desk, fist, pool, waves, keyboard, "
-            "keys, cuboids, cuboids-marked, slider, mouse, "
+            "hill: is not a scene; the scenes are plane, mountain, stairs, stairs-marked, desk, fist, pool, waves, "
+            "keyboard, keys, cuboids, cuboids-marked, slider, mouse, "
             "block, hands)");
   EXPECT_EQ(error_of([&] { height_map_scene({}, 1, rig, "a.tiff"); }), "a.tiff: has no pixels");
   const FloatImage map(2, 2, 1);

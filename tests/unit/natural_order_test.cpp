@@ -50,7 +50,7 @@ TEST(NaturalOrder, IsAStrictOrder) {
   Names names;
   for (int i = 0; i < 200; ++i) {
     std::string name;
-    for (unsigned k = random() % 6; k > 0; --k) {
+    for (std::size_t k = random() % 6; k > 0; --k) {
       name += characters[random() % characters.size()];
     }
     names.push_back(name);
