@@ -26,6 +26,12 @@ class FileDescriptor {
 
   [[nodiscard]] int number() const { return number_; }
 
+  // Closes the one it has, and takes another.
+  void reset(int number) {
+    static_cast<void>(close());
+    number_ = number;
+  }
+
   [[nodiscard]] bool close() {
     const int number = number_;
     number_ = -1;

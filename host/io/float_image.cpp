@@ -1,6 +1,9 @@
 #include "host/io/float_image.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <opencv2/core.hpp>
@@ -9,33 +12,32 @@
 #include <string_view>
 #include <vector>
 
+#include "host/io/image_decoder.h"
 #include "host/io/image_files.h"
 #include "host/io/output_file.h"
-#include "host/io/stderr_capture.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
+namespace {
+
+constexpr float kMostFloat = 1e9F;  // no length in mm, no row and no column is larger
+
+}  // namespace
 
 FloatImage read_float_tiff(const std::string& file) {
   check_image_file(file);
-  cv::Mat image;
-  {
-    const StderrCapture capture;
-    try {
-      image = cv::imread(file, cv::IMREAD_UNCHANGED);
-    } catch (const cv::Exception&) {
-      image.release();
-    }
-  }
-  if (image.empty()) {
-    throw UserError(file, "not an image in a known format, or damaged");
-  }
+  const cv::Mat image = decode_image(file);
   if (image.type() != CV_32FC1) {
     throw UserError(file, "is not an image of one channel of 32-bit floating-point numbers");
   }
   FloatImage result(image.rows, image.cols);
   for (int r = 0; r < image.rows; ++r) {
     std::copy_n(image.ptr<float>(r), image.cols, result.row(r));
+  }
+  const auto wrong = std::find_if(result.values.begin(), result.values.end(),
+                                  [](float value) { return std::abs(value) > kMostFloat; });  // infinite ones, too
+  if (wrong != result.values.end()) {
+    throw UserError(file, fmt::format("has a pixel that is {}; its size may be at most {:.0e}", *wrong, kMostFloat));
   }
   return result;
 }

@@ -30,7 +30,7 @@ struct FloatImage {
 };
 
 // Reads a TIFF file of one channel of 32-bit floating-point numbers. Throws UserError naming the file: unreadable, no
-// image, of another kind.
+// image, of another kind, with a number greater than 1e9.
 FloatImage read_float_tiff(const std::string& file);
 
 // The bytes of such a file. Throws UserError, naming the file, where the image has no pixels or is too large.

@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+#include <cstddef>
 #include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "host/io/numbers.h"
 #include "host/io/user_error.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -66,15 +68,17 @@ std::optional<Channel> channel_of(const std::string& name) {
 std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }
 
 FrameSize size_of_text(const std::string& option, const std::string& text, int max_side) {
-  FrameSize size;
-  char more = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.columns, &size.rows, &more) != 2 || size.columns < 1 ||
-      size.columns > max_side || size.rows < 1 || size.rows > max_side) {
+  const std::string_view all = text;
+  const std::size_t middle = all.find('x');
+  const auto columns = number_of_text<int>(all.substr(0, middle));
+  const auto rows = number_of_text<int>(middle == std::string_view::npos ? all : all.substr(middle + 1));
+  if (middle == std::string_view::npos || !columns || !rows || *columns < 1 || *columns > max_side || *rows < 1 ||
+      *rows > max_side) {
     throw UserError(
         option, fmt::format("is '{}'; a size such as 1024x768 is expected, with columns and rows from 1 to {}", text,
                             max_side));
   }
-  return size;
+  return {.rows = *rows, .columns = *columns};
 }
 
 void check_frame_size(const std::string& file, const Image& image, int max_rows, int max_columns) {

@@ -1,9 +1,14 @@
 #include "host/io/image_files.h"
 
+#include <fcntl.h>
+#include <sys/types.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -15,34 +20,17 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/file_descriptor.h"
+#include "host/io/image_decoder.h"
+#include "host/io/image_header.h"
 #include "host/io/natural_order.h"
-#include "host/io/stderr_capture.h"
+#include "host/io/run_files.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
 namespace {
 
 constexpr const char* kNoImage = "not an image in a known format, or damaged";
-
-// libjpeg fills up what is missing from a damaged file, and says so on standard error only.
-bool tells_of_damage(const std::string& messages) {
-  return messages.find("Premature end") != std::string::npos || messages.find("Corrupt") != std::string::npos;
-}
-
-// OpenCV reads the file itself: given bytes, it would let libjpeg stop at the end of a file cut short without a word.
-cv::Mat decode(const std::string& file) {
-  cv::Mat image;
-  const StderrCapture capture;
-  try {
-    image = cv::imread(file, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    throw UserError(file, kNoImage);
-  }
-  if (image.empty() || tells_of_damage(capture.text())) {
-    throw UserError(file, kNoImage);
-  }
-  return image;
-}
 
 cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional<Channel> channel) {
   if (image.channels() == 1) {
@@ -97,19 +85,21 @@ void check_image_file(const std::string& file) {
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     throw UserError(file, std::filesystem::is_directory(status) ? "is a folder" : "is not a regular file");
   }
-  std::FILE* opened = std::fopen(file.c_str(), "rb");
-  if (opened == nullptr) {
-    throw UserError(file, std::generic_category().message(errno));
+  const FileDescriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  std::array<char, 16> first{};
+  const ssize_t count = opened.number() < 0 ? -1 : read(opened.number(), first.data(), first.size());
+  if (count < 0) {
+    throw UserError(file, error_text(errno));
   }
-  static_cast<void>(std::fclose(opened));
-  if (!cv::haveImageReader(file)) {
+  if (!image_format({first.data(), static_cast<std::size_t>(count)})) {
     throw UserError(file, kNoImage);
   }
+  note_input(file);
 }
 
 Image read_image(const std::string& file, std::optional<Channel> channel) {
   check_image_file(file);
-  const cv::Mat image = decode(file);
+  const cv::Mat image = decode_image(file);
   if (image.depth() != CV_8U) {
     throw UserError(file, "has " + std::to_string(8 * image.elemSize1()) + " bits a pixel; 8 are needed");
   }

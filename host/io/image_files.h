@@ -37,8 +37,8 @@ void check_image_file(const std::string& file);
 // channel and image do not go together.
 Image read_image(const std::string& file, std::optional<Channel> channel);
 
-// The files of a folder in natural order (img2 before img10), without those that begin with a dot. Throws UserError where
-// the folder cannot be read or has none.
+// The files of a folder in natural order (img2 before img10), without those that begin with a dot. Throws UserError
+// where the folder cannot be read or has none.
 std::vector<std::string> files_of_folder(const std::string& folder);
 
 // The bytes of a PNG file. Throws std::invalid_argument where the image has no pixels or is too large.

@@ -5,38 +5,29 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <system_error>
 
 #include "host/io/file_descriptor.h"
+#include "host/io/output_parents.h"
+#include "host/io/run_files.h"
+#include "host/io/signals_held.h"
+#include "host/io/temporary.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
 namespace fs = std::filesystem;
-namespace {
-
-// Opens a new file in `folder` for writing; its path goes to `path`. The descriptor is -1 where that fails.
-int create_temporary(const fs::path& folder, fs::path& path) {
-  constexpr int kTries = 100;
-  int descriptor = -1;
-  for (int i = 0; i < kTries && descriptor < 0; ++i) {
-    path = folder / (".selfproj-" + std::to_string(getpid()) + "-" + std::to_string(i) + ".tmp");
-    descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);  // less the user's umask
-    if (descriptor < 0 && errno != EEXIST) {
-      break;
-    }
-  }
-  return descriptor;
-}
-
-}  // namespace
 
 OutputFile::OutputFile(const std::string& name) : name_(name), target_(name) {
+  if (name.empty()) {
+    throw UserError("output file", "the name is empty");
+  }
   std::error_code error;
   status_ = fs::status(target_, error);
-  if (fs::is_directory(status_)) {
+  if (fs::is_directory(status_) || !target_.has_filename()) {
     throw UserError(name_, error_text(EISDIR));
   }
   if (fs::exists(status_)) {
@@ -51,17 +42,8 @@ OutputFile::OutputFile(const std::string& name) : name_(name), target_(name) {
       throw UserError(name_, error.message());
     }
   }
-  const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
-  const fs::file_status folder_status = fs::status(folder, error);
-  if (!fs::exists(folder_status)) {
-    throw UserError(name_, "there is no folder " + folder.string());
-  }
-  if (!fs::is_directory(folder_status)) {
-    throw UserError(name_, folder.string() + " is not a folder");
-  }
-  if (access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw UserError(name_, error_text(errno));
-  }
+  static_cast<void>(writable_parent(name_, target_));
+  note_output(name_, target_);
 }
 
 void OutputFile::write(std::string_view text) const {
@@ -72,24 +54,28 @@ void OutputFile::write(std::string_view text) const {
     }
     return;
   }
-  fs::path temporary;
-  FileDescriptor file(create_temporary(target_.has_parent_path() ? target_.parent_path() : ".", temporary));
-  if (file.number() < 0) {
-    throw UserError(name_, error_text(errno));
+  try {
+    Temporary temporary(writable_parent(name_, target_), Temporary::Kind::file);
+    FileDescriptor& file = temporary.descriptor();
+    const auto mode = static_cast<mode_t>(status_.permissions() & fs::perms::mask);
+    if ((fs::exists(status_) && fchmod(file.number(), mode) != 0) || !write_all(file.number(), text) ||
+        fsync(file.number()) != 0) {
+      throw std::system_error(errno, std::generic_category());
+    }
+    const SignalsHeld held;
+    std::error_code error;
+    MadeFolders parents(parent_of(target_), error);
+    if (error) {
+      throw std::system_error(error);
+    }
+    if (rename(temporary.path().c_str(), target_.c_str()) != 0) {
+      throw std::system_error(errno, std::generic_category());
+    }
+    temporary.keep();
+    parents.keep();
+  } catch (const std::system_error& error) {
+    throw UserError(name_, error.code().message());
   }
-  const auto mode = static_cast<mode_t>(status_.permissions() & fs::perms::mask);
-  const bool done = (!fs::exists(status_) || fchmod(file.number(), mode) == 0) && write_all(file.number(), text) &&
-                    fsync(file.number()) == 0 && file.close() && rename(temporary.c_str(), target_.c_str()) == 0;
-  if (!done) {
-    const int error = errno;
-    unlink(temporary.c_str());
-    throw UserError(name_, error_text(error));
-  }
-}
-
-bool OutputFile::is_same_as(const std::string& file) const {
-  std::error_code error;
-  return fs::equivalent(target_, file, error);
 }
 
 }  // namespace selfproj

@@ -8,7 +8,9 @@
 namespace selfproj {
 
 // A file that is written whole or not at all: it appears (or is replaced) in one step once everything is on disk, and
-// whatever fails before leaves an existing file as it was. A link is followed; a device or pipe is written to directly.
+// whatever fails or ends the program before leaves an existing file as it was, and nothing beside it. A link is
+// followed; a device or pipe is written to directly. Folders above it that are missing are made with it. It may be no
+// input and no other output of the run (run_files.h).
 class OutputFile {
  public:
   // Checks, touching nothing, that the file could be written, so that a long run does not end in a wrong name.
@@ -20,9 +22,6 @@ class OutputFile {
 
   // As given by the user.
   [[nodiscard]] const std::string& name() const { return name_; }
-
-  // Whether `file` is the same file, by whatever path.
-  [[nodiscard]] bool is_same_as(const std::string& file) const;
 
  private:
   std::string name_;

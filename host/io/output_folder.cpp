@@ -9,19 +9,21 @@
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <system_error>
 
 #include "host/io/file_descriptor.h"
+#include "host/io/folder_exchange.h"
+#include "host/io/output_parents.h"
+#include "host/io/run_files.h"
+#include "host/io/signals_held.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
 namespace fs = std::filesystem;
 namespace {
-
-// The folder that holds it: "." where the name has no other.
-fs::path parent_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
 // Takes a file that is on disk to the end of its way: what was written is safe against a loss of power.
 bool synchronize(const fs::path& path) {
@@ -64,47 +66,36 @@ OutputFolder::OutputFolder(const std::string& name) : name_(name), target_(name)
     throw UserError(name_, "is there and not a folder");
   }
   exists_ = fs::is_directory(status);
-  if (!exists_ && status.type() != fs::file_type::not_found) {
-    throw UserError(name_, error.message());
+  if (!exists_) {
+    if (status.type() != fs::file_type::not_found) {
+      throw UserError(name_, error.message());
+    }
+    static_cast<void>(writable_parent(name_, target_));
+    return;
   }
-  const fs::path writable = exists_ ? target_ : parent_of(target_);
-  const fs::file_status writable_status = fs::status(writable, error);
-  if (!fs::exists(writable_status)) {
-    throw UserError(name_, "there is no folder " + writable.string());
+  target_ = fs::canonical(target_, error);
+  if (error || access(target_.c_str(), W_OK | X_OK) != 0) {
+    throw UserError(name_, error ? error.message() : error_text(errno));
   }
-  if (!fs::is_directory(writable_status)) {
-    throw UserError(name_, writable.string() + " is not a folder");
-  }
-  if (access(writable.c_str(), W_OK | X_OK) != 0) {
-    throw UserError(name_, error_text(errno));
-  }
+  beside_ = is_exchangeable(target_);
 }
 
-OutputFolder::~OutputFolder() {
-  if (!staging_.empty()) {
-    std::error_code ignored;
-    fs::remove_all(staging_, ignored);
-  }
-}
+OutputFolder::~OutputFolder() = default;
 
 void OutputFolder::create_staging() {
-  constexpr int kTries = 100;
-  const fs::path folder = exists_ ? target_ : parent_of(target_);  // so that moving is renaming, on one file system
-  for (int i = 0; i < kTries; ++i) {
-    const fs::path path = folder / (".selfproj-" + std::to_string(getpid()) + "-" + std::to_string(i) + ".tmp");
-    if (mkdir(path.c_str(), 0777) == 0) {  // less the user's umask
-      staging_ = path;
-      return;
-    }
-    if (errno != EEXIST) {
-      break;
-    }
+  try {
+    // On the file system of the target, so that moving is renaming.
+    staging_ = std::make_unique<Temporary>(exists_ && !beside_ ? target_ : writable_parent(name_, target_),
+                                           Temporary::Kind::folder);
+  } catch (const std::system_error& error) {
+    throw UserError(name_, error.code().message());
   }
-  throw UserError(name_, error_text(errno));
 }
 
+void OutputFolder::check(const std::string& file) const { check_output(target_ / file, target_ / file); }
+
 void OutputFolder::append(const std::string& file, std::string_view text) {
-  if (staging_.empty()) {
+  if (staging_ == nullptr) {
     create_staging();
   }
   if (const fs::path inner = fs::path(file).parent_path(); !inner.empty()) {
@@ -112,44 +103,78 @@ void OutputFolder::append(const std::string& file, std::string_view text) {
       throw UserError(name_, "is there already; a new folder is needed, as there will be folders within");
     }
     std::error_code error;
-    fs::create_directories(staging_ / inner, error);  // where that fails, so does opening the file
+    fs::create_directories(staging_->path() / inner, error);  // where that fails, so does opening the file
   }
-  FileDescriptor output(open((staging_ / file).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  const bool first = std::find(files_.begin(), files_.end(), file) == files_.end();
+  if (first) {
+    check(file);
+  }
+  FileDescriptor output(open((staging_->path() / file).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   if (output.number() < 0 || !write_all(output.number(), text) || !output.close()) {
     throw UserError(target_ / file, error_text(errno));
   }
-  if (std::find(files_.begin(), files_.end(), file) == files_.end()) {
+  if (first) {
     files_.push_back(file);
   }
 }
 
 void OutputFolder::commit() {
-  if (staging_.empty()) {
+  if (staging_ == nullptr) {
     create_staging();
   }
   for (const std::string& file : files_) {
-    if (!synchronize(staging_ / file)) {
+    check(file);  // what was read since
+    if (!synchronize(staging_->path() / file)) {
       throw UserError(target_ / file, error_text(errno));
     }
   }
-  if (exists_) {
-    move_in();
-  } else if (rename(staging_.c_str(), target_.c_str()) != 0) {
-    throw UserError(name_, error_text(errno));
+  {
+    const fs::path above = writable_parent(name_, target_);
+    const FolderLock lock(beside_ ? above : target_);
+    const SignalsHeld held;
+    std::error_code error;
+    exists_ = fs::is_directory(target_, error);  // another program may have made or removed it
+    if (!exists_) {
+      move_in_new();
+    } else if (!beside_ || !exchange()) {
+      move_in_each();
+    }
+    lock.synchronize();
   }
-  if (exists_) {
-    std::error_code ignored;
-    fs::remove_all(staging_, ignored);
+  staging_.reset();
+}
+
+void OutputFolder::move_in_new() {
+  std::error_code error;
+  MadeFolders parents(parent_of(target_), error);
+  if (!error && rename(staging_->path().c_str(), target_.c_str()) != 0) {
+    error = std::error_code(errno, std::generic_category());
   }
-  staging_.clear();
+  if (error) {
+    throw UserError(name_, error.message());
+  }
+  staging_->keep();
+  parents.keep();
+}
+
+// False where it cannot be done in one step.
+bool OutputFolder::exchange() {
+  for (const std::string& file : files_) {
+    std::error_code error;
+    if (fs::is_directory(fs::symlink_status(target_ / file, error))) {
+      throw UserError(target_ / file, error_text(EISDIR));
+    }
+  }
+  return exchange_folders(staging_->path(), target_);
 }
 
 // File by file, each old one kept until the last new one is in place.
-void OutputFolder::move_in() {
+void OutputFolder::move_in_each() {
+  const fs::path& staging = staging_->path();
   std::error_code error;
   std::size_t done = 0;
   while (done < files_.size() &&
-         replace(target_ / files_[done], staging_ / files_[done], staging_ / (".old-" + files_[done]), error)) {
+         replace(target_ / files_[done], staging / files_[done], staging / (".old-" + files_[done]), error)) {
     ++done;
   }
   if (done == files_.size()) {
@@ -160,7 +185,7 @@ void OutputFolder::move_in() {
     --done;
     std::error_code ignored;
     fs::remove(target_ / files_[done], ignored);
-    fs::rename(staging_ / (".old-" + files_[done]), target_ / files_[done], ignored);
+    fs::rename(staging / (".old-" + files_[done]), target_ / files_[done], ignored);
   }
   throw UserError(failed, error.message());
 }

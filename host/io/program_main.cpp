@@ -15,6 +15,7 @@
 
 #include "host/io/command_line.h"
 #include "host/io/help_text.h"
+#include "host/io/program_run.h"
 #include "host/io/user_error.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -101,9 +102,7 @@ bool take_check_usage(CLI::App& program, std::vector<std::string>& words) {
   return true;
 }
 
-}  // namespace
-
-int program_main(const CommandText& text, const std::function<void(CLI::App&)>& add_commands, int argc, char** argv) {
+int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& add_commands, int argc, char** argv) {
   const std::string& name = text.name;
   try {
     CLI::App app("", name);
@@ -136,6 +135,12 @@ int program_main(const CommandText& text, const std::function<void(CLI::App&)>& 
     return report(name, error.what(), kFailed);
   }
   return 0;
+}
+
+}  // namespace
+
+int program_main(const CommandText& text, const std::function<void(CLI::App&)>& add_commands, int argc, char** argv) {
+  return run_as_program(text.name, [&] { return run_commands(text, add_commands, argc, argv); });
 }
 
 }  // namespace selfproj

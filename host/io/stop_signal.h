@@ -22,6 +22,10 @@ class StopSignal {
   struct sigaction hang_up_ {};
 };
 
+// From here on, what ends the program by a signal that it can catch (SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU) takes
+// what is temporary (temporary.h) away first. A signal that is ignored stays so.
+void tidy_up_on_signals();
+
 }  // namespace selfproj
 
 #endif  // SELFPROJ_HOST_IO_STOP_SIGNAL_H

@@ -3,12 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/input_file.h"
+#include "host/io/numbers.h"
 #include "host/io/user_error.h"
 #include "host/rig/geometry.h"
 #include "host/rig/geometry_keys.h"
@@ -26,20 +25,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "# selfproj reference 1";
+constexpr double kFar = 1e6;          // mm: as of the rig's own lengths
+constexpr double kNear = 1e-3;        // mm
+constexpr double kMostTangent = 1e4;  // of tan θ: 89.99 degrees
 constexpr std::string_view kColumns = "column,tan_theta,z_mm,offset_px";
-
-std::string read_file(const std::string& file) {
-  std::error_code error;
-  if (fs::is_directory(file, error)) {
-    throw UserError(file, "is a folder");
-  }
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) {
-    throw UserError(file, "cannot be read");
-  }
-  return text;
-}
 
 // Splits a text into lines, and makes errors that name them.
 class Lines {
@@ -98,10 +87,18 @@ double number(const Lines& lines, std::string_view field) {
   while (field.ends_with(' ')) {
     field.remove_suffix(1);
   }
-  double value = 0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value)) {
+  const std::optional<double> value = number_of_text<double>(field);
+  if (!value) {
     lines.fail(fmt::format("'{}' is no number", field));
+  }
+  return *value;
+}
+
+// A number of a field that means `what`, at most `most` in size.
+double number_within(const Lines& lines, std::string_view field, const char* what, double most) {
+  const double value = number(lines, field);
+  if (!(std::abs(value) <= most)) {
+    lines.fail(fmt::format("{} is {}; its size may be at most {}", what, value, most));
   }
   return value;
 }
@@ -144,13 +141,14 @@ ReferenceCurve parse_curve_csv(const std::string& text, const std::string& sourc
     if (fields.size() != 2) {
       lines.fail("two numbers are expected: y, z");
     }
-    const double y = number(lines, fields[0]);
-    const double z = fields[1].empty() ? kUnknown : number(lines, fields[1]);
+    const double y = number_within(lines, fields[0], "y", kFar);
+    const double z = fields[1].empty() ? kUnknown : number_within(lines, fields[1], "z", kFar);
     if (!curve.y_mm.empty() && y < curve.y_mm.back()) {
       lines.fail(fmt::format("y falls from {} to {}", curve.y_mm.back(), y));
     }
-    if (z <= 0) {
-      lines.fail(fmt::format("z is {}; it is the distance from the camera and must be greater than 0", z));
+    if (z < kNear) {
+      lines.fail(fmt::format("z is {}; it is the distance from the camera and must be {}", z,
+                             z > 0 ? fmt::format("at least {}", kNear) : "greater than 0"));
     }
     curve.y_mm.push_back(y);
     curve.z_mm.push_back(z);
@@ -169,7 +167,7 @@ ReferenceCurve load_curve(const Rig& rig, const std::string& file, std::optional
   if (frame) {
     throw UserError(file, "is no TIFF file and has no frames");
   }
-  return parse_curve_csv(read_file(file), file);
+  return parse_curve_csv(read_input(file, kMostTableBytes), file);
 }
 
 std::string reference_csv(const Rig& rig, const ReferenceProfile& reference) {
@@ -225,11 +223,11 @@ ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, co
     }
     const bool valid = !fields[1].empty() || !fields[2].empty() || !fields[3].empty();
     reference.valid[i] = valid ? 1 : 0;
-    reference.tan_theta[i] = valid ? number(lines, fields[1]) : kUnknown;
-    reference.z_mm[i] = valid ? number(lines, fields[2]) : kUnknown;
-    reference.offset_px[i] = valid ? number(lines, fields[3]) : kUnknown;
-    if (valid && !(reference.z_mm[i] > 0)) {
-      lines.fail("is damaged: z is not greater than 0");
+    reference.tan_theta[i] = valid ? number_within(lines, fields[1], "tan_theta", kMostTangent) : kUnknown;
+    reference.z_mm[i] = valid ? number_within(lines, fields[2], "z_mm", kFar) : kUnknown;
+    reference.offset_px[i] = valid ? number_within(lines, fields[3], "offset_px", rig.camera.rows) : kUnknown;
+    if (valid && !(reference.z_mm[i] >= kNear)) {
+      lines.fail(fmt::format("is damaged: z is {}, less than {}", reference.z_mm[i], kNear));
     }
   }
   if (lines.next()) {
@@ -242,7 +240,7 @@ ReferenceProfile load_reference(const Rig& rig, const std::string& folder_or_fil
   std::error_code error;
   const std::string file =
       fs::is_directory(folder_or_file, error) ? (fs::path(folder_or_file) / "reference.csv").string() : folder_or_file;
-  return parse_reference_csv(rig, read_file(file), file);
+  return parse_reference_csv(rig, read_input(file, kMostTableBytes), file);
 }
 
 FloatImage load_pattern(const Rig& rig, const std::string& folder) {

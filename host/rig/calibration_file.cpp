@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/core/persistence.hpp>
 #include <string>
 #include <vector>
 
+#include "host/io/input_file.h"
 #include "host/io/stderr_capture.h"
 #include "host/io/user_error.h"
 #include "host/rig/depth_matrices.h"
@@ -20,12 +20,11 @@ namespace {
 class Reader {
  public:
   explicit Reader(const std::string& file) : file_(file) {
-    if (!std::ifstream(file)) {
-      throw UserError(file, "cannot be read");
-    }
+    const std::string text = read_input(file, kMostTextBytes);
     const StderrCapture capture;
     try {
-      storage_.open(file, cv::FileStorage::READ);
+      // By its text, so that no name means something else to OpenCV (it unpacks NAME.gz).
+      storage_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
     } catch (const cv::Exception&) {
       storage_.release();
     }
@@ -44,7 +43,10 @@ class Reader {
     {
       const StderrCapture capture;
       try {
-        node >> matrix;
+        constexpr double kMostNumbers = 100;
+        if (!node.isMap() || static_cast<double>(node["rows"]) * static_cast<double>(node["cols"]) <= kMostNumbers) {
+          node >> matrix;
+        }
         matrix.convertTo(matrix, CV_64F);
       } catch (const cv::Exception&) {
         matrix.release();
@@ -58,8 +60,9 @@ class Reader {
           file_, key + " has " + std::to_string(matrix.total()) + " numbers; " + std::to_string(count) + " are due");
     }
     std::vector<double> values(matrix.begin<double>(), matrix.end<double>());
-    if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) {
-      throw UserError(file_, key + " has a number that is not finite");
+    constexpr double kFar = 1e9;  // larger than any matrix of a camera has
+    if (!std::all_of(values.begin(), values.end(), [](double value) { return std::abs(value) <= kFar; })) {
+      throw UserError(file_, key + " has a number that is not finite, or greater than 1e9");
     }
     return values;
   }
@@ -69,8 +72,9 @@ class Reader {
 
   Lens lens(const std::string& name, Mirrored mirrored) const {
     const std::vector<double> m = numbers(name + "_K", 9);
-    if (!(m[0] > 0 && (m[4] > 0 || (mirrored == Mirrored::possible && m[4] < 0))) || m[1] != 0 || m[3] != 0 ||
-        m[6] != 0 || m[7] != 0 || m[8] != 1) {
+    constexpr double kLeast = 1e-9;
+    if (!(m[0] > kLeast && (m[4] > kLeast || (mirrored == Mirrored::possible && m[4] < -kLeast))) || m[1] != 0 ||
+        m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
       throw UserError(file_, name + "_K is no camera matrix (fx, 0, cx; 0, fy, cy; 0, 0, 1)");
     }
     const std::vector<double> k = numbers(name + "_kc", 0);
@@ -117,7 +121,8 @@ Calibration read_calibration(const std::string& file) {
   }
   const std::vector<double> t = reader.numbers("T", 3);
   result.translation = {t[0], t[1], t[2]};
-  if (cv::norm(result.translation) == 0) {
+  constexpr double kLeast = 1e-9;
+  if (cv::norm(result.translation) < kLeast) {
     throw UserError(file, "T is 0: camera and projector are in one place");
   }
   reader.size("cam_size", result.camera_columns, result.camera_rows);

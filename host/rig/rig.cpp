@@ -5,19 +5,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 #include <initializer_list>
-#include <iterator>
 #include <numbers>
 #include <optional>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "host/io/frame_options.h"
+#include "host/io/input_file.h"
+#include "host/io/numbers.h"
 #include "host/io/user_error.h"
 #include "host/rig/rigs_built_in.h"
+#include "host/rig/yaml_document.h"
 #include "model/pixel_clock.h"
 
 namespace selfproj {
@@ -32,10 +35,10 @@ constexpr double kFar = 1e6;  // mm: larger than any machine
 struct Range {
   double low;
   double high;
-  bool low_open = false;  // greater than `low`, not equal
-  bool zero = true;       // 0 is allowed
+  bool zero = true;  // may be 0, or nearer to it than kLeast
 };
-constexpr Range kPositive{.low = 0, .high = kFar, .low_open = true};
+constexpr double kLeast = 1e-9;  // smaller than any quantity that may not be 0: its inverse is a number, too
+constexpr Range kPositive{.low = kLeast, .high = kFar};
 constexpr Range kNotNegative{.low = 0, .high = kFar};
 constexpr Range kAny{.low = -kFar, .high = kFar};
 constexpr Range kNotZero{.low = -kFar, .high = kFar, .zero = false};
@@ -160,15 +163,15 @@ class Reader {
   }
 
   void number(const char* key, double& value, double unit, Range range) {
-    const double given = as<double>(key, "a number");
-    const bool low = range.low_open ? given <= range.low : given < range.low;
-    if (given == 0 && !range.zero) {
-      fail(key, "is 0");
+    const auto given = as<double>(key, "a number");
+    if (!range.zero && std::abs(given) < kLeast) {
+      fail(key, given == 0 ? "is 0" : fmt::format("is {}; its size must be at least {}", given, kLeast));
     }
-    if (!std::isfinite(given) || low || given > range.high) {
+    if (given < range.low || given > range.high) {
+      const bool open = range.low == kLeast && given <= 0;
       fail(key, range.low == -kFar ? fmt::format("is {}; its size may be at most {}", given, range.high)
                                    : fmt::format("is {}; it must be {} {} and at most {}", given,
-                                                 range.low_open ? "greater than" : "at least", range.low, range.high));
+                                                 open ? "greater than" : "at least", open ? 0 : range.low, range.high));
     }
     value = given * unit;
   }
@@ -275,12 +278,12 @@ class Reader {
 
   template <class T>
   T as(const char* key, const char* what) {
-    const YAML::Node node = scalar(key);
-    try {
-      return node.as<T>();
-    } catch (const YAML::Exception&) {
-      fail(key, fmt::format("is '{}', not {}", node.Scalar(), what));
+    const std::string text = scalar(key).Scalar();
+    const std::optional<T> value = number_of_text<T>(text);
+    if (!value) {
+      fail(key, fmt::format("is '{}', not {}", text, what));
     }
+    return *value;
   }
 
   std::string source_;
@@ -304,9 +307,9 @@ class Writer {
   void number(const char* key, double value, double unit, Range /*range*/) {
     double shown = value / unit;
     for (int digits = 6; digits < 18; ++digits) {
-      const double candidate = std::stod(fmt::format("{:.{}g}", shown, digits));
-      if (candidate * unit == value) {
-        shown = candidate;
+      const std::optional<double> candidate = number_of_text<double>(fmt::format("{:.{}g}", shown, digits));
+      if (candidate && *candidate * unit == value) {
+        shown = *candidate;
         break;
       }
     }
@@ -348,12 +351,7 @@ const std::vector<std::string>& built_in_rigs() {
 }
 
 Rig parse_rig(const std::string& yaml, const std::string& source) {
-  YAML::Node root;
-  try {
-    root = YAML::Load(yaml);
-  } catch (const YAML::Exception& error) {
-    throw UserError(source, fmt::format("line {}: {}", error.mark.line + 1, error.msg));
-  }
+  const YAML::Node root = parse_yaml(yaml, source);
   if (!root.IsMap()) {
     throw UserError(source, "is no rig: keys and values are expected");
   }
@@ -380,13 +378,12 @@ Rig load_rig(const std::string& name_or_file) {
       return parse_rig(yaml, name);
     }
   }
-  std::ifstream file(name_or_file);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) {
+  std::error_code error;
+  if (!std::filesystem::exists(name_or_file, error)) {
     throw UserError(name_or_file, fmt::format("is neither a readable file nor a built-in rig ({})",
                                               fmt::join(built_in_rigs(), ", ")));
   }
-  return parse_rig(text, name_or_file);
+  return parse_rig(read_input(name_or_file, kMostTextBytes), name_or_file);
 }
 
 std::string to_yaml(const Rig& rig) {

@@ -3,20 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <map>
 #include <sstream>
 #include <string>
-#include <system_error>
 #include <vector>
 
+#include "host/io/input_file.h"
+#include "host/io/numbers.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
@@ -37,6 +36,7 @@ float float_at(const std::string& bytes, std::size_t at) {
   return std::bit_cast<float>(bits);
 }
 
+constexpr float kFar = 1e9F;
 constexpr double kNoDistance = std::numeric_limits<double>::quiet_NaN();
 
 float along(const Point3f& point, int axis) { return axis == 0 ? point.x : axis == 1 ? point.y : point.z; }
@@ -76,7 +76,7 @@ PlyLayout layout_of(const std::string& file, const std::string& bytes) {
     } else if (word == "element") {
       ++elements;
       if (elements == 1) {
-        std::istringstream(name) >> layout.count;
+        layout.count = number_of_text<std::size_t>(name).value_or(0);
         binary = binary && type == "vertex";
       }
     } else if (word == "property" && elements == 1) {
@@ -119,11 +119,7 @@ std::string PlyText::file(const std::string& comment) const {
 }
 
 std::vector<Point3f> read_ply(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    throw UserError(file, std::generic_category().message(errno));
-  }
-  const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const std::string bytes = read_input(file, kMostTableBytes);
   const PlyLayout layout = layout_of(file, bytes);
   std::vector<Point3f> points(layout.count);
   std::size_t at = layout.header;
@@ -131,6 +127,11 @@ std::vector<Point3f> read_ply(const std::string& file) {
     point = {float_at(bytes, at + layout.floats.at("x")), float_at(bytes, at + layout.floats.at("y")),
              float_at(bytes, at + layout.floats.at("z"))};
     at += layout.stride;
+    for (const float value : {point.x, point.y, point.z}) {
+      if (!(std::abs(value) <= kFar)) {
+        throw UserError(file, "has a point that is not finite, or further off than 1e9");
+      }
+    }
   }
   return points;
 }

@@ -15,14 +15,18 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
+#include "host/io/input_file.h"
+#include "host/io/numbers.h"
 #include "host/io/user_error.h"
 #include "host/rig/geometry_keys.h"
+#include "host/rig/yaml_document.h"
 
 namespace selfproj {
 namespace {
@@ -51,6 +55,15 @@ std::string codes_png(const SelfReference& reference) {
 
 std::string file_in(const std::string& folder, const std::string& name) { return (fs::path(folder) / name).string(); }
 
+// Where each camera pixel lies in the projector: NaN, or in one of its `count` lines (or columns).
+void check_places(const std::string& folder, const std::string& name, const FloatImage& image, int count) {
+  const auto most = static_cast<float>(count) - 0.5F;
+  if (!std::all_of(image.values.begin(), image.values.end(),
+                   [most](float value) { return std::isnan(value) || (value >= -0.5F && value <= most); })) {
+    throw UserError(file_in(folder, name), "is damaged: a camera pixel sees what is not in the projector's image");
+  }
+}
+
 FloatImage read_map(const std::string& folder, const std::string& name, int rows, int columns) {
   const std::string file = file_in(folder, name);
   FloatImage image = read_float_tiff(file);
@@ -65,14 +78,18 @@ FloatImage read_map(const std::string& folder, const std::string& name, int rows
 template <class T>
 T value_of(const YAML::Node& node, const std::string& file, const std::string& key) {
   const YAML::Node value = node[key];
-  try {
-    if (value) {
-      return value.as<T>();
-    }
-  } catch (const YAML::Exception&) {
-    throw UserError(file, fmt::format("is damaged: {} is no such value", key));
+  if (!value || !value.IsScalar()) {
+    throw UserError(file, fmt::format("is damaged: {} is missing", key));
   }
-  throw UserError(file, fmt::format("is damaged: {} is missing", key));
+  if constexpr (std::is_same_v<T, std::string>) {
+    return value.Scalar();
+  } else {
+    const std::optional<T> number = number_of_text<T>(value.Scalar());
+    if (!number) {
+      throw UserError(file, fmt::format("is damaged: {} is '{}', which is no such number", key, value.Scalar()));
+    }
+    return *number;
+  }
 }
 
 Stripes read_head(const Rig& rig, const std::string& folder) {
@@ -85,12 +102,7 @@ Stripes read_head(const Rig& rig, const std::string& folder) {
     throw UserError(folder,
                     "is no reference of stripes (there is no reference.yaml; selfproj pattern stripes makes it)");
   }
-  YAML::Node node;
-  try {
-    node = YAML::LoadFile(file);
-  } catch (const YAML::Exception& e) {
-    throw UserError(file, fmt::format("is damaged: line {}: {}", e.mark.line + 1, e.msg));
-  }
+  const YAML::Node node = parse_yaml(read_input(file, kMostTextBytes), file);
   if (!node.IsMap()) {
     throw UserError(file, "is damaged: no keys");
   }
@@ -164,6 +176,8 @@ SelfReference read_self_reference(const Rig& rig, const std::string& folder) {
   reference.camera_rows = rig.camera.rows;
   reference.points.line = read_map(folder, "x_r_line.tiff", rig.camera.rows, rig.camera.columns);
   reference.points.column = read_map(folder, "x_r_column.tiff", rig.camera.rows, rig.camera.columns);
+  check_places(folder, "x_r_line.tiff", reference.points.line, rig.projector.lines);
+  check_places(folder, "x_r_column.tiff", reference.points.column, rig.projector.columns);
   reference.row = read_map(folder, "f_r_row.tiff", rig.projector.lines, rig.projector.columns);
   reference.column = read_map(folder, "f_r_column.tiff", rig.projector.lines, rig.projector.columns);
   const Image seen = read_image(file_in(folder, "f_r_seen.png"), std::nullopt);

@@ -6,14 +6,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "host/io/command_line.h"
@@ -27,8 +25,6 @@
 
 namespace selfproj {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct DecodeOptions {
   std::string engine = "rtl";
@@ -68,7 +64,7 @@ std::string code_file(std::size_t pair) { return fmt::format("code_{:04}.png", p
 std::string measurable_file(std::size_t pair) { return fmt::format("measurable_{:04}.png", pair); }
 
 // What can be seen without reading the images.
-void check_files(const DecodeOptions& options) {
+void check_files(const DecodeOptions& options, const OutputFolder& out) {
   const std::size_t total = options.images.size();
   const auto cycle = static_cast<std::size_t>(2 * options.bits);
   if (total % 2 != 0) {
@@ -81,20 +77,16 @@ void check_files(const DecodeOptions& options) {
   }
   for (const std::string& file : options.images) {
     check_image_file(file);
-    for (std::size_t pair = static_cast<std::size_t>(options.bits) - 1; pair < total / 2; ++pair) {
-      for (const std::string& out : {code_file(pair), measurable_file(pair)}) {
-        std::error_code error;
-        if (fs::path(file).filename() == out && fs::equivalent(file, fs::path(options.out) / out, error)) {
-          throw UserError("--out " + options.out, file + ", one of the images, would be overwritten");
-        }
-      }
-    }
+  }
+  for (std::size_t pair = static_cast<std::size_t>(options.bits) - 1; pair < total / 2; ++pair) {
+    out.check(code_file(pair));
+    out.check(measurable_file(pair));
   }
 }
 
 void run_decode(const DecodeOptions& options) {
   OutputFolder out(options.out);
-  check_files(options);
+  check_files(options, out);
   const std::unique_ptr<GrayEngine> engine = make_gray_engine(options.engine);
   const std::optional<Channel> channel = channel_of(options.channel);
   const std::size_t total = options.images.size();

@@ -20,7 +20,9 @@
 #include "host/io/image_files.h"
 #include "host/io/output_file.h"
 #include "host/io/output_folder.h"
+#include "host/io/output_parents.h"
 #include "host/io/progress.h"
+#include "host/io/temporary.h"
 #include "host/io/results_file.h"
 #include "host/io/user_error.h"
 #include "host/report/counter_facts.h"
@@ -65,36 +67,38 @@ std::unique_ptr<CosimMeasurement> make_measurement(const CosimOptions& options) 
 // A waveform file that the simulator writes itself. It has another name until it is complete.
 class TraceFile {
  public:
-  TraceFile(std::string name, std::string part) : name_(std::move(name)), part_(std::move(part)) {
-    if (!name_.empty()) {
-      const OutputFile check(name_);
-      const OutputFile check_part(part_);
+  TraceFile(std::string name, const std::string& part) : name_(std::move(name)) {
+    if (name_.empty()) {
+      return;
     }
-  }
-  TraceFile(const TraceFile&) = delete;
-  TraceFile& operator=(const TraceFile&) = delete;
-  ~TraceFile() {
-    std::error_code unused;
-    if (!name_.empty() && !done_) {
-      fs::remove(part_, unused);
-      fs::remove(part_ + ".hier", unused);
+    const OutputFile check(name_);
+    const OutputFile check_part(part);
+    std::error_code error;
+    parents_.emplace(parent_of(name_), error);
+    if (error) {
+      throw UserError(name_, error.message());
     }
+    part_.emplace(part);
+    hierarchy_.emplace(part + ".hier");
   }
   void commit() {
-    if (!name_.empty()) {
-      std::error_code error;
-      fs::rename(part_, name_, error);
-      if (error) {
-        throw UserError(name_, error.message());
-      }
-      done_ = true;
+    if (name_.empty()) {
+      return;
     }
+    std::error_code error;
+    fs::rename(part_->path(), name_, error);
+    if (error) {
+      throw UserError(name_, error.message());
+    }
+    part_->keep();
+    parents_->keep();
   }
 
  private:
   std::string name_;
-  std::string part_;
-  bool done_ = false;
+  std::optional<MadeFolders> parents_;
+  std::optional<RemovedAtEnd> part_;
+  std::optional<RemovedAtEnd> hierarchy_;
 };
 
 PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measurement) {

@@ -327,7 +327,7 @@ TEST_F(MomentsCommand, OutputMustNotBeAnImage) {
   const std::string before = read_text(folder_ / "a.pgm");
   const Outcome outcome = run({"moments", "--engine", "model", "--out", "./a.pgm", "a.pgm"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err, "selfproj-sim: --out ./a.pgm: is one of the images\n");
+  EXPECT_EQ(outcome.err, "selfproj-sim: ./a.pgm: is an input of this command, too; it would be overwritten\n");
   EXPECT_EQ(read_text(folder_ / "a.pgm"), before);
 }
 

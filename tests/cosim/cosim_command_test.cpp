@@ -288,7 +288,7 @@ TEST_F(Cosim, WhatIsWrongIsSaidInOneLine) {
   expect_refused({"--first", "1401"}, "--first");
   expect_refused({"--without", "fog"}, "--without");
   expect_refused({"--out", "file/out"}, "file");
-  expect_refused({"--packets", "nowhere/packets"}, "nowhere");
+  expect_refused({"--packets", "file/packets"}, "file");
   expect_refused({"--count", "2", "--picture-frame", "3", "--out", "out"}, "--picture-frame");
   expect_refused({"--engine", "model", "--trace", "a.fst"}, "--trace");
   expect_refused({"--bus-stall", "96"}, "--bus-stall");

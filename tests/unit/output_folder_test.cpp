@@ -1,15 +1,20 @@
 #include "host/io/output_folder.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "host/io/stop_signal.h"
 #include "host/io/user_error.h"
 #include "tests/cli/program.h"
 
@@ -92,13 +97,158 @@ TEST(OutputFolder, ImpossibleNamesAreFoundAtOnce) {
   EXPECT_THROW(OutputFolder(""), UserError);
   EXPECT_THROW(OutputFolder(scratch / "file"), UserError);
   EXPECT_THROW(OutputFolder(scratch / "file" / "a"), UserError);
-  EXPECT_THROW(OutputFolder(scratch / "no" / "such"), UserError);
   EXPECT_THROW(OutputFolder("/proc/selfproj").append("a", ""), UserError);  // not even root can
   if (geteuid() != 0) {
     fs::create_directory(scratch / "closed");
     fs::permissions(scratch / "closed", fs::perms::owner_read | fs::perms::owner_exec);
     EXPECT_THROW(OutputFolder(scratch / "closed"), UserError);
     EXPECT_THROW(OutputFolder(scratch / "closed" / "a"), UserError);
+  }
+}
+
+TEST(OutputFolder, MissingFoldersAboveAreMadeWithIt) {
+  const test::ScratchFolder scratch;
+  {
+    OutputFolder output(scratch / "a" / "b" / "results");
+    output.append("x", "1");
+    EXPECT_FALSE(fs::exists(scratch / "a"));
+  }
+  EXPECT_TRUE(scratch.names().empty());
+  OutputFolder output(scratch / "a" / "b" / "results");
+  output.append("x", "1");
+  output.commit();
+  EXPECT_EQ(test::read_text(scratch.path() / "a" / "b" / "results" / "x"), "1");
+  EXPECT_EQ(scratch.names(), std::vector<std::string>{"a"});
+}
+
+// What is in the folder beside stays what it is: folders within, links, rights; and the folder keeps its rights.
+TEST(OutputFolder, TheRestOfTheFolderIsKept) {
+  const test::ScratchFolder scratch;
+  const fs::path results = scratch / "results";
+  fs::create_directories(results / "inner" / "deeper");
+  test::write_text(results / "inner" / "deeper" / "mine", "kept");
+  test::write_text(results / "old", "old");
+  fs::create_symlink("inner/deeper/mine", results / "link");
+  fs::permissions(results, fs::perms::owner_all | fs::perms::group_all);
+  fs::permissions(results / "inner", fs::perms::owner_all);
+  const auto inode = [](const fs::path& file) {
+    struct stat status {};
+    stat(file.c_str(), &status);
+    return status.st_ino;
+  };
+  const ino_t before = inode(results / "inner" / "deeper" / "mine");
+  OutputFolder output(results);
+  output.append("old", "new");
+  output.commit();
+  EXPECT_EQ(test::read_text(results / "old"), "new");
+  EXPECT_EQ(test::read_text(results / "link"), "kept");
+  EXPECT_EQ(inode(results / "inner" / "deeper" / "mine"), before);
+  EXPECT_EQ(fs::status(results).permissions(), fs::perms::owner_all | fs::perms::group_all);
+  EXPECT_EQ(fs::status(results / "inner").permissions(), fs::perms::owner_all);
+  EXPECT_EQ(names_in(results), (std::vector<std::string>{"inner", "link", "old"}));
+  EXPECT_EQ(scratch.names(), std::vector<std::string>{"results"});
+}
+
+// A program whose current folder it is (a shell stands in it as well) keeps it; so does one behind a link.
+TEST(OutputFolder, TheCurrentFolderIsWrittenInPlace) {
+  const test::ScratchFolder scratch;
+  const fs::path before = fs::current_path();
+  fs::current_path(scratch.path());
+  test::write_text(scratch / "a", "old");
+  {
+    OutputFolder output(".");
+    output.append("a", "new");
+    output.commit();
+  }
+  EXPECT_EQ(test::read_text("a"), "new");
+  fs::current_path(before);
+  EXPECT_EQ(scratch.names(), std::vector<std::string>{"a"});
+}
+
+// Three writers at once, again and again: the files are always of one of them.
+TEST(OutputFolder, ManyWritersAtOnce) {
+  const test::ScratchFolder scratch;
+  const fs::path results = scratch / "results";
+  const std::vector<std::string> files{"a", "b", "c", "d", "e"};
+  std::vector<pid_t> writers;
+  for (const char* mine : {"1", "2", "3"}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      for (int i = 0; i < 40; ++i) {
+        OutputFolder output(results);
+        for (const std::string& file : files) {
+          output.append(file, mine);
+        }
+        output.commit();
+      }
+      _exit(0);
+    }
+    writers.push_back(child);
+  }
+  // A reader holds the folder that it has opened: its files are of one writer.
+  int looks = 0;
+  for (std::size_t ended = 0; ended < writers.size();) {
+    const int folder = open(results.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    std::set<std::string> contents;
+    for (const std::string& file : files) {
+      char byte = 0;
+      const int descriptor = openat(folder, file.c_str(), O_RDONLY | O_CLOEXEC);
+      if (descriptor >= 0 && read(descriptor, &byte, 1) == 1) {
+        contents.insert(std::string(1, byte));
+      }
+      close(descriptor);
+    }
+    close(folder);
+    EXPECT_LE(contents.size(), 1U);
+    ++looks;
+    int status = 0;
+    while (waitpid(-1, &status, WNOHANG) > 0) {
+      EXPECT_EQ(status, 0);
+      ++ended;
+    }
+  }
+  EXPECT_GT(looks, 3);
+  EXPECT_EQ(scratch.names(), std::vector<std::string>{"results"});
+  EXPECT_EQ(names_in(results), files);
+}
+
+// What a killed program left is taken away by the next one that writes there; a folder of a living one stays.
+TEST(OutputFolder, WhatAKillLeftIsTakenAway) {
+  const test::ScratchFolder scratch;
+  const pid_t child = fork();
+  if (child == 0) {
+    OutputFolder output(scratch / "results");
+    output.append("a", "1");
+    kill(getpid(), SIGKILL);
+  }
+  waitpid(child, nullptr, 0);
+  ASSERT_EQ(scratch.names().size(), 1U) << "the kill left its folder";
+  OutputFolder living(scratch / "other");
+  living.append("a", "1");
+  ASSERT_EQ(scratch.names().size(), 1U);
+  OutputFolder output(scratch / "results");
+  output.append("a", "1");
+  output.commit();
+  living.commit();
+  EXPECT_EQ(scratch.names(), (std::vector<std::string>{"other", "results"}));
+}
+
+// A signal that ends the program takes what is temporary along.
+TEST(OutputFolder, SignalsLeaveNothingBehind) {
+  const test::ScratchFolder scratch;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      tidy_up_on_signals();
+      OutputFolder output(scratch / "results");
+      output.append("a/b", "1");
+      raise(number);
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == number) << status;
+    EXPECT_TRUE(scratch.names().empty()) << number;
   }
 }
 

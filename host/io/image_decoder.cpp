@@ -1,0 +1,61 @@
+#include "host/io/image_decoder.h"
+
+#include <cstddef>
+#include <exception>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <string>
+
+#include "host/io/image_header.h"
+#include "host/io/input_file.h"
+#include "host/io/stderr_capture.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+constexpr const char* kNoImage = "not an image in a known format, or damaged";
+
+// What the libraries say on standard error only. libjpeg fills up what is missing from a damaged file; it tells of the
+// first thing that is wrong and of no other, so that nothing may be overheard.
+bool tells_of_damage(ImageFormat format, const std::string& messages) {
+  return (format == ImageFormat::jpeg && !messages.empty()) || messages.find("Premature") != std::string::npos ||
+         messages.find("Corrupt") != std::string::npos;
+}
+
+}  // namespace
+
+cv::Mat decode_image(const std::string& file) {
+  std::string bytes = read_input(file, kMostImageBytes);
+  const std::optional<ImageHeader> header = image_header(bytes);
+  if (!header || header->columns == 0 || header->rows == 0) {
+    throw UserError(file, kNoImage);
+  }
+  if (header->columns > kMostImagePixels || header->rows > kMostImagePixels / header->columns) {
+    throw UserError(file, "has " + std::to_string(header->columns) + " x " + std::to_string(header->rows) +
+                              " pixels; at most 2^28 are taken");
+  }
+  cv::Mat image;
+  StderrCapture capture;
+  try {
+    if (header->orientation_at != 0) {
+      clear_orientation(*header, bytes);
+      image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data()), cv::IMREAD_UNCHANGED);
+    } else {
+      // OpenCV reads the file itself: given bytes, it would let libjpeg stop at the end of a file cut short without a
+      // word.
+      bytes.clear();
+      bytes.shrink_to_fit();
+      image = cv::imread(file, cv::IMREAD_UNCHANGED);
+    }
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.empty() || tells_of_damage(header->format, capture.text())) {
+    throw UserError(file, kNoImage);
+  }
+  return image;
+}
+
+}  // namespace selfproj

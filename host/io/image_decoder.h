@@ -1,0 +1,21 @@
+// The one place where image files are decoded.
+#ifndef SELFPROJ_HOST_IO_IMAGE_DECODER_H
+#define SELFPROJ_HOST_IO_IMAGE_DECODER_H
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+namespace selfproj {
+
+// The largest image that is decoded: 16384 x 16384 pixels, the largest camera and projector of a rig.
+inline constexpr std::uint64_t kMostImagePixels = std::uint64_t{1} << 28U;
+
+// The image of a PNG, JPEG, TIFF, BMP or PNM file that check_image_file lets pass, as it is stored: its own depth
+// and channels, not turned whatever orientation the file notes. Throws UserError, naming the file, where it cannot be
+// read, is no image, a damaged one, or one of more than kMostImagePixels.
+cv::Mat decode_image(const std::string& file);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_IO_IMAGE_DECODER_H

@@ -1,0 +1,33 @@
+// What the first bytes of an image file say, before anything is decoded.
+#ifndef SELFPROJ_HOST_IO_IMAGE_HEADER_H
+#define SELFPROJ_HOST_IO_IMAGE_HEADER_H
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace selfproj {
+
+enum class ImageFormat : std::uint8_t { png, jpeg, tiff, bmp, pnm };
+
+// The format by the magic number; nothing for any other.
+std::optional<ImageFormat> image_format(std::string_view bytes);
+
+struct ImageHeader {
+  ImageFormat format = ImageFormat::png;
+  std::uint64_t columns = 0;
+  std::uint64_t rows = 0;
+  std::size_t orientation_at = 0;  // TIFF: where the value of its tag is; 0: it has none
+};
+
+// Format and size of the (first) image; nothing where it is none, or damaged there.
+std::optional<ImageHeader> image_header(std::string_view bytes);
+
+// A TIFF file that does not ask to be turned.
+void clear_orientation(const ImageHeader& header, std::string& bytes);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_IO_IMAGE_HEADER_H

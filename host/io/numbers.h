@@ -1,0 +1,37 @@
+// Numbers out of texts: of files and of options alike.
+#ifndef SELFPROJ_HOST_IO_NUMBERS_H
+#define SELFPROJ_HOST_IO_NUMBERS_H
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+
+namespace selfproj {
+
+// The number that all of the text is, in base 10: "12", "-3", "+5", and for a floating-point T also "1.5" and "2e-3".
+// Nothing for any other text: an empty one, spaces, "0x10", "nan", "inf", and what T cannot hold. "010" is ten.
+template <class T>
+std::optional<T> number_of_text(std::string_view text) {
+  if (text.starts_with('+') && !text.starts_with("+-")) {
+    text.remove_prefix(1);
+  }
+  T value{};
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end) {
+    return std::nullopt;
+  }
+  if constexpr (std::is_floating_point_v<T>) {
+    if (!std::isfinite(value)) {
+      return std::nullopt;
+    }
+  }
+  return value;
+}
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_IO_NUMBERS_H

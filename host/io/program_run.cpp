@@ -1,0 +1,54 @@
+#include "host/io/program_run.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <functional>
+#include <iostream>
+#include <string>
+
+#include "host/io/file_descriptor.h"
+#include "host/io/run_files.h"
+#include "host/io/stop_signal.h"
+
+namespace selfproj {
+namespace {
+
+// A standard descriptor that is closed would be given to the first file that is opened, and what is printed go into it.
+// Reading gives nothing then, and writing to standard output fails.
+void open_standard_descriptors() {
+  for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(number, F_GETFD) < 0 && errno == EBADF) {
+      static_cast<void>(open("/dev/null", number == STDERR_FILENO ? O_WRONLY : O_RDONLY));  // takes the lowest number
+    }
+  }
+}
+
+// What is still to be printed, and whether that and all before could be.
+bool flush_output() {
+  errno = 0;
+  const bool stream = static_cast<bool>(std::cout.flush());
+  return std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && stream;
+}
+
+}  // namespace
+
+int run_as_program(const std::string& name, const std::function<int()>& body) {
+  open_standard_descriptors();
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  tidy_up_on_signals();
+  const RunFiles files;
+  const int status = body();
+  if (!flush_output() && status == 0) {
+    fmt::print(stderr, "{}: standard output: {}\n", name, error_text(errno != 0 ? errno : EIO));
+    return 1;
+  }
+  return status;
+}
+
+}  // namespace selfproj

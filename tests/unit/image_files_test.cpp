@@ -1,0 +1,126 @@
+#include "host/io/image_files.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdint>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "host/io/image_header.h"
+#include "host/io/user_error.h"
+#include "tests/cli/program.h"
+
+namespace selfproj {
+namespace {
+
+// Bright to the left, and wider than high: turning it shows.
+cv::Mat picture() {
+  cv::Mat mat(40, 64, CV_8UC1);
+  for (int r = 0; r < mat.rows; ++r) {
+    for (int c = 0; c < mat.cols; ++c) {
+      mat.at<std::uint8_t>(r, c) = static_cast<std::uint8_t>(255 - 3 * c - r);
+    }
+  }
+  return mat;
+}
+
+std::string encoded(const char* extension) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(extension, picture(), bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+// In a process of its own, whose limits and descriptors it may change.
+bool holds_in_child(const std::function<bool()>& what) {
+  const pid_t child = fork();
+  if (child == 0) {
+    _exit(what() ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status == 0;
+}
+
+bool is_refused(const std::string& file) {
+  try {
+    static_cast<void>(read_image(file, std::nullopt));
+  } catch (const UserError&) {
+    return true;
+  }
+  return false;
+}
+
+// What libjpeg says is heard wherever it may or may not be written.
+TEST(ImageFiles, DamageIsSeenWithoutADisk) {
+  const test::ScratchFolder scratch;
+  const std::string whole = encoded(".jpg");
+  test::write_text(scratch / "cut.jpg", whole.substr(0, whole.size() / 2));
+  test::write_text(scratch / "whole.jpg", whole);
+  const std::string cut = scratch / "cut.jpg";
+  EXPECT_FALSE(is_refused(scratch / "whole.jpg"));
+  EXPECT_TRUE(is_refused(cut));
+  EXPECT_TRUE(holds_in_child([&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit none{0, 0};
+    return setrlimit(RLIMIT_FSIZE, &none) == 0 && is_refused(cut);
+  })) << "no file may be written";
+  EXPECT_TRUE(holds_in_child([&] {
+    close(STDERR_FILENO);
+    return is_refused(cut) && !is_refused(scratch / "whole.jpg");
+  })) << "standard error is closed";
+}
+
+// The tag of TIFF (LibTIFF writes it at the end of the file's directory) is ignored, as that of JPEG is.
+TEST(ImageFiles, TheOrientationThatAFileNotesIsIgnored) {
+  const test::ScratchFolder scratch;
+  std::string bytes = encoded(".tiff");
+  const Image upright = [&] {
+    test::write_text(scratch / "a.tiff", bytes);
+    return read_image(scratch / "a.tiff", std::nullopt);
+  }();
+  ASSERT_EQ(upright.columns, 64);
+  // An entry that OpenCV does not need, of the software, becomes one of the orientation: 6, turned to the right.
+  const std::string tag("\x1C\x01\x03\x00\x01\x00\x00\x00", 8);  // planar configuration, SHORT, one
+  const std::size_t at = bytes.find(tag);
+  ASSERT_NE(at, std::string::npos);
+  const auto patched = std::string("\x12\x01\x03\x00\x01\x00\x00\x00\x06\x00\x00\x00", 12);
+  bytes.replace(at, patched.size(), patched);
+  ASSERT_NE(image_header(bytes)->orientation_at, 0U);
+  test::write_text(scratch / "b.tiff", bytes);
+  const Image turned = read_image(scratch / "b.tiff", std::nullopt);
+  EXPECT_EQ(turned.columns, 64);
+  EXPECT_EQ(turned.pixels, upright.pixels);
+}
+
+TEST(ImageFiles, HeadersSayTheSize) {
+  for (const char* extension : {".png", ".jpg", ".tiff", ".bmp", ".pgm"}) {
+    const auto header = image_header(encoded(extension));
+    ASSERT_TRUE(header) << extension;
+    EXPECT_EQ(header->columns, 64U) << extension;
+    EXPECT_EQ(header->rows, 40U) << extension;
+  }
+}
+
+// A few bytes that would unpack to gigabytes are refused before they do.
+TEST(ImageFiles, HugeImagesAreRefusedByTheirHeaders) {
+  const test::ScratchFolder scratch;
+  std::string png = encoded(".png");
+  png.replace(16, 8, std::string("\x00\x00\xFF\xFF\x00\x00\xFF\xFF", 8));
+  test::write_text(scratch / "huge.png", png);
+  try {
+    static_cast<void>(read_image(scratch / "huge.png", std::nullopt));
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("65535 x 65535 pixels"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace selfproj
