@@ -66,7 +66,7 @@ struct Work {
   std::uint64_t other_size = 0;    // frames of another size than the rig's camera
   std::uint64_t not_moments = 0;   // packets of images and codes
   std::uint64_t points = 0;        // valid columns of all profiles
-  std::int64_t first_ns = 0;       // arrival of the first packet
+  std::int64_t first_ns = 0;       // when the first packet was taken
   std::int64_t first_done_ns = 0;  // when the first profile was there
   std::int64_t last_done_ns = 0;   // and the last one
   DurationHistogram delay;         // from a packet's arrival to its profile
@@ -181,7 +181,7 @@ class InspectionLoop {
 
   // Takes the packet and gives it back to the device. When that was done.
   std::int64_t take(const PacketView& packet, Device& device) {
-    work_.first_ns = work_.first_ns == 0 ? device.arrival_ns() : work_.first_ns;
+    work_.first_ns = work_.first_ns == 0 ? now_ns() : work_.first_ns;  // a backlog came in long before
     const bool made = make_profile(packet, device.uri());
     const std::int64_t now = now_ns();
     if (made) {

@@ -22,6 +22,7 @@
 #include "host/driver/device.h"
 #include "host/driver/packet_reader.h"
 #include "host/driver/packet_tally.h"
+#include "host/io/run_files.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
@@ -49,6 +50,12 @@ class FileDevice final : public Device {
       fail(EISDIR);
     }
     regular_ = S_ISREG(status.st_mode);
+    try {
+      note_input(path);
+    } catch (const UserError&) {
+      close_file();
+      throw;
+    }
     character_ = S_ISCHR(status.st_mode);
   }
   FileDevice(const FileDevice&) = delete;

@@ -17,12 +17,13 @@ bool PacketTally::accept(const PacketHeader& header) {
 
   if (kind.known) {
     const bool same_frame = header.same_frame(newest);
-    if (same_frame && (moments || header.first_line <= newest.first_line)) {
+    const bool not_later = same_frame && (moments || header.first_line <= newest.first_line);
+    if (not_later && !kind.anew) {
       ++counters_.repeated;
       return false;
     }
     // A frame number without its own time, or anything that runs backwards, is another life of the board.
-    const bool restarted = header.sequence < newest.sequence || header.time_stamp < newest.time_stamp ||
+    const bool restarted = not_later || header.sequence < newest.sequence || header.time_stamp < newest.time_stamp ||
                            (!same_frame && header.sequence == newest.sequence) || lost_since >= kBackwards;
     if (restarted) {
       ++counters_.restarts;
@@ -36,8 +37,16 @@ bool PacketTally::accept(const PacketHeader& header) {
     counters_.lost_board += header.lost;
     counters_.missing += moments ? header.sequence : 0;
   }
-  kind = {.header = header, .known = true, .reset = false};
+  kind = {.header = header, .known = true, .reset = false, .anew = false};
   return true;
+}
+
+void PacketTally::begin_anew() {
+  for (auto& stream : newest_) {
+    for (Newest& kind : stream) {
+      kind.anew = true;
+    }
+  }
 }
 
 }  // namespace selfproj

@@ -22,6 +22,9 @@ class PacketTally {
   // frame, same line or an earlier one): it is not to be handed out.
   bool accept(const PacketHeader& header);
 
+  // Another writer takes over: its packets are no repetitions, whatever they say of themselves.
+  void begin_anew();
+
  private:
   static constexpr std::size_t kStreams = 256;
   static constexpr std::size_t kKinds = 3;
@@ -31,6 +34,7 @@ class PacketTally {
     PacketHeader header = {};
     bool known = false;  // there is one
     bool reset = false;  // none since the board was reset
+    bool anew = false;   // none of the new writer
   };
 
   Counters& counters_;

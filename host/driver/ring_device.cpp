@@ -29,8 +29,14 @@ namespace {
 
 using Found = ring::Memory::Found;
 
+// More packets than a ring can have lost.
+constexpr std::uint64_t kMostLost = std::uint64_t{1} << 48U;
+
 // How often a reader without packets looks whether ring and board are still there.
 constexpr std::int64_t kLookNs = 50'000'000;
+
+// How long a board may take to see that its ring was removed.
+constexpr std::int64_t kRenewalNs = 1'000'000'000;
 
 void sleep_ns(std::int64_t ns) {
   constexpr std::int64_t kSecond = 1'000'000'000;
@@ -46,6 +52,8 @@ class RingDevice final : public Device {
     switch (found) {
       case Found::ring:
         break;
+      case Found::being_made:
+        return;  // next() waits for it
       case Found::none:
       case Found::unready:
         if (!options.wait_for_board) {
@@ -55,7 +63,7 @@ class RingDevice final : public Device {
       case Found::other:
         throw UserError(uri_, "is a ring of another version or specification");
       case Found::no_access:
-        throw UserError(uri_, std::generic_category().message(errno));
+        no_access(errno);
     }
     if (!memory_.lock(ring::kReaderLock)) {
       throw UserError(uri_, "another reader has it");
@@ -64,7 +72,12 @@ class RingDevice final : public Device {
   }
   RingDevice(const RingDevice&) = delete;
   RingDevice& operator=(const RingDevice&) = delete;
-  ~RingDevice() override { stop_reading(); }
+  ~RingDevice() override {
+    if (memory_.attached()) {
+      release();
+      leave();
+    }
+  }
 
   Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
     release();
@@ -111,13 +124,29 @@ class RingDevice final : public Device {
 
   [[nodiscard]] Counters counters() const override {
     Counters counters = counters_;
-    counters.lost_ring += memory_.attached() ? memory_.header().lost.load(std::memory_order_acquire) - lost_before_ : 0;
+    if (memory_.attached()) {
+      const std::uint64_t lost = memory_.header().lost.load(std::memory_order_acquire);
+      if (lost - lost_before_ <= kMostLost) {
+        counters.lost_ring += lost - lost_before_;
+        lost_told_ = lost;
+      } else {
+        ++counters.bad;  // a count that cannot be
+      }
+    }
     return counters;
   }
 
   [[nodiscard]] const std::string& uri() const override { return uri_; }
 
  private:
+  [[noreturn]] void no_access(int error) const {
+    throw UserError(uri_,
+                    std::generic_category().message(error) +
+                        (error == EACCES ? "; a reader needs the right to write, too, as it writes its counts into "
+                                           "the ring: with umask 007 the board gives it to its group"
+                                         : ""));
+  }
+
   // The ring is mapped and its lock taken.
   void start_reading() {
     ring::Header& header = memory_.header();
@@ -129,13 +158,17 @@ class RingDevice final : public Device {
     header.sleeping.store(0);
     const std::uint64_t written = header.written.load(std::memory_order_acquire);
     read_ = header.read.load();
+    if (written - read_ > memory_.slots()) {  // counts that cannot be: what was between them is not known
+      ++counters_.bad;
+      skipping_ = true;
+    }
     if (options_.discard_backlog || written - read_ > memory_.slots()) {
       read_ = written;
       header.read.store(read_, std::memory_order_release);
     }
-    const bool backlog = read_ != written;
-    generation_ = backlog ? memory_.slot(read_).generation : header.generation.load();
-    lost_before_ = backlog ? memory_.slot(read_).lost : header.lost.load(std::memory_order_acquire);
+    generation_ = read_ != written ? memory_.slot(read_).generation : header.generation.load();
+    lost_before_ = options_.discard_backlog ? header.lost.load(std::memory_order_acquire) : header.lost_told.load();
+    lost_told_ = lost_before_;
     next_look_ = 0;
     counters_.reattached += was_attached_ ? 1 : 0;
     was_attached_ = true;
@@ -145,9 +178,15 @@ class RingDevice final : public Device {
     if (memory_.attached()) {
       counters_ = counters();
       release();
-      memory_.header().reader_open.store(0);
-      memory_.detach();
+      leave();
     }
+  }
+
+  // The next reader counts what this one has not told of.
+  void leave() {
+    memory_.header().lost_told.store(lost_told_);
+    memory_.header().reader_open.store(0);
+    memory_.detach();
   }
 
   // The slot at read_ is done with.
@@ -196,6 +235,7 @@ class RingDevice final : public Device {
     if (slot.generation != generation_) {
       generation_ = slot.generation;
       ++counters_.reattached;
+      tally_.begin_anew();
     }
     if (!tally_.accept(packet.header)) {
       return false;
@@ -210,18 +250,27 @@ class RingDevice final : public Device {
   // name where none is attached.
   bool look() {
     if (memory_.attached()) {
-      if (memory_.locked(ring::kWriterLock)) {
+      if (memory_.shortened()) {
+        ++counters_.bad;
+        stop_reading();
+      } else if (memory_.locked(ring::kWriterLock)) {
         return true;  // even where the name was removed: nothing is lost until the writer turns away
-      }
-      if (!memory_.removed() || memory_.header().written.load(std::memory_order_acquire) != read_) {
+      } else if (!memory_.removed() || memory_.header().written.load(std::memory_order_acquire) != read_) {
         return false;
+      } else {
+        // A writer that has not ended properly makes the ring anew, as soon as it sees that its name is gone.
+        patient_until_ = memory_.header().writer_open.load() != 0 ? now_ns() + kRenewalNs : 0;
+        stop_reading();
       }
-      stop_reading();
     }
     if (!memory_.attached()) {
-      if (memory_.attach(shared_.c_str()) != Found::ring || !memory_.lock(ring::kReaderLock)) {
+      const Found found = memory_.attach(shared_.c_str());
+      if (found == Found::being_made) {
+        return true;  // the board is there, and allocates
+      }
+      if (found != Found::ring || !memory_.lock(ring::kReaderLock)) {
         memory_.detach();
-        return false;
+        return now_ns() < patient_until_;
       }
       start_reading();
     }
@@ -253,12 +302,14 @@ class RingDevice final : public Device {
   PacketTally tally_;
   ring::Memory memory_;
   std::uint64_t read_ = 0;
-  std::uint64_t lost_before_ = 0;  // Header::lost when this reader began
+  std::uint64_t lost_before_ = 0;        // of Header::lost, what earlier readers have told of
+  mutable std::uint64_t lost_told_ = 0;  // and what this one has
   std::uint32_t generation_ = 0;
   bool held_ = false;
   bool skipping_ = false;
   bool was_attached_ = false;
   std::int64_t next_look_ = 0;
+  std::int64_t patient_until_ = 0;  // no ring is no end before
   std::int64_t arrival_ns_ = 0;
 };
 

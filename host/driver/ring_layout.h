@@ -19,7 +19,7 @@
 namespace selfproj::ring {
 
 inline constexpr std::uint64_t kMagic = 0x474E495250464C53;  // "SLFPRING"
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 inline constexpr std::size_t kLine = 64;  // bytes of a cache line
 
 using Count = std::atomic<std::uint64_t>;
@@ -44,6 +44,7 @@ struct Header {
 
   // Written by the reader.
   alignas(kLine) Count read;  // packets released
+  Count lost_told;            // of Header::lost, what readers that ended have told of
   Word readers;               // readers so far
   Word reader_open;           // 1 from a reader's start to its proper end
   Word reader_crashes;        // readers that ended without saying so

@@ -23,7 +23,7 @@ RingInfo info_of(const std::string& name) {
   RingInfo info;
   info.name = name;
   ring::Memory memory;
-  switch (memory.attach(ring::shared_name(name).c_str())) {
+  switch (memory.attach(ring::shared_name(name).c_str(), ring::Memory::Access::look)) {
     case ring::Memory::Found::ring:
       break;
     case ring::Memory::Found::other:
@@ -31,6 +31,9 @@ RingInfo info_of(const std::string& name) {
       return info;
     case ring::Memory::Found::no_access:
       info.problem = std::generic_category().message(errno);
+      return info;
+    case ring::Memory::Found::being_made:
+      info.problem = "a board is making it";
       return info;
     default:
       info.problem = "not complete";

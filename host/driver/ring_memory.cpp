@@ -7,15 +7,19 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cctype>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <system_error>
+#include <utility>
 
+#include "host/driver/bus_guard.h"
 #include "host/io/user_error.h"
 
 namespace selfproj::ring {
@@ -53,38 +57,54 @@ std::string shared_name(const std::string& name) {
   return "/selfproj-ring-" + name;
 }
 
-Memory::Found Memory::map() {
+// Reads the header before anything is mapped: the file may be anything, of any size.
+Memory::Found Memory::map(Access access) {
   struct stat status {};
   if (fstat(descriptor_, &status) != 0) {
     return Found::no_access;
   }
   const auto size = static_cast<std::size_t>(status.st_size);
-  if (size < sizeof(Header)) {
-    return Found::unready;
+  std::array<std::byte, offsetof(Header, written)> bytes{};
+  static_assert(bytes.size() >= offsetof(Header, slot_bytes) + sizeof(Header::slot_bytes));
+  if (size < sizeof(Header) ||
+      pread(descriptor_, bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+    return locked(kWriterLock) ? Found::being_made : Found::unready;
   }
-  void* memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0);
+  const auto word = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    return value;
+  };
+  std::uint64_t magic = 0;
+  std::memcpy(&magic, bytes.data() + offsetof(Header, magic), sizeof magic);
+  if (magic != kMagic) {
+    return locked(kWriterLock) ? Found::being_made : Found::unready;
+  }
+  slots_ = word(offsetof(Header, slots));
+  if (word(offsetof(Header, version)) != kVersion || word(offsetof(Header, spec_hash)) != spec::kHash ||
+      word(offsetof(Header, slot_bytes)) != kSlotBytes || !std::has_single_bit(slots_) || slots_ > kMaxSlots ||
+      size != ring_bytes(slots_)) {
+    return Found::other;
+  }
+  const int rights = access == Access::use ? PROT_READ | PROT_WRITE : PROT_READ;
+  void* memory = mmap(nullptr, size, rights, MAP_SHARED, descriptor_, 0);
   if (memory == MAP_FAILED) {
     return Found::no_access;
   }
   header_ = static_cast<Header*>(memory);
   bytes_ = size;
-  if (header_->magic.load(std::memory_order_acquire) != kMagic) {
-    return Found::unready;
-  }
-  slots_ = header_->slots;
-  const bool ours = header_->version == kVersion && header_->spec_hash == spec::kHash &&
-                    header_->slot_bytes == kSlotBytes && std::has_single_bit(slots_) && slots_ <= kMaxSlots &&
-                    size == ring_bytes(slots_);
-  return ours ? Found::ring : Found::other;
+  guard_mapping(memory, size);
+  // What was written before the magic number is seen after it.
+  return header_->magic.load(std::memory_order_acquire) == kMagic ? Found::ring : Found::unready;
 }
 
-Memory::Found Memory::attach(const char* shared) {
+Memory::Found Memory::attach(const char* shared, Access access) {
   detach();
-  descriptor_ = shm_open(shared, O_RDWR | O_CLOEXEC, 0);
+  descriptor_ = shm_open(shared, (access == Access::use ? O_RDWR : O_RDONLY) | O_CLOEXEC, 0);
   if (descriptor_ < 0) {
     return errno == ENOENT ? Found::none : Found::no_access;
   }
-  const Found found = map();
+  const Found found = map(access);
   if (found != Found::ring) {
     const int error = errno;
     detach();
@@ -93,43 +113,74 @@ Memory::Found Memory::attach(const char* shared) {
   return found;
 }
 
-void Memory::create(const std::string& name, std::uint32_t slots) {
-  const std::string uri = "ring:" + name;
-  const std::string shared = shared_name(name);
-  for (;;) {
+// Opens the shared memory `shared` and takes the writer's lock: descriptor_ is a file that nobody else writes and whose
+// name is its own. Whether there is a ring of `slots` slots in it, which is mapped then; else it is empty.
+bool Memory::open_for_writer(const std::string& uri, const std::string& shared, std::uint32_t slots, Memory& replaced) {
+  constexpr int kTries = 1000;
+  for (int i = 0; i < kTries; ++i) {
     detach();
     descriptor_ = shm_open(shared.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0660);  // less the user's umask
     if (descriptor_ < 0) {
       throw UserError(uri, reason(errno));
     }
     if (!take_lock(descriptor_, kWriterLock)) {
-      detach();
       throw UserError(uri, "another board is writing into it");
     }
     if (removed()) {
       continue;  // by another process, since it was opened
     }
     struct stat status {};
-    if (fstat(descriptor_, &status) == 0 && status.st_size > 0) {
-      if (map() == Found::ring && slots_ == slots) {
-        return;
-      }
-      shm_unlink(shared.c_str());
-      continue;
+    if (fstat(descriptor_, &status) != 0) {
+      throw UserError(uri, reason(errno));
     }
-    break;
+    if (status.st_size == 0) {
+      return false;
+    }
+    const Found found = map();
+    if (found == Found::ring && slots_ == slots) {
+      return true;
+    }
+    if (found == Found::no_access) {
+      throw UserError(uri, "is there and cannot be used: " + reason(errno));
+    }
+    if (shm_unlink(shared.c_str()) != 0 && errno != ENOENT) {
+      throw UserError(uri, "is a ring of another size or kind, which cannot be replaced: " + reason(errno));
+    }
+    unmap();
+    replaced.swap(*this);
   }
-  // Its pages are taken now: with a full /dev/shm, writing to them later would end the program.
+  throw UserError(uri, "is taken away by another process again and again");
+}
+
+void Memory::create(const std::string& name, std::uint32_t slots) {
+  const std::string uri = "ring:" + name;
+  const std::string shared = shared_name(name);
+  Memory replaced;  // keeps its lock until the end
+  Memory made;
+  if (!made.open_for_writer(uri, shared, slots, replaced)) {
+    made.fill(uri, shared, slots);
+  }
+  swap(made);
+}
+
+// Makes an empty ring of the empty file.
+void Memory::fill(const std::string& uri, const std::string& shared, std::uint32_t slots) {
+  // Its pages are taken now: with a full /dev/shm, writing to them later would lose packets.
   const std::size_t bytes = ring_bytes(slots);
-  if (const int error = posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes)); error != 0) {
+  const int error = posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes));
+  if (error != 0) {
     shm_unlink(shared.c_str());
-    detach();
     throw UserError(uri, reason(error) + ", " + std::to_string(bytes >> 20U) + " MiB of shared memory are needed");
   }
-  static_cast<void>(map());  // all zeros but for what follows
-  if (header_ == nullptr) {
-    throw UserError(uri, reason(errno));
+  void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0);
+  if (memory == MAP_FAILED) {
+    const int why = errno;
+    shm_unlink(shared.c_str());
+    throw UserError(uri, reason(why) + ", " + std::to_string(bytes >> 20U) + " MiB of address space are needed");
   }
+  header_ = static_cast<Header*>(memory);  // all zeros but for what follows
+  bytes_ = bytes;
+  guard_mapping(memory, bytes);
   slots_ = slots;
   header_->version = kVersion;
   header_->spec_hash = spec::kHash;
@@ -138,11 +189,23 @@ void Memory::create(const std::string& name, std::uint32_t slots) {
   header_->magic.store(kMagic, std::memory_order_release);
 }
 
-void Memory::detach() {
+void Memory::unmap() {
   if (header_ != nullptr) {
+    unguard_mapping(header_);
     munmap(header_, bytes_);
     header_ = nullptr;
   }
+}
+
+void Memory::swap(Memory& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(header_, other.header_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(slots_, other.slots_);
+}
+
+void Memory::detach() {
+  unmap();
   if (descriptor_ >= 0) {
     close(descriptor_);
     descriptor_ = -1;
@@ -168,6 +231,11 @@ bool Memory::locked(long which) const {
 bool Memory::removed() const {
   struct stat status {};
   return fstat(descriptor_, &status) == 0 && status.st_nlink == 0;
+}
+
+bool Memory::shortened() const {
+  struct stat status {};
+  return fstat(descriptor_, &status) == 0 && static_cast<std::size_t>(status.st_size) < bytes_;
 }
 
 }  // namespace selfproj::ring

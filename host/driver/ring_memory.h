@@ -22,11 +22,12 @@ class Memory {
  public:
   // What `attach` found.
   enum class Found : std::uint8_t {
-    ring,      // a ring of this layout and specification
-    none,      // nothing of this name
-    unready,   // one that is just being made, or whose making was interrupted
-    other,     // something of another layout or specification
-    no_access  // errno says why
+    ring,        // a ring of this layout and specification
+    none,        // nothing of this name
+    being_made,  // a writer is making one
+    unready,     // one whose making was interrupted
+    other,       // something of another layout or specification
+    no_access    // errno says why
   };
 
   Memory() = default;
@@ -34,13 +35,17 @@ class Memory {
   Memory& operator=(const Memory&) = delete;
   ~Memory() { detach(); }
 
+  // Readers write, too: their counts. Who only looks needs no right to.
+  enum class Access : std::uint8_t { use, look };
+
   // Maps the ring of this shared name; where it is none of ours, nothing is mapped.
-  Found attach(const char* shared);
+  Found attach(const char* shared, Access access = Access::use);
 
   // Opens the shared memory of this name, which is made where there is none, for a writer: takes the writer's lock and
   // makes an empty ring of `slots` slots unless there is one of this layout, specification and size. A ring that does
-  // not fit is replaced by a new one of the same name. Throws UserError, naming `name`, where another writer has it, or
-  // there is no room.
+  // not fit is replaced by a new one of the same name; what is attached here goes only when the new one is whole, so
+  // that a reader sees a board all the time. Throws UserError, naming `name`: another writer has it, there is no room
+  // or no right to replace it, or it cannot be mapped (it is left as it is then).
   void create(const std::string& name, std::uint32_t slots);
 
   void detach();
@@ -63,8 +68,15 @@ class Memory {
   // Whether the name of this ring was removed: no one else will come to it.
   [[nodiscard]] bool removed() const;
 
+  // Whether its file was made shorter by someone: what is read behind its end is zeros, and what is written there lost.
+  [[nodiscard]] bool shortened() const;
+
  private:
-  Found map();
+  Found map(Access access = Access::use);
+  void unmap();
+  bool open_for_writer(const std::string& uri, const std::string& shared, std::uint32_t slots, Memory& replaced);
+  void fill(const std::string& uri, const std::string& shared, std::uint32_t slots);
+  void swap(Memory& other) noexcept;
 
   int descriptor_ = -1;
   Header* header_ = nullptr;

@@ -16,6 +16,7 @@
 
 #include "host/driver/clock.h"
 #include "host/driver/ring_layout.h"
+#include "host/driver/ring_list.h"
 #include "host/io/user_error.h"
 #include "model/packet.h"
 
@@ -58,10 +59,23 @@ void RingWriter::start() {
 }
 
 bool RingWriter::renew_if_removed() {
-  if (!memory_.removed()) {
+  const bool removed = memory_.removed();
+  const bool shortened = memory_.shortened();
+  if (!removed && !shortened) {
     return false;
   }
+  // What nobody will read any more is lost: all that is in a ring that was made shorter (where its counts are gone, at
+  // most so many), or that has no reader.
+  const bool unseen = shortened || !memory_.locked(ring::kReaderLock);
+  const std::uint64_t read = std::max(read_, std::min(memory_.header().read.load(), written_));
+  const std::uint64_t unread = unseen ? std::min<std::uint64_t>(written_ - read, memory_.slots()) : 0;
+  if (!removed) {
+    remove_ring(name_);
+  }
   start();
+  lost_ += unread;
+  own_lost_ += unread;
+  memory_.header().lost.store(lost_, std::memory_order_release);
   return true;
 }
 
@@ -77,6 +91,7 @@ std::span<std::uint8_t> RingWriter::claim() {
     read_ = header.read.load(std::memory_order_acquire);
     if (written_ - read_ >= memory_.slots()) {
       header.lost.store(++lost_, std::memory_order_release);
+      ++own_lost_;
       return {};
     }
   }

@@ -42,15 +42,16 @@ class RingWriter {
   // The first `bytes` of what was claimed last are a packet.
   void publish(std::size_t bytes);
 
-  // Packets that found the ring full, those of earlier writers included.
-  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+  // Packets that were lost since this writer began: that found the ring full, or whose ring was made shorter.
+  [[nodiscard]] std::uint64_t lost() const { return own_lost_; }
   // Packets in the ring that were not released yet.
   [[nodiscard]] std::uint64_t unread() const;
   // Whether there is a reader now. Asks the kernel.
   [[nodiscard]] bool has_reader() const;
 
-  // Makes the ring again where its name was removed (remove_ring), and says whether it did; a packet that was claimed
-  // is gone. To be called now and then: otherwise a removed ring is written for nobody. Throws as the constructor.
+  // Makes the ring again where its name was removed (remove_ring) or its file made shorter, and says whether it did; a
+  // packet that was claimed is gone. To be called now and then: otherwise a removed ring is written for nobody. Throws
+  // as the constructor.
   bool renew_if_removed();
 
  private:
@@ -60,7 +61,8 @@ class RingWriter {
   std::uint32_t slots_;
   ring::Memory memory_;
   std::uint64_t written_ = 0;
-  std::uint64_t lost_ = 0;
+  std::uint64_t lost_ = 0;  // Header::lost
+  std::uint64_t own_lost_ = 0;
   std::uint64_t read_ = 0;  // as last seen: the reader's line is looked at only where the ring seems full
   std::uint32_t generation_ = 0;
 };

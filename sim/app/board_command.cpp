@@ -62,15 +62,11 @@ void sleep_until(std::int64_t time_ns) {
 }
 
 PacketRecording make_line(const BoardOptions& options) {
-  int columns = 0;
-  int rows = 0;
-  char more = 0;
-  if (std::sscanf(options.line.c_str(), "%dx%d%c", &columns, &rows, &more) != 2 || columns < spec::kPixelsPerBeat ||
-      columns > spec::kMaxColumns || columns % spec::kPixelsPerBeat != 0 || rows < 1 || rows > spec::kMaxRows) {
-    throw UserError(
-        "--line " + options.line,
-        fmt::format("is not a frame size such as 512x96: columns must be a multiple of {} up to {}, rows at most {}",
-                    spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
+  const auto [rows, columns] = size_of_text("--line", options.line, std::max(spec::kMaxColumns, spec::kMaxRows));
+  if (columns > spec::kMaxColumns || columns % spec::kPixelsPerBeat != 0 || rows > spec::kMaxRows) {
+    throw UserError("--line " + options.line,
+                    fmt::format("is not an image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
+                                spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
   }
   return moving_line(rows, columns, options.line_frames, mode_of(options.mode), options.threshold);
 }
@@ -138,7 +134,6 @@ void record(const BoardOptions& options, const PacketRecording& source) {
 // exactly; a late one follows immediately. The summary says how late the latest was.
 void play(const BoardOptions& options, const PacketRecording& source) {
   RingWriter writer(options.ring, options.slots.value_or(RingWriter::deep_slots(options.ring)));
-  const std::uint64_t lost_before = writer.lost();
   const StopSignal stop;
   StatusLine status;
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // sleep to the point, not up to 50 µs longer
@@ -184,7 +179,7 @@ void play(const BoardOptions& options, const PacketRecording& source) {
       renewed += writer.renew_if_removed() ? 1 : 0;
       if (status.visible()) {
         status.show(fmt::format("{} frames, {:.1f} s, lost in the ring {}", frame + 1,
-                                static_cast<double>(now - start) / kSecondNs, writer.lost() - lost_before));
+                                static_cast<double>(now - start) / kSecondNs, writer.lost()));
       }
     }
   }
@@ -196,7 +191,7 @@ void play(const BoardOptions& options, const PacketRecording& source) {
   fmt::print(
       "{} frames in {:.3f} s: {:.0f} frames/s, {} packets, {} lost in the full ring; ring made anew {} times; latest "
       "frame {:.3f} ms late\n",
-      frame, seconds, static_cast<double>(frame) / seconds, packets, writer.lost() - lost_before, renewed,
+      frame, seconds, static_cast<double>(frame) / seconds, packets, writer.lost(), renewed,
       static_cast<double>(latest) / 1e6);
 }
 
@@ -204,8 +199,10 @@ void run_board(const BoardOptions& options) {
   if (options.ring.empty() == options.record.empty()) {
     throw UserError("--ring, --record", "give one of them, not both");
   }
-  if (!(options.rate >= 0) || options.rate > 1e9) {
-    throw UserError("--rate", "a number from 0 (as fast as it can) to 1e9 is needed");
+  constexpr double kLeastRate = 1e-3;
+  if (options.rate != 0 && !(options.rate >= kLeastRate && options.rate <= 1e9)) {
+    throw UserError("--rate", fmt::format("is {}; 0 (as fast as it can) or a number from {} to 1e9 is needed",
+                                          options.rate, kLeastRate));
   }
   if (!(options.seconds >= 0) || options.seconds > 1e9) {
     throw UserError("--seconds", "a number from 0 to 1e9 is needed");
