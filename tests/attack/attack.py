@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Attacks the programs from outside: see scripts/attack.sh."""
+import argparse
+import pathlib
+import sys
+import tempfile
+import time
+
+import materials
+from files import Files
+from options import Options
+from outputs import Outputs
+from programs import Attacker
+from rings import Rings
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+# Cases of each part: a short run, which is a test, and a long one.
+COUNTS = {
+    "files": (150, 10000),
+    "options": (160, 10000),
+    "kills": (12, 500),
+    "evil": (20, 1000),
+    "shorten": (2, 50),
+    "restarts": (2, 60)
+}
+
+
+def parts_of(attacker, made, counts):
+    outputs = Outputs(attacker, made)
+    rings = Rings(attacker, made)
+    return {
+        "onto-inputs": outputs.onto_inputs,
+        "standard-output": outputs.standard_output,
+        "accounts": rings.accounts,
+        "evil": lambda: rings.evil_headers(counts["evil"]),
+        "shorten": lambda: rings.shorten(counts["shorten"]),
+        "restarts": lambda: rings.restarts(counts["restarts"]),
+        "kills": lambda: outputs.kills(counts["kills"]),
+        "files": lambda: Files(attacker, made).run(counts["files"]),
+        "options": lambda: Options(attacker, made).run(counts["options"])
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="attack.sh", description="Attacks the programs from outside.")
+    parser.add_argument("--programs",
+                        default=str(ROOT / "build" / "bin"),
+                        metavar="DIR",
+                        help="where selfproj and selfproj-sim are")
+    parser.add_argument("--short", action="store_true", help="the short run, which is a test")
+    parser.add_argument("--seed", type=int, default=1, help="of all that is random")
+    parser.add_argument("--share", type=float, default=1.0, help="of the cases of the long run")
+    parser.add_argument("--only",
+                        nargs="+",
+                        metavar="PART",
+                        help="parts to run, of: onto-inputs standard-output accounts evil "
+                        "shorten restarts kills files options")
+    parser.add_argument("--record", action="store_true", help="write results/attack.json")
+    options = parser.parse_args()
+    counts = {
+        name: short if options.short else max(1, round(options.share * long))
+        for name, (short, long) in COUNTS.items()
+    }
+    begin = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="selfproj-attack-") as work:
+        attacker = Attacker(options.programs, work, options.seed)
+        folder = pathlib.Path(work) / "materials"
+        folder.mkdir()
+        made = materials.make(attacker, folder)
+        parts = parts_of(attacker, made, counts)
+        for name, part in parts.items():
+            if options.only and name not in options.only:
+                continue
+            started = time.monotonic()
+            part()
+            print(f"attack: {name}: {time.monotonic() - started:.1f} s", flush=True)
+    faults = len(attacker.faults)
+    for part, count in attacker.cases.items():
+        print(f"{part}: {count['cases']} cases, {count['faults']} faults")
+    print(f"{attacker.runs} runs in {time.monotonic() - begin:.0f} s, seed {options.seed}: {faults} faults")
+    if options.record:
+        record(attacker, options, time.monotonic() - begin)
+    return 1 if faults else 0
+
+
+def record(attacker, options, seconds):
+    sys.path.insert(0, str(ROOT / "scripts"))
+    import results  # noqa: PLC0415: only where figures are kept
+    words = [f"--seed {options.seed}"] + ([f"--share {options.share}"] if options.share != 1 else [])
+    results.write("attack",
+                  "Cases of the attack from outside, and what failed in them",
+                  "scripts/attack.sh " + " ".join(words), {
+                      "parts": attacker.cases,
+                      "runs": attacker.runs,
+                      "faults": len(attacker.faults),
+                      "seconds": round(seconds)
+                  },
+                  folder=ROOT / "results")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

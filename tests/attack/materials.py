@@ -1,0 +1,171 @@
+"""Good files of every kind that the programs read, small, made by the programs themselves where they can."""
+import base64
+import math
+import pathlib
+import struct
+import zlib
+
+# A line of light of 64 x 16 pixels as libjpeg wrote it, with restart markers.
+JPEG = base64.b64decode(
+    "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAoHBwgHBgoICAgLCgoLDhgQDg0NDh0VFhEYIx8lJCIfIiEmKzcvJik0KSEiMEExNDk7Pj4+JS5ESU"
+    "M8SDc9Pjv/wAALCAAQAEABAREA/8QAHwAAAQUBAQEBAQEAAAAAAAAAAAECAwQFBgcICQoL/8QAtRAAAgEDAwIEAwUFBAQAAAF9AQIDAAQRBRIh"
+    "MUEGE1FhByJxFDKBkaEII0KxwRVS0fAkM2JyggkKFhcYGRolJicoKSo0NTY3ODk6Q0RFRkdISUpTVFVWV1hZWmNkZWZnaGlqc3R1dnd4eXqDhI"
+    "WGh4iJipKTlJWWl5iZmqKjpKWmp6ipqrKztLW2t7i5usLDxMXGx8jJytLT1NXW19jZ2uHi4+Tl5ufo6erx8vP09fb3+Pn6/90ABAAC/9oACAEB"
+    "AAA/APK7zTL2wkMdzbvGw9RVWv/Q8hqza6dd3sgS3geRj/dFf//R5fTfhpfyxifUpo7KLr+8bBrTHhjwXZDZdav5jjrsr//Sym8J+D78bbLWRG"
+    "56b6yNU+G2qWiGayZLyHruiOa//9PBs/iPDeRiDXtOiul6F9uGq1s+H+pfPultWPVa/9TL8n4faf8AOZJbkj+Gq118RbSwjMOg6ZFbjoJCMtX/"
+    "1fNdS8R6rqshe6u5Gz2zxWYWZjksTX//1vIldlOVYj8a19L8VavpDhra7cAfwk5Ff//Z")
+
+
+def line_rows(columns=64, rows=16, shift=0.0):
+    """A line of light, row by row."""
+    image = []
+    for r in range(rows):
+        image.append(
+            bytes(
+                int(10 + 200 * math.exp(-(((r - rows / 2 - rows / 4 * math.sin(0.1 * c + shift)) / 1.5)**2) / 2))
+                for c in range(columns)))
+    return image
+
+
+def chunk(kind, data):
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def png(rows):
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 0, 0, 0, 0)
+    data = zlib.compress(b"".join(b"\0" + row for row in rows))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+
+
+def png_is_whole(data):
+    """Whether all chunks up to IEND are right."""
+    at = 8
+    if data[:8] != b"\x89PNG\r\n\x1a\n":
+        return False
+    while at + 12 <= len(data):
+        size = struct.unpack(">I", data[at:at + 4])[0]
+        if at + 12 + size > len(data):
+            return False
+        if struct.unpack(">I", data[at + 8 + size:at + 12 + size])[0] != zlib.crc32(data[at + 4:at + 8 + size]):
+            return False
+        if data[at + 4:at + 8] == b"IEND":
+            return True
+        at += 12 + size
+    return False
+
+
+def pgm(rows):
+    return b"P5\n%d %d\n255\n" % (len(rows[0]), len(rows)) + b"".join(rows)
+
+
+def bmp(rows):
+    width, height = len(rows[0]), len(rows)
+    palette = b"".join(bytes((i, i, i, 0)) for i in range(256))
+    pixels = b"".join(row + b"\0" * (-width % 4) for row in reversed(rows))
+    head = struct.pack("<IiiHHIIiiII", 40, width, height, 1, 8, 0, len(pixels), 2835, 2835, 256, 256)
+    start = 14 + len(head) + len(palette)
+    return b"BM" + struct.pack("<IHHI", start + len(pixels), 0, 0, start) + head + palette + pixels
+
+
+def tiff(rows, floats=False):
+    """One strip, not compressed; `floats` are rows of numbers."""
+    width, height = len(rows[0]), len(rows)
+    data = b"".join(struct.pack(f"<{width}f", *row) if floats else row for row in rows)
+    tags = [(256, 4, width), (257, 4, height), (258, 3, 32 if floats else 8), (259, 3, 1), (262, 3, 1), (273, 4, 8),
+            (277, 3, 1), (278, 4, height), (279, 4, len(data)), (284, 3, 1), (339, 3, 3 if floats else 1)]
+    directory = struct.pack("<H", len(tags)) + b"".join(
+        struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in tags) + struct.pack("<I", 0)
+    return b"II*\0" + struct.pack("<I", 8 + len(data)) + data + directory
+
+
+CALIBRATION = """%YAML:1.0
+---
+cam_K: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 80., 0., 31.5, 0., 80., 7.5, 0., 0., 1. ]
+cam_kc: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ 0.01, 0., 0., 0., 0. ]
+pro_K: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 80., 0., 8., 0., 80., 8., 0., 0., 1. ]
+pro_kc: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ 0., 0., 0., 0., 0. ]
+R: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]
+T: !!opencv-matrix
+   rows: 3
+   cols: 1
+   dt: d
+   data: [ -100., 0., 0. ]
+"""
+
+# Of the rigs: small cameras, and a small projector of the scanner.
+SMALL = {"rows": "16", "columns": "64", "max_lit_px": "16"}
+SMALL_SCANNER = {
+    "rows": "32",
+    "columns": "32",
+    "columns2": "32",
+    "lines": "32",
+    "max_lit_px": "32",
+    "pixel_pitch_um": "160",
+    "line_pitch_um": "1015",
+    "column_pitch_um": "1354"
+}
+
+
+def with_values(rig, values):
+    """The first key of each name (the camera's, where the projector has it, too) and all others of the name in turn."""
+    lines = []
+    seen = set()
+    for line in rig.splitlines():
+        key = line.strip().split(":")[0]
+        value = values.get(key) if key not in seen else values.get(key + "2")
+        seen.add(key)
+        lines.append(line.split(":")[0] + ": " + value if value else line)
+    return "\n".join(lines) + "\n"
+
+
+def must(attacker, folder, *arguments):
+    outcome = attacker.run(arguments, folder)
+    if outcome.status != 0:
+        raise SystemExit(f"attack: cannot make its materials: {' '.join(arguments)}: {outcome.err}")
+    return outcome.out
+
+
+def make(attacker, folder):
+    """Fills `folder`; what is in it is never written to again."""
+    folder = pathlib.Path(folder)
+    run = lambda *arguments: must(attacker, folder, *arguments)  # noqa: E731
+    frames = [line_rows(shift=0.2 * i) for i in range(4)]
+    for i, frame in enumerate(frames):
+        (folder / f"frame_{i + 1}.png").write_bytes(png(frame))
+        (folder / f"grey_{i + 1}.pgm").write_bytes(pgm(frame))
+    (folder / "a.jpg").write_bytes(JPEG)
+    (folder / "a.bmp").write_bytes(bmp(frames[0]))
+    (folder / "a.tiff").write_bytes(tiff(frames[0]))
+    (folder / "heights.tiff").write_bytes(tiff([[5 + 0.1 * c for c in range(64)]] * 3, floats=True))
+    (folder / "curve.csv").write_text("y_mm,z_mm\n-200,1167\n-2,1166\n2,1166\n200,1167\n")
+    (folder / "calibration.yaml").write_text(CALIBRATION)
+    (folder / "rig.yaml").write_text(with_values(run("selfproj", "rig", "light-section"), SMALL))
+    (folder / "scanner.yaml").write_text(with_values(run("selfproj", "rig", "scanner"), SMALL_SCANNER))
+    run("selfproj-sim", "board", "--line", "64x16", "--line-frames", "20", "--record", "packets.bin")
+    run("selfproj", "pattern", "--rig", "rig.yaml", "--reference", "curve.csv", "--out", "reference")
+    run("selfproj", "inspect", "--device", "file:packets.bin", "--rig", "rig.yaml", "--out", "inspection")
+    run("selfproj", "pattern", "gray", "--rig", "scanner.yaml", "--out", "gray")
+    run("selfproj-sim", "capture", "--rig", "scanner.yaml", "--patterns", "gray", "--scene", "desk", "--out", "seen")
+    run("selfproj", "pattern", "stripes", "--rig", "scanner.yaml", "--scan", "seen", "--gray-code", "--bits", "2",
+        "--out", "stripes")
+    return folder

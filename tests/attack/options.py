@@ -1,0 +1,126 @@
+"""Evil values for every option of every command."""
+import json
+import os
+import re
+
+from programs import Fault
+
+VALUES = [
+    "", " ", "nan", "-nan", "inf", "-inf", "-1", "-0", "0", "1", "2", "1e999", "1e-320", "1e-300", "1e308", "010",
+    "0x10", "255", "256", "65536", "2147483647", "2147483648", "4294967296", "9223372036854775807",
+    "9223372036854775808", "18446744073709551615", "18446744073709551616", "-9223372036854775809", "1.5", "1,2",
+    "1 2", "1x1", "0x0", "-1x5", "99999999999x99999999999", "4294967808x96", "3x3x3", "x", "/", ".", "..",
+    "/dev/null", "/dev/zero", "/dev/full", "/dev/stdin", "/proc/self/mem", "/no/such/file", "none", "%s%n", "\n",
+    "a\nb", "é€", "--", "--help", "-", "*", "?", "ring:", "ring:x/y", "file:", "file:/dev/zero", "file:/", "sim:",
+    "x" * 300, "x" * 5000, "rig.yaml", "frame_1.png", "packets.bin", "heights.tiff", "curve.csv", "a.jpg",
+    "reference", "grey", "rtl", "binary", "light-section", "scanner", "stairs-marked", "plane", "true", "1e1", "+5",
+    "1_000", "1'000"
+]
+# Options whose value may make a run as long as it says: it must end when it is asked to.
+SLOW = 4  # seconds
+
+
+def commands_of(made):
+    m = made
+    frames = [m / f"frame_{i}.png" for i in range(1, 5)]
+    seen = sorted((m / "seen").iterdir())[:4]
+    return {
+        ("selfproj", "rig"): [m / "rig.yaml"],
+        ("selfproj", "inspect"): ["--device", f"file:{m}/packets.bin", "--rig", m / "rig.yaml", "--out", "o"],
+        ("selfproj", "depth"): ["--rig", m / "scanner.yaml", "--bits", "2", "--out", "o", *seen],
+        ("selfproj", "match"): ["--rig", m / "scanner.yaml", "--reference", m / "stripes", "--out", "o", *seen],
+        ("selfproj", "pattern"): ["--rig", m / "rig.yaml", "--reference", m / "curve.csv", "--out", "o"],
+        ("selfproj", "pattern", "gray"): ["--rig", m / "scanner.yaml", "--out", "o"],
+        ("selfproj", "pattern", "stripes"): [
+            "--rig", m / "scanner.yaml", "--scan", m / "seen", "--gray-code", "--bits", "2", "--out", "o"
+        ],
+        ("selfproj", "calibrate"): [
+            "--board", "5x4", "--square", "10", "--projector", "32x32", "--out", "o", m / "seen"
+        ],
+        ("selfproj", "accuracy"): ["--out", "o"],
+        ("selfproj", "devices"): [],
+        ("selfproj-sim", "moments"): ["--engine", "model", "--out", "o.csv", *frames],
+        ("selfproj-sim", "decode"): ["--engine", "model", "--bits", "2", "--out", "o", *frames],
+        ("selfproj-sim", "cosim"): ["--engine", "model", "--frames", f"{m}/frame_?.png", "--out", "o"],
+        ("selfproj-sim", "board"): ["--line", "64x16", "--line-frames", "5", "--record", "o"],
+        ("selfproj-sim", "scene", "render"): ["plane", "--rig", m / "rig.yaml", "--count", "1", "--out", "o"],
+        ("selfproj-sim", "capture"): [
+            "--rig", m / "scanner.yaml", "--patterns", m / "gray", "--scene", "desk", "--out", "o"
+        ],
+    }
+
+
+class Options:
+
+    def __init__(self, attacker, made):
+        self.attacker = attacker
+        self.made = made
+        self.random = attacker.random
+        self.commands = commands_of(made)
+        self.options = {command: self.options_of(command) for command in self.commands}
+
+    def options_of(self, command):
+        """Those of --help, with the short ones; all of them, so that a new option is attacked as it comes."""
+        with self.attacker.scratch() as folder:
+            text = self.attacker.run([*command, "--help"], folder).out
+        found = re.findall(r"(?m)^\s+(?:-\w,\s*)?(--[a-z][a-z0-9-]*)(.*)$", text)
+        names = [name for name, _ in found if name not in ("--help", "--version")]
+        if not names and command != ("selfproj", "rig"):
+            raise SystemExit(f"attack: no options of {' '.join(command)} in its --help")
+        return sorted(set(names))
+
+    def all_cases(self):
+        for command, names in self.options.items():
+            for name in names or [None]:
+                for value in VALUES:
+                    yield command, name, value
+
+    def run(self, count):
+        cases = list(self.all_cases())
+        self.random.shuffle(cases)
+        while len(cases) < count:  # then two at a time
+            command, name, value = self.random.choice(cases[:2000])
+            names = self.options[command]
+            if names:
+                cases.append((command, (name, self.random.choice(names)), (value, self.random.choice(VALUES))))
+        for command, name, value in cases[:count]:
+            self.attacker.case("options", f"{' '.join(command)} {name} {value!r:.80}", self.one, command, name, value)
+
+    def words(self, command, name, value):
+        base = list(self.commands[command])
+        if name is None:
+            return [*command, value]
+        pairs = zip(name, value) if isinstance(name, tuple) else [(name, value)]
+        for option, given in pairs:
+            if option in base:
+                base[base.index(option) + 1] = given
+            else:
+                base += [f"{option}={given}"] if self.random.randrange(2) else [option, given]
+        return [*command, *base]
+
+    def one(self, command, name, value):
+        words = self.words(command, name, value)
+        if any("\0" in str(word) for word in words):
+            return
+        ring = f"attack-options-{os.getpid()}"
+        words = [ring if str(word) == "none" else word for word in words]
+        with self.attacker.scratch() as folder:
+            outcome = self.attacker.attack(words, folder, [self.made], patience=SLOW)
+            self.refused_numbers(outcome, words, name, value)
+            for path in folder.rglob("*.json"):
+                json.loads(path.read_text())
+        for path in os.listdir("/dev/shm"):
+            if path == f"selfproj-ring-{ring}" or path in ("selfproj-ring-1", "selfproj-ring-x"):
+                os.unlink(os.path.join("/dev/shm", path))
+
+    @staticmethod
+    def refused_numbers(outcome, words, name, value):
+        """A count that is no count is refused, and its name is said."""
+        numbers = ("--count", "--keep", "--threshold", "--bits", "--e", "--every", "--square", "--tilt", "--rate")
+        if name in numbers and value in ("nan", "inf", "0x10", "1e999", "18446744073709551616", "-1x5", "1'000"):
+            if outcome.status == 0:
+                raise Fault(f"status 0 with {name} {value}: {' '.join(map(str, words))}")
+            if name not in outcome.err and outcome.status == 2:
+                raise Fault(f"does not name {name}: {outcome.err!r}")
+        if name == "--count" and value == "-1" and outcome.status == 0:
+            raise Fault(f"--count -1 is taken: {' '.join(map(str, words))}")

@@ -1,0 +1,182 @@
+"""Outputs: onto inputs, onto devices that fail, killed in the middle."""
+import os
+import signal
+import subprocess
+import time
+
+from programs import Fault, fingerprint, temporaries
+
+
+def outputs_onto_inputs(made):
+    """(files to copy from the materials, command, the input that must stay as it is)."""
+    frames = [f"frame_{i}.png" for i in range(1, 5)]
+    yield frames, ["selfproj-sim", "cosim", "--engine", "model", "--frames", "frame_?.png", "--out", "."], frames
+    yield frames, [
+        "selfproj-sim", "cosim", "--engine", "model", "--frames", "frame_?.png", "--packets", "frame_2.png"
+    ], frames
+    yield frames, ["selfproj-sim", "cosim", "--engine", "model", "--frames", "frame_?.png", "--packets",
+                   "hard"], frames
+    yield frames, ["selfproj-sim", "moments", "--engine", "model", "--out", "frame_1.png", *frames], frames
+    yield frames, ["selfproj-sim", "moments", "--engine", "model", "--out", "soft", *frames], frames
+    yield (["frame_1.png:code_0000.png", "frame_2.png"], [
+        "selfproj-sim", "decode", "--engine", "model", "--bits", "1", "--out", ".", "code_0000.png", "frame_2.png"
+    ], ["code_0000.png", "frame_2.png"])
+    yield (["packets.bin", "rig.yaml"],
+           ["selfproj", "inspect", "--device", "file:packets.bin", "--rig", "rig.yaml", "--json",
+            "packets.bin"], ["packets.bin"])
+    yield (["packets.bin", "rig.yaml"],
+           ["selfproj", "inspect", "--device", "file:packets.bin", "--rig", "rig.yaml", "--json",
+            "rig.yaml"], ["rig.yaml"])
+    yield (["packets.bin:moments.csv",
+            "rig.yaml"], ["selfproj", "inspect", "--device", "file:moments.csv", "--rig", "rig.yaml", "--out",
+                          "."], ["moments.csv"])
+    yield (["packets.bin"], ["selfproj-sim", "board", "--replay", "packets.bin", "--record",
+                             "./packets.bin"], ["packets.bin"])
+    yield (["reference/reference.csv",
+            "rig.yaml"], ["selfproj", "pattern", "--rig", "rig.yaml", "--reference", "reference.csv", "--out",
+                          "."], ["reference.csv"])
+    yield (["curve.csv:reference.csv",
+            "rig.yaml"], ["selfproj", "pattern", "--rig", "rig.yaml", "--reference", "reference.csv", "--out",
+                          "."], ["reference.csv"])
+    yield (["heights.tiff:pattern.tiff",
+            "rig.yaml"], ["selfproj", "pattern", "--rig", "rig.yaml", "--reference", "pattern.tiff", "--out",
+                          "."], ["pattern.tiff"])
+    seen = [f"seen/{path.name}" for path in sorted((made / "seen").iterdir())[:4]]
+    names = [name.split("/")[1] for name in seen]
+    depth = ["selfproj", "depth", "--rig", "scanner.yaml", "--bits", "2", "--out", "."]
+    yield ["scanner.yaml", *seen], depth + names, []
+    yield (["scanner.yaml", *seen], depth + ["--background", "depth.tiff", *names], ["depth.tiff"])
+    yield (["scanner.yaml", *seen], depth + ["--compare", "cloud.ply", *names], ["cloud.ply"])
+    yield (["heights.tiff:frame_00001.png", "rig.yaml"], [
+        "selfproj-sim", "scene", "render", "plane", "--rig", "rig.yaml", "--count", "1", "--pattern", "pattern.tiff",
+        "--out", "."
+    ], ["pattern.tiff"])
+    yield (["heights.tiff", "rig.yaml"], [
+        "selfproj-sim", "scene", "render", "--height-map", "heights.tiff", "--mm-per-pixel", "1", "--rig", "rig.yaml",
+        "--count", "1", "--truth", "heights.tiff", "--out", "o"
+    ], ["heights.tiff"])
+
+
+class Outputs:
+
+    def __init__(self, attacker, made):
+        self.attacker = attacker
+        self.made = made
+        self.random = attacker.random
+
+    # --- an output that is an input ---
+
+    def onto_inputs(self):
+        for number, case in enumerate(outputs_onto_inputs(self.made)):
+            self.attacker.case("output onto input", f"case {number}: {' '.join(map(str, case[1][:3]))}",
+                               self.onto_input, *case)
+
+    def onto_input(self, files, command, kept):
+        with self.attacker.scratch() as folder:
+            for name in files:
+                source, _, target = name.partition(":")
+                (folder / (target or source.split("/")[-1])).write_bytes((self.made / source).read_bytes())
+            if "hard" in command:
+                os.link(folder / "frame_3.png", folder / "hard")
+            if "soft" in command:
+                os.symlink("frame_3.png", folder / "soft")
+            if "depth.tiff" in command or "cloud.ply" in command:
+                first = [w for w in command if w not in ("--background", "depth.tiff", "--compare", "cloud.ply")]
+                self.attacker.attack(first, folder)
+            if "pattern.tiff" in kept and not (folder / "pattern.tiff").exists():
+                (folder / "pattern.tiff").write_bytes((self.made / "reference" / "pattern.tiff").read_bytes())
+                (folder / "frame_00001.png").unlink()
+            inputs = [folder / name for name in kept]
+            outcome = self.attacker.attack(command, folder, inputs)
+            if kept and outcome.status != 2 and outcome.status == 0 and not self.harmless(command):
+                raise Fault(f"status {outcome.status} where an output is an input: {' '.join(command)}")
+
+    @staticmethod
+    def harmless(command):
+        return "cosim" in command and "--out" in command  # frame_K.png need not be among the pictures
+
+    # --- standard output that fails ---
+
+    def standard_output(self):
+        commands = [["selfproj", "rig"], ["selfproj", "rig", "light-section"], ["selfproj", "--help"],
+                    ["selfproj", "--version"], ["selfproj", "inspect", "--help"], ["selfproj", "devices"],
+                    ["selfproj", "accuracy"], ["selfproj-sim", "scene", "list"], ["selfproj-sim", "--help"],
+                    [
+                        "selfproj", "inspect", "--device", f"file:{self.made}/packets.bin", "--rig",
+                        f"{self.made}/rig.yaml"
+                    ], ["selfproj-sim", "board", "--line", "64x16", "--count", "5", "--record", "o"],
+                    ["selfproj-sim", "moments", "--engine", "model", "--out", "o", f"{self.made}/frame_1.png"]]
+        for command in commands:
+            for how in ("full", "closed", "pipe"):
+                self.attacker.case("standard output", f"{how}: {' '.join(command)}", self.failing_output, command,
+                                   how)
+
+    def failing_output(self, command, how):
+        with self.attacker.scratch() as folder:
+            if how == "full":
+                with open("/dev/full", "w") as full:
+                    outcome = self.attacker.attack(command, folder, stdout=full)
+            elif how == "closed":
+                shell = ["sh", "-c", 'exec "$@" >&-', "sh", self.attacker.program(command[0]), *command[1:]]
+                done = subprocess.run(shell, cwd=folder, stderr=subprocess.PIPE, text=True, check=False)
+                self.attacker.runs += 1
+                outcome = done
+                outcome.status, outcome.err = done.returncode, done.stderr
+            else:
+                reader, writer = os.pipe()
+                os.close(reader)
+                outcome = self.attacker.attack(command, folder, stdout=writer)
+                os.close(writer)
+            if outcome.status != 1 or outcome.err.count("\n") != 1:
+                raise Fault(f"status {outcome.status}, {outcome.err!r}")
+
+    # --- killed at a random moment ---
+
+    def kills(self, count):
+        m = self.made
+        commands = [
+            ["selfproj", "pattern", "--rig", m / "rig.yaml", "--reference", m / "curve.csv", "--out", "o"],
+            ["selfproj", "pattern", "--rig", m / "rig.yaml", "--sweep", "--every", "64", "--out", "o"],
+            ["selfproj", "inspect", "--device", f"file:{m}/packets.bin", "--rig", m / "rig.yaml", "--out", "o"],
+            ["selfproj-sim", "scene", "render", "plane", "--rig", m / "rig.yaml", "--count", "8", "--out", "o"],
+            ["selfproj", "pattern", "gray", "--rig", m / "scanner.yaml", "--out", "o"]
+        ]
+        for i in range(count):
+            command = commands[i % len(commands)]
+            self.attacker.case("kills", f"{i}: {' '.join(map(str, command[:3]))} (seed {self.attacker.seed})",
+                               self.kill, command)
+
+    def kill(self, command):
+        with self.attacker.scratch() as folder:
+            begin = time.monotonic()
+            self.attacker.attack(command, folder)
+            whole = time.monotonic() - begin
+            first = fingerprint(folder / "o")
+            names = sorted(p.name for p in (folder / "o").iterdir())
+            for path in (folder / "o").iterdir():  # an older run: every file another
+                path.write_bytes(b"old")
+            (folder / "o" / "mine").write_bytes(b"mine")
+            old = fingerprint(folder / "o")
+            number = self.random.choice(
+                (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL, signal.SIGKILL))
+            process = self.attacker.start(command, folder)
+            try:
+                process.wait(timeout=self.random.random() * whole * 1.1)
+            except subprocess.TimeoutExpired:
+                process.send_signal(number)
+            process.communicate(timeout=20)
+            now = fingerprint(folder / "o")
+            if now != old:
+                (folder / "o" / "mine").unlink()
+                if fingerprint(folder / "o") != first and not self.same_names(folder / "o", names):
+                    raise Fault(f"signal {number} left old and new files mixed")
+            left = temporaries(folder)
+            if left and number != signal.SIGKILL:
+                raise Fault(f"signal {number} left {left[0]}")
+            self.attacker.attack(command, folder)  # and takes away what SIGKILL left
+
+    @staticmethod
+    def same_names(folder, names):
+        """A whole new run; its report may tell of the time."""
+        return sorted(p.name for p in folder.iterdir()) == names and all(
+            p.read_bytes() != b"old" for p in folder.iterdir())

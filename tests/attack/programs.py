@@ -1,0 +1,141 @@
+"""Runs the programs under attack, and judges what every run must keep to."""
+import hashlib
+import json
+import os
+import pathlib
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import tempfile
+
+MEMORY = 4 << 30  # bytes of address space that a run may take
+PATIENCE = 20  # seconds; a run that takes longer is asked to end (SIGTERM)
+
+
+class Fault(Exception):
+    """What a program must not do."""
+
+
+class Outcome:
+
+    def __init__(self, status, out, err, asked):
+        self.status = status
+        self.out = out
+        self.err = err
+        self.asked = asked  # it was asked to end
+
+
+def limits():
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def fingerprint(path):
+    path = pathlib.Path(path)
+    if path.is_file():
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    if path.is_dir():
+        return json.dumps([[str(p.relative_to(path)), fingerprint(p)] for p in sorted(path.rglob("*")) if p.is_file()
+                          ])
+    return None
+
+
+def temporaries(folder):
+    return sorted(str(p) for p in pathlib.Path(folder).rglob(".selfproj-*"))
+
+
+class Attacker:
+    """Programs in `folder`; everything happens below `work`."""
+
+    def __init__(self, programs, work, seed):
+        self.programs = pathlib.Path(programs)
+        self.work = pathlib.Path(work)
+        self.random = random.Random(seed)
+        self.seed = seed
+        self.runs = 0
+        self.faults = []
+        self.cases = {}
+
+    def program(self, name):
+        return str(self.programs / name)
+
+    def start(self, arguments, folder, **more):
+        """Starts it; `arguments` begin with the program's name."""
+        self.runs += 1
+        words = [self.program(arguments[0])] + [str(a) for a in arguments[1:]]
+        pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more}
+        return subprocess.Popen(words, cwd=folder, preexec_fn=limits, **pipes)
+
+    def run(self, arguments, folder, patience=PATIENCE, **more):
+        process = self.start(arguments, folder, **more)
+        asked = False
+        try:
+            out, err = process.communicate(timeout=patience)
+        except subprocess.TimeoutExpired:
+            asked = True
+            process.send_signal(signal.SIGTERM)
+            try:
+                out, err = process.communicate(timeout=10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()
+                raise Fault(f"does not end on SIGTERM: {' '.join(map(str, arguments))}") from None
+        text = [(part or b"").decode(errors="replace") for part in (out, err)]
+        return Outcome(process.returncode, text[0], text[1], asked)
+
+    def judge(self, outcome, arguments, folder):
+        """What holds for every run: no signal, a status that has a meaning, one line for an error, nothing left."""
+        what = " ".join(repr(str(a)) if " " in str(a) or not str(a) else str(a) for a in arguments)
+        if outcome.status < 0 and not (outcome.asked and outcome.status == -signal.SIGTERM):
+            raise Fault(f"ended by signal {-outcome.status}: {what}")
+        if outcome.status not in (0, 1, 2) and not outcome.asked:
+            raise Fault(f"status {outcome.status}: {what}")
+        lines = outcome.err.rstrip("\n").count("\n") + 1 if outcome.err else 0
+        if outcome.status in (1, 2) and (lines != 1 or not outcome.err.startswith(str(arguments[0]) + ": ")):
+            raise Fault(
+                f"status {outcome.status} with {lines} lines on standard error: {what}: {outcome.err[:300]!r}")
+        left = temporaries(folder)
+        if left:
+            raise Fault(f"left behind {left[0]}: {what}")
+
+    def attack(self, arguments, folder, inputs=(), patience=PATIENCE, **more):
+        """Runs it, judges it, and looks whether the inputs are what they were."""
+        before = [fingerprint(path) for path in inputs]
+        outcome = self.run(arguments, folder, patience, **more)
+        self.judge(outcome, arguments, folder)
+        for path, was in zip(inputs, before):
+            if fingerprint(path) != was:
+                raise Fault(f"changed its input {path}: {' '.join(map(str, arguments))}")
+        return outcome
+
+    def case(self, part, name, function, *arguments):
+        """One case of a part; a fault is noted, and the next case goes on."""
+        count = self.cases.setdefault(part, {"cases": 0, "faults": 0})
+        count["cases"] += 1
+        try:
+            return function(*arguments)
+        except Fault as fault:
+            count["faults"] += 1
+            self.faults.append(f"{part}: {name}: {fault}")
+            print(f"attack: {part}: {name}: {fault}", flush=True)
+            return None
+
+    def scratch(self):
+        return Scratch(self.work)
+
+
+class Scratch:
+    """An empty folder for one case."""
+
+    def __init__(self, work):
+        self.path = pathlib.Path(tempfile.mkdtemp(dir=work))
+
+    def __enter__(self):
+        return self.path
+
+    def __exit__(self, *unused):
+        for folder, _, _ in os.walk(self.path):
+            os.chmod(folder, 0o700)
+        shutil.rmtree(self.path, ignore_errors=True)
