@@ -15,8 +15,6 @@
 namespace selfproj {
 namespace {
 
-constexpr const char* kNoImage = "not an image in a known format, or damaged";
-
 // What the libraries say on standard error only. libjpeg fills up what is missing from a damaged file; it tells of the
 // first thing that is wrong and of no other, so that nothing may be overheard.
 bool tells_of_damage(ImageFormat format, const std::string& messages) {
@@ -30,7 +28,7 @@ cv::Mat decode_image(const std::string& file) {
   std::string bytes = read_input(file, kMostImageBytes);
   const std::optional<ImageHeader> header = image_header(bytes);
   if (!header || header->columns == 0 || header->rows == 0) {
-    throw UserError(file, kNoImage);
+    throw UserError(file, kNotAnImage);
   }
   if (header->columns > kMostImagePixels || header->rows > kMostImagePixels / header->columns) {
     throw UserError(file, "has " + std::to_string(header->columns) + " x " + std::to_string(header->rows) +
@@ -53,7 +51,7 @@ cv::Mat decode_image(const std::string& file) {
     image.release();
   }
   if (image.empty() || tells_of_damage(header->format, capture.text())) {
-    throw UserError(file, kNoImage);
+    throw UserError(file, kNotAnImage);
   }
   return image;
 }

@@ -11,9 +11,12 @@ namespace selfproj {
 // The largest image that is decoded: 16384 x 16384 pixels, the largest camera and projector of a rig.
 inline constexpr std::uint64_t kMostImagePixels = std::uint64_t{1} << 28U;
 
+// What is said of a file that is not one of those images.
+inline constexpr const char* kNotAnImage = "not an image in a known format, or damaged";
+
 // The image of a PNG, JPEG, TIFF, BMP or PNM file that check_image_file lets pass, as it is stored: its own depth
 // and channels, not turned whatever orientation the file notes. Throws UserError, naming the file, where it cannot be
-// read, is no image, a damaged one, or one of more than kMostImagePixels.
+// read, is not an image, is damaged, or has more than kMostImagePixels pixels.
 cv::Mat decode_image(const std::string& file);
 
 }  // namespace selfproj

@@ -30,8 +30,6 @@
 namespace selfproj {
 namespace {
 
-constexpr const char* kNoImage = "not an image in a known format, or damaged";
-
 cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional<Channel> channel) {
   if (image.channels() == 1) {
     if (channel.value_or(Channel::grey) != Channel::grey) {
@@ -92,7 +90,7 @@ void check_image_file(const std::string& file) {
     throw UserError(file, error_text(errno));
   }
   if (!image_format({first.data(), static_cast<std::size_t>(count)})) {
-    throw UserError(file, kNoImage);
+    throw UserError(file, kNotAnImage);
   }
   note_input(file);
 }
