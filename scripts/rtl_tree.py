@@ -49,11 +49,16 @@ def plain_texts(more=()):
 
 
 def plant(folder, file, old, new):
-    """Copies rtl/ into folder, replaces the one occurrence of old in the file by new, and returns the path."""
+    """Copies rtl/ into folder, replaces the one occurrence of old in the file by new, and returns the path.
+
+    In the file, lines may break at any blank of old.
+    """
     copy = pathlib.Path(folder) / "rtl"
     shutil.copytree(ROOT / "rtl", copy)
     text = (copy / file).read_text()
-    if text.count(old) != 1:
-        raise PlantError(f"rtl/{file} holds '{old}' {text.count(old)} times, not once")
-    (copy / file).write_text(text.replace(old, new))
+    pattern = re.compile(r"\s+".join(re.escape(word) for word in old.split()))
+    count = len(pattern.findall(text))
+    if count != 1:
+        raise PlantError(f"rtl/{file} holds '{old}' {count} times, not once")
+    (copy / file).write_text(pattern.sub(lambda _: new, text))
     return copy

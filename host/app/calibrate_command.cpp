@@ -126,9 +126,10 @@ void add_calibrate_command(CLI::App& app) {
        .examples = R"(
 # Capture a simulated chessboard in 4 poses, and calibrate from the captures.
 selfproj pattern gray --projector 1024x768 --out patterns
-selfproj-sim capture --rig scanner --patterns patterns --chessboard 9x7 --square 21 --poses 4 \
+selfproj-sim capture --rig scanner --patterns patterns --chessboard 9x7 --square 20 --poses 4 \
   --out captures
-selfproj calibrate --chessboard 9x7 --square 21 --projector 1024x768 --out calibration captures/pose_*
+selfproj calibrate --chessboard 9x7 --square 20 --projector 1024x768 \
+  --out calibration captures/pose_*
 )"});
   const auto options = std::make_shared<CalibrateOptions>();
   CalibrateSettings& settings = options->calibrate;

@@ -154,7 +154,8 @@ selfproj-sim scene render desk --count 16 --out codes
 selfproj depth --rig scanner --bits 8 --median --out depth codes/frame_*.png
 
 # Follow what moves before a known background, on a board (needs hardware)
-selfproj depth --rig scanner --bits 8 --device ring:line1 --background depth/depth.tiff --out moved
+selfproj depth --rig scanner --bits 8 --device ring:line1 \
+  --background depth/depth.tiff --out moved
 )"});
   const auto options = std::make_shared<DepthOptions>();
   DepthGeometry& geometry = options->setup.geometry;

@@ -55,11 +55,12 @@ std::string codes_png(const SelfReference& reference) {
 
 std::string file_in(const std::string& folder, const std::string& name) { return (fs::path(folder) / name).string(); }
 
-// Where each camera pixel lies in the projector: NaN, or in one of its `count` lines (or columns).
+// Where each camera pixel lies in the projector: NaN, or in one of its `count` lines (or columns). Gaps that are filled
+// at its border may lie outside, by less than its size.
 void check_places(const std::string& folder, const std::string& name, const FloatImage& image, int count) {
-  const auto most = static_cast<float>(count) - 0.5F;
+  const auto size = static_cast<float>(count);
   if (!std::all_of(image.values.begin(), image.values.end(),
-                   [most](float value) { return std::isnan(value) || (value >= -0.5F && value <= most); })) {
+                   [size](float value) { return std::isnan(value) || (value > -size && value < 2 * size); })) {
     throw UserError(file_in(folder, name), "is damaged: a camera pixel sees what is not in the projector's image");
   }
 }

@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
            "lists in alphabetical order, as a shell expands img*.png. Lists in any other order are taken as "
            "given.",
        .examples = R"(
-# Send 20 simulated frames through the board's RTL and the driver, and compare every packet with the model.
+# Send 20 simulated frames through the board's RTL and the driver; compare every packet.
 selfproj-sim cosim --count 20 --out part
 )"},
       [](CLI::App& app) {

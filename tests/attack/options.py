@@ -35,7 +35,7 @@ def commands_of(made):
             "--rig", m / "scanner.yaml", "--scan", m / "seen", "--gray-code", "--bits", "2", "--out", "o"
         ],
         ("selfproj", "calibrate"): [
-            "--board", "5x4", "--square", "10", "--projector", "32x32", "--out", "o", m / "seen"
+            "--chessboard", "5x4", "--square", "10", "--projector", "32x32", "--out", "o", m / "seen"
         ],
         ("selfproj", "accuracy"): ["--out", "o"],
         ("selfproj", "devices"): [],

@@ -357,7 +357,7 @@ TEST_F(Board, Errors) {
       {"--line", "512x96", "--ring", ring_, "--slots", "100"},
       {"--line", "512x96", "--ring", ring_, "--rate", "-1"},
       {"--line", "512x96", "--ring", ring_, "--rate", "nan"},
-      {"--line", "512x96", "--record", "no/such/folder"},
+      {"--line", "512x96", "--record", "text/folder"},
       {"--replay", "none", "--ring", ring_},
       {"--replay", "text", "--ring", ring_},
       {"--replay", ".", "--ring", ring_},
@@ -378,7 +378,7 @@ TEST_F(Board, Errors) {
       {"--device", "file:small.slfp", "--rig", "none.yaml"},
       {"--device", "file:small.slfp", "--out", "text"},
       {"--device", "file:small.slfp", "--reference", "none"},
-      {"--device", "file:small.slfp", "--json", "no/such/folder"},
+      {"--device", "file:small.slfp", "--json", "text/folder"},
       {"--device", "file:small.slfp", "--seconds", "-3"},
       {"--device", "file:small.slfp", "--keep", "0"},
   };

@@ -207,7 +207,7 @@ TEST_F(CalibrateCommand, WrongInputIsOneLine) {
       "");  // codes mean other pixels, the number of images is the same: too few decode to the chessboard's place
   expect_refused(
       calibrate({"--chessboard", "7x5", "--square", "40", "--projector", "256x80", "--out", "out", "pose_0"}),
-      "pose_0: has 30 images; 32 are due for a projector of 256 x 80: 8 pairs for columns, 7 for rows");
+      "pose_0: has 30 images; 32 are expected for a projector of 256 x 80: 8 pairs for columns, 7 for rows");
   expect_refused(calibrate(usual("out", {"pose_0", "nowhere"})), "nowhere: there is no such folder");
   expect_refused(calibrate(usual("out", {"pose_0", "pose_0"})), "POSE: a folder is given twice");
   fs::create_directory(*folder_ / "short");
@@ -225,7 +225,8 @@ TEST_F(CalibrateCommand, WrongInputIsOneLine) {
   expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short/image_03.png: is 4 x 3, but short/image_00.png");
   expect_refused(calibrate(usual("out", poses, {"--rig", "none.yaml"})), "none.yaml: ");
   expect_refused(calibrate(usual("out", poses, {"--camera-distortion", "3"})), "--camera-distortion: ");
-  expect_refused(calibrate(usual("no/such/out", poses)), "no/such/out: there is no folder no/such");
+  expect_refused(calibrate(usual("short/image_03.png/out", poses)),
+                 "short/image_03.png/out: short/image_03.png is not a folder");
 }
 
 }  // namespace

@@ -185,7 +185,7 @@ TEST_F(DecodeCommand, RefusesWhatItCannotTake) {
       arguments.insert(arguments.begin(), {"--engine", engine});
       expect_refused(arguments, subject, reason);
     };
-    refused({"--bits", "2", "--out", "out", n[0], n[1], n[2], n[3], n[4]}, "IMAGE: ", "even");
+    refused({"--bits", "2", "--out", "out", n[0], n[1], n[2], n[3], n[4]}, "IMAGE: ", "odd number");
     refused({"--bits", "2", "--out", "out", n[0], n[1]}, "IMAGE: ", "at least 4");
     refused({"--bits", "2", "--out", "out", n[0], n[1], n[2], "small.png"}, "small.png: ", "one size");
     refused({"--bits", "2", "--out", "out", "odd.png", n[1], n[2], n[3]}, "odd.png: ", "multiple of 4");
@@ -209,7 +209,7 @@ TEST_F(DecodeCommand, OverwritesNoImageOfItsOwn) {
   save(images);
   fs::rename(folder_ / "00.png", folder_ / "code_0000.png");
   expect_refused({"--engine", "model", "--bits", "1", "--out", ".", "code_0000.png", "01.png"},
-                 "--out .: ", "overwritten");
+                 (folder_ / "code_0000.png").string() + ": ", "overwritten");
 }
 
 // The real captures that may lie beside the project (../shared/data): all engines give the same files.

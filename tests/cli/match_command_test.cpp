@@ -172,7 +172,7 @@ TEST_F(MatchCommand, RefusesWrongReferencesAndSettings) {
     write_text(folder_ / "ref/reference.yaml", head);
   };
   damaged("", {"reference.yaml", "damaged"});
-  damaged("{", {"reference.yaml", "damaged"});
+  damaged("{", {"reference.yaml", "line 1: end of map flow not found"});
   damaged(head.substr(0, 60), {"reference.yaml", "damaged"});
   damaged("selfproj_stripes: 2\n", {"version 2"});
   std::string other = head;

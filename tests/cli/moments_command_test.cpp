@@ -309,8 +309,8 @@ TEST_F(MomentsCommand, OutputThatCannotBeIsNamedBeforeTheWorkBegins) {
   save("a.pgm", cv::Mat(4, 8, CV_8UC1, cv::Scalar(9)));
   write_text(folder_ / "file", "a file\n");
   fs::create_directory(folder_ / "folder");
-  const std::vector<std::pair<std::string, std::string>> cases{{"missing/out.csv", "there is no folder missing"},
-                                                               {"file/out.csv", "file is not a folder"},
+  const std::vector<std::pair<std::string, std::string>> cases{{"file/out.csv", "file is not a folder"},
+                                                               {"file/missing/out.csv", "file is not a folder"},
                                                                {"folder", "Is a directory"}};
   const std::vector<std::string> before = folder_.names();
   for (const auto& [out, reason] : cases) {

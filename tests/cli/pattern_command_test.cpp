@@ -95,7 +95,7 @@ TEST(PatternCommand, WrongInputIsOneLine) {
     expect_refused(folder, pattern(folder, arguments), begin);
   };
   refused({"--reference", "none.csv", "--out", "out"}, "none.csv: ");
-  refused({"--reference", "plane.csv", "--out", "no/such/out"}, "no/such/out: there is no folder no/such");
+  refused({"--reference", "plane.csv", "--out", "plane.csv/out"}, "plane.csv/out: plane.csv is not a folder");
   refused({"--reference", "plane.csv", "--out", "plane.csv"}, "plane.csv: is there and not a folder");
   refused({"--reference", "plane.csv", "--frame", "1", "--out", "out"}, "plane.csv: is no TIFF file");
   refused({"--reference", "plane.csv", "--scan", ".", "--out", "out"}, "");
@@ -111,7 +111,7 @@ TEST(PatternCommand, WrongInputIsOneLine) {
   std::filesystem::create_directory(folder / "images");
   refused({"--scan", "images", "--out", "out"}, "images: has no images");
   write_text(folder / "images" / "a.pgm", "P2\n2 1\n255\n1 2\n");
-  refused({"--scan", "images", "--out", "out"}, "images: has 1 images; a sweep by 1 of this rig has 508");
+  refused({"--scan", "images", "--out", "out"}, "images: has 1 images; a sweep of this rig with --every 1 has 508");
   refused({"--reference", "plane.csv", "--residual", "images", "--out", "out"}, "images/a.pgm: has 1 x 2 pixels");
 }
 

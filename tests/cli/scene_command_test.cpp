@@ -278,9 +278,8 @@ TEST_F(SceneCommand, BadInputIsOneLineAndNothingWritten) {
   expect_refused(with_out({"plane", "--pattern", "missing.png"}), "missing.png: No such file");
   write_text(folder_ / "file", "text\n");
   expect_refused({"render", "plane", "--out", "file"}, "file");
-  expect_refused({"render", "plane", "--out", "missing/out"}, "missing/out: ");
-  expect_refused(with_out({"plane", "--truth", "missing/truth.tiff"}),
-                 "missing/truth.tiff: there is no folder missing");
+  expect_refused({"render", "plane", "--out", "file/out"}, "file/out: file is not a folder");
+  expect_refused(with_out({"plane", "--truth", "file/truth.tiff"}), "file/truth.tiff: file is not a folder");
   save("small.tiff", FloatImage(10, 10));
   expect_refused(with_out({"plane", "--pattern", "small.tiff"}),
                  "small.tiff: has 10 lines of 10 columns; the rig's projector has 512 of 512");
@@ -304,7 +303,7 @@ TEST_F(SceneCommand, BadHeightMapsAreNamed) {
   save("high.tiff", FloatImage(4, 4, 600));
   expect_refused(map("high.tiff", "1"), "high.tiff: has heights from 600 to 600 mm");
   save("infinite.tiff", FloatImage(4, 4, std::numeric_limits<float>::infinity()));
-  expect_refused(map("infinite.tiff", "1"), "infinite.tiff: has heights");
+  expect_refused(map("infinite.tiff", "1"), "infinite.tiff: has a pixel that is inf");
   ASSERT_TRUE(cv::imwrite((folder_ / "bytes.tiff").string(), cv::Mat(4, 4, CV_8UC1, cv::Scalar(9))));
   expect_refused(map("bytes.tiff", "1"), "bytes.tiff: is not an image of one channel of 32-bit");
 }

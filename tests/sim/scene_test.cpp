@@ -78,7 +78,7 @@ TEST(Scene, ListedOnesExistAndNameTheirReference) {
   EXPECT_EQ(scenes()[3].reference, "stairs");
   EXPECT_EQ(scenes()[3].frames, 1400);
   EXPECT_EQ(error_of([] { make_scene("fist", load_rig("light-section")); }),
-            "fist: is a scene for a rig of kind scanner; light-section is none");
+            "fist: needs a rig of kind scanner; light-section is not one");
 }
 
 // The part reaches x = 0 5 mm after the first frame, and has passed by 5 mm at the last.
@@ -209,7 +209,7 @@ TEST(Scene, ErrorsNameWhatIsWrong) {
   EXPECT_EQ(error_of([&] { make_scene("hill", rig); }),
             "hill: is not a scene; the scenes are plane, mountain, stairs, stairs-marked, desk, fist, pool, waves, "
             "keyboard, keys, cuboids, cuboids-marked, slider, mouse, "
-            "block, hands)");
+            "block, hands");
   EXPECT_EQ(error_of([&] { height_map_scene({}, 1, rig, "a.tiff"); }), "a.tiff: has no pixels");
   const FloatImage map(2, 2, 1);
   for (const double scale : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {

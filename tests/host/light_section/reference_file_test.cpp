@@ -115,7 +115,7 @@ TEST(ReferenceFile, FoldersAndPatterns) {
   const Rig rig = load_rig("light-section");
   const ScratchFolder folder;
   const std::string path = folder.path().string();
-  EXPECT_TRUE(contains(message_of([&] { load_reference(rig, path); }), "reference.csv: cannot be read"));
+  EXPECT_TRUE(contains(message_of([&] { load_reference(rig, path); }), "reference.csv: No such file"));
   write_text(folder / "reference.csv", reference_csv(rig, some_reference(rig)));
   EXPECT_EQ(load_reference(rig, path).valid, some_reference(rig).valid);
   EXPECT_EQ(load_reference(rig, path + "/reference.csv").valid, some_reference(rig).valid);
@@ -165,7 +165,8 @@ TEST(CurveFile, HeightsOfFrames) {
   EXPECT_TRUE(contains(message_of([&] { load_curve(rig, file, 4); }), "has no frame 4; it has 3"));
   write_float_tiff(file, FloatImage(1, 500));
   EXPECT_TRUE(contains(message_of([&] { load_curve(rig, file, {}); }), "has 500 columns; the rig's camera has 512"));
-  EXPECT_TRUE(contains(message_of([&] { load_curve(rig, (folder / "none.csv").string(), {}); }), "cannot be read"));
+  EXPECT_TRUE(
+      contains(message_of([&] { load_curve(rig, (folder / "none.csv").string(), {}); }), "none.csv: No such file"));
   EXPECT_TRUE(contains(message_of([&] { load_curve(rig, folder.path().string(), {}); }), "is a folder"));
 }
 
