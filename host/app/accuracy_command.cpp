@@ -27,7 +27,7 @@ struct AccuracyOptions {
   std::string out;
 };
 
-// Heights over the plane, and what the thesis prints for rig B's: error in the middle (4.4.5), range at e = 8
+// Heights over the plane, and the figures of the thesis for rig B: error in the middle (4.4.5), range at e = 8
 // (4.5.1.2).
 struct Published {
   double height;

@@ -42,7 +42,7 @@ struct CalibrateOptions {
   std::vector<std::string> poses;
 };
 
-// The rig of the calibration, or why there can be none.
+// The rig of the calibration, or the reason why it does not exist.
 std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report) {
   try {
     const Rig rig = rig_of(report.calibration, load_rig(options.rig));

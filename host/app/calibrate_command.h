@@ -7,7 +7,7 @@ class App;
 
 namespace selfproj {
 
-// selfproj calibrate: captures of a chessboard to a calibrated rig.
+// Adds the subcommand `calibrate`: turns captures of a chessboard into a calibrated rig.
 void add_calibrate_command(CLI::App& app);
 
 }  // namespace selfproj

@@ -84,7 +84,7 @@ void check_options(const DepthOptions& options) {
   }
 }
 
-// Depth images of the recorded images; where there are several, each is written into the folder.
+// Computes the depth images of the recorded images. If there are several, each is written into the folder.
 DepthRun depth_of_files(const DepthOptions& options, OutputFolder& folder) {
   ImageSequence images(options.images, channel_of(options.channel));
   const DepthGeometry& geometry = options.setup.geometry;

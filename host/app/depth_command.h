@@ -7,7 +7,7 @@ class App;
 
 namespace selfproj {
 
-// Adds the subcommand `depth`: depth images, clouds and what moved, of recorded Gray-code images.
+// Adds the subcommand `depth`: computes depth images, clouds and moved pixels from recorded Gray-code images.
 void add_depth_command(CLI::App& app);
 
 }  // namespace selfproj

@@ -59,9 +59,9 @@ struct InspectOptions {
 const std::array<std::pair<const char*, Wait>, 3> kWaits{
     {{"poll", Wait::polling}, {"block", Wait::blocking}, {"poll-then-block", Wait::polling_then_blocking}}};
 
-// What the inspection itself counts, beside the driver.
+// The counters of the inspection itself, beside those of the driver.
 struct Work {
-  std::uint64_t profiles = 0;      // frames that became one
+  std::uint64_t profiles = 0;      // frames that became a profile
   std::uint64_t broken = 0;        // frames flagged by the board
   std::uint64_t other_size = 0;    // frames of another size than the rig's camera
   std::uint64_t not_moments = 0;   // packets of images and codes
@@ -71,7 +71,7 @@ struct Work {
   std::int64_t last_done_ns = 0;   // and the last one
   DurationHistogram delay;         // from a packet's arrival to its profile
 
-  // Frames a second, from the first profile to the last; 0 where there is no second one. (Packets of a file arrive many
+  // Frames per second from the first profile to the last; 0 if there are fewer than two. (Packets of a file arrive many
   // at a time.)
   [[nodiscard]] double rate() const {
     const auto ns = static_cast<double>(last_done_ns - first_done_ns);
@@ -89,7 +89,7 @@ std::string delay_text(const DurationHistogram& delay) {
                      time_text(delay.percentile_ns(0.99)), time_text(delay.longest_ns()));
 }
 
-// What is shown of the driver's counters while packets come.
+// The counters of the driver that are shown while packets come.
 std::string losses_text(const Counters& counters) {
   return counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::missing, &Counters::bad});
 }
@@ -120,7 +120,7 @@ ReferenceProfile plane_reference(const Rig& rig) {
   return reference_of_curve(rig, curve_of_heights(rig, heights));
 }
 
-// The rig of the options, with the pixel clock of theirs.
+// The rig of the options, with their pixel clock.
 Rig rig_of(const InspectOptions& options) {
   Rig rig = load_rig(options.rig);
   if (rig.kind != RigKind::light_section) {
@@ -140,10 +140,10 @@ std::unique_ptr<Device> open(const InspectOptions& options) {
                      {.wait = wait, .wait_for_board = options.wait_for_board, .discard_backlog = options.newest});
 }
 
-// Packets of a device into profiles, until there are enough, the time is up, or no more come.
+// Turns packets of a device into profiles, until there are enough, the time is up, or no more come.
 class InspectionLoop {
  public:
-  // Ctrl-C ends it while there is a StopSignal. Keeps the profiles in `inspection` where there is one. All but the
+  // Ctrl-C ends it while a StopSignal exists. Keeps the profiles in `inspection`, if given. All arguments except the
   // options must outlive it.
   InspectionLoop(const InspectOptions& options, const Rig& rig, const DifferentialProfiler& profiler,
                  Inspection* inspection)
@@ -179,7 +179,7 @@ class InspectionLoop {
  private:
   static constexpr std::int64_t kShowNs = 200'000'000;
 
-  // Takes the packet and gives it back to the device. When that was done.
+  // Takes the packet and returns it to the device. Returns the time when that was done.
   std::int64_t take(const PacketView& packet, Device& device) {
     work_.first_ns = work_.first_ns == 0 ? now_ns() : work_.first_ns;  // a backlog came in long before
     const bool made = make_profile(packet, device.uri());
@@ -198,7 +198,7 @@ class InspectionLoop {
     return now;
   }
 
-  // The packet's profile, which stays in profile_; false where it is none.
+  // Computes the packet's profile into profile_. Returns false if it gives none.
   bool make_profile(const PacketView& packet, const std::string& uri) {
     const PacketHeader& header = packet.header;
     if (header.kind != spec::kKindMoments) {
@@ -268,7 +268,7 @@ void print_outcome(const InspectOptions& options, const Work& work, const Counte
   }
 }
 
-// Throws CheckFailed where anything was lost, bad or missing.
+// Throws CheckFailed if anything was lost, bad or missing.
 void check(const InspectOptions& options, const Work& work, const Counters& counters) {
   const std::uint64_t faults = counters.lost_board + counters.lost_ring + counters.missing + counters.bad +
                                counters.repeated + counters.restarts + counters.read_errors + work.broken +

@@ -1,4 +1,4 @@
-// selfproj: what runs on the production PC.
+// selfproj: the program for the production PC.
 
 #include "host/app/accuracy_command.h"
 #include "host/app/calibrate_command.h"

@@ -37,19 +37,19 @@ namespace fs = std::filesystem;
 struct PatternOptions {
   std::string rig = "light-section";
   std::string out;
-  // One of these is given.
+  // Exactly one of these is given.
   std::string reference;
   std::string scan;
   std::optional<double> line;
   bool sweep = false;
-  // Beside them.
+  // Further options.
   std::string residual;
   std::optional<int> frame;
   int every = 1;
   std::string channel;  // empty: none asked for
 };
 
-// Hands over the images one after another, each of the camera's size.
+// Passes on the images one after another, each of the camera's size.
 void for_each_image(const Rig& rig, const std::vector<std::string>& files, std::optional<Channel> channel,
                     const std::function<void(std::size_t index, const Image& image)>& take) {
   Progress progress("image", files.size());
@@ -303,7 +303,7 @@ selfproj pattern --scan captures --every 4 --out part
   add_source_options(*command, *options);
   const CLI::App* gray = add_gray(*command);
   const CLI::App* stripes = add_stripes_command(*command);
-  // What is required where no subcommand is: CLI11 would ask for it beside a subcommand too.
+  // Options that are required without a subcommand. CLI11 would require them with a subcommand too.
   command->callback([=] {
     if (gray->parsed() || stripes->parsed()) {
       return;

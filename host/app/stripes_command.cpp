@@ -181,12 +181,12 @@ void check_options(const MatchOptions& options, const Rig& rig, int bits) {
   }
 }
 
-// Gives the scanner all images, and returns the shares of each depth image. Where there are several, depth and
+// Passes all images to the scanner, and returns the shares of each depth image. If there are several, depth and
 // difference of each are written into the folder.
 std::vector<OfImage<DepthShares>> match_images(const MatchOptions& options, const Rig& rig, int bits,
                                                SelfScanner& scanner, OutputFolder& folder) {
   const auto patterns = static_cast<std::size_t>(2 * bits);
-  std::array<Image, 2> pair;  // the scanner looks at the positive when its negative comes
+  std::array<Image, 2> pair;  // the scanner reads the positive when its negative comes
   std::vector<PointState> states;
   std::vector<OfImage<DepthShares>> all_shares;
   Progress progress("image", options.images.size());

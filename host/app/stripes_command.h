@@ -8,11 +8,11 @@ class App;
 
 namespace selfproj {
 
-// `selfproj pattern stripes`, below the command `pattern`: patterns to scan a reference with, and the reference folder
-// made of what was recorded.
+// Adds `selfproj pattern stripes` below the command `pattern`. It makes the patterns for scanning a reference, and the
+// reference folder from the recordings.
 CLI::App* add_stripes_command(CLI::App& pattern);
 
-// `selfproj match`: depth and difference of images seen under a reference's patterns.
+// Adds `selfproj match`: computes depth and difference from images under a reference's patterns.
 void add_match_command(CLI::App& app);
 
 }  // namespace selfproj

@@ -14,7 +14,7 @@ namespace selfproj {
 namespace {
 
 struct Mapping {
-  std::atomic<std::uintptr_t> begin{0};  // 0: this place is free
+  std::atomic<std::uintptr_t> begin{0};  // 0: this entry is free
   std::atomic<std::size_t> bytes{0};
 };
 
@@ -22,7 +22,7 @@ std::array<Mapping, 64> mappings;          // NOLINT: a signal handler needs the
 struct sigaction action_before {};         // NOLINT
 std::atomic<std::uintptr_t> page_bytes{};  // NOLINT
 
-// Calls nothing but the kernel.
+// Calls only the kernel.
 void on_bus_error(int number, siginfo_t* info, void* /*context*/) {
   const auto at = reinterpret_cast<std::uintptr_t>(info->si_addr);
   const std::uintptr_t page = page_bytes;
@@ -35,7 +35,7 @@ void on_bus_error(int number, siginfo_t* info, void* /*context*/) {
       }
     }
   }
-  sigaction(number, &action_before, nullptr);  // it comes again
+  sigaction(number, &action_before, nullptr);  // the signal then comes again
 }
 
 void install() {

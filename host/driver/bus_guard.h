@@ -1,4 +1,4 @@
-// Mapped files that another process may make shorter while they are used.
+// Protects mapped files that another process may shorten while they are in use.
 #ifndef SELFPROJ_HOST_DRIVER_BUS_GUARD_H
 #define SELFPROJ_HOST_DRIVER_BUS_GUARD_H
 
@@ -6,9 +6,9 @@
 
 namespace selfproj {
 
-// From guard_mapping to unguard_mapping, reading and writing behind the end of the mapped file does not end the program
-// (SIGBUS): zeros of this process alone take the place of the pages that are no longer there. Other bus errors do what
-// they always did. A few dozen mappings at a time; those beyond are not guarded.
+// Between guard_mapping and unguard_mapping, an access behind the end of the mapped file does not end the program
+// (SIGBUS). Pages that no longer exist are replaced by private pages of zeros. Other bus errors act as usual. A few
+// dozen mappings can be guarded at a time; further ones are not.
 void guard_mapping(const void* begin, std::size_t bytes);
 void unguard_mapping(const void* begin);
 

@@ -1,4 +1,4 @@
-// What a device has counted since it was opened.
+// The counters of a device since it was opened.
 #ifndef SELFPROJ_HOST_DRIVER_COUNTERS_H
 #define SELFPROJ_HOST_DRIVER_COUNTERS_H
 
@@ -17,14 +17,14 @@ struct Counters {
   std::uint64_t lost_board = 0;       // packets for which the board's FIFO had no room, from the headers' field `lost`
   std::uint64_t lost_ring = 0;        // packets for which the ring had no room, because the reader was too slow
   std::uint64_t missing = 0;          // frames without moments, from gaps in the sequence, whatever the reason
-  std::uint64_t bad = 0;              // packets refused: they began, or were due at their place, but were not right
+  std::uint64_t bad = 0;              // packets refused: they began, or were expected here, but were not right
   std::uint64_t other_spec = 0;       // of these, packets of a board built from another specification
-  std::uint64_t resynchronized = 0;   // times that the next whole packet was found after bytes that were no packet
+  std::uint64_t resynchronized = 0;   // times that the next whole packet was found after other bytes
   std::uint64_t bytes_discarded = 0;  // bytes that belong to no good packet
-  std::uint64_t repeated = 0;         // good packets that had come before; not given out again
-  std::uint64_t restarts = 0;         // times that the board's sequence or clock went back, because it was reset
-  std::uint64_t reattached = 0;       // ring: times that another writer, or another ring of this name, took over
-  std::uint64_t read_errors = 0;      // file: errors of the device after which reading went on
+  std::uint64_t repeated = 0;         // good packets that had come before; they are not given out again
+  std::uint64_t restarts = 0;         // times that the board's sequence or clock went back because of a reset
+  std::uint64_t reattached = 0;       // ring: times that a new writer, or a new ring of this name, took over
+  std::uint64_t read_errors = 0;      // file: errors of the device after which reading continued
 
   bool operator==(const Counters&) const = default;
 };

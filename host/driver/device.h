@@ -27,8 +27,8 @@ struct DeviceOptions {
   Wait wait = Wait::polling_then_blocking;
   std::chrono::nanoseconds spin = std::chrono::microseconds(50);  // longer: less delay, more processor time
 
-  // Ring: a ring that does not exist yet is no error, and next() goes on waiting after the board has gone. Otherwise
-  // there must be a ring, and next() returns Next::end once the board has gone and everything is read.
+  // Ring: the ring need not exist yet, and next() continues to wait after the board has gone. Otherwise the ring must
+  // exist, and next() returns Next::end once the board has gone and everything is read.
   bool wait_for_board = false;
 
   // Ring: skip what was written before the device was opened.
@@ -41,10 +41,10 @@ struct DeviceOptions {
 enum class Next : std::uint8_t {
   packet,   // a packet was given
   timeout,  // no packet came in time
-  end,      // no packet will come any more
+  end,      // no further packet will come
 };
 
-// Not for use by several threads at once. Allocates everything when it is opened, and nothing later.
+// For one thread at a time. Allocates everything when it is opened, and nothing later.
 class Device {
  public:
   Device() = default;
@@ -52,12 +52,12 @@ class Device {
   Device& operator=(const Device&) = delete;
   virtual ~Device() = default;
 
-  // Gives the next good packet in place, without a copy. It stays valid until release() or the next call of next(),
-  // which releases it. Waits up to `timeout`; with 0 it looks once. Bad packets are counted and skipped. Throws
-  // UserError if a file cannot be read any further, and nothing else.
+  // Returns the next good packet in place, without a copy. It stays valid until release() or the next call of next(),
+  // which releases it. Waits up to `timeout`; with 0 it looks once. Bad packets are counted and skipped. Throws only
+  // UserError, if a file cannot be read any further.
   virtual Next next(PacketView& packet, std::chrono::nanoseconds timeout) = 0;
 
-  // Returns the place of the held packet; does nothing if none is held.
+  // Frees the place of the held packet; does nothing if none is held.
   virtual void release() = 0;
 
   // When the newest packet given by next() came in, in nanoseconds of std::chrono::steady_clock, which all processes of

@@ -75,7 +75,7 @@ class FileDevice final : public Device {
       if (ended_) {
         return Next::end;
       }
-      // A regular file never keeps anyone waiting, and is read even where the time is up.
+      // A regular file never makes the reader wait, and is read even if the time is up.
       const std::int64_t waited = now_ns() - started;
       if (!regular_ && looked && waited >= timeout.count()) {
         return Next::timeout;
@@ -104,8 +104,8 @@ class FileDevice final : public Device {
     throw UserError(path_, reason(error));
   }
 
-  // Whether there is something to read, or an end to be seen; waits as the policy says, up to `timeout` after the start
-  // of next(), which was `waited` ago.
+  // Returns whether there is data or an end to read. Waits according to the policy, up to `timeout` after the start of
+  // next(), which was `waited` ago.
   [[nodiscard]] bool ready(std::int64_t waited, std::int64_t timeout) const {
     std::int64_t wait = std::max<std::int64_t>(timeout - waited, 0);
     if (options_.wait == Wait::polling ||
@@ -135,7 +135,7 @@ class FileDevice final : public Device {
       if (!character_) {
         throw UserError(path_, reason(errno));
       }
-      // What the device lost is not known: the packet begun is given up, and the next whole one looked for.
+      // It is not known what the device lost. So give up the current packet and look for the next whole one.
       ++counters_.read_errors;
       reader_.restart();
       const timespec pause{0, kRetryNs};

@@ -14,8 +14,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// Like parse_packet, but asks for no more bytes if those present show that this is no packet, or none that a board
-// sends.
+// Like parse_packet, but asks for no more bytes if those present show that this is not a packet that a board sends.
 PacketError judge(Bytes bytes, PacketView& packet) {
   if (!begins_like_packet(bytes)) {
     return PacketError::magic;

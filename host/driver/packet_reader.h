@@ -12,9 +12,9 @@
 
 namespace selfproj {
 
-// Takes bytes as they come and gives whole packets in place. After the start or a bad packet it discards everything up
-// to the next whole packet, at whatever byte that begins. It believes nothing before parse_packet has found the whole
-// packet right. A magic number inside a payload, or a damaged length, thus costs only the time to look.
+// Takes bytes as they come and returns whole packets in place. After the start or a bad packet it discards everything
+// up to the next whole packet, which may begin at any byte. It trusts no byte before parse_packet has found the whole
+// packet right. A magic number inside a payload, or a damaged length, therefore costs only time.
 //
 //     std::span<std::uint8_t> room = reader.room();
 //     reader.added(read(fd, room.data(), room.size()));
@@ -29,27 +29,27 @@ class PacketStreamReader {
   // size of the buffer in bytes, and is raised to two of the largest packets.
   explicit PacketStreamReader(Counters& counters, std::size_t capacity = kDefaultCapacity);
 
-  // The place for the next bytes of the stream. It is never empty once next() has given all it has. Packets given so
-  // far become invalid.
+  // The place for the next bytes of the stream. It is never empty after next() has returned all packets. Earlier
+  // packets become invalid.
   [[nodiscard]] std::span<std::uint8_t> room();
 
   // The free bytes behind those held. Nothing is moved, so packets stay valid. May be empty.
   [[nodiscard]] std::span<std::uint8_t> room_in_place();
 
-  // Says that this many bytes were put into the room.
+  // Call after writing this many bytes into the room.
   void added(std::size_t bytes) { end_ += bytes; }
 
-  // Says that no more bytes will come: an incomplete packet is a bad one.
+  // Call when no more bytes will come: an incomplete packet is then a bad one.
   void finish() { finished_ = true; }
 
-  // Says that the stream begins anew, in the middle of anything. Discards the bytes held, and counts them.
+  // Call when the stream begins anew, possibly in the middle of a packet. Discards the bytes held, and counts them.
   void restart();
 
-  // Gives the next whole packet, which points into the buffer until room() or restart() is called. Returns false if
-  // more bytes are needed.
+  // Returns the next whole packet in `packet`, which points into the buffer until room() or restart() is called.
+  // Returns false if more bytes are needed.
   bool next(PacketView& packet);
 
-  // Bytes held that belong to no packet given so far.
+  // Bytes held that belong to no packet returned so far.
   [[nodiscard]] std::size_t held() const { return end_ - begin_; }
 
   // The last `bytes` <= held() bytes added.
@@ -62,7 +62,7 @@ class PacketStreamReader {
 
   Counters& counters_;
   std::vector<std::uint8_t> buffer_;
-  std::size_t begin_ = 0;  // first byte not given yet
+  std::size_t begin_ = 0;  // first byte not returned yet
   std::size_t end_ = 0;    // behind the last byte
   bool due_ = false;       // a packet should begin at begin_, because the one before it was good
   bool skipping_ = false;  // bytes were discarded since the last good packet

@@ -22,7 +22,7 @@ bool PacketTally::accept(const PacketHeader& header) {
       ++counters_.repeated;
       return false;
     }
-    // A frame number without its own time, or anything that runs backwards, is another life of the board.
+    // If a frame number comes with the wrong time, or anything runs backwards, the board was restarted.
     const bool restarted = not_later || header.sequence < newest.sequence || header.time_stamp < newest.time_stamp ||
                            (!same_frame && header.sequence == newest.sequence) || lost_since >= kBackwards;
     if (restarted) {

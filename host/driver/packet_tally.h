@@ -1,4 +1,4 @@
-// What the headers of good packets say about those that never came.
+// Counts missing packets from the headers of good ones.
 #ifndef SELFPROJ_HOST_DRIVER_PACKET_TALLY_H
 #define SELFPROJ_HOST_DRIVER_PACKET_TALLY_H
 
@@ -11,18 +11,18 @@
 
 namespace selfproj {
 
-// Follows sequence, time stamp and `lost` of every stream and kind. What was lost or missing before the first packet is
-// not known, and not counted; after a restart of the board everything since its reset is.
+// Follows sequence, time stamp and `lost` of every stream and kind. Losses before the first packet are not known and
+// not counted. After a restart of the board all losses since its reset count.
 class PacketTally {
  public:
   // Counts lost_board, missing, repeated and restarts in `counters`, which must outlive it.
   explicit PacketTally(Counters& counters) : counters_(counters) {}
 
-  // Takes note of a good packet, in the order in which they come. False where it is the one before once more (same
-  // frame, same line or an earlier one): it is not to be handed out.
+  // Notes a good packet, in the order in which packets come. Returns false if it repeats the previous packet (same
+  // frame, same line or an earlier one); it must not be given out then.
   bool accept(const PacketHeader& header);
 
-  // Another writer takes over: its packets are no repetitions, whatever they say of themselves.
+  // Call when another writer takes over: its packets do not count as repetitions.
   void begin_anew();
 
  private:
@@ -32,9 +32,9 @@ class PacketTally {
   // The newest packet of a stream and kind.
   struct Newest {
     PacketHeader header = {};
-    bool known = false;  // there is one
-    bool reset = false;  // none since the board was reset
-    bool anew = false;   // none of the new writer
+    bool known = false;  // a packet has come
+    bool reset = false;  // no packet since the board was reset
+    bool anew = false;   // no packet of the new writer
   };
 
   Counters& counters_;

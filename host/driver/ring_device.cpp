@@ -29,13 +29,13 @@ namespace {
 
 using Found = ring::Memory::Found;
 
-// More packets than a ring can have lost.
+// More packets than a ring can lose.
 constexpr std::uint64_t kMostLost = std::uint64_t{1} << 48U;
 
-// How often a reader without packets looks whether ring and board are still there.
+// How often a reader without packets checks that ring and board still exist.
 constexpr std::int64_t kLookNs = 50'000'000;
 
-// How long a board may take to see that its ring was removed.
+// How long a board may take to notice that its ring was removed.
 constexpr std::int64_t kRenewalNs = 1'000'000'000;
 
 void sleep_ns(std::int64_t ns) {
@@ -53,7 +53,7 @@ class RingDevice final : public Device {
       case Found::ring:
         break;
       case Found::being_made:
-        return;  // next() waits for it
+        return;  // next() waits for the ring
       case Found::none:
       case Found::unready:
         if (!options.wait_for_board) {
@@ -90,7 +90,7 @@ class RingDevice final : public Device {
       if (now >= next_look_) {
         next_look_ = now + kLookNs;
         const bool gone = !look();
-        if (take(packet)) {  // written before it went
+        if (take(packet)) {  // written before the board went
           return Next::packet;
         }
         if (gone && !options_.wait_for_board) {
@@ -130,7 +130,7 @@ class RingDevice final : public Device {
         counters.lost_ring += lost - lost_before_;
         lost_told_ = lost;
       } else {
-        ++counters.bad;  // a count that cannot be
+        ++counters.bad;  // an impossible count
       }
     }
     return counters;
@@ -147,7 +147,7 @@ class RingDevice final : public Device {
                                          : ""));
   }
 
-  // The ring is mapped and its lock taken.
+  // The ring is mapped, and its lock is taken.
   void start_reading() {
     ring::Header& header = memory_.header();
     if (header.reader_open.exchange(1) != 0) {
@@ -158,7 +158,7 @@ class RingDevice final : public Device {
     header.sleeping.store(0);
     const std::uint64_t written = header.written.load(std::memory_order_acquire);
     read_ = header.read.load();
-    if (written - read_ > memory_.slots()) {  // counts that cannot be: what was between them is not known
+    if (written - read_ > memory_.slots()) {  // impossible counts: the number of packets between them is not known
       ++counters_.bad;
       skipping_ = true;
     }
@@ -182,17 +182,17 @@ class RingDevice final : public Device {
     }
   }
 
-  // The next reader counts what this one has not told of.
+  // The next reader counts losses that this one has not reported.
   void leave() {
     memory_.header().lost_told.store(lost_told_);
     memory_.header().reader_open.store(0);
     memory_.detach();
   }
 
-  // The slot at read_ is done with.
+  // Releases the slot at read_.
   void step() { memory_.header().read.store(++read_, std::memory_order_release); }
 
-  // The next good packet that is in the ring.
+  // Returns the next good packet in the ring.
   bool take(PacketView& packet) {
     if (!memory_.attached()) {
       return false;
@@ -202,7 +202,7 @@ class RingDevice final : public Device {
       if (written == read_) {
         return false;
       }
-      if (written - read_ > memory_.slots()) {  // a count that cannot be: start anew from where the writer is
+      if (written - read_ > memory_.slots()) {  // an impossible count: start again at the writer's position
         ++counters_.bad;
         skipping_ = true;
         read_ = written - 1;
@@ -217,7 +217,7 @@ class RingDevice final : public Device {
     }
   }
 
-  // Whether the slot at read_ has a good packet that is to be handed out.
+  // Whether the slot at read_ has a good packet that must be given out.
   bool look_at_slot(PacketView& packet) {
     const ring::Slot& slot = memory_.slot(read_);
     const std::span<const std::uint8_t> bytes(memory_.packet(read_),
@@ -246,19 +246,19 @@ class RingDevice final : public Device {
     return true;
   }
 
-  // Looks after a ring that gives nothing: whether there is a board that may write into it. Attaches to a ring of the
-  // name where none is attached.
+  // Checks a ring without packets: is there a board that may write into it? Attaches to a ring of this name if none is
+  // attached.
   bool look() {
     if (memory_.attached()) {
       if (memory_.shortened()) {
         ++counters_.bad;
         stop_reading();
       } else if (memory_.locked(ring::kWriterLock)) {
-        return true;  // even where the name was removed: nothing is lost until the writer turns away
+        return true;  // even if the name was removed: nothing is lost before the writer leaves
       } else if (!memory_.removed() || memory_.header().written.load(std::memory_order_acquire) != read_) {
         return false;
       } else {
-        // A writer that has not ended properly makes the ring anew, as soon as it sees that its name is gone.
+        // A writer that is still running renews the ring as soon as it notices that the name is gone.
         patient_until_ = memory_.header().writer_open.load() != 0 ? now_ns() + kRenewalNs : 0;
         stop_reading();
       }
@@ -266,7 +266,7 @@ class RingDevice final : public Device {
     if (!memory_.attached()) {
       const Found found = memory_.attach(shared_.c_str());
       if (found == Found::being_made) {
-        return true;  // the board is there, and allocates
+        return true;  // the board exists and is allocating the ring
       }
       if (found != Found::ring || !memory_.lock(ring::kReaderLock)) {
         memory_.detach();
@@ -277,7 +277,7 @@ class RingDevice final : public Device {
     return memory_.locked(ring::kWriterLock);
   }
 
-  // Sleeps until the writer wakes it, or for that long.
+  // Sleeps until the writer wakes it, at most for this time.
   void sleep(std::int64_t ns) {
     if (!memory_.attached()) {
       sleep_ns(ns);
@@ -302,14 +302,14 @@ class RingDevice final : public Device {
   PacketTally tally_;
   ring::Memory memory_;
   std::uint64_t read_ = 0;
-  std::uint64_t lost_before_ = 0;        // of Header::lost, what earlier readers have told of
-  mutable std::uint64_t lost_told_ = 0;  // and what this one has
+  std::uint64_t lost_before_ = 0;        // the part of Header::lost that earlier readers have reported
+  mutable std::uint64_t lost_told_ = 0;  // and the part that this one has
   std::uint32_t generation_ = 0;
   bool held_ = false;
   bool skipping_ = false;
   bool was_attached_ = false;
   std::int64_t next_look_ = 0;
-  std::int64_t patient_until_ = 0;  // no ring is no end before
+  std::int64_t patient_until_ = 0;  // before this time a missing ring does not count as the end
   std::int64_t arrival_ns_ = 0;
 };
 

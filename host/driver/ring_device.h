@@ -9,8 +9,8 @@
 
 namespace selfproj {
 
-// The reader of the ring `name`. What was written and not released before, by this reader or an earlier one, is read
-// first, unless options.discard_backlog. Throws as open_device does.
+// The reader of the ring `name`. It first reads packets that were written earlier and not yet released by any reader,
+// unless options.discard_backlog is set. Throws as open_device does.
 std::unique_ptr<Device> make_ring_device(const std::string& name, const DeviceOptions& options);
 
 }  // namespace selfproj

@@ -1,12 +1,13 @@
-// The ring in shared memory: what lies where. README.md beside this file has the table and the life cycle.
+// The layout of the ring in shared memory. docs/driver.md has the table and the life cycle.
 //
 // The writer (the board's side) counts packets written, the reader packets read, both from 0 and never back; slot
 // `count % slots` holds packet `count`. Each count is written by one side only and lies in a cache line of its own. A
-// slot is the writer's while written - read < slots, and the reader's from the moment that `written` says so until
-// `read` does. The writer never waits: where all slots are full it drops the packet, whole, and counts it.
+// slot belongs to the writer while written - read < slots. It belongs to the reader from the moment that `written`
+// passes it until `read` passes it. The writer never waits: if all slots are full, it drops the whole packet and counts
+// it.
 //
-// Who is there is told by locks on the file's first two bytes (open file description locks), which the kernel lets go
-// when a process ends, however it ends.
+// Locks on the file's first two bytes (open file description locks) say whether a writer and a reader exist. The kernel
+// releases them whenever a process ends.
 #ifndef SELFPROJ_HOST_DRIVER_RING_LAYOUT_H
 #define SELFPROJ_HOST_DRIVER_RING_LAYOUT_H
 
@@ -28,26 +29,26 @@ static_assert(Count::is_always_lock_free && Word::is_always_lock_free);
 
 // At the beginning of the shared memory.
 struct Header {
-  Count magic;  // written last, when the rest is right
+  Count magic;  // written last, when the rest is complete
   std::uint32_t version;
   std::uint32_t spec_hash;
   std::uint32_t slots;       // a power of two
-  std::uint32_t slot_bytes;  // from one slot to the next
+  std::uint32_t slot_bytes;  // distance from one slot to the next
 
   // Written by the writer.
   alignas(kLine) Count written;  // packets put into the ring
   Count lost;                    // packets that found it full
-  Word generation;               // writers so far
+  Word generation;               // number of writers so far
   Word writer_open;              // 1 from a writer's start to its proper end
-  Word writer_crashes;           // writers that ended without saying so
+  Word writer_crashes;           // writers that ended without closing the ring
   Word writer_pid;               // for information
 
   // Written by the reader.
   alignas(kLine) Count read;  // packets released
-  Count lost_told;            // of Header::lost, what readers that ended have told of
-  Word readers;               // readers so far
+  Count lost_told;            // the part of Header::lost that earlier readers have reported
+  Word readers;               // number of readers so far
   Word reader_open;           // 1 from a reader's start to its proper end
-  Word reader_crashes;        // readers that ended without saying so
+  Word reader_crashes;        // readers that ended without closing the ring
   Word reader_pid;            // for information
 
   // Where a reader sleeps: it sets `sleeping` and waits (futex) for `wake` to change.
@@ -57,7 +58,7 @@ struct Header {
 
 // At the beginning of each slot; the packet follows.
 struct alignas(kLine) Slot {
-  std::uint64_t number;      // the packet's count: a slot that says another was overwritten
+  std::uint64_t number;      // the packet's count; a slot with another count was overwritten
   std::uint64_t lost;        // Header::lost when it was written
   std::int64_t arrival_ns;   // std::chrono::steady_clock when it was written
   std::uint32_t bytes;       // of the packet
@@ -73,7 +74,7 @@ inline constexpr std::uint32_t kMaxSlots = std::uint32_t{1} << 16U;
 // Bytes of the whole ring.
 constexpr std::size_t ring_bytes(std::uint32_t slots) { return sizeof(Header) + std::size_t{slots} * kSlotBytes; }
 
-// Bytes of the file that are locked by whoever writes and reads.
+// Bytes of the file that the writer and the reader lock.
 inline constexpr long kWriterLock = 0;
 inline constexpr long kReaderLock = 1;
 

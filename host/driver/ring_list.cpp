@@ -50,7 +50,7 @@ RingInfo info_of(const std::string& name) {
   info.lost = header.lost.load();
   info.boards = header.generation.load();
   info.readers = header.readers.load();
-  // One that is still marked as open and has no lock has crashed, too.
+  // A process that is marked as open but holds no lock has crashed, too.
   info.board_crashes = header.writer_crashes.load() + (!info.board && header.writer_open.load() != 0 ? 1 : 0);
   info.reader_crashes = header.reader_crashes.load() + (!info.reader && header.reader_open.load() != 0 ? 1 : 0);
   return info;

@@ -11,9 +11,9 @@ namespace selfproj {
 // The present state of a ring.
 struct RingInfo {
   std::string name;
-  std::string problem;          // why it cannot be used; the rest is then 0
+  std::string problem;          // why the ring cannot be used; the rest is then 0
   bool board = false;           // a board is writing into it
-  bool reader = false;          // a reader has it
+  bool reader = false;          // a reader is reading from it
   std::uint32_t board_pid = 0;  // process numbers of the last board and reader
   std::uint32_t reader_pid = 0;
   std::uint32_t slots = 0;
@@ -26,12 +26,12 @@ struct RingInfo {
   std::uint32_t reader_crashes = 0;
 };
 
-// All rings in the order of their names. Disturbs nobody.
+// All rings in the order of their names. Does not disturb their users.
 std::vector<RingInfo> list_rings();
 
-// Removes the name of a ring. Its reader reads what is in it, and then waits for a new one; its writer continues, but
-// nobody reads. Returns false if there is no such ring. Throws UserError if removal is not allowed or the name is
-// invalid.
+// Removes the name of a ring. Its reader reads the remaining packets, and then waits for a new ring. Its writer
+// continues, but nobody reads. Returns false if the ring does not exist. Throws UserError if removal is not allowed or
+// the name is invalid.
 bool remove_ring(const std::string& name);
 
 }  // namespace selfproj

@@ -57,7 +57,7 @@ std::string shared_name(const std::string& name) {
   return "/selfproj-ring-" + name;
 }
 
-// Reads the header before anything is mapped: the file may be anything, of any size.
+// Reads the header before anything is mapped, because the file may have any content and size.
 Memory::Found Memory::map(Access access) {
   struct stat status {};
   if (fstat(descriptor_, &status) != 0) {
@@ -94,7 +94,7 @@ Memory::Found Memory::map(Access access) {
   header_ = static_cast<Header*>(memory);
   bytes_ = size;
   guard_mapping(memory, size);
-  // What was written before the magic number is seen after it.
+  // Data written before the magic number is visible after it.
   return header_->magic.load(std::memory_order_acquire) == kMagic ? Found::ring : Found::unready;
 }
 
@@ -113,13 +113,14 @@ Memory::Found Memory::attach(const char* shared, Access access) {
   return found;
 }
 
-// Opens the shared memory `shared` and takes the writer's lock: descriptor_ is a file that nobody else writes and whose
-// name is its own. Whether there is a ring of `slots` slots in it, which is mapped then; else it is empty.
+// Opens the shared memory `shared` and takes the writer's lock: nobody else then writes the file behind descriptor_,
+// and the name still belongs to it. Returns whether it holds a ring of `slots` slots, which is then mapped; otherwise
+// the file is empty.
 bool Memory::open_for_writer(const std::string& uri, const std::string& shared, std::uint32_t slots, Memory& replaced) {
   constexpr int kTries = 1000;
   for (int i = 0; i < kTries; ++i) {
     detach();
-    descriptor_ = shm_open(shared.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0660);  // less the user's umask
+    descriptor_ = shm_open(shared.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0660);  // minus the user's umask
     if (descriptor_ < 0) {
       throw UserError(uri, reason(errno));
     }
@@ -127,7 +128,7 @@ bool Memory::open_for_writer(const std::string& uri, const std::string& shared, 
       throw UserError(uri, "another board is writing into it");
     }
     if (removed()) {
-      continue;  // by another process, since it was opened
+      continue;  // another process did this since it was opened
     }
     struct stat status {};
     if (fstat(descriptor_, &status) != 0) {
@@ -155,7 +156,7 @@ bool Memory::open_for_writer(const std::string& uri, const std::string& shared, 
 void Memory::create(const std::string& name, std::uint32_t slots) {
   const std::string uri = "ring:" + name;
   const std::string shared = shared_name(name);
-  Memory replaced;  // keeps its lock until the end
+  Memory replaced;  // keeps its lock to the end
   Memory made;
   if (!made.open_for_writer(uri, shared, slots, replaced)) {
     made.fill(uri, shared, slots);
@@ -163,9 +164,9 @@ void Memory::create(const std::string& name, std::uint32_t slots) {
   swap(made);
 }
 
-// Makes an empty ring of the empty file.
+// Makes an empty ring in the empty file.
 void Memory::fill(const std::string& uri, const std::string& shared, std::uint32_t slots) {
-  // Its pages are taken now: with a full /dev/shm, writing to them later would lose packets.
+  // Allocates all pages now. With a full /dev/shm, writing to them later would lose packets.
   const std::size_t bytes = ring_bytes(slots);
   const int error = posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes));
   if (error != 0) {
@@ -178,7 +179,7 @@ void Memory::fill(const std::string& uri, const std::string& shared, std::uint32
     shm_unlink(shared.c_str());
     throw UserError(uri, reason(why) + ", " + std::to_string(bytes >> 20U) + " MiB of address space are needed");
   }
-  header_ = static_cast<Header*>(memory);  // all zeros but for what follows
+  header_ = static_cast<Header*>(memory);  // all zeros except for the following fields
   bytes_ = bytes;
   guard_mapping(memory, bytes);
   slots_ = slots;

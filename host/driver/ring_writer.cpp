@@ -64,8 +64,8 @@ bool RingWriter::renew_if_removed() {
   if (!removed && !shortened) {
     return false;
   }
-  // What nobody will read any more is lost: all that is in a ring that was made shorter (where its counts are gone, at
-  // most so many), or that has no reader.
+  // Packets that nobody can read any more are lost: all packets of a ring that was shortened (if its counts are gone,
+  // at most this many), or that has no reader.
   const bool unseen = shortened || !memory_.locked(ring::kReaderLock);
   const std::uint64_t read = std::max(read_, std::min(memory_.header().read.load(), written_));
   const std::uint64_t unread = unseen ? std::min<std::uint64_t>(written_ - read, memory_.slots()) : 0;
@@ -107,7 +107,7 @@ void RingWriter::publish(std::size_t bytes) {
   slot.bytes = static_cast<std::uint32_t>(bytes);
   slot.generation = generation_;
   header.written.store(++written_, std::memory_order_release);
-  // Either the reader, before it sleeps, sees the count just written, or its `sleeping` is seen here.
+  // Either the reader sees the count just written before it sleeps, or this thread sees its `sleeping`.
   std::atomic_thread_fence(std::memory_order_seq_cst);
   if (header.sleeping.load(std::memory_order_relaxed) != 0) {
     header.wake.fetch_add(1, std::memory_order_release);

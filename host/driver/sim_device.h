@@ -1,4 +1,4 @@
-// The device sim: inside a simulation. The bus's sink puts beats in, and the host's code takes packets out.
+// The device sim: for simulations. The sink of the bus puts beats in, and the host's code takes packets out.
 #ifndef SELFPROJ_HOST_DRIVER_SIM_DEVICE_H
 #define SELFPROJ_HOST_DRIVER_SIM_DEVICE_H
 
@@ -26,7 +26,7 @@ class SimDevice final : public Device {
   // been taken out.
   bool push(std::span<const std::uint8_t> bytes, bool last);
 
-  // Says that no more beats will come.
+  // Call when no more beats will come.
   void finish();
 
   // Packets whose end on the bus (tlast) is not where their header says. A real DMA would cut the stream there.

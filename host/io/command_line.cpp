@@ -17,7 +17,7 @@
 namespace selfproj {
 namespace {
 
-// The number that all of the text spells, or none.
+// The number that the whole text spells, or nothing.
 template <class Number>
 std::optional<Number> number_of_text(const std::string& text) {
   Number number{};
@@ -37,7 +37,7 @@ std::string short_text(double number) {
   return e == std::string::npos ? text : text.substr(0, e + 1) + text.substr(text.find_first_not_of('0', e + 2));
 }
 
-// What the help says of a range, and what an error says.
+// The words for a range in the help, and in an error.
 struct Range {
   std::string in_help;
   std::string in_error;

@@ -1,5 +1,5 @@
-// What the commands of the programs have in common: the form of their help, and how the values of options are read.
-// CLI11 parses the command line; every word that a user reads is written here or by the command itself.
+// Shared by all commands: the form of their help, and strict reading of option values. CLI11 parses the command line,
+// but every word that a user reads comes from here or from the command itself.
 #ifndef SELFPROJ_HOST_IO_COMMAND_LINE_H
 #define SELFPROJ_HOST_IO_COMMAND_LINE_H
 
@@ -11,29 +11,28 @@
 
 namespace selfproj {
 
-// A command as its help presents it.
+// A command as its help describes it.
 struct CommandText {
   std::string name;
   std::string purpose;  // one sentence; the list of commands shows it, too
   std::string details;  // paragraphs, and lists whose lines begin with "- "; may be empty
-  // Shell lines that work one after the other in an empty folder, each group under a comment "# What it does." A
-  // comment that ends in "(needs hardware)", "(needs your files)" or "(takes minutes)" says why a test does not run its
-  // lines.
+  // Shell lines that work one after another in an empty folder, each group under a comment "# What it does." A comment
+  // that ends in "(needs hardware)", "(needs your files)" or "(takes minutes)" says why a test does not run its lines.
   std::string examples;
 };
 
 // Adds a command to a program or to another command.
 CLI::App* add_command(CLI::App& parent, const CommandText& text);
 
-// The same texts for a program.
+// Sets the same texts for a program.
 void set_text(CLI::App& app, const CommandText& text);
 
-// The options added from now on stand in this group of the command's help.
+// Options added from now on appear in this group of the command's help.
 void begin_group(CLI::App& command, const std::string& name);
 
-// Values of options. Each is read strictly, as a decimal number: no sign where the least number is 0, no other text
-// before or after, no overflow, infinity or NaN. For Option::transform, which hands on the number without leading
-// zeros: CLI11 itself would take 010 as octal.
+// Checks of option values, for Option::transform. Each value must be a decimal number, without a sign if the least
+// number is 0, without other text around it, and without overflow, infinity or NaN. They pass on the number without
+// leading zeros, because CLI11 would read 010 as octal.
 constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
 CLI::Validator whole_number(std::int64_t least, std::int64_t most = kNoLimit);
 CLI::Validator real_number(double least, double most);
@@ -42,11 +41,11 @@ CLI::Validator number_above_zero(double most = 1e6);
 // One of these names. For Option::check.
 CLI::Validator one_of(const std::vector<std::string>& names);
 
-// An option or argument that takes files: those of the command line, in the order of in_listed_order.
+// Adds an option or argument for files. It gives the files of the command line in the order of in_listed_order.
 CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<std::string>& files,
                        const std::string& text);
 
-// --channel: what is taken of colour images.
+// Adds --channel: the channel to take of colour images.
 CLI::Option* add_channel_option(CLI::App& command, std::string& channel);
 
 }  // namespace selfproj

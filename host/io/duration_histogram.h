@@ -1,4 +1,4 @@
-// How long something took, many times over: percentiles without keeping the numbers.
+// Statistics of many durations: percentiles without keeping the numbers.
 #ifndef SELFPROJ_HOST_IO_DURATION_HISTOGRAM_H
 #define SELFPROJ_HOST_IO_DURATION_HISTOGRAM_H
 
@@ -15,7 +15,7 @@ namespace selfproj {
 // 1/32 above the exact one. Allocates nothing.
 class DurationHistogram {
  public:
-  // Negative ones count as 0.
+  // Negative durations count as 0.
   void add(std::int64_t ns) {
     ns = std::max<std::int64_t>(ns, 0);
     ++bins_[bin_of(static_cast<std::uint64_t>(ns))];
@@ -25,10 +25,11 @@ class DurationHistogram {
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
-  // The longest one, exactly; 0 where there is none.
+  // The longest duration, exactly; 0 if there is none.
   [[nodiscard]] std::int64_t longest_ns() const { return longest_; }
 
-  // What `share` (0..1) of them do not exceed: the upper end of its bin, or the longest one; 0 where there is none.
+  // The duration that `share` (0..1) of them do not exceed: the upper end of its bin, or the longest duration. 0 if
+  // there is none.
   [[nodiscard]] std::int64_t percentile_ns(double share) const {
     const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count_)));
     std::uint64_t seen = 0;

@@ -1,4 +1,4 @@
-// A file descriptor that is closed at the end; for the files of host/io alone.
+// A file descriptor that is closed at the end. Only for the files of host/io.
 #ifndef SELFPROJ_HOST_IO_FILE_DESCRIPTOR_H
 #define SELFPROJ_HOST_IO_FILE_DESCRIPTOR_H
 
@@ -13,10 +13,10 @@
 
 namespace selfproj {
 
-// What the system says to an error number.
+// The system's text for an error number.
 inline std::string error_text(int error) { return std::generic_category().message(error); }
 
-// `close` tells of errors, the destructor does not. A negative number is none.
+// `close` reports errors, the destructor does not. A negative number means no file.
 class FileDescriptor {
  public:
   explicit FileDescriptor(int number) : number_(number) {}
@@ -26,7 +26,7 @@ class FileDescriptor {
 
   [[nodiscard]] int number() const { return number_; }
 
-  // Closes the one it has, and takes another.
+  // Closes the present descriptor, and takes another.
   void reset(int number) {
     static_cast<void>(close());
     number_ = number;
@@ -42,7 +42,7 @@ class FileDescriptor {
   int number_;
 };
 
-// Writes all of the text; where that fails, errno says why.
+// Writes all of the text. If it fails, errno has the reason.
 [[nodiscard]] inline bool write_all(int descriptor, std::string_view text) {
   while (!text.empty()) {
     const ssize_t count = ::write(descriptor, text.data(), text.size());

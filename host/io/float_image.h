@@ -9,7 +9,7 @@
 
 namespace selfproj {
 
-// What a pixel without a value holds.
+// The value of a pixel without a value: NaN.
 inline constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 // Row by row without gaps. NaN is a pixel without a value.
@@ -29,14 +29,14 @@ struct FloatImage {
   bool operator==(const FloatImage&) const = default;
 };
 
-// Reads a TIFF file of one channel of 32-bit floating-point numbers. Throws UserError naming the file: unreadable, no
-// image, of another kind, with a number greater than 1e9.
+// Reads a TIFF file of one channel of 32-bit floating-point numbers. Throws UserError, naming the file, if it is
+// unreadable, not such an image, or has a number greater than 1e9.
 FloatImage read_float_tiff(const std::string& file);
 
-// The bytes of such a file. Throws UserError, naming the file, where the image has no pixels or is too large.
+// Returns the bytes of such a file. Throws UserError, naming the file, if the image has no pixels or is too large.
 std::string encode_float_tiff(const std::string& file, const FloatImage& image);
 
-// Writes it, whole or not at all. Throws UserError.
+// Writes the file, whole or not at all. Throws UserError.
 void write_float_tiff(const std::string& file, const FloatImage& image);
 
 }  // namespace selfproj

@@ -24,7 +24,8 @@ namespace selfproj {
 namespace fs = std::filesystem;
 namespace {
 
-// Attributes that would be lost, such as access control lists. Those of the system's own security stay with the place.
+// Attributes that would be lost, such as access control lists. Attributes of the system's own security stay with the
+// path.
 bool has_attributes(const fs::path& path) {
   std::array<char, 4096> names{};
   const ssize_t bytes = listxattr(path.c_str(), names.data(), names.size());
@@ -54,7 +55,7 @@ bool make_like(const fs::path& fresh, const fs::path& old) {
          chmod(fresh.c_str(), want.st_mode & kRights) == 0;
 }
 
-// Links all files of `from` that `to` has not, folders within included.
+// Links all files of `from` that `to` lacks, including those of inner folders.
 bool link_rest(const fs::path& from, const fs::path& to) {  // NOLINT(misc-no-recursion)
   std::error_code error;
   for (fs::directory_iterator at(from, error), end; !error && at != end; at.increment(error)) {
@@ -63,13 +64,13 @@ bool link_rest(const fs::path& from, const fs::path& to) {  // NOLINT(misc-no-re
     const bool folder = fs::is_directory(at->symlink_status(error));
     if (fs::exists(there)) {
       if (folder) {
-        return false;  // a file where a folder is
+        return false;  // a file in place of a folder
       }
       continue;
     }
     error.clear();
     if (is_temporary_name(name.string())) {
-      continue;  // of another program; what is left of it is moved after the exchange
+      continue;  // another program removed it; the rest is moved after the exchange
     }
     if (folder) {
       if (mkdir((to / name).c_str(), 0700) != 0 || !link_rest(at->path(), to / name) ||
@@ -83,7 +84,7 @@ bool link_rest(const fs::path& from, const fs::path& to) {  // NOLINT(misc-no-re
   return !error;
 }
 
-// What another program has put into the old folder since its files were linked.
+// Files that another program has put into the old folder since its files were linked.
 void move_late_ones(const fs::path& old, const fs::path& fresh) {
   std::error_code error;
   for (fs::directory_iterator at(old, error), end; !error && at != end; at.increment(error)) {

@@ -1,4 +1,4 @@
-// Two folders change places in one step.
+// Exchanges two folders in one step.
 #ifndef SELFPROJ_HOST_IO_FOLDER_EXCHANGE_H
 #define SELFPROJ_HOST_IO_FOLDER_EXCHANGE_H
 
@@ -6,13 +6,13 @@
 
 namespace selfproj {
 
-// Whether `folder`, without links in its name, can change its place: it is no mount point, not the current folder or
-// one above it, and the folder above can be written to.
+// Whether `folder`, whose name has no links, can be exchanged: it is not a mount point, not the current folder or one
+// above it, and its parent folder can be written to.
 bool is_exchangeable(const std::filesystem::path& folder);
 
-// Puts `fresh` in the place of `target`, which is there, in one step: what `target` has beside is in `fresh` then, too,
-// and `fresh` has its rights and owner. The old folder has the name of `fresh` then, and is to be removed. False, and
-// `target` is untouched, where the system cannot do that.
+// Replaces the existing `target` by `fresh` in one step. `fresh` first gets the other files of `target`, its
+// permissions and its owner. The old folder then has the name of `fresh`, and the caller removes it. Returns false and
+// leaves `target` unchanged if the system cannot do this.
 bool exchange_folders(const std::filesystem::path& fresh, const std::filesystem::path& target);
 
 }  // namespace selfproj

@@ -1,4 +1,4 @@
-// What the commands that take frames have in common: names of modes and channels, sizes of images.
+// Shared by the commands that take frames: names of modes and channels, sizes of images.
 #ifndef SELFPROJ_HOST_IO_FRAME_OPTIONS_H
 #define SELFPROJ_HOST_IO_FRAME_OPTIONS_H
 
@@ -13,13 +13,13 @@
 
 namespace selfproj {
 
-// The modes, as options and rigs spell them.
+// The names of the modes in options and rigs.
 inline constexpr std::array<std::pair<const char*, Mode>, 3> kModes{
     {{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}};
 std::vector<std::string> mode_names();
 
-// The mode of one of these names; throws std::invalid_argument for any other. The name of a mode; "unknown" where it is
-// none of the three.
+// The mode of one of these names; throws std::invalid_argument for any other. The name of a mode; "unknown" for any
+// other value.
 Mode mode_of(const std::string& name);
 std::string mode_name(Mode mode);
 
@@ -39,10 +39,10 @@ struct FrameSize {
 // The size of such a text, both sides 1..max_side. Throws UserError about `option` otherwise.
 FrameSize size_of_text(const std::string& option, const std::string& text, int max_side);
 
-// Throws UserError naming the file where a circuit of these maxima takes no image of this size.
+// Throws UserError, naming the file, if a circuit with these maxima takes no image of this size.
 void check_frame_size(const std::string& file, const Image& image, int max_rows, int max_columns);
 
-// Throws UserError naming the file where it has another size than the first one.
+// Throws UserError, naming the file, if its size differs from that of the first one.
 void check_same_size(const std::string& file, const Image& image, const std::string& first, int rows, int columns);
 
 }  // namespace selfproj

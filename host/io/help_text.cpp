@@ -15,7 +15,7 @@ namespace selfproj {
 namespace {
 
 constexpr std::size_t kWidth = 100;
-constexpr std::size_t kTextColumn = 26;  // where the texts of options begin
+constexpr std::size_t kTextColumn = 26;  // column in which the texts of options begin
 
 // Characters on a terminal: code points.
 std::size_t width_of(const std::string& text) {
@@ -23,8 +23,8 @@ std::size_t width_of(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
-// The words in lines of at most kWidth. The first line goes on from one that has `used` characters, the others begin
-// with `indent` spaces.
+// Wraps the words into lines of at most kWidth characters. The first line continues one with `used` characters; the
+// others begin with `indent` spaces.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t used) {
   std::istringstream words(text);
   std::string result;
@@ -45,7 +45,7 @@ std::string wrapped(const std::string& text, std::size_t indent, std::size_t use
   return result + "\n";
 }
 
-// Paragraphs and list items, one a line of the result.
+// Paragraphs and list items, one in each line of the result.
 std::vector<std::string> paragraphs_of(const std::string& text) {
   std::istringstream lines(text);
   std::vector<std::string> paragraphs;
@@ -91,7 +91,7 @@ bool takes_several(const CLI::Option& option) {
   return option.get_expected_max() >= CLI::detail::expected_max_vector_size;
 }
 
-// CLI11 puts the descriptions of the validators behind the type, each after a colon.
+// CLI11 appends the descriptions of the validators to the type, each after a colon.
 std::string value_name(const CLI::Option& option) {
   const std::string name = option.get_type_name();
   return takes_value(option) ? name.substr(0, name.find(':')) : "";
@@ -111,7 +111,7 @@ std::string list_of(const std::set<CLI::Option*>& options) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// What follows the text of an option: "[1 to 12; default: 8]".
+// The end of an option's text: "[1 to 12; default: 8]".
 std::string facts_of(const CLI::Option& option) {
   std::vector<std::string> facts;
   if (option.get_required()) {
@@ -191,7 +191,7 @@ std::string usage_of(const CLI::App& app, const std::string& name) {
   return usage;
 }
 
-// An option and its value, then its text, the text wrapped in its column.
+// An option and its value, then its text, wrapped in its column.
 std::string entry(const std::string& name, const std::string& text) {
   std::string line = "  " + name;
   if (width_of(line) + 2 > kTextColumn) {

@@ -1,4 +1,4 @@
-// The help of a command, as text for a terminal and as JSON for the pages of the documents.
+// The help of a command as text for a terminal, and as JSON for the pages of the documents.
 #ifndef SELFPROJ_HOST_IO_HELP_TEXT_H
 #define SELFPROJ_HOST_IO_HELP_TEXT_H
 
@@ -13,7 +13,7 @@ class HelpFormatter : public CLI::FormatterBase {
   [[nodiscard]] std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
 };
 
-// A program and all its commands, with everything that their help says.
+// A program and all its commands, with everything in their help.
 std::string help_json(const CLI::App& program);
 
 }  // namespace selfproj

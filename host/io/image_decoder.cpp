@@ -15,8 +15,8 @@
 namespace selfproj {
 namespace {
 
-// What the libraries say on standard error only. libjpeg fills up what is missing from a damaged file; it tells of the
-// first thing that is wrong and of no other, so that nothing may be overheard.
+// Messages that the libraries print only on standard error. libjpeg fills in missing parts of a damaged file and
+// reports only the first fault, so no message may be missed.
 bool tells_of_damage(ImageFormat format, const std::string& messages) {
   return (format == ImageFormat::jpeg && !messages.empty()) || messages.find("Premature") != std::string::npos ||
          messages.find("Corrupt") != std::string::npos;
@@ -41,8 +41,8 @@ cv::Mat decode_image(const std::string& file) {
       clear_orientation(*header, bytes);
       image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data()), cv::IMREAD_UNCHANGED);
     } else {
-      // OpenCV reads the file itself: given bytes, it would let libjpeg stop at the end of a file cut short without a
-      // word.
+      // OpenCV reads the file itself. If it got bytes, libjpeg would stop silently at the end of a file that was cut
+      // short.
       bytes.clear();
       bytes.shrink_to_fit();
       image = cv::imread(file, cv::IMREAD_UNCHANGED);

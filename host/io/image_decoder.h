@@ -1,4 +1,4 @@
-// The one place where image files are decoded.
+// Decodes image files; no other code does.
 #ifndef SELFPROJ_HOST_IO_IMAGE_DECODER_H
 #define SELFPROJ_HOST_IO_IMAGE_DECODER_H
 
@@ -11,12 +11,12 @@ namespace selfproj {
 // The largest image that is decoded: 16384 x 16384 pixels, the largest camera and projector of a rig.
 inline constexpr std::uint64_t kMostImagePixels = std::uint64_t{1} << 28U;
 
-// What is said of a file that is not one of those images.
+// The error text for a file that is not one of these images.
 inline constexpr const char* kNotAnImage = "not an image in a known format, or damaged";
 
-// The image of a PNG, JPEG, TIFF, BMP or PNM file that check_image_file lets pass, as it is stored: its own depth
-// and channels, not turned whatever orientation the file notes. Throws UserError, naming the file, where it cannot be
-// read, is not an image, is damaged, or has more than kMostImagePixels pixels.
+// Decodes a PNG, JPEG, TIFF, BMP or PNM file that passes check_image_file. The image keeps its depth and channels, and
+// is never turned, whatever orientation the file notes. Throws UserError, naming the file, if it cannot be read, is not
+// an image, is damaged, or has more than kMostImagePixels pixels.
 cv::Mat decode_image(const std::string& file);
 
 }  // namespace selfproj

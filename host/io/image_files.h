@@ -11,7 +11,7 @@
 
 namespace selfproj {
 
-// What to take of a colour image: one of its planes, or its luminance (ITU-R BT.601, as OpenCV rounds it).
+// The part of a colour image to take: one of its planes, or its luminance (ITU-R BT.601, rounded as in OpenCV).
 enum class Channel : std::uint8_t { red, green, blue, grey };
 
 // "red", "green", "blue", "grey".
@@ -27,21 +27,21 @@ struct Image {
   [[nodiscard]] ImageView view() const { return {pixels.data(), rows, columns, columns}; }
 };
 
-// Says early what read_image would say late: throws UserError where the file cannot be read or, by its first bytes, is
-// no image.
+// Finds errors early that read_image would find late: throws UserError if the file cannot be read or its first bytes
+// are not those of an image.
 void check_image_file(const std::string& file);
 
-// Reads an image of any format known to OpenCV; the orientation some cameras note in the file is ignored.
-// A colour image needs a channel; one of a single channel is taken as it is, and has no colour to ask for.
-// Throws UserError, naming the file, where it cannot be read, is no image or a damaged one, has other than 8 bits, or
-// channel and image do not go together.
+// Reads an image of any format known to OpenCV, and ignores the orientation that some cameras note in the file. A
+// colour image needs a channel. An image of one channel is taken as it is, and accepts no channel. Throws UserError,
+// naming the file, if it cannot be read, is not an image, is damaged, does not have 8 bits, or does not fit the
+// channel.
 Image read_image(const std::string& file, std::optional<Channel> channel);
 
-// The files of a folder in natural order (img2 before img10), without those that begin with a dot. Throws UserError
-// where the folder cannot be read or has none.
+// The files of a folder in natural order (img2 before img10), without those that begin with a dot. Throws UserError if
+// the folder cannot be read or has no files.
 std::vector<std::string> files_of_folder(const std::string& folder);
 
-// The bytes of a PNG file. Throws std::invalid_argument where the image has no pixels or is too large.
+// Returns the bytes of a PNG file. Throws std::invalid_argument if the image has no pixels or is too large.
 std::string encode_png(const Image& image);
 
 }  // namespace selfproj

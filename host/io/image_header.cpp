@@ -17,7 +17,7 @@ using namespace std::string_view_literals;
 
 enum class Order : std::uint8_t { little, big };
 
-// Bytes as numbers; throws std::out_of_range behind their end.
+// Reads bytes as numbers; throws std::out_of_range behind their end.
 class Bytes {
  public:
   Bytes(std::string_view bytes, Order order) : bytes_(bytes), order_(order) {}
@@ -44,7 +44,7 @@ ImageHeader png_header(std::string_view file) {
   return {ImageFormat::png, bytes.number(16, 4), bytes.number(20, 4)};
 }
 
-// Segment by segment up to the frame header (SOF).
+// Walks through the segments up to the frame header (SOF).
 ImageHeader jpeg_header(std::string_view file) {
   const Bytes bytes(file, Order::big);
   for (std::uint64_t at = 2;;) {

@@ -1,4 +1,4 @@
-// What the first bytes of an image file say, before anything is decoded.
+// Reads format and size from the first bytes of an image file, before anything is decoded.
 #ifndef SELFPROJ_HOST_IO_IMAGE_HEADER_H
 #define SELFPROJ_HOST_IO_IMAGE_HEADER_H
 
@@ -12,20 +12,20 @@ namespace selfproj {
 
 enum class ImageFormat : std::uint8_t { png, jpeg, tiff, bmp, pnm };
 
-// The format by the magic number; nothing for any other.
+// The format according to the magic number, or nothing.
 std::optional<ImageFormat> image_format(std::string_view bytes);
 
 struct ImageHeader {
   ImageFormat format = ImageFormat::png;
   std::uint64_t columns = 0;
   std::uint64_t rows = 0;
-  std::size_t orientation_at = 0;  // TIFF: where the value of its tag is; 0: it has none
+  std::size_t orientation_at = 0;  // TIFF: position of the value of its orientation tag; 0: it has none
 };
 
-// Format and size of the (first) image; nothing where it is none, or damaged there.
+// Format and size of the (first) image. Nothing if the file is not an image or this part is damaged.
 std::optional<ImageHeader> image_header(std::string_view bytes);
 
-// A TIFF file that does not ask to be turned.
+// Returns a TIFF file without its request to be turned.
 void clear_orientation(const ImageHeader& header, std::string& bytes);
 
 }  // namespace selfproj

@@ -13,7 +13,7 @@ namespace selfproj {
 
 class ImageSequence {
  public:
-  // Looks at the beginning of every file, so that a wrong name is found before the first image is read. Throws as
+  // Checks the beginning of every file, so that a wrong name is found before the first image is read. Throws like
   // check_image_file.
   ImageSequence(std::vector<std::string> files, std::optional<Channel> channel);
 
@@ -23,8 +23,8 @@ class ImageSequence {
   // The first image, to learn the size; read(0) does not read the file again.
   const Image& first();
 
-  // Image i, from 0. Throws as read_image, and UserError, naming the file, where it has another size than the first
-  // one that was read.
+  // Image i, from 0. Throws like read_image, and UserError, naming the file, if its size differs from that of the first
+  // image read.
   Image read(std::size_t i);
 
  private:

@@ -28,7 +28,7 @@ std::string size_text(std::size_t bytes) {
   return std::to_string(bytes / kMega) + " MiB";
 }
 
-// Waits for bytes of a pipe or terminal; throws where they do not come.
+// Waits for bytes of a pipe or terminal; throws if they do not come.
 void wait_for_bytes(const std::string& file, int descriptor, steady_clock::time_point end) {
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - steady_clock::now()).count();

@@ -1,4 +1,4 @@
-// Files that are read whole.
+// Reads whole files.
 #ifndef SELFPROJ_HOST_IO_INPUT_FILE_H
 #define SELFPROJ_HOST_IO_INPUT_FILE_H
 
@@ -14,8 +14,8 @@ inline constexpr std::size_t kMostTableBytes = std::size_t{1} << 28U;
 // Images, before they are decoded.
 inline constexpr std::size_t kMostImageBytes = std::size_t{1} << 30U;
 
-// The bytes of a file, or of a pipe (which must bring them within ten seconds). It is noted as an input (run_files.h).
-// Throws UserError, naming it: it cannot be read, is a folder, or has more than `most_bytes`.
+// Returns the bytes of a file, or of a pipe, which must deliver them within ten seconds. Notes the file as an input
+// (run_files.h). Throws UserError, naming the file, if it cannot be read, is a folder, or has more than `most_bytes`.
 std::string read_input(const std::string& file, std::size_t most_bytes);
 
 }  // namespace selfproj

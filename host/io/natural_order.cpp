@@ -12,7 +12,7 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// The digits at the beginning, without leading zeros.
+// Returns the digits at the beginning, without leading zeros.
 std::string_view number_at(std::string_view text) {
   const auto* const end = std::find_if_not(text.begin(), text.end(), is_digit);
   text = text.substr(0, static_cast<std::size_t>(end - text.begin()));
@@ -23,7 +23,7 @@ std::size_t digits_at(std::string_view text) {
   return static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_digit) - text.begin());
 }
 
-// The name with '#' in the place of each number.
+// Returns the name with '#' in place of each number.
 std::string shape_of(std::string_view name) {
   std::string shape;
   while (!name.empty()) {

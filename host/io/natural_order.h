@@ -8,14 +8,15 @@
 
 namespace selfproj {
 
-// Compares numbers within the names by their value, and all else byte by byte. A strict order: names that differ only
+// Compares numbers within names by value, and everything else byte by byte. The order is strict: names that differ only
 // in leading zeros are compared as texts.
 bool natural_less(std::string_view a, std::string_view b);
 
 std::vector<std::string> in_natural_order(std::vector<std::string> names);
 
-// Files as a user lists them. Neighbours that differ only in their numbers and stand in alphabetical order, as a shell
-// expands img*.png, are put in natural order. Any other order, such as pos1 neg1 pos2 neg2, is the user's and stays.
+// Orders files of a command line. Neighbours that differ only in their numbers and are in alphabetical order, as a
+// shell expands img*.png, are put into natural order. Any other order, such as pos1 neg1 pos2 neg2, is intended by the
+// user and stays.
 std::vector<std::string> in_listed_order(std::vector<std::string> files);
 
 }  // namespace selfproj

@@ -1,4 +1,4 @@
-// Numbers out of texts: of files and of options alike.
+// Reads numbers from texts, for files and options alike.
 #ifndef SELFPROJ_HOST_IO_NUMBERS_H
 #define SELFPROJ_HOST_IO_NUMBERS_H
 
@@ -11,8 +11,9 @@
 
 namespace selfproj {
 
-// The number that all of the text is, in base 10: "12", "-3", "+5", and for a floating-point T also "1.5" and "2e-3".
-// Nothing for any other text: an empty one, spaces, "0x10", "nan", "inf", and what T cannot hold. "010" is ten.
+// Returns the number if the whole text is one in base 10: "12", "-3", "+5", and for a floating-point T also "1.5" and
+// "2e-3". "010" is ten. Returns nothing for any other text, such as an empty one, spaces, "0x10", "nan", "inf", and
+// numbers that T cannot hold.
 template <class T>
 std::optional<T> number_of_text(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) {

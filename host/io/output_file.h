@@ -7,13 +7,13 @@
 
 namespace selfproj {
 
-// A file that is written whole or not at all: it appears (or is replaced) in one step once everything is on disk, and
-// whatever fails or ends the program before leaves an existing file as it was, and nothing beside it. A link is
-// followed; a device or pipe is written to directly. Folders above it that are missing are made with it. It may be no
-// input and no other output of the run (run_files.h).
+// A file that is written whole or not at all. It appears (or is replaced) in one step once everything is on disk. If
+// anything fails or ends the program before, an existing file stays as it was, and no other file is left. A link is
+// followed; a device or pipe is written to directly. Missing parent folders are made. The file must not be an input or
+// another output of the run (run_files.h).
 class OutputFile {
  public:
-  // Checks, touching nothing, that the file could be written, so that a long run does not end in a wrong name.
+  // Checks that the file could be written, without changing anything, so that a wrong name is found before a long run.
   // Throws UserError.
   explicit OutputFile(const std::string& name);
 

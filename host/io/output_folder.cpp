@@ -25,14 +25,14 @@ namespace selfproj {
 namespace fs = std::filesystem;
 namespace {
 
-// Takes a file that is on disk to the end of its way: what was written is safe against a loss of power.
+// Flushes a file to the disk, so that a loss of power does not lose it.
 bool synchronize(const fs::path& path) {
   FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
   return file.number() >= 0 && fsync(file.number()) == 0 && file.close();
 }
 
-// Puts the file `fresh` in the place of `target`, which becomes `old` where it exists. Where that fails `target` is as
-// it was, and `error` says why.
+// Replaces `target` by the file `fresh`; an existing `target` becomes `old`. If this fails, `target` stays as it was,
+// and `error` has the reason.
 bool replace(const fs::path& target, const fs::path& fresh, const fs::path& old, std::error_code& error) {
   if (fs::is_directory(fs::symlink_status(target, error))) {
     error = std::make_error_code(std::errc::is_a_directory);
@@ -103,7 +103,7 @@ void OutputFolder::append(const std::string& file, std::string_view text) {
       throw UserError(name_, "is there already; a new folder is needed, as there will be folders within");
     }
     std::error_code error;
-    fs::create_directories(staging_->path() / inner, error);  // where that fails, so does opening the file
+    fs::create_directories(staging_->path() / inner, error);  // if this fails, opening the file fails too
   }
   const bool first = std::find(files_.begin(), files_.end(), file) == files_.end();
   if (first) {
@@ -123,7 +123,7 @@ void OutputFolder::commit() {
     create_staging();
   }
   for (const std::string& file : files_) {
-    check(file);  // what was read since
+    check(file);  // inputs that were read since
     if (!synchronize(staging_->path() / file)) {
       throw UserError(target_ / file, error_text(errno));
     }
@@ -157,7 +157,7 @@ void OutputFolder::move_in_new() {
   parents.keep();
 }
 
-// False where it cannot be done in one step.
+// Returns false if it cannot be done in one step.
 bool OutputFolder::exchange() {
   for (const std::string& file : files_) {
     std::error_code error;
@@ -168,7 +168,7 @@ bool OutputFolder::exchange() {
   return exchange_folders(staging_->path(), target_);
 }
 
-// File by file, each old one kept until the last new one is in place.
+// Moves file by file, and keeps each old file until the last new one is in place.
 void OutputFolder::move_in_each() {
   const fs::path& staging = staging_->path();
   std::error_code error;

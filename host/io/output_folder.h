@@ -12,33 +12,32 @@
 namespace selfproj {
 
 // A folder of results that is written whole or not at all. The files are written into a temporary folder beside it, and
-// `commit` exchanges the two in one step once all is on disk: whatever fails or ends the program before leaves what was
-// there as it was, and so does going without a commit. Of several programs that write into one folder each is whole,
-// one after the other. Where the folder is there already, its other files stay; missing folders above it are made with
-// it.
+// `commit` exchanges the two in one step once everything is on disk. If anything fails or ends the program before, or
+// without a commit, the old folder stays as it was. If several programs write into one folder, their results appear
+// whole, one after another. Other files of an existing folder stay; missing parent folders are made.
 //
-// Where the exchange is not possible (the folder is the current one or above it, or a mount point; the folder above
-// cannot be written to; the file system has no exchange or no hard links) the files are renamed one after the other
-// instead. Then only a kill by SIGKILL or a loss of power within these renames leaves old and new files mixed.
+// If the exchange is not possible, the files are renamed one after another instead. This is so if the folder is a mount
+// point, the current folder or one above it, if its parent folder cannot be written to, or if the file system lacks
+// exchange or hard links. Then only SIGKILL or a loss of power between these renames leaves old and new files mixed.
 //
-// No file may be an input of the run (run_files.h).
+// No file of it may be an input of the run (run_files.h).
 class OutputFolder {
  public:
-  // Checks, touching nothing, that the folder could be made or written to, so that a long run does not end in a wrong
-  // name. Throws UserError.
+  // Checks that the folder could be made or written to, without changing anything, so that a wrong name is found before
+  // a long run. Throws UserError.
   explicit OutputFolder(const std::string& name);
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
   ~OutputFolder();
 
-  // Says early what `append` would say late: throws UserError where the file `file` may not be written.
+  // Finds an error early that `append` would find late: throws UserError if `file` may not be written.
   void check(const std::string& file) const;
 
-  // Adds text at the end of the file `file`, which the first call creates: a name without a path, or, where the folder
-  // is not there yet, one in a folder within, `inner/name`. Throws UserError.
+  // Appends text to the file `file`, which the first call creates. `file` is a name without a path or, if the folder
+  // does not exist yet, `inner/name`. Throws UserError.
   void append(const std::string& file, std::string_view text);
 
-  // Moves the files to where they belong; nothing can be added after that. Throws UserError.
+  // Moves the files to their place. Nothing can be added afterwards. Throws UserError.
   void commit();
 
   // As given by the user.
@@ -55,7 +54,7 @@ class OutputFolder {
   bool exists_ = false;                 // the target, as a folder
   bool beside_ = true;                  // the temporary folder is not in the target
   std::unique_ptr<Temporary> staging_;  // from the first file to the commit
-  std::vector<std::string> files_;      // those written, in order
+  std::vector<std::string> files_;      // files written, in order
 };
 
 }  // namespace selfproj

@@ -1,4 +1,4 @@
-// The folders above an output, which are made with it.
+// Makes the missing parent folders of an output.
 #ifndef SELFPROJ_HOST_IO_OUTPUT_PARENTS_H
 #define SELFPROJ_HOST_IO_OUTPUT_PARENTS_H
 
@@ -9,14 +9,14 @@
 
 namespace selfproj {
 
-// The folder that holds it: "." where the name has no other.
+// The folder that holds the file: "." if the name has none.
 std::filesystem::path parent_of(const std::filesystem::path& path);
 
-// The nearest folder above `target` that is there. Throws UserError about `name`, which the user gave, where nothing
-// can be made in it.
+// The nearest existing folder above `target`. Throws UserError about `name`, which the user gave, if nothing can be
+// made in it.
 std::filesystem::path writable_parent(const std::string& name, const std::filesystem::path& target);
 
-// Makes a folder and those above it; what it made goes away again unless it is kept.
+// Makes a folder and its missing parents, and removes them again unless they are kept.
 class MadeFolders {
  public:
   MadeFolders(const std::filesystem::path& folder, std::error_code& error);
@@ -27,7 +27,7 @@ class MadeFolders {
   void keep() { made_.clear(); }
 
  private:
-  std::vector<std::filesystem::path> made_;  // from above
+  std::vector<std::filesystem::path> made_;  // from the top down
 };
 
 }  // namespace selfproj

@@ -22,10 +22,10 @@
 namespace selfproj {
 namespace {
 
-constexpr int kFailed = 1;    // a check failed, or the program itself did
-constexpr int kBadInput = 2;  // what the user can mend
+constexpr int kFailed = 1;    // a check or the program itself failed
+constexpr int kBadInput = 2;  // errors that the user can fix
 
-// One line, whatever is in the message (a file's name may contain a line break).
+// Prints one line whatever the message contains (a file name may contain a line break).
 int report(const std::string& program, std::string message, int status) {
   std::replace_if(
       message.begin(), message.end(), [](char c) { return c >= '\0' && c < ' '; }, ' ');
@@ -33,7 +33,7 @@ int report(const std::string& program, std::string message, int status) {
   return status;
 }
 
-// The command of the command line.
+// The command that the command line names.
 const CLI::App* command_given(const CLI::App& program) {
   const CLI::App* command = &program;
   while (!command->get_subcommands().empty()) {
@@ -54,7 +54,7 @@ std::string with_relation(const std::string& text, const std::string& word, cons
                                  : text.substr(0, at) + ": " + relation + " " + text.substr(at + word.size() + 2);
 }
 
-// What CLI11 has to say about a command line, in the words of the house: the option first, then the reason.
+// Rewords an error of CLI11: the option first, then the reason.
 std::string explained(const CLI::App& program, const CLI::ParseError& error) {
   const CLI::App* command = command_given(program);
   const std::string see = fmt::format("; see {} --help", full_name(command));
@@ -84,8 +84,7 @@ std::string explained(const CLI::App& program, const CLI::ParseError& error) {
   return text;
 }
 
-// With --check-usage as the first word, a command line is only read, not carried out: the tests of the documents use
-// it.
+// With --check-usage as the first word, a command line is only parsed and not run. The tests of the documents use this.
 bool take_check_usage(CLI::App& program, std::vector<std::string>& words) {
   if (words.empty() || words.front() != "--check-usage") {
     return false;
@@ -121,7 +120,7 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
       return 0;
     }
     static_cast<void>(take_check_usage(app, words));
-    std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
+    std::reverse(words.begin(), words.end());  // CLI11 takes the words from the back
     try {
       app.parse(std::move(words));
     } catch (const CLI::Success& success) {  // --help, --version

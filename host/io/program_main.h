@@ -8,8 +8,8 @@
 
 namespace selfproj {
 
-// What every program of the project does. It reads its command line, prints an error as one line "NAME: ...", and
-// returns the exit status: 0, 1 for a failed check or a failure of the program itself, 2 for bad usage or input.
+// Runs a program: reads its command line, runs the command, and prints an error as one line "NAME: ...". Returns the
+// exit status: 0 for success, 1 for a failed check or a failure of the program itself, 2 for bad usage or input.
 int program_main(const CommandText& text, const std::function<void(CLI::App&)>& add_commands, int argc, char** argv);
 
 }  // namespace selfproj

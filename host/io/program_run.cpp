@@ -18,17 +18,18 @@
 namespace selfproj {
 namespace {
 
-// A standard descriptor that is closed would be given to the first file that is opened, and what is printed go into it.
-// Reading gives nothing then, and writing to standard output fails.
+// If a standard descriptor is closed, the first file that is opened would get its number, and printed text would go
+// into this file. Opens /dev/null instead, so that reading gives nothing and writing to standard output fails.
 void open_standard_descriptors() {
   for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(number, F_GETFD) < 0 && errno == EBADF) {
-      static_cast<void>(open("/dev/null", number == STDERR_FILENO ? O_WRONLY : O_RDONLY));  // takes the lowest number
+      // open() takes the lowest free number.
+      static_cast<void>(open("/dev/null", number == STDERR_FILENO ? O_WRONLY : O_RDONLY));
     }
   }
 }
 
-// What is still to be printed, and whether that and all before could be.
+// Flushes standard output, and returns whether everything could be printed.
 bool flush_output() {
   errno = 0;
   const bool stream = static_cast<bool>(std::cout.flush());

@@ -1,4 +1,4 @@
-// What holds for the whole run of a program, whatever its command does.
+// Rules for the whole run of a program, whatever its command does.
 #ifndef SELFPROJ_HOST_IO_PROGRAM_RUN_H
 #define SELFPROJ_HOST_IO_PROGRAM_RUN_H
 

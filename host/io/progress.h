@@ -7,8 +7,8 @@
 
 namespace selfproj {
 
-// One line on standard error that counts up, "frame 120 of 1400", or "frame 120" where the total is 0, not known, and
-// goes away at the end. Only on a terminal.
+// One line on standard error that counts up, "frame 120 of 1400", and disappears at the end. If the total is 0
+// (unknown), it says "frame 120". Only on a terminal.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);
@@ -16,7 +16,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   ~Progress();
 
-  // Shown at most ten times a second, with the note after the count.
+  // Updates the line at most ten times a second, with the note after the count.
   void update(std::size_t done, const std::string& note = {});
 
   // Whether the next update will be shown: for notes that take time to write.

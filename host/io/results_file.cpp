@@ -26,7 +26,7 @@ std::string text_of(const std::string& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// What a command writes to its standard output, without the line's end.
+// Returns the standard output of a command without the final line break.
 std::string output_of(const std::string& command) {
   const auto close = [](std::FILE* pipe) { pclose(pipe); };
   const std::unique_ptr<std::FILE, decltype(close)> pipe(popen(command.c_str(), "r"), close);
@@ -38,14 +38,14 @@ std::string output_of(const std::string& command) {
   return text.substr(0, text.find('\n'));
 }
 
-// The program itself; builds lie within the sources, build/release/... .
+// The path of this program. Builds lie inside the sources, in build/release/... .
 std::filesystem::path program() { return std::filesystem::read_symlink("/proc/self/exe"); }
 
 std::string git(const std::string& words) {
   return output_of("git -C '" + program().parent_path().string() + "' " + words + " 2>/dev/null");
 }
 
-// The command of this process, as one types it in the root of the sources.
+// The command of this process, as typed in the root of the sources.
 std::string own_command() {
   const std::filesystem::path root = git("rev-parse --show-toplevel");
   std::istringstream words(text_of("/proc/self/cmdline"));
@@ -61,7 +61,7 @@ std::string own_command() {
   return command;
 }
 
-// The commit of the sources; "+" where tracked files other than results and documents differ from it.
+// The commit of the sources, with "+" if tracked files other than results and documents differ from it.
 std::string commit() {
   const std::string head = git("rev-parse --short=10 HEAD");
   const bool differs = !git("status --porcelain -uno -- ':/' ':(top,exclude)results' ':(top,exclude)*.md'").empty();
@@ -79,7 +79,7 @@ std::string today() {
 
 double rounded(double value) { return std::round(10 * value) / 10; }
 
-// Six digits of every number, which is more than any measurement has.
+// Rounds every number to six digits, more than any measurement has.
 void shorten(nlohmann::ordered_json& value) {
   if (value.is_number_float()) {
     std::array<char, 32> text{};

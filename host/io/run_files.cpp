@@ -18,13 +18,13 @@ namespace {
 
 using FileId = std::pair<dev_t, ino_t>;
 
-// What is known of the files of the run.
+// The known files of the run.
 struct Notes {
   std::mutex mutex;
   bool watching = false;
   std::set<FileId> inputs;
   std::set<std::string> input_paths;
-  std::map<std::string, std::string> outputs;  // their paths, and what the user calls them
+  std::map<std::string, std::string> outputs;  // their paths, and the names that the user gave
 };
 
 Notes& notes() {
@@ -32,7 +32,7 @@ Notes& notes() {
   return notes;
 }
 
-// The path without links, "." and "..": of the folder where the file is not there.
+// The path without links, "." and "..". If the file does not exist, those of its folder are resolved.
 std::string path_of(const fs::path& file) {
   std::error_code error;
   const fs::path path = fs::weakly_canonical(file, error);
@@ -43,7 +43,7 @@ std::string path_of(const fs::path& file) {
   throw UserError(output, "is an input of this command, too; it would be overwritten");
 }
 
-// Whether it is something that cannot be overwritten: a pipe, a device, a folder.
+// Whether it cannot be overwritten, because it is a pipe, device or folder.
 bool passes(const struct stat& status) { return !S_ISREG(status.st_mode); }
 
 void check(const Notes& notes, const std::string& name, const fs::path& target, const std::string& path) {

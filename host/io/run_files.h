@@ -1,4 +1,4 @@
-// What a run of a program reads and what it writes.
+// The inputs and outputs of a run of a program.
 #ifndef SELFPROJ_HOST_IO_RUN_FILES_H
 #define SELFPROJ_HOST_IO_RUN_FILES_H
 
@@ -7,9 +7,10 @@
 
 namespace selfproj {
 
-// While it lives, no output may be one of the inputs, and no two outputs one file: the same file (by device and inode)
-// or the same name. Every reader and every writer of host/io and host/driver says what it does, so that no command has
-// to. Only files count, no pipes and devices. One at a time; without one (in tests of parts) nothing is watched.
+// While this object lives, no output may be an input, and no two outputs may be one file: the same file (by device and
+// inode) or the same name. Every reader and writer of host/io and host/driver reports its files here, so that commands
+// need not. Pipes and devices do not count. Only one such object can exist; without one (in tests of parts) nothing is
+// checked.
 class RunFiles {
  public:
   RunFiles();
@@ -18,14 +19,14 @@ class RunFiles {
   ~RunFiles();
 };
 
-// This run reads `file`. Throws UserError naming an output that it is.
+// Notes that this run reads `file`. Throws UserError, naming the output, if it is one.
 void note_input(const std::string& file);
 
-// This run will write the file `target`, which the user calls `name`. Throws UserError, naming it, where it is an input
-// or another output.
+// Notes that this run will write the file `target`, which the user calls `name`. Throws UserError, naming it, if it is
+// an input or another output.
 void note_output(const std::string& name, const std::filesystem::path& target);
 
-// The same without a note, for files of a folder. The folder's name should have no links.
+// The same check without a note, for files of a folder. The folder's name should have no links.
 void check_output(const std::string& name, const std::filesystem::path& target);
 
 }  // namespace selfproj

@@ -1,4 +1,4 @@
-// The signals that end a program and that it can catch.
+// The signals that end a program and can be caught.
 #ifndef SELFPROJ_HOST_IO_SIGNALS_HELD_H
 #define SELFPROJ_HOST_IO_SIGNALS_HELD_H
 
@@ -18,7 +18,7 @@ inline sigset_t ending_signals() {
   return set;
 }
 
-// While it lives, they wait.
+// Blocks these signals while it lives.
 class SignalsHeld {
  public:
   SignalsHeld() {

@@ -5,7 +5,7 @@
 
 namespace selfproj {
 
-// One line on standard error that is shown anew again and again, and goes away at the end. Only on a terminal.
+// One line on standard error that is rewritten again and again, and disappears at the end. Only on a terminal.
 class StatusLine {
  public:
   StatusLine();
@@ -13,7 +13,7 @@ class StatusLine {
   StatusLine& operator=(const StatusLine&) = delete;
   ~StatusLine();
 
-  // Whether anyone sees it.
+  // Whether the line is shown.
   [[nodiscard]] bool visible() const { return terminal_; }
 
   void show(const std::string& text);

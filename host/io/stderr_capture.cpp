@@ -20,9 +20,9 @@ StderrCapture::StderrCapture() {
   saved_ = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
   const bool closed = saved_ < 0 && errno == EBADF;
   std::array<int, 2> ends{-1, -1};
-  // Non-blocking: who writes more than the pipe holds does not wait for a reader.
+  // Non-blocking: a library that writes more than the pipe holds does not wait for a reader.
   bool done = (saved_ >= 0 || closed) && pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) == 0;
-  if (done && ends[0] == STDERR_FILENO) {  // it was closed, and the pipe has its number
+  if (done && ends[0] == STDERR_FILENO) {  // standard error was closed, and the pipe got its number
     ends[0] = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
     done = ends[0] >= 0;
   }

@@ -7,11 +7,11 @@
 
 namespace selfproj {
 
-// Takes what is written on standard error while it lives, so that the chatter of image libraries (libjpeg, libpng,
-// OpenCV's log) does not come between the program's own lines, and can be looked at. For the whole process: not to be
-// used while another thread writes there. It goes through a pipe, which needs no disk, knows no limit on sizes of
-// files, and holds the first 64 KiB; whether standard error is open does not matter. Throws std::runtime_error where
-// the system gives no pipe: what a decoder says of damage must not go by unseen.
+// Captures standard error while it lives, so that messages of image libraries (libjpeg, libpng, OpenCV's log) do not
+// mix with the program's own lines, and can be read. It captures for the whole process, so no other thread may write
+// there meanwhile. It uses a pipe, which needs no disk, is not subject to limits on file sizes, and holds the first 64
+// KiB. Standard error may be open or closed. Throws std::runtime_error if the system gives no pipe, because a decoder's
+// report of damage must not be missed.
 class StderrCapture {
  public:
   StderrCapture();
@@ -19,12 +19,12 @@ class StderrCapture {
   StderrCapture& operator=(const StderrCapture&) = delete;
   ~StderrCapture();
 
-  // What has been written so far.
+  // The text written so far.
   [[nodiscard]] const std::string& text();
 
  private:
-  FileDescriptor pipe_{-1};  // where it is read
-  int saved_ = -1;           // standard error; -1 where it was closed
+  FileDescriptor pipe_{-1};  // the end from which it is read
+  int saved_ = -1;           // the original standard error; -1 if it was closed
   std::string text_;
 };
 

@@ -21,7 +21,7 @@ void on_signal(int number) {
   remove_temporaries();
   errno = error;
   std::signal(number, SIG_DFL);
-  std::raise(number);  // comes when this handler returns
+  std::raise(number);  // the signal comes when this handler returns
 }
 
 struct sigaction tidy_action() {

@@ -5,8 +5,8 @@
 
 namespace selfproj {
 
-// While it lives, Ctrl-C (SIGINT), SIGTERM and SIGHUP do not end the program but are to be asked for, so that what runs
-// without an end can be ended properly. A second one ends the program. One at a time.
+// While it lives, Ctrl-C (SIGINT), SIGTERM and SIGHUP only set a flag instead of ending the program, so that an endless
+// run can end properly. A second signal ends the program. Only one such object can exist.
 class StopSignal {
  public:
   StopSignal();
@@ -22,8 +22,8 @@ class StopSignal {
   struct sigaction hang_up_ {};
 };
 
-// From here on, what ends the program by a signal that it can catch (SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU) takes
-// what is temporary (temporary.h) away first. A signal that is ignored stays so.
+// From this call on, a signal that ends the program and can be caught (SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU) first
+// removes temporary files (temporary.h). Ignored signals stay ignored.
 void tidy_up_on_signals();
 
 }  // namespace selfproj

@@ -32,11 +32,11 @@ namespace {
 constexpr std::string_view kPrefix = ".selfproj-";
 constexpr std::string_view kSuffix = ".tmp";
 
-// Paths to be removed; the signal handler reads them. Two for each output of a command, and there are few.
+// Paths to remove; the signal handler reads them. A command has few outputs, and each needs two paths.
 constexpr std::size_t kPlaces = 256;
 std::array<std::atomic<const char*>, kPlaces> places{};  // NOLINT: a signal handler needs it
 
-// What getdents64 gives.
+// An entry as getdents64 returns it.
 struct Entry {
   std::uint64_t inode;
   std::int64_t offset;
@@ -47,7 +47,7 @@ struct Entry {
 
 void remove_tree(int at, const char* name, int depth);
 
-// Removes what is in the folder; calls nothing but the kernel. False where there is nothing.
+// Removes the contents of the folder; calls only the kernel. Returns false if there is nothing.
 bool empty_folder(int folder, int depth) {
   alignas(Entry) std::array<char, 4096> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   bool found = false;
@@ -69,7 +69,7 @@ bool empty_folder(int folder, int depth) {
   }
 }
 
-// Only calls that a signal handler may make.
+// Makes only calls that are allowed in a signal handler.
 void remove_tree(int at, const char* name, int depth) {  // NOLINT(misc-no-recursion)
   if (unlinkat(at, name, 0) == 0 || depth == 0) {
     return;
@@ -78,7 +78,7 @@ void remove_tree(int at, const char* name, int depth) {  // NOLINT(misc-no-recur
   if (folder < 0) {
     return;
   }
-  constexpr int kPasses = 100;  // another thread may put files into it meanwhile
+  constexpr int kPasses = 100;  // another thread may add files meanwhile
   for (int pass = 0; pass < kPasses; ++pass) {
     const bool found = empty_folder(folder, depth);
     if (unlinkat(at, name, AT_REMOVEDIR) == 0 || !found) {
@@ -93,7 +93,7 @@ constexpr int kDepth = 64;
 void remove_path(const char* path) { remove_tree(AT_FDCWD, path, kDepth); }
 
 std::size_t take_place(const fs::path& path) {
-  // The text lives as long as the program: a signal may come at any time. There are few of them.
+  // The text lives as long as the program, because a signal may come at any time. There are few of these texts.
   char* const text = strdup(path.c_str());
   for (std::size_t i = 0; i < kPlaces; ++i) {
     const char* none = nullptr;
@@ -111,7 +111,7 @@ void give_place(std::size_t place) {
   }
 }
 
-// Of a program that was killed: nobody has it locked.
+// Left by a program that was killed: nobody has it locked.
 void remove_abandoned(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;

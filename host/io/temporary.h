@@ -1,4 +1,4 @@
-// Files and folders that are there only while a program runs.
+// Files and folders that exist only while a program runs.
 #ifndef SELFPROJ_HOST_IO_TEMPORARY_H
 #define SELFPROJ_HOST_IO_TEMPORARY_H
 
@@ -11,9 +11,9 @@
 
 namespace selfproj {
 
-// Keeps other programs of this project from making, sweeping and exchanging things in a folder while it lives (flock on
-// the folder; no file is needed). Waits ten seconds for the others; where the file system knows no such lock, or they
-// keep it longer, it goes on without.
+// While it lives, other programs of this project cannot make, remove or exchange files in a folder (flock on the
+// folder; no lock file is needed). Waits up to ten seconds for the others. If the file system has no such lock, or the
+// others keep it longer, the program continues without it.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);
@@ -22,7 +22,7 @@ class FolderLock {
   ~FolderLock() = default;
 
   [[nodiscard]] bool held() const { return held_; }
-  // Takes what was renamed in the folder to the disk.
+  // Flushes renames in the folder to the disk.
   void synchronize() const;
 
  private:
@@ -30,9 +30,9 @@ class FolderLock {
   bool held_ = false;
 };
 
-// A new file or folder `.selfproj-PID-N.tmp`, locked. It goes away with this object, with all it holds, and where a
-// signal ends the program (tidy_up_on_signals); what SIGKILL or a loss of power leaves behind, the next Temporary in
-// the same folder takes away.
+// A new locked file or folder `.selfproj-PID-N.tmp`. It is removed with its contents at the end of this object, or when
+// a signal ends the program (tidy_up_on_signals). The next Temporary in the same folder removes files left by SIGKILL
+// or a loss of power.
 class Temporary {
  public:
   enum class Kind : std::uint8_t { file, folder };
@@ -44,19 +44,19 @@ class Temporary {
   ~Temporary();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  // Of the file, for writing, or of the folder.
+  // The descriptor of the file, for writing, or of the folder.
   [[nodiscard]] FileDescriptor& descriptor() { return descriptor_; }
 
-  // It has got the name that it was made for, and stays.
+  // Call when it has its final name: it then stays.
   void keep();
 
  private:
   std::filesystem::path path_;
   FileDescriptor descriptor_;
-  std::size_t place_;  // in the list of those that are to be removed
+  std::size_t place_;  // index in the list of paths to remove
 };
 
-// A file or folder of another name that goes away like a Temporary, if it is there. What it is need not be ours.
+// A file or folder of another name that is removed like a Temporary if it exists. It need not be made by this program.
 class RemovedAtEnd {
  public:
   explicit RemovedAtEnd(const std::filesystem::path& path);
@@ -72,10 +72,10 @@ class RemovedAtEnd {
   std::size_t place_;
 };
 
-// Whether a name is one that Temporary makes.
+// Whether Temporary makes such names.
 bool is_temporary_name(const std::string& name);
 
-// For signal handlers: takes all of them away.
+// For signal handlers: removes all of them.
 void remove_temporaries();
 
 }  // namespace selfproj
