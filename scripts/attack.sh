@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # attack.sh [--short] [--seed S] [--share X] [--only PART...] [--programs DIR] [--record]: attacks the programs of
-# build/bin from outside: damaged and cut files of every kind that they read, evil values for every option, outputs onto
-# inputs, standard output that fails, signals at random moments, evil and shortened rings, readers and boards that are
-# killed and started again, with exact accounts.
+# build/bin from outside: damaged and cut files of every kind that they read, malicious values for every option, outputs
+# onto inputs, a failing standard output, signals at random moments, damaged and shortened rings, and readers and boards
+# that are killed and restarted, with an exact account of every packet.
 #
 # A fault is a signal, a wrong result with status 0, a loss that nobody counts, an input that changed, a file left
-# behind, an error of more than one line. Each is printed with what repeats it, and the exit status is 1. The long run
-# takes hours, --short, which is a test, half a minute; --record keeps the figures of a run in the folder results.
+# behind, an error of more than one line. Each is printed with the options that repeat it, and the exit status is 1. The
+# long run takes hours; --short, which is a test, takes half a minute. --record keeps the figures of a run in the folder
+# results.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 exec python3 tests/attack/attack.py "$@"

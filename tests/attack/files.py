@@ -1,4 +1,4 @@
-"""Mutated and cut files of every kind that the programs read."""
+"""Attacks with mutated and cut files of every kind that the programs read."""
 import csv
 import json
 import math
@@ -44,7 +44,7 @@ def insert(random, data):
 
 
 def number(random, data):
-    """Another number in a text, or in the text at the beginning."""
+    """Returns the text with another number, or with another number in the text at its beginning."""
     found = list(re.finditer(rb"-?\d+(\.\d*)?(e[-+]?\d+)?", data[:20000]))
     if not found:
         return flip(random, data)
@@ -75,7 +75,7 @@ def finite(text, what):
 
 
 def check_outputs(folder):
-    """Tables and counts that were written with status 0."""
+    """Checks tables and counts that were written with status 0."""
     for path in folder.rglob("*"):
         if path.suffix == ".json":
             text = path.read_text()
@@ -112,7 +112,7 @@ class Files:
         m = made
         inspect = ("selfproj", "inspect", "--device", f"file:{m}/packets.bin", "--json", "o.json", "--out", "o")
         self.readers = [
-            # kind, what is mutated, mutations, command with {} for the file, check
+            # kind, file to mutate, mutations, command with {} for the file, check
             ("png", "frame_1.png", BINARY, None, self.image),
             ("jpeg", "a.jpg", BINARY, None, self.image),
             ("tiff", "a.tiff", BINARY, None, self.image),
@@ -214,6 +214,6 @@ class Files:
                     raise Fault("a frame that was never recorded") from None
         if len(given) < len(self.frames) and not any(
                 counts[key] for key in ("bad", "bytes_discarded", "missing", "repeated", "restarts", "other_spec")):
-            # What is missing at the end of a file that is cut between two packets is known to nobody.
+            # If a file is cut between two packets, nothing shows what is missing at its end.
             if given != self.frames[:len(given)]:
                 raise Fault(f"{len(self.frames) - len(given)} frames are gone, and nothing is counted")

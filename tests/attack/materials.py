@@ -1,11 +1,11 @@
-"""Good files of every kind that the programs read, small, made by the programs themselves where they can."""
+"""Small good files of every kind that the programs read, made by the programs themselves if possible."""
 import base64
 import math
 import pathlib
 import struct
 import zlib
 
-# A line of light of 64 x 16 pixels as libjpeg wrote it, with restart markers.
+# A line of light of 64 x 16 pixels, written by libjpeg with restart markers.
 JPEG = base64.b64decode(
     "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAoHBwgHBgoICAgLCgoLDhgQDg0NDh0VFhEYIx8lJCIfIiEmKzcvJik0KSEiMEExNDk7Pj4+JS5ESU"
     "M8SDc9Pjv/wAALCAAQAEABAREA/8QAHwAAAQUBAQEBAQEAAAAAAAAAAAECAwQFBgcICQoL/8QAtRAAAgEDAwIEAwUFBAQAAAF9AQIDAAQRBRIh"
@@ -38,7 +38,7 @@ def png(rows):
 
 
 def png_is_whole(data):
-    """Whether all chunks up to IEND are right."""
+    """Returns whether all chunks up to IEND are right."""
     at = 8
     if data[:8] != b"\x89PNG\r\n\x1a\n":
         return False
@@ -68,7 +68,7 @@ def bmp(rows):
 
 
 def tiff(rows, floats=False):
-    """One strip, not compressed; `floats` are rows of numbers."""
+    """One uncompressed strip; `floats` are rows of numbers."""
     width, height = len(rows[0]), len(rows)
     data = b"".join(struct.pack(f"<{width}f", *row) if floats else row for row in rows)
     tags = [(256, 4, width), (257, 4, height), (258, 3, 32 if floats else 8), (259, 3, 1), (262, 3, 1), (273, 4, 8),
@@ -127,7 +127,8 @@ SMALL_SCANNER = {
 
 
 def with_values(rig, values):
-    """The first key of each name (the camera's, where the projector has it, too) and all others of the name in turn."""
+    """Replaces the first key of each name (the camera's, if the projector has it, too), then all others of that
+    name."""
     lines = []
     seen = set()
     for line in rig.splitlines():
@@ -146,7 +147,7 @@ def must(attacker, folder, *arguments):
 
 
 def make(attacker, folder):
-    """Fills `folder`; what is in it is never written to again."""
+    """Fills `folder`; its files are never changed afterwards."""
     folder = pathlib.Path(folder)
     run = lambda *arguments: must(attacker, folder, *arguments)  # noqa: E731
     frames = [line_rows(shift=0.2 * i) for i in range(4)]

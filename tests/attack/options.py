@@ -1,4 +1,4 @@
-"""Evil values for every option of every command."""
+"""Attacks every option of every command with malicious values."""
 import json
 import os
 import re
@@ -16,7 +16,7 @@ VALUES = [
     "reference", "grey", "rtl", "binary", "light-section", "scanner", "stairs-marked", "plane", "true", "1e1", "+5",
     "1_000", "1'000"
 ]
-# Options whose value may make a run as long as it says: it must end when it is asked to.
+# Options whose value sets the length of a run: the run must end when it is asked to.
 SLOW = 4  # seconds
 
 
@@ -60,7 +60,7 @@ class Options:
         self.options = {command: self.options_of(command) for command in self.commands}
 
     def options_of(self, command):
-        """Those of --help, with the short ones; all of them, so that a new option is attacked as it comes."""
+        """Returns all options of --help, including short ones, so that a new option is attacked automatically."""
         with self.attacker.scratch() as folder:
             text = self.attacker.run([*command, "--help"], folder).out
         found = re.findall(r"(?m)^\s+(?:-\w,\s*)?(--[a-z][a-z0-9-]*)(.*)$", text)
@@ -115,7 +115,7 @@ class Options:
 
     @staticmethod
     def refused_numbers(outcome, words, name, value):
-        """A count that is no count is refused, and its name is said."""
+        """A count that is not a count is refused, and the error names it."""
         numbers = ("--count", "--keep", "--threshold", "--bits", "--e", "--every", "--square", "--tilt", "--rate")
         if name in numbers and value in ("nan", "inf", "0x10", "1e999", "18446744073709551616", "-1x5", "1'000"):
             if outcome.status == 0:

@@ -1,4 +1,4 @@
-"""Outputs: onto inputs, onto devices that fail, killed in the middle."""
+"""Attacks on outputs: onto inputs, onto failing devices, killed in the middle."""
 import os
 import signal
 import subprocess
@@ -153,7 +153,7 @@ class Outputs:
             whole = time.monotonic() - begin
             first = fingerprint(folder / "o")
             names = sorted(p.name for p in (folder / "o").iterdir())
-            for path in (folder / "o").iterdir():  # an older run: every file another
+            for path in (folder / "o").iterdir():  # an older run, in which every file differs
                 path.write_bytes(b"old")
             (folder / "o" / "mine").write_bytes(b"mine")
             old = fingerprint(folder / "o")
@@ -173,10 +173,10 @@ class Outputs:
             left = temporaries(folder)
             if left and number != signal.SIGKILL:
                 raise Fault(f"signal {number} left {left[0]}")
-            self.attacker.attack(command, folder)  # and takes away what SIGKILL left
+            self.attacker.attack(command, folder)  # and removes the files that SIGKILL left
 
     @staticmethod
     def same_names(folder, names):
-        """A whole new run; its report may tell of the time."""
+        """A whole new run; its report may contain the time."""
         return sorted(p.name for p in folder.iterdir()) == names and all(
             p.read_bytes() != b"old" for p in folder.iterdir())

@@ -1,4 +1,4 @@
-"""Runs the programs under attack, and judges what every run must keep to."""
+"""Runs the programs under attack, and checks the rules for every run."""
 import hashlib
 import json
 import os
@@ -15,7 +15,7 @@ PATIENCE = 20  # seconds; a run that takes longer is asked to end (SIGTERM)
 
 
 class Fault(Exception):
-    """What a program must not do."""
+    """A program broke a rule."""
 
 
 class Outcome:
@@ -24,7 +24,7 @@ class Outcome:
         self.status = status
         self.out = out
         self.err = err
-        self.asked = asked  # it was asked to end
+        self.asked = asked  # the program was asked to end
 
 
 def limits():
@@ -47,7 +47,7 @@ def temporaries(folder):
 
 
 class Attacker:
-    """Programs in `folder`; everything happens below `work`."""
+    """The programs are in `folder`; all files are below `work`."""
 
     def __init__(self, programs, work, seed):
         self.programs = pathlib.Path(programs)
@@ -62,7 +62,7 @@ class Attacker:
         return str(self.programs / name)
 
     def start(self, arguments, folder, **more):
-        """Starts it; `arguments` begin with the program's name."""
+        """Starts a program; `arguments` begin with its name."""
         self.runs += 1
         words = [self.program(arguments[0])] + [str(a) for a in arguments[1:]]
         pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more}
@@ -86,7 +86,7 @@ class Attacker:
         return Outcome(process.returncode, text[0], text[1], asked)
 
     def judge(self, outcome, arguments, folder):
-        """What holds for every run: no signal, a status that has a meaning, one line for an error, nothing left."""
+        """Checks the rules for every run: no signal, a defined status, one line for an error, nothing left behind."""
         what = " ".join(repr(str(a)) if " " in str(a) or not str(a) else str(a) for a in arguments)
         if outcome.status < 0 and not (outcome.asked and outcome.status == -signal.SIGTERM):
             raise Fault(f"ended by signal {-outcome.status}: {what}")
@@ -101,7 +101,7 @@ class Attacker:
             raise Fault(f"left behind {left[0]}: {what}")
 
     def attack(self, arguments, folder, inputs=(), patience=PATIENCE, **more):
-        """Runs it, judges it, and looks whether the inputs are what they were."""
+        """Runs a program, checks the rules, and checks that the inputs are unchanged."""
         before = [fingerprint(path) for path in inputs]
         outcome = self.run(arguments, folder, patience, **more)
         self.judge(outcome, arguments, folder)
@@ -111,7 +111,7 @@ class Attacker:
         return outcome
 
     def case(self, part, name, function, *arguments):
-        """One case of a part; a fault is noted, and the next case goes on."""
+        """Runs one case of a part. A fault is noted, and the next case follows."""
         count = self.cases.setdefault(part, {"cases": 0, "faults": 0})
         count["cases"] += 1
         try:

@@ -1,4 +1,5 @@
-"""Rings: evil headers, readers and boards that are killed and started again, with exact accounts."""
+"""Attacks on rings: damaged headers, and readers and boards that are killed and restarted, with an exact account of
+every packet."""
 import json
 import os
 import pathlib
@@ -122,8 +123,8 @@ class Rings:
         self.clear()
 
     def restart_loop(self, rounds):
-        """A board plays; readers come, are killed or end, and the next one comes; so do boards. At the end every packet
-        that a board had was read, or is counted as lost by a reader that ended."""
+        """A board plays. Readers and boards come, are killed or end, and the next one comes. At the end every packet of
+        a board was read, or a reader that ended has counted it as lost."""
         self.clear()
         rate = 20000
         told = {"delivered": 0, "lost_ring": 0, "other": 0}
@@ -142,7 +143,7 @@ class Rings:
                     how = self.random.choice((signal.SIGKILL, signal.SIGINT, signal.SIGTERM))
                     reader.send_signal(how)
                     _, err = reader.communicate(timeout=20)
-                    if file.exists():  # it came to its end
+                    if file.exists():  # it ended by itself
                         self.add(told, json.loads(file.read_text()))
                     else:
                         killed += self.header()["read"] - before
@@ -193,7 +194,7 @@ class Rings:
                 raise Fault(f"1000 played, {got} accounted for")
 
     def renewed(self):
-        """The board makes its ring anew, of 16,384 slots, under a reader that ends with the board."""
+        """The board renews its ring with 16,384 slots under a reader that ends with the board."""
         self.clear()
         with self.attacker.scratch() as folder:
             board = self.attacker.start(
@@ -209,7 +210,7 @@ class Rings:
                 raise Fault(f"12000 played, {counts['delivered']} delivered, {counts['lost_ring']} lost")
 
     def backlog(self):
-        """--seconds counts from the first packet that is taken, not from when the board had it."""
+        """--seconds counts from the first packet that is taken, not from the time when the board had it."""
         self.clear()
         with self.attacker.scratch() as folder:
             self.attacker.attack(self.board("--keep", "--slots", "64", "--count", "60", "--rate", "0"), folder)

@@ -35,7 +35,7 @@ constexpr int kThreshold = 128;
 constexpr std::size_t kFrameBytes = static_cast<std::size_t>(kRows) * kColumns;
 constexpr int kFramesInCache = 4;
 
-// Frames one after another.
+// Frames that lie one after another in memory.
 class FrameBuffer {
  public:
   explicit FrameBuffer(int frames) : frames_(frames), bytes_(static_cast<std::size_t>(frames) * kFrameBytes) {}

@@ -20,7 +20,7 @@
 namespace selfproj {
 namespace {
 
-// Bright to the left, and wider than high: turning it shows.
+// Bright on the left and wider than high, so that a turn shows.
 cv::Mat picture() {
   cv::Mat mat(40, 64, CV_8UC1);
   for (int r = 0; r < mat.rows; ++r) {
@@ -37,7 +37,7 @@ std::string encoded(const char* extension) {
   return {bytes.begin(), bytes.end()};
 }
 
-// In a process of its own, whose limits and descriptors it may change.
+// Runs in a separate process, whose limits and descriptors it may change.
 bool holds_in_child(const std::function<bool()>& what) {
   const pid_t child = fork();
   if (child == 0) {
@@ -57,7 +57,7 @@ bool is_refused(const std::string& file) {
   return false;
 }
 
-// What libjpeg says is heard wherever it may or may not be written.
+// Messages of libjpeg are noticed whether or not they can be written.
 TEST(ImageFiles, DamageIsSeenWithoutADisk) {
   const test::ScratchFolder scratch;
   const std::string whole = encoded(".jpg");
@@ -86,7 +86,7 @@ TEST(ImageFiles, TheOrientationThatAFileNotesIsIgnored) {
     return read_image(scratch / "a.tiff", std::nullopt);
   }();
   ASSERT_EQ(upright.columns, 64);
-  // An entry that OpenCV does not need, of the software, becomes one of the orientation: 6, turned to the right.
+  // The entry for the software, which OpenCV does not need, becomes one for the orientation: 6, turned to the right.
   const std::string tag("\x1C\x01\x03\x00\x01\x00\x00\x00", 8);  // planar configuration, SHORT, one
   const std::size_t at = bytes.find(tag);
   ASSERT_NE(at, std::string::npos);
@@ -108,7 +108,7 @@ TEST(ImageFiles, HeadersSayTheSize) {
   }
 }
 
-// A few bytes that would unpack to gigabytes are refused before they do.
+// A few bytes that would unpack to gigabytes are refused before unpacking.
 TEST(ImageFiles, HugeImagesAreRefusedByTheirHeaders) {
   const test::ScratchFolder scratch;
   std::string png = encoded(".png");

@@ -75,7 +75,7 @@ TEST(OutputFolder, WithoutACommitNothingRemains) {
   EXPECT_EQ(test::read_text(scratch.path() / "there" / "a"), "old");
 }
 
-// The second of three files cannot be put in place: the first one becomes the old one again.
+// The second of three files cannot be put in place, so the first one is replaced by the old one again.
 TEST(OutputFolder, AFailureWhileMovingIsUndone) {
   const test::ScratchFolder scratch;
   fs::create_directories(scratch / "results" / "b");
@@ -121,7 +121,7 @@ TEST(OutputFolder, MissingFoldersAboveAreMadeWithIt) {
   EXPECT_EQ(scratch.names(), std::vector<std::string>{"a"});
 }
 
-// What is in the folder beside stays what it is: folders within, links, rights; and the folder keeps its rights.
+// Other contents of the folder stay: inner folders, links, permissions. The folder keeps its own permissions.
 TEST(OutputFolder, TheRestOfTheFolderIsKept) {
   const test::ScratchFolder scratch;
   const fs::path results = scratch / "results";
@@ -149,7 +149,7 @@ TEST(OutputFolder, TheRestOfTheFolderIsKept) {
   EXPECT_EQ(scratch.names(), std::vector<std::string>{"results"});
 }
 
-// A program whose current folder it is (a shell stands in it as well) keeps it; so does one behind a link.
+// A program whose current folder it is (a shell, for example) keeps it, even behind a link.
 TEST(OutputFolder, TheCurrentFolderIsWrittenInPlace) {
   const test::ScratchFolder scratch;
   const fs::path before = fs::current_path();
@@ -165,7 +165,7 @@ TEST(OutputFolder, TheCurrentFolderIsWrittenInPlace) {
   EXPECT_EQ(scratch.names(), std::vector<std::string>{"a"});
 }
 
-// Three writers at once, again and again: the files are always of one of them.
+// Three writers write at the same time, again and again. The files always belong to one of them.
 TEST(OutputFolder, ManyWritersAtOnce) {
   const test::ScratchFolder scratch;
   const fs::path results = scratch / "results";
@@ -185,7 +185,7 @@ TEST(OutputFolder, ManyWritersAtOnce) {
     }
     writers.push_back(child);
   }
-  // A reader holds the folder that it has opened: its files are of one writer.
+  // A reader that has opened the folder sees the files of one writer.
   int looks = 0;
   for (std::size_t ended = 0; ended < writers.size();) {
     const int folder = open(results.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -212,7 +212,7 @@ TEST(OutputFolder, ManyWritersAtOnce) {
   EXPECT_EQ(names_in(results), files);
 }
 
-// What a killed program left is taken away by the next one that writes there; a folder of a living one stays.
+// The next program that writes there removes the files of a killed one. A folder of a running program stays.
 TEST(OutputFolder, WhatAKillLeftIsTakenAway) {
   const test::ScratchFolder scratch;
   const pid_t child = fork();
@@ -233,7 +233,7 @@ TEST(OutputFolder, WhatAKillLeftIsTakenAway) {
   EXPECT_EQ(scratch.names(), (std::vector<std::string>{"other", "results"}));
 }
 
-// A signal that ends the program takes what is temporary along.
+// A signal that ends the program also removes temporary files.
 TEST(OutputFolder, SignalsLeaveNothingBehind) {
   const test::ScratchFolder scratch;
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {

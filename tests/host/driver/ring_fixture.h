@@ -1,4 +1,4 @@
-// A ring in shared memory for a test, and what is written to it and read from it.
+// A ring in shared memory for a test, with helpers that write to it and read from it.
 #ifndef SELFPROJ_TESTS_HOST_DRIVER_RING_FIXTURE_H
 #define SELFPROJ_TESTS_HOST_DRIVER_RING_FIXTURE_H
 

@@ -97,8 +97,8 @@ class Scoreboard {
                                                                  << spec::kRegTriggerControlLastPatternLsb);
   }
 
-  // The encoder turns one step every so many clocks (at least 4), in changing directions, first forward or back; 0
-  // stops it.
+  // The encoder turns one step every `clocks_a_step` clocks (at least 4), in changing directions, first forward or
+  // back; 0 stops it.
   void turn_encoder(int clocks_a_step, bool back = false) {
     encoder_period_ = clocks_a_step;
     encoder_back_ = back;
