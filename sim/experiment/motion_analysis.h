@@ -18,8 +18,8 @@ struct SineFit {
   double residual = 0;  // RMS of the residuals of the fit
 };
 
-// Tries all frequencies in low..high, to 0.001 Hz, of which a whole period was seen, and takes the best. Ignores NaN.
-// At least 8 values are needed.
+// Tries all frequencies in low..high, in steps of 0.001 Hz, of which at least one period was seen, and takes the best.
+// Ignores NaN. At least 8 values are needed.
 SineFit fit_sine(const std::vector<double>& t, const std::vector<double>& y, double low, double high);
 
 // y = at_0 + slope t, by least squares; NaN unless there are two different t. Ignores NaN.
@@ -29,7 +29,7 @@ struct LineFit {
 };
 LineFit fit_line(const std::vector<double>& t, const std::vector<double>& y);
 
-// How far the surface has risen over a background, in mm towards the camera, averaged over rings around a place.
+// The rise of the surface over a background, in mm towards the camera, averaged over rings around a point.
 class RingMeans {
  public:
   // `count` rings, each `step` mm wide, around (x, y). Only points within the rectangle count.

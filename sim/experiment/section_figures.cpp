@@ -108,8 +108,8 @@ FloatImage truth_around(const Measurement& m, const Renderer& renderer, int fram
 }
 
 // The points near an edge along x, as `near_steps` finds those near an edge across it: within `reach` mm of a height
-// step of the surface, or of a jump from frame to frame in what the light sheet meets (`truth`), such as the end of a
-// shadow.
+// step of the surface, or of a jump from frame to frame in the surface that the light sheet meets (`truth`), such as
+// the end of a shadow.
 Mask near_steps_along_x(const Measurement& m, const Renderer& renderer, const FloatImage& truth, double frame_mm,
                         double reach) {
   const int frames = static_cast<int>(std::ceil(reach / frame_mm));

@@ -18,11 +18,11 @@ int sc_main(int /*argc*/, char** /*argv*/) { return 0; }
 namespace selfproj {
 namespace {
 
-// SystemC elaborates once in the life of a kernel, so every platform replaces the default kernel with one of its own.
+// SystemC elaborates a kernel only once, so every platform replaces the default kernel with a new one.
 class Kernel {
  public:
-  // SystemC 2.3.4 frees what a port's reset_signal_is() leaves behind when it elaborates, and again with the kernel. A
-  // kernel whose modules have clocked threads with a reset is therefore never freed, which costs some kilobytes.
+  // SystemC 2.3.4 frees the data of a port's reset_signal_is() at elaboration, and again with the kernel. A kernel
+  // whose modules have clocked threads with a reset is therefore never freed, which costs some kilobytes.
   explicit Kernel(bool has_resets) : has_resets_(has_resets) {
     if (std::exchange(alive, true)) {
       throw std::logic_error("two platforms at once");

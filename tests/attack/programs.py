@@ -10,7 +10,7 @@ import signal
 import subprocess
 import tempfile
 
-MEMORY = 4 << 30  # bytes of address space that a run may take
+MEMORY = 4 << 30  # address space in bytes that a run may take
 PATIENCE = 20  # seconds; a run that takes longer is asked to end (SIGTERM)
 
 

@@ -101,7 +101,7 @@ TEST(SelfReference, ContinuesAPlane) {
                                           static_cast<double>(reference.column.row(l)[c]), 550);
       const test::Pixel lit = test::projector_lights(rig.projector, p);
       ASSERT_NEAR(lit.row, l, 0.01);
-      ASSERT_NEAR(lit.column, c, l < 40 ? 0.5 : 0.05);  // up there a line of this rig is worth 20 mm of z
+      ASSERT_NEAR(lit.column, c, l < 40 ? 0.5 : 0.05);  // at this height one line of this rig is 20 mm of z
     }
   }
   EXPECT_GT(filled, 5000);
@@ -129,7 +129,7 @@ TEST(SelfReference, PatternsAreStraightOnTheReference) {
           }
         }
       }
-      // A projector pixel is up to a camera pixel wide, of which the edges of stripes are made.
+      // The edges of stripes consist of projector pixels, which are up to one camera pixel wide.
       EXPECT_LT(wrong, count / 12) << index;
     }
   }
@@ -282,7 +282,7 @@ TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
   }
   EXPECT_GT(compared, 15000);
   ASSERT_GT(on_part, 500);
-  // Seen along the camera's rays the part lies 9 mm over a slope: nearly 9.
+  // The part lies 9 mm above a slope; along the camera's rays this is nearly 9 mm.
   EXPECT_NEAR(sum / on_part, 9, 1);
 }
 
@@ -326,11 +326,11 @@ TEST(LinePointScan, FindsThePointsOfASweep) {
     }
   }
   EXPECT_LT(std::sqrt(square / both), 0.1);
-  EXPECT_GT(both, 3 * missing);  // light at the ends of the axes is not whole
+  EXPECT_GT(both, 3 * missing);  // light at the ends of the axes is cut off
   EXPECT_THROW(scan.add({nullptr, rig.camera.rows, rig.camera.columns, rig.camera.columns}), std::invalid_argument);
 }
 
-// A pixel that sees two places alike has no point.
+// A pixel that sees two places equally bright has no point.
 TEST(AxisScan, TwoPlacesAreNone) {
   for (const int other : {20, 90}) {
     AxisScan scan(1, 1, 5);
@@ -366,7 +366,7 @@ TEST(CoordinatesOfCodes, AverageTheSteps) {
         codes.ambiguous[i] = static_cast<std::uint16_t>((1U << static_cast<unsigned>(lost)) - 1);
       }
     }
-    codes.ambiguous[5] = 0x300;  // two planes: nothing
+    codes.ambiguous[5] = 0x300;  // two planes ambiguous: no point
     const FloatImage found = coordinates_of_codes(codes, 4, 2, 6);
     EXPECT_TRUE(std::isnan(found.values[5]));
     for (int r = 2; r < 38; ++r) {
