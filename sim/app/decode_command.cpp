@@ -63,7 +63,7 @@ void add_png(OutputFolder& out, const std::string& file, const cv::Mat& image) {
 std::string code_file(std::size_t pair) { return fmt::format("code_{:04}.png", pair); }
 std::string measurable_file(std::size_t pair) { return fmt::format("measurable_{:04}.png", pair); }
 
-// What can be seen without reading the images.
+// Checks that need no image.
 void check_files(const DecodeOptions& options, const OutputFolder& out) {
   const std::size_t total = options.images.size();
   const auto cycle = static_cast<std::size_t>(2 * options.bits);
