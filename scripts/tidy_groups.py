@@ -10,8 +10,8 @@ that the result depends on: the source, the headers it includes directly or thro
 settings of clang-tidy, the versions of clang-tidy and of the libraries' packages. FOLDER/good/HASH exists for each
 state that passed.
 
-Prints "FILE HASH:SOURCE..." for each file to check (FILE is the source itself where there is but one), then "end". It
-is an error if the build does not compile a source. Standard library only.
+Prints "FILE HASH:SOURCE..." for each file to check (FILE is the source itself if there is only one), then "end". It is
+an error if the build does not compile a source. Standard library only.
 """
 
 import functools

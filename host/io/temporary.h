@@ -72,7 +72,7 @@ class RemovedAtEnd {
   std::size_t place_;
 };
 
-// Whether Temporary makes such names.
+// Whether the name has the form of Temporary's names.
 bool is_temporary_name(const std::string& name);
 
 // For signal handlers: removes all of them.

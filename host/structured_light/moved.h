@@ -27,11 +27,11 @@ Moved moved(const Triangulation& triangulation, const float* z, const float* bac
 // shadow sweeps over a pixel meanwhile, some of its bits belong to one surface and some to the other, and its depth is
 // that of neither. Such a depth does not stay from one depth image to the next, and it differs from its neighbours'.
 struct SteadySettings {
-  float most_change_mm = std::numeric_limits<float>::infinity();  // since the depth image before; infinite: any
+  float most_change_mm = std::numeric_limits<float>::infinity();  // since the previous depth image; infinite: any
   int least_neighbours = 0;  // 0..8 neighbouring pixels that moved and are within that distance in z
 };
 
-// Keeps of each depth image in a sequence what moved.
+// Keeps the moved pixels of each depth image in a sequence.
 class SteadyFilter {
  public:
   // Allocates everything. Throws std::invalid_argument if a setting is out of range.
@@ -43,7 +43,7 @@ class SteadyFilter {
   // Finds the pixels of a depth image `z` that differ from the background by more than `least_mm` and are steady.
   void take(const float* z, const float* background, float least_mm);
 
-  // Makes `z` the depth image before. Until there is one, all pixels are steady.
+  // Makes `z` the previous depth image. Without a previous image all pixels are steady.
   void remember(const float* z);
 
   // The result: depth, NaN elsewhere, rows x columns.

@@ -28,7 +28,7 @@ struct ExperimentOptions {
 };
 
 // Prints the experiment's tables and writes its files. Throws UserError about options, rig and folder, and CheckFailed
-// if a figure that the project has set itself is not reached.
+// if a goal of the project is not reached.
 void run_experiment(const ExperimentOptions& options);
 
 }  // namespace selfproj

@@ -39,9 +39,9 @@ class RingMeans {
   };
   RingMeans(const Triangulation& triangulation, const Place& place, double step, std::size_t count);
 
-  // Means of background - depth over the pixels that have both and differ by no more than `most` mm (more is a wrong
-  // code), at the places of the background's points. Each ring's mean is smoothed twice with a quarter of both
-  // neighbours'. NaN for rings of fewer than 20 pixels and beside them.
+  // The means of background - depth, at the positions of the background's points. Pixels count if they have both depths
+  // and the two differ by no more than `most` mm (more is a wrong code). Each ring's mean is smoothed twice with a
+  // quarter of both neighbours'. NaN for rings of fewer than 20 pixels and beside them.
   [[nodiscard]] std::vector<double> means(const FloatImage& depth, const FloatImage& background, double most) const;
 
   [[nodiscard]] double radius(std::size_t ring) const { return (static_cast<double>(ring) + 0.5) * step_; }

@@ -1,6 +1,6 @@
 // The camera's images of a scene under whole patterns of the projector, for many frames. Still surfaces are traced
-// once, when the renderer is made; a frame then only looks up the pattern for every sub-pixel. Only what bodies cover
-// or shade is traced anew in each frame.
+// once, when the renderer is made; a frame then only looks up the pattern for every sub-pixel. Only pixels that bodies
+// cover or shade are traced again in each frame.
 //
 //     PatternRenderer renderer(rig, scene);
 //     const PatternSet patterns(rig, gray_patterns(rig.projector, 8));
