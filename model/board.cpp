@@ -21,8 +21,11 @@ void BoardModel::beat(const BoardInputs& inputs, const VideoBeat& beat) {
     if (!written_.run) {
       return;
     }
-    start_frame(inputs);
-  } else if (!open_) {
+    if (taken_ || !written_.hold) {
+      start_frame(inputs);
+    }
+  }
+  if (!open_) {
     if (written_.run) {
       ++stray_;
       stray_seen_ = true;
@@ -62,7 +65,7 @@ void BoardModel::idle(std::uint64_t clock) {
 }
 
 void BoardModel::start_frame(const BoardInputs& inputs) {
-  if (!taken_ || inputs.clock >= last_take_ + kTakeDistance) {
+  if (!written_.hold && (!taken_ || inputs.clock >= last_take_ + kTakeDistance)) {
     settings_ = written_;
     last_take_ = inputs.clock;
     taken_ = true;

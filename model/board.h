@@ -20,6 +20,7 @@ namespace selfproj {
 // The settings of the register file that determine the packets.
 struct BoardSettings {
   bool run = true;     // the board accepts frame starts
+  bool hold = false;   // frame starts take no settings over
   bool image = false;  // the board also sends raw-image packets
   int columns = 512;   // a multiple of 4, from 4 up to the build's maximum
   int rows = 96;       // from 1 up to the build's maximum
@@ -66,8 +67,8 @@ class BoardModel {
   explicit BoardModel(Sink sink, bool median_built = true) : sink_(std::move(sink)), median_built_(median_built) {}
 
   // Settings as written to the registers. They come into force at the next frame start that may take them over, which
-  // is one that is at least kTakeDistance clocks after the last take-over. `run` counts at once, `timeout` from the
-  // next beat.
+  // is one that is at least kTakeDistance clocks after the last take-over, while `hold` is low. `run` and `hold` count
+  // at once, `timeout` from the next beat. No frame starts before the first take-over.
   void write(const BoardSettings& settings) { written_ = settings; }
 
   // A beat at clock inputs.clock, which must be later than all clocks given before. Encoder and pattern are read only

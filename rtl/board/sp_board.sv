@@ -164,7 +164,7 @@ module sp_board #(
     .bits_o                (set_bits),
     .code_threshold_o      (set_code_threshold),
     .frame_open_i          (frame_open),
-    .take_i                (take),
+    .take_i                (taking),
     .frames_i              (frames),
     .broken_i              (broken),
     .stray_i               (stray),
@@ -178,7 +178,7 @@ module sp_board #(
   );
 
   // --- Frames ---
-  logic                  take, image, one_group, two_groups;
+  logic                  taking, take, image, one_group, two_groups;
   logic [ColumnBits-1:0] columns;
   logic [RowBits-1:0]    rows;
   logic [1:0]            mode;
@@ -211,6 +211,7 @@ module sp_board #(
     .threshold_i        (set_threshold),
     .stream_i           (set_stream),
     .timeout_i          (set_timeout),
+    .taking_o           (taking),
     .take_o             (take),
     .image_o            (image),
     .columns_o          (columns),

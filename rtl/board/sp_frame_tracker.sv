@@ -47,8 +47,7 @@ module sp_frame_tracker #(
   input  wire logic                  s_axis_tuser_i,
   input  wire logic                  s_axis_tlast_i,
 
-  // Settings as written. hold_i is also high in the first clock of a new size and in the two before
-  // it.
+  // Settings as written. hold_i is high in the first clock of a new size and in the two before.
   input  wire logic                  run_i,
   input  wire logic                  hold_i,
   input  wire logic                  image_i,
@@ -59,8 +58,9 @@ module sp_frame_tracker #(
   input  wire logic [7:0]            stream_i,
   input  wire logic [23:0]           timeout_i,
 
+  output logic                       taking_o,  // one clock before take_o: the settings are taken
   // Settings in force, for the beat beside them
-  output logic                       take_o,  // first clock of a take-over
+  output logic                       take_o,    // first clock of a take-over
   output logic                       image_o,
   output logic      [ColumnBits-1:0] columns_o,
   output logic      [RowBits-1:0]    rows_o,
@@ -103,8 +103,9 @@ module sp_frame_tracker #(
   logic       in_force_q;  // there was a take-over: frames may start without another
   logic       take;        // this beat takes the settings over
 
-  assign take_o = took_q[0];
-  assign take   = s_axis_tvalid_i && s_axis_tuser_i && may_take_q && !s1_take_q;
+  assign taking_o = s1_take_q;
+  assign take_o   = took_q[0];
+  assign take     = s_axis_tvalid_i && s_axis_tuser_i && may_take_q && !s1_take_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -373,8 +374,7 @@ module sp_frame_tracker #(
       assume (hold_i && f_hold_q[2:1] == 2'b11);
   end
 
-  // A second copy of what was taken over
-  logic                  f_known_q;
+  logic                  f_known_q;  // the next two: a second copy of what was taken over
   logic [ColumnBits-1:0] f_columns_q;
   logic [RowBits-1:0]    f_rows_q;
   always_ff @(posedge clk_i) begin

@@ -2,10 +2,15 @@
 // (sp_spec_pkg).
 //
 // Guarantees: request_i lasts one clock. answer_o comes five clocks later, when a write has taken
-// effect. error_o comes with it if the address has no register, a read-only register is written, or
-// this build cannot do the value; the register then keeps its value. Bits outside all fields are
-// ignored, except in size, where they must be 0. hold_o is high during every write. A request
-// stands still until its answer, and there is one at a time, so nothing overflows.
+// effect. error_o comes with it if the address has no register, a read-only register is written,
+// this build cannot do the value, or the sequencer is at work (below); the register then keeps its
+// value. Bits outside all fields are ignored, except in size, where they must be 0. hold_o is high
+// during every write. A request stands still until its answer, and there is one at a time, so
+// nothing overflows.
+//
+// What sp_trigger cannot take while it works, it is never given: while trigger_run_o is high,
+// trigger_period, trigger_camera and trigger_width refuse every write. While trigger_run_o or
+// trigger_on_frame_o is high, trigger_control refuses every write that does not clear both.
 //
 //   clock       0   1   2   3   4   5   6
 //   request_i  _/1\_______________________   write_i, address_i, data_i stand until the answer
@@ -62,7 +67,8 @@ module sp_registers #(
 
   // State
   input  wire logic                   frame_open_i,
-  input  wire logic                   take_i,  // the settings were taken over
+  // sp_frame_tracker takes the settings over with the end of this clock
+  input  wire logic                   take_i,
   input  wire logic [31:0]            frames_i,
   input  wire logic [31:0]            broken_i,
   input  wire logic [31:0]            stray_i,
@@ -109,11 +115,9 @@ module sp_registers #(
   logic [4:0]       asked_q;    // the request, one to five clocks ago, the latest lowest
   logic             there_q;    // this build has the register
   logic [Words-1:0] hit_q;
-  logic             is_low_q;   // the low word of the time is to be read
-  logic             read_low_q;  // and it is read now
   logic             read_good_q;
   logic             size_good_q, measure_good_q, image_good_q, period_good_q, decode_good_q;
-  logic             image_wanted;
+  logic             image_wanted, trigger_wanted;
   logic             hold_q;     // as written
   logic             pending_q;  // settings were written and not yet taken over
   logic             rst_q;      // one clock ago
@@ -136,30 +140,42 @@ module sp_registers #(
   // register takes its reset value; so this bit alone is its enable.
   logic [Writes-1:0] put_q;
 
-  assign image_wanted = data_i[sp_spec_pkg::RegControlImageLsb];
-  assign answer_o     = asked_q[4];
+  assign image_wanted   = data_i[sp_spec_pkg::RegControlImageLsb];
+  assign trigger_wanted = data_i[sp_spec_pkg::RegTriggerControlRunLsb] ||
+                          data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
+  assign answer_o       = asked_q[4];
 
-  // In reset hold_o is high, because the size of the reset is new.
+  // In reset hold_o is high, because the size of the reset is new. Reset lasts four clocks, so it
+  // passes through the middle bits of asked_q by itself.
   always_ff @(posedge clk_i) begin
-    rst_q     <= rst_i;
-    asked_q   <= rst_i ? 5'd0 : {asked_q[3:0], request_i};
-    hold_o    <= rst_i || asked_q[2:0] != '0 && write_i || hold_q;
-    pending_q <= put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] ||
-                 put_q[WriteDecode] || pending_q && !take_i;
+    rst_q        <= rst_i;
+    asked_q[0]   <= rst_i ? 1'b0 : request_i;
+    asked_q[3:1] <= asked_q[2:0];
+    asked_q[4]   <= rst_i ? 1'b0 : asked_q[3];
+    hold_o       <= rst_i || asked_q[2:0] != '0 && write_i || hold_q;
+    pending_q    <= put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] ||
+                    put_q[WriteDecode] || pending_q && !take_i;
   end
 
   always_ff @(posedge clk_i) begin
-    put_q <= {Writes{rst_i}};
-    if (asked_q[1] && write_i) begin
-      put_q[WriteControl] <= rst_i || hit_q[sp_spec_pkg::RegControl/4] && image_good_q;
-      put_q[WriteSize]    <= rst_i || hit_q[sp_spec_pkg::RegSize/4] && size_good_q;
-      put_q[WriteMeasure] <= rst_i || hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
-      put_q[WriteDecode]  <= rst_i || hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
-      put_q[WriteTimeout] <= rst_i || hit_q[sp_spec_pkg::RegTimeout/4];
-      put_q[WriteTrigger] <= rst_i || hit_q[sp_spec_pkg::RegTriggerControl/4];
-      put_q[WritePeriod]  <= rst_i || hit_q[sp_spec_pkg::RegTriggerPeriod/4] && period_good_q;
-      put_q[WriteCamera]  <= rst_i || hit_q[sp_spec_pkg::RegTriggerCamera/4];
-      put_q[WriteWidth]   <= rst_i || hit_q[sp_spec_pkg::RegTriggerWidth/4];
+    if (rst_i) begin
+      put_q              <= '1;
+      put_q[WriteDecode] <= Codes;
+    end else begin
+      put_q <= '0;
+      if (asked_q[1] && write_i) begin
+        put_q[WriteControl] <= hit_q[sp_spec_pkg::RegControl/4] && image_good_q;
+        put_q[WriteSize]    <= hit_q[sp_spec_pkg::RegSize/4] && size_good_q;
+        put_q[WriteMeasure] <= hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
+        put_q[WriteDecode]  <= hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
+        put_q[WriteTimeout] <= hit_q[sp_spec_pkg::RegTimeout/4];
+        put_q[WriteTrigger] <= hit_q[sp_spec_pkg::RegTriggerControl/4] &&
+                               !((trigger_run_o || trigger_on_frame_o) && trigger_wanted);
+        put_q[WritePeriod]  <= hit_q[sp_spec_pkg::RegTriggerPeriod/4] && period_good_q &&
+                               !trigger_run_o;
+        put_q[WriteCamera]  <= hit_q[sp_spec_pkg::RegTriggerCamera/4] && !trigger_run_o;
+        put_q[WriteWidth]   <= hit_q[sp_spec_pkg::RegTriggerWidth/4] && !trigger_run_o;
+      end
     end
   end
 
@@ -265,10 +281,11 @@ module sp_registers #(
     word_if = {32{hit}} & word;
   endfunction
 
+  // With the low word, which time_q takes in the same clock
   always_ff @(posedge clk_i) begin
-    if (request_i) is_low_q <= !write_i && address_i == sp_spec_pkg::RegTimeLow;
-    read_low_q <= rst_i || asked_q[0] && is_low_q;
-    if (read_low_q) time_high_q <= rst_q ? 32'd0 : time_i[63:32];
+    if (rst_q || asked_q[1] && !write_i && hit_q[sp_spec_pkg::RegTimeLow/4]) begin
+      time_high_q <= rst_q ? 32'd0 : time_i[63:32];
+    end
   end
 
   always_ff @(posedge clk_i) begin
@@ -355,6 +372,68 @@ module sp_registers #(
     assign code_threshold_o = 8'd0;
     assign unused           = ^{lost_codes_i, abandoned_i};
   end
+
+`ifdef FORMAL
+  // One reset at the beginning, for four clocks.
+  logic [3:0] f_reset_q = 4'd0;
+  logic       f_ran_q;
+  assign f_ran_q = f_reset_q[3];
+  always_ff @(posedge clk_i) f_reset_q <= {f_reset_q[2:0], 1'b1};
+  always_comb assume (rst_i == !f_ran_q);
+  // One request at a time, for one clock; it stands still until its answer (sp_axil_bridge).
+  logic f_busy_q;
+  always_ff @(posedge clk_i) f_busy_q <= !rst_i && (request_i || f_busy_q && !answer_o);
+  logic [40:0] f_asked_q;  // the request, one clock ago
+  always_ff @(posedge clk_i) f_asked_q <= {write_i, address_i, data_i};
+  always_comb if (f_busy_q) begin
+    assume (!request_i);
+    assume ({write_i, address_i, data_i} == f_asked_q);
+  end
+
+  // hold_o, so many clocks ago
+  logic [2:1] f_hold_q;
+  always_ff @(posedge clk_i) f_hold_q <= rst_i ? 2'b11 : {f_hold_q[1], hold_o};
+
+  // Rule 1: the settings of sp_trigger stand still while it works.
+  // Rule 2: hold_o is high in the first clock of new settings and in the two before it.
+  always_ff @(posedge clk_i) if (f_ran_q && !rst_q && !$past(rst_q)) begin
+    if (trigger_run_o) begin
+      assert ($stable(trigger_period_o) && $stable(trigger_camera_o) && $stable(trigger_width_o));
+    end
+    if ((trigger_run_o || trigger_on_frame_o) && $past(trigger_run_o || trigger_on_frame_o)) begin
+      assert ($stable(trigger_run_o) && $stable(trigger_on_frame_o));
+      assert ($stable(trigger_last_pattern_o));
+    end
+    if (!($stable(columns_o) && $stable(rows_o) && $stable(mode_o) && $stable(threshold_o) &&
+          $stable(stream_o) && $stable(image_o) && $stable(decode_o) && $stable(median_o) &&
+          $stable(bits_o) && $stable(code_threshold_o))) begin
+      assert (hold_o && f_hold_q == 2'b11);
+    end
+    cover (answer_o && error_o && write_i && trigger_run_o &&
+           address_i == sp_spec_pkg::RegTriggerPeriod);
+    cover (!$stable(trigger_last_pattern_o));
+  end
+
+  // Rule 3: a write that is answered with an error has changed nothing: no register took it.
+  logic f_took_q;
+  always_ff @(posedge clk_i) if (asked_q[2]) f_took_q <= put_q != '0;
+  always_comb if (f_ran_q && !rst_q) begin
+    if (asked_q[4:3] != '0 && write_i) assert (error_o == !f_took_q);
+    assert ((asked_q & (asked_q - 5'd1)) == '0);
+    assert (f_busy_q == (asked_q != '0));
+    assert ((put_q & (put_q - Writes'(1))) == '0);
+    if (put_q != '0) assert (asked_q[2] && write_i);
+    if (asked_q[4:1] != '0) assert ((hit_q & (hit_q - Words'(1))) == '0);
+    if (asked_q[2] && write_i) assert (!read_good_q);
+    if (asked_q[2:1] != '0 && write_i) assert (hold_o);
+    if (asked_q[2] && write_i) assert (f_hold_q[1]);
+    if (asked_q[3] && write_i) assert (hold_o && f_hold_q == 2'b11);
+    if (put_q[WritePeriod] || put_q[WriteCamera] || put_q[WriteWidth]) assert (!trigger_run_o);
+    if (put_q[WriteTrigger]) begin
+      assert (!(trigger_run_o || trigger_on_frame_o) || !trigger_wanted);
+    end
+  end
+`endif
 
 endmodule
 

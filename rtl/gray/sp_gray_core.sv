@@ -115,8 +115,8 @@ module sp_gray_core #(
   assign raw_start_o = raw_start;
 
   if (Median) begin : gen_median
-    // The setting for the frame whose first codes leave seven clocks after its start. Settings are
-    // taken over at least this far apart.
+    // The setting for the frame whose first codes leave seven clocks after its start. If a later
+    // frame has taken over another by then, the packets of the frame are dropped (sp_codes_path).
     logic median_q;
 
     always_ff @(posedge clk_i) if (take_i) median_q <= median_i;

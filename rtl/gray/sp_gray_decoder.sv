@@ -90,8 +90,9 @@ module sp_gray_decoder #(
   logic [31:0]           pixels1_q, pixels2_q, pixels3_q;
   logic                  decode_q;  // the frame of stage 1 is decoded
 
-  // --- Settings. They come at least seven clocks apart. ---
-  logic [3:0]            bits_q;
+  // --- Settings. They come at least seven clocks apart, but a frame that keeps those before it may
+  // start just before; it is in stage 4 when its settings are read. ---
+  logic [3:0]            bits_q, bits4_q;
   logic [7:0]            threshold_q, threshold4_q;
   logic [ColumnBits-1:0] columns_q;
   logic [RowBits-1:0]    rows_q;
@@ -105,7 +106,7 @@ module sp_gray_decoder #(
           {bits_i, threshold_i, columns_i, rows_i} != {bits_q, threshold_q, columns_q, rows_q};
       {bits_q, threshold_q, columns_q, rows_q} <= {bits_i, threshold_i, columns_i, rows_i};
     end
-    if (took_q[3]) threshold4_q <= threshold_q;
+    if (took_q[3]) {bits4_q, threshold4_q} <= {bits_q, threshold_q};
   end
 
   // --- Frames that come too soon ---
@@ -185,7 +186,7 @@ module sp_gray_decoder #(
     .start_i   (start_q[4]),
     .decode_i  (asked_q[4]),
     .pattern_i (pattern_i),
-    .bits_i    (bits_q),
+    .bits_i    (bits4_q),
     .restart_i (break_q[4] || close_q[4] || took_q[4] && changed_q),
     .lost_i    (asked_q[4] && lost4_q),
     .busy_i    (busy_i),

@@ -198,7 +198,7 @@ class BoardDevice {
     return answer.data;
   }
 
-  // Writes all settings. They count from the next frame start on; `hold` keeps them together.
+  // Writes all settings. They count from the next frame start on. `hold` keeps them together, and stays if they say so.
   void write(const BoardSettings& settings) {
     const std::uint32_t control =
         (settings.run ? 1U << spec::kRegControlRunLsb : 0U) | (settings.image ? 1U << spec::kRegControlImageLsb : 0U);
@@ -220,7 +220,7 @@ class BoardDevice {
     } else if (settings.codes) {
       throw std::runtime_error("this board has no decoder");
     }
-    write(spec::kRegControl, control);
+    write(spec::kRegControl, control | (settings.hold ? 1U << spec::kRegControlHoldLsb : 0U));
   }
 
   // Video clocks since the last reset.

@@ -244,7 +244,7 @@ TEST(BoardSmall, RegistersBitByBit) {
   };
   constexpr std::array<Register, 6> kRegisters = {{{spec::kRegMeasure, 0x00FF'00FF},
                                                    {spec::kRegTimeout, 0x00FF'FFFF},
-                                                   {spec::kRegTriggerControl, 0x00FF'0002},
+                                                   {spec::kRegTriggerControl, 0x00FF'0000},
                                                    {spec::kRegTriggerPeriod, 0x00FF'FFFF},
                                                    {spec::kRegTriggerCamera, 0x00FF'FFFF},
                                                    {spec::kRegTriggerWidth, 0x0000'FFFF}}};
@@ -259,7 +259,15 @@ TEST(BoardSmall, RegistersBitByBit) {
         }
       }
     }
-    bench.write(reg.address, 1);
+    bench.write(reg.address, reg.address == spec::kRegTriggerControl ? 0 : 1);
+  }
+  // What it says while the sequencer counts frames, and while it runs
+  for (const std::uint32_t on : {1U << spec::kRegTriggerControlOnFrameLsb, 1U << spec::kRegTriggerControlRunLsb}) {
+    for (const std::uint32_t data : {on, 0U}) {
+      bench.write(spec::kRegTriggerControl, data);
+      EXPECT_FALSE(bench.refused());
+      EXPECT_EQ(bench.read(spec::kRegTriggerControl), data);
+    }
   }
   bench.write(spec::kRegId, 0xFFFF'FFFF);
   EXPECT_TRUE(bench.refused());

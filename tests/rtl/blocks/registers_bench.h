@@ -141,12 +141,13 @@ class Bench {
 
   // One clock, with or without a request.
   void tick(bool take = false) {
-    registers_->take_i = take;
-    registers_.settle();
+    begin_clock(take);
     check_outputs();
     rise();
-    pending_ = pending_ && !take;
   }
+
+  // Settings are taken over in the clock that comes after so many others.
+  void take_after(int clocks) { take_after_ = clocks; }
 
   // Plays a request, and expects its answer exactly five clocks later. Address and data stay, as behind the bridge.
   Answer access(bool write, std::uint32_t address, std::uint32_t data) {
@@ -160,14 +161,14 @@ class Bench {
     tick();
     held_ = write ? 3 : held_;
     EXPECT_EQ(registers_->answer_o, 0);
-    registers_.settle();
+    begin_clock(false);
     check_outputs();
     read_is_good_ = !write && readable(address);
     rise();
     if (!write && address == spec::kRegTimeLow) {
       time_high_ = static_cast<std::uint32_t>(state_.time >> 32);
     }
-    registers_.settle();
+    begin_clock(false);
     EXPECT_EQ(registers_->answer_o, 0);
     check_outputs();
     rise();
@@ -180,11 +181,11 @@ class Bench {
       pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize ||
                  address == spec::kRegMeasure || address == spec::kRegDecode;
     }
-    registers_.settle();
+    begin_clock(false);
     EXPECT_EQ(registers_->answer_o, 0);
     check_outputs();
     rise();
-    registers_.settle();
+    begin_clock(false);
     EXPECT_EQ(registers_->answer_o, 1) << "five clocks after the request";
     check_outputs();
     const Answer answer = {registers_->error_o != 0, registers_->data_o};
@@ -194,8 +195,9 @@ class Bench {
     return answer;
   }
 
-  // The effect of a write according to the specification.
-  static bool good(std::uint32_t address, std::uint32_t data) {
+  // Whether the specification accepts the write, with the current values of the registers.
+  [[nodiscard]] bool good(std::uint32_t address, std::uint32_t data) const {
+    const bool runs = value(spec::kRegTriggerControl, spec::kRegTriggerControlRunLsb, 1) != 0;
     switch (address) {
       case spec::kRegControl:
         return kBuild.image || (data >> spec::kRegControlImageLsb & 1) == 0;
@@ -214,11 +216,15 @@ class Bench {
         return kBuild.code_bits != 0 && bits >= 1 && bits <= kBuild.code_bits;
       }
       case spec::kRegTriggerPeriod:
-        return (data & field(0, spec::kRegTriggerPeriodClocksBits)) != 0;
-      case spec::kRegTimeout:
-      case spec::kRegTriggerControl:
+        return !runs && (data & field(0, spec::kRegTriggerPeriodClocksBits)) != 0;
       case spec::kRegTriggerCamera:
       case spec::kRegTriggerWidth:
+        return !runs;
+      case spec::kRegTriggerControl: {
+        constexpr std::uint32_t kOn = 1U << spec::kRegTriggerControlRunLsb | 1U << spec::kRegTriggerControlOnFrameLsb;
+        return (values_.at(address) & kOn) == 0 || (data & kOn) == 0;
+      }
+      case spec::kRegTimeout:
         return true;
       default:
         return false;
@@ -288,8 +294,9 @@ class Bench {
     }
   }
   void expect_write(std::uint32_t address, std::uint32_t data) {
+    const bool refused = !good(address, data);
     const Answer answer = access(true, address, data);
-    EXPECT_EQ(answer.error, !good(address, data)) << std::hex << "write " << data << " to " << address;
+    EXPECT_EQ(answer.error, refused) << std::hex << "write " << data << " to " << address;
   }
 
   std::uint32_t value(std::uint32_t address, int lsb, int bits) const {
@@ -297,7 +304,13 @@ class Bench {
   }
 
  private:
+  void begin_clock(bool take) {
+    registers_->take_i = take || take_after_ == 0;
+    --take_after_;
+    registers_.settle();
+  }
   void rise() {
+    pending_ = pending_ && registers_->take_i == 0;
     registers_.rise();
     held_ = std::max(held_ - 1, 0);
   }
@@ -333,6 +346,7 @@ class Bench {
   State state_;
   std::map<std::uint32_t, std::uint32_t> values_;  // index of a writable register
   bool pending_ = true;                            // the reset values have not been taken over
+  int take_after_ = -1;                            // clocks until a take-over; negative: none
   int held_ = 1;                                   // clocks for which hold_o is high regardless of the register
   bool read_is_good_ = false;
   std::uint32_t time_high_ = 0;

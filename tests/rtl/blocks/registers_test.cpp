@@ -53,6 +53,9 @@ TYPED_TEST(Registers, EveryBitIsKeptOrRefused) {
       const std::uint32_t data = bit == -2 ? 0 : bit == -1 ? 0xFFFF'FFFFU : 1U << bit;
       bench.expect_write(writable.address, data);
       bench.expect_read(writable.address);
+      if (writable.address == spec::kRegTriggerControl) {  // which refuses what comes next while it is on
+        bench.expect_write(writable.address, 0);
+      }
     }
     bench.expect_write(writable.address, bench.expected_read(writable.address));
   }
@@ -68,6 +71,48 @@ TYPED_TEST(Registers, SizesAreRefusedOutsideTheBuild) {
       bench.expect_write(spec::kRegSize, static_cast<std::uint32_t>(c) | static_cast<std::uint32_t>(r) << 16);
       bench.expect_read(spec::kRegSize);
     }
+  }
+}
+
+// The sequencer's settings stand still while it works: writes are refused until it is off, and change nothing.
+TYPED_TEST(Registers, TheTriggersSettingsStandStillWhileItWorks) {
+  constexpr std::uint32_t kRun = 1U << spec::kRegTriggerControlRunLsb;
+  constexpr std::uint32_t kOnFrame = 1U << spec::kRegTriggerControlOnFrameLsb;
+  const auto last = [](std::uint32_t pattern) { return pattern << spec::kRegTriggerControlLastPatternLsb; };
+  for (const std::uint32_t on : {kRun, kOnFrame, kRun | kOnFrame}) {
+    Bench<TypeParam> bench;
+    const auto expect = [&](std::uint32_t address, std::uint32_t data, bool refused) {
+      EXPECT_EQ(bench.access(true, address, data).error, refused) << std::hex << "write " << data << " to " << address;
+    };
+    expect(spec::kRegTriggerControl, on | last(9), false);
+    for (const std::uint32_t address : {spec::kRegTriggerPeriod, spec::kRegTriggerCamera, spec::kRegTriggerWidth}) {
+      expect(address, 77, (on & kRun) != 0);
+    }
+    for (const std::uint32_t other : {on, on | last(9), on | last(3), kRun, kOnFrame, kRun | kOnFrame | last(9)}) {
+      expect(spec::kRegTriggerControl, other, true);
+    }
+    EXPECT_EQ(bench.access(false, spec::kRegTriggerControl, 0).data, on | last(9));
+    expect(spec::kRegTimeout, 5, false);  // all else goes on
+    expect(spec::kRegTriggerControl, last(4), false);
+    for (const std::uint32_t address : {spec::kRegTriggerPeriod, spec::kRegTriggerCamera, spec::kRegTriggerWidth}) {
+      expect(address, 88, false);
+      EXPECT_EQ(bench.access(false, address, 0).data, 88U);
+    }
+    expect(spec::kRegTriggerControl, on, false);
+  }
+}
+
+// A write in the very clock in which other settings are taken over, and in the clocks around it
+TYPED_TEST(Registers, SettingsWrittenBesideATakeOverArePending) {
+  for (int clocks = 0; clocks < 8; ++clocks) {
+    Bench<TypeParam> bench;
+    bench.tick();
+    bench.tick(true);
+    bench.expect_read(spec::kRegStatus);
+    bench.take_after(clocks);
+    bench.expect_write(spec::kRegSize, 4U | 1U << spec::kRegSizeRowsLsb);
+    bench.expect_read(spec::kRegStatus);
+    ASSERT_FALSE(::testing::Test::HasFailure()) << clocks << " clocks after the request";
   }
 }
 
@@ -124,8 +169,11 @@ TYPED_TEST(Registers, RandomAccesses) {
           static_cast<std::uint32_t>(random.chance(95) ? 4 * random.between(0, 25) : random.between(0, 255));
       if (random.chance(50)) {
         // sizes that fit from time to time
-        const auto data = static_cast<std::uint32_t>(
+        auto data = static_cast<std::uint32_t>(
             address == spec::kRegSize && random.chance(70) ? random.bits() & 0x03FF'0FFC : random.bits());
+        if (address == spec::kRegTriggerControl && random.chance(70)) {
+          data &= ~field(0, 2);  // off
+        }
         bench.expect_write(address, data);
       } else {
         bench.expect_read(address);

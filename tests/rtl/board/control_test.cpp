@@ -301,6 +301,75 @@ TEST(Board, EveryBitOfTheTriggersSettings) {
   }
 }
 
+// Writes to the settings of the sequencer while it runs are refused: every pulse comes as before, and no index is
+// beyond the last. After a stop they count.
+TEST(Board, TheTriggersSettingsStandStillWhileItRuns) {
+  BoardDevice<Vboard> device({.bus_period_ps = 6000});
+  const auto refused = [&](std::uint32_t address, std::uint32_t data) {
+    return device.access(true, address, data).error;
+  };
+  const auto control = [](std::uint32_t last_pattern) {
+    return 1U << spec::kRegTriggerControlRunLsb | last_pattern << spec::kRegTriggerControlLastPatternLsb;
+  };
+  constexpr std::uint64_t kPeriod = 300;
+  std::array<std::vector<std::uint64_t>, 2> rises;
+  std::array<bool, 2> level = {};
+  device.on_clock([&](std::uint64_t clock) {
+    const std::array<bool, 2> now = {device.projector_trigger(), device.camera_trigger()};
+    for (std::size_t line = 0; line < 2; ++line) {
+      if (now.at(line) && !level.at(line)) {
+        rises.at(line).push_back(clock);
+        if (line == 1) {
+          device.send({.pixels = {1, 2, 3, 4}, .start = true, .line_end = true});
+        }
+      }
+    }
+    level = now;
+  });
+  std::vector<int> patterns;
+  device.on_packet([&](std::span<const std::uint8_t> bytes) {
+    PacketView view;
+    ASSERT_EQ(parse_packet(bytes, view), PacketError::none);
+    patterns.push_back(view.header.pattern);
+  });
+  device.write(BoardSettings{.columns = 4, .rows = 1});
+  device.write(spec::kRegTriggerPeriod, kPeriod);
+  device.write(spec::kRegTriggerCamera, 100);
+  device.write(spec::kRegTriggerWidth, 10);
+  device.write(spec::kRegTriggerControl, control(7));
+  device.run(kPeriod * 5);  // the index is above 3
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_TRUE(refused(spec::kRegTriggerControl, control(3)));
+    EXPECT_TRUE(refused(spec::kRegTriggerPeriod, 20));
+    EXPECT_TRUE(refused(spec::kRegTriggerCamera, 5));
+    EXPECT_TRUE(refused(spec::kRegTriggerWidth, 0));
+    device.run(37);
+  }
+  EXPECT_EQ(device.read(spec::kRegTriggerPeriod), kPeriod);
+  EXPECT_EQ(device.read(spec::kRegTriggerControl), control(7));
+  for (const auto& times : rises) {
+    ASSERT_GE(times.size(), 10U);
+    for (std::size_t pulse = 1; pulse < times.size(); ++pulse) {
+      ASSERT_EQ(times[pulse] - times[pulse - 1], kPeriod) << "pulse " << pulse;
+    }
+  }
+  device.write(spec::kRegTriggerControl, 0);
+  device.drain();
+  for (std::size_t frame = 0; frame < patterns.size(); ++frame) {
+    ASSERT_EQ(patterns[frame], static_cast<int>(frame % 8)) << "frame " << frame;
+  }
+  EXPECT_GE(patterns.size(), 10U);
+
+  rises = {};
+  device.write(spec::kRegTriggerPeriod, 40);
+  device.write(spec::kRegTriggerCamera, 5);
+  device.write(spec::kRegTriggerControl, control(3));
+  device.run(400);
+  ASSERT_GE(rises[0].size(), 5U);
+  EXPECT_EQ(rises[0][4] - rises[0][3], 40U);
+  EXPECT_EQ(rises[1][4] - rises[0][4], 5U);
+}
+
 // The registers identify the board.
 template <class Model>
 void expect_identity(int max_columns, int max_rows, bool grey, bool image) {

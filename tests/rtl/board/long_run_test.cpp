@@ -1,15 +1,14 @@
 // Tests the board after days of operation. Its counters start at high values, carry into their upper bits and wrap. The
 // headers and registers that contain them are compared with the model as in every other test.
 #include <gtest/gtest.h>
-#include <verilated_vpi.h>
 
 #include <array>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 
 #include "Vboard_codes.h"
 #include "sim/board/clocks.h"
+#include "tests/rtl/board/board_register.h"
 #include "tests/rtl/board/random_codes.h"
 #include "tests/rtl/board/scoreboard.h"
 #include "tests/support/random_cases.h"
@@ -17,50 +16,14 @@
 namespace selfproj::test {
 namespace {
 
-// A register of the board that tests/rtl/board/counters.vlt makes public.
-class Register {
- public:
-  explicit Register(std::string name) : handle_(vpi_handle_by_name(name.data(), nullptr)) {
-    if (handle_ == nullptr) {
-      throw std::runtime_error("no register " + name);
-    }
-  }
-  Register(const Register&) = delete;
-  Register& operator=(const Register&) = delete;
-  ~Register() { vpi_release_handle(handle_); }
-
-  // up to 64 bits
-  [[nodiscard]] std::uint64_t get() const {
-    s_vpi_value value{};
-    value.format = vpiVectorVal;
-    vpi_get_value(handle_, &value);
-    const auto word = [&](int i) {
-      return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value.value.vector[i].aval));
-    };
-    return vpi_get(vpiSize, handle_) > 32 ? word(0) | word(1) << 32U : word(0);
-  }
-  void set(std::uint64_t number) {
-    std::array<s_vpi_vecval, 2> words{};
-    words[0].aval = static_cast<PLI_INT32>(number);
-    words[1].aval = static_cast<PLI_INT32>(number >> 32U);
-    s_vpi_value value{};
-    value.format = vpiVectorVal;
-    value.value.vector = words.data();
-    vpi_put_value(handle_, &value, nullptr, vpiNoDelay);
-  }
-
- private:
-  vpiHandle handle_;
-};
-
 // Advances an sp_counter of `bits` bits, and leaves it in the same state as real counting.
 void count(const std::string& counter, int bits, std::uint64_t more) {
   constexpr int kLow = 8;                // bits of the lowest chain
   const int size = bits > 32 ? 14 : 12;  // of those above it
   const std::uint64_t ones = (1ULL << size) - 1;
-  Register low(counter + ".low_q");
-  Register told(counter + ".told_q");
-  Register upper(counter + ".upper_q");
+  BoardRegister low(counter + ".low_q");
+  BoardRegister told(counter + ".told_q");
+  BoardRegister upper(counter + ".upper_q");
   const std::uint64_t ahead = (low.get() - told.get()) & 0xFFU;  // counts that do not show yet
   const std::uint64_t value = (upper.get() << kLow | told.get()) + more;
   std::uint32_t full = 0;
@@ -72,9 +35,9 @@ void count(const std::string& counter, int bits, std::uint64_t more) {
   low.set((value + ahead) & 0xFFU);
   told.set(value & 0xFFU);
   upper.set(value >> kLow & ((1ULL << (bits - kLow)) - 1));
-  Register(counter + ".go_q").set(ahead != 0 && ((value + ahead) & 0xFFU) == 0 ? 1 : 0);
-  Register(counter + ".full_q").set(full);
-  Register(counter + ".below_q").set(below);
+  BoardRegister(counter + ".go_q").set(ahead != 0 && ((value + ahead) & 0xFFU) == 0 ? 1 : 0);
+  BoardRegister(counter + ".full_q").set(full);
+  BoardRegister(counter + ".below_q").set(below);
 }
 
 void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
@@ -88,7 +51,7 @@ void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
   count(top + "u_moments_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindMoments));
   count(top + "gen_image.u_image_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindImage));
   count(top + "gen_codes.u_codes_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindCodes));
-  Register abandoned(top + "gen_codes.u_codes_path.u_core.u_decoder.abandoned_o");
+  BoardRegister abandoned(top + "gen_codes.u_codes_path.u_core.u_decoder.abandoned_o");
   abandoned.set((abandoned.get() + counts.abandoned) & 0xFFFF'FFFFU);
   settle(model);
   board.counted_before(counts);

@@ -1,0 +1,38 @@
+// Register writes that race frame starts, on the board with everything in it. race_soak runs more of the same.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "Vboard_codes.h"
+#include "tests/rtl/board/racing_board.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+TEST(Races, EveryFrameTakesTheSettingsOfItsClock) {
+  RaceCounts counts;
+  for (const std::uint64_t seed : seeds(40)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    play_races<Vboard_codes>(seed, 250, counts);
+    if (HasFailure()) {
+      return;
+    }
+  }
+  if (!runs_all_cases()) {
+    return;
+  }
+  EXPECT_GT(counts.racing, 3000U);
+  EXPECT_GT(counts.refused, 300U);
+  EXPECT_GT(counts.frames - counts.broken, counts.frames / 2);
+  // A frame started in every clock around a write of every register.
+  for (const std::uint32_t address : {spec::kRegControl, spec::kRegSize, spec::kRegMeasure, spec::kRegTimeout,
+                                      spec::kRegDecode, spec::kRegTriggerControl, spec::kRegFrames}) {
+    for (const std::uint64_t hits : counts.hits.at(address / 4)) {
+      EXPECT_GT(hits, 5U) << std::hex << address;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace selfproj::test
