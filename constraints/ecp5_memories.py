@@ -45,13 +45,13 @@ def top_of(netlist):
 
 
 def kind_of(register):
-    """All of a flip-flop but its data, as text: its parameters, clock, enable and reset."""
+    """Returns the parameters, clock, enable and reset of a flip-flop as text."""
     pins = {pin: bits for pin, bits in register["connections"].items() if pin not in ("DI", "Q")}
     return json.dumps([register["parameters"], pins], sort_keys=True)
 
 
 def absorb(module):
-    """Puts the registers behind the block RAMs of module into them; how many flip-flops went."""
+    """Moves the registers behind the block RAMs of module into them. Returns the number of flip-flops moved."""
     cells = module["cells"]
     outputs = [body for body in module["ports"].values() if body["direction"] != "input"]
     loads = collections.Counter(bit for body in outputs for bit in body["bits"])
@@ -78,7 +78,7 @@ def absorb(module):
         clocks = {tuple(pins[f"CLK{side}"]) for side in sides} | {tuple(like["connections"]["CLK"])}
         edges = {ram["parameters"].get(f"CLK{side}MUX", f"CLK{side}") == f"CLK{side}" for side in sides}
         edges.add(like["parameters"].get("CLKMUX", "CLK") == "CLK")
-        # Yosys writes a blank behind a text of digits.
+        # Yosys appends a blank to a text of digits.
         enable = {"CE": like["connections"].get("CE"), "1": ["1"]}.get(like["parameters"].get("CEMUX", "1").strip())
         has_reset = like["connections"].get("LSR", ["0"]) != ["0"]
         if len(kinds) != 1 or len(clocks) != 1 or len(edges) != 1 or has_reset or not enable:

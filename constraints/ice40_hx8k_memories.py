@@ -1,7 +1,7 @@
-# nextpnr-ice40 runs this file (--pre-place): a site for every block RAM. The board takes 31 of 32 in its grey build. By
-# itself the placer spreads the moments' block RAMs over both columns, so that their sums go half across the array and
-# back in one clock. Here the sums and the line buffer are in the right column from the bottom up, and the packet FIFO
-# is in the left one; the rest of the FIFO is on top of the right one.
+# Gives every block RAM a site. nextpnr-ice40 runs this file with --pre-place. The grey build of the board takes 31 of
+# 32 block RAMs. The placer alone spreads those of the moments over both columns, so that the sums have to cross half of
+# the array and come back in one clock. This file puts the sums and the line buffer into the right column from the
+# bottom up, and the packet FIFO into the left column; the rest of the FIFO goes to the top of the right one.
 import re
 
 LEFT, RIGHT = ([f"X{x}/Y{y}/ram" for y in range(1, 32, 2)] for x in (8, 25))
