@@ -159,9 +159,9 @@ module sp_codes_path #(
   for (genvar half = 0; half < sp_spec_pkg::HeaderBits / HalfBits; half++) begin : gen_half
     localparam bit HasSequence = half == sp_spec_pkg::HeaderSequenceLsb / HalfBits;
     always_ff @(posedge clk_i) begin
-      if (out_q[half/2+(HasSequence?2:3)]) held_q[half*HalfBits+:HalfBits] <=
-          info_i[half*HalfBits+:HalfBits] &
-                                                                             FrameBits[half*HalfBits+:HalfBits];
+      if (out_q[half/2+(HasSequence?2:3)])
+        held_q[half*HalfBits+:HalfBits] <=
+            info_i[half*HalfBits+:HalfBits] & FrameBits[half*HalfBits+:HalfBits];
     end
   end
 

@@ -14,11 +14,11 @@
 //
 //   clk_i           _/1\_/2\_/3\_/4\_/5\_/6\_/7\_/8\_/9\_
 //   frame_start_i   _/ A \___________________/ B \_______     (c = 1)
-//   captured_o      _________/ A \_______________________     the trigger may go on to the next index
+//   captured_o      _________/ A \_______________________     the trigger may advance the index
 //   pattern_i       _____________< A >___________________
 //   pattern_o       _________________< A                      c + 4, as header beat 0
 //   info_o, beat 0  _________________< A                      c + 4
-//   info_o, beat 1  _____________________< A                  c + 5; beats 2, 3 one clock later each
+//   info_o, beat 1  _____________________< A                  c + 5; beats 2, 3: c + 6, c + 7
 //
 // Time stamp and encoder count are nevertheless those of the frame's first beat at the video input:
 // the time counter runs ahead by the delay, and sp_encoder is late by the same number of clocks.

@@ -106,12 +106,12 @@ module sp_packetizer #(
 
 `ifndef SYNTHESIS
   initial begin
-    if (sp_spec_pkg::HeaderBytes != 64 || sp_spec_pkg::TrailerBytes != 16) $fatal(1,
-            "sp_packetizer: made for 4 beats and 1");
-    if (SequenceBeat < 1) $fatal(1,
-                                 "sp_packetizer: the sequence is not known for the header's first beat");
-    if (LostBeat < 1 || LostBeat > 2) $fatal(1,
-                                             "sp_packetizer: the count of lost packets is right in beats 1 and 2 only");
+    if (sp_spec_pkg::HeaderBytes != 64 || sp_spec_pkg::TrailerBytes != 16)
+      $fatal(1, "sp_packetizer: made for 4 beats and 1");
+    if (SequenceBeat < 1)
+      $fatal(1, "sp_packetizer: the sequence is not known for the header's first beat");
+    if (LostBeat < 1 || LostBeat > 2)
+      $fatal(1, "sp_packetizer: the count of lost packets is right in beats 1 and 2 only");
   end
 `endif
 
@@ -296,8 +296,9 @@ module sp_packetizer #(
   if (SequenceAt == sp_spec_pkg::TrailerSequenceLsb) begin : gen_same_place
     assign sequence_word = 128'(sequence_q) << SequenceAt;
   end else begin : gen_two_places
-    assign sequence_word = q.state[Header+SequenceBeat] ? 128'(sequence_q) << SequenceAt :
-                                                          128'(sequence_q) << sp_spec_pkg::TrailerSequenceLsb;
+    assign sequence_word = q.state[Header+SequenceBeat] ?
+        128'(sequence_q) << SequenceAt :
+        128'(sequence_q) << sp_spec_pkg::TrailerSequenceLsb;
   end
 
   always_ff @(posedge clk_i) begin
