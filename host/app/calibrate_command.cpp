@@ -121,7 +121,7 @@ void add_calibrate_command(CLI::App& app) {
                   "needed; use 5 or more that lean in different directions.\n\n"
                   "The output folder gets\n"
                   "- calibration.yaml: camera, projector and the pose between them, as OpenCV YAML\n"
-                  "- rig.yaml: the same as a rig, unless no rig can say it\n"
+                  "- rig.yaml: the same as a rig, unless a rig cannot describe it\n"
                   "- report.json, corners.csv, coverage.png, residuals.png: how good it is, and what was left out",
        .examples = R"(
 # Capture a simulated chessboard in 4 poses, and calibrate from the captures.

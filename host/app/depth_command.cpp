@@ -219,7 +219,7 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   begin_group(*command, "What moved");
   command
       ->add_option("--background", options->setup.background,
-                   "Depth image of what does not move. Pixels that differ from it have moved.")
+                   "Depth image of the still background. Pixels that differ from it have moved.")
       ->type_name("FILE.tiff");
   command
       ->add_option("--min-difference", scanner.min_difference_mm,

@@ -371,7 +371,7 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
       ->type_name("HOW")
       ->capture_default_str();
   command->add_flag("--wait-for-board", options->wait_for_board,
-                    "Wait while there is no ring or no board, also when the board has gone. Ctrl-C ends the run.");
+                    "Wait until a ring and a board exist, also after the board has gone. Ctrl-C ends the run.");
   command->add_flag("--newest", options->newest,
                     "Begin with the newest packet of the ring, not the oldest unread one.");
   begin_group(*command, "End of the run");

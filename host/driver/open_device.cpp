@@ -14,7 +14,7 @@ std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions&
   const std::string scheme = uri.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
   if (colon == std::string::npos || (scheme != "ring" && scheme != "file" && scheme != "sim")) {
-    throw UserError(uri, "is no device; ring:NAME or file:PATH is needed");
+    throw UserError(uri, "is not a device; use ring:NAME or file:PATH");
   }
   if (scheme == "sim") {
     throw UserError(uri, "exists only inside selfproj-sim");

@@ -57,7 +57,7 @@ class RingDevice final : public Device {
       case Found::none:
       case Found::unready:
         if (!options.wait_for_board) {
-          throw UserError(uri_, "there is no such ring; a board's driver or `selfproj-sim board` makes it");
+          throw UserError(uri_, "there is no such ring; a board or `selfproj-sim board` makes it");
         }
         return;
       case Found::other:
@@ -66,7 +66,7 @@ class RingDevice final : public Device {
         no_access(errno);
     }
     if (!memory_.lock(ring::kReaderLock)) {
-      throw UserError(uri_, "another reader has it");
+      throw UserError(uri_, "another reader has it open");
     }
     start_reading();
   }

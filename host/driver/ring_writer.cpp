@@ -24,7 +24,8 @@ namespace selfproj {
 
 RingWriter::RingWriter(const std::string& name, std::uint32_t slots) : name_(name), slots_(slots) {
   if (!std::has_single_bit(slots) || slots > ring::kMaxSlots) {
-    throw UserError("ring:" + name, std::to_string(slots) + " slots; a power of two up to 65536 is needed");
+    throw UserError("ring:" + name,
+                    std::to_string(slots) + " slots are not possible; a power of two up to 65536 is needed");
   }
   start();
 }

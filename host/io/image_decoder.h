@@ -12,7 +12,7 @@ namespace selfproj {
 inline constexpr std::uint64_t kMostImagePixels = std::uint64_t{1} << 28U;
 
 // The error text for a file that is not one of these images.
-inline constexpr const char* kNotAnImage = "not an image in a known format, or damaged";
+inline constexpr const char* kNotAnImage = "is not an image in a known format, or is damaged";
 
 // Decodes a PNG, JPEG, TIFF, BMP or PNM file that passes check_image_file. The image keeps its depth and channels, and
 // is never turned, whatever orientation the file notes. Throws UserError, naming the file, if it cannot be read, is not

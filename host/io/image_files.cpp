@@ -33,15 +33,15 @@ namespace {
 cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional<Channel> channel) {
   if (image.channels() == 1) {
     if (channel.value_or(Channel::grey) != Channel::grey) {
-      throw UserError(file, "has a single channel; --channel " + to_string(*channel) + " asks for a colour image");
+      throw UserError(file, "has a single channel; --channel " + to_string(*channel) + " needs a colour image");
     }
     return image;
   }
   if (image.channels() != 3 && image.channels() != 4) {
-    throw UserError(file, "has " + std::to_string(image.channels()) + " channels; 1, 3 or 4 are taken");
+    throw UserError(file, "has " + std::to_string(image.channels()) + " channels; 1, 3 or 4 are expected");
   }
   if (!channel) {
-    throw UserError(file, "is a colour image; say with --channel red|green|blue|grey what to take");
+    throw UserError(file, "is a colour image; choose a channel with --channel red, green, blue or grey");
   }
   cv::Mat plane;
   switch (*channel) {  // OpenCV's order of planes is blue, green, red
@@ -99,7 +99,7 @@ Image read_image(const std::string& file, std::optional<Channel> channel) {
   check_image_file(file);
   const cv::Mat image = decode_image(file);
   if (image.depth() != CV_8U) {
-    throw UserError(file, "has " + std::to_string(8 * image.elemSize1()) + " bits a pixel; 8 are needed");
+    throw UserError(file, "has " + std::to_string(8 * image.elemSize1()) + " bits per pixel; 8 are expected");
   }
   const cv::Mat plane = one_channel(file, image, channel);
   Image result{plane.rows, plane.cols, {}};
@@ -127,7 +127,7 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
     throw UserError(folder, error.message());
   }
   if (files.empty()) {
-    throw UserError(folder, "has no images");
+    throw UserError(folder, "contains no images");
   }
   return in_natural_order(std::move(files));
 }

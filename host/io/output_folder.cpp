@@ -63,7 +63,7 @@ OutputFolder::OutputFolder(const std::string& name) : name_(name), target_(name)
   std::error_code error;
   const fs::file_status status = fs::status(target_, error);
   if (fs::exists(status) && !fs::is_directory(status)) {
-    throw UserError(name_, "is there and not a folder");
+    throw UserError(name_, "exists and is not a folder");
   }
   exists_ = fs::is_directory(status);
   if (!exists_) {
@@ -100,7 +100,7 @@ void OutputFolder::append(const std::string& file, std::string_view text) {
   }
   if (const fs::path inner = fs::path(file).parent_path(); !inner.empty()) {
     if (exists_) {
-      throw UserError(name_, "is there already; a new folder is needed, as there will be folders within");
+      throw UserError(name_, "exists already; a new folder is needed for results in folders");
     }
     std::error_code error;
     fs::create_directories(staging_->path() / inner, error);  // if this fails, opening the file fails too

@@ -89,7 +89,7 @@ double number(const Lines& lines, std::string_view field) {
   }
   const std::optional<double> value = number_of_text<double>(field);
   if (!value) {
-    lines.fail(fmt::format("'{}' is no number", field));
+    lines.fail(fmt::format("'{}' is not a number", field));
   }
   return *value;
 }
@@ -154,7 +154,7 @@ ReferenceCurve parse_curve_csv(const std::string& text, const std::string& sourc
     curve.z_mm.push_back(z);
   }
   if (curve.y_mm.size() < 2) {
-    throw UserError(source, "has less than two points");
+    throw UserError(source, "has fewer than two points");
   }
   return curve;
 }
@@ -165,7 +165,7 @@ ReferenceCurve load_curve(const Rig& rig, const std::string& file, std::optional
     return curve_of_heights(rig, heights_of(rig, file, frame));
   }
   if (frame) {
-    throw UserError(file, "is no TIFF file and has no frames");
+    throw UserError(file, "is not a TIFF file, so it has no frames");
   }
   return parse_curve_csv(read_input(file, kMostTableBytes), file);
 }
@@ -191,7 +191,7 @@ ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, co
   if (first != kMagic) {
     throw UserError(source, first.starts_with("# selfproj reference ")
                                 ? fmt::format("is of version {}; this program reads version 1", first.substr(21))
-                                : "is no reference (selfproj pattern makes them)");
+                                : "is not a reference; `selfproj pattern` writes references");
   }
   Lines lines(text, source);
   static_cast<void>(lines.next());
@@ -215,7 +215,7 @@ ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, co
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
     const auto line = lines.next();
     if (!line) {
-      throw UserError(source, fmt::format("is cut off: {} of {} columns are there", i, reference.valid.size()));
+      throw UserError(source, fmt::format("is truncated: it has {} of {} columns", i, reference.valid.size()));
     }
     const std::vector<std::string_view> fields = fields_of(*line);
     if (fields.size() != 4 || fields[0] != std::to_string(i + 1)) {
@@ -231,7 +231,7 @@ ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, co
     }
   }
   if (lines.next()) {
-    lines.fail(fmt::format("is damaged: there are more than {} columns", reference.valid.size()));
+    lines.fail(fmt::format("is damaged: it has more than {} columns", reference.valid.size()));
   }
   return reference;
 }
@@ -251,7 +251,7 @@ FloatImage load_pattern(const Rig& rig, const std::string& folder) {
                                       pattern.columns, rig.projector.lines, rig.projector.columns));
   }
   if (!std::all_of(pattern.values.begin(), pattern.values.end(), [](float v) { return v >= 0 && v <= 1; })) {
-    throw UserError(file, "has values that are not in 0..1");
+    throw UserError(file, "has values outside 0 to 1");
   }
   return pattern;
 }

@@ -29,7 +29,7 @@ class Reader {
       storage_.release();
     }
     if (!storage_.isOpened()) {
-      throw UserError(file, "is no calibration file of OpenCV");
+      throw UserError(file, "is not a calibration file of OpenCV");
     }
   }
 
@@ -53,11 +53,11 @@ class Reader {
       }
     }
     if (matrix.empty() || matrix.channels() != 1) {
-      throw UserError(file_, key + " is no matrix");
+      throw UserError(file_, key + " is not a matrix");
     }
     if (count != 0 && matrix.total() != count) {
-      throw UserError(
-          file_, key + " has " + std::to_string(matrix.total()) + " numbers; " + std::to_string(count) + " are due");
+      throw UserError(file_, key + " has " + std::to_string(matrix.total()) + " numbers; " + std::to_string(count) +
+                                 " are expected");
     }
     std::vector<double> values(matrix.begin<double>(), matrix.end<double>());
     constexpr double kFar = 1e9;  // larger than any matrix of a camera has
@@ -75,11 +75,11 @@ class Reader {
     constexpr double kLeast = 1e-9;
     if (!(m[0] > kLeast && (m[4] > kLeast || (mirrored == Mirrored::possible && m[4] < -kLeast))) || m[1] != 0 ||
         m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
-      throw UserError(file_, name + "_K is no camera matrix (fx, 0, cx; 0, fy, cy; 0, 0, 1)");
+      throw UserError(file_, name + "_K is not a camera matrix (fx, 0, cx; 0, fy, cy; 0, 0, 1)");
     }
     const std::vector<double> k = numbers(name + "_kc", 0);
     if (k.size() != 4 && k.size() != 5 && k.size() != 8) {
-      throw UserError(file_, name + "_kc has " + std::to_string(k.size()) + " coefficients; 4, 5 or 8 are understood");
+      throw UserError(file_, name + "_kc has " + std::to_string(k.size()) + " coefficients; 4, 5 or 8 are expected");
     }
     Lens lens{m[0], m[4], m[2], m[5], {}};
     std::copy(k.begin(), k.end(), lens.k.begin());
@@ -94,7 +94,7 @@ class Reader {
     const std::vector<double> values = numbers(key, 2);
     constexpr double kMost = 1 << 15;
     if (!std::all_of(values.begin(), values.end(), [](double value) { return value >= 1 && value <= kMost; })) {
-      throw UserError(file_, key + " is no size in pixels");
+      throw UserError(file_, key + " is not a size in pixels");
     }
     columns = static_cast<int>(values[0]);
     rows = static_cast<int>(values[1]);
@@ -117,13 +117,13 @@ Calibration read_calibration(const std::string& file) {
   constexpr double kNear = 1e-3;
   if (cv::norm(result.rotation * result.rotation.t() - cv::Matx33d::eye()) > kNear ||
       cv::determinant(result.rotation) < 0) {
-    throw UserError(file, "R is no rotation");
+    throw UserError(file, "R is not a rotation");
   }
   const std::vector<double> t = reader.numbers("T", 3);
   result.translation = {t[0], t[1], t[2]};
   constexpr double kLeast = 1e-9;
   if (cv::norm(result.translation) < kLeast) {
-    throw UserError(file, "T is 0: camera and projector are in one place");
+    throw UserError(file, "T is 0: camera and projector are at the same place");
   }
   reader.size("cam_size", result.camera_columns, result.camera_rows);
   reader.size("pro_size", result.projector_columns, result.projector_rows);

@@ -199,7 +199,7 @@ class Reader {
   void begin(const char* key) {
     const YAML::Node node = find(key);
     if (!node.IsMap()) {
-      fail(key, "is no map of keys");
+      fail(key, "is not a map of keys");
     }
     enter(path(key), node);
   }
@@ -222,7 +222,7 @@ class Reader {
       }
       if (!seen.insert(key).second) {
         throw UserError(source_,
-                        fmt::format("line {}: {}: there twice", entry.first.Mark().line + 1, path(key.c_str())));
+                        fmt::format("line {}: {}: occurs twice", entry.first.Mark().line + 1, path(key.c_str())));
       }
     }
     levels_.pop_back();
@@ -353,7 +353,7 @@ const std::vector<std::string>& built_in_rigs() {
 Rig parse_rig(const std::string& yaml, const std::string& source) {
   const YAML::Node root = parse_yaml(yaml, source);
   if (!root.IsMap()) {
-    throw UserError(source, "is no rig: keys and values are expected");
+    throw UserError(source, "is not a rig; keys and values are expected");
   }
   Rig rig;
   Reader reader(source, root);

@@ -120,7 +120,7 @@ class DeviceScan {
 
   DepthRun result() {
     if (!scanner_) {
-      throw UserError(uri_, "brought no complete code image");
+      throw UserError(uri_, "delivered no complete code image");
     }
     std::vector<PointState> states(run_.triangulation->pixels());
     run_.shares = shares_of(*run_.triangulation, *scanner_, states);

@@ -57,7 +57,7 @@ PlyLayout layout_of(const std::string& file, const std::string& bytes) {
   const std::string last = "end_header\n";
   const std::size_t end = bytes.find(last);
   if (bytes.compare(0, 4, "ply\n") != 0 || end == std::string::npos) {
-    throw UserError(file, "is no PLY file");
+    throw UserError(file, "is not a PLY file");
   }
   PlyLayout layout;
   layout.header = end + last.size();
@@ -91,10 +91,10 @@ PlyLayout layout_of(const std::string& file, const std::string& bytes) {
     }
   }
   if (!binary || layout.floats.count("x") + layout.floats.count("y") + layout.floats.count("z") != 3) {
-    throw UserError(file, "is no binary PLY (little endian) that begins with vertices of floats x, y, z");
+    throw UserError(file, "is not a binary little-endian PLY that begins with vertices of floats x, y, z");
   }
   if ((bytes.size() - layout.header) / layout.stride < layout.count) {
-    throw UserError(file, "is cut short");
+    throw UserError(file, "is truncated");
   }
   return layout;
 }

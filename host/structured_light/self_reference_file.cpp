@@ -100,12 +100,11 @@ Stripes read_head(const Rig& rig, const std::string& folder) {
     throw UserError(folder, fs::exists(folder, error) ? "is not a folder" : "there is no such folder");
   }
   if (!fs::is_regular_file(file, error)) {
-    throw UserError(folder,
-                    "is no reference of stripes (there is no reference.yaml; selfproj pattern stripes makes it)");
+    throw UserError(folder, "is not a reference of stripes; `selfproj pattern stripes` writes reference.yaml");
   }
   const YAML::Node node = parse_yaml(read_input(file, kMostTextBytes), file);
   if (!node.IsMap()) {
-    throw UserError(file, "is damaged: no keys");
+    throw UserError(file, "is damaged: it has no keys");
   }
   const int version = value_of<int>(node, file, "selfproj_stripes");
   if (version != kVersion) {

@@ -219,15 +219,16 @@ void run_board(const BoardOptions& options) {
 
 void add_board_command(CLI::App& app) {
   CLI::App* command = add_command(
-      app, {.name = "board",
-            .purpose = "Plays a board in real time into a shared-memory ring, for a driver in another process.",
-            .details =
-                "Packets come from a recording (--replay) or from a line of light that moves (--line); they go into a "
-                "ring (--ring) or a file (--record). Sequence numbers, time stamps, encoder counts and check words "
-                "are written anew, so that repetitions follow each other as one run.\n\n"
-                "Frames are due at fixed times from the start. A late frame follows at once. The last line says how "
-                "many frames were played, how many found the ring full, and how late the latest was.",
-            .examples = R"(
+      app,
+      {.name = "board",
+       .purpose = "Plays a board in real time into a shared-memory ring, for a driver in another process.",
+       .details =
+           "Packets come from a recording (--replay) or from a line of light that moves (--line); they go into a "
+           "ring (--ring) or a file (--record). Sequence numbers, time stamps, encoder counts and check words "
+           "are written anew, so that repetitions follow each other as one run.\n\n"
+           "Frames are due at fixed times from the start. A late frame follows immediately. The last line says how "
+           "many frames were played, how many found the ring full, and how late the latest was.",
+       .examples = R"(
 # Record the packets of a moving line.
 selfproj-sim board --line 512x96 --record line.slfp
 

@@ -64,7 +64,8 @@ void add_measuring_options(CLI::App& command, CosimOptions& options) {
   begin_group(command, "Measuring");
   command
       .add_option("--engine", options.engine,
-                  "What computes: the board's RTL, the same with the HLS circuits in place of its own, or the model.")
+                  "Implementation that computes: the board's RTL, the same with the HLS circuits in place of its own, "
+                  "or the model.")
       ->check(one_of({"rtl", "hls", "model"}))
       ->type_name("ENGINE")
       ->capture_default_str();
@@ -91,7 +92,7 @@ void add_measuring_options(CLI::App& command, CosimOptions& options) {
   begin_group(command, "Light section");
   command
       .add_option("--mode", options.mode,
-                  "What a lit pixel weighs: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
+                  "Weight of a lit pixel: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
       ->check(one_of(mode_names()))
       ->type_name("MODE")
       ->default_str("the rig's");

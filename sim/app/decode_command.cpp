@@ -154,8 +154,9 @@ selfproj-sim decode --bits 8 --out decoded codes/frame_*.png
   const auto options = std::make_shared<DecodeOptions>();
   begin_group(*command, "Decoding");
   command
-      ->add_option("--engine", options->engine,
-                   "What decodes the images: the board's RTL, the HLS kernel or the model. They give the same.")
+      ->add_option(
+          "--engine", options->engine,
+          "Implementation that decodes the images: the board's RTL, the HLS kernel or the model. They give the same.")
       ->check(one_of({"rtl", "hls", "model"}))
       ->type_name("ENGINE")
       ->capture_default_str();

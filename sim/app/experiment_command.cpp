@@ -48,7 +48,7 @@ selfproj-sim experiment A2 --sources --out stairs
       ->check(one_of(sources))
       ->type_name("NAME,...");
   begin_group(*command, "Light section (A1, A2)");
-  command->add_option("--every", options->every, "Take only one frame of so many.")
+  command->add_option("--every", options->every, "Take only every N-th frame.")
       ->transform(whole_number(1, 1000))
       ->type_name("N")
       ->capture_default_str();

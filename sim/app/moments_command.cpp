@@ -122,14 +122,15 @@ selfproj-sim moments --mode grey-over --threshold 60 --out moments.csv frames/fr
   const auto options = std::make_shared<MomentsOptions>();
   begin_group(*command, "Measuring");
   command
-      ->add_option("--engine", options->engine,
-                   "What computes the moments: the board's RTL, the HLS kernel or the model. They give the same.")
+      ->add_option(
+          "--engine", options->engine,
+          "Implementation that computes the moments: the board's RTL, the HLS kernel or the model. They give the same.")
       ->check(one_of({"rtl", "hls", "model"}))
       ->type_name("ENGINE")
       ->capture_default_str();
   command
       ->add_option("--mode", options->mode,
-                   "What a lit pixel weighs: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
+                   "Weight of a lit pixel: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
       ->check(one_of(mode_names()))
       ->type_name("MODE")
       ->capture_default_str();

@@ -402,9 +402,9 @@ TEST_F(DepthCommand, RefusesABadCalibration) {
   refuse(replaced("\nT: ", "\nU: "), "T is missing");
   refuse(replaced("cam_K", "K"), "cam_K is missing");
   refuse(replaced("[ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]", "[ 1., 0., 0., 0., 1., 0., 0., 0., 2. ]"),
-         "R is no rotation");
+         "R is not a rotation");
   refuse(replaced("[ 100., 0., 0. ]", "[ 0., 0., 0. ]"), "T is 0");
-  refuse(replaced("[ 50., 0., 19.5", "[ 50., 1., 19.5"), "cam_K is no camera matrix");
+  refuse(replaced("[ 50., 0., 19.5", "[ 50., 1., 19.5"), "cam_K is not a camera matrix");
   refuse(replaced("cols: 5", "cols: 3"), "cam_kc");
   refuse("nothing: [", "");
   refuse("", "");

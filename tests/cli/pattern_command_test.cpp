@@ -96,8 +96,8 @@ TEST(PatternCommand, WrongInputIsOneLine) {
   };
   refused({"--reference", "none.csv", "--out", "out"}, "none.csv: ");
   refused({"--reference", "plane.csv", "--out", "plane.csv/out"}, "plane.csv/out: plane.csv is not a folder");
-  refused({"--reference", "plane.csv", "--out", "plane.csv"}, "plane.csv: is there and not a folder");
-  refused({"--reference", "plane.csv", "--frame", "1", "--out", "out"}, "plane.csv: is no TIFF file");
+  refused({"--reference", "plane.csv", "--out", "plane.csv"}, "plane.csv: exists and is not a folder");
+  refused({"--reference", "plane.csv", "--frame", "1", "--out", "out"}, "plane.csv: is not a TIFF file");
   refused({"--reference", "plane.csv", "--scan", ".", "--out", "out"}, "");
   refused({"--out", "out"}, "");
   refused({"--reference", "plane.csv"}, "--out");
@@ -109,7 +109,7 @@ TEST(PatternCommand, WrongInputIsOneLine) {
   write_text(folder / "rig.yaml", "name: mine\n");
   refused({"--rig", "rig.yaml", "--reference", "plane.csv", "--out", "out"}, "rig.yaml: ");
   std::filesystem::create_directory(folder / "images");
-  refused({"--scan", "images", "--out", "out"}, "images: has no images");
+  refused({"--scan", "images", "--out", "out"}, "images: contains no images");
   write_text(folder / "images" / "a.pgm", "P2\n2 1\n255\n1 2\n");
   refused({"--scan", "images", "--out", "out"}, "images: has 1 images; a sweep of this rig with --every 1 has 508");
   refused({"--reference", "plane.csv", "--residual", "images", "--out", "out"}, "images/a.pgm: has 1 x 2 pixels");

@@ -91,8 +91,10 @@ class Checker:
                 continue
             if option in ("-R", "--tests-regex") and not any(re.search(value, name) for name in self.tests):
                 yield f"no test has a name like {value}"
-            if option in ("-L", "--label-regex") and not any(re.search(value, one) for labels in self.tests.values()
-                                                             for one in labels):
+            # A label may be that of another preset, such as sanitizers.
+            labels = [one for labels in self.tests.values() for one in labels]
+            labels += [one for text in self.cmake_lists for one in re.findall(r"\bLABEL ([a-z]+)", text)]
+            if option in ("-L", "--label-regex") and not any(re.search(value, one) for one in labels):
                 yield f"no test has a label like {value}"
 
     def problems_of_lines(self, page):

@@ -87,8 +87,8 @@ TEST(ReferenceFile, DamageIsSeen) {
     return message_of([&] { parse_reference_csv(rig, damaged, "r.csv"); });
   };
   EXPECT_EQ(message(text), "no error");
-  EXPECT_EQ(message(""), "r.csv: is no reference (selfproj pattern makes them)");
-  EXPECT_EQ(message("frame,column,m0,m1,n\n"), "r.csv: is no reference (selfproj pattern makes them)");
+  EXPECT_EQ(message(""), "r.csv: is not a reference; `selfproj pattern` writes references");
+  EXPECT_EQ(message("frame,column,m0,m1,n\n"), "r.csv: is not a reference; `selfproj pattern` writes references");
   EXPECT_EQ(message("# selfproj reference 2\n"), "r.csv: is of version 2; this program reads version 1");
   // A cut at any place is noticed.
   for (std::size_t size = 0; size < text.size(); size += 37) {
@@ -96,7 +96,7 @@ TEST(ReferenceFile, DamageIsSeen) {
   }
   ASSERT_NE(message(text.substr(0, text.size() - 1)), "no error");
   const std::size_t line = text.find("\n9,");
-  EXPECT_TRUE(contains(message(text.substr(0, line + 1)), "is cut off: 8 of 512 columns are there"));
+  EXPECT_TRUE(contains(message(text.substr(0, line + 1)), "is truncated: it has 8 of 512 columns"));
   const auto replaced = [&](const std::string& from, const std::string& to) {
     std::string result = text;
     result.replace(result.find(from), from.size(), to);
@@ -104,10 +104,10 @@ TEST(ReferenceFile, DamageIsSeen) {
   };
   EXPECT_TRUE(contains(message(replaced("\n9,", "\n10,")), "line 25: is damaged: column 9"))
       << message(replaced("\n9,", "\n10,"));
-  EXPECT_TRUE(contains(message(replaced("\n9,", "\n9,x")), "is no number"));
-  EXPECT_TRUE(contains(message(replaced("\n9,", "\n9,nan")), "is no number"));
+  EXPECT_TRUE(contains(message(replaced("\n9,", "\n9,x")), "is not a number"));
+  EXPECT_TRUE(contains(message(replaced("\n9,", "\n9,nan")), "is not a number"));
   EXPECT_TRUE(contains(message(replaced("\n9,", "\n9,1,")), "is damaged: column 9"));
-  EXPECT_TRUE(contains(message(replaced("\n4,,,\n", "\n4,,7,\n")), "'' is no number"));
+  EXPECT_TRUE(contains(message(replaced("\n4,,,\n", "\n4,,7,\n")), "'' is not a number"));
   EXPECT_TRUE(contains(message(text + "513,,,\n"), "more than 512 columns"));
 }
 
@@ -124,7 +124,7 @@ TEST(ReferenceFile, FoldersAndPatterns) {
   EXPECT_EQ(load_pattern(rig, path), pattern);
   pattern.row(3)[4] = 1.5F;
   write_float_tiff(folder / "pattern.tiff", pattern);
-  EXPECT_TRUE(contains(message_of([&] { load_pattern(rig, path); }), "not in 0..1"));
+  EXPECT_TRUE(contains(message_of([&] { load_pattern(rig, path); }), "outside 0 to 1"));
   write_float_tiff(folder / "pattern.tiff", FloatImage(3, 4));
   EXPECT_TRUE(contains(message_of([&] { load_pattern(rig, path); }), "has 3 x 4 pixels; the rig's projector has 512"));
 }
@@ -139,10 +139,10 @@ TEST(CurveFile, Csv) {
   const auto message = [](const std::string& text) { return message_of([&] { parse_curve_csv(text, "c.csv"); }); };
   EXPECT_EQ(message("y,z\n"), "c.csv: line 1: y_mm,z_mm is expected");
   EXPECT_EQ(message(""), "c.csv: line 1: y_mm,z_mm is expected");
-  EXPECT_EQ(message("y_mm,z_mm\n0,1000\n"), "c.csv: has less than two points");
+  EXPECT_EQ(message("y_mm,z_mm\n0,1000\n"), "c.csv: has fewer than two points");
   EXPECT_EQ(message("y_mm,z_mm\n0,1000\n-1,1000\n"), "c.csv: line 3: y falls from 0 to -1");
   EXPECT_EQ(message("y_mm,z_mm\n0,1000,3\n"), "c.csv: line 2: two numbers are expected: y, z");
-  EXPECT_EQ(message("y_mm,z_mm\n0,12mm\n"), "c.csv: line 2: '12mm' is no number");
+  EXPECT_EQ(message("y_mm,z_mm\n0,12mm\n"), "c.csv: line 2: '12mm' is not a number");
   EXPECT_TRUE(contains(message("y_mm,z_mm\n0,-5\n"), "must be greater than 0"));
 }
 

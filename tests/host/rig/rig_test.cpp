@@ -101,7 +101,7 @@ TEST(Rig, ErrorsNameFileLineKeyAndReason) {
             "rig.yaml: imaging.dark is 2, imaging.ambient 201, imaging.white 200; each may be at most the next");
   EXPECT_EQ(error_of(with("dark: 2", "dark: 9")),
             "rig.yaml: imaging.dark is 9, imaging.ambient 8, imaging.white 200; each may be at most the next");
-  EXPECT_EQ(error_of("just text"), "rig.yaml: is no rig: keys and values are expected");
+  EXPECT_EQ(error_of("just text"), "rig.yaml: is not a rig; keys and values are expected");
   EXPECT_EQ(error_of("a: [1"), "rig.yaml: line 1: end of sequence flow not found");
   EXPECT_THROW(load_rig("no-such-rig"), UserError);
 }
