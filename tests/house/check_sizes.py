@@ -4,8 +4,7 @@
     check_sizes.py [ROOT]
 
 Lines that cannot be wrapped may be longer: tables and generated parts of Markdown, JSON, and a line that holds a single
-word, such as a link, which is too long by itself. The front page, README.md, has at most 6 kB. long_lines.txt beside
-this file lists files that are not wrapped yet.
+word, such as a link, which is too long by itself. The front page, README.md, has at most 6 kB.
 
 Functions of C++ are found by the format of clang-format: one begins with a line that ends in `{` and ends with a `}` in
 the same column. Functions called add_..._command are left out: they are tables of options.
@@ -70,7 +69,7 @@ def long_lines(name, text):
             yield number, len(line), most
 
 
-def problems(root, wrapped_later=frozenset()):
+def problems(root):
     lines = []
     for name in documents.tracked(root):
         path = root / name
@@ -80,8 +79,7 @@ def problems(root, wrapped_later=frozenset()):
             text = path.read_text(encoding="utf-8")
         except UnicodeDecodeError:  # a picture
             continue
-        if name not in wrapped_later:
-            lines += [f"{name}:{number}: {count} characters, {most} at most" for number, count, most in long_lines(name, text)]
+        lines += [f"{name}:{number}: {count} characters, {most} at most" for number, count, most in long_lines(name, text)]
         if name == "README.md" and len(text.encode()) > MOST_BYTES_OF_FRONT_PAGE:
             lines.append(f"{name}: {len(text.encode())} bytes, {MOST_BYTES_OF_FRONT_PAGE} at most")
         if path.suffix not in SOURCES:
@@ -99,9 +97,7 @@ def problems(root, wrapped_later=frozenset()):
 
 
 def main():
-    later = pathlib.Path(__file__).with_name("long_lines.txt")
-    listed = later.read_text(encoding="utf-8").split() if later.exists() else []
-    lines = problems(documents.read_root(sys.argv, __file__), frozenset(listed))
+    lines = problems(documents.read_root(sys.argv, __file__))
     print("\n".join(lines) if lines else "no file, no function and no line is too long")
     return 1 if lines else 0
 
