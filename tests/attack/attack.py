@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Attacks the programs from outside: see scripts/attack.sh."""
 import argparse
+import json
 import pathlib
 import sys
 import tempfile
@@ -16,12 +17,12 @@ from rings import Rings
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Cases of each part: a short run, which is a test, and a long one.
 COUNTS = {
-    "files": (150, 10000),
-    "options": (160, 10000),
-    "kills": (12, 500),
+    "files": (110, 10000),
+    "options": (110, 10000),
+    "kills": (10, 500),
     "evil": (20, 1000),
     "shorten": (2, 50),
-    "restarts": (2, 60)
+    "restarts": (1, 60)
 }
 
 
@@ -62,6 +63,7 @@ def main():
         for name, (short, long) in COUNTS.items()
     }
     begin = time.monotonic()
+    figures = {}
     with tempfile.TemporaryDirectory(prefix="selfproj-attack-") as work:
         attacker = Attacker(options.programs, work, options.seed)
         folder = pathlib.Path(work) / "materials"
@@ -71,29 +73,36 @@ def main():
         for name, part in parts.items():
             if options.only and name not in options.only:
                 continue
-            started = time.monotonic()
+            started, runs = time.monotonic(), attacker.runs
             part()
-            print(f"attack: {name}: {time.monotonic() - started:.1f} s", flush=True)
+            seconds = time.monotonic() - started
+            _, count = attacker.cases.popitem()
+            figures[name] = {
+                **count, "runs": attacker.runs - runs,
+                "seconds": round(seconds),
+                "seed": options.seed
+            }
+            print(f"{name}: {figures[name]['cases']} cases, {figures[name]['faults']} faults, {seconds:.1f} s",
+                  flush=True)
+            if options.record:
+                record(figures)
     faults = len(attacker.faults)
-    for part, count in attacker.cases.items():
-        print(f"{part}: {count['cases']} cases, {count['faults']} faults")
     print(f"{attacker.runs} runs in {time.monotonic() - begin:.0f} s, seed {options.seed}: {faults} faults")
-    if options.record:
-        record(attacker, options, time.monotonic() - begin)
     return 1 if faults else 0
 
 
-def record(attacker, options, seconds):
+def record(figures):
+    """Into results/attack.json; the figures of parts that were not run now stay."""
     sys.path.insert(0, str(ROOT / "scripts"))
     import results  # noqa: PLC0415: only where figures are kept
-    words = [f"--seed {options.seed}"] + ([f"--share {options.share}"] if options.share != 1 else [])
+    file = ROOT / "results" / "attack.json"
+    before = json.loads(file.read_text())["results"]["parts"] if file.exists() else {}
+    parts = {**before, **figures}
     results.write("attack",
                   "Cases of the attack from outside, and what failed in them",
-                  "scripts/attack.sh " + " ".join(words), {
-                      "parts": attacker.cases,
-                      "runs": attacker.runs,
-                      "faults": len(attacker.faults),
-                      "seconds": round(seconds)
+                  "scripts/attack.sh --record", {
+                      "parts": parts,
+                      **{key: sum(part[key] for part in parts.values()) for key in ("cases", "faults", "runs")}
                   },
                   folder=ROOT / "results")
 

@@ -41,7 +41,9 @@ def commands_of(made):
         ("selfproj", "devices"): [],
         ("selfproj-sim", "moments"): ["--engine", "model", "--out", "o.csv", *frames],
         ("selfproj-sim", "decode"): ["--engine", "model", "--bits", "2", "--out", "o", *frames],
-        ("selfproj-sim", "cosim"): ["--engine", "model", "--frames", f"{m}/frame_?.png", "--out", "o"],
+        ("selfproj-sim", "cosim"): [
+            "--engine", "model", "--threshold", "60", "--frames", f"{m}/frame_?.png", "--out", "o"
+        ],
         ("selfproj-sim", "board"): ["--line", "64x16", "--line-frames", "5", "--record", "o"],
         ("selfproj-sim", "scene", "render"): ["plane", "--rig", m / "rig.yaml", "--count", "1", "--out", "o"],
         ("selfproj-sim", "capture"): [

@@ -11,7 +11,7 @@ from programs import Fault
 
 FOLDER = pathlib.Path("/dev/shm")
 # Offsets of host/driver/ring_layout.h.
-MAGIC, VERSION, SLOTS, WRITTEN, LOST, READ = 0, 8, 16, 64, 72, 128
+WRITTEN, LOST, READ, READERS = 64, 72, 128, 144
 WORDS = (0, 8, 12, 16, 20, 64, 72, 80, 84, 88, 92, 128, 136, 144, 148, 152, 156, 192, 196)
 
 
@@ -37,8 +37,9 @@ class Rings:
         with open(self.file, "rb") as file:
             data = file.read(256)
         return {
-            key: struct.unpack_from("<Q", data, at)[0]
-            for key, at in (("written", WRITTEN), ("lost", LOST), ("read", READ))
+            key: struct.unpack_from(kind, data, at)[0]
+            for key, kind, at in (("written", "<Q", WRITTEN), ("lost", "<Q", LOST), ("read", "<Q", READ),
+                                  ("readers", "<I", READERS))
         }
 
     # --- evil headers ---
@@ -88,9 +89,10 @@ class Rings:
     def shorten_one(self):
         self.clear()
         with self.attacker.scratch() as folder:
-            board = self.attacker.start(self.board("--slots", "64", "--rate", "2000", "--seconds", "0.8"), folder)
+            board = self.attacker.start(self.board("--slots", "64", "--rate", "2000", "--seconds", "1.5"), folder)
             self.wait_for_ring()
             reader = self.attacker.start(self.reader("--wait-for-board", "--json", "o.json"), folder)
+            self.wait_for_reader()
             time.sleep(0.2 * self.random.random())
             os.truncate(self.file, self.random.choice((0, 100, 4096, 100000)))
             board.communicate(timeout=20)
@@ -115,11 +117,18 @@ class Rings:
             time.sleep(0.002)
         raise Fault("no ring")
 
+    def wait_for_reader(self):
+        end = time.monotonic() + 10
+        while self.header()["readers"] == 0:
+            if time.monotonic() > end:
+                raise Fault("no reader")
+            time.sleep(0.002)
+
     # --- killed and started again ---
 
-    def restarts(self, rounds):
-        self.attacker.case("kills and restarts", f"{rounds} rounds (seed {self.attacker.seed})", self.restart_loop,
-                           rounds)
+    def restarts(self, count):
+        for i in range(count):
+            self.attacker.case("kills and restarts", f"{i} (seed {self.attacker.seed})", self.restart_loop, 5)
         self.clear()
 
     def restart_loop(self, rounds):
@@ -162,7 +171,6 @@ class Rings:
             raise Fault(f"{header['written']} written, but {told} and {killed} by readers that were killed")
         if told["lost_ring"] != header["lost"]:
             raise Fault(f"{header['lost']} lost in the ring, {told['lost_ring']} told by readers that ended")
-        self.packets = header["written"] + header["lost"]
 
     @staticmethod
     def add(told, counts):
