@@ -56,7 +56,7 @@ def main():
                         metavar="PART",
                         help="parts to run, of: onto-inputs standard-output accounts evil "
                         "shorten restarts kills files options")
-    parser.add_argument("--record", action="store_true", help="write results/attack.json")
+    parser.add_argument("--record", action="store_true", help="keep the figures in the folder results")
     options = parser.parse_args()
     counts = {
         name: short if options.short else max(1, round(options.share * long))
@@ -92,7 +92,7 @@ def main():
 
 
 def record(figures):
-    """Into results/attack.json; the figures of parts that were not run now stay."""
+    """Into the folder results; the figures of parts that were not run now stay."""
     sys.path.insert(0, str(ROOT / "scripts"))
     import results  # noqa: PLC0415: only where figures are kept
     file = ROOT / "results" / "attack.json"

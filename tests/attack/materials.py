@@ -167,6 +167,8 @@ def make(attacker, folder):
     run("selfproj", "inspect", "--device", "file:packets.bin", "--rig", "rig.yaml", "--out", "inspection")
     run("selfproj", "pattern", "gray", "--rig", "scanner.yaml", "--out", "gray")
     run("selfproj-sim", "capture", "--rig", "scanner.yaml", "--patterns", "gray", "--scene", "desk", "--out", "seen")
+    run("selfproj-sim", "cosim", "--engine", "model", "--scene", "fist", "--rig", "scanner.yaml", "--bits", "2",
+        "--count", "6", "--packets", "codes.bin")
     run("selfproj", "pattern", "stripes", "--rig", "scanner.yaml", "--scan", "seen", "--gray-code", "--bits", "2",
         "--out", "stripes")
     return folder

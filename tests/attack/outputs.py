@@ -7,14 +7,17 @@ import time
 from programs import Fault, fingerprint, temporaries
 
 
+COSIM = ["selfproj-sim", "cosim", "--engine", "model", "--threshold", "60"]
+
+
 def outputs_onto_inputs(made):
     """(files to copy from the materials, command, the input that must stay as it is)."""
     frames = [f"frame_{i}.png" for i in range(1, 5)]
-    yield frames, ["selfproj-sim", "cosim", "--engine", "model", "--threshold", "60", "--frames", "frame_?.png", "--out", "."], frames
+    yield frames, [*COSIM, "--frames", "frame_?.png", "--out", "."], frames
     yield frames, [
-        "selfproj-sim", "cosim", "--engine", "model", "--threshold", "60", "--frames", "frame_?.png", "--packets", "frame_2.png"
+        *COSIM, "--frames", "frame_?.png", "--packets", "frame_2.png"
     ], frames
-    yield frames, ["selfproj-sim", "cosim", "--engine", "model", "--threshold", "60", "--frames", "frame_?.png", "--packets",
+    yield frames, [*COSIM, "--frames", "frame_?.png", "--packets",
                    "hard"], frames
     yield frames, ["selfproj-sim", "moments", "--engine", "model", "--out", "frame_1.png", *frames], frames
     yield frames, ["selfproj-sim", "moments", "--engine", "model", "--out", "soft", *frames], frames
@@ -32,9 +35,6 @@ def outputs_onto_inputs(made):
                           "."], ["moments.csv"])
     yield (["packets.bin"], ["selfproj-sim", "board", "--replay", "packets.bin", "--record",
                              "./packets.bin"], ["packets.bin"])
-    yield (["reference/reference.csv",
-            "rig.yaml"], ["selfproj", "pattern", "--rig", "rig.yaml", "--reference", "reference.csv", "--out",
-                          "."], ["reference.csv"])
     yield (["curve.csv:reference.csv",
             "rig.yaml"], ["selfproj", "pattern", "--rig", "rig.yaml", "--reference", "reference.csv", "--out",
                           "."], ["reference.csv"])
