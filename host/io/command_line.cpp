@@ -2,29 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "host/io/frame_options.h"
 #include "host/io/natural_order.h"
+#include "host/io/numbers.h"
 
 namespace selfproj {
 namespace {
-
-// The number that the whole text spells, or nothing.
-template <class Number>
-std::optional<Number> number_of_text(const std::string& text) {
-  Number number{};
-  const char* const end = text.data() + text.size();
-  const auto [last, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc() && last == end ? std::optional<Number>(number) : std::nullopt;
-}
 
 std::string expected(const std::string& text, const std::string& what) {
   return fmt::format("is '{}'; {} is expected", text, what);
@@ -52,8 +41,7 @@ CLI::Validator real_validator(const Range& range, double least, double most, boo
   return CLI::Validator(
       [=](std::string& text) {
         const std::optional<double> number = number_of_text<double>(text);
-        const bool good = number && std::isfinite(*number) && *number <= most &&
-                          (least_is_allowed ? *number >= least : *number > least);
+        const bool good = number && *number <= most && (least_is_allowed ? *number >= least : *number > least);
         return good ? std::string() : expected(text, "a number " + range.in_error);
       },
       range.in_help);
