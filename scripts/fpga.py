@@ -103,9 +103,9 @@ PARTS = {
 }
 ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 # Part, configuration, number of seeds from 1 on, and number of unseen seeds, which influenced no decision
-PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10, 20), ("iCE40 HX8K", CONFIGURATIONS[1], 10, 20),
-          ("LFE5U-85F-8", CONFIGURATIONS[0], 3, 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3, 3),
-          ("LFE5U-85F-8", SCANNER, 10, 3)]
+PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10, 1), ("iCE40 HX8K", CONFIGURATIONS[1], 10, 1),
+          ("LFE5U-85F-8", CONFIGURATIONS[0], 1, 1), ("LFE5U-85F-8", CONFIGURATIONS[1], 1, 1),
+          ("LFE5U-85F-8", SCANNER, 1, 1)]
 
 # Of the two files in results/
 ABOUT = {"resources": "What the board takes of each FPGA family: block by block, and in one piece, mapped by Yosys",
