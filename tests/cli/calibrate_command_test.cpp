@@ -218,7 +218,7 @@ TEST_F(CalibrateCommand, WrongInputIsOneLine) {
   }
   expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short: has 29 images; 30 are expected");
   write_text(*folder_ / "short" / "image_07.png", "no image");
-  expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short/image_07.png: not an image");
+  expect_refused(calibrate(usual("out", {"short", "pose_1"})), "short/image_07.png: is not an image");
   fs::copy_file(*folder_ / "pose_1" / "image_07.png", *folder_ / "short" / "image_07.png",
                 fs::copy_options::overwrite_existing);
   write_text(*folder_ / "short" / "image_03.png", encode_png({3, 4, std::vector<std::uint8_t>(12)}));

@@ -299,7 +299,7 @@ TEST_F(SceneCommand, BadHeightMapsAreNamed) {
   expect_refused({"render", "--out", "out", "plane", "--mm-per-pixel", "1"},
                  "--mm-per-pixel: goes only with --height-map");
   write_text(folder_ / "empty.tiff", "");
-  expect_refused(map("empty.tiff", "1"), "empty.tiff: not an image");
+  expect_refused(map("empty.tiff", "1"), "empty.tiff: is not an image");
   save("high.tiff", FloatImage(4, 4, 600));
   expect_refused(map("high.tiff", "1"), "high.tiff: has heights from 600 to 600 mm");
   save("infinite.tiff", FloatImage(4, 4, std::numeric_limits<float>::infinity()));

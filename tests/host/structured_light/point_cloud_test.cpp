@@ -98,8 +98,8 @@ TEST(Ply, RefusesWhatItDoesNotUnderstand) {
     return text.replace(text.find(from), from.size(), to);
   };
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"", "no PLY"},
-      {"plx" + good.substr(3), "no PLY"},
+      {"", "not a PLY"},
+      {"plx" + good.substr(3), "not a PLY"},
       {replaced("binary_little_endian", "ascii"), "no binary PLY"},
       {replaced("float y", "double y"), "no binary PLY"},
       {replaced("float z", "quad z"), "type quad"},
