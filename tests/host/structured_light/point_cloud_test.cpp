@@ -100,13 +100,13 @@ TEST(Ply, RefusesWhatItDoesNotUnderstand) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"", "not a PLY"},
       {"plx" + good.substr(3), "not a PLY"},
-      {replaced("binary_little_endian", "ascii"), "no binary PLY"},
-      {replaced("float y", "double y"), "no binary PLY"},
+      {replaced("binary_little_endian", "ascii"), "is not a binary little-endian PLY"},
+      {replaced("float y", "double y"), "is not a binary little-endian PLY"},
       {replaced("float z", "quad z"), "type quad"},
-      {replaced("vertex 1", "vertex 2"), "cut short"},
-      {replaced("vertex 1", "vertex 99999999999999999"), "cut short"},
-      {replaced("element vertex 1", "element face 1"), "no binary PLY"},
-      {good.substr(0, good.size() - 1), "cut short"},
+      {replaced("vertex 1", "vertex 2"), "is truncated"},
+      {replaced("vertex 1", "vertex 99999999999999999"), "is truncated"},
+      {replaced("element vertex 1", "element face 1"), "is not a binary little-endian PLY"},
+      {good.substr(0, good.size() - 1), "is truncated"},
   };
   for (const auto& [text, reason] : cases) {
     test::write_text(folder / "a.ply", text);
