@@ -225,6 +225,7 @@ class RacingBoard {
     bool accepted = false;  // a frame started
     bool took = false;      // and took the settings over
     int pattern = 0;        // index of the trigger
+    int last_pattern = 0;
   };
   Past& past(std::uint64_t clocks) { return past_.at((clock_ - clocks) % past_.size()); }
 
@@ -235,6 +236,7 @@ class RacingBoard {
     past(0).run = registers_.settings.run;
     past(0).hold = registers_.settings.hold;
     past(0).on_frame = registers_.on_frame && !registers_.sequencer;
+    past(0).last_pattern = registers_.last_pattern;
     follow_pattern();
     turn_encoder();
     if (clock > kLag + 1) {
@@ -266,7 +268,7 @@ class RacingBoard {
   }
 
   // Frames count from the captured_i of the third clock after on_frame_i on (sp_trigger); that is four clocks after
-  // the start.
+  // the start. The index goes back to 0 two clocks after on_frame_i falls, and counts to the old last one until then.
   void follow_pattern() {
     if (clock_ < kLag) {
       return;
@@ -275,7 +277,7 @@ class RacingBoard {
     if (!past(2).on_frame || !past(3).on_frame || !past(4).on_frame) {
       past(0).pattern = 0;
     } else if (past(5).on_frame && past(6).accepted) {
-      past(0).pattern = past(1).pattern == registers_.last_pattern ? 0 : past(1).pattern + 1;
+      past(0).pattern = past(1).pattern == past(2).last_pattern ? 0 : past(1).pattern + 1;
     }
   }
 
