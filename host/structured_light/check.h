@@ -5,7 +5,8 @@
 
 namespace selfproj {
 
-// Throws std::invalid_argument(reason) unless `holds`: for duties of a caller, not for errors of a user.
+// Throws std::invalid_argument(reason) unless `holds`. For preconditions that a caller must meet; an error of a user
+// is a UserError.
 inline void check(bool holds, const char* reason) {
   if (!holds) {
     throw std::invalid_argument(reason);

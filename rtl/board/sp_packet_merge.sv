@@ -68,7 +68,7 @@ module sp_packet_merge #(
     assign image_ready_o = !Codes && lines_ready;
   end
 
-  // --- Moments before them ---
+  // --- Moments, which go before codes and raw lines ---
   if (Codes || Image) begin : gen_arbiter
     sp_packet_arbiter #(
       .Width(128)
