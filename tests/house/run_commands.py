@@ -93,7 +93,7 @@ class Checker:
                 yield f"no test has a name like {value}"
             # A label may be that of another preset, such as sanitizers.
             labels = [one for labels in self.tests.values() for one in labels]
-            labels += [one for text in self.cmake_lists for one in re.findall(r"\bLABEL ([a-z]+)", text)]
+            labels += [one for text in self.cmake_lists for one in re.findall(r"LABEL ([a-z]+)", text)]
             if option in ("-L", "--label-regex") and not any(re.search(value, one) for one in labels):
                 yield f"no test has a label like {value}"
 
