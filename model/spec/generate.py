@@ -36,7 +36,7 @@ FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits")
                 ("threshold", "HeaderThresholdBits"), ("sequence", "HeaderSequenceBits"),
                 ("time_stamp", "HeaderTimeStampBits"), ("encoder", "HeaderEncoderBits"), ("columns", "column_bits"),
                 ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits")]
-PROSE = ("description", "effect")  # keys that are for readers only and do not concern programs
+PROSE = ("description", "effect", "after_reset")  # keys that are for readers only and do not concern programs
 REGISTER_WORDS = 32  # addresses of the register file, four bytes each
 
 

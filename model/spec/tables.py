@@ -90,7 +90,7 @@ def reader(spec):
 def registers(spec):
     out = ["| address | register | access | after reset | what it is |", "|---|---|---|---|---|"]
     for reg in spec.raw["registers"]:
-        reset = "of the build" if reg["name"] == "capability" else hex32(reg["reset_value"])
+        reset = reg.get("after_reset", hex32(reg["reset_value"]))
         anchor = f"0x{reg['offset']:02X}-{reg['name']}".lower()
         out.append(f"| 0x{reg['offset']:02X} | [{reg['name']}](#{anchor}) | {reg['access']} | {reset} | "
                    f"{reg['description'].split(';')[0]} |")
