@@ -12,6 +12,7 @@
 #include "host/io/input_file.h"
 #include "host/io/stderr_capture.h"
 #include "host/io/user_error.h"
+#include "host/rig/calibration_text.h"
 #include "host/rig/depth_matrices.h"
 
 namespace selfproj {
@@ -21,6 +22,7 @@ class Reader {
  public:
   explicit Reader(const std::string& file) : file_(file) {
     const std::string text = read_input(file, kMostTextBytes);
+    check_calibration_text(text, file);
     const StderrCapture capture;
     try {
       // By its text, so that no name means something else to OpenCV (it unpacks NAME.gz).

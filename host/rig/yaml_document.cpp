@@ -5,6 +5,7 @@
 #include <yaml-cpp/parser.h>
 #include <yaml-cpp/yaml.h>
 
+#include <functional>
 #include <sstream>
 #include <string>
 
@@ -13,12 +14,12 @@
 namespace selfproj {
 namespace {
 
-constexpr int kDeepest = 16;
+using Fault = std::function<std::string(const std::string&)>;
 
 // Looks at a document without building it.
 class Judge final : public YAML::EventHandler {
  public:
-  explicit Judge(const std::string& source) : source_(source) {}
+  Judge(const std::string& source, const Fault& fault) : source_(source), fault_(fault) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (++documents_ > 1) {
@@ -28,8 +29,13 @@ class Judge final : public YAML::EventHandler {
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t /*anchor*/) override { fail(mark, "aliases are not understood"); }
-  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                const std::string& /*value*/) override {}
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t /*anchor*/,
+                const std::string& value) override {
+    const bool quoted = tag == "!";
+    if (const std::string reason = fault_ && !quoted ? fault_(value) : ""; !reason.empty()) {
+      fail(mark, reason.c_str());
+    }
+  }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
                        YAML::EmitterStyle::value /*style*/) override {
     enter(mark);
@@ -43,7 +49,7 @@ class Judge final : public YAML::EventHandler {
 
  private:
   void enter(const YAML::Mark& mark) {
-    if (++depth_ > kDeepest) {
+    if (++depth_ > kDeepestDocument) {
       fail(mark, "is nested too deeply");
     }
   }
@@ -52,19 +58,28 @@ class Judge final : public YAML::EventHandler {
   }
 
   const std::string& source_;
+  const Fault& fault_;
   int documents_ = 0;
   int depth_ = 0;
 };
 
 }  // namespace
 
-YAML::Node parse_yaml(const std::string& text, const std::string& source) {
+void judge_yaml(const std::string& text, const std::string& source, const Fault& fault) {
   try {
     std::istringstream stream(text);
     YAML::Parser parser(stream);
-    Judge judge(source);
+    Judge judge(source, fault);
     while (parser.HandleNextDocument(judge)) {
     }
+  } catch (const YAML::Exception& error) {
+    throw UserError(source, fmt::format("line {}: {}", error.mark.line + 1, error.msg));
+  }
+}
+
+YAML::Node parse_yaml(const std::string& text, const std::string& source) {
+  judge_yaml(text, source, {});
+  try {
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw UserError(source, fmt::format("line {}: {}", error.mark.line + 1, error.msg));

@@ -45,6 +45,13 @@ void PacketRecording::stamp(std::size_t packet, std::uint64_t frame, double cloc
   stamp_packet({room, recorded.size}, {.sequence = frame, .time_stamp = time_stamp, .encoder = encoder, .lost = 0});
 }
 
+namespace {
+
+constexpr std::size_t kMostHeld = 4'000'000'000;
+constexpr std::uint64_t kMostSearched = std::uint64_t{1} << 28U;  // bytes: a file may have no end
+
+}  // namespace
+
 PacketRecording read_recording(const std::string& file, Counters& counters) {
   PacketRecording recording;
   const std::unique_ptr<Device> device = open_device("file:" + file);
@@ -52,6 +59,12 @@ PacketRecording read_recording(const std::string& file, Counters& counters) {
   for (Next next = Next::timeout; next != Next::end; next = device->next(packet, std::chrono::seconds(1))) {
     if (next == Next::packet) {
       recording.add(packet.header, packet.bytes());
+    }
+    if (recording.frames() == 0 && device->counters().bytes_discarded > kMostSearched) {
+      throw UserError(file, "has no good packet at its beginning");
+    }
+    if (recording.bytes() > kMostHeld) {
+      throw UserError(file, "has more than 4 GB of packets; they are held in memory");
     }
   }
   counters = device->counters();

@@ -109,6 +109,15 @@ TEST(ReferenceFile, DamageIsSeen) {
   EXPECT_TRUE(contains(message(replaced("\n9,", "\n9,1,")), "is damaged: column 9"));
   EXPECT_TRUE(contains(message(replaced("\n4,,,\n", "\n4,,7,\n")), "'' is not a number"));
   EXPECT_TRUE(contains(message(text + "513,,,\n"), "more than 512 columns"));
+  // Numbers that no rig can mean; in the profiler's own float they would be infinite, or 0.
+  const auto fourth = [&](const std::string& numbers) {
+    return message(replaced("\n4,,,\n", "\n4," + numbers + "\n"));
+  };
+  EXPECT_EQ(fourth("0.6,1167,0.5"), "no error");
+  EXPECT_TRUE(contains(fourth("0.6,1167,-1e308"), "offset_px is -1e+308; its size may be at most 96"));
+  EXPECT_TRUE(contains(fourth("0.6,1e39,0.5"), "z_mm is 1e+39; its size may be at most 1000000"));
+  EXPECT_TRUE(contains(fourth("1e39,1167,0.5"), "tan_theta is 1e+39; its size may be at most 10000"));
+  EXPECT_TRUE(contains(fourth("0.6,1e-320,0.5"), "z is 1e-320, less than 0.001"));
 }
 
 TEST(ReferenceFile, FoldersAndPatterns) {
@@ -144,6 +153,10 @@ TEST(CurveFile, Csv) {
   EXPECT_EQ(message("y_mm,z_mm\n0,1000,3\n"), "c.csv: line 2: two numbers are expected: y, z");
   EXPECT_EQ(message("y_mm,z_mm\n0,12mm\n"), "c.csv: line 2: '12mm' is not a number");
   EXPECT_TRUE(contains(message("y_mm,z_mm\n0,-5\n"), "must be greater than 0"));
+  EXPECT_EQ(message("y_mm,z_mm\n0,1e39\n"), "c.csv: line 2: z is 1e+39; its size may be at most 1000000");
+  EXPECT_EQ(message("y_mm,z_mm\n-1e308,9\n"), "c.csv: line 2: y is -1e+308; its size may be at most 1000000");
+  EXPECT_TRUE(contains(message("y_mm,z_mm\n0,1e-320\n"), "at least 0.001"));
+  EXPECT_TRUE(contains(message("y_mm,z_mm\n0,nan\n"), "is not a number"));
 }
 
 TEST(CurveFile, HeightsOfFrames) {

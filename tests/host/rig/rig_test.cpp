@@ -106,5 +106,45 @@ TEST(Rig, ErrorsNameFileLineKeyAndReason) {
   EXPECT_THROW(load_rig("no-such-rig"), UserError);
 }
 
+// Each number of a rig as one that is hardly there, or larger than anything: it is refused, or means itself wherever
+// the rig is written again.
+TEST(Rig, EveryNumberAtItsLimits) {
+  for (const std::string& name : built_in_rigs()) {
+    const std::string yaml = to_yaml(load_rig(name));
+    int numbers = 0;
+    std::size_t begin = 0;
+    for (std::size_t end = yaml.find('\n'); end != std::string::npos; end = yaml.find('\n', begin)) {
+      const std::size_t colon = yaml.find(": ", begin);
+      if (colon < end && yaml.find_first_of("-0123456789", colon) == colon + 2) {
+        ++numbers;
+        for (const char* value : {"1e-320", "-1e-320", "1e308", "-1e308", "1e39", "5e-324", "1e-9", "nan", ".inf"}) {
+          std::string other = yaml;
+          other.replace(colon + 2, end - colon - 2, value);
+          if (const std::string error = error_of(other); error != "none") {
+            EXPECT_NE(error.find(yaml.substr(begin, colon - begin).substr(yaml[begin] == ' ' ? 2 : 0)),
+                      std::string::npos)
+                << error;
+            continue;
+          }
+          const std::string again = to_yaml(parse_rig(other, "rig.yaml"));
+          EXPECT_EQ(to_yaml(parse_rig(again, "again")), again) << yaml.substr(begin, end - begin) << " " << value;
+        }
+      }
+      begin = end + 1;
+    }
+    EXPECT_GT(numbers, 30) << name;
+  }
+}
+
+// A whole number is decimal, and one document is read.
+TEST(Rig, OctalAndSecondDocument) {
+  EXPECT_EQ(parse_rig(with("  rows: 96", "  rows: 0120"), "text").camera.rows, 120);
+  EXPECT_NE(error_of(with("  rows: 96", "  rows: 0x10")), "none");
+  const std::string yaml = to_yaml(load_rig("light-section"));
+  EXPECT_NE(error_of(yaml + "---\n" + yaml).find("a second document begins"), std::string::npos);
+  EXPECT_NE(error_of("a: &x [*x]\n").find("aliases"), std::string::npos);
+  EXPECT_NE(error_of(std::string(500'000, '[')).find("nested too deeply"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace selfproj
