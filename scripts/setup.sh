@@ -8,7 +8,7 @@ for_programs=(
   verilator zlib1g-dev                       # simulation of the circuits, compressed waveforms
   libsystemc-dev                             # co-simulation
   libopencv-core-dev libopencv-imgcodecs-dev libopencv-imgproc-dev  # image files, colour conversion
-  libopencv-calib3d-dev                      # calibration
+  libopencv-calib3d-dev libceres-dev libeigen3-dev  # calibration
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   nlohmann-json3-dev                         # summaries
 )

@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "host/calibration/calibrate.h"
+#include "host/calibration/calibration_check.h"
 #include "host/calibration/calibration_output.h"
+#include "host/calibration/calibration_pictures.h"
 #include "host/calibration/capture.h"
 #include "host/io/command_line.h"
 #include "host/io/frame_options.h"
@@ -30,6 +32,8 @@
 namespace selfproj {
 namespace {
 
+constexpr const char* kAuto = "auto";
+
 struct CalibrateOptions {
   std::string chessboard;
   std::string projector;
@@ -37,10 +41,16 @@ struct CalibrateOptions {
   std::string channel;
   std::string rig = "scanner";
   std::string out;
+  std::string board = "bent";
+  std::string camera_distortion = kAuto;
+  std::string projector_distortion = kAuto;
   DecodeSettings decode;
   CalibrateSettings calibrate;
   std::vector<std::string> poses;
+  std::vector<std::string> checks;
 };
+
+int free_of(const std::string& option) { return option == kAuto ? FreeDistortion::kByData : std::stoi(option); }
 
 // The rig of the calibration, or the reason why it does not exist.
 std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report) {
@@ -59,7 +69,8 @@ std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report)
   }
 }
 
-void run_calibrate(CalibrateOptions options) {
+// Checks the options and puts them into options.calibrate.
+void apply(CalibrateOptions& options) {
   constexpr int kMostCorners = 200;
   const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
   if (corners.columns < 3 || corners.rows < 3) {
@@ -67,8 +78,14 @@ void run_calibrate(CalibrateOptions options) {
                     fmt::format("is {}; at least 3 inner corners are needed along both sides", options.chessboard));
   }
   const FrameSize projector = size_of_text("--projector", options.projector, 1 << GrayDecoder::kMaxBits);
-  if (std::set<std::string>(options.poses.begin(), options.poses.end()).size() != options.poses.size()) {
+  std::set<std::string> folders(options.poses.begin(), options.poses.end());
+  if (folders.size() != options.poses.size()) {
     throw UserError("POSE", "a folder is given twice");
+  }
+  for (const std::string& check : options.checks) {
+    if (!folders.insert(check).second) {
+      throw UserError("--check", fmt::format("{} is given twice; a pose that takes part proves nothing", check));
+    }
   }
   CalibrateSettings& settings = options.calibrate;
   settings.chessboard.columns = corners.columns;
@@ -76,24 +93,45 @@ void run_calibrate(CalibrateOptions options) {
   settings.projector_columns = projector.columns;
   settings.projector_rows = projector.rows;
   settings.corners.method = options.corners == "direct" ? CornerMethod::direct : CornerMethod::homography;
+  settings.bent = options.board == "bent";
+  settings.free = {free_of(options.camera_distortion), free_of(options.projector_distortion)};
   static_cast<void>(load_rig(options.rig));
-  OutputFolder folder(options.out);
-  const GraySequence sequence(projector.columns, projector.rows);
+}
+
+// Decodes the folders and finds the chessboard in each.
+std::vector<PoseReport> observe(const std::vector<std::string>& folders, const CalibrateOptions& options) {
+  const CalibrateSettings& settings = options.calibrate;
+  const GraySequence sequence(settings.projector_columns, settings.projector_rows);
   std::vector<std::vector<std::string>> files;
-  for (const std::string& pose : options.poses) {
-    files.push_back(files_of_folder(pose));
+  for (const std::string& folder : folders) {
+    files.push_back(files_of_folder(folder));
   }
   std::vector<PoseReport> poses;
-  {
-    Progress progress("pose", options.poses.size());
-    for (std::size_t i = 0; i < options.poses.size(); ++i) {
-      const Capture capture =
-          decode_capture(options.poses[i], files[i], sequence, options.decode, channel_of(options.channel));
-      poses.push_back(observe_pose(options.poses[i], capture, settings));
-      progress.update(i + 1);
-    }
+  Progress progress("pose", folders.size());
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    const Capture capture = decode_capture(folders[i], files[i], sequence, options.decode, channel_of(options.channel));
+    poses.push_back(observe_pose(folders[i], capture, settings));
+    progress.update(i + 1);
   }
-  CalibrationReport report = calibrate(std::move(poses), settings);
+  return poses;
+}
+
+void run_calibrate(CalibrateOptions options) {
+  apply(options);
+  OutputFolder folder(options.out);
+  const std::size_t parts = options.poses.size();
+  std::vector<std::string> folders = options.poses;
+  folders.insert(folders.end(), options.checks.begin(), options.checks.end());
+  std::vector<PoseReport> poses = observe(folders, options);
+  const std::vector<PoseReport> checks(poses.begin() + static_cast<std::ptrdiff_t>(parts), poses.end());
+  poses.resize(parts);
+  CalibrationReport report = calibrate(std::move(poses), options.calibrate);
+  if (!report.model.refusal.empty()) {
+    throw CheckFailed(fmt::format("calibrate: no rig: {}", report.model.refusal));
+  }
+  for (const PoseReport& check : checks) {
+    report.checks.push_back(check_pose(check, report));
+  }
   const std::string rig = rig_yaml(options, report);
   if (!rig.empty()) {
     folder.append("rig.yaml", rig);
@@ -122,7 +160,8 @@ void add_calibrate_command(CLI::App& app) {
                   "The output folder gets\n"
                   "- calibration.yaml: camera, projector and the pose between them, as OpenCV YAML\n"
                   "- rig.yaml: the same as a rig, unless a rig cannot describe it\n"
-                  "- report.json, corners.csv, coverage.png, residuals.png: how good it is, and what was left out",
+                  "- report.json, corners.csv, coverage.png, residuals.png: how good it is, and what was left out\n\n"
+                  "Where the poses do not determine the result, nothing is written and the exit status is 1.",
        .examples = R"(
 # Capture a simulated chessboard in 4 poses, and calibrate from the captures.
 selfproj pattern gray --projector 1024x768 --out patterns
@@ -194,17 +233,29 @@ selfproj calibrate --chessboard 9x7 --square 20 --projector 1024x768 \
       ->transform(real_number(0, 1000))
       ->type_name("K")
       ->capture_default_str();
-  const std::vector<std::string> distortions = {"0", "1", "2", "4", "5"};
+  const std::vector<std::string> distortions = {kAuto, "0", "1", "2", "4", "5"};
   command
-      ->add_option("--camera-distortion", settings.free.camera,
-                   "How many of k1, k2, p1, p2, k3 are estimated for the camera. The others are 0.")
+      ->add_option("--camera-distortion", options->camera_distortion,
+                   "How many of k1, k2, p1, p2, k3 are estimated for the camera. The others are 0. auto: as many as "
+                   "the captures support, without k3.")
       ->check(one_of(distortions))
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--projector-distortion", settings.free.projector, "The same for the projector.")
+  command->add_option("--projector-distortion", options->projector_distortion, "The same for the projector.")
       ->check(one_of(distortions))
       ->type_name("N")
       ->capture_default_str();
+  command
+      ->add_option("--board", options->board,
+                   "bent: the chessboard's shape is estimated, as paper is never flat. flat: it is exactly flat.")
+      ->check(one_of({"bent", "flat"}))
+      ->type_name("SHAPE")
+      ->capture_default_str();
+  command
+      ->add_option("--check", options->checks,
+                   "Folders of poses that take no part. For each, the output says how well the calibration explains "
+                   "it.")
+      ->type_name("POSE");
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   add_files(

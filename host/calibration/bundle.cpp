@@ -1,386 +1,405 @@
 #include "host/calibration/bundle.h"
 
+#include <ceres/manifold.h>
+#include <ceres/ordered_groups.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+#include <glog/logging.h>
+
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <opencv2/calib3d.hpp>
+#include <initializer_list>
+#include <memory>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <stdexcept>
+#include <utility>
 #include <vector>
+
+#include "host/calibration/bundle_cost.h"
+#include "host/calibration/bundle_deviations.h"
+#include "host/calibration/normal_matrix.h"
 
 namespace selfproj {
 namespace {
 
-constexpr int kPose = 6;
-constexpr int kDistortion = 5;
+using bundle_cost::kLens;
+using bundle_cost::kPose;
+using bundle_cost::kView;
+using bundle_cost::PriorCost;
+using bundle_cost::ViewCost;
 
-// The positions of the unknowns: both lenses, the pose between them, the chessboard's poses.
-struct Layout {
-  int camera_free;     // free coefficients of the camera's lens
-  int projector_free;  // free coefficients of the projector's
-  int views;
+constexpr double kLeastNoise = 1e-6;  // pixels, so that exact data have a finite weight
 
-  [[nodiscard]] int projector() const { return camera_free; }
-  [[nodiscard]] int stereo() const { return camera_free + projector_free; }
-  [[nodiscard]] int view(int i) const { return stereo() + kPose * (1 + i); }
-  [[nodiscard]] int count() const { return view(views); }
-};
+// What is random, in the order of the residuals.
+using Kind = int;
+constexpr Kind kCamera = 0;
+constexpr Kind kProjector = 1;
+constexpr Kind kBend = 2;
+constexpr Kind kStretch = 3;
+constexpr Kind kOwn = 4;
+constexpr Kind kKinds = 5;
 
-void add_pose(Pose& pose, const cv::Mat1d& change, int at) {
-  for (int i = 0; i < 3; ++i) {
-    pose.rotation[i] += change(at + i);
-    pose.translation[i] += change(at + 3 + i);
+std::array<double*, kKinds> parts_of(BundleNoise& noise) {
+  return {&noise.camera, &noise.projector, &noise.bend, &noise.stretch, &noise.own};
+}
+
+// Which of the coefficients of a lens are held.
+std::vector<int> held(int free) {
+  std::vector<int> indices;
+  for (int i = kPinholeParameters + free; i < kLens; ++i) {
+    indices.push_back(i);
   }
+  return indices;
 }
 
-Bundle changed(const Bundle& from, const cv::Mat1d& change, const Layout& layout) {
-  Bundle to = from;
-  for (int i = 0; i < layout.camera_free; ++i) {
-    to.camera[static_cast<std::size_t>(i)] += change(i);
-  }
-  for (int i = 0; i < layout.projector_free; ++i) {
-    to.projector[static_cast<std::size_t>(i)] += change(layout.projector() + i);
-  }
-  add_pose(to.stereo, change, layout.stereo());
-  for (int v = 0; v < layout.views; ++v) {
-    add_pose(to.chessboard[static_cast<std::size_t>(v)], change, layout.view(v));
-  }
-  return to;
-}
-
-// Pixels of points, with derivatives in OpenCV's order: rotation 3, translation 3, focal lengths 2, centre 2,
-// distortion 5.
-std::vector<cv::Point2d> project(const std::vector<cv::Point3d>& points, const Pose& pose, const LensParameters& lens,
-                                 cv::Mat& derivative) {
-  const cv::Matx33d matrix(lens[0], 0, lens[2], 0, lens[1], lens[3], 0, 0, 1);
-  const cv::Vec<double, kDistortion> distortion(lens[4], lens[5], lens[6], lens[7], lens[8]);
-  std::vector<cv::Point2d> pixels;
-  derivative.release();  // parts taken of it before stay valid
-  cv::projectPoints(points, pose.rotation, pose.translation, matrix, distortion, pixels, derivative);
-  return pixels;
-}
-
-// The column of OpenCV's derivatives at which those of a lens begin, in the order of LensParameters.
-constexpr int kLensColumn = 6;
-
-// Residuals and derivatives of one view; rows 2i and 2i + 1 belong to sight i.
-struct Linear {
-  std::vector<cv::Vec2d> camera, projector;  // residuals
-  cv::Mat1d camera_by_lens, camera_by_view;
-  cv::Mat1d projector_by_lens, projector_by_stereo, projector_by_view;
-};
-
-Linear linearize(const View& view, const Bundle& bundle, std::size_t v) {
-  std::vector<cv::Point3d> points;
-  points.reserve(view.sights.size());
-  for (const Sight& sight : view.sights) {
-    points.push_back(sight.chessboard);
-  }
-  Linear linear;
-  cv::Mat derivative;
-  const Pose& pose = bundle.chessboard[v];
-  const std::vector<cv::Point2d> in_camera = project(points, pose, bundle.camera, derivative);
-  linear.camera_by_view = derivative.colRange(0, kPose);
-  linear.camera_by_lens = derivative.colRange(kLensColumn, kLensColumn + static_cast<int>(kLensParameters));
-
-  Pose both;
-  cv::Mat rotation_by_view;
-  cv::Mat rotation_by_view_t;
-  cv::Mat rotation_by_stereo;
-  cv::Mat rotation_by_stereo_t;
-  cv::Mat translation_by_view;
-  cv::Mat translation_by_view_t;
-  cv::Mat translation_by_stereo;
-  cv::Mat translation_by_stereo_t;
-  cv::composeRT(pose.rotation, pose.translation, bundle.stereo.rotation, bundle.stereo.translation, both.rotation,
-                both.translation, rotation_by_view, rotation_by_view_t, rotation_by_stereo, rotation_by_stereo_t,
-                translation_by_view, translation_by_view_t, translation_by_stereo, translation_by_stereo_t);
-  const std::vector<cv::Point2d> in_projector = project(points, both, bundle.projector, derivative);
-  linear.projector_by_lens = derivative.colRange(kLensColumn, kLensColumn + static_cast<int>(kLensParameters));
-  const auto chain = [&](const cv::Mat& r, const cv::Mat& r_t, const cv::Mat& t, const cv::Mat& t_t) {
-    cv::Mat1d inner(kPose, kPose);
-    r.copyTo(inner(cv::Range(0, 3), cv::Range(0, 3)));
-    r_t.copyTo(inner(cv::Range(0, 3), cv::Range(3, 6)));
-    t.copyTo(inner(cv::Range(3, 6), cv::Range(0, 3)));
-    t_t.copyTo(inner(cv::Range(3, 6), cv::Range(3, 6)));
-    return cv::Mat1d(derivative.colRange(0, kPose) * inner);
-  };
-  linear.projector_by_view = chain(rotation_by_view, rotation_by_view_t, translation_by_view, translation_by_view_t);
-  linear.projector_by_stereo =
-      chain(rotation_by_stereo, rotation_by_stereo_t, translation_by_stereo, translation_by_stereo_t);
-
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    linear.camera.emplace_back(view.sights[i].camera - in_camera[i]);
-    linear.projector.emplace_back(view.sights[i].projector - in_projector[i]);
-  }
-  return linear;
-}
-
-double squares(const std::vector<cv::Vec2d>& residuals) {
-  double sum = 0;
-  for (const cv::Vec2d& residual : residuals) {
-    sum += residual.dot(residual);
-  }
-  return sum;
-}
-
-// Weights of the residuals: one over their variance in one direction.
-struct Weights {
-  double camera = 1;
-  double projector = 1;
-};
-
-double cost_of(const std::vector<Linear>& views, const Weights& weights) {
-  double cost = 0;
-  for (const Linear& view : views) {
-    cost += weights.camera * squares(view.camera) + weights.projector * squares(view.projector);
-  }
-  return cost;
-}
-
-// Adds weight A^T B to the block of the normal matrix at (row, column).
-void add_block(cv::Mat1d& normal, int row, int column, double weight, const cv::Mat1d& a, const cv::Mat1d& b) {
-  normal(cv::Rect(column, row, b.cols, a.cols)) += weight * (a.t() * b);
-}
-
-void add_right(cv::Mat1d& right, int row, double weight, const cv::Mat1d& a, const std::vector<cv::Vec2d>& residuals) {
-  const cv::Mat1d column(static_cast<int>(2 * residuals.size()), 1,
-                         const_cast<double*>(residuals.front().val));  // NOLINT: read only
-  right(cv::Rect(0, row, 1, a.cols)) += weight * (a.t() * column);
-}
-
-void normal_equations(const std::vector<Linear>& views, const Weights& weights, const Layout& layout, cv::Mat1d& normal,
-                      cv::Mat1d& right) {
-  normal = cv::Mat1d::zeros(layout.count(), layout.count());
-  right = cv::Mat1d::zeros(layout.count(), 1);
-  for (int v = 0; v < layout.views; ++v) {
-    const Linear& view = views[static_cast<std::size_t>(v)];
-    struct Part {
-      int at;
-      cv::Mat1d by;
-    };
-    const std::array<Part, 2> camera{
-        {{0, view.camera_by_lens.colRange(0, layout.camera_free)}, {layout.view(v), view.camera_by_view}}};
-    const std::array<Part, 3> projector{
-        {{layout.projector(), view.projector_by_lens.colRange(0, layout.projector_free)},
-         {layout.stereo(), view.projector_by_stereo},
-         {layout.view(v), view.projector_by_view}}};
-    for (const Part& a : camera) {
-      for (const Part& b : camera) {
-        add_block(normal, a.at, b.at, weights.camera, a.by, b.by);
-      }
-      add_right(right, a.at, weights.camera, a.by, view.camera);
-    }
-    for (const Part& a : projector) {
-      for (const Part& b : projector) {
-        add_block(normal, a.at, b.at, weights.projector, a.by, b.by);
-      }
-      add_right(right, a.at, weights.projector, a.by, view.projector);
-    }
-  }
-}
-
-std::vector<Linear> linearize_all(const std::vector<View>& views, const Bundle& bundle) {
-  std::vector<Linear> result;
-  result.reserve(views.size());
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    result.push_back(linearize(views[v], bundle, v));
-  }
-  return result;
-}
-
-// The unknowns have units of pixels, radians and mm, so they are scaled by the normal matrix's diagonal.
-cv::Mat1d scale_of(const cv::Mat1d& normal) {
-  cv::Mat1d scale(normal.rows, 1);
-  for (int i = 0; i < normal.rows; ++i) {
-    scale(i) = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 1;
-  }
-  return scale;
-}
-
-// The inverse of the normal matrix. Directions in which it vanishes have infinite variance.
-cv::Mat1d covariance_of(const cv::Mat1d& normal) {
-  constexpr double kNothing = 1e-13;  // eigenvalue of the scaled matrix that counts as 0, relative to the greatest
-  const cv::Mat1d scale = scale_of(normal);
-  const cv::Mat1d scaled(normal.mul(scale * scale.t()));
-  cv::Mat1d values;
-  cv::Mat1d vectors;
-  cv::eigen(scaled, values, vectors);
-  cv::Mat1d inverse(normal.rows, normal.cols, 0.0);
-  for (int k = 0; k < values.rows; ++k) {
-    const cv::Mat1d vector(vectors.row(k).t());
-    inverse += (1 / std::max(values(k), kNothing * values(0))) * (vector * vector.t());
-  }
-  return cv::Mat1d(inverse.mul(scale * scale.t()));
-}
-
-// The variances of the residuals of camera and projector.
-struct SumsOfSquares {
-  double camera = 0;
-  double projector = 0;
-};
-
-SumsOfSquares sums_of(const std::vector<Linear>& views) {
-  SumsOfSquares sums;
-  for (const Linear& view : views) {
-    sums.camera += squares(view.camera);
-    sums.projector += squares(view.projector);
-  }
-  return sums;
-}
-
-// One over the variance in one direction of residuals with this sum of squares.
-double weight_of(double sum, std::size_t sights) {
-  constexpr double kLeastNoise = 1e-6;  // pixels, so that exact data have a finite weight
-  const double per_direction = std::sqrt(sum / (2.0 * static_cast<double>(sights)));
-  return 1 / std::pow(std::max(kLeastNoise, per_direction), 2);
-}
-
-// Levenberg-Marquardt over the views, with its state.
-class Solver {
+// The problem, with the unknowns in the form that Ceres takes. Neither copied nor moved: Ceres points into it.
+class Fit {
  public:
-  Solver(const std::vector<View>& views, const Bundle& start, const FreeDistortion& free)
-      : views_(views),
-        layout_{kPinhole + free.camera, kPinhole + free.projector, static_cast<int>(views.size())},
-        bundle_(start) {
-    for (const View& view : views) {
-      sights_ += view.sights.size();
+  Fit(const std::vector<View>& views, const Bundle& start, const BundleOptions& options, bool poses_only)
+      : views_(views), options_(options), poses_only_(poses_only), from_(start), noise_(start.noise) {
+    std::copy(start.camera.begin(), start.camera.end(), camera_.begin());
+    std::copy(start.projector.begin(), start.projector.end(), projector_.begin());
+    put(start.stereo, stereo_.data());
+    shape_ = start.shape;
+    blocks_.resize(views.size());
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      put(start.chessboard[v], blocks_[v].data());
+      if (v < start.own_bend.size()) {
+        std::copy(start.own_bend[v].begin(), start.own_bend[v].end(), blocks_[v].begin() + kPose);
+      }
+      sights_ += views[v].sights.size();
     }
-    if (!(equations() > layout_.count())) {
-      throw std::invalid_argument("calibration: fewer equations than unknowns");
-    }
-    linear_ = linearize_all(views, start);
+    add_residuals();
+    hold();
   }
+  Fit(const Fit&) = delete;
+  Fit& operator=(const Fit&) = delete;
+  ~Fit() = default;
 
-  // Runs Levenberg-Marquardt until a step gains next to nothing or no step gains anything.
-  void minimize() {
-    constexpr int kMostSteps = 200;
-    constexpr double kDone = 1e-12;  // relative change of the sum of squares
-    for (int step = 0; step < kMostSteps; ++step) {
-      weigh();
-      const double cost = cost_of(linear_, weights_);
-      const double gain = improve(cost);
-      if (gain <= kDone * cost) {
-        return;
+  void solve() {
+    constexpr int kMostRounds = 15;
+    constexpr double kSettled = 0.05;  // relative change of a standard deviation
+    constexpr double kRough = 1e-7;    // relative change of the cost at which a minimization ends
+    constexpr double kFine = 1e-13;
+    for (int round = 0; options_.estimate_noise && round < kMostRounds; ++round) {
+      minimize(kRough);
+      if (estimate_noise() < kSettled) {
+        break;
       }
     }
+    minimize(options_.deviations ? kFine : kRough);
   }
 
-  [[nodiscard]] BundleResult result() const {
+  [[nodiscard]] BundleResult result() {
     BundleResult result;
-    result.bundle = bundle_;
-    add_residuals(result);
-    add_deviations(result);
+    result.bundle = bundle();
+    result.cost = cost_;
+    add_lengths(result);
     return result;
   }
 
+  // The normal matrix, its unknowns in the order of BundleLayout.
+  [[nodiscard]] Eigen::MatrixXd normal() { return normal_matrix(linearize().jacobian); }
+
+  [[nodiscard]] BundleLayout layout() const {
+    return {options_.free, options_.projector, options_.shape != nullptr, views_.size()};
+  }
+
+  // Throws std::invalid_argument if there are fewer equations than unknowns.
+  void check_equations() const {
+    const int projector = options_.projector ? kPinholeParameters + options_.free.projector + kPose : 0;
+    const int unknowns =
+        kPinholeParameters + options_.free.camera + projector + kPose * static_cast<int>(views_.size());
+    if (!(static_cast<int>(sights_) * (options_.projector ? 4 : 2) > unknowns)) {
+      throw std::invalid_argument("fewer equations than unknowns");
+    }
+  }
+
  private:
-  static constexpr int kPinhole = 4;  // parameters of a lens before its distortion
-
-  [[nodiscard]] double equations() const { return 4 * static_cast<double>(sights_); }
-
-  // Estimates the noise of camera and projector from their current residuals.
-  void weigh() {
-    const SumsOfSquares sums = sums_of(linear_);
-    if (!std::isfinite(sums.camera + sums.projector)) {
-      throw std::runtime_error("calibration: the least squares do not converge");
+  static void put(const Pose& pose, double* to) {
+    for (int i = 0; i < 3; ++i) {
+      to[i] = pose.rotation[i];
+      to[3 + i] = pose.translation[i];
     }
-    weights_ = {weight_of(sums.camera, sights_), weight_of(sums.projector, sights_)};
+  }
+  static Pose pose_at(const double* from) { return {{from[0], from[1], from[2]}, {from[3], from[4], from[5]}}; }
+
+  // Adds residuals, of which `counts` are of these kinds in succession.
+  template <typename... Blocks>
+  void add(std::initializer_list<std::pair<Kind, int>> counts, ceres::CostFunction* cost, Blocks*... blocks) {
+    residuals_.push_back(problem_.AddResidualBlock(cost, nullptr, blocks...));
+    for (const auto& [kind, count] : counts) {
+      kinds_.insert(kinds_.end(), static_cast<std::size_t>(count), kind);
+    }
   }
 
-  // Takes the first step that does not increase `cost`, with more and more damping. Returns the decrease of the cost,
-  // or -1 if there is no such step.
-  double improve(double cost) {
-    constexpr double kLeastDamping = 1e-12;
-    constexpr double kMostDamping = 1e12;
-    cv::Mat1d normal;
-    cv::Mat1d right;
-    normal_equations(linear_, weights_, layout_, normal, right);
-    const cv::Mat1d scale = scale_of(normal);
-    while (damping_ < kMostDamping) {
-      cv::Mat1d damped(normal.mul(scale * scale.t()));
-      damped.diag() += damping_;
-      cv::Mat1d change;
-      if (cv::solve(damped, right.mul(scale), change, cv::DECOMP_CHOLESKY)) {
-        const Bundle tried = changed(bundle_, cv::Mat1d(change.mul(scale)), layout_);
-        std::vector<Linear> there = linearize_all(views_, tried);
-        const double cost_there = cost_of(there, weights_);
-        if (cost_there <= cost) {
-          bundle_ = tried;
-          linear_ = std::move(there);
-          damping_ = std::max(kLeastDamping, damping_ / 10);
-          return cost - cost_there;
-        }
-      }
-      damping_ *= 10;
-    }
-    return -1;
-  }
-
-  void add_residuals(BundleResult& result) const {
-    SumsOfSquares all;
+  void add_residuals() {
+    using SharedPrior = PriorCost<kSharedModes, kSharedModes>;
+    using OwnPrior = PriorCost<kOwnModes, kView>;
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      const auto count = static_cast<double>(views_[v].sights.size());
-      const double camera = squares(linear_[v].camera);
-      const double projector = squares(linear_[v].projector);
-      result.view_camera_rms.push_back(std::sqrt(camera / count));
-      result.view_projector_rms.push_back(std::sqrt(projector / count));
-      result.camera_residuals.push_back(linear_[v].camera);
-      result.projector_residuals.push_back(linear_[v].projector);
-      all.camera += camera;
-      all.projector += projector;
+      add({{kCamera, 2 * static_cast<int>(views_[v].sights.size())}},
+          new ViewCost(ViewCost::InCamera(), views_[v], options_.shape, noise_), camera_.data(), blocks_[v].data(),
+          shape_.data());
     }
-    const auto count = static_cast<double>(sights_);
-    result.camera_rms = std::sqrt(all.camera / count);
-    result.projector_rms = std::sqrt(all.projector / count);
-    result.rms = std::sqrt((all.camera + all.projector) / (2 * count));
+    for (std::size_t v = 0; v < views_.size() && options_.projector; ++v) {
+      add({{kProjector, 2 * static_cast<int>(views_[v].sights.size())}},
+          new ViewCost(ViewCost::InProjector(), views_[v], options_.shape, noise_), projector_.data(), stereo_.data(),
+          blocks_[v].data(), shape_.data());
+    }
+    if (shaped()) {
+      add({{kBend, kBendModes}, {kStretch, kStretchModes}}, new SharedPrior, shape_.data());
+      for (auto& block : blocks_) {
+        add({{kOwn, kOwnModes}}, new OwnPrior, block.data());
+      }
+    }
   }
 
-  void add_deviations(BundleResult& result) const {
-    cv::Mat1d normal;
-    cv::Mat1d right;
-    normal_equations(linear_, weights_, layout_, normal, right);
-    // Residuals are smaller than the noise, because the unknowns absorb part of it.
-    const cv::Mat1d covariance(covariance_of(normal) * (equations() / (equations() - layout_.count())));
-    const auto of = [&](int i) { return std::sqrt(std::max(0.0, covariance(i, i))); };
-    const auto pose_of = [&](int at) {
-      return Pose{{of(at), of(at + 1), of(at + 2)}, {of(at + 3), of(at + 4), of(at + 5)}};
+  // Puts what is estimated in order, and holds the rest.
+  void hold() {
+    const auto hold_some = [&](double* block, int size, const std::vector<int>& which) {
+      if (!which.empty()) {
+        problem_.SetManifold(block, new ceres::SubsetManifold(size, which));
+      }
     };
-    Bundle& deviation = result.deviation;
-    for (int i = 0; i < layout_.camera_free; ++i) {
-      deviation.camera[static_cast<std::size_t>(i)] = of(i);
+    std::vector<int> own_bend(kOwnModes);
+    std::iota(own_bend.begin(), own_bend.end(), kPose);
+    hold_some(camera_.data(), kLens, held(options_.free.camera));
+    order_ = {camera_.data()};
+    if (options_.projector) {
+      hold_some(projector_.data(), kLens, held(options_.free.projector));
+      order_.insert(order_.end(), {projector_.data(), stereo_.data()});
     }
-    for (int i = 0; i < layout_.projector_free; ++i) {
-      deviation.projector[static_cast<std::size_t>(i)] = of(layout_.projector() + i);
+    if (shaped()) {
+      order_.push_back(shape_.data());
+    } else {
+      problem_.SetParameterBlockConstant(shape_.data());
     }
-    deviation.stereo = pose_of(layout_.stereo());
-    for (int v = 0; v < layout_.views; ++v) {
-      deviation.chessboard.push_back(pose_of(layout_.view(v)));
+    for (auto& block : blocks_) {
+      order_.push_back(block.data());
+      if (!shaped()) {
+        hold_some(block.data(), kView, own_bend);
+      }
     }
-    const cv::Vec3d along = cv::normalize(bundle_.stereo.translation);
-    const int t = layout_.stereo() + 3;
-    const cv::Mat1d block = covariance(cv::Rect(t, t, 3, 3));
-    const cv::Matx33d of_translation(block.clone().ptr<double>());
-    result.baseline_deviation = std::sqrt(std::max(0.0, along.dot(of_translation * along)));
+    if (poses_only_) {
+      problem_.SetParameterBlockConstant(camera_.data());
+      problem_.SetParameterBlockConstant(projector_.data());
+      problem_.SetParameterBlockConstant(stereo_.data());
+    }
   }
+
+  // Whether the shape is estimated.
+  [[nodiscard]] bool shaped() const { return options_.shape != nullptr && !poses_only_; }
+
+  void minimize(double tolerance) {
+    const int most_steps = options_.deviations ? 300 : 60;
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    std::vector<double*> all;
+    problem_.GetParameterBlocks(&all);
+    for (double* block : all) {
+      options.linear_solver_ordering->AddElementToGroup(block, 1);
+    }
+    for (auto& block : blocks_) {
+      options.linear_solver_ordering->AddElementToGroup(block.data(), 0);
+    }
+    options.max_num_iterations = most_steps;
+    options.function_tolerance = tolerance;
+    options.gradient_tolerance = 1e-14;
+    options.parameter_tolerance = 1e-12;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    cost_ = summary.final_cost;
+    if (!summary.IsSolutionUsable() || !std::isfinite(cost_)) {
+      throw std::runtime_error("the least squares do not converge");
+    }
+  }
+
+  struct Linear {
+    std::vector<double> residuals;
+    ceres::CRSMatrix jacobian;
+  };
+
+  [[nodiscard]] Linear linearize() {
+    Linear linear;
+    ceres::Problem::EvaluateOptions options;
+    options.parameter_blocks = order_;
+    options.residual_blocks = residuals_;
+    problem_.Evaluate(options, nullptr, &linear.residuals, nullptr, &linear.jacobian);
+    return linear;
+  }
+
+  // One step of variance components. Returns the greatest relative change of a standard deviation.
+  double estimate_noise() {
+    const Linear linear = linearize();
+    const std::vector<double> leverage = leverages(linear.jacobian, covariance_of(normal_matrix(linear.jacobian)));
+    std::array<double, kKinds> squares{};
+    std::array<double, kKinds> redundancy{};
+    for (std::size_t row = 0; row < leverage.size(); ++row) {
+      squares[kinds_[row]] += linear.residuals[row] * linear.residuals[row];
+      redundancy[kinds_[row]] += 1 - leverage[row];
+    }
+    return apply(squares, redundancy);
+  }
+
+  double apply(const std::array<double, kKinds>& squares, const std::array<double, kKinds>& redundancy) {
+    constexpr double kNoRedundancy = 1e-3;
+    constexpr double kFastest = 20;  // a shape's standard deviation changes by no more than this factor at once
+    double greatest = 0;
+    const std::array<double*, kKinds> parts = parts_of(noise_);
+    for (int kind = 0; kind < kKinds; ++kind) {
+      if (!(redundancy[static_cast<std::size_t>(kind)] > kNoRedundancy)) {
+        continue;
+      }
+      double& part = *parts[static_cast<std::size_t>(kind)];
+      const double before = part;
+      double factor = std::sqrt(squares[static_cast<std::size_t>(kind)] / redundancy[static_cast<std::size_t>(kind)]);
+      if (kind >= kBend) {
+        factor = std::clamp(factor, 1 / kFastest, kFastest);
+        part = std::clamp(before * factor, kLeastShape * side(), kMostShape * side());
+        rescale(kind, before / part);
+      } else {
+        part = std::max(kLeastNoise, before * factor);
+      }
+      greatest = std::max(greatest, std::abs(part / before - 1));
+    }
+    return greatest;
+  }
+
+  // The longer side of what is seen of the chessboard, mm.
+  [[nodiscard]] double side() const {
+    double greatest = 0;
+    for (const View& view : views_) {
+      for (const Sight& sight : view.sights) {
+        greatest = std::max({greatest, sight.chessboard.x, sight.chessboard.y});
+      }
+    }
+    return greatest;
+  }
+
+  // Keeps the shape when the unit of its coefficients changes.
+  void rescale(Kind kind, double factor) {
+    if (kind == kOwn) {
+      for (auto& block : blocks_) {
+        std::for_each(block.begin() + kPose, block.end(), [&](double& c) { c *= factor; });
+      }
+      return;
+    }
+    const auto first = shape_.begin() + (kind == kBend ? 0 : kBendModes);
+    std::for_each(first, first + (kind == kBend ? kBendModes : kStretchModes), [&](double& c) { c *= factor; });
+  }
+
+  [[nodiscard]] Bundle bundle() const {
+    Bundle bundle = from_;
+    bundle.camera = camera_;
+    bundle.projector = projector_;
+    bundle.stereo = pose_at(stereo_.data());
+    bundle.shape = shape_;
+    bundle.noise = noise_;
+    bundle.chessboard.clear();
+    bundle.own_bend.clear();
+    for (const auto& block : blocks_) {
+      bundle.chessboard.push_back(pose_at(block.data()));
+      bundle.own_bend.emplace_back();
+      std::copy(block.begin() + kPose, block.end(), bundle.own_bend.back().begin());
+    }
+    return bundle;
+  }
+
+  void add_lengths(BundleResult& result) {
+    std::vector<double> residuals;
+    ceres::Problem::EvaluateOptions options;
+    options.residual_blocks = residuals_;
+    problem_.Evaluate(options, nullptr, &residuals, nullptr, nullptr);
+    std::size_t at = 0;
+    const auto take = [&](double noise, std::vector<double>& view_rms, std::vector<std::vector<cv::Vec2d>>& lists) {
+      double all = 0;
+      for (const View& view : views_) {
+        lists.emplace_back();
+        double sum = 0;
+        for (std::size_t i = 0; i < view.sights.size(); ++i, at += 2) {
+          lists.back().emplace_back(noise * residuals[at], noise * residuals[at + 1]);
+          sum += lists.back().back().dot(lists.back().back());
+        }
+        view_rms.push_back(std::sqrt(sum / static_cast<double>(view.sights.size())));
+        all += sum;
+      }
+      return std::sqrt(all / static_cast<double>(sights_));
+    };
+    result.camera_rms = take(noise_.camera, result.view_camera_rms, result.camera_residuals);
+    if (options_.projector) {
+      result.projector_rms = take(noise_.projector, result.view_projector_rms, result.projector_residuals);
+    }
+    result.rms = std::hypot(result.camera_rms, result.projector_rms) / std::sqrt(options_.projector ? 2 : 1);
+  }
+
+  static constexpr double kLeastShape = 1e-5;  // of the chessboard's side
+  static constexpr double kMostShape = 0.01;
 
   const std::vector<View>& views_;
-  Layout layout_;
+  BundleOptions options_;
+  bool poses_only_;
+  Bundle from_;
+  BundleNoise noise_;
+  std::array<double, kLensParameters> camera_{}, projector_{};
+  std::array<double, kPose> stereo_{};
+  std::array<double, kSharedModes> shape_{};
+  std::vector<std::array<double, kView>> blocks_;
   std::size_t sights_ = 0;
-  Bundle bundle_;
-  std::vector<Linear> linear_;  // linearized at bundle_
-  Weights weights_;
-  double damping_ = 1e-3;
+  std::vector<double*> order_;
+  std::vector<ceres::ResidualBlockId> residuals_;
+  std::vector<Kind> kinds_;  // of each single residual
+  double cost_ = 0;
+  ceres::Problem problem_;
 };
 
 }  // namespace
 
-BundleResult solve_bundle(const std::vector<View>& views, const Bundle& start, const FreeDistortion& free) {
-  Solver solver(views, start, free);
-  solver.minimize();
-  return solver.result();
+BundleResult solve_bundle(const std::vector<View>& views, const Bundle& start, const BundleOptions& options) {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // what Ceres has to say is in the result
+  Fit fit(views, start, options, false);
+  fit.check_equations();
+  fit.solve();
+  BundleResult result = fit.result();
+  if (!options.deviations) {
+    return result;
+  }
+  result.distortion_covariance = distortion_covariance(covariance_of(fit.normal()), fit.layout());
+  // What is held at 0 is not known to be 0.
+  BundleOptions wide = options;
+  wide.free.camera = std::max(options.free.camera, options.uncertain.camera);
+  wide.free.projector = std::max(options.free.projector, options.uncertain.projector);
+  Fit with_more(views, result.bundle, wide, false);
+  Eigen::MatrixXd normal = with_more.normal();
+  add_distortion_prior(normal, with_more.layout(), options.free);
+  fill_deviations(covariance_of(normal), with_more.layout(), options.free, result);
+  return result;
+}
+
+BundleResult locate_view(const View& view, const Bundle& bundle, const Pose& start,
+                         const std::vector<CornerModes>* shape) {
+  const std::vector<View> views{view};
+  Bundle at = bundle;
+  at.chessboard = {start};
+  at.own_bend.assign(1, {});
+  BundleOptions options;
+  options.shape = shape;
+  options.estimate_noise = false;
+  Fit fit(views, at, options, true);
+  fit.solve();
+  return fit.result();
+}
+
+cv::Vec3d place_on_board(const Sight& sight, const Bundle& bundle, const std::vector<CornerModes>* shape) {
+  const std::array<double, kOwnModes> none{};
+  const Eigen::Vector3d place =
+      bundle_cost::place(sight, bundle_cost::modes_at(shape, sight), bundle.noise, bundle.shape.data(), none.data());
+  return {place[0], place[1], place[2]};
 }
 
 }  // namespace selfproj

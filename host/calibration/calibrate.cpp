@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <exception>
 #include <limits>
 #include <numbers>
 #include <opencv2/calib3d.hpp>
@@ -19,7 +20,7 @@
 #include "host/calibration/calibration_warnings.h"
 #include "host/calibration/chessboard.h"
 #include "host/calibration/corner_codes.h"
-#include "host/calibration/lens_calibration.h"
+#include "host/calibration/model_choice.h"
 #include "host/io/frame_options.h"
 #include "host/io/user_error.h"
 #include "host/structured_light/median.h"
@@ -53,9 +54,10 @@ bool is_mirrored(const std::vector<View>& views) {
   return sum < 0;
 }
 
-// The length above which a residual is not noise: `factor` standard deviations of one direction, estimated from the
-// median length. At least a hundredth of a pixel, so that exact data lose nothing.
-double limit_of(const std::vector<std::vector<cv::Vec2d>>& residuals, double factor) {
+// The length above which a residual is not noise: `factor` standard deviations of one direction, which is `noise`, or
+// the estimate from the median length if that is greater. At least a hundredth of a pixel, so that exact data lose
+// nothing.
+double limit_of(const std::vector<std::vector<cv::Vec2d>>& residuals, double factor, double noise) {
   constexpr double kPerMedian = 0.8493;  // for Rayleigh's distribution: 1/sqrt(2 ln 2)
   constexpr double kLeast = 0.01;
   std::vector<double> lengths;
@@ -64,7 +66,7 @@ double limit_of(const std::vector<std::vector<cv::Vec2d>>& residuals, double fac
       lengths.push_back(cv::norm(residual));
     }
   }
-  return std::max(kLeast, factor * kPerMedian * median_of(lengths));
+  return std::max(kLeast, factor * std::max(noise, kPerMedian * median_of(lengths)));
 }
 
 double hull_share(const std::vector<cv::Point2f>& points, cv::Size size) {
@@ -90,16 +92,20 @@ class Calibrator {
 
   CalibrationReport run() {
     check_sizes();
+    if (report_.settings.bent) {
+      report_.shape = board_modes(report_.settings.chessboard);
+    }
     leave_out_poor_poses();
     Index index = used();
     report_.mirrored = is_mirrored(index.views);
     index = used();
-    solve(index);
-    while (report_.settings.reject > 0 && reject(index)) {
-      leave_out_poor_poses();
-      index = used();
-      solve(index);
+    choose(index);
+    while (report_.settings.reject > 0 && reject_all(index)) {
+      choose(index);
     }
+    check_starts(index.views, model_settings(), report_.model);
+    report_.bundle = report_.model.result;
+    fit_alone(index);
     finish(index);
     report_.warnings = warnings_of(report_);
     return std::move(report_);
@@ -149,43 +155,84 @@ class Calibrator {
         continue;
       }
       index.pose.push_back(p);
-      index.views.emplace_back();
-      for (std::size_t i = 0; i < pose.corners.size(); ++i) {
-        const Corner& corner = pose.corners[i];
-        if (corner.used) {
-          const cv::Point2d seen = corner.projector;
-          const double row = report_.mirrored ? projector_size_.height - 1 - seen.y : seen.y;
-          index.views.back().sights.push_back({static_cast<int>(i),
-                                               place_of(report_.settings.chessboard, static_cast<int>(i)),
-                                               corner.camera,
-                                               {seen.x, row}});
-        }
-      }
+      index.views.push_back(view_of(pose, report_.settings, report_.mirrored));
     }
     return index;
   }
 
-  void solve(const Index& index) {
-    const FreeDistortion& free = report_.settings.free;
-    const LensCalibration camera = calibrate_lens(index.views, camera_size_, free.camera, &Sight::camera);
-    const LensCalibration projector = calibrate_lens(index.views, projector_size_, free.projector, &Sight::projector);
-    report_.camera_alone_rms = camera.rms;
-    report_.projector_alone_rms = projector.rms;
-    const Bundle start{camera.lens, projector.lens, stereo_pose(camera, projector), camera.chessboard};
+  [[nodiscard]] ModelSettings model_settings() const {
+    return {camera_size_, projector_size_, report_.settings.free, shape()};
+  }
+
+  [[nodiscard]] const std::vector<CornerModes>* shape() const {
+    return report_.shape.empty() ? nullptr : &report_.shape;
+  }
+
+  void choose(const Index& index) {
     try {
-      report_.bundle = solve_bundle(index.views, start, free);
+      report_.model = choose_model(index.views, model_settings());
     } catch (const std::runtime_error& error) {
       throw UserError("calibrate", error.what());
     } catch (const std::invalid_argument& error) {
       throw UserError("calibrate", error.what());
     }
+    report_.bundle = report_.model.result;
+  }
+
+  // Each lens by itself, for its RMS.
+  void fit_alone(const Index& index) {
+    const auto rms = [&](const std::vector<View>& views, const Bundle& start, int free) {
+      BundleOptions options;
+      options.free.camera = free;
+      options.shape = shape();
+      options.projector = false;
+      try {
+        return solve_bundle(views, start, options).camera_rms;
+      } catch (const std::exception&) {  // too little for one lens alone
+        return kNan;
+      }
+    };
+    const Bundle& both = report_.bundle.bundle;
+    report_.camera_alone_rms = rms(index.views, both, report_.model.free.camera);
+    std::vector<View> views = index.views;
+    Bundle start = both;
+    start.camera = both.projector;
+    start.noise.camera = both.noise.projector;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      for (Sight& sight : views[v].sights) {
+        sight.camera = sight.projector;
+      }
+      const Pose& pose = both.chessboard[v];
+      cv::composeRT(pose.rotation, pose.translation, both.stereo.rotation, both.stereo.translation,
+                    start.chessboard[v].rotation, start.chessboard[v].translation);
+    }
+    report_.projector_alone_rms = rms(views, start, report_.model.free.projector);
+  }
+
+  // Removes corners until none is too far off in the model chosen, or a whole pose goes. Returns whether any was
+  // removed.
+  bool reject_all(Index& index) {
+    bool any = false;
+    while (reject(index)) {
+      any = true;
+      const std::size_t poses = index.views.size();
+      leave_out_poor_poses();
+      index = used();
+      if (index.views.size() != poses) {
+        break;
+      }
+      refit(index.views, model_settings(), report_.model);
+      report_.bundle = report_.model.result;
+    }
+    return any;
   }
 
   // Removes corners that are too far off in the camera or in the projector. Returns whether there were any.
   bool reject(const Index& index) {
     const BundleResult& found = report_.bundle;
-    const double camera_limit = limit_of(found.camera_residuals, report_.settings.reject);
-    const double projector_limit = limit_of(found.projector_residuals, report_.settings.reject);
+    const double camera_limit = limit_of(found.camera_residuals, report_.settings.reject, found.bundle.noise.camera);
+    const double projector_limit =
+        limit_of(found.projector_residuals, report_.settings.reject, found.bundle.noise.projector);
     bool any = false;
     for (std::size_t v = 0; v < index.views.size(); ++v) {
       for (std::size_t i = 0; i < index.views[v].sights.size(); ++i) {
@@ -256,9 +303,24 @@ class Calibrator {
             std::max(report_.greatest_angle_deg, kDegrees * std::acos(std::min(1.0, std::abs(a.dot(b)))));
       }
     }
+    report_.board_range_mm = board_range(index);
     report_.mean_distance_mm = distance / static_cast<double>(in_camera.size());
     report_.camera_coverage = hull_share(in_camera, camera_size_);
     report_.projector_coverage = hull_share(in_projector, projector_size_);
+  }
+
+  // Highest less lowest corner of the shape that all poses share, mm.
+  [[nodiscard]] double board_range(const Index& index) const {
+    double low = 0;
+    double high = 0;
+    for (const View& view : index.views) {
+      for (const Sight& sight : view.sights) {
+        const double z = place_on_board(sight, report_.bundle.bundle, shape())[2];
+        low = std::min(low, z);
+        high = std::max(high, z);
+      }
+    }
+    return high - low;
   }
 
   CalibrationReport report_;
@@ -296,6 +358,20 @@ PoseReport observe_pose(const std::string& name, const Capture& capture, const C
     pose.corners.push_back(corner);
   }
   return pose;
+}
+
+View view_of(const PoseReport& pose, const CalibrateSettings& settings, bool mirrored) {
+  View view;
+  for (std::size_t i = 0; i < pose.corners.size(); ++i) {
+    const Corner& corner = pose.corners[i];
+    if (corner.used) {
+      const cv::Point2d& seen = corner.projector;
+      const double row = mirrored ? settings.projector_rows - 1 - seen.y : seen.y;
+      view.sights.push_back(
+          {static_cast<int>(i), place_of(settings.chessboard, static_cast<int>(i)), corner.camera, {seen.x, row}});
+    }
+  }
+  return view;
 }
 
 CalibrationReport calibrate(std::vector<PoseReport> poses, const CalibrateSettings& settings) {

@@ -13,9 +13,12 @@ namespace selfproj {
 // Finds the chessboard in a capture and its corners in the projector. Corners that it does not find are not an error.
 PoseReport observe_pose(const std::string& name, const Capture& capture, const CalibrateSettings& settings);
 
-// Zhang's method for camera and projector, then least squares over everything, including the pose between them. Corners
-// with too long residuals are removed until none is left. Throws UserError if fewer than two poses can be used (with
-// the reason for each pose), if images differ in size, or if nothing converges.
+// The used corners of a pose, for the least squares. Rows of a mirrored projector count from below.
+View view_of(const PoseReport& pose, const CalibrateSettings& settings, bool mirrored);
+
+// Least squares over everything, with the lens model that the captures support. Corners with too long residuals are
+// removed until none is left. Throws UserError if fewer than two poses can be used (with the reason for each pose), if
+// images differ in size, or if nothing converges. A result that must not be used has report.model.refusal.
 CalibrationReport calibrate(std::vector<PoseReport> poses, const CalibrateSettings& settings);
 
 }  // namespace selfproj

@@ -8,12 +8,6 @@
 
 namespace selfproj {
 
-// PNG: the corners of camera and projector in their images, coloured by pose, with their hull; unused ones are crossed.
-std::string coverage_picture(const CalibrationReport& report);
-
-// PNG: the residuals of camera and projector, above as points in pixels, below as magnified arrows in place.
-std::string residual_picture(const CalibrationReport& report);
-
 // One line for each corner: pose,corner,x,y,u,v,sd,used,dx,dy,du,dv,reason.
 std::string corner_table(const CalibrationReport& report);
 

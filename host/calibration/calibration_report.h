@@ -10,6 +10,7 @@
 #include "host/calibration/bundle.h"
 #include "host/calibration/chessboard.h"
 #include "host/calibration/corner_codes.h"
+#include "host/calibration/model_choice.h"
 #include "host/rig/calibration_file.h"
 
 namespace selfproj {
@@ -20,7 +21,8 @@ struct CalibrateSettings {
   int projector_rows = 0;
   CornerSettings corners;
   int min_corners = 12;  // a pose with fewer usable corners is left out
-  FreeDistortion free;   // 0, 1, 2, 4 or 5 for each lens
+  FreeDistortion free;   // 0, 1, 2, 4 or 5 for each lens, or FreeDistortion::kByData
+  bool bent = true;      // the chessboard's shape is estimated; false: it is exactly flat
   double reject = 4.5;   // corners with residuals above this many standard deviations are left out; 0: none
 };
 
@@ -46,6 +48,16 @@ struct PoseReport {
   [[nodiscard]] int used() const;
 };
 
+// How a pose that took no part in the calibration fits it.
+struct CheckReport {
+  std::string name;
+  std::string reason;  // why it cannot be used; empty if it can
+  int corners = 0;
+  double camera_rms = 0, projector_rms = 0;  // px, the pose being all that is fitted
+  double scale = 0;                          // size of the triangulated chessboard over the true size, less 1
+  double point_rms_mm = 0;                   // triangulated corners off the chessboard that fits them best
+};
+
 struct CalibrationReport {
   CalibrateSettings settings;
   std::vector<PoseReport> poses;
@@ -53,11 +65,15 @@ struct CalibrationReport {
   // The projector shows its image mirrored (seen from the front, columns run right and rows up, or the reverse). Its fy
   // is then negative.
   bool mirrored = false;
-  BundleResult bundle;  // of the used poses, in order; if mirrored, the projector's rows count from below
+  BundleResult bundle;             // of the used poses, in order; if mirrored, the projector's rows count from below
+  ModelChoice model;               // how that was chosen; its own result is `bundle`
+  std::vector<CornerModes> shape;  // of the chessboard; empty if it is flat
+  double board_range_mm = 0;       // highest less lowest corner of the shared shape
   double camera_alone_rms = 0, projector_alone_rms = 0;  // each lens calibrated without the other
   double greatest_angle_deg = 0;                         // between two poses' normals
   double camera_coverage = 0, projector_coverage = 0;    // share of the image within the hull of all used corners
   double mean_distance_mm = 0;                           // of the used corners, along the camera's axis
+  std::vector<CheckReport> checks;
   std::vector<std::string> warnings;
 };
 

@@ -58,7 +58,8 @@ struct World {
   double square = 40;
 
   [[nodiscard]] cv::Vec3d on_chessboard(int corner) const {
-    return {square * (corner % chessboard_columns), square * static_cast<double>(corner / chessboard_columns), 0};
+    const int row = corner / chessboard_columns;
+    return {square * (corner % chessboard_columns), square * row, 0};
   }
   [[nodiscard]] cv::Vec2d in_camera(const cv::Vec3d& p) const { return camera.pixel(p); }
   [[nodiscard]] cv::Vec2d in_projector(const cv::Vec3d& p) const {

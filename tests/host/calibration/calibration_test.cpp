@@ -115,7 +115,7 @@ TEST(Calibrate, StandardDeviationsAreThoseOfTheErrors) {
   CalibrateSettings settings = settings_of(world);
   settings.free = {5, 5};
   settings.reject = 0;
-  constexpr int kRuns = 30;
+  constexpr int kRuns = 20;
   std::array<double, 25> squares{};
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
     const CalibrationReport report = calibrate(observed(world, world.poses(), 0.05, 0.15, seed), settings);
@@ -140,10 +140,13 @@ TEST(Calibrate, StandardDeviationsAreThoseOfTheErrors) {
     EXPECT_NEAR(report.bundle.camera_rms, 0.05 * std::sqrt(2.0), 0.01);
     EXPECT_NEAR(report.bundle.projector_rms, 0.15 * std::sqrt(2.0), 0.03);
   }
-  for (std::size_t i = 0; i < squares.size(); ++i) {  // chi square of 30 degrees of freedom over 30: 1 ± 0.26
+  double mean = 0;
+  for (std::size_t i = 0; i < squares.size(); ++i) {  // chi square of 20 degrees of freedom over 20: 1 ± 0.32
     EXPECT_GT(squares[i], 0.3) << i;
     EXPECT_LT(squares[i], 2.2) << i;
+    mean += squares[i] / static_cast<double>(squares.size());
   }
+  EXPECT_NEAR(mean, 1, 0.4);  // many parameters go together
 }
 
 TEST(Calibrate, RejectsAndSaysSo) {
@@ -224,6 +227,7 @@ TEST(Calibrate, WarnsOfWhatTheDataCannotTell) {
   EXPECT_FALSE(warns(good, "parallel"));
   EXPECT_FALSE(warns(good, "poses:"));
   EXPECT_FALSE(warns(good, "camera fx"));
+  EXPECT_EQ(good.model.refusal, "");
   const CalibrationReport two =
       calibrate(observed(world, {world.poses()[1], world.poses()[4]}, 0.05, 0.1, 1), settings);
   EXPECT_TRUE(warns(two, "only 2 poses"));
@@ -233,8 +237,7 @@ TEST(Calibrate, WarnsOfWhatTheDataCannotTell) {
   }
   const CalibrationReport flat = calibrate(observed(world, parallel, 0.05, 0.1, 1), settings);
   EXPECT_TRUE(warns(flat, "all poses are parallel within"));
-  EXPECT_TRUE(warns(flat, "camera fx"));
-  EXPECT_GT(flat.bundle.deviation.camera[0], 20 * good.bundle.deviation.camera[0]);
+  EXPECT_NE(flat.model.refusal, "");
 }
 
 // A capture whose codes are those of a homography, rounded.

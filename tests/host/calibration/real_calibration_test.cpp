@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "host/calibration/calibrate.h"
+#include "host/calibration/calibration_check.h"
 #include "host/calibration/capture.h"
 #include "host/io/image_files.h"
 #include "host/io/results_file.h"
@@ -40,25 +42,34 @@ Capture capture_of(int pose, const DecodeSettings& settings) {
   return decode_capture(folder, files_of_folder(folder), kSequence, settings, {});
 }
 
-TEST(RealCalibration, ThreePosesOfAChessboard) {
-  if (!fs::exists(folder_of(0))) {
-    GTEST_SKIP() << "no " << folder_of(0);
+// The chessboard in its three poses, found with both kinds of corners.
+class RealChessboard {
+ public:
+  RealChessboard() {
+    settings.chessboard = {9, 7, 75};
+    settings.projector_columns = kSequence.columns();
+    settings.projector_rows = kSequence.rows();
+    for (int pose = 0; pose < kPoses; ++pose) {
+      const Capture capture = capture_of(pose, {});
+      settings.corners.method = CornerMethod::direct;
+      direct.push_back(observe_pose(folder_of(pose), capture, settings));
+      settings.corners.method = CornerMethod::homography;
+      homography.push_back(observe_pose(folder_of(pose), capture, settings));
+    }
   }
-  std::vector<Capture> captures;
-  for (int pose = 0; pose < kPoses; ++pose) {
-    captures.push_back(capture_of(pose, {}));
-  }
+
   CalibrateSettings settings;
-  settings.chessboard = {9, 7, 75};
-  settings.projector_columns = kSequence.columns();
-  settings.projector_rows = kSequence.rows();
+  std::vector<PoseReport> homography, direct;
+};
+
+nlohmann::ordered_json three_poses(const RealChessboard& real) {
+  CalibrateSettings settings = real.settings;
   nlohmann::ordered_json results;
   for (const CornerMethod method : {CornerMethod::homography, CornerMethod::direct}) {
     settings.corners.method = method;
-    std::vector<PoseReport> poses;
-    for (int pose = 0; pose < kPoses; ++pose) {
-      poses.push_back(observe_pose(folder_of(pose), captures[static_cast<std::size_t>(pose)], settings));
-      EXPECT_EQ(poses.back().used(), settings.chessboard.corners());
+    const std::vector<PoseReport>& poses = method == CornerMethod::homography ? real.homography : real.direct;
+    for (const PoseReport& pose : poses) {
+      EXPECT_EQ(pose.used(), settings.chessboard.corners());
     }
     for (const double reject : {0.0, 4.5}) {
       settings.reject = reject;
@@ -68,13 +79,6 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
       for (const PoseReport& pose : report.poses) {
         used += pose.used();
       }
-      std::printf(
-          "%s, %s: %d corners, camera f %.1f +- %.1f px, projector f %.1f +- %.1f px, baseline %.2f +- %.2f, RMS "
-          "camera %.3f, projector %.3f, stereo %.3f px\n",
-          method == CornerMethod::homography ? "homography" : "direct", reject > 0 ? "rejecting" : "all corners", used,
-          report.calibration.camera.fx, found.deviation.camera[0], report.calibration.projector.fx,
-          found.deviation.projector[0], cv::norm(report.calibration.translation), found.baseline_deviation,
-          found.camera_rms, found.projector_rms, found.rms);
       constexpr double kFocal = 3452;  // that of five poses
       results[method == CornerMethod::homography ? "homography" : "direct"][reject > 0 ? "rejecting" : "all_corners"] =
           {{"corners", used},
@@ -95,9 +99,10 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
       EXPECT_LE(found.projector_rms, 0.7);
       EXPECT_FALSE(report.mirrored);
       for (std::size_t i = 0; i < kLensParameters; ++i) {
-        const bool estimated = i < 4 + static_cast<std::size_t>(settings.free.camera);
+        const bool estimated = i < 4 + static_cast<std::size_t>(report.model.free.camera);
         EXPECT_EQ(found.deviation.camera[i] > 0 && std::isfinite(found.deviation.camera[i]), estimated) << i;
-        EXPECT_EQ(found.deviation.projector[i] > 0 && std::isfinite(found.deviation.projector[i]), estimated) << i;
+        const bool lit = i < 4 + static_cast<std::size_t>(report.model.free.projector);
+        EXPECT_EQ(found.deviation.projector[i] > 0 && std::isfinite(found.deviation.projector[i]), lit) << i;
       }
       EXPECT_GE(used, reject > 0 ? 150 : 3 * 63);
       // The corners lie only in the middle of both images.
@@ -107,6 +112,74 @@ TEST(RealCalibration, ThreePosesOfAChessboard) {
       EXPECT_EQ(std::count_if(report.warnings.begin(), report.warnings.end(), covers), 2);
     }
   }
+  return results;
+}
+
+// The greatest difference between two calibrations in a focal length, a centre, the projector's place or its turn, in
+// standard deviations of the difference.
+double farthest(const CalibrationReport& a, const CalibrationReport& b) {
+  double most = 0;
+  const auto compare = [&](double x, double y, double dx, double dy) {
+    most = std::max(most, std::abs(x - y) / std::hypot(dx, dy));
+  };
+  const BundleResult& p = a.bundle;
+  const BundleResult& q = b.bundle;
+  for (std::size_t i = 0; i < kPinholeParameters; ++i) {
+    compare(p.bundle.camera[i], q.bundle.camera[i], p.deviation.camera[i], q.deviation.camera[i]);
+    compare(p.bundle.projector[i], q.bundle.projector[i], p.deviation.projector[i], q.deviation.projector[i]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    compare(p.bundle.stereo.translation[i], q.bundle.stereo.translation[i], p.deviation.stereo.translation[i],
+            q.deviation.stereo.translation[i]);
+    compare(p.bundle.stereo.rotation[i], q.bundle.stereo.rotation[i], p.deviation.stereo.rotation[i],
+            q.deviation.stereo.rotation[i]);
+  }
+  compare(cv::norm(p.bundle.stereo.translation), cv::norm(q.bundle.stereo.translation), p.baseline_deviation,
+          q.baseline_deviation);
+  return most;
+}
+
+// Every subset of two poses either agrees with all three within its stated deviations or is refused. Returns how it
+// fits, and how it explains the pose left out, with the chessboard's shape released and without.
+nlohmann::ordered_json subsets(const RealChessboard& real) {
+  constexpr double kWithin = 3;  // standard deviations, for the greatest of 15 differences
+  CalibrateSettings settings = real.settings;
+  nlohmann::ordered_json results;
+  const CalibrationReport all = calibrate(real.homography, settings);
+  EXPECT_EQ(all.model.refusal, "");
+  for (int left_out = 0; left_out < kPoses; ++left_out) {
+    std::vector<PoseReport> subset = real.homography;
+    subset.erase(subset.begin() + left_out);
+    for (const bool bent : {true, false}) {
+      settings.bent = bent;
+      const CalibrationReport report = calibrate(subset, settings);
+      const CheckReport check = check_pose(real.homography[static_cast<std::size_t>(left_out)], report);
+      const double off = farthest(report, all);
+      if (bent && report.model.refusal.empty()) {
+        EXPECT_LT(off, kWithin) << "without pose " << left_out;
+      }
+      results["without_" + std::to_string(left_out)][bent ? "bent" : "flat"] = {
+          {"refused", !report.model.refusal.empty()},
+          {"camera_focal_px", report.calibration.camera.fx},
+          {"camera_focal_deviation_px", report.bundle.deviation.camera[0]},
+          {"farthest_deviations", off},
+          {"held_out_camera_rms_px", check.camera_rms},
+          {"held_out_projector_rms_px", check.projector_rms},
+          {"held_out_size_off", check.scale},
+          {"held_out_points_rms_mm", check.point_rms_mm}};
+    }
+  }
+  return results;
+}
+
+TEST(RealCalibration, ThreePosesOfAChessboard) {
+  if (!fs::exists(folder_of(0))) {
+    GTEST_SKIP() << "no " << folder_of(0);
+  }
+  const RealChessboard real;
+  nlohmann::ordered_json results = three_poses(real);
+  results["subsets"] = subsets(real);
+  std::printf("%s\n", results.dump(1).c_str());
   write_results("real_calibration", "Camera and projector from real captures of a chessboard in three poses", results);
 }
 

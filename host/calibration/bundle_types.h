@@ -1,0 +1,92 @@
+// What the least squares of a calibration take and give.
+#ifndef SELFPROJ_HOST_CALIBRATION_BUNDLE_TYPES_H
+#define SELFPROJ_HOST_CALIBRATION_BUNDLE_TYPES_H
+
+#include <array>
+#include <cstddef>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "host/calibration/board_shape.h"
+
+namespace selfproj {
+
+// One corner of the chessboard as camera and projector see it.
+struct Sight {
+  int corner = 0;          // its number on the chessboard
+  cv::Point3d chessboard;  // where it is on the drawing: mm, z = 0
+  cv::Point2d camera;      // column, row
+  cv::Point2d projector;   // column, row
+};
+
+struct View {
+  std::vector<Sight> sights;
+};
+
+// fx, fy, cx, cy, k1, k2, p1, p2, k3 of OpenCV's model (host/rig/lens.h).
+inline constexpr std::size_t kLensParameters = 9;
+inline constexpr int kPinholeParameters = 4;  // of them, those before the distortion
+using LensParameters = std::array<double, kLensParameters>;
+
+// How many of k1, k2, p1, p2, k3 are estimated, in this order; the others keep their values. As a setting of a whole
+// calibration, kByData leaves the number to the data.
+struct FreeDistortion {
+  static constexpr int kByData = -1;
+
+  int camera = kByData;
+  int projector = kByData;
+};
+
+struct Pose {
+  cv::Vec3d rotation;     // Rodrigues vector, rad
+  cv::Vec3d translation;  // mm
+};
+
+// The standard deviations of what is random: the corners' places in the images, pixels along one direction, and the
+// size of the modes of the chessboard's shape (board_shape.h), mm.
+struct BundleNoise {
+  double camera = 0.1;
+  double projector = 0.1;
+  double bend = 0;     // shared by all poses
+  double stretch = 0;  // shared by all poses, within the plane
+  double own = 0;      // bend of a single pose beside the shared one
+};
+
+struct Bundle {
+  LensParameters camera{}, projector{};
+  Pose stereo;                                          // projector from camera
+  std::vector<Pose> chessboard;                         // camera from chessboard, one for each view
+  std::array<double, kSharedModes> shape{};             // in units of noise.bend and noise.stretch
+  std::vector<std::array<double, kOwnModes>> own_bend;  // one for each view, in units of noise.own
+  BundleNoise noise;
+};
+
+struct BundleOptions {
+  FreeDistortion free{0, 0};
+  FreeDistortion uncertain{0, 0};  // coefficients beyond the free ones that are held, but not known to be 0
+  const std::vector<CornerModes>* shape = nullptr;  // of the chessboard; none: it is flat
+  bool projector = true;                            // false: the camera alone; projector and stereo keep their values
+  bool estimate_noise = true;                       // false: it stays that of the start
+  bool deviations = true;  // false: none are computed, and the minimum is rough, which is faster
+};
+
+struct BundleResult {
+  Bundle bundle;
+  // Half the sum of squares of all residuals over their standard deviations, those of the shape's modes included.
+  double cost = 0;
+  // Standard deviations in the same layout; infinite if the data say nothing about a parameter. Those of the shape are
+  // not filled in. Widened for few views (widening_of in bundle_deviations.h).
+  Bundle deviation;
+  double baseline_deviation = 0;  // of the length of the translation, in mm
+  // Of the free distortion coefficients, camera before projector, unwidened.
+  cv::Mat1d distortion_covariance;
+  // Root mean square of the lengths of the residuals in pixels: over all views, and for each view.
+  double camera_rms = 0, projector_rms = 0, rms = 0;
+  std::vector<double> view_camera_rms, view_projector_rms;
+  // Residuals (seen less computed) of each view's sights, in order.
+  std::vector<std::vector<cv::Vec2d>> camera_residuals, projector_residuals;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_CALIBRATION_BUNDLE_TYPES_H
