@@ -3,11 +3,13 @@
 import argparse
 import json
 import pathlib
+import resource
 import sys
 import tempfile
 import time
 
 import materials
+from cases import Cases
 from files import Files
 from options import Options
 from outputs import Outputs
@@ -17,21 +19,25 @@ from rings import Rings
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Cases of each part: a short run, which is a test, and a long one.
 COUNTS = {
-    "files": (110, 10000),
-    "options": (110, 10000),
-    "kills": (10, 500),
-    "evil": (20, 1000),
-    "shorten": (2, 50),
+    "cases": (4, 1000),
+    "pairs": (4, 1000),
+    "files": (20, 10000),
+    "options": (32, 10000),
+    "kills": (4, 500),
+    "evil": (3, 300),
+    "shorten": (1, 50),
     "restarts": (1, 60)
 }
 
 
-def parts_of(attacker, made, counts):
+def parts_of(attacker, made, counts, short):
+    share = 4 if short else 1
     outputs = Outputs(attacker, made)
     rings = Rings(attacker, made)
     return {
-        "onto-inputs": outputs.onto_inputs,
-        "standard-output": outputs.standard_output,
+        "cases": lambda: Cases(attacker, made).run(counts["cases"]),
+        "onto-inputs": lambda: outputs.onto_inputs(share, counts["pairs"]),
+        "standard-output": lambda: outputs.standard_output(share),
         "accounts": rings.accounts,
         "evil": lambda: rings.evil_headers(counts["evil"]),
         "shorten": lambda: rings.shorten(counts["shorten"]),
@@ -54,8 +60,8 @@ def main():
     parser.add_argument("--only",
                         nargs="+",
                         metavar="PART",
-                        help="parts to run, of: onto-inputs standard-output accounts evil "
-                        "shorten restarts kills files options")
+                        help="parts to run, of: cases onto-inputs standard-output accounts "
+                        "evil shorten restarts kills files options")
     parser.add_argument("--record", action="store_true", help="keep the figures in the folder results")
     options = parser.parse_args()
     counts = {
@@ -69,11 +75,11 @@ def main():
         folder = pathlib.Path(work) / "materials"
         folder.mkdir()
         made = materials.make(attacker, folder)
-        parts = parts_of(attacker, made, counts)
+        parts = parts_of(attacker, made, counts, options.short)
         for name, part in parts.items():
             if options.only and name not in options.only:
                 continue
-            started, runs = time.monotonic(), attacker.runs
+            started, runs, cpu = time.monotonic(), attacker.runs, cpu_of_children()
             part()
             seconds = time.monotonic() - started
             _, count = attacker.cases.popitem()
@@ -82,13 +88,19 @@ def main():
                 "seconds": round(seconds),
                 "seed": options.seed
             }
-            print(f"{name}: {figures[name]['cases']} cases, {figures[name]['faults']} faults, {seconds:.1f} s",
+            print(f"{name}: {figures[name]['cases']} cases, {figures[name]['faults']} faults, {seconds:.1f} s, "
+                  f"{cpu_of_children() - cpu:.1f} s of CPU",
                   flush=True)
             if options.record:
                 record(figures)
     faults = len(attacker.faults)
     print(f"{attacker.runs} runs in {time.monotonic() - begin:.0f} s, seed {options.seed}: {faults} faults")
     return 1 if faults else 0
+
+
+def cpu_of_children():
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def record(figures):

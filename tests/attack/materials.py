@@ -15,6 +15,9 @@ JPEG = base64.b64decode(
     "56b6yNU+G2qWiGayZLyHruiOa//9PBs/iPDeRiDXtOiul6F9uGq1s+H+pfPultWPVa/9TL8n4faf8AOZJbkj+Gq118RbSwjMOg6ZFbjoJCMtX/"
     "1fNdS8R6rqshe6u5Gz2zxWYWZjksTX//1vIldlOVYj8a19L8VavpDhra7cAfwk5Ff//Z")
 
+# A segment that says: to be turned by 90 degrees (orientation 6).
+EXIF_TURNED = b"\xff\xe1\0\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
+
 
 def line_rows(columns=64, rows=16, shift=0.0):
     """A line of light, row by row."""
@@ -67,12 +70,13 @@ def bmp(rows):
     return b"BM" + struct.pack("<IHHI", start + len(pixels), 0, 0, start) + head + palette + pixels
 
 
-def tiff(rows, floats=False):
+def tiff(rows, floats=False, orientation=1):
     """One uncompressed strip; `floats` are rows of numbers."""
     width, height = len(rows[0]), len(rows)
     data = b"".join(struct.pack(f"<{width}f", *row) if floats else row for row in rows)
     tags = [(256, 4, width), (257, 4, height), (258, 3, 32 if floats else 8), (259, 3, 1), (262, 3, 1), (273, 4, 8),
-            (277, 3, 1), (278, 4, height), (279, 4, len(data)), (284, 3, 1), (339, 3, 3 if floats else 1)]
+            (274, 3, orientation), (277, 3, 1), (278, 4, height), (279, 4, len(data)), (284, 3, 1),
+            (339, 3, 3 if floats else 1)]
     directory = struct.pack("<H", len(tags)) + b"".join(
         struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in tags) + struct.pack("<I", 0)
     return b"II*\0" + struct.pack("<I", 8 + len(data)) + data + directory
@@ -139,6 +143,19 @@ def with_values(rig, values):
     return "\n".join(lines) + "\n"
 
 
+def quarter(rig):
+    """The rig with a quarter of the rows and columns, and pixels four times as large."""
+    lines = []
+    for line in rig.splitlines():
+        key, _, value = line.strip().partition(": ")
+        if line.startswith("  ") and key in ("rows", "columns", "lines"):
+            line = f"  {key}: {int(value) // 4}"
+        elif line.startswith("  ") and key in ("pixel_pitch_um", "line_pitch_um", "column_pitch_um"):
+            line = f"  {key}: {float(value) * 4}"
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
 def must(attacker, folder, *arguments):
     outcome = attacker.run(arguments, folder)
     if outcome.status != 0:
@@ -161,6 +178,7 @@ def make(attacker, folder):
     (folder / "curve.csv").write_text("y_mm,z_mm\n-200,1167\n-2,1166\n2,1166\n200,1167\n")
     (folder / "calibration.yaml").write_text(CALIBRATION)
     (folder / "rig.yaml").write_text(with_values(run("selfproj", "rig", "light-section"), SMALL))
+    (folder / "quarter.yaml").write_text(quarter(run("selfproj", "rig", "scanner")))
     (folder / "scanner.yaml").write_text(with_values(run("selfproj", "rig", "scanner"), SMALL_SCANNER))
     run("selfproj-sim", "board", "--line", "64x16", "--line-frames", "20", "--record", "packets.bin")
     run("selfproj", "pattern", "--rig", "rig.yaml", "--reference", "curve.csv", "--out", "reference")
@@ -171,4 +189,7 @@ def make(attacker, folder):
         "--count", "6", "--packets", "codes.bin")
     run("selfproj", "pattern", "stripes", "--rig", "scanner.yaml", "--scan", "seen", "--gray-code", "--bits", "2",
         "--out", "stripes")
+    run("selfproj", "pattern", "gray", "--rig", "quarter.yaml", "--out", "quarter")
+    run("selfproj-sim", "capture", "--rig", "quarter.yaml", "--patterns", "quarter", "--chessboard", "6x5", "--square",
+        "30", "--poses", "2", "--out", "chess")
     return folder

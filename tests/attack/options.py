@@ -17,7 +17,7 @@ VALUES = [
     "1_000", "1'000"
 ]
 # Options whose value sets the length of a run: the run must end when it is asked to.
-SLOW = 4  # seconds
+SLOW = 2  # seconds
 
 
 def commands_of(made):
@@ -35,7 +35,8 @@ def commands_of(made):
             "--rig", m / "scanner.yaml", "--scan", m / "seen", "--gray-code", "--bits", "2", "--out", "o"
         ],
         ("selfproj", "calibrate"): [
-            "--chessboard", "5x4", "--square", "10", "--projector", "32x32", "--out", "o", m / "seen"
+            "--chessboard", "6x5", "--square", "30", "--projector", "256x192", "--rig", m / "quarter.yaml", "--out",
+            "o", m / "chess" / "pose_01", m / "chess" / "pose_02"
         ],
         ("selfproj", "accuracy"): ["--out", "o"],
         ("selfproj", "devices"): [],
@@ -46,6 +47,7 @@ def commands_of(made):
         ],
         ("selfproj-sim", "board"): ["--line", "64x16", "--line-frames", "5", "--record", "o"],
         ("selfproj-sim", "scene", "render"): ["plane", "--rig", m / "rig.yaml", "--count", "1", "--out", "o"],
+        ("selfproj-sim", "experiment"): ["A1", "--every", "1000"],
         ("selfproj-sim", "capture"): [
             "--rig", m / "scanner.yaml", "--patterns", m / "gray", "--scene", "desk", "--out", "o"
         ],
@@ -60,6 +62,18 @@ class Options:
         self.random = attacker.random
         self.commands = commands_of(made)
         self.options = {command: self.options_of(command) for command in self.commands}
+        self.check_that_none_is_missing()
+
+    def check_that_none_is_missing(self):
+        """A new command needs a good call above."""
+        for program in ("selfproj", "selfproj-sim"):
+            with self.attacker.scratch() as folder:
+                every = json.loads(self.attacker.run([program, "--help-json"], folder).out)
+            for command in every:
+                words = tuple(command["name"].split())
+                options = [one for group in command["groups"] if group["name"] != "Help" for one in group["options"]]
+                if options and words not in self.commands:
+                    raise SystemExit(f"attack: options.py has no good call of {command['name']}")
 
     def options_of(self, command):
         """Returns all options of --help, including short ones, so that a new option is attacked automatically."""

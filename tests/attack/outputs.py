@@ -1,9 +1,11 @@
 """Attacks on outputs: onto inputs, onto failing devices, killed in the middle."""
 import os
+import shutil
 import signal
 import subprocess
 import time
 
+from options import commands_of
 from programs import Fault, fingerprint, temporaries
 
 
@@ -63,13 +65,21 @@ class Outputs:
         self.attacker = attacker
         self.made = made
         self.random = attacker.random
+        self.commands = commands_of(made)
 
     # --- an output that is an input ---
 
-    def onto_inputs(self):
-        for number, case in enumerate(outputs_onto_inputs(self.made)):
+    def onto_inputs(self, share, pairs):
+        """Runs a share of the cases above, and `pairs` inputs of any command in place of one of its outputs."""
+        cases = list(outputs_onto_inputs(self.made))
+        for number, case in enumerate(cases):
+            if number % share:
+                continue
             self.attacker.case("output onto input", f"case {number}: {' '.join(map(str, case[1][:3]))}",
                                self.onto_input, *case)
+        known = [(command, name) for command in self.commands for name in self.inputs_of(command)]
+        for command, name in known if pairs >= len(known) else self.random.sample(known, pairs):
+            self.attacker.case("output onto input", f"{' '.join(command)}: {name}", self.onto_any, command, name)
 
     def onto_input(self, files, command, kept):
         with self.attacker.scratch() as folder:
@@ -91,19 +101,58 @@ class Outputs:
             if kept and (outcome.status != 2 or "is an input of this command" not in outcome.err):
                 raise Fault(f"status {outcome.status} where an output is an input: {outcome.err}")
 
+    def inputs_of(self, command):
+        """Names of the materials that a good call of the command reads."""
+        words = [str(word).removeprefix("file:") for word in self.commands[command]]
+        return sorted({word for word in words if word.startswith(f"{self.made}/") and os.path.exists(word)})
+
+    def onto_any(self, command, name):
+        """Each output of a good call takes the place of the input `name` in its folder. A folder of inputs becomes the
+        folder of the outputs."""
+        with self.attacker.scratch() as folder:
+            if self.attacker.attack([*command, *self.commands[command]], folder).status != 0:
+                raise Fault("a good call fails")
+            outputs = [str(path.relative_to(folder)) for path in sorted(folder.rglob("*")) if path.is_file()]
+        if os.path.isdir(name):
+            outputs = ["o"]
+        for output in outputs[:12]:
+            with self.attacker.scratch() as folder:
+                place = folder / output
+                place.parent.mkdir(parents=True, exist_ok=True)
+                if os.path.isdir(name):
+                    shutil.copytree(name, place)
+                else:
+                    shutil.copy(name, place)
+                before = fingerprint(place)
+                words = [str(word).replace(name, output) if str(word).removeprefix("file:") == name else word
+                         for word in self.commands[command]]
+                outcome = self.attacker.attack([*command, *words], folder)
+                if os.path.isdir(name):
+                    for path in place.iterdir():
+                        source = os.path.join(name, path.name)
+                        if os.path.exists(source) and fingerprint(path) != fingerprint(source):
+                            raise Fault(f"{output}/{path.name} was an input, and is another file now")
+                elif fingerprint(place) != before:
+                    raise Fault(f"{output} was an input, and is another file now")
+                elif outcome.status != 2:
+                    raise Fault(f"status {outcome.status} where {output} is an input: {outcome.err}")
+
     # --- standard output that fails ---
 
-    def standard_output(self):
+    def standard_output(self, share):
+        """Of the three ways to fail, every command meets the first one. `share`: only each such case meets the others.
+        """
         commands = [["selfproj", "rig"], ["selfproj", "rig", "light-section"], ["selfproj", "--help"],
                     ["selfproj", "--version"], ["selfproj", "inspect", "--help"], ["selfproj", "devices"],
                     ["selfproj", "accuracy"], ["selfproj-sim", "scene", "list"], ["selfproj-sim", "--help"],
+                    ["selfproj", "pattern", "gray", "--projector", "8x4", "--out", "o"],
                     [
                         "selfproj", "inspect", "--device", f"file:{self.made}/packets.bin", "--rig",
                         f"{self.made}/rig.yaml"
                     ], ["selfproj-sim", "board", "--line", "64x16", "--count", "5", "--record", "o"],
                     ["selfproj-sim", "moments", "--engine", "model", "--out", "o", f"{self.made}/frame_1.png"]]
-        for command in commands:
-            for how in ("full", "closed", "pipe"):
+        for number, command in enumerate(commands):
+            for how in ("full", "closed", "pipe") if number % share == 0 else ("full",):
                 self.attacker.case("standard output", f"{how}: {' '.join(command)}", self.failing_output, command,
                                    how)
 
@@ -157,7 +206,11 @@ class Outputs:
                 (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL, signal.SIGKILL))
             process = self.attacker.start(command, folder)
             try:
-                process.wait(timeout=self.random.random() * whole * 1.1)
+                if self.random.randrange(4):
+                    self.wait_for_temporary(process, folder)  # then soon: the exchange takes a moment
+                    process.wait(timeout=self.random.random() * 0.01)
+                else:
+                    process.wait(timeout=self.random.random() * whole * 1.1)
             except subprocess.TimeoutExpired:
                 process.send_signal(number)
             process.communicate(timeout=20)
@@ -170,6 +223,14 @@ class Outputs:
             if left and number != signal.SIGKILL:
                 raise Fault(f"signal {number} left {left[0]}")
             self.attacker.attack(command, folder)  # and removes the files that SIGKILL left
+
+    @staticmethod
+    def wait_for_temporary(process, folder):
+        end = time.monotonic() + 20
+        while process.poll() is None and time.monotonic() < end:
+            if any(entry.name.startswith(".selfproj-") for entry in os.scandir(folder)):
+                return
+            time.sleep(0.0005)
 
     @staticmethod
     def same_names(folder, names):

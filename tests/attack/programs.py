@@ -66,6 +66,8 @@ class Attacker:
         self.runs += 1
         words = [self.program(arguments[0])] + [str(a) for a in arguments[1:]]
         pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more}
+        if also := pipes.pop("preexec_fn", None):
+            return subprocess.Popen(words, cwd=folder, preexec_fn=lambda: (limits(), also()), **pipes)
         return subprocess.Popen(words, cwd=folder, preexec_fn=limits, **pipes)
 
     def run(self, arguments, folder, patience=PATIENCE, **more):

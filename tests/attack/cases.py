@@ -1,0 +1,244 @@
+"""Cases that an attack has found, one by one, with the programs as they are. Each must fail without its mend."""
+import json
+import os
+import re
+import resource
+import signal
+import struct
+
+from files import check_outputs
+from materials import EXIF_TURNED, JPEG, line_rows, tiff
+from programs import Fault
+
+NO_SUCH_NUMBERS = ["-1e308", "1e39", "1e-320", "nan"]
+
+
+def replaced(text, old, new):
+    if old not in text:
+        raise SystemExit(f"attack: {old!r} is not in what is to be damaged")
+    return text.replace(old, new, 1)
+
+
+class Cases:
+
+    def __init__(self, attacker, made):
+        self.attacker = attacker
+        self.made = made
+        self.random = attacker.random
+        m = made
+        self.inspect = ["selfproj", "inspect", "--device", f"file:{m}/packets.bin", "--json", "o.json"]
+        self.seen = sorted((m / "seen").iterdir())[:4]
+        self.depth = ["selfproj", "depth", "--bits", "2", "--out", "o"]
+        self.moments = ["selfproj-sim", "moments", "--engine", "model", "--threshold", "60", "--out", "o.csv"]
+        self.board = ["selfproj-sim", "board", "--line", "64x16", "--line-frames", "5"]
+        self.refusals = [
+            # command, what its error names
+            (["selfproj", "rig", m], str(m)),
+            ([*self.inspect, "--rig", m], str(m)),
+            ([*self.depth, "--rig", m / "scanner.yaml", "--compare", m, *self.seen], str(m)),
+            (["selfproj", "rig", "/dev/zero"], "/dev/zero"),
+            ([*self.depth, "--rig", m / "scanner.yaml", "--compare", "/dev/zero", *self.seen], "/dev/zero"),
+            ([*self.depth, "--calibration", "/dev/zero", *self.seen], "/dev/zero"),
+            ([*self.moments, "/dev/zero"], "/dev/zero"),
+            ([*self.board, "--record", "o", "--count=-1"], "--count"),
+            ([*self.board, "--record", "o", "--rate", "1e-300"], "--rate"),
+            ([*self.board[:2], "--line", "4294967808x96", "--record", "o"], "--line"),
+            (["selfproj-sim", "board", "--replay", "/dev/zero", "--record", "o"], "/dev/zero"),
+            ([*self.inspect, "--rig", m / "rig.yaml", "--count=-1"], "--count"),
+            ([*self.inspect, "--rig", m / "rig.yaml", "--count=18446744073709551616"], "--count")
+        ]
+
+    def run(self, counts):
+        """`counts`: how many of the numbers of rigs, and of the options for numbers, are drawn."""
+        case = self.attacker.case
+        for command, name in self.refusals:
+            case("cases", f"refused: {' '.join(map(str, command))}", self.is_refused, command, name)
+        for name, text in self.texts():
+            case("cases", name, self.text_is_refused, *text)
+        for number in self.drawn([(line, value) for line in self.lines_of_rig() for value in NO_SUCH_NUMBERS], counts):
+            case("cases", f"rig: {number}", self.number_of_rig, *number)
+        for command, name in self.drawn(self.options_for_numbers(), counts):
+            case("cases", f"not a number: {command} {name}", self.is_refused,
+                 [command.split()[0], "--check-usage", *command.split()[1:], name, "nan"], name)
+        for name in ("jpeg", "orientation", "decimal_numbers", "file_size", "new_board", "lost_of_a_ring"):
+            case("cases", name, getattr(self, name))
+
+    def drawn(self, all_of_them, count):
+        return all_of_them if count >= len(all_of_them) else self.random.sample(all_of_them, count)
+
+    def is_refused(self, command, name, folder=None, text=None):
+        if folder is None:
+            with self.attacker.scratch() as folder:
+                return self.is_refused(command, name, folder, text)
+        outcome = self.attacker.attack(command, folder)
+        if outcome.asked or outcome.status != 2 or name not in outcome.err or (text and text not in outcome.err):
+            raise Fault(f"status {outcome.status}{', asked to end' if outcome.asked else ''}: {outcome.err!r}")
+        return outcome
+
+    # --- texts ---
+
+    def texts(self):
+        """Names of cases, and (name of the file, its text, command, what the error says)."""
+        m = self.made
+        inspect = [*self.inspect, "--rig", m / "rig.yaml", "--reference", "r.csv"]
+        reference = (m / "reference" / "reference.csv").read_text()
+        row = re.search(r"\n9,([^,]+),([^,]+),([^\n]+)\n", reference)
+        for value in ("-1e308", "1e39", "1e-320"):
+            for field, what in ((1, "tan_theta"), (2, "z"), (3, "offset")):
+                if value == "1e-320" and field != 2:
+                    continue  # an angle and an offset may be 0
+                fields = [row[1], row[2], row[3]]
+                fields[field - 1] = value
+                yield (f"reference.csv: {what} {value}",
+                       ("r.csv", replaced(reference, row[0], f"\n9,{','.join(fields)}\n"), inspect, what))
+            yield (f"curve.csv: z {value}",
+                   ("c.csv", f"y_mm,z_mm\n-200,1167\n0,{value}\n200,1167\n",
+                    ["selfproj", "pattern", "--rig", m / "rig.yaml", "--reference", "c.csv", "--out", "o"], "line 3"))
+        rig = (m / "rig.yaml").read_text()
+        yield "rig: a second document", ("r.yaml", f"{rig}---\n{rig}", ["selfproj", "rig", "r.yaml"], "second document")
+        yield "rig: aliases", ("r.yaml", "a: &a [*a]\n", ["selfproj", "rig", "r.yaml"], "aliases")
+        yield "rig: depth", ("r.yaml", "[" * 500000, ["selfproj", "rig", "r.yaml"], "deep")
+        depth = [*self.depth, "--calibration", "c.yaml", *[m / f"frame_{i}.png" for i in range(1, 5)]]
+        calibration = (m / "calibration.yaml").read_text()
+        yield "calibration: a second document", ("c.yaml", calibration + "---\na: 1\n", depth, "second document")
+        yield "calibration: octal", ("c.yaml", replaced(calibration, "[ 80.", "[ 0120"), depth, "0120")
+        for name, text in (("yaml", "%YAML:1.0\n---\na: " + "[" * 500000), ("json", '{"a":' * 100000),
+                           ("xml", '<?xml version="1.0"?><opencv_storage>' + "<a>" * 300000)):
+            yield f"calibration: depth of {name}", ("c.yaml", text, depth, "deep")
+
+    def text_is_refused(self, name, text, command, says):
+        with self.attacker.scratch() as folder:
+            (folder / name).write_text(text)
+            self.is_refused(command, name, folder, says)
+
+    # --- numbers ---
+
+    def lines_of_rig(self):
+        return [line for line in (self.made / "rig.yaml").read_text().splitlines() if re.search(r": -?\d", line)]
+
+    def number_of_rig(self, line, value):
+        """It is refused by its name, or the run is as good as with any other number."""
+        key = line.split(":")[0]
+        with self.attacker.scratch() as folder:
+            text = (self.made / "rig.yaml").read_text()
+            (folder / "r.yaml").write_text(replaced(text, f"\n{line}\n", f"\n{key}: {value}\n"))
+            outcome = self.attacker.attack([*self.inspect, "--rig", "r.yaml", "--out", "o"], folder)
+            if outcome.status == 1 or outcome.asked or (outcome.status == 2 and key.strip() not in outcome.err):
+                raise Fault(f"status {outcome.status}: {outcome.err!r}")
+            if outcome.status == 0:
+                check_outputs(folder)
+
+    def options_for_numbers(self):
+        found = []
+        with self.attacker.scratch() as folder:
+            for program in ("selfproj", "selfproj-sim"):
+                for command in json.loads(self.attacker.run([program, "--help-json"], folder).out):
+                    for option in (one for group in command["groups"] for one in group["options"]):
+                        if re.search(r"\d", option["limits"]):
+                            found.append((command["name"], option["name"].split(",")[-1].split()[0]))
+        if len(found) < 50:
+            raise SystemExit(f"attack: only {len(found)} options for numbers")
+        return found
+
+    def decimal_numbers(self):
+        with self.attacker.scratch() as folder:
+            text = (self.made / "rig.yaml").read_text()
+            (folder / "r.yaml").write_text(replaced(text, "  rows: 16\n", "  rows: 016\n"))
+            command = [*self.inspect, "--rig", "r.yaml", "--count", "010"]
+            outcome = self.attacker.attack(command, folder)
+            if outcome.status != 0 or json.loads((folder / "o.json").read_text())["profiles"] != 10:
+                raise Fault(f"016 rows and 010 profiles are not decimal: {outcome.err!r}")
+
+    # --- images ---
+
+    def jpeg(self):
+        """A damaged JPEG where no file can be written, and without standard error."""
+        def limits():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+
+        with self.attacker.scratch() as folder:
+            (folder / "cut.jpg").write_bytes(JPEG[:len(JPEG) * 2 // 3])
+            outcome = self.attacker.attack([*self.moments, "cut.jpg"], folder, preexec_fn=limits,
+                                           env={**os.environ, "TMPDIR": "/nonexistent"})
+            if outcome.status != 2 or "cut.jpg" not in outcome.err:
+                raise Fault(f"a damaged JPEG where no file can be written: status {outcome.status}, {outcome.err!r}")
+            if self.attacker.run([*self.moments, "cut.jpg"], folder, preexec_fn=lambda: os.close(2)).status != 2:
+                raise Fault("a damaged JPEG without standard error is taken")
+
+    def orientation(self):
+        with self.attacker.scratch() as folder:
+            rows = line_rows()
+            for kind, upright, turned in (("jpg", JPEG, JPEG[:2] + EXIF_TURNED + JPEG[2:]),
+                                          ("tiff", tiff(rows), tiff(rows, orientation=6))):
+                tables = []
+                for data in (upright, turned):
+                    (folder / f"a.{kind}").write_bytes(data)
+                    outcome = self.attacker.attack([*self.moments, f"a.{kind}"], folder)
+                    tables.append((folder / "o.csv").read_text() if outcome.status == 0 else outcome.err)
+                if tables[0] != tables[1]:
+                    raise Fault(f"the orientation of a {kind} changes the moments")
+
+    # --- outputs ---
+
+    def file_size(self):
+        """A limit on the size of files: one line, the old files, no signal, nothing left behind."""
+        with self.attacker.scratch() as folder:
+            (folder / "o").mkdir()
+            (folder / "o" / "pattern_00000.png").write_bytes(b"old")
+            outcome = self.attacker.attack(
+                ["selfproj", "pattern", "gray", "--rig", self.made / "scanner.yaml", "--out", "o"], folder,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (60, 60)))
+            if outcome.status != 2:
+                raise Fault(f"status {outcome.status} with files of at most 60 bytes: {outcome.err!r}")
+            if [(p.name, p.read_bytes()) for p in (folder / "o").iterdir()] != [("pattern_00000.png", b"old")]:
+                raise Fault("a folder that could not be written is not as it was")
+
+    # --- rings ---
+
+    def ring(self):
+        return f"attack-cases-{os.getpid()}"
+
+    def counts_of_ring(self, folder):
+        outcome = self.attacker.attack(["selfproj", "inspect", "--device", f"ring:{self.ring()}", "--rig",
+                                        self.made / "rig.yaml", "--json", "o.json"], folder)
+        if outcome.status != 0:
+            raise Fault(f"status {outcome.status}: {outcome.err!r}")
+        return json.loads((folder / "o.json").read_text())
+
+    def play(self, folder, *more):
+        if self.attacker.attack([*self.board, "--ring", self.ring(), "--keep", "--slots", "16", *more], folder).status:
+            raise Fault("a board cannot play")
+
+    def with_ring(self, then):
+        file = f"/dev/shm/selfproj-ring-{self.ring()}"
+        try:
+            with self.attacker.scratch() as folder:
+                then(folder, file)
+        finally:
+            if os.path.exists(file):
+                os.unlink(file)
+
+    def new_board(self):
+        """The first packet of each board has the same number and time."""
+        def then(folder, _file):
+            for _ in range(3):
+                self.play(folder, "--count", "1")
+            counts = self.counts_of_ring(folder)
+            if counts["delivered"] != 3 or counts["repeated"] != 0:
+                raise Fault(f"{counts['delivered']} of the first packets of 3 boards, {counts['repeated']} repeated")
+
+        self.with_ring(then)
+
+    def lost_of_a_ring(self):
+        """The ring's count of lost packets is 2^64 - 1."""
+        def then(folder, file):
+            self.play(folder, "--count", "3")
+            with open(file, "r+b") as header:
+                header.seek(72)
+                header.write(struct.pack("<Q", (1 << 64) - 1))
+            counts = self.counts_of_ring(folder)
+            if counts["lost_ring"] < 0 or counts["bad"] == 0:
+                raise Fault(f"{counts['lost_ring']} lost, {counts['bad']} bad")
+
+        self.with_ring(then)
