@@ -122,7 +122,7 @@ ReferenceProfile plane_reference(const Rig& rig) {
 
 // The rig of the options, with their pixel clock.
 Rig rig_of(const InspectOptions& options) {
-  Rig rig = load_rig(options.rig);
+  Rig rig = load_any_rig(options.rig);
   if (rig.kind != RigKind::light_section) {
     throw UserError(options.rig, "is not a rig of kind light-section");
   }

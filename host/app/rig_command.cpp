@@ -31,7 +31,7 @@ selfproj rig my-rig.yaml
     if (name->empty()) {
       fmt::print("{}\n", fmt::join(built_in_rigs(), "\n"));
     } else {
-      fmt::print("{}", to_yaml(load_rig(*name)));
+      fmt::print("{}", to_yaml(load_any_rig(*name)));
     }
   });
 }

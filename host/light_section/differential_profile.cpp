@@ -4,9 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <stdexcept>
 
 #include "host/io/float_image.h"
+#include "host/light_section/column_curves.h"
+#include "host/light_section/curve_kernel.h"
+#include "host/light_section/strip_moments.h"
 #include "host/rig/geometry.h"
 #include "model/cpu_clones.h"
 #include "model/moments_words.h"
@@ -15,20 +19,6 @@
 // extensions) keeps it from fusing multiplications with additions, so that all sets give the same bits.
 
 namespace selfproj {
-namespace {
-
-// The kernel processes this many columns at a time, in steps that each keep to one width of numbers. The intermediate
-// results, 3 KiB, stay in the first-level cache beside the tables and the profile. With 512 columns they did not.
-constexpr int kStrip = 128;
-
-struct StripMoments {
-  alignas(64) std::array<std::int32_t, kStrip> m0;
-  alignas(64) std::array<std::int32_t, kStrip> m1;
-  alignas(64) std::array<std::int32_t, kStrip> n;
-};
-
-}  // namespace
-
 // The inputs of the kernel, from the strip's first column on.
 struct ProfileTables {
   const float* tan_theta;
@@ -43,14 +33,10 @@ struct ProfileTables {
   float projector_x;
   float projector_z;
   float max_z_per_line;
-  float rows;
-  std::int32_t min_lit;
-  std::int32_t max_lit;
+  LineRules rules;
 };
 
 namespace {
-
-constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t>(validity); }
 
 // The compiler honours __restrict only on parameters, also of functions that it inlines. `reciprocal` is 1 / (tan α +
 // tan θ): one division takes as long as all the rest of a column.
@@ -104,12 +90,7 @@ constexpr std::int32_t code(Validity validity) { return static_cast<std::int32_t
     std::int32_t s = worth <= limit ? code(Validity::valid) : code(Validity::out_of_range);
     s = sum > 0.0F ? s : code(Validity::out_of_range);
     s = reach > 0.0F ? s : code(Validity::out_of_range);
-    s = valid[i] != 0 ? s : code(Validity::no_reference);
-    s = line_is_cut_off(c, static_cast<float>(n), t.rows) ? code(Validity::cut_off) : s;
-    s = n > t.max_lit ? code(Validity::too_wide) : s;
-    s = n < t.min_lit ? code(Validity::too_few) : s;
-    s = n == 0 ? code(Validity::unlit) : s;
-    s = m0 == 0 ? code(Validity::unlit) : s;
+    s = validity_of(c, m0, n, valid[i], s, t.rules);
     state[i] = s;
     centroid[i] = s == code(Validity::valid) ? c : kNoValue;
     tangent[i] = s == code(Validity::valid) ? tan_alpha : kNoValue;
@@ -157,11 +138,6 @@ SELFPROJ_CLONES void strip_moments(const MomentsView& from, int columns, const P
   triangulate(moments, columns, tables, out);
 }
 
-ProfileView from_column(const ProfileView& view, int first) {
-  return {view.centroid + first, view.x + first,  view.y + first,  view.z + first,
-          view.dx + first,       view.dy + first, view.dz + first, view.validity + first};
-}
-
 }  // namespace
 
 DifferentialProfiler::DifferentialProfiler(const Rig& rig, const ReferenceProfile& reference)
@@ -170,11 +146,14 @@ DifferentialProfiler::DifferentialProfiler(const Rig& rig, const ReferenceProfil
       projector_x_(static_cast<float>(rig.projector.x_mm)),
       projector_z_(static_cast<float>(rig.projector.z_mm)),
       max_z_per_line_(static_cast<float>(rig.measure.max_z_per_line_mm)),
-      rows_(static_cast<float>(rig.camera.rows)),
-      min_lit_(rig.measure.min_lit_px),
-      max_lit_(rig.measure.max_lit_px) {
+      rules_{static_cast<float>(rig.camera.rows), rig.measure.min_lit_px, rig.measure.max_lit_px} {
   if (reference.columns() != rig.camera.columns) {
     throw std::invalid_argument("profile: the reference has other columns than the camera");
+  }
+  columns_ = reference.columns();
+  if (!rig.is_pinholes()) {
+    curves_ = std::make_shared<const ColumnCurves>(rig, reference);
+    return;
   }
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
     const bool valid = reference.valid[i] != 0;
@@ -207,12 +186,14 @@ ProfileTables DifferentialProfiler::tables_from(int first) const {
           projector_x_,
           projector_z_,
           max_z_per_line_,
-          rows_,
-          min_lit_,
-          max_lit_};
+          rules_};
 }
 
 void DifferentialProfiler::profile(Mode mode, const std::uint8_t* payload, const ProfileView& out) const {
+  if (curves_) {
+    profile_by_curves(*curves_, rules_, mode, payload, out);
+    return;
+  }
   for (int first = 0; first < columns(); first += kStrip) {
     const int count = std::min(kStrip, columns() - first);
     const ProfileView strip = from_column(out, first);
@@ -226,6 +207,10 @@ void DifferentialProfiler::profile(Mode mode, const std::uint8_t* payload, const
 }
 
 void DifferentialProfiler::profile(const MomentsView& moments, const ProfileView& out) const {
+  if (curves_) {
+    profile_by_curves(*curves_, rules_, moments, out);
+    return;
+  }
   for (int first = 0; first < columns(); first += kStrip) {
     strip_moments({moments.m0 + first, moments.m1 + first, moments.n + first}, std::min(kStrip, columns() - first),
                   tables_from(first), from_column(out, first));

@@ -3,10 +3,13 @@
 #define SELFPROJ_HOST_LIGHT_SECTION_DIFFERENTIAL_PROFILE_H
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "host/light_section/column_curves.h"
 #include "host/light_section/profile.h"
 #include "host/light_section/reference.h"
+#include "host/light_section/strip_moments.h"
 #include "host/rig/rig.h"
 #include "model/column_moments.h"
 
@@ -30,10 +33,14 @@ struct ProfileTables;  // defined in the .cpp file
 // that 4e-6 rows cause. The camera's noise is some 0.01 rows.
 class DifferentialProfiler {
  public:
-  // Throws std::invalid_argument if the reference has another number of columns than the rig.
+  // Throws std::invalid_argument if the reference has another number of columns than the rig, and UserError if the
+  // curves of its columns cannot be fitted.
   DifferentialProfiler(const Rig& rig, const ReferenceProfile& reference);
 
-  [[nodiscard]] int columns() const { return static_cast<int>(tan_theta_.size()); }
+  [[nodiscard]] int columns() const { return columns_; }
+
+  // The curves of a rig that is more than pinholes, else null.
+  [[nodiscard]] const ColumnCurves* curves() const { return curves_.get(); }
 
   // Computes the profile from the payload of a moments packet (model/packet.h) in this mode, with columns() columns.
   // `out` has columns() entries in each of its arrays, which must not overlap. Invalid entries become NaN, with the
@@ -49,15 +56,15 @@ class DifferentialProfiler {
  private:
   [[nodiscard]] ProfileTables tables_from(int first) const;
 
+  int columns_ = 0;
+  std::shared_ptr<const ColumnCurves> curves_;  // null for pinholes
   // Values of the rig:
   float middle_row_;
   float tan_alpha_per_row_;
   float projector_x_;
   float projector_z_;
   float max_z_per_line_;
-  float rows_;
-  std::int32_t min_lit_;
-  std::int32_t max_lit_;
+  LineRules rules_;
   // Values of each column:
   std::vector<float> tan_theta_;
   std::vector<float> tan_beta_;

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "host/rig/geometry.h"
+#include "host/light_section/lens_reference.h"
 
 namespace selfproj {
 namespace {
@@ -72,10 +72,10 @@ void draw_plot(cv::Mat& image, int top, const Rig& rig, const ReferenceProfile& 
   }
   write(image, "height above the plane, mm", left, top - 6);
   const int below = top + kPlotHeight + 18;
+  const MiddleRow middle(rig);
   write(image,
         fmt::format("camera columns 1..{}, y {:.1f}..{:.1f} mm on the plane", reference.columns(),
-                    rig.plane_z_mm * tan_beta(rig.camera, 0),
-                    rig.plane_z_mm * tan_beta(rig.camera, rig.camera.columns - 1)),
+                    rig.plane_z_mm * middle.tan_beta(0), rig.plane_z_mm * middle.tan_beta(rig.camera.columns - 1)),
         left, below);
   write(image, fmt::format("{} of them have a reference", reference.valid_columns()), left, below + 16);
 }

@@ -44,6 +44,11 @@ struct ProfileView {
   std::uint8_t* validity = nullptr;  // a Validity for each column
 };
 
+inline ProfileView from_column(const ProfileView& view, int first) {
+  return {view.centroid + first, view.x + first,  view.y + first,  view.z + first,
+          view.dx + first,       view.dy + first, view.dz + first, view.validity + first};
+}
+
 // A profile that owns its arrays.
 struct Profile {
   std::vector<float> centroid, x, y, z, dx, dy, dz;

@@ -8,41 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "host/light_section/reference_profile.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {
-
-// The section of a reference part with the plane x = 0: points (0, y, z) in the camera's frame, mm. Neighbours are
-// joined by straight lines, with two exceptions. A NaN between them is a gap without surface. A join steeper than
-// kSteepest is a wall, which hides what is behind it but carries neither light nor reference.
-struct ReferenceCurve {
-  std::vector<double> y_mm;
-  std::vector<double> z_mm;
-};
-
-// The slope |dz / dy| above which a join is a wall: 72 degrees. A line of light on such a wall would run along the
-// image column for as many rows as the wall is high, and would have no usable centroid.
-inline constexpr double kSteepest = 3;
-
-// One entry for each camera column.
-struct ReferenceProfile {
-  std::vector<double> tan_theta;  // the light plane that the column sees
-  std::vector<double> z_mm;       // z of the reference surface where that plane meets it in this column
-  std::vector<double> offset_px;  // row of that point less the middle row: 0 for a perfect self-projection, the
-                                  // measured residual, or the whole distance of a straight line
-  std::vector<std::uint8_t> valid;
-
-  void resize(int columns) {
-    const auto size = static_cast<std::size_t>(columns);
-    tan_theta.resize(size);
-    z_mm.resize(size);
-    offset_px.resize(size);
-    valid.resize(size);
-  }
-  [[nodiscard]] int columns() const { return static_cast<int>(valid.size()); }
-  [[nodiscard]] int valid_columns() const;
-  bool operator==(const ReferenceProfile&) const = default;
-};
 
 // The curve of heights (plane_z - z, mm) given for every camera column, NaN if there is none: column η sees the point
 // with y = z tan β(η). Throws std::invalid_argument unless there are as many as the rig has columns.

@@ -24,11 +24,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMagic = "# selfproj reference 1";
+// The forms of the file, for pinholes and for all other rigs.
+struct Form {
+  std::string_view magic;
+  std::string_view columns;
+  std::size_t fields;
+};
+constexpr Form kPinholes{"# selfproj reference 1", "column,tan_theta,z_mm,offset_px", 4};
+constexpr Form kLenses{"# selfproj reference 2", "column,line,line_slope,z_mm,offset_px", 5};
+
+const Form& form_of(const Rig& rig) { return rig.is_pinholes() ? kPinholes : kLenses; }
+
 constexpr double kFar = 1e6;          // mm: as of the rig's own lengths
 constexpr double kNear = 1e-3;        // mm
 constexpr double kMostTangent = 1e4;  // of tan θ: 89.99 degrees
-constexpr std::string_view kColumns = "column,tan_theta,z_mm,offset_px";
+constexpr double kMostSlope = 1e4;    // lines for each column
+constexpr double kMostLine = 1e5;
 
 // Splits a text into lines, and makes errors that name them.
 class Lines {
@@ -171,29 +182,40 @@ ReferenceCurve load_curve(const Rig& rig, const std::string& file, std::optional
 }
 
 std::string reference_csv(const Rig& rig, const ReferenceProfile& reference) {
-  std::string text = fmt::format("{}\n", kMagic);
+  const Form& form = form_of(rig);
+  std::string text = fmt::format("{}\n", form.magic);
   for (const auto& [key, value] : geometry_of(rig)) {
     text += fmt::format("# {} {}\n", key, value);
   }
-  text += fmt::format("{}\n", kColumns);
+  text += fmt::format("{}\n", form.columns);
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
-    if (reference.valid[i] != 0) {
-      text += fmt::format("{},{},{},{}\n", i + 1, reference.tan_theta[i], reference.z_mm[i], reference.offset_px[i]);
+    text += fmt::format("{}", i + 1);
+    if (reference.valid[i] == 0) {
+      text += std::string(form.fields - 1, ',');
+    } else if (rig.is_pinholes()) {
+      text += fmt::format(",{},{},{}", reference.tan_theta[i], reference.z_mm[i], reference.offset_px[i]);
     } else {
-      text += fmt::format("{},,,\n", i + 1);
+      text +=
+          fmt::format(",{},{},{},{}", reference.line[i], reference.slope[i], reference.z_mm[i], reference.offset_px[i]);
     }
+    text += '\n';
   }
   return text;
 }
 
-ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, const std::string& source) {
-  const std::string_view first = std::string_view(text).substr(0, text.find('\n'));
-  if (first != kMagic) {
-    throw UserError(source, first.starts_with("# selfproj reference ")
-                                ? fmt::format("is of version {}; this program reads version 1", first.substr(21))
+namespace {
+
+// The first line and the rig's geometry.
+void read_head(const Rig& rig, const std::string& source, Lines& lines, std::string_view magic) {
+  if (magic != form_of(rig).magic) {
+    if (magic == kPinholes.magic || magic == kLenses.magic) {
+      throw UserError(source, fmt::format("was made for another rig: one {} lenses, a laser or corrected heights",
+                                          magic == kLenses.magic ? "with" : "without"));
+    }
+    throw UserError(source, magic.starts_with("# selfproj reference ")
+                                ? fmt::format("is of version {}; this program reads versions 1 and 2", magic.substr(21))
                                 : "is not a reference; `selfproj pattern` writes references");
   }
-  Lines lines(text, source);
   static_cast<void>(lines.next());
   for (const auto& [key, value] : geometry_of(rig)) {
     const auto line = lines.next();
@@ -207,28 +229,56 @@ ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, co
                       fmt::format("was made for another rig: {} is {} there and {} here", key, made_for, value));
     }
   }
-  if (lines.next() != kColumns) {
-    lines.fail(fmt::format("is damaged: {} is expected", kColumns));
+}
+
+// One column. Its fields are those of the rig's form.
+void read_column(const Rig& rig, const Lines& lines, const std::vector<std::string_view>& fields, std::size_t i,
+                 ReferenceProfile& reference) {
+  const bool valid =
+      std::any_of(fields.begin() + 1, fields.end(), [](std::string_view field) { return !field.empty(); });
+  reference.valid[i] = valid ? 1 : 0;
+  const auto value = [&](std::size_t field, const char* what, double most) {
+    return valid ? number_within(lines, fields[field], what, most) : kUnknown;
+  };
+  if (rig.is_pinholes()) {
+    reference.tan_theta[i] = value(1, "tan_theta", kMostTangent);
+  } else {
+    reference.line[i] = value(1, "line", kMostLine);
+    reference.slope[i] = value(2, "line_slope", kMostSlope);
+  }
+  reference.z_mm[i] = value(fields.size() - 2, "z_mm", kFar);
+  reference.offset_px[i] = value(fields.size() - 1, "offset_px", rig.camera.rows);
+  if (valid && !(reference.z_mm[i] >= kNear)) {
+    lines.fail(fmt::format("is damaged: z is {}, less than {}", reference.z_mm[i], kNear));
+  }
+}
+
+}  // namespace
+
+ReferenceProfile parse_reference_csv(const Rig& rig, const std::string& text, const std::string& source) {
+  const Form& form = form_of(rig);
+  Lines lines(text, source);
+  read_head(rig, source, lines, std::string_view(text).substr(0, text.find('\n')));
+  if (lines.next() != form.columns) {
+    lines.fail(fmt::format("is damaged: {} is expected", form.columns));
   }
   ReferenceProfile reference;
-  reference.resize(rig.camera.columns);
+  if (rig.is_pinholes()) {
+    reference.resize(rig.camera.columns);
+  } else {
+    reference.resize_for_lenses(rig.camera.columns);
+  }
   for (std::size_t i = 0; i < reference.valid.size(); ++i) {
     const auto line = lines.next();
     if (!line) {
       throw UserError(source, fmt::format("is truncated: it has {} of {} columns", i, reference.valid.size()));
     }
     const std::vector<std::string_view> fields = fields_of(*line);
-    if (fields.size() != 4 || fields[0] != std::to_string(i + 1)) {
-      lines.fail(fmt::format("is damaged: column {} with three numbers is expected", i + 1));
+    if (fields.size() != form.fields || fields[0] != std::to_string(i + 1)) {
+      lines.fail(fmt::format("is damaged: column {} with {} numbers is expected", i + 1,
+                             rig.is_pinholes() ? "three" : "four"));
     }
-    const bool valid = !fields[1].empty() || !fields[2].empty() || !fields[3].empty();
-    reference.valid[i] = valid ? 1 : 0;
-    reference.tan_theta[i] = valid ? number_within(lines, fields[1], "tan_theta", kMostTangent) : kUnknown;
-    reference.z_mm[i] = valid ? number_within(lines, fields[2], "z_mm", kFar) : kUnknown;
-    reference.offset_px[i] = valid ? number_within(lines, fields[3], "offset_px", rig.camera.rows) : kUnknown;
-    if (valid && !(reference.z_mm[i] >= kNear)) {
-      lines.fail(fmt::format("is damaged: z is {}, less than {}", reference.z_mm[i], kNear));
-    }
+    read_column(rig, lines, fields, i, reference);
   }
   if (lines.next()) {
     lines.fail(fmt::format("is damaged: it has more than {} columns", reference.valid.size()));

@@ -9,7 +9,10 @@
 //                       column,tan_theta,z_mm,offset_px
 //                       1,0.5986394557823129,1167,0
 //                       2,,,
-//                   columns count from 1; a column without reference has empty fields
+//                   columns count from 1; a column without reference has empty fields. Of a rig with lenses, a laser
+//                   or corrected heights it is
+//                       # selfproj reference 2
+//                       column,line,line_slope,z_mm,offset_px
 //   pattern.tiff    the pattern, 32-bit floating point, projector lines x columns, 0..1
 //   pattern.png     the same in 8 bits, for projectors
 //   preview.png     pattern and profile to look at

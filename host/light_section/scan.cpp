@@ -4,13 +4,16 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
 #include "host/light_section/fast_moments.h"
+#include "host/light_section/lens_reference.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/profile.h"
 #include "host/rig/geometry.h"
+#include "host/rig/optics.h"
 
 namespace selfproj {
 namespace {
@@ -35,6 +38,28 @@ bool has_centroid(const Rig& rig, const Moments& moments, std::size_t column) {
                           static_cast<float>(rig.camera.rows));
 }
 
+// By how many rows the image of the line moves on the plane from one line to the next.
+double rows_per_line(const Rig& rig) {
+  const double depth = rig.plane_z_mm - rig.projector.z_mm;
+  const double line = line_on_middle(rig.projector, rig.plane_z_mm);
+  const double x_per_line = depth * (tan_theta(rig.projector, line + 0.5) - tan_theta(rig.projector, line - 0.5));
+  return std::abs(x_per_line) / rig.plane_z_mm * rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm;
+}
+
+// The same through the lenses, from two rows in the middle of the image.
+double lens_rows_per_line(const Rig& rig) {
+  const RigOptics optics(rig);
+  const double row = middle_row(rig.camera) - 1;
+  const double column = 0.5 * (rig.camera.columns - 1);
+  const auto line_at = [&](double at_row) {
+    const std::optional<cv::Vec2d> ray = optics.ray({at_row, column});
+    const double z = rig.plane_z_mm;
+    const auto light = ray ? optics.lit_by({(*ray)[0] * z, (*ray)[1] * z, z}) : std::nullopt;
+    return light ? light->line : kUnknown;
+  };
+  return 1 / std::abs(line_at(row + 0.5) - line_at(row - 0.5));
+}
+
 }  // namespace
 
 std::vector<int> sweep_lines(const Rig& rig, int every) {
@@ -51,10 +76,7 @@ std::vector<int> sweep_lines(const Rig& rig, int every) {
 LineScan::LineScan(const Rig& rig, int every)
     : rig_(rig), max_gap_(3.0 * every), sightings_(static_cast<std::size_t>(rig.camera.columns)) {
   constexpr double kRows = 4;
-  const double depth = rig.plane_z_mm - rig.projector.z_mm;
-  const double line = line_on_middle(rig.projector, rig.plane_z_mm);
-  const double x_per_line = depth * (tan_theta(rig.projector, line + 0.5) - tan_theta(rig.projector, line - 0.5));
-  rows_per_line_ = std::abs(x_per_line) / rig.plane_z_mm * rig.camera.focal_length_mm / rig.camera.pixel_pitch_mm;
+  rows_per_line_ = rig.is_pinholes() ? rows_per_line(rig) : lens_rows_per_line(rig);
   window_ = std::max(kRows, 1.5 * every * rows_per_line_);
   moments_.resize(rig.camera.columns);
 }
@@ -71,56 +93,73 @@ void LineScan::add(double line, const ImageView& image) {
   }
 }
 
-ReferenceProfile LineScan::reference() const {
-  ReferenceProfile reference;
-  reference.resize(rig_.camera.columns);
-  for (std::size_t i = 0; i < sightings_.size(); ++i) {
-    reference.tan_theta[i] = reference.z_mm[i] = reference.offset_px[i] = kUnknown;
-    std::vector<Sighting> seen = sightings_[i];
-    std::sort(seen.begin(), seen.end(), [](const Sighting& a, const Sighting& b) { return a.line < b.line; });
-    // A run is a piece of the sweep in which the rows grow or fall steadily, and stands for one surface.
-    double most_light = 0;
-    std::size_t begin = 0;
-    for (std::size_t end = 1; end <= seen.size(); ++end) {
-      if (end < seen.size()) {
-        const double lines = seen[end].line - seen[end - 1].line;
-        const double rows = std::abs(seen[end].row - seen[end - 1].row);
-        if (lines <= max_gap_ && rows <= 2 * lines * rows_per_line_ + 0.5) {
-          continue;
-        }
-      }
-      double light = 0;
-      double rows = 0;
-      double lines = 0;
-      bool above = false;
-      bool below = false;
-      for (std::size_t k = begin; k < end; ++k) {
-        light = std::max(light, seen[k].light);
-        rows += seen[k].row;
-        lines += seen[k].line;
-        above = above || seen[k].row <= 0;
-        below = below || seen[k].row >= 0;
-      }
-      const auto count = static_cast<double>(end - begin);
-      const double mean_row = rows / count;
-      const double mean_line = lines / count;
-      double square = 0;
-      double product = 0;
-      for (std::size_t k = begin; k < end; ++k) {
-        square += (seen[k].row - mean_row) * (seen[k].row - mean_row);
-        product += (seen[k].row - mean_row) * (seen[k].line - mean_line);
-      }
-      begin = end;
-      const double line = mean_line - mean_row * product / square;  // at row 0; NaN for a single sighting
-      const double theta = tan_theta(rig_.projector, line);
-      if (above && below && light > most_light && std::isfinite(theta) && theta > 0) {
-        most_light = light;
-        reference.tan_theta[i] = theta;
-        reference.z_mm[i] = rig_.projector.x_mm / theta + rig_.projector.z_mm;  // (3.8)
-        reference.offset_px[i] = 0;
+// A run is a piece of the sweep in which the rows grow or fall steadily, and stands for one surface.
+std::optional<double> LineScan::crossing(std::vector<Sighting> seen) const {
+  std::sort(seen.begin(), seen.end(), [](const Sighting& a, const Sighting& b) { return a.line < b.line; });
+  std::optional<double> found;
+  double most_light = 0;
+  std::size_t begin = 0;
+  for (std::size_t end = 1; end <= seen.size(); ++end) {
+    if (end < seen.size()) {
+      const double lines = seen[end].line - seen[end - 1].line;
+      const double rows = std::abs(seen[end].row - seen[end - 1].row);
+      if (lines <= max_gap_ && rows <= 2 * lines * rows_per_line_ + 0.5) {
+        continue;
       }
     }
-    reference.valid[i] = most_light > 0 ? 1 : 0;
+    double light = 0;
+    double rows = 0;
+    double lines = 0;
+    bool above = false;
+    bool below = false;
+    for (std::size_t k = begin; k < end; ++k) {
+      light = std::max(light, seen[k].light);
+      rows += seen[k].row;
+      lines += seen[k].line;
+      above = above || seen[k].row <= 0;
+      below = below || seen[k].row >= 0;
+    }
+    const auto count = static_cast<double>(end - begin);
+    const double mean_row = rows / count;
+    const double mean_line = lines / count;
+    double square = 0;
+    double product = 0;
+    for (std::size_t k = begin; k < end; ++k) {
+      square += (seen[k].row - mean_row) * (seen[k].row - mean_row);
+      product += (seen[k].row - mean_row) * (seen[k].line - mean_line);
+    }
+    begin = end;
+    const double line = mean_line - mean_row * product / square;  // at row 0; NaN for a single sighting
+    if (above && below && light > most_light && std::isfinite(line) && can_be_lit(line)) {
+      most_light = light;
+      found = line;
+    }
+  }
+  return found;
+}
+
+// Whether a column may see the light of this line at a point before camera and projector. Lenses are asked later.
+bool LineScan::can_be_lit(double line) const {
+  return !rig_.is_pinholes() || (std::isfinite(tan_theta(rig_.projector, line)) && tan_theta(rig_.projector, line) > 0);
+}
+
+ReferenceProfile LineScan::reference() const {
+  std::vector<double> lines(sightings_.size(), kUnknown);
+  for (std::size_t i = 0; i < sightings_.size(); ++i) {
+    lines[i] = crossing(sightings_[i]).value_or(kUnknown);
+  }
+  if (!rig_.is_pinholes()) {
+    return lens_reference_of_scan(rig_, lines);
+  }
+  ReferenceProfile reference;
+  reference.resize(rig_.camera.columns);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const bool valid = !std::isnan(lines[i]);
+    const double theta = valid ? tan_theta(rig_.projector, lines[i]) : kUnknown;
+    reference.valid[i] = valid ? 1 : 0;
+    reference.tan_theta[i] = theta;
+    reference.z_mm[i] = valid ? rig_.projector.x_mm / theta + rig_.projector.z_mm : kUnknown;  // (3.8)
+    reference.offset_px[i] = valid ? 0 : kUnknown;
   }
   return reference;
 }

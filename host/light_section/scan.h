@@ -3,6 +3,7 @@
 #define SELFPROJ_HOST_LIGHT_SECTION_SCAN_H
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "host/io/float_image.h"
@@ -27,11 +28,11 @@ class LineScan {
   void add(double line, const ImageView& image);
 
   // The result of the sweep for each column: the line, with a fraction, at which the centroid crosses the middle row
-  // (Xc = 0), and from it θ(β) and z_r(β) = x0 / tan θ(β) + z0 (3.8). A straight line is fitted to the centroids within
-  // 4 rows of the middle, or within 1.5 steps of the sweep if that is more. (Line and row are proportional to 1e-3 of a
-  // line there.) This averages the noise of several images. If lines cross at several places, because light is thrown
-  // from one surface to another, the crossing with the most light counts. A column is invalid if the line is not seen
-  // on both sides of the middle.
+  // (Xc = 0), and from it θ(β) and z_r(β) = x0 / tan θ(β) + z0 (3.8), or the same through the rig's lenses. A straight
+  // line is fitted to the centroids within 4 rows of the middle, or within 1.5 steps of the sweep if that is more.
+  // (Line and row are proportional to 1e-3 of a line there.) This averages the noise of several images. If lines cross
+  // at several places, because light is thrown from one surface to another, the crossing with the most light counts. A
+  // column is invalid if the line is not seen on both sides of the middle.
   [[nodiscard]] ReferenceProfile reference() const;
 
  private:
@@ -40,6 +41,8 @@ class LineScan {
     double row;  // centroid less the middle row
     double light;
   };
+  [[nodiscard]] std::optional<double> crossing(std::vector<Sighting> seen) const;
+  [[nodiscard]] bool can_be_lit(double line) const;
 
   Rig rig_;
   double max_gap_;        // most lines between neighbours of a run

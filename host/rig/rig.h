@@ -103,6 +103,22 @@ struct RigCalibration {
   std::array<double, 3> translation_mm{};
 };
 
+// The light plane of a laser line, in the calibration's axes: the points x with normal · x = distance.
+struct RigLightPlane {
+  std::array<double, 3> normal{};  // of length 1
+  double distance_mm = 0;
+};
+
+// What `selfproj calibrate heights` found: how true heights over the plate differ from those of the geometry
+// (host/rig/height_correction.h). Only for a light section.
+struct RigHeights {
+  double lowest_mm = 0;  // range of the heights, by the geometry, that were calibrated
+  double highest_mm = 0;
+  int order = 0;          // greatest degree of a term
+  int order_heights = 0;  // greatest degree of a term in the height
+  std::vector<double> corrections_mm;
+};
+
 struct Rig {
   std::string name;
   RigKind kind = RigKind::light_section;
@@ -113,7 +129,15 @@ struct Rig {
   std::optional<RigBoard> board;  // absent if the rig does not say
   RigMeasure measure;
   RigImaging imaging;
-  std::optional<RigCalibration> calibration;  // if present, camera and projector above are the pinholes nearest to it
+
+  // If present, camera and projector above are the pinholes nearest to it. With a light plane it has a camera alone,
+  // and the projector above means nothing.
+  std::optional<RigCalibration> calibration;
+  std::optional<RigLightPlane> light_plane;  // if present, a laser line takes the place of the projector
+  std::optional<RigHeights> heights;
+
+  // Whether light and view follow the pinholes of (3.3) to (3.9), with nothing else to be known.
+  [[nodiscard]] bool is_pinholes() const { return !calibration && !light_plane && !heights; }
 
   // The board's pixel clock; the default one if the rig does not say.
   [[nodiscard]] double pixel_clock_hz() const { return board.value_or(RigBoard{}).pixel_clock_hz; }
@@ -124,8 +148,11 @@ const std::vector<std::string>& built_in_rigs();
 
 // A built-in rig by its name, or the rig of a YAML file. Throws UserError with file, line, key and reason if the file
 // is unreadable or no YAML, or a key is missing, unknown (for example in another unit), doubled, no number, or out of
-// range.
+// range, or if the rig has a laser line in place of the projector.
 Rig load_rig(const std::string& name_or_file);
+
+// The same, but a laser line is welcome.
+Rig load_any_rig(const std::string& name_or_file);
 
 // The same from a text; errors name `source`.
 Rig parse_rig(const std::string& yaml, const std::string& source);

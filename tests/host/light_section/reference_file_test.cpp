@@ -89,7 +89,9 @@ TEST(ReferenceFile, DamageIsSeen) {
   EXPECT_EQ(message(text), "no error");
   EXPECT_EQ(message(""), "r.csv: is not a reference; `selfproj pattern` writes references");
   EXPECT_EQ(message("frame,column,m0,m1,n\n"), "r.csv: is not a reference; `selfproj pattern` writes references");
-  EXPECT_EQ(message("# selfproj reference 2\n"), "r.csv: is of version 2; this program reads version 1");
+  EXPECT_EQ(message("# selfproj reference 3\n"), "r.csv: is of version 3; this program reads versions 1 and 2");
+  EXPECT_EQ(message("# selfproj reference 2\n"),
+            "r.csv: was made for another rig: one with lenses, a laser or corrected heights");
   // A cut at any place is noticed.
   for (std::size_t size = 0; size < text.size(); size += 37) {
     ASSERT_NE(message(text.substr(0, size)), "no error") << size;

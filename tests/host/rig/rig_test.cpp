@@ -146,5 +146,47 @@ TEST(Rig, OctalAndSecondDocument) {
   EXPECT_NE(error_of(std::string(500'000, '[')).find("nested too deeply"), std::string::npos);
 }
 
+// A laser line takes the place of the projector.
+TEST(Rig, LaserLineIsReadBackAndChecked) {
+  Rig rig = load_rig("light-section");
+  rig.calibration.emplace();
+  rig.calibration->camera = {.fx_px = 5000, .fy_px = 5001, .cx_px = 255, .cy_px = 47, .k1 = -0.1};
+  rig.light_plane = RigLightPlane{{0, 0.8, 0.6}, 700};
+  const std::string yaml = to_yaml(rig);
+  EXPECT_EQ(yaml.find("projector"), yaml.find("projector_blur_px")) << yaml;
+  const Rig read = parse_rig(yaml, "text");
+  EXPECT_EQ(to_yaml(read), yaml);
+  ASSERT_TRUE(read.light_plane);
+  EXPECT_EQ(read.light_plane->distance_mm, 700);
+  EXPECT_EQ(read.calibration->camera.k1, -0.1);
+  EXPECT_EQ(error_of(yaml + "projector:\n  x_mm: 1\n"), "rig.yaml: line 47: projector does not go with light_plane");
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = yaml;
+    return error_of(text.replace(text.find(from), from.size(), to));
+  };
+  EXPECT_EQ(changed("normal_z: 0.6", "normal_z: 0.7"),
+            "rig.yaml: light_plane.normal has the length 1.06301; 1 is expected");
+  EXPECT_EQ(changed("distance_mm: 700", "distance_mm: 0"), "rig.yaml: line 45: light_plane.distance_mm is 0");
+  EXPECT_EQ(changed("kind: light-section", "kind: scanner"), "rig.yaml: light_plane goes only with kind light-section");
+  EXPECT_EQ(changed("camera_lens:", "camera_glass:"),
+            "rig.yaml: line 31: camera_glass: unknown key; the key is camera_lens");
+}
+
+TEST(Rig, HeightsAreReadBackAndChecked) {
+  Rig rig = load_rig("light-section");
+  rig.heights = RigHeights{-1, 41, 1, 1, {0.5, -0.25, 1.0 / 3, 0}};
+  const std::string yaml = to_yaml(rig);
+  EXPECT_NE(yaml.find("corrections_mm: [0.5, -0.25, 0.3333333333333333, 0]"), std::string::npos) << yaml;
+  EXPECT_EQ(to_yaml(parse_rig(yaml, "text")), yaml);
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = yaml;
+    return error_of(text.replace(text.find(from), from.size(), to));
+  };
+  EXPECT_EQ(changed("order: 1", "order: 2"), "rig.yaml: heights.corrections_mm has 4 numbers; orders 2 and 1 have 9");
+  EXPECT_EQ(changed("highest_mm: 41", "highest_mm: -1"),
+            "rig.yaml: heights.lowest_mm is -1, heights.highest_mm -1; it must be greater");
+  EXPECT_NE(changed("[0.5, ", "[half, ").find("has an entry, number 1, that is no number"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace selfproj

@@ -1,0 +1,297 @@
+// Tests references, patterns and profiles of rigs with lenses, a laser's plane, and any pose, against points and pixels
+// written out apart from the host's geometry.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/pattern.h"
+#include "host/light_section/reference.h"
+#include "host/light_section/reference_file.h"
+#include "host/light_section/scan.h"
+#include "host/rig/geometry.h"
+#include "host/rig/rig.h"
+#include "host/rig/rig_calibration.h"
+#include "tests/host/light_section/lens_world.h"
+
+namespace selfproj {
+namespace {
+
+using test::between;
+using test::Distortion;
+using test::LensWorld;
+
+constexpr std::uint32_t kLight = 1U << 20U;  // M0: the centroid is exact to 1e-6 rows
+constexpr int kEvery = 16;                   // columns between those that are looked at
+
+const Distortion kCase[] = {
+    {.k1 = 0.08, .k2 = 0.01, .p1 = 0.001, .p2 = -0.001, .turn = {0.5, -0.5, 0.5}, .move = {5, -5, 5}},
+    {.k1 = -0.08, .k2 = -0.02, .p1 = -0.001, .p2 = 0.002, .turn = {-0.5, 0.5, -2}, .move = {-5, 5, 5}}};
+
+std::vector<double> level(const Rig& rig, double height) {
+  return std::vector<double>(static_cast<std::size_t>(rig.camera.columns), height);
+}
+
+// The moments of thin lines of 5 rows with these centroids (from 1; NaN: none).
+Moments moments_of(const std::vector<double>& centroids) {
+  Moments moments;
+  moments.resize(static_cast<int>(centroids.size()));
+  for (std::size_t i = 0; i < centroids.size(); ++i) {
+    const bool lit = !std::isnan(centroids[i]);
+    moments.m0[i] = lit ? kLight : 0;
+    moments.m1[i] = lit ? static_cast<std::uint32_t>(std::lround(centroids[i] * kLight)) : 0;
+    moments.n[i] = lit ? 5 : 0;
+  }
+  return moments;
+}
+
+// The points that each kEvery-th column sees, in the rig's axes (x along rows), and the profile of their rows.
+struct Seen {
+  std::vector<cv::Vec3d> points;
+  Profile profile;
+};
+
+Seen measure(const Rig& rig, const ReferenceProfile& reference, const LensWorld& world,
+             const std::function<double(double, double)>& surface, const std::function<double(double)>& line) {
+  Seen seen;
+  std::vector<double> centroids = level(rig, kUnknown);
+  seen.points.resize(centroids.size());
+  for (std::size_t i = 0; i < centroids.size(); i += kEvery) {
+    if (reference.valid[i] == 0) {
+      continue;
+    }
+    const cv::Vec3d at = world.lit_point(static_cast<double>(i), surface, line);
+    centroids[i] = world.camera(at)[1] + 1;
+    seen.points[i] = {at[1], at[0], at[2]};
+  }
+  const Moments moments = moments_of(centroids);
+  Moments copy = moments;
+  seen.profile.resize(rig.camera.columns);
+  DifferentialProfiler(rig, reference).profile(copy.view(), seen.profile.view());
+  return seen;
+}
+
+TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
+  const Rig ideal = load_rig("light-section");
+  for (const Distortion& distortion : kCase) {
+    const Calibration calibration = test::distorted_calibration(ideal, distortion);
+    const Rig rig = rig_of(calibration, ideal);
+    const LensWorld world(calibration);
+    const ReferenceCurve curve = curve_of_heights(rig, level(rig, 0));
+    const ReferenceProfile reference = reference_of_curve(rig, curve);
+    ASSERT_GT(reference.valid_columns(), rig.camera.columns * 8 / 10);  // the projector is turned away from a few
+    const auto line = between(pattern_of_curve(rig, curve));
+    const DifferentialProfiler profiler(rig, reference);
+    ASSERT_NE(profiler.curves(), nullptr);
+    EXPECT_LE(profiler.curves()->fit_error_mm(), 0.001);
+    int points = 0;
+    for (const double height : {0.0, 12.0, -8.0}) {
+      const double z = rig.plane_z_mm - height;
+      const Seen seen = measure(
+          rig, reference, world, [&](double, double) { return z; }, line);
+      for (std::size_t i = 0; i < seen.points.size(); i += kEvery) {
+        if (std::isnan(seen.points[i][0]) || reference.valid[i] == 0) {  // beside the pattern
+          continue;
+        }
+        ++points;
+        ASSERT_EQ(seen.profile.validity[i], 0) << i;
+        ASSERT_NEAR(seen.profile.z[i], z, 0.002) << i;
+        ASSERT_NEAR(seen.profile.x[i], seen.points[i][0], 0.002) << i;
+        ASSERT_NEAR(seen.profile.y[i], seen.points[i][1], 0.002) << i;
+        ASSERT_NEAR(seen.profile.dz[i], -height, 0.002) << i;
+      }
+      if (height == 0) {  // self-projection: the line is on the middle row
+        for (std::size_t i = 0; i < seen.points.size(); i += kEvery) {
+          if (!std::isnan(seen.profile.centroid[i])) {
+            ASSERT_NEAR(seen.profile.centroid[i], middle_row(rig.camera), 0.002) << i;
+          }
+        }
+      }
+    }
+    EXPECT_GT(points, 3 * rig.camera.columns / kEvery * 3 / 4);
+  }
+}
+
+// A slanted part on a slanted reference: here the light varies along y, and a column off the reference sees light that
+// was drawn for its neighbours.
+TEST(LensSection, SlantedPartsAreTrue) {
+  const Rig ideal = load_rig("light-section");
+  const Calibration calibration = test::distorted_calibration(ideal, kCase[0]);
+  const Rig rig = rig_of(calibration, ideal);
+  const LensWorld world(calibration);
+  const auto height = [](double y) { return 10 + 0.3 * y; };
+  const ReferenceCurve curve{{-100, 100}, {rig.plane_z_mm - height(-100), rig.plane_z_mm - height(100)}};
+  const ReferenceProfile reference = reference_of_curve(rig, curve);
+  const auto line = between(pattern_of_curve(rig, curve));
+  const auto part = [&](double y, double /*x*/) { return rig.plane_z_mm - height(y) - 1.5; };
+  const Seen seen = measure(rig, reference, world, part, line);
+  for (std::size_t i = 0; i < seen.points.size(); i += kEvery) {
+    if (reference.valid[i] == 0) {
+      continue;
+    }
+    ASSERT_EQ(seen.profile.validity[i], 0) << i;
+    ASSERT_NEAR(seen.profile.z[i], seen.points[i][2], 0.002) << i;
+    ASSERT_NEAR(seen.profile.y[i], seen.points[i][1], 0.002) << i;
+  }
+}
+
+TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
+  const Rig ideal = load_rig("light-section");
+  Calibration calibration = test::distorted_calibration(ideal, kCase[1]);
+  Rig rig = rig_of(calibration, ideal);
+  const cv::Vec3d normal = cv::normalize(cv::Vec3d(0.05, 0.85, 0.5));  // in the calibration's axes
+  const double distance = normal.dot({0, 0, rig.plane_z_mm});
+  rig.light_plane = RigLightPlane{{normal[0], normal[1], normal[2]}, distance};
+  rig = parse_rig(to_yaml(rig), "rig.yaml");
+  const LensWorld world(calibration);
+  const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, level(rig, 0)));
+  ASSERT_GT(reference.valid_columns(), rig.camera.columns * 9 / 10);
+  const DifferentialProfiler profiler(rig, reference);
+  int points = 0;
+  for (const double height : {0.0, 4.0}) {
+    for (int c = 0; c < rig.camera.columns; c += kEvery) {
+      // The point of the light plane at this height that the column sees.
+      const double z = rig.plane_z_mm - height;
+      double x = 0;
+      const auto at = [&](double along) {
+        return cv::Vec3d(along, (distance - normal[0] * along - normal[2] * z) / normal[1], z);
+      };
+      for (int step = 0; step < 30; ++step) {
+        const double slope = (world.camera(at(x + 1e-4))[0] - world.camera(at(x))[0]) / 1e-4;
+        x -= (world.camera(at(x))[0] - c) / slope;
+      }
+      std::vector<double> centroids = level(rig, kUnknown);
+      centroids[static_cast<std::size_t>(c)] = world.camera(at(x))[1] + 1;
+      Moments moments = moments_of(centroids);
+      Profile profile;
+      profile.resize(rig.camera.columns);
+      profiler.profile(moments.view(), profile.view());
+      const auto i = static_cast<std::size_t>(c);
+      if (centroids[i] > 4 && centroids[i] < rig.camera.rows - 3 && reference.valid[i] != 0) {
+        ASSERT_EQ(profile.validity[i], 0) << c;
+        ASSERT_NEAR(profile.z[i], z, 0.002) << c;
+        ASSERT_NEAR(profile.dz[i], -height, 0.002) << c;
+        ASSERT_NEAR(profile.x[i], at(x)[1], 0.002) << c;
+        ASSERT_NEAR(profile.y[i], at(x)[0], 0.002) << c;
+        ++points;
+      }
+    }
+  }
+  EXPECT_GT(points, 40);
+}
+
+// Images of a sweep, each drawn with lines of equal light in five rows about the true row.
+TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
+  constexpr int kStep = 8;
+  const Rig ideal = load_rig("light-section");
+  const Calibration calibration = test::distorted_calibration(ideal, kCase[0]);
+  Rig rig = rig_of(calibration, ideal);
+  rig.measure.mode = Mode::grey;
+  const LensWorld world(calibration);
+  const auto surface = [&](double y, double /*x*/) { return rig.plane_z_mm - 15 - 0.1 * y; };
+  LineScan scan(rig, kStep);
+  for (const int line : sweep_lines(rig, kStep)) {
+    std::vector<std::uint8_t> pixels(rig.camera.pixels(), 0);
+    for (int c = 0; c < rig.camera.columns; c += kEvery) {
+      const double row = world.camera(world.lit_point(c, surface, [&](double) { return line; }))[1];
+      for (int r = 0; r < rig.camera.rows; ++r) {
+        const double grey = 200 * std::exp(-0.5 * (r - row) * (r - row) / 2.25);
+        pixels[static_cast<std::size_t>(r * rig.camera.columns + c)] = static_cast<std::uint8_t>(std::lround(grey));
+      }
+    }
+    scan.add(line, {pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns});
+  }
+  const ReferenceProfile found = scan.reference();
+  EXPECT_EQ(found.valid_columns(), rig.camera.columns / kEvery);
+  for (int c = 0; c < rig.camera.columns; c += kEvery) {
+    const auto i = static_cast<std::size_t>(c);
+    ASSERT_EQ(found.valid[i], 1) << c;
+    // What the middle row sees: search along the column for the line that lights it.
+    double line = found.line[i];
+    const cv::Vec3d at = world.lit_point(c, surface, [&](double) { return line; });
+    ASSERT_NEAR(world.camera(at)[1] + 1, middle_row(rig.camera), 0.05) << c;  // of 8 bits
+    ASSERT_NEAR(found.z_mm[i], at[2], 0.02) << c;
+  }
+}
+
+// A rig whose tilt is 0.02 degrees wrong: its residual is taken out, and the reference itself has no difference.
+TEST(LensSection, ResidualIsTakenOut) {
+  const Rig ideal = load_rig("light-section");
+  const Calibration real = test::distorted_calibration(ideal, kCase[0]);
+  Distortion wrong = kCase[0];
+  wrong.turn[0] += 0.02;
+  const Rig rig = rig_of(test::distorted_calibration(ideal, wrong), ideal);
+  const LensWorld world(real);
+  const ReferenceCurve curve = curve_of_heights(rig, level(rig, 0));
+  const auto line = between(pattern_of_curve(rig, curve));
+  const auto plane = [&](double, double) { return rig.plane_z_mm; };
+  std::vector<double> centroids;
+  for (int c = 0; c < rig.camera.columns; ++c) {
+    centroids.push_back(world.camera(world.lit_point(c, plane, line))[1] + 1);
+  }
+  const ReferenceProfile reference = reference_of_curve(rig, curve);
+  const ReferenceProfile corrected = without_residual(rig, reference, centroids);
+  const Seen before = measure(rig, reference, world, plane, line);
+  const Seen after = measure(rig, corrected, world, plane, line);
+  for (std::size_t i = 0; i < after.points.size(); i += kEvery) {
+    if (corrected.valid[i] == 0) {
+      continue;
+    }
+    EXPECT_GT(std::abs(before.profile.dz[i]), 0.3F) << i;
+    EXPECT_LT(std::abs(after.profile.dz[i]), 0.001F) << i;
+  }
+}
+
+TEST(LensSection, ReferenceFileIsReadBackAndKeptApart) {
+  const Rig ideal = load_rig("light-section");
+  const Rig rig = rig_of(test::distorted_calibration(ideal, kCase[0]), ideal);
+  std::vector<double> heights = level(rig, 0);
+  heights[7] = kUnknown;
+  const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, heights));
+  const std::string text = reference_csv(rig, reference);
+  const ReferenceProfile read = parse_reference_csv(rig, text, "r.csv");
+  EXPECT_EQ(reference_csv(rig, read), text);
+  EXPECT_EQ(read.valid, reference.valid);
+  EXPECT_EQ(read.valid[7], 0);
+  const auto message = [&](const Rig& other) {
+    try {
+      parse_reference_csv(other, text, "r.csv");
+      return std::string();
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(message(ideal), "r.csv: was made for another rig: one with lenses, a laser or corrected heights");
+  Rig other = rig;
+  other.calibration->projector.k1 += 0.001;
+  EXPECT_EQ(message(other), "r.csv: was made for another rig: projector_lens.k1 is 0.08 there and 0.081 here");
+}
+
+// Curves that no polynomial of the kernel follows are refused.
+TEST(LensSection, CurvesThatCannotBeFittedAreRefused) {
+  Rig ideal = load_rig("light-section");
+  ideal.camera.rows = 1200;
+  ideal.camera.columns = 16;
+  ideal.camera.focal_length_mm = 6;
+  ideal.measure.max_z_per_line_mm = 1000;
+  Calibration calibration = test::distorted_calibration(ideal, {.k1 = 0.3, .k2 = 0.4});
+  calibration.camera_rows = ideal.camera.rows;
+  const Rig rig = rig_of(calibration, ideal);
+  const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, level(rig, 0)));
+  try {
+    const DifferentialProfiler profiler(rig, reference);
+    FAIL() << "a fit of degree " << profiler.curves()->degree() << " with an error of "
+           << profiler.curves()->fit_error_mm() << " mm";
+  } catch (const UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("0.001 mm is allowed"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace selfproj
