@@ -324,6 +324,31 @@ module sp_axil_bridge #(
     end
   end
 
+  // The latest answer of the registers, and for how many bus clocks this one has been awaited
+  logic                   f_answered_q, f_error_q;
+  logic [31:0]            f_data_q;
+  logic [1:0]             f_response;
+  logic [TimeoutBits:0]   f_waits_q;
+  assign f_response = f_error_q ? SlaveError : Okay;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_answered_q <= 1'b0;
+    else if (answer_i) f_answered_q <= 1'b1;
+    if (answer_i) {f_error_q, f_data_q} <= {error_i, read_data_i};
+  end
+  always_ff @(posedge bus_clk_i) begin
+    if (!busy_q) f_waits_q <= '0;
+    else if (!f_waits_q[TimeoutBits]) f_waits_q <= f_waits_q + 1'b1;
+  end
+  always_comb if (f_run) begin
+    if (f_answered_q) assert (back_error_q == f_error_q && back_data_q == f_data_q);
+    else assert (!back_q && toggle_q == busy_q);
+    if (busy_q && !late_q) begin
+      assert (f_waits_q <= (TimeoutBits + 1)'(1 << TimeoutBits));
+      assert (clocks_q == f_waits_q[TimeoutBits-1:0] && timed_out_q == f_waits_q[TimeoutBits]);
+    end
+  end
+  always_comb if (!f_run && f_one) assert (!f_answered_q);
+
   // Rule 2: an answer that waits does not change.
   always_ff @(posedge f_moment) if (f_run) begin
     if ($past(f_run && s_axil_bvalid_o && !s_axil_bready_i))
@@ -336,6 +361,19 @@ module sp_axil_bridge #(
       assert ($stable(ask_write_q) && $stable(ask_address_q) && $stable(ask_data_q));
     end
     if (request_o) assert (busy_q);
+    // Rule 4: response and data are those of the registers where a request has made its round.
+    // Other answers are SLVERR: after the time-out, while a late answer is awaited, or without all
+    // four bytes.
+    if ($past(f_run) && s_axil_bvalid_o && !$past(s_axil_bvalid_o)) begin
+      if ($past(busy_q && !late_q) && !busy_q) assert (s_axil_bresp_o == f_response);
+      else assert (s_axil_bresp_o == SlaveError && (late_q || $past(late_q || !w_whole_q)));
+    end
+    if ($past(f_run) && s_axil_rvalid_o && !$past(s_axil_rvalid_o)) begin
+      if ($past(busy_q && !late_q) && !busy_q) begin
+        assert (s_axil_rresp_o == f_response && s_axil_rdata_o == f_data_q);
+      end else assert (s_axil_rresp_o == SlaveError && (late_q || $past(late_q)));
+    end
+    if (late_q && !$past(late_q)) assert ($past(f_waits_q[TimeoutBits]));
     cover (s_axil_bvalid_o && s_axil_bresp_o == Okay);
     cover (s_axil_rvalid_o && s_axil_rresp_o == Okay);
     cover (late_q && s_axil_rvalid_o);

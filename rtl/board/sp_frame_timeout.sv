@@ -58,6 +58,50 @@ module sp_frame_timeout (
     end
   end
 
+`ifdef FORMAL
+  // Clocks since the last beat, modulo 2^24, and the time-out beside it. A beat of which beat1_i
+  // tells nothing (in reset) starts no count.
+  logic        f_ran_q = 1'b0;
+  logic        f_known_q = 1'b0;  // there was a beat that counts
+  logic        f_first_q = 1'b0;  // there was a beat one clock ago
+  logic [23:0] f_clocks_q, f_limit_q;
+  logic        f_known;
+  assign f_known = f_known_q && (beat1_i || !f_first_q);
+  always_comb if (f_ran_q && beat1_i) assume (f_first_q);
+  always_ff @(posedge clk_i) begin
+    f_ran_q   <= 1'b1;
+    f_first_q <= beat_i;
+    f_known_q <= beat_i || f_known;
+    if (beat_i) {f_clocks_q, f_limit_q} <= {24'd1, timeout_i};
+    else f_clocks_q <= f_clocks_q + 24'd1;
+  end
+
+  // Rule: expired_o is high in the second clock after timeout_i clocks without a beat, and in no
+  // other.
+  logic [2:1]  f_counts_q = 2'b00;    // f_known, one and two clocks ago
+  logic        f_over, f_over1_q, f_over2_q;  // now, one and two clocks ago
+  logic [3:0]  f_equal;
+  logic [23:0] f_before;              // the count one clock ago
+  assign f_over   = !beat_i && f_clocks_q == f_limit_q && f_limit_q != '0;
+  assign f_before = f_clocks_q - 24'd1;
+  for (genvar k = 0; k < 4; k++) begin : gen_rule
+    assign f_equal[k] = !f_first_q && f_before[6*k+:6] == f_limit_q[6*k+:6];
+  end
+  always_ff @(posedge clk_i) begin
+    {f_over1_q, f_over2_q} <= {f_over, f_over1_q};
+    f_counts_q             <= f_known ? {f_counts_q[1], 1'b1} : 2'b00;
+  end
+  always_comb if (f_known) begin
+    assert ({pause_q.high, pause_q.low} == f_clocks_q && limit_q == f_limit_q);
+    assert (pause_q.low_full == (pause_q.low == '1) && pause_q.equal == f_equal);
+    if (f_first_q) assert (some_q == {limit_q[23:12] != '0, limit_q[11:0] != '0});
+    else assert (limit_some_q == (limit_q != '0));
+    if (f_counts_q[1]) assert (f_over1_q == (f_equal == '1 && f_limit_q != '0));
+    if (f_counts_q[2]) assert (expired_o == f_over2_q);
+    cover (expired_o && f_limit_q == 24'd3);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -310,6 +310,79 @@ module sp_moment_drain #(
   assign valid_o = valid_q[Latency-1];
   assign break_o = break_q[Latency-1];
 
+`ifdef FORMAL
+  // Assumptions: one reset at the beginning. The groups of a row come in order, with any gaps. A
+  // row ends with push_end_i or, if the frame breaks, with break_i. The next row begins when the
+  // row before it is out: sp_packetizer refuses a row that comes sooner.
+  logic f_ran_q = 1'b0;
+  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
+  logic               f_open_q;    // a row has begun and may go on
+  logic               f_broke_q;   // it ended by a break
+  logic               f_told_q;    // break_o has told so
+  logic [GroupBits:0] f_pushed_q, f_pushed1_q;  // groups of the row; one clock ago
+  logic [GroupBits:0] f_reads_q;   // groups that were read
+  logic [GroupBits+1:0] f_words_q; // words that left
+  logic               f_out;       // all words of the row have left, and its break
+  assign f_out = !f_open_q && f_words_q == {f_pushed_q, 1'b0} && f_told_q == f_broke_q;
+  always_comb begin
+    assume (rst_i == !f_ran_q);
+    if (push_i && !rst_i) begin
+      assume (f_open_q || f_out);
+      assume (push_group_i == (f_open_q ? f_pushed_q[GroupBits-1:0] : '0));
+      if (f_open_q) assume (!f_pushed_q[GroupBits]);
+    end
+    if (break_i && !rst_i) assume ((f_open_q || push_i) && !(push_i && push_end_i));
+  end
+  always_ff @(posedge clk_i) begin
+    f_pushed1_q <= f_pushed_q;
+    if (rst_i) {f_open_q, f_broke_q, f_told_q, f_pushed_q, f_pushed1_q, f_reads_q, f_words_q} <= '0;
+    else begin
+      if (push_i) f_open_q <= !push_end_i;
+      if (break_i) f_open_q <= 1'b0;
+      f_words_q <= f_words_q + (GroupBits + 2)'(valid_o);
+      f_reads_q <= f_reads_q + (GroupBits + 1)'(drain_o);
+      if (break_i) f_broke_q <= 1'b1;
+      if (break_o) f_told_q <= 1'b1;
+      if (push_i) f_pushed_q <= f_pushed_q + (GroupBits + 1)'(1);
+      if (push_i && !f_open_q) begin
+        {f_words_q, f_reads_q, f_told_q} <= '0;
+        f_broke_q  <= break_i;
+        f_pushed_q <= (GroupBits + 1)'(1);
+      end
+    end
+  end
+
+  logic [11:1] f_read_q;   // drain_o, so many clocks ago
+  logic [4:0]  f_quiet_q;  // clocks without a push, a read, a word or a break
+  always_ff @(posedge clk_i) begin
+    f_read_q <= rst_i ? '0 : {f_read_q[10:1], drain_o};
+    if (rst_i || push_i || break_i || drain_o || valid_o || break_o) f_quiet_q <= '0;
+    else if (f_quiet_q != '1) f_quiet_q <= f_quiet_q + 5'd1;
+  end
+
+  always_comb if (f_ran_q) begin
+    // Rule 1: groups are read in order, each one two clocks after its push or later, never two in
+    // neighbouring clocks; active_o is high but for the last read.
+    if (drain_o) begin
+      assert (drain_group_o == f_reads_q[GroupBits-1:0] && f_reads_q < f_pushed1_q);
+      assert (!f_read_q[1]);
+      assert (active_o || !f_open_q && f_reads_q + (GroupBits + 1)'(1) == f_pushed_q);
+    end
+    // Rule 2: the words of a group leave ten and eleven clocks after its read.
+    assert (valid_o == (f_read_q[10] || f_read_q[11]));
+    // Rule 3: a break is told once, after the last word, and only if the row ended by one.
+    if (break_o) begin
+      assert (f_broke_q && !f_told_q && !valid_o && f_words_q == {f_pushed_q, 1'b0});
+    end
+    // Rule 4: nothing stays behind.
+    if (f_quiet_q >= 5'd16 && !f_open_q) assert (f_out && !active_o);
+  end
+  always_ff @(posedge clk_i) if (f_ran_q) begin
+    cover (break_o && f_pushed_q == (GroupBits + 1)'(2));
+    cover (f_out && f_pushed_q == (GroupBits + 1)'(2) && !f_broke_q);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -6,7 +6,8 @@
     prove.py --list              what the tests run, a name a line: proofs, then faults
 
 A proof of depth K by induction shows that no trace of K steps from the beginning breaks a rule, and that K steps which
-keep the rules are never followed by one that breaks them. A bounded proof shows that no trace of K steps from the
+keep the rules are never followed by one that breaks them. A proof by reachability shows that no trace at all breaks a
+rule. A bounded proof shows that no trace of K steps from the
 beginning breaks a rule. Covers show that traces up to the given depth reach every cover statement, so that the rules do
 not hold merely because no trace exists.
 
@@ -33,10 +34,11 @@ class Proof:
     name: str
     module: str
     parameters: tuple  # of "NAME=VALUE"
-    kind: str          # induction (yosys-smtbmc and z3) or bounded (ABC)
-    depth: int
+    kind: str          # induction (yosys-smtbmc and z3), or of ABC: reachability or bounded
+    depth: int         # with reachability only that of the search for a planted fault
     cover: int         # depth of the covers; 0: the module has none
     clocks: int = 1    # 2: free clocks, every step a moment
+    lemmas: bool = True  # the rules of the parts count too, and what they assume is proved; else these are left out
     limit_s: int = 1800
 
 
@@ -56,6 +58,7 @@ PROOFS = [
     Proof("async_fifo", "sp_async_fifo", ("Width=1", "LogDepth=2"), "induction", 2, 24, clocks=2),
     Proof("packet_arbiter", "sp_packet_arbiter", ("Width=2",), "induction", 2, 16),
     Proof("frame_tracker", "sp_frame_tracker", ("MaxColumns=12", "MaxRows=3"), "induction", 8, 28),
+    Proof("frame_timeout", "sp_frame_timeout", (), "induction", 2, 8),
     Proof("registers", "sp_registers", ("MaxColumns=16", "MaxRows=3", "Codes=1'b1", "Median=1'b1"),
           "induction", 8, 20),
     Proof("gray_lane", "sp_gray_lane", (), "induction", 5, 8),
@@ -68,10 +71,14 @@ PROOFS = [
     Proof("packet_fifo", "sp_packet_fifo", ("Width=1", "LogDepth=1"), "bounded", 36, 20, clocks=2),
     Proof("packet_fifo_of_two", "sp_packet_fifo", ("Width=1", "LogDepth=2", "PacketWords=2"), "bounded", 36, 24,
           clocks=2),
-    Proof("column_moments_binary", "sp_column_moments", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 24, 16),
-    Proof("column_moments_values", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1"), "bounded", 22, 30),
+    Proof("moment_drain", "sp_moment_drain", ("MaxRows=3", "GroupBits=1"), "reachability", 24, 24),
+    Proof("moment_drain_of_four", "sp_moment_drain", ("MaxRows=3", "GroupBits=2"), "bounded", 30, 24),
+    Proof("column_moments_binary", "sp_column_moments", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 24, 16,
+          lemmas=False),
+    Proof("column_moments_values", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1"), "bounded", 22, 30,
+          lemmas=False),
     Proof("column_moments_frames", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1", "ValueBits=8'h01"),
-          "bounded", 28, 28),
+          "bounded", 28, 28, lemmas=False),
 ]
 
 FAULTS = [
@@ -100,6 +107,8 @@ FAULTS = [
           "may_take_q  <= run_i && !hold_i && !s1_take_q;", 16),
     Fault("frame_tracker/row_too_many", "frame_tracker", "board/sp_frame_size.sv",
           "new_rows_less_2_q   <= rows_i - RowBits'(2);", "new_rows_less_2_q   <= rows_i - RowBits'(1);", 16),
+    Fault("frame_timeout/carry_one_late", "frame_timeout", "board/sp_frame_timeout.sv",
+          "pause_q.low == 12'hFFE;", "pause_q.low == 12'hFFF;"),
     Fault("registers/last_pattern_at_any_time", "registers", "board/sp_registers.sv",
           "!((trigger_run_o || trigger_on_frame_o) && trigger_wanted);", "!(trigger_run_o && trigger_wanted);", 16),
     Fault("registers/width_at_any_time", "registers", "board/sp_registers.sv",
@@ -109,6 +118,15 @@ FAULTS = [
     Fault("axil_bridge/forgets_an_answer", "axil_bridge", "board/sp_axil_bridge.sv",
           "if (!late_q && reading_q) s_axil_rvalid_o <= 1'b1;",
           "if (!late_q && reading_q) s_axil_rvalid_o <= !timed_out_q;"),
+    Fault("axil_bridge/answer_after_its_toggle", "axil_bridge", "board/sp_axil_bridge.sv",
+          "if (answer_i) begin back_error_q", "if ($past(answer_i)) begin back_error_q"),
+    Fault("axil_bridge/error_of_a_read_lost", "axil_bridge", "board/sp_axil_bridge.sv",
+          "s_axil_rresp_o <= back_error_q ? SlaveError : Okay;", "s_axil_rresp_o <= Okay;"),
+    Fault("packet_fifo/count_crosses_in_binary", "packet_fifo", "common/sp_packet_fifo.sv",
+          "sp_sync #( .Width(CountBits) ) u_written_to_rd ( .clk_i(rd_clk_i), .rst_i(rd_rst_i), .d_i (written_gray_q), "
+          ".q_o (written_gray_seen) );",
+          "logic [CountBits-1:0] seen; assign written_gray_seen = gray_of(seen); sp_sync #( .Width(CountBits) ) "
+          "u_count ( .clk_i(rd_clk_i), .rst_i(rd_rst_i), .d_i (written_next_q - 1'b1), .q_o (seen) );"),
     Fault("packetizer/no_fill", "packetizer", "board/sp_packetizer.sv",
           "(q.state[Fill] || q.state[Payload] && payload_break_i) && !all_put,", "q.state[Fill] && !all_put,", 24),
     Fault("packetizer/loses_uncounted", "packetizer", "board/sp_packetizer.sv",
@@ -129,6 +147,12 @@ FAULTS = [
           "level_q == '0 && bursts_q == '0 &&", "level_q == '0 &&"),
     Fault("gray_axi_memory/more_bursts_than_counted", "gray_axi_memory", "gray/sp_gray_axi_memory.sv",
           "|| part) && !(&bursts_q);", "|| part);"),
+    Fault("moment_drain/breaks_early", "moment_drain", "moments/sp_moment_drain.sv",
+          "assign break_o = break_q[Latency-1];", "assign break_o = break_q[Latency-2];"),
+    Fault("moment_drain/words_early", "moment_drain", "moments/sp_moment_drain.sv",
+          "assign valid_o = valid_q[Latency-1];", "assign valid_o = valid_q[Latency-2];"),
+    Fault("moment_drain/ends_one_early", "moment_drain_of_four", "moments/sp_moment_drain.sv",
+          "group_q == last_group_q;", "group_q + 1'b1 == last_group_q;"),
     Fault("column_moments_binary/row_off_by_one", "column_moments_binary", "moments/sp_moment_sums.sv",
           "s1_row_q         <= row_i;", "s1_row_q         <= row_i - RowBits'(1);", 12),
     Fault("column_moments_binary/no_forward", "column_moments_binary", "moments/sp_moment_sums.sv",
@@ -157,12 +181,15 @@ def run(command, limit_s, folder):
 def yosys(proof, rtl, folder, path, commands):
     """Runs Yosys on the module with its rules: flat, memories as registers, free clocks as data.
 
+    What a part of the module assumes, the module has to guarantee: it becomes an assertion.
+
     `commands` write the file `path`.
     """
     two_clocks = "clk2fflogic; " if proof.clocks == 2 else ""
-    clocks = ROOT / "tests/formal/sp_formal_clocks.sv"
-    read = rtl_tree.read_command(proof.module, proof.parameters, rtl, [clocks], formal=True)
+    helpers = sorted((ROOT / "tests/formal").glob("sp_formal_*.sv"))
+    read = rtl_tree.read_command(proof.module, proof.parameters, rtl, helpers, formal=True)
     script = (read + f"hierarchy -check -top {proof.module}; proc; chformal -cover -remove A:top %n; "
+              f"chformal {'-assume2assert' if proof.lemmas else '-remove'} A:top *sp_formal_* %u %n; "
               f"prep -nordff -flatten; memory_map; {two_clocks}opt -full; dffunmap; {commands}")
     result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
     if result.returncode != 0 or not path.exists():
@@ -213,6 +240,14 @@ def solve_aiger(proof, aiger, depth, folder, every=False):
     return [int(step) for step in broken]
 
 
+def proved_by_reachability(proof, aiger, folder):
+    """Returns whether ABC finds an invariant from which every rule follows, or a trace that breaks one."""
+    output = run(["yosys-abc", "-c", f"read {aiger.name}; fold; strash; scorr; dc2; pdr"], proof.limit_s, folder).stdout
+    if "Property proved" not in output and "was asserted in frame" not in output:
+        raise ProofError(f"ABC gave no verdict on {proof.name}:\n{output[-2000:]}")
+    return "Property proved" in output
+
+
 def wrong(output):
     """Returns the lines that say what failed, without the clock."""
     lines = [re.sub(r"^##\s+\S+\s+", "", line) for line in output.splitlines()]
@@ -225,6 +260,10 @@ def check(proof, rtl, folder):
         if broken := solve_aiger(proof, write_aiger(proof, rtl, folder), proof.depth, folder):
             raise ProofError(f"{proof.name}: a rule is broken in step {broken[0]}")
         return
+    if proof.kind == "reachability":
+        if not proved_by_reachability(proof, write_aiger(proof, rtl, folder), folder):
+            raise ProofError(f"{proof.name}: a rule is broken")
+        return
     smt2 = write_smt2(proof, rtl, folder)
     for options in (["-t", str(proof.depth)], ["-i", "-t", str(proof.depth)]):
         passed, output = solve(proof, smt2, options, folder)
@@ -234,7 +273,7 @@ def check(proof, rtl, folder):
 
 def cover(proof, rtl, folder):
     """Returns the number of covers; raises ProofError if one is not reached."""
-    if proof.kind == "bounded":
+    if proof.kind != "induction":
         aiger = write_aiger(proof, rtl, folder, covers=True)
         covers = int(aiger.read_bytes().split()[6])  # "aig", maximum, inputs, latches, outputs, gates, bad states
         reached = len(solve_aiger(proof, aiger, proof.cover, folder, every=True))
@@ -263,7 +302,7 @@ def expect_failure(fault, folder):
     """Returns one line about the fault; raises ProofError if its proof does not find it."""
     proof = next(proof for proof in PROOFS if proof.name == fault.proof)
     rtl = rtl_tree.plant(folder, fault.file, fault.old, fault.new)
-    if proof.kind == "bounded":
+    if proof.kind != "induction":
         found = solve_aiger(proof, write_aiger(proof, rtl, folder), fault.bounded or proof.depth, folder)
     else:
         smt2 = write_smt2(proof, rtl, folder)
