@@ -1,6 +1,7 @@
 #include "sim/app/capture_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
@@ -21,9 +22,11 @@
 #include "sim/scene/chessboard.h"
 #include "sim/scene/pattern_set.h"
 #include "sim/scene/projected_light.h"
+#include "sim/scene/real_rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_list.h"
+#include "sim/scene/targets.h"
 #include "sim/scene/virtual_capture.h"
 
 namespace selfproj {
@@ -37,26 +40,77 @@ struct CaptureOptions {
   double square_mm = 0;
   int poses = 8;
   double tilt_deg = 30;
+  std::optional<double> plate_mm;
+  std::vector<double> steps_mm;
+  double tread_mm = 35;
+  double shift_mm = 0;
+  bool stopped = false;
+  std::optional<std::uint64_t> target_seed;
+  double print_scale = 1e-4;
+  double bend_mm = 0.2;
+  TargetTolerance tolerance{0.005, 0.01};
   std::optional<std::int64_t> seed;
+  std::optional<std::uint64_t> real_rig_seed;
   bool without_noise = false;
   int threads = 0;
   std::string out;
 };
 
-void run_capture(const CaptureOptions& options) {
-  constexpr int kMostCorners = 200;
-  if (options.scene.empty() == options.chessboard.empty()) {
-    throw UserError("--scene, --chessboard", "give one of them, not both");
+void check(const CaptureOptions& options) {
+  const int given = static_cast<int>(!options.scene.empty()) + static_cast<int>(!options.chessboard.empty()) +
+                    static_cast<int>(options.plate_mm.has_value()) + static_cast<int>(!options.steps_mm.empty());
+  if (given != 1) {
+    throw UserError("--scene, --chessboard, --plate, --steps", "give one of them");
   }
   if (!options.chessboard.empty() && !(options.square_mm > 0)) {
     throw UserError("--square", "is required with --chessboard");
   }
+  if (!options.scene.empty() && options.target_seed) {
+    throw UserError("--target-seed", "is for targets, and a scene has no flaws");
+  }
+}
+
+// What stands still under the patterns, unless it is a chessboard.
+std::unique_ptr<Scene> scene_of(const CaptureOptions& options, const Rig& rig) {
+  const TargetTolerance tolerance = options.target_seed ? options.tolerance : TargetTolerance{};
+  if (options.plate_mm) {
+    return std::make_unique<FlatPlate>(*options.plate_mm, tolerance, options.target_seed.value_or(0));
+  }
+  if (!options.steps_mm.empty()) {
+    return std::make_unique<StepBlock>(options.steps_mm, options.tread_mm, options.shift_mm, tolerance,
+                                       options.target_seed.value_or(0));
+  }
+  std::unique_ptr<Scene> scene = make_scene(options.scene, rig);
+  if (scene->speed() != 0) {
+    throw UserError(options.scene, "moves on this rig's conveyor; stop it with --stopped");
+  }
+  return scene;
+}
+
+std::string what_of(const CaptureOptions& options) {
+  if (options.plate_mm) {
+    return fmt::format("flat plate at {:g} mm", *options.plate_mm);
+  }
+  if (!options.steps_mm.empty()) {
+    return fmt::format("steps of {:g} mm", fmt::join(options.steps_mm, ", "));
+  }
+  return options.scene.empty() ? fmt::format("chessboard of {} corners in {} poses", options.chessboard, options.poses)
+                               : "scene " + options.scene;
+}
+
+void run_capture(const CaptureOptions& options) {
+  constexpr int kMostCorners = 200;
+  check(options);
   OutputFolder out(options.out);
   if (!options.chessboard.empty() && std::filesystem::exists(options.out)) {
     throw UserError(options.out, "exists already; poses need a new folder");
   }
   Rig rig = load_rig(options.rig);
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
+  if (options.stopped) {
+    rig.conveyor.speed_mm_per_s = 0;
+  }
+  const RealRig real = options.real_rig_seed ? hidden_rig(rig, *options.real_rig_seed) : RealRig(rig);
   const std::vector<std::string> files = files_of_folder(options.patterns);
   std::vector<ProjectedLight> patterns;
   patterns.reserve(files.size());
@@ -70,26 +124,77 @@ void run_capture(const CaptureOptions& options) {
   settings.threads = options.threads;
   settings.done = [&] { progress->update(++done); };
   if (options.chessboard.empty()) {
-    const std::unique_ptr<Scene> scene = make_scene(options.scene, rig);
-    if (scene->speed() != 0) {
-      throw UserError(options.scene, "moves on this rig's conveyor; capture only scenes that stand still");
-    }
+    const std::unique_ptr<Scene> scene = scene_of(options, rig);
     progress.emplace("image", files.size());
-    capture_scene(rig, *scene, patterns, settings, out);
+    capture_scene(real, *scene, patterns, settings, out);
   } else {
     const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
     const ChessboardShape shape{corners.columns, corners.rows, options.square_mm};
-    const std::vector<ChessboardPlace> places = chessboard_places(rig, shape, options.poses, options.tilt_deg);
+    const std::vector<ChessboardPlace> places = chessboard_places(real, shape, options.poses, options.tilt_deg);
+    const ChessboardFlaws flaws = options.target_seed
+                                      ? drawn_flaws(options.print_scale, options.bend_mm, *options.target_seed)
+                                      : ChessboardFlaws{};
     progress.emplace("image", files.size() * places.size());
-    capture_chessboard(rig, shape, places, patterns, settings, out);
+    capture_chessboard(real, shape, flaws, places, patterns, settings, out);
   }
   progress.reset();
   out.commit();
-  fmt::print("{} images of {}, {}, rig {}, seed {} → {}\n", done, size_text(rig.camera.rows, rig.camera.columns),
-             options.chessboard.empty()
-                 ? "scene " + options.scene
-                 : fmt::format("chessboard of {} corners in {} poses", options.chessboard, options.poses),
-             rig.name, rig.imaging.seed, out.name());
+  fmt::print("{} images of {}, {}, rig {}{}, seed {} → {}\n", done, size_text(rig.camera.rows, rig.camera.columns),
+             what_of(options), rig.name,
+             options.real_rig_seed ? fmt::format(" (real rig {})", *options.real_rig_seed) : "", rig.imaging.seed,
+             out.name());
+}
+
+void add_target_options(CLI::App& command, CaptureOptions& options) {
+  begin_group(command, "Chessboard");
+  command.add_option("--square", options.square_mm, "Side of a square in mm. Required with --chessboard.")
+      ->transform(number_above_zero())
+      ->type_name("MM");
+  command.add_option("--poses", options.poses, "Number of poses of the chessboard.")
+      ->transform(whole_number(1, 99))
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_option("--tilt", options.tilt_deg, "Angle in degrees by which it leans in all poses but the first.")
+      ->transform(real_number(0, 60))
+      ->type_name("DEG")
+      ->capture_default_str();
+  begin_group(command, "Steps");
+  command.add_option("--tread", options.tread_mm, "Width of a tread in mm, across the belt.")
+      ->transform(number_above_zero())
+      ->type_name("MM")
+      ->capture_default_str();
+  command.add_option("--shift", options.shift_mm, "Place of the block's middle across the belt in mm.")
+      ->transform(real_number(-1e4, 1e4))
+      ->type_name("MM")
+      ->capture_default_str();
+  begin_group(command, "Flaws of chessboard, plate and steps");
+  command
+      .add_option("--target-seed", options.target_seed,
+                  "Seed of the target's flaws, each drawn within the tolerances below.")
+      ->transform(whole_number(0))
+      ->type_name("N")
+      ->default_str("no flaws");
+  command
+      .add_option("--print-scale", options.print_scale, "Chessboard: relative error of its squares, to either side.")
+      ->transform(real_number(0, 0.1))
+      ->type_name("SHARE")
+      ->capture_default_str();
+  command.add_option("--bend", options.bend_mm, "Chessboard: how far it bends out of its plane, mm to either side.")
+      ->transform(real_number(0, 100))
+      ->type_name("MM")
+      ->capture_default_str();
+  command
+      .add_option("--height-tolerance", options.tolerance.height_mm,
+                  "Plate, steps: error of a height, mm to either side.")
+      ->transform(real_number(0, 10))
+      ->type_name("MM")
+      ->capture_default_str();
+  command
+      .add_option("--flatness", options.tolerance.flatness_mm,
+                  "Plate: mm from the lowest point of its surface to the highest.")
+      ->transform(real_number(0, 10))
+      ->type_name("MM")
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -97,9 +202,9 @@ void run_capture(const CaptureOptions& options) {
 void add_capture_command(CLI::App& app) {
   CLI::App* command = add_command(
       app, {.name = "capture",
-            .purpose = "Captures a scene or a chessboard under each pattern of a folder, with a simulated camera.",
-            .details = "A scene (--scene) gives image_00.png and so on. A chessboard (--chessboard) gives "
-                       "pose_01/image_00.png and so on, and truth.json with the true camera, projector and poses.",
+            .purpose = "Captures a scene or a target under each pattern of a folder, with a simulated camera.",
+            .details = "A chessboard (--chessboard) gives pose_01/image_00.png and so on, and truth.json with the true "
+                       "camera, projector and poses; everything else gives image_00.png and so on.",
             .examples = R"(
 # Capture a scene under the patterns of its projector.
 selfproj pattern gray --rig scanner --out patterns
@@ -108,6 +213,11 @@ selfproj-sim capture --rig scanner --scene desk --patterns patterns --out desk
 # Capture a chessboard in 2 poses, as `selfproj calibrate` takes it.
 selfproj-sim capture --rig scanner --patterns patterns --chessboard 9x7 --square 21 --poses 2 \
   --out captures
+
+# A sweep of lines over a plate 10 mm above the belt, seen by a rig that nobody knows.
+selfproj pattern --sweep --every 32 --out lines
+selfproj-sim capture --rig light-section --real-rig-seed 7 --plate 10 --target-seed 1 \
+  --patterns lines --out plate
 )"});
   const auto options = std::make_shared<CaptureOptions>();
   begin_group(*command, "Rig and patterns");
@@ -117,23 +227,29 @@ selfproj-sim capture --rig scanner --patterns patterns --chessboard 9x7 --square
                    "Folder of images of the projector's size, such as `selfproj pattern gray` writes.")
       ->type_name("DIR")
       ->required();
-  begin_group(*command, "What is captured (one of --scene and --chessboard is required)");
+  begin_group(*command, "What is captured (one of --scene, --chessboard, --plate and --steps is required)");
   command->add_option("--scene", options->scene, "A scene that stands still, of `selfproj-sim scene list`.")
       ->type_name("NAME");
   command->add_option("--chessboard", options->chessboard, "Inner corners along the two sides of a chessboard.")
       ->type_name("NxM");
-  command->add_option("--square", options->square_mm, "Side of a square in mm. Required with --chessboard.")
-      ->transform(number_above_zero())
+  command->add_option("--plate", options->plate_mm, "A flat plate, this many mm over the belt.")
+      ->transform(real_number(-1e4, 1e4))
       ->type_name("MM");
-  command->add_option("--poses", options->poses, "Number of poses of the chessboard.")
-      ->transform(whole_number(1, 99))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--tilt", options->tilt_deg, "Angle in degrees by which it leans in all poses but the first.")
-      ->transform(real_number(0, 60))
-      ->type_name("DEG")
-      ->capture_default_str();
+  command
+      ->add_option("--steps", options->steps_mm, "A block of treads side by side, with commas between their heights.")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(real_number(-1e4, 1e4))
+      ->type_name("MM,...");
+  command->add_flag("--stopped", options->stopped, "Stop the belt, with the middle of the scene's part at x = 0.");
+  add_target_options(*command, *options);
   begin_group(*command, "Simulation");
+  command
+      ->add_option("--real-rig-seed", options->real_rig_seed,
+                   "Seed of a rig that takes the images instead: it deviates from --rig in lenses and mounting.")
+      ->transform(whole_number(0))
+      ->type_name("N")
+      ->default_str("--rig takes them");
   command->add_option("--seed", options->seed, "Seed of the noise.")
       ->transform(whole_number(0))
       ->type_name("N")

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -15,37 +14,31 @@
 namespace selfproj {
 namespace {
 
-// A part of the image, in pixels.
+// The part of the image that holds all points between some (their convex hull).
 class ImageBounds {
  public:
-  // Extends to the image of a point. Extends to the whole image if the point is nearer than 1 mm in front of the
-  // pinhole, because it may then be seen anywhere.
-  void add(const Pinhole& camera, Point3 p) {
-    if (p.z < kNear) {
-      constexpr double kFar = 1e6;
-      row_0_ = column_0_ = -kFar;
-      row_1_ = column_1_ = kFar;
-      return;
-    }
-    const PixelPoint pixel = camera.project(p);
-    row_0_ = std::min(row_0_, pixel.row);
-    row_1_ = std::max(row_1_, pixel.row);
-    column_0_ = std::min(column_0_, pixel.column);
-    column_1_ = std::max(column_1_, pixel.column);
-  }
+  void add(Point3 p) { points_.push_back(p); }
 
-  // Sets the bit of a body in the masks of the blocks there.
-  void mark(const RigCamera& camera, const BlockGrid& grid, std::size_t body, std::vector<std::uint32_t>& masks) const {
+  // Sets the bit of a body in the masks of the blocks there. That is the whole image if a point is nearer than 1 mm in
+  // front of the pinhole, because it may then be seen anywhere.
+  void mark(const StillSurface& still, const RigCamera& camera, std::size_t body,
+            std::vector<std::uint32_t>& masks) const {
+    const BlockGrid& grid = still.grid();
     const int margin = grid.margin();
-    if (row_1_ < -margin - 0.5 || column_1_ < -margin - 0.5 || row_0_ > camera.rows + margin ||
-        column_0_ > camera.columns + margin) {
+    constexpr double kFar = 1e6;
+    PixelBounds b{-kFar, kFar, -kFar, kFar};
+    if (std::all_of(points_.begin(), points_.end(), [&](Point3 p) { return still.camera().depth(p) >= kNear; })) {
+      b = still.camera().bounds(points_).value_or(b);
+    }
+    if (b.row_1 < -margin - 0.5 || b.column_1 < -margin - 0.5 || b.row_0 > camera.rows + margin ||
+        b.column_0 > camera.columns + margin) {
       return;
     }
     const auto block_of = [&](double pixel, int most) {
       return static_cast<int>(std::clamp((pixel + 0.5 + margin) / kBlockPixels, 0.0, most - 1.0));
     };
-    for (int down = block_of(row_0_, grid.down()); down <= block_of(row_1_, grid.down()); ++down) {
-      for (int across = block_of(column_0_, grid.across()); across <= block_of(column_1_, grid.across()); ++across) {
+    for (int down = block_of(b.row_0, grid.down()); down <= block_of(b.row_1, grid.down()); ++down) {
+      for (int across = block_of(b.column_0, grid.across()); across <= block_of(b.column_1, grid.across()); ++across) {
         masks[grid.block(down, across)] |= std::uint32_t{1} << body;
       }
     }
@@ -54,10 +47,7 @@ class ImageBounds {
   static constexpr double kNear = 1;  // mm
 
  private:
-  double row_0_ = std::numeric_limits<double>::max();
-  double row_1_ = std::numeric_limits<double>::lowest();
-  double column_0_ = std::numeric_limits<double>::max();
-  double column_1_ = std::numeric_limits<double>::lowest();
+  std::vector<Point3> points_;
 };
 
 // Marks the blocks in which a body with these bounds may be seen, and those on whose points its shadow may fall, that
@@ -71,19 +61,19 @@ void mark(const Rig& rig, const StillSurface& still, std::size_t body, const Cub
     for (const double y : {bounds.low.y, bounds.high.y}) {
       for (const double z : {bounds.low.z, bounds.high.z}) {
         const Point3 corner{x, y, z};
-        seen.add(still.camera(), corner);
-        shadow.add(still.camera(), corner);
+        seen.add(corner);
+        shadow.add(corner);
         if (z >= deepest) {
           continue;
         }
         const double below = z - centre.z;  // below the projector
-        shadow.add(still.camera(),
-                   below > ImageBounds::kNear ? centre + (deepest - centre.z) / below * (corner - centre) : Point3{});
+        shadow.add(below > ImageBounds::kNear ? centre + (deepest - centre.z) / below * (corner - centre)
+                                              : still.camera().centre());
       }
     }
   }
-  seen.mark(rig.camera, still.grid(), body, motion.seen);
-  shadow.mark(rig.camera, still.grid(), body, motion.shaded);
+  seen.mark(still, rig.camera, body, motion.seen);
+  shadow.mark(still, rig.camera, body, motion.shaded);
 }
 
 // The bodies of a mask that come within `slack` of the line at one of the three times.
@@ -103,6 +93,7 @@ std::uint32_t near_ones(const BodyMotion& motion, std::uint32_t mask, const Ray&
 // the surface in it. `way` is how far a body moves between two of the three times.
 void narrow(const Rig& rig, const StillSurface& still, double way, BodyMotion& motion) {
   const BlockGrid& grid = still.grid();
+  const Point3 camera = still.camera().centre();
   const double deepest = rig.plane_z_mm - still.heights().low;
   constexpr double kHalfDiagonal = kBlockPixels * std::numbers::sqrt2 / 2;
   const double slack = deepest * kHalfDiagonal * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
@@ -110,16 +101,19 @@ void narrow(const Rig& rig, const StillSurface& still, double way, BodyMotion& m
     for (int across = 0; across < grid.across(); ++across) {
       const std::size_t index = grid.block(down, across);
       const StillSurface::Block& block = still.block(index);
-      const Point3 along = still.camera().ray(grid.node_pixel(2 * down + 1, 2 * across + 1));
-      motion.seen[index] = near_ones(motion, motion.seen[index], {{0, 0, 0}, along}, slack + way);
+      const Point3 sight = still.camera().sight(grid.node_pixel(2 * down + 1, 2 * across + 1));
+      motion.seen[index] = near_ones(motion, motion.seen[index], {camera, sight}, slack + way);
       if (motion.seen[index] != 0 || motion.shaded[index] == 0 || block.samples >= 0) {
         continue;  // what is seen may be anywhere
       }
-      const Point3 middle = static_cast<double>(still.node(grid.node(2 * down + 1, 2 * across + 1)).z) * along;
+      const double z = static_cast<double>(still.node(grid.node(2 * down + 1, 2 * across + 1)).z);
+      const Point3 middle = camera + (z - camera.z) * sight;
       double furthest = 0;
       for (const int corner : {0, 1, 2, 3}) {
-        const Point3 ray = still.camera().ray(grid.node_pixel(2 * (down + corner / 2), 2 * (across + corner % 2)));
-        const Point3 d = static_cast<double>(block.corners[static_cast<std::size_t>(corner)].z) * ray - middle;
+        const PixelPoint pixel = grid.node_pixel(2 * (down + corner / 2), 2 * (across + corner % 2));
+        const Point3 d =
+            still.camera().point_at(pixel, static_cast<double>(block.corners[static_cast<std::size_t>(corner)].z)) -
+            middle;
         furthest = std::max(furthest, std::sqrt(dot(d, d)));
       }
       motion.shaded[index] =

@@ -5,19 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
 
 #include "host/io/user_error.h"
+#include "sim/scene/even_numbers.h"
 #include "sim/scene/lens_kernel.h"
 
 namespace selfproj {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
-
-Point3 cross(Point3 a, Point3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
 // The vector, turned about an axis of length 1 (Rodrigues).
 Point3 turned(Point3 v, Point3 axis, double angle) {
@@ -29,11 +29,7 @@ Point3 turned(Point3 v, Point3 axis, double angle) {
 // Checks whether camera and projector see the whole board.
 class Visible {
  public:
-  Visible(const Rig& rig, const ChessboardShape& shape)
-      : rig_(rig),
-        shape_(shape),
-        camera_(Pinhole::of_camera(rig.camera)),
-        projector_(Pinhole::of_projector(rig.projector)) {}
+  Visible(const RealRig& real, const ChessboardShape& shape) : real_(real), shape_(shape) {}
 
   [[nodiscard]] bool operator()(const ChessboardPlace& place) const {
     constexpr double kMargin = 2;  // squares beyond the outermost corners
@@ -41,8 +37,9 @@ class Visible {
       for (const double end : {-1.0, 1.0}) {
         const Point3 p = place.middle + side * shape_.square_mm * ((shape_.across - 1) / 2.0 + kMargin) * place.right +
                          end * shape_.square_mm * ((shape_.down - 1) / 2.0 + kMargin) * place.below;
-        if (!inside(camera_, p, rig_.camera.rows, rig_.camera.columns) ||
-            !inside(projector_, p, rig_.projector.lines, rig_.projector.columns)) {
+        const Rig& rig = real_.rig;
+        if (!inside(real_.camera, p, rig.camera.rows, rig.camera.columns) ||
+            !inside(real_.projector, p, rig.projector.lines, rig.projector.columns)) {
           return false;
         }
       }
@@ -59,15 +56,13 @@ class Visible {
     return at.row >= 0 && at.row <= rows - 1 && at.column >= 0 && at.column <= columns - 1;
   }
 
-  const Rig& rig_;
+  const RealRig& real_;
   const ChessboardShape& shape_;
-  Pinhole camera_, projector_;
 };
 
 // The middle of the area of the plane z = `z` that both see. Uses rectangles, which both views nearly are.
-Point3 middle_of_view(const Rig& rig, double z) {
-  const Pinhole camera = Pinhole::of_camera(rig.camera);
-  const Pinhole projector = Pinhole::of_projector(rig.projector);
+Point3 middle_of_view(const RealRig& real, double z) {
+  const Rig& rig = real.rig;
   std::array<double, 4> bounds{-1e9, 1e9, -1e9, 1e9};  // x, y
   const auto narrow = [&](const Pinhole& pinhole, int rows, int columns) {
     const auto on_plane = [&](double row, double column) {
@@ -81,42 +76,78 @@ Point3 middle_of_view(const Rig& rig, double z) {
     bounds = {std::max(bounds[0], std::min(x0, x1)), std::min(bounds[1], std::max(x0, x1)),
               std::max(bounds[2], std::min(y0, y1)), std::min(bounds[3], std::max(y0, y1))};
   };
-  narrow(camera, rig.camera.rows, rig.camera.columns);
-  narrow(projector, rig.projector.lines, rig.projector.columns);
+  narrow(real.camera, rig.camera.rows, rig.camera.columns);
+  narrow(real.projector, rig.projector.lines, rig.projector.columns);
   return {(bounds[0] + bounds[1]) / 2, (bounds[2] + bounds[3]) / 2, z};
 }
 
 }  // namespace
 
-ChessboardScene::ChessboardScene(const Rig& rig, const ChessboardShape& shape, const ChessboardPlace& place)
+ChessboardFlaws drawn_flaws(double scale, double bend_mm, std::uint64_t seed) {
+  EvenNumbers random(seed);
+  ChessboardFlaws flaws;
+  flaws.across_scale = 1 + random.within(scale);
+  flaws.down_scale = 1 + random.within(scale);
+  for (double& bend : flaws.bend_mm) {
+    bend = random.within(bend_mm);
+  }
+  return flaws;
+}
+
+ChessboardScene::ChessboardScene(const Rig& rig, const ChessboardShape& shape, const ChessboardPlace& place,
+                                 const ChessboardFlaws& flaws)
     : shape_(shape),
       place_(place),
+      flaws_(flaws),
+      bent_(flaws.bend_mm != std::array<double, 3>{}),
+      normal_(cross(place.right, place.below)),
       plane_z_(rig.plane_z_mm),
       edge_(place.middle.z * rig.camera.pixel_pitch_mm / (rig.camera.focal_length_mm * kSubPixels * shape.square_mm)) {
-  const Point3 normal = cross(place.right, place.below);
+  const Point3 normal = normal_;
   constexpr double kLeast = 0.17;  // cosine of 80 degrees
   if (!(std::abs(normal.z) > kLeast)) {
     throw std::invalid_argument("chessboard: too steep");
   }
   dx_ = -normal.x / normal.z;
   dy_ = -normal.y / normal.z;
+  // The slope of the bend over the board's plane is at most `slope`; in z it is that by the cosine squared, and twice
+  // that leaves room for how a sloped surface meets a vertical line.
+  double slope = 0;
+  for (const double part : flaws.bend_mm) {
+    slope += 2 * std::abs(part) / (shape.square_mm * std::min(shape.across, shape.down) / 2);
+  }
+  steepest_bend_ = 2 * slope / (normal.z * normal.z);
+}
+
+double ChessboardScene::bend(double right, double below) const {
+  const double u = std::clamp(right / (shape_.square_mm * shape_.across / 2), -1.0, 1.0);
+  const double v = std::clamp(below / (shape_.square_mm * shape_.down / 2), -1.0, 1.0);
+  return flaws_.bend_mm[0] * u * u + flaws_.bend_mm[1] * u * v + flaws_.bend_mm[2] * v * v;
 }
 
 double ChessboardScene::height(double x, double y, double /*t*/) const {
-  return plane_z_ - (place_.middle.z + dx_ * (x - place_.middle.x) + dy_ * (y - place_.middle.y));
+  const double level = place_.middle.z + dx_ * (x - place_.middle.x) + dy_ * (y - place_.middle.y);
+  double z = level;
+  constexpr int kSteps = 8;  // each takes away more than nine tenths of the error
+  for (int i = 0; bent_ && i < kSteps; ++i) {
+    const Point3 from = Point3{x, y, z} - place_.middle;
+    z = level + bend(dot(from, place_.right), dot(from, place_.below)) / normal_.z;
+  }
+  return plane_z_ - z;
 }
 
 HeightRange ChessboardScene::range(const Box& box, double t0, double /*t1*/) const {
   const double middle = height((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2, t0);
-  const double half = 0.5 * (std::abs(dx_) * (box.x1 - box.x0) + std::abs(dy_) * (box.y1 - box.y0));
+  const double half = 0.5 * ((std::abs(dx_) + steepest_bend_) * (box.x1 - box.x0) +
+                             (std::abs(dy_) + steepest_bend_) * (box.y1 - box.y0));
   return {middle - half, middle + half};
 }
 
 double ChessboardScene::albedo(double x, double y, double t) const {
   const Point3 from = Point3{x, y, plane_z_ - height(x, y, t)} - place_.middle;
-  const double across =
-      dot(from, place_.right) / shape_.square_mm + (shape_.across - 1) / 2.0;  // 0 at the first corner
-  const double down = dot(from, place_.below) / shape_.square_mm + (shape_.down - 1) / 2.0;
+  const double across = dot(from, place_.right) / (shape_.square_mm * flaws_.across_scale) +
+                        (shape_.across - 1) / 2.0;  // 0 at the first corner
+  const double down = dot(from, place_.below) / (shape_.square_mm * flaws_.down_scale) + (shape_.down - 1) / 2.0;
   // Alternates between 1 and -1 from edge to edge.
   const auto sign = [&](double at) {
     const double edge = std::round(at);
@@ -132,16 +163,17 @@ double ChessboardScene::albedo(double x, double y, double t) const {
   return 1 - (1 - kBlack) * black;
 }
 
-std::vector<ChessboardPlace> chessboard_places(const Rig& rig, const ChessboardShape& shape, int count,
+std::vector<ChessboardPlace> chessboard_places(const RealRig& real, const ChessboardShape& shape, int count,
                                                double tilt_deg) {
   constexpr double kTurn = 12;     // degrees about the normal, to either side
   constexpr double kDepth = 0.06;  // share of the distance, nearer and further away
-  const Visible visible(rig, shape);
+  const Rig& rig = real.rig;
+  const Visible visible(real, shape);
   std::vector<ChessboardPlace> places;
   for (int k = 0; k < count; ++k) {
     ChessboardPlace place;
     const double z = rig.plane_z_mm * (1 + (k == 0 ? 0 : kDepth * (k % 3 - 1)));
-    place.middle = middle_of_view(rig, z);
+    place.middle = middle_of_view(real, z);
     // The leaning directions go round, while the places shift across them, so that every part of the image gets all of
     // them.
     const double lean = 2 * std::numbers::pi * k / std::max(1, count - 1);

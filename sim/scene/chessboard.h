@@ -2,10 +2,13 @@
 #ifndef SELFPROJ_SIM_SCENE_CHESSBOARD_H
 #define SELFPROJ_SIM_SCENE_CHESSBOARD_H
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "host/rig/rig.h"
 #include "sim/scene/pinhole.h"
+#include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
 
 namespace selfproj {
@@ -16,6 +19,18 @@ struct ChessboardShape {
   int down = 0;
   double square_mm = 0;
 };
+
+// What a printed board has instead: sides of its squares by these factors, and a bend.
+struct ChessboardFlaws {
+  double across_scale = 1;
+  double down_scale = 1;
+  // How far the board's surface is from its plane, mm, by u², u v and v², where u and v are 1 at the middles of the
+  // outermost squares across and down. It stays level beyond them.
+  std::array<double, 3> bend_mm{};
+};
+
+// Flaws drawn evenly: scales within 1 +- `scale`, each part of the bend within +- `bend_mm`.
+ChessboardFlaws drawn_flaws(double scale, double bend_mm, std::uint64_t seed);
 
 // The position of the board: its middle, and the directions of `across` and `down` on it, perpendicular and of length
 // 1. Corner (i, j) is at middle + square ((i - (across - 1)/2) right + (j - (down - 1)/2) below).
@@ -30,7 +45,8 @@ struct ChessboardPlace {
 class ChessboardScene : public Scene {
  public:
   // Throws std::invalid_argument if the plane is steeper than 80 degrees.
-  ChessboardScene(const Rig& rig, const ChessboardShape& shape, const ChessboardPlace& place);
+  ChessboardScene(const Rig& rig, const ChessboardShape& shape, const ChessboardPlace& place,
+                  const ChessboardFlaws& flaws = {});
 
   [[nodiscard]] int frames() const override { return 1; }
   [[nodiscard]] double height(double x, double y, double t) const override;
@@ -42,8 +58,15 @@ class ChessboardScene : public Scene {
   static constexpr double kBlack = 0.06;  // albedo of a black square
 
  private:
+  // The distance of the board's surface from its plane at a place on it, mm from its middle.
+  [[nodiscard]] double bend(double right, double below) const;
+
   ChessboardShape shape_;
   ChessboardPlace place_;
+  ChessboardFlaws flaws_;
+  bool bent_;
+  Point3 normal_;
+  double steepest_bend_ = 0;  // bound of the slope that the bend adds to z
   double plane_z_;
   double edge_;     // width of an edge, in squares
   double dx_, dy_;  // slopes of z on the plane along x and y
@@ -53,7 +76,7 @@ class ChessboardScene : public Scene {
 // first place it faces the camera, in the middle of the area of the rig's plane that both see. In the others it leans
 // by `tilt_deg` in as many directions, nearer and further away, and is turned and shifted as far as the margin allows,
 // so that the corners fill both images. Throws UserError if a place has no room; then a smaller board is needed.
-std::vector<ChessboardPlace> chessboard_places(const Rig& rig, const ChessboardShape& shape, int count,
+std::vector<ChessboardPlace> chessboard_places(const RealRig& real, const ChessboardShape& shape, int count,
                                                double tilt_deg);
 
 }  // namespace selfproj

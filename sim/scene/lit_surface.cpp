@@ -1,6 +1,7 @@
 #include "sim/scene/lit_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sim/scene/ray.h"
@@ -13,12 +14,12 @@ constexpr double kEverywhere = 1e6;  // mm
 
 }  // namespace
 
-LitSurface::LitSurface(const Rig& rig, const Scene& scene, bool falloff)
+LitSurface::LitSurface(const RealRig& real, const Scene& scene, bool falloff)
     : scene_(scene),
-      plane_z_(rig.plane_z_mm),
+      plane_z_(real.rig.plane_z_mm),
       falloff_(falloff),
-      camera_(Pinhole::of_camera(rig.camera)),
-      projector_(Pinhole::of_projector(rig.projector).centre()) {}
+      camera_(real.camera),
+      projector_(real.projector.centre()) {}
 
 HeightRange LitSurface::all_heights(double t0, double t1) const {
   return scene_.range({-kEverywhere, kEverywhere, -kEverywhere, kEverywhere}, t0, t1);
@@ -27,17 +28,24 @@ HeightRange LitSurface::all_heights(double t0, double t1) const {
 // The footprint between two heights gives bounds of the surface in it. These give a smaller footprint, and so on.
 HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_pixel, double t0, double t1,
                                         HeightRange all) const {
-  const Point3 first = camera_.ray(first_pixel);
-  const Point3 last = camera_.ray(last_pixel);
+  const std::array<Point3, 4> corners = camera_.corner_sights(first_pixel, last_pixel);
+  const auto by_x = [](Point3 a, Point3 b) { return a.x < b.x; };
+  const auto by_y = [](Point3 a, Point3 b) { return a.y < b.y; };
+  const double x0 = std::min_element(corners.begin(), corners.end(), by_x)->x;
+  const double x1 = std::max_element(corners.begin(), corners.end(), by_x)->x;
+  const double y0 = std::min_element(corners.begin(), corners.end(), by_y)->y;
+  const double y1 = std::max_element(corners.begin(), corners.end(), by_y)->y;
+  const Point3 centre = camera_.centre();
   HeightRange heights = all;
   constexpr int kTries = 8;
   constexpr double kWorthwhile = 0.9;
   for (int i = 0; i < kTries; ++i) {
-    const double near = plane_z_ - heights.high;
-    const double far = plane_z_ - heights.low;
-    const HeightRange found = scene_.range({first.x * (first.x < 0 ? far : near), last.x * (last.x > 0 ? far : near),
-                                            first.y * (first.y < 0 ? far : near), last.y * (last.y > 0 ? far : near)},
-                                           t0, t1);
+    const double near = plane_z_ - heights.high - centre.z;
+    const double far = plane_z_ - heights.low - centre.z;
+    const HeightRange found =
+        scene_.range({centre.x + x0 * (x0 < 0 ? far : near), centre.x + x1 * (x1 > 0 ? far : near),
+                      centre.y + y0 * (y0 < 0 ? far : near), centre.y + y1 * (y1 > 0 ? far : near)},
+                     t0, t1);
     const double before = heights.high - heights.low;
     heights = {std::max(heights.low, found.low), std::min(heights.high, found.high)};
     if (heights.high - heights.low > kWorthwhile * before) {
@@ -48,12 +56,14 @@ HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_
 }
 
 LitSurface::Hit LitSurface::hit(PixelPoint pixel, double t, HeightRange heights) const {
-  const Point3 ray = camera_.ray(pixel);  // scaled to depth 1
-  const double z = plane_z_;
+  const Point3 sight = camera_.sight(pixel);
+  const Point3 centre = camera_.centre();
+  const double z = plane_z_ - centre.z;
   const bool level = heights.high - heights.low <= kHeightTolerance;
-  const double h =
-      level ? heights.low : first_hit(scene_, {ray.x * z, -ray.x, ray.y * z, -ray.y}, t, heights.low, heights.high);
-  return {(z - h) * ray, h, level};
+  const double h = level ? heights.low
+                         : first_hit(scene_, {centre.x + sight.x * z, -sight.x, centre.y + sight.y * z, -sight.y}, t,
+                                     heights.low, heights.high);
+  return {centre + (z - h) * sight, h, level};
 }
 
 Point3 LitSurface::normal(const Hit& hit, double t) const {

@@ -3,8 +3,8 @@
 #ifndef SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 #define SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 
-#include "host/rig/rig.h"
 #include "sim/scene/pinhole.h"
+#include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
 
 namespace selfproj {
@@ -19,7 +19,7 @@ class LitSurface {
 
   // The scene must live as long as this object. `falloff`: light falls with the square of the distance from the
   // projector, and is as stated on the plane at x = y = 0.
-  LitSurface(const Rig& rig, const Scene& scene, bool falloff);
+  LitSurface(const RealRig& real, const Scene& scene, bool falloff);
 
   // Bounds of all heights from t0 to t1.
   [[nodiscard]] HeightRange all_heights(double t0, double t1) const;

@@ -40,17 +40,18 @@ using Nodes = std::array<Look, 9>;  // of a block, row by row: corners, middles 
 // `still` is what the ray meets on the surface. `seen` and `shaded` are the bodies that may matter.
 Look look(const StillSurface& surface, PixelPoint pixel, const LightSpot& still, const Bodies& bodies,
           std::uint32_t seen, std::uint32_t shaded) {
-  const Point3 along = surface.camera().ray(pixel);  // scaled to depth 1, so that s is z
+  const Point3 centre = surface.camera().centre();
+  const Point3 sight = surface.camera().sight(pixel);  // s is the way along z
   Look result;
   Meeting nearest;
-  nearest.s = static_cast<double>(still.z);
+  nearest.s = static_cast<double>(still.z) - centre.z;
   for (std::uint32_t rest = seen; rest != 0; rest &= rest - 1) {
     const int body = __builtin_ctz(rest);
-    if (bodies[static_cast<std::size_t>(body)]->meets({{0, 0, 0}, along}, nearest.s, nearest)) {
+    if (bodies[static_cast<std::size_t>(body)]->meets({centre, sight}, nearest.s, nearest)) {
       result.body = body;
     }
   }
-  const Point3 point = nearest.s * along;
+  const Point3 point = centre + nearest.s * sight;
   const auto shaded_from = [&](Point3 from) {
     const Ray light{from, surface.projector().centre() - from};
     for (std::uint32_t rest = shaded; rest != 0; rest &= rest - 1) {
@@ -152,12 +153,12 @@ void swept_values(const Nodes& begin, const Nodes& end, int passes, const Projec
 
 }  // namespace
 
-PatternRenderer::PatternRenderer(const Rig& rig, const Scene& scene, RenderOptions options, int threads)
-    : rig_(rig),
+PatternRenderer::PatternRenderer(const RealRig& real, const Scene& scene, RenderOptions options, int threads)
+    : rig_(real.rig),
       scene_(scene),
       options_(options),
-      still_(rig, checked(scene), options, threads),
-      kernel_(lens_kernel(options.camera_blur ? rig.imaging.camera_blur_px : 0)) {}
+      still_(real, checked(scene), options, threads),
+      kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {}
 
 BodyMotion PatternRenderer::motion_of(int frame) const {
   return body_motion(rig_, scene_, still_, frame / rig_.camera.frame_rate_hz,

@@ -18,6 +18,7 @@
 #include "sim/scene/lens_kernel.h"
 #include "sim/scene/pattern_set.h"
 #include "sim/scene/projected_light.h"
+#include "sim/scene/real_rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/still_surface.h"
@@ -29,7 +30,7 @@ class PatternRenderer {
   // The scene must live as long as the renderer. Its surface must stand still (speed() is 0; that of t = 0 is used);
   // its bodies may move. Throws std::invalid_argument if it moves. Traces the surface with several threads (0: one for
   // each core).
-  PatternRenderer(const Rig& rig, const Scene& scene, RenderOptions options = {}, int threads = 0);
+  PatternRenderer(const RealRig& real, const Scene& scene, RenderOptions options = {}, int threads = 0);
 
   // The image of a frame (from 0) under this pattern, camera rows x columns, row by row, as Renderer would make it,
   // with bodies. Does not depend on what was rendered before. Several threads may call it at once.

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -59,16 +60,16 @@ struct Renderer::Light {
   HeightRange heights;  // of the whole scene during the exposure
 };
 
-Renderer::Renderer(const Rig& rig, const Scene& scene, const FloatImage& pattern, RenderOptions options)
-    : rig_(rig),
+Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pattern, RenderOptions options)
+    : rig_(real.rig),
       scene_(scene),
       options_(options),
-      camera_(Pinhole::of_camera(rig.camera)),
-      projector_(Pinhole::of_projector(rig.projector)),
-      surface_(rig, scene, options.falloff),
-      light_(checked(pattern, rig.projector), options.projector_blur ? rig.imaging.projector_blur_px : 0),
-      margin_(lens_margin(options.camera_blur ? rig.imaging.camera_blur_px : 0)),
-      kernel_(lens_kernel(options.camera_blur ? rig.imaging.camera_blur_px : 0)) {}
+      camera_(real.camera),
+      projector_(real.projector),
+      surface_(real, scene, options.falloff),
+      light_(checked(pattern, rig_.projector), options.projector_blur ? rig_.imaging.projector_blur_px : 0),
+      margin_(lens_margin(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
+      kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {}
 
 void Renderer::set_pattern(const FloatImage& pattern) {
   light_ =
@@ -82,30 +83,19 @@ HeightRange Renderer::block_heights(const Light& light, int row, int column) con
                                   light.middle - light.exposure / 2, light.middle + light.exposure / 2, light.heights);
 }
 
-// Whether no light falls on the points that the rays through a block of pixels meet between these heights. The volume
-// that they pass is convex, and so is its image in the projector, which its corners therefore bound.
+// Whether no light falls on the points that the rays through a block of pixels meet between these heights.
 bool Renderer::is_dark(int row, int column, HeightRange heights) const {
-  double line_0 = std::numeric_limits<double>::max();
-  double line_1 = std::numeric_limits<double>::lowest();
-  double column_0 = line_0;
-  double column_1 = line_1;
-  for (const double r : {row - 0.5, row + kBlock - 0.5}) {
-    for (const double c : {column - 0.5, column + kBlock - 0.5}) {
-      const Point3 ray = camera_.ray({r, c});
-      for (const double h : {heights.low, heights.high}) {
-        const Point3 point = (rig_.plane_z_mm - h) * ray;
-        if (projector_.depth(point) <= 0) {
-          return false;
-        }
-        const PixelPoint p = projector_.project(point);
-        line_0 = std::min(line_0, p.row);
-        line_1 = std::max(line_1, p.row);
-        column_0 = std::min(column_0, p.column);
-        column_1 = std::max(column_1, p.column);
-      }
+  std::array<Point3, 8> corners{};
+  std::size_t count = 0;
+  const Point3 centre = camera_.centre();
+  for (const Point3 sight :
+       camera_.corner_sights({row - 0.5, column - 0.5}, {row + kBlock - 0.5, column + kBlock - 0.5})) {
+    for (const double h : {heights.low, heights.high}) {
+      corners.at(count++) = centre + (rig_.plane_z_mm - h - centre.z) * sight;
     }
   }
-  return light_.is_dark(line_0, line_1, column_0, column_1);
+  const std::optional<PixelBounds> b = projector_.bounds(corners);
+  return b && light_.is_dark(b->row_0, b->row_1, b->column_0, b->column_1);
 }
 
 // The grey value that the projector's light adds at a surface point.

@@ -14,6 +14,7 @@
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
+#include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
 
 namespace selfproj {
@@ -62,7 +63,7 @@ class Renderer {
  public:
   // The scene must live as long as the renderer. The pattern has light 0..1, the projector's lines x columns. Throws as
   // check_pattern does.
-  Renderer(const Rig& rig, const Scene& scene, const FloatImage& pattern, RenderOptions options = {});
+  Renderer(const RealRig& real, const Scene& scene, const FloatImage& pattern, RenderOptions options = {});
 
   // Changes the projector's pattern. Like the constructor, but cheaper. No thread may be rendering.
   void set_pattern(const FloatImage& pattern);

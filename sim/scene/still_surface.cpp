@@ -11,26 +11,26 @@
 
 namespace selfproj {
 
-StillSurface::StillSurface(const Rig& rig, const Scene& scene, const RenderOptions& options, int threads)
-    : imaging_(rig.imaging),
+StillSurface::StillSurface(const RealRig& real, const Scene& scene, const RenderOptions& options, int threads)
+    : imaging_(real.rig.imaging),
       scene_(scene),
-      camera_(Pinhole::of_camera(rig.camera)),
-      projector_(Pinhole::of_projector(rig.projector)),
-      surface_(rig, scene, options.falloff),
+      camera_(real.camera),
+      projector_(real.projector),
+      surface_(real, scene, options.falloff),
       heights_(surface_.all_heights(0, 0)),
-      grid_(rig.camera, lens_margin(options.camera_blur ? rig.imaging.camera_blur_px : 0)),
+      grid_(real.rig.camera, lens_margin(options.camera_blur ? imaging_.camera_blur_px : 0)),
       blocks_(grid_.blocks()),
       nodes_(grid_.nodes()),
-      centres_(rig.camera.pixels()) {
+      centres_(real.rig.camera.pixels()) {
+  const RigCamera& camera = real.rig.camera;
   parallel_for(grid_.nodes_down(), threads, [&](int down) {
     for (int across = 0; across < grid_.nodes_across(); ++across) {
       nodes_[grid_.node(down, across)] = trace(grid_.node_pixel(down, across), heights_);
     }
   });
-  parallel_for(rig.camera.rows, threads, [&](int row) {
-    for (int column = 0; column < rig.camera.columns; ++column) {
-      centres_[static_cast<std::size_t>(row * rig.camera.columns + column)] =
-          trace({row + 0.0, column + 0.0}, heights_);
+  parallel_for(camera.rows, threads, [&](int row) {
+    for (int column = 0; column < camera.columns; ++column) {
+      centres_[static_cast<std::size_t>(row * camera.columns + column)] = trace({row + 0.0, column + 0.0}, heights_);
     }
   });
   std::vector<std::vector<LightSpot>> samples(static_cast<std::size_t>(grid_.down()));

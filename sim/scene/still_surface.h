@@ -13,6 +13,7 @@
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
+#include "sim/scene/real_rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 
@@ -31,7 +32,7 @@ class StillSurface {
 
   // Traces the scene's surface at t = 0 with several threads (0: one for each core). The scene must live as long as
   // this.
-  StillSurface(const Rig& rig, const Scene& scene, const RenderOptions& options, int threads);
+  StillSurface(const RealRig& real, const Scene& scene, const RenderOptions& options, int threads);
 
   [[nodiscard]] const BlockGrid& grid() const { return grid_; }
   [[nodiscard]] const Pinhole& camera() const { return camera_; }

@@ -24,29 +24,32 @@ using Json = nlohmann::ordered_json;
 
 Json json_of(Point3 p) { return {p.x, p.y, p.z}; }
 
-// The truth about the rig, from the renderer's matrices: the pixels of the optical axes, and the scale from tangents to
-// pixels. Pixels are (row, column); rows and lines are along x and Xp.
-Json truth_of(const Rig& rig) {
-  const auto pinhole = [](const Pinhole& p, Point3 axis, Point3 row_axis, Point3 column_axis) {
-    const PixelPoint middle = p.project(p.centre() + axis);
-    return Json{{"row_focal_px", p.project(p.centre() + axis + row_axis).row - middle.row},
-                {"column_focal_px", p.project(p.centre() + axis + column_axis).column - middle.column},
-                {"row_centre_px", middle.row},
-                {"column_centre_px", middle.column},
-                {"centre_mm", json_of(p.centre())}};
+// The truth about the rig, from the renderer's matrices: pixels of the optical axes, scales from tangents to pixels,
+// the lenses' coefficients (x along columns, y along rows), places and axes in the world. Pixels are (row, column);
+// rows and lines are along x, so that the scale of a projector whose lines count against x is negative.
+Json truth_of(const RealRig& real) {
+  const auto pinhole = [](const Pinhole& p) {
+    const Pinhole::Intrinsics& k = p.intrinsics();
+    const BrownLens::Coefficients& c = p.lens().coefficients();
+    const double side = p.axes()[0].x < 0 ? -1 : 1;
+    return Json{{"row_focal_px", side * k.row_scale},
+                {"column_focal_px", k.column_scale},
+                {"row_centre_px", k.row_0},
+                {"column_centre_px", k.column_0},
+                {"distortion", {{"k1", c.k1}, {"k2", c.k2}, {"p1", side * c.p1}, {"p2", c.p2}, {"k3", c.k3}}},
+                {"centre_mm", json_of(p.centre())},
+                {"along_rows", json_of(side * p.axes()[0])},
+                {"along_columns", json_of(p.axes()[1])},
+                {"axis", json_of(p.axis())}};
   };
-  const Pinhole camera = Pinhole::of_camera(rig.camera);
-  const Pinhole projector = Pinhole::of_projector(rig.projector);
-  const Point3 y{0, 1, 0};
-  const Point3 axis = projector.axis();
-  return {{"camera", pinhole(camera, camera.axis(), {1, 0, 0}, y)},
-          {"projector", pinhole(projector, axis, {axis.z, 0, -axis.x}, y)}};
+  return {{"camera", pinhole(real.camera)}, {"projector", pinhole(real.projector)}};
 }
 
 // Renders frames first, first + 1, ... under the patterns into files whose names begin with `prefix`.
-void capture(const Rig& rig, const Scene& scene, const std::vector<ProjectedLight>& patterns, int first,
+void capture(const RealRig& real, const Scene& scene, const std::vector<ProjectedLight>& patterns, int first,
              const std::string& prefix, const CaptureSettings& settings, OutputFolder& out) {
-  const PatternRenderer renderer(rig, scene, settings.render, settings.threads);
+  const Rig& rig = real.rig;
+  const PatternRenderer renderer(real, scene, settings.render, settings.threads);
   std::mutex mutex;
   const auto count = static_cast<int>(patterns.size());
   const int digits = count > 100 ? 3 : 2;
@@ -90,20 +93,22 @@ void take_images(const PatternRenderer& renderer, const PatternShots& shots,
   }
 }
 
-void capture_scene(const Rig& rig, const Scene& scene, const std::vector<ProjectedLight>& patterns,
+void capture_scene(const RealRig& real, const Scene& scene, const std::vector<ProjectedLight>& patterns,
                    const CaptureSettings& settings, OutputFolder& out) {
-  capture(rig, scene, patterns, 0, "", settings, out);
+  capture(real, scene, patterns, 0, "", settings, out);
 }
 
-void capture_chessboard(const Rig& rig, const ChessboardShape& shape, const std::vector<ChessboardPlace>& places,
-                        const std::vector<ProjectedLight>& patterns, const CaptureSettings& settings,
-                        OutputFolder& out) {
-  Json truth = truth_of(rig);
+void capture_chessboard(const RealRig& real, const ChessboardShape& shape, const ChessboardFlaws& flaws,
+                        const std::vector<ChessboardPlace>& places, const std::vector<ProjectedLight>& patterns,
+                        const CaptureSettings& settings, OutputFolder& out) {
+  Json truth = truth_of(real);
+  truth["chessboard"] = {
+      {"across_scale", flaws.across_scale}, {"down_scale", flaws.down_scale}, {"bend_mm", flaws.bend_mm}};
   for (std::size_t k = 0; k < places.size(); ++k) {
     const ChessboardPlace& place = places[k];
     truth["poses"].push_back(
         {{"middle_mm", json_of(place.middle)}, {"right", json_of(place.right)}, {"below", json_of(place.below)}});
-    capture(rig, ChessboardScene(rig, shape, place), patterns, static_cast<int>(k * patterns.size()),
+    capture(real, ChessboardScene(real.rig, shape, place, flaws), patterns, static_cast<int>(k * patterns.size()),
             fmt::format("pose_{:02}/", k + 1), settings, out);
   }
   out.append("truth.json", truth.dump(2) + "\n");

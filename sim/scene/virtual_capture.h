@@ -13,6 +13,7 @@
 #include "sim/scene/chessboard.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/projected_light.h"
+#include "sim/scene/real_rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 
@@ -41,14 +42,14 @@ struct CaptureSettings {
 
 // The images of a scene under each pattern, frames 0, 1, ..., in files image_00.png and so on, with three digits for
 // more than 100 patterns. Throws as PatternRenderer does.
-void capture_scene(const Rig& rig, const Scene& scene, const std::vector<ProjectedLight>& patterns,
+void capture_scene(const RealRig& real, const Scene& scene, const std::vector<ProjectedLight>& patterns,
                    const CaptureSettings& settings, OutputFolder& out);
 
 // The same for a chessboard at each of the places: pose_01/image_00.png and so on, and truth.json with the renderer's
 // pinholes of camera and projector (pixels and mm) and the places.
-void capture_chessboard(const Rig& rig, const ChessboardShape& shape, const std::vector<ChessboardPlace>& places,
-                        const std::vector<ProjectedLight>& patterns, const CaptureSettings& settings,
-                        OutputFolder& out);
+void capture_chessboard(const RealRig& real, const ChessboardShape& shape, const ChessboardFlaws& flaws,
+                        const std::vector<ChessboardPlace>& places, const std::vector<ProjectedLight>& patterns,
+                        const CaptureSettings& settings, OutputFolder& out);
 
 }  // namespace selfproj
 

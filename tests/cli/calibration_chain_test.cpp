@@ -119,7 +119,7 @@ TEST_F(CalibrationChain, WrongInputIsOneLine) {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   };
-  refused(with({"patterns"}), "--scene, --chessboard: give one of them, not both");
+  refused(with({"patterns"}), "--scene, --chessboard, --plate, --steps: give one of them");
   refused(with({"patterns", "--chessboard", "9x7"}), "--square: is required with --chessboard");
   refused(with({"patterns", "--chessboard", "9x7", "--square", "80"}),
           "--chessboard: camera and projector do not both see all of it in pose 1");
