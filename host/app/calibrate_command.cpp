@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/app/heights_command.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/calibration_check.h"
 #include "host/calibration/calibration_output.h"
@@ -260,9 +261,17 @@ selfproj calibrate --chessboard 9x7 --square 20 --projector 1024x768 \
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   add_files(
       *command, "POSE", options->poses,
-      "Folders of images, one for each pose. Each holds the whole sequence, numbered in the order of the patterns.")
-      ->required();
-  command->callback([options] { run_calibrate(*options); });
+      "Folders of images, one for each pose. Each holds the whole sequence, numbered in the order of the patterns.");
+  add_heights_command(*command);
+  command->callback([options, command] {
+    if (!command->get_subcommands().empty()) {
+      return;
+    }
+    if (options->poses.empty()) {  // CLI11 would take the name of a subcommand for a required one
+      throw UserError("POSE", "is required");
+    }
+    run_calibrate(*options);
+  });
 }
 
 }  // namespace selfproj

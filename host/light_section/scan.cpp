@@ -73,6 +73,17 @@ std::vector<int> sweep_lines(const Rig& rig, int every) {
   return lines;
 }
 
+void add_sightings(const Rig& rig, double line, const ImageView& image, std::vector<LineSighting>& seen) {
+  Moments moments;
+  moments.resize(rig.camera.columns);
+  take_moments(rig, image, moments);
+  for (std::size_t i = 0; i < moments.m0.size(); ++i) {
+    if (has_centroid(rig, moments, i)) {
+      seen.push_back({line, centroid(moments, i) - 1, static_cast<int>(i)});
+    }
+  }
+}
+
 LineScan::LineScan(const Rig& rig, int every)
     : rig_(rig), max_gap_(3.0 * every), sightings_(static_cast<std::size_t>(rig.camera.columns)) {
   constexpr double kRows = 4;

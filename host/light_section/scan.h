@@ -17,6 +17,17 @@ namespace selfproj {
 // The lines of a sweep: every `every`-th projector line at which the whole pattern fits, in ascending order.
 std::vector<int> sweep_lines(const Rig& rig, int every = 1);
 
+// Where a column saw a line of a sweep.
+struct LineSighting {
+  double line = 0;
+  double row = 0;  // of the centroid, from 0
+  int column = 0;
+};
+
+// Adds what an image under the straight line `line` shows, column by column: whole lines with a centroid by the rig's
+// rules for lit pixels. Throws std::invalid_argument if it has not the camera's size.
+void add_sightings(const Rig& rig, double line, const ImageView& image, std::vector<LineSighting>& seen);
+
 // Assembles a sweep from its images, one at a time, in any order.
 class LineScan {
  public:

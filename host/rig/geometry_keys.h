@@ -63,6 +63,15 @@ inline std::vector<std::pair<std::string, double>> geometry_of(const Rig& rig) {
                              {"light_plane.normal_z", rig.light_plane->normal[2]},
                              {"light_plane.distance_mm", rig.light_plane->distance_mm}});
   }
+  if (rig.belt_pose) {
+    const auto& [direction, normal] = *rig.belt_pose;
+    keys.insert(keys.end(), {{"belt_pose.direction_x", direction[0]},
+                             {"belt_pose.direction_y", direction[1]},
+                             {"belt_pose.direction_z", direction[2]},
+                             {"belt_pose.normal_x", normal[0]},
+                             {"belt_pose.normal_y", normal[1]},
+                             {"belt_pose.normal_z", normal[2]}});
+  }
   if (rig.heights) {
     keys.insert(keys.end(), {{"plane_z_mm", rig.plane_z_mm},
                              {"heights.lowest_mm", rig.heights->lowest_mm},

@@ -39,6 +39,15 @@ Calibration model_of(const Rig& rig) {
   return with_axes_exchanged(calibration_of(camera));
 }
 
+// The rows are the axes of the belt: along, across, away from the camera; columns are the camera's axes, rows first.
+cv::Matx33d belt_of(const RigBeltPose& pose) {
+  const cv::Vec3d z = cv::normalize(cv::Vec3d(pose.normal[1], pose.normal[0], pose.normal[2]));
+  cv::Vec3d x(pose.direction[1], pose.direction[0], pose.direction[2]);
+  x = cv::normalize(x - x.dot(z) * z);
+  const cv::Vec3d y = z.cross(x);
+  return {x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]};
+}
+
 }  // namespace
 
 RigOptics::RigOptics(const Rig& rig)
@@ -49,9 +58,13 @@ RigOptics::RigOptics(const Rig& rig)
   if (rig.heights) {
     correction_.emplace(rig.camera, *rig.heights);
   }
+  if (rig.belt_pose) {
+    belt_ = belt_of(*rig.belt_pose);
+    calibration_.rotation = calibration_.rotation * belt_.t();
+  }
   if (rig.light_plane) {
     const auto& n = rig.light_plane->normal;
-    normal_ = {n[1], n[0], n[2]};
+    normal_ = belt_ * cv::Vec3d(n[1], n[0], n[2]);
     return;
   }
   const std::optional<cv::Vec2d> middle = ray({0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1)});
@@ -62,12 +75,18 @@ cv::Vec3d RigOptics::projector_centre() const { return -(calibration_.rotation.t
 
 std::optional<cv::Vec2d> RigOptics::ray(const CameraPlace& place) const {
   const std::optional<cv::Vec2d> ray = calibration_.camera.ray({place.row, place.column});
-  return ray && ray->dot(*ray) <= camera_reach_ ? ray : std::nullopt;
+  if (!ray || ray->dot(*ray) > camera_reach_) {
+    return std::nullopt;
+  }
+  const cv::Vec3d direction = belt_ * cv::Vec3d((*ray)[0], (*ray)[1], 1);
+  return direction[2] > 0 ? std::optional(cv::Vec2d(direction[0] / direction[2], direction[1] / direction[2]))
+                          : std::nullopt;
 }
 
 std::optional<CameraPlace> RigOptics::seen(const cv::Vec3d& point) const {
-  const cv::Vec2d ray(point[0] / point[2], point[1] / point[2]);
-  if (!(point[2] > 0) || ray.dot(ray) > camera_reach_) {
+  const cv::Vec3d at = belt_.t() * point;
+  const cv::Vec2d ray(at[0] / at[2], at[1] / at[2]);
+  if (!(at[2] > 0) || ray.dot(ray) > camera_reach_) {
     return std::nullopt;
   }
   const cv::Vec2d pixel = calibration_.camera.pixel(ray);

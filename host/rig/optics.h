@@ -1,5 +1,6 @@
-// The whole geometry of a rig: lenses of camera and projector, any pose between them, a laser's plane, corrected
-// heights. Axes are those of host/rig/rig.h (x along camera rows, y along columns); rows, columns and lines count from
+// The whole geometry of a rig: lenses of camera and projector, any pose between them, a laser's plane, the pose of the
+// belt, corrected heights. Axes are those of host/rig/rig.h, with the origin in the camera's centre: x along camera
+// rows and y along columns, or along and across the belt if the rig has a belt_pose. Rows, columns and lines count from
 // 0; lengths are in mm.
 #ifndef SELFPROJ_HOST_RIG_OPTICS_H
 #define SELFPROJ_HOST_RIG_OPTICS_H
@@ -73,8 +74,9 @@ class RigOptics {
   [[nodiscard]] std::optional<double> meet_plane(const cv::Vec2d& ray) const;
 
   Rig rig_;
-  Calibration calibration_;  // with rows in the place of x: a pixel is (row, column) or (line, column)
-  cv::Vec3d normal_;         // of the laser's plane
+  Calibration calibration_;                // with rows in the place of x: a pixel is (row, column) or (line, column)
+  cv::Matx33d belt_ = cv::Matx33d::eye();  // from the camera's axes, rows first, to those of the belt
+  cv::Vec3d normal_;                       // of the laser's plane
   double camera_reach_ = 0, projector_reach_ = 0;  // greatest x² + y² of a ray, before the lens model folds over
   double sign_ = -1;                               // sign of d line / d z in the middle of the image
   std::optional<HeightCorrection> correction_;

@@ -31,6 +31,7 @@ namespace {
 constexpr double kMicro = 1e-6;
 constexpr double kMmPerUm = 1e-3;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
+constexpr double kUnit = 1e-6;  // how far the length of a vector may be from 1
 const std::vector<std::pair<const char*, Mode>> kModeChoices(kModes.begin(), kModes.end());
 const std::vector<std::pair<const char*, RigKind>> kKinds = {{"light-section", RigKind::light_section},
                                                              {"scanner", RigKind::scanner}};
@@ -71,6 +72,18 @@ void visit_light_plane(PlaneT& plane, Visitor& v) {
   v.number("normal_y", plane.normal[1], 1, {-1, 1});
   v.number("normal_z", plane.normal[2], 1, {-1, 1});
   v.number("distance_mm", plane.distance_mm, 1, kNotZero);
+  v.end();
+}
+
+template <class PoseT, class Visitor>
+void visit_belt_pose(PoseT& pose, Visitor& v) {
+  v.begin("belt_pose");
+  v.number("direction_x", pose.direction[0], 1, {-1, 1});
+  v.number("direction_y", pose.direction[1], 1, {-1, 1});
+  v.number("direction_z", pose.direction[2], 1, {-1, 1});
+  v.number("normal_x", pose.normal[0], 1, {-1, 1});
+  v.number("normal_y", pose.normal[1], 1, {-1, 1});
+  v.number("normal_z", pose.normal[2], 1, {-1, 1});
   v.end();
 }
 
@@ -156,6 +169,9 @@ void visit_rig(RigT& rig, Visitor& v) {
       visit_projector(*rig.calibration, v);
     }
   }
+  if (v.has_any({"belt_pose"}, rig.belt_pose)) {
+    visit_belt_pose(*rig.belt_pose, v);
+  }
   if (v.has_any({"heights"}, rig.heights)) {
     visit_heights(*rig.heights, v);
   }
@@ -163,16 +179,32 @@ void visit_rig(RigT& rig, Visitor& v) {
 
 // What the sections that a rig may have demand of each other.
 void check_sections(const Rig& rig, const std::string& source) {
+  const auto expect_unit = [&](const char* name, const std::array<double, 3>& v) {
+    const double length = std::hypot(v[0], v[1], v[2]);
+    if (std::abs(length - 1) > kUnit) {
+      throw UserError(source, fmt::format("{} has the length {:.6g}; 1 is expected", name, length));
+    }
+  };
   if (rig.light_plane) {
-    const std::array<double, 3>& n = rig.light_plane->normal;
-    const double length = std::hypot(n[0], n[1], n[2]);
-    if (std::abs(length - 1) > 1e-6) {
-      throw UserError(source, fmt::format("light_plane.normal has the length {:.6g}; 1 is expected", length));
+    expect_unit("light_plane.normal", rig.light_plane->normal);
+  }
+  if (rig.belt_pose) {
+    const auto& [direction, normal] = *rig.belt_pose;
+    expect_unit("belt_pose.direction", direction);
+    expect_unit("belt_pose.normal", normal);
+    const double along = direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2];
+    if (std::abs(along) > kUnit) {
+      throw UserError(source, fmt::format("belt_pose.direction and belt_pose.normal are {:.4g} degrees apart; 90 are "
+                                          "expected",
+                                          std::acos(along) / kRadPerDeg));
     }
   }
-  if ((rig.light_plane || rig.heights) && rig.kind != RigKind::light_section) {
-    throw UserError(source,
-                    fmt::format("{} goes only with kind light-section", rig.heights ? "heights" : "light_plane"));
+  const char* const section = rig.light_plane ? "light_plane"
+                              : rig.belt_pose ? "belt_pose"
+                              : rig.heights   ? "heights"
+                                              : nullptr;
+  if (section != nullptr && rig.kind != RigKind::light_section) {
+    throw UserError(source, fmt::format("{} goes only with kind light-section", section));
   }
   if (rig.heights) {
     const RigHeights& h = *rig.heights;

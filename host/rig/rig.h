@@ -109,6 +109,13 @@ struct RigLightPlane {
   double distance_mm = 0;
 };
 
+// How the belt lies before the camera, in the calibration's axes. Both vectors have length 1. Without it the belt moves
+// along the camera's rows and is parallel to its image.
+struct RigBeltPose {
+  std::array<double, 3> direction{0, 1, 0};  // the way the belt moves: x of the rig's frame
+  std::array<double, 3> normal{0, 0, 1};     // from the camera to the belt: z of the rig's frame
+};
+
 // What `selfproj calibrate heights` found: how true heights over the plate differ from those of the geometry
 // (host/rig/height_correction.h). Only for a light section.
 struct RigHeights {
@@ -134,10 +141,11 @@ struct Rig {
   // and the projector above means nothing.
   std::optional<RigCalibration> calibration;
   std::optional<RigLightPlane> light_plane;  // if present, a laser line takes the place of the projector
+  std::optional<RigBeltPose> belt_pose;
   std::optional<RigHeights> heights;
 
   // Whether light and view follow the pinholes of (3.3) to (3.9), with nothing else to be known.
-  [[nodiscard]] bool is_pinholes() const { return !calibration && !light_plane && !heights; }
+  [[nodiscard]] bool is_pinholes() const { return !calibration && !light_plane && !belt_pose && !heights; }
 
   // The board's pixel clock; the default one if the rig does not say.
   [[nodiscard]] double pixel_clock_hz() const { return board.value_or(RigBoard{}).pixel_clock_hz; }

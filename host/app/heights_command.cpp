@@ -1,0 +1,280 @@
+#include "host/app/heights_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "host/io/command_line.h"
+#include "host/io/frame_options.h"
+#include "host/io/image_files.h"
+#include "host/io/numbers.h"
+#include "host/io/output_folder.h"
+#include "host/io/progress.h"
+#include "host/io/user_error.h"
+#include "host/light_section/height_fit.h"
+#include "host/light_section/scan.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+namespace {
+
+struct HeightsOptions {
+  std::string rig = "light-section";
+  std::string heights;
+  std::string steps;
+  HeightSettings settings;
+  int every = 4;
+  std::string channel;
+  bool check = false;
+  double within_mm = 0.03;
+  std::string out;
+  std::vector<std::string> folders;
+};
+
+// Numbers with commas between them, ascending.
+std::vector<double> ascending(const char* option, const std::string& text) {
+  constexpr double kMost = 1e5;
+  std::vector<double> values;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string entry = text.substr(begin, end - begin);
+    const std::optional<double> value = number_of_text<double>(entry);
+    if (!value || !(std::abs(*value) <= kMost)) {
+      throw UserError(option, fmt::format("'{}' is not a height in mm", entry));
+    }
+    if (!values.empty() && !(*value > values.back())) {
+      throw UserError(option,
+                      fmt::format("{} follows {}; heights are expected in ascending order", *value, values.back()));
+    }
+    values.push_back(*value);
+    begin = end + 1;
+  }
+  return values;
+}
+
+HeightPosition read_position(const HeightsOptions& options, const Rig& rig, const std::string& folder,
+                             const std::vector<int>& lines) {
+  HeightPosition position{folder, 0, {}};
+  const std::vector<std::string> files = files_of_folder(folder);
+  if (files.size() != lines.size()) {
+    throw UserError(folder, fmt::format("has {} images; a sweep of this rig with --every {} has {}, of the lines {} to "
+                                        "{}",
+                                        files.size(), options.every, lines.size(), lines.front(), lines.back()));
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Image image = read_image(files[i], channel_of(options.channel));
+    if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
+      throw UserError(files[i], fmt::format("is {}; the rig's camera has {}", size_text(image.rows, image.columns),
+                                            size_text(rig.camera.rows, rig.camera.columns)));
+    }
+    add_sightings(rig, lines[i], image.view(), position.seen);
+  }
+  return position;
+}
+
+std::vector<HeightPosition> read_positions(const HeightsOptions& options, const Rig& rig,
+                                           const std::vector<double>& heights) {
+  const std::vector<int> lines = sweep_lines(rig, options.every);
+  if (lines.empty()) {
+    throw UserError(options.rig, fmt::format("measure.line_width_px is {}, too wide for the {} lines of the projector",
+                                             rig.measure.line_width_px, rig.projector.lines));
+  }
+  std::vector<HeightPosition> positions;
+  Progress progress("position", options.folders.size());
+  for (std::size_t i = 0; i < options.folders.size(); ++i) {
+    positions.push_back(read_position(options, rig, options.folders[i], lines));
+    positions.back().height_mm = heights.empty() ? 0 : heights[i];
+    progress.update(i + 1);
+  }
+  return positions;
+}
+
+// A table of the levels; `before` with the errors of the geometry alone.
+std::string levels_text(const std::vector<HeightLevel>& levels, bool before) {
+  std::string text = before ? "  height      samples   mean, before       RMS, before       mean        RMS   mm\n"
+                            : "  height      samples       mean        RMS     uneven   mm\n";
+  for (const HeightLevel& level : levels) {
+    text += before ? fmt::format("  {:8.3f}  {:9}  {:12.4f}  {:16.4f}  {:9.4f}  {:9.4f}   {}\n", level.height_mm,
+                                 level.samples, level.before_mean_mm, level.before_rms_mm, level.mean_mm, level.rms_mm,
+                                 level.name)
+                   : fmt::format("  {:8.3f}  {:9}  {:9.4f}  {:9.4f}  {:9.4f}   {}\n", level.height_mm, level.samples,
+                                 level.mean_mm, level.rms_mm, level.uneven_mm, level.name);
+  }
+  return text;
+}
+
+std::string report_json(const HeightsOptions& options, const HeightFit& fit) {
+  nlohmann::ordered_json json;
+  json["rig"] = options.rig;
+  json["tolerance_mm"] = options.settings.tolerance_mm;
+  json["flatness_mm"] = options.settings.flatness_mm;
+  json["order"] = fit.rig.heights->order;
+  json["order_heights"] = fit.rig.heights->order_heights;
+  json["rms_mm"] = fit.rms_mm;
+  json["greatest_correction_mm"] = fit.correction_mm;
+  json["open_by_tolerance_mm"] = fit.open_by_tolerance_mm;
+  json["open_by_flatness_mm"] = fit.open_by_flatness_mm;
+  json["open_by_noise_mm"] = fit.open_by_noise_mm;
+  for (const HeightLevel& level : fit.levels) {
+    json["levels"].push_back({{"name", level.name},
+                              {"height_mm", level.height_mm},
+                              {"samples", level.samples},
+                              {"mean_before_mm", level.before_mean_mm},
+                              {"rms_before_mm", level.before_rms_mm},
+                              {"mean_mm", level.mean_mm},
+                              {"rms_mm", level.rms_mm},
+                              {"uneven_mm", level.uneven_mm}});
+  }
+  return json.dump(2) + "\n";
+}
+
+void run_check(const HeightsOptions& options, const Rig& rig, const std::vector<HeightPosition>& positions) {
+  const std::vector<HeightLevel> levels = check_heights(rig, positions, options.settings);
+  fmt::print("{}", levels_text(levels, false));
+  double greatest = 0;
+  for (const HeightLevel& level : levels) {
+    if (level.samples == 0) {
+      throw CheckFailed(fmt::format("--check: {}: no line was found", level.name));
+    }
+    greatest = std::max({greatest, std::abs(level.mean_mm), level.uneven_mm});
+  }
+  const std::string outcome =
+      fmt::format("heights are up to {:.3f} mm off; {} mm are allowed (--within)", greatest, options.within_mm);
+  if (!(greatest <= options.within_mm)) {
+    throw CheckFailed("--check: " + outcome);
+  }
+  fmt::print("{}\n", outcome);
+}
+
+void run_heights(HeightsOptions options) {
+  if (options.heights.empty() == options.steps.empty()) {
+    throw UserError("--heights, --steps", "give one of them, not both");
+  }
+  if (options.check == !options.out.empty()) {
+    throw UserError("--out, --check", "give one of them, not both");
+  }
+  const Rig rig = load_rig(options.rig);
+  if (rig.kind != RigKind::light_section) {
+    throw UserError(options.rig, "is not a rig of kind light-section");
+  }
+  std::vector<double> heights;
+  if (options.steps.empty()) {
+    heights = ascending("--heights", options.heights);
+    if (heights.size() != options.folders.size()) {
+      throw UserError("--heights",
+                      fmt::format("has {} heights for {} folders", heights.size(), options.folders.size()));
+    }
+  } else {
+    options.settings.steps_mm = ascending("--steps", options.steps);
+  }
+  if (std::set<std::string>(options.folders.begin(), options.folders.end()).size() != options.folders.size()) {
+    throw UserError("DIR", "a folder is given twice");
+  }
+  if (options.check) {
+    run_check(options, rig, read_positions(options, rig, heights));
+    return;
+  }
+  OutputFolder folder(options.out);
+  const HeightFit fit = fit_heights(rig, read_positions(options, rig, heights), options.settings);
+  folder.append("rig.yaml", to_yaml(fit.rig));
+  folder.append("report.json", report_json(options, fit));
+  folder.commit();
+  fmt::print("{}", levels_text(fit.levels, true));
+  fmt::print("corrections up to {:.3f} mm, of order {} ({} in the height); {:.4f} mm RMS of single centroids\n",
+             fit.correction_mm, fit.rig.heights->order, fit.rig.heights->order_heights, fit.rms_mm);
+  fmt::print(
+      "left open: {:.4f} mm by the tolerance of the heights ({} mm each, all in the worst way), {} mm by the "
+      "flatness,\n{:.4f} mm (one standard deviation) by noise\n",
+      fit.open_by_tolerance_mm, options.settings.tolerance_mm, options.settings.flatness_mm, fit.open_by_noise_mm);
+  fmt::print("→ {}\n", folder.name());
+}
+
+void add_heights_options(CLI::App& command, HeightsOptions& options) {
+  begin_group(command, "Target (one of --heights and --steps is required)");
+  command
+      .add_option("--heights", options.heights,
+                  "True heights of the flat plate in mm, ascending, one for each folder. Three or more; five are good.")
+      ->type_name("H,H,...");
+  command
+      .add_option("--steps", options.steps,
+                  "True heights of the treads of a block in mm, ascending. Each folder shows some of them; the block "
+                  "is moved in between.")
+      ->type_name("H,H,...");
+  command.add_option("--tolerance", options.settings.tolerance_mm, "How far a true height may be off, in mm.")
+      ->transform(real_number(0, 10))
+      ->type_name("MM")
+      ->capture_default_str();
+  command
+      .add_option("--flatness", options.settings.flatness_mm,
+                  "How far the plate, or a tread, may be off a plane, in mm.")
+      ->transform(real_number(0, 10))
+      ->type_name("MM")
+      ->capture_default_str();
+  begin_group(command, "Input");
+  command.add_option("--rig", options.rig, "Built-in rig or YAML file of kind light-section, with a projector.")
+      ->type_name("RIG")
+      ->capture_default_str();
+  command.add_option("--every", options.every, "Distance of two lines of the sweep, in projector lines.")
+      ->transform(whole_number(1, 64))
+      ->type_name("N")
+      ->capture_default_str();
+  add_channel_option(command, options.channel);
+  begin_group(command, "Output");
+  command.add_option("--out", options.out, "Folder for rig.yaml and report.json.")->type_name("DIR");
+  command.add_flag("--check", options.check,
+                   "Write nothing: measure the positions with the rig as it is, and exit with status 1 if a height is "
+                   "off.");
+  command.add_option("--within", options.within_mm, "What --check allows, in mm.")
+      ->transform(number_above_zero(1000))
+      ->type_name("MM")
+      ->capture_default_str();
+  add_files(command, "DIR", options.folders,
+            "Folders with the camera images of a sweep, numbered in the order of the lines.")
+      ->required();
+}
+
+}  // namespace
+
+CLI::App* add_heights_command(CLI::App& calibrate) {
+  CLI::App* command = add_command(
+      calibrate,
+      {.name = "heights",
+       .purpose = "Ties the heights of a light section to known ones.",
+       .details = "Project the lines of `selfproj pattern --sweep` on a flat plate at several known heights over the "
+                  "belt, or on a block with steps of known heights, and record one image of each line. For each column "
+                  "of the camera the heights of the rig are then corrected to the true ones.\n\n"
+                  "The output folder gets rig.yaml, which `selfproj pattern` and `selfproj inspect` take, and "
+                  "report.json. The text says what the tolerances of the plate leave open.\n\n"
+                  "--check measures a plate whose height is known with a finished rig. Do this before each use.",
+       .examples = R"(
+# The lines to project.
+selfproj pattern --sweep --every 4 --out lines
+
+# Five positions of a plate: correct the rig (needs your files)
+selfproj calibrate heights --heights 0,10,20,30,40 --out line1 at0 at10 at20 at30 at40
+
+# Check it with a plate at another height (needs your files)
+selfproj calibrate heights --rig line1/rig.yaml --heights 15 --check at15
+)"});
+  const auto options = std::make_shared<HeightsOptions>();
+  add_heights_options(*command, *options);
+  // What `calibrate` itself requires is not required here.
+  command->preparse_callback([&calibrate](std::size_t /*arguments*/) {
+    for (CLI::Option* option : calibrate.get_options()) {
+      option->required(false);
+    }
+  });
+  command->callback([options] { run_heights(*options); });
+  return command;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,46 @@
+// Ties the heights of a light section to known ones, from sweeps of lines over flat plates or over a block of steps.
+#ifndef SELFPROJ_HOST_LIGHT_SECTION_HEIGHT_FIT_H
+#define SELFPROJ_HOST_LIGHT_SECTION_HEIGHT_FIT_H
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/light_section/height_fit_types.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+
+// One height: a position of the plate, or a tread.
+struct HeightLevel {
+  std::string name;
+  double height_mm = 0;
+  std::size_t samples = 0;
+  double before_rms_mm = 0, before_mean_mm = 0;  // of the heights by the geometry alone
+  double rms_mm = 0, mean_mm = 0;                // of the corrected heights
+  double uneven_mm = 0;                          // greatest mean error of a sixteenth of the columns
+};
+
+struct HeightFit {
+  Rig rig;  // with `heights` and plane_z_mm as found; with the belt's normal if it is calibrated and had none
+  std::vector<HeightLevel> levels;
+  double rms_mm = 0;         // of single centroids, all levels
+  double correction_mm = 0;  // the greatest correction in the image, over all heights
+  // What is left open, in mm: the greatest change of a height anywhere in the image, over all calibrated heights.
+  double open_by_tolerance_mm = 0;  // if each height is off by its tolerance, in the worst way
+  double open_by_flatness_mm = 0;   // if the plate is off a plane by its tolerance in the same way at all heights
+  double open_by_noise_mm = 0;      // one standard deviation
+};
+
+// Fits plane, belt and corrections. Throws UserError if there are fewer than three heights, one has too few samples,
+// the heights are not in the order in which the rig sees them, a plate is not flat within its tolerance, or the
+// positions do not determine the heights of the whole image.
+HeightFit fit_heights(const Rig& rig, const std::vector<HeightPosition>& positions, const HeightSettings& settings);
+
+// The same levels measured with the rig as it is.
+std::vector<HeightLevel> check_heights(const Rig& rig, const std::vector<HeightPosition>& positions,
+                                       const HeightSettings& settings);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_LIGHT_SECTION_HEIGHT_FIT_H

@@ -1,0 +1,94 @@
+// Tests selfproj calibrate heights from the command line.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/io/image_files.h"
+#include "host/light_section/scan.h"
+#include "host/rig/geometry.h"
+#include "host/rig/rig.h"
+#include "tests/cli/program.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr int kEvery = 16;
+
+// The camera images of a sweep over a plate at this height of a rig whose projector is tilted by 0.1 degrees more: one
+// line in five rows of light, from (3.4).
+void write_sweep(const std::filesystem::path& folder, double height) {
+  std::filesystem::create_directory(folder);
+  Rig real = load_rig("light-section");
+  real.projector.tilt_rad += 0.1 * 3.14159265 / 180;
+  const double z = real.plane_z_mm - height;
+  for (const int line : sweep_lines(real, kEvery)) {
+    const double theta = tan_theta(real.projector, line);
+    const double alpha = (real.projector.x_mm - (z - real.projector.z_mm) * theta) / z;
+    const double row = centroid_of(real.camera, alpha) - 1;
+    Image image{real.camera.rows, real.camera.columns, std::vector<std::uint8_t>(real.camera.pixels(), 0)};
+    for (int r = 0; r < image.rows; ++r) {
+      const double grey = 220 * std::exp(-0.5 * (r - row) * (r - row) / 2.5);
+      for (int c = 0; c < image.columns; ++c) {
+        image.pixels[static_cast<std::size_t>(r * image.columns + c)] = static_cast<std::uint8_t>(std::lround(grey));
+      }
+    }
+    write_text(folder / ("line_" + std::to_string(line) + ".png"), encode_png(image));
+  }
+}
+
+Outcome heights(const ScratchFolder& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"calibrate", "heights", "--every", std::to_string(kEvery)});
+  return run_program(SELFPROJ_PROGRAM, arguments, folder.path());
+}
+
+// One line that begins with this text, and nothing written.
+void expect_refused(const ScratchFolder& folder, const Outcome& outcome, const std::string& begin, int status = 2) {
+  EXPECT_EQ(outcome.status, status) << outcome.err;
+  EXPECT_EQ(outcome.err.rfind("selfproj: " + begin, 0), 0U) << outcome.err;
+  EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST(HeightsCommand, CorrectsARigAndChecksIt) {
+  const ScratchFolder folder;
+  for (const int height : {0, 10, 15, 20, 30}) {
+    write_sweep(folder / ("at" + std::to_string(height)), height);
+  }
+  expect_refused(folder, heights(folder, {"--heights", "15", "--check", "at15"}), "--check: heights are up to", 1);
+  const Outcome made = heights(folder, {"--heights", "0,10,20,30", "--out", "line", "at0", "at10", "at20", "at30"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_NE(made.out.find("left open: "), std::string::npos) << made.out;
+  const Rig rig = load_rig((folder / "line" / "rig.yaml").string());
+  ASSERT_TRUE(rig.heights);
+  EXPECT_TRUE(std::filesystem::exists(folder / "line" / "report.json"));
+  const Outcome good = heights(folder, {"--rig", "line/rig.yaml", "--heights", "15", "--check", "at15"});
+  EXPECT_EQ(good.status, 0) << good.err;
+  // Other commands take the rig.
+  const Outcome pattern = run_program(
+      SELFPROJ_PROGRAM,
+      {"pattern", "--rig", "line/rig.yaml", "--scan", "at20", "--every", std::to_string(kEvery), "--out", "part"},
+      folder.path());
+  ASSERT_EQ(pattern.status, 0) << pattern.err;
+  // The wrong order, and other bad input.
+  expect_refused(folder, heights(folder, {"--heights", "0,10,20", "--out", "out", "at0", "at20", "at10"}),
+                 "at20: is given as 10 mm above at0, but the rig sees it");
+  expect_refused(folder, heights(folder, {"--heights", "0,20,10", "--out", "out", "at0", "at20", "at10"}),
+                 "--heights: 10 follows 20; heights are expected in ascending order");
+  expect_refused(folder, heights(folder, {"--heights", "0,20", "--out", "out", "at0", "at20"}),
+                 "heights: 2 are too few; 3 or more are needed, 5 are good");
+  expect_refused(folder, heights(folder, {"--heights", "0,20", "--out", "out", "at0"}),
+                 "--heights: has 2 heights for 1 folders");
+  expect_refused(folder, heights(folder, {"--out", "out", "at0"}), "--heights, --steps: give one of them, not both");
+  expect_refused(folder, heights(folder, {"--heights", "0,5,20", "--out", "out", "at0", "at10", "at20"}),
+                 "at10: is given as 5 mm above at0, but the rig sees it");
+  std::filesystem::remove(folder / "at20" / "line_64.png");
+  expect_refused(folder, heights(folder, {"--heights", "0,10,20", "--out", "out", "at0", "at10", "at20"}),
+                 "at20: has 30 images; a sweep of this rig with --every 16 has 31");
+}
+
+}  // namespace
+}  // namespace selfproj::test

@@ -1,0 +1,201 @@
+// Tests the calibration of heights on points and pixels written out apart from the host's geometry: a rig that nobody
+// knows, whose camera leans against the belt, believed to be the built-in one.
+#include "host/light_section/height_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "host/rig/optics.h"
+#include "host/rig/rig.h"
+#include "tests/host/light_section/lens_world.h"
+
+namespace selfproj {
+namespace {
+
+using test::Distortion;
+using test::LensWorld;
+
+constexpr double kNoise = 0.02;  // rows
+
+// The real rig, and a belt that leans against its camera by some degrees (along rows, along columns).
+struct HiddenRig {
+  explicit HiddenRig(const Distortion& distortion)
+      : believed(load_rig("light-section")), world(test::distorted_calibration(believed, distortion)) {
+    const cv::Matx33d lean = test::turned({0.4, -0.3, 0});
+    normal = lean * cv::Vec3d(0, 0, 1);
+  }
+
+  // The plate at this height, bent by `bow` mm from its middle to its ends.
+  [[nodiscard]] std::function<double(double, double)> plate(double height, double bow = 0) const {
+    return [this, height, bow](double x, double y) {
+      return (normal[2] * (believed.plane_z_mm + 3) - height - normal[0] * x - normal[1] * y) / normal[2] +
+             bow * (x / 60) * (x / 60);
+    };
+  }
+
+  // What every fourth column sees of the lines of a sweep on a surface, in these columns.
+  void sweep(const std::function<double(double, double)>& surface, int first, int last,
+             std::vector<LineSighting>& seen) const {
+    std::mt19937 engine(7);
+    std::normal_distribution<double> noise(0, kNoise);
+    for (const int line : sweep_lines(believed, 16)) {
+      for (int c = first; c < last; c += 5) {
+        const cv::Vec3d at = world.lit_point(c, surface, [line](double) { return line; });
+        const double row = world.camera(at)[1];
+        if (row > 4 && row < believed.camera.rows - 5) {
+          seen.push_back({static_cast<double>(line), row + noise(engine), c});
+        }
+      }
+    }
+  }
+  [[nodiscard]] HeightPosition position(double height, double bow = 0) const {
+    HeightPosition position{"at " + std::to_string(height), height, {}};
+    sweep(plate(height, bow), 0, believed.camera.columns, position.seen);
+    return position;
+  }
+
+  Rig believed;
+  LensWorld world;
+  cv::Vec3d normal;
+};
+
+const Distortion kCase[] = {
+    {.k1 = 0.1, .k2 = 0.05, .p1 = 0.001, .p2 = -0.001, .turn = {0.5, -0.5, 0.5}, .move = {5, -5, 5}},
+    {.k1 = -0.1, .k2 = -0.05, .p1 = -0.001, .p2 = 0.002, .turn = {-0.5, 0.5, -0.5}, .move = {-5, 5, -5}}};
+
+// The greatest error of the heights of single, noiseless places of a plate.
+double greatest_error(const HiddenRig& hidden, const Rig& rig, double height) {
+  const RigOptics optics(rig);
+  double greatest = 0;
+  for (int line = 150; line < 400; line += 25) {
+    for (int c = 3; c < rig.camera.columns; c += 23) {
+      const cv::Vec3d at = hidden.world.lit_point(c, hidden.plate(height), [line](double) { return line; });
+      const CameraPlace place{hidden.world.camera(at)[1], static_cast<double>(c)};
+      if (place.row > 2 && place.row < rig.camera.rows - 3) {
+        const std::optional<double> z = optics.meet(*optics.ray(place), {static_cast<double>(line), 0, 255.5});
+        EXPECT_TRUE(z);
+        const double found = rig.plane_z_mm - optics.corrected(place, z.value_or(0));
+        greatest = std::max(greatest, std::abs(found - height));
+      }
+    }
+  }
+  return greatest;
+}
+
+std::string error_of(const Rig& rig, const std::vector<HeightPosition>& positions, const HeightSettings& settings) {
+  try {
+    fit_heights(rig, positions, settings);
+    return "none";
+  } catch (const UserError& error) {
+    return error.what();
+  }
+}
+
+TEST(HeightFit, RemovesWhatTheGeometryLeavesOfAHiddenRig) {
+  for (const Distortion& distortion : kCase) {
+    const HiddenRig hidden(distortion);
+    std::vector<HeightPosition> positions;
+    for (const double height : {0.0, 10.0, 20.0, 30.0, 40.0}) {
+      positions.push_back(hidden.position(height));
+    }
+    const HeightFit fit = fit_heights(hidden.believed, positions, {});
+    for (const double height : {0.0, 5.0, 17.0, 33.0, 40.0}) {
+      EXPECT_LT(greatest_error(hidden, fit.rig, height), 0.01) << height;
+    }
+    EXPECT_FALSE(fit.rig.belt_pose);  // pinholes do not tell it
+    // Single centroids have the noise that was put in: a row is 0.39 mm of z.
+    EXPECT_NEAR(fit.rms_mm, kNoise * 0.39, 0.002);
+    EXPECT_GT(fit.levels.back().before_rms_mm, 0.3);
+    EXPECT_GE(fit.open_by_tolerance_mm, 0.005);
+    EXPECT_LT(fit.open_by_tolerance_mm, 0.02);
+    EXPECT_LT(fit.open_by_noise_mm, 0.01);
+    EXPECT_EQ(to_yaml(parse_rig(to_yaml(fit.rig), "rig")), to_yaml(fit.rig));
+    // A check of the finished rig finds nothing; that of a rig with 0.02 degrees more of tilt does.
+    const std::vector<HeightPosition> between = {hidden.position(15)};
+    EXPECT_LT(std::abs(check_heights(fit.rig, between, {}).front().mean_mm), 0.01);
+    Rig wrong = fit.rig;
+    wrong.projector.tilt_rad += 0.02 * 3.14159 / 180;
+    EXPECT_GT(std::abs(check_heights(wrong, between, {}).front().mean_mm), 0.2);
+  }
+}
+
+// With the lenses known, the belt's normal is found, too.
+TEST(HeightFit, FindsTheBeltOfACalibratedRig) {
+  const HiddenRig hidden(kCase[0]);
+  const Rig rig = rig_of(test::distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
+  std::vector<HeightPosition> positions;
+  for (const double height : {0.0, 20.0, 40.0}) {
+    positions.push_back(hidden.position(height));
+  }
+  const HeightFit fit = fit_heights(rig, positions, {});
+  ASSERT_TRUE(fit.rig.belt_pose);
+  const auto& n = fit.rig.belt_pose->normal;
+  EXPECT_GT(hidden.normal.dot({n[0], n[1], n[2]}), std::cos(0.02 * 3.14159 / 180));
+  EXPECT_LT(fit.correction_mm, 0.02);
+  for (const double height : {0.0, 25.0, 40.0}) {
+    EXPECT_LT(greatest_error(hidden, fit.rig, height), 0.01) << height;
+  }
+}
+
+// A block with treads side by side, moved across the columns.
+TEST(HeightFit, BlockOfStepsDoesTheSame) {
+  const HiddenRig hidden(kCase[0]);
+  const std::vector<double> steps = {0, 21, 30, 39};
+  std::vector<HeightPosition> positions;
+  for (std::size_t move = 0; move < steps.size(); ++move) {
+    HeightPosition position{"block " + std::to_string(move), 0, {}};
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      const auto column = static_cast<int>(128 * ((k + move) % steps.size()));
+      hidden.sweep(hidden.plate(steps[k]), column, column + 128, position.seen);
+    }
+    std::stable_sort(position.seen.begin(), position.seen.end(), [](const LineSighting& a, const LineSighting& b) {
+      return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+    });
+    positions.push_back(position);
+  }
+  const HeightFit fit = fit_heights(hidden.believed, positions, {.steps_mm = steps});
+  for (const double height : {0.0, 10.0, 33.0}) {
+    EXPECT_LT(greatest_error(hidden, fit.rig, height), 0.015) << height;
+  }
+}
+
+TEST(HeightFit, BadInputIsOneLine) {
+  const HiddenRig hidden(kCase[1]);
+  std::vector<HeightPosition> positions;
+  for (const double height : {0.0, 10.0, 20.0, 30.0}) {
+    positions.push_back(hidden.position(height));
+  }
+  const Rig& rig = hidden.believed;
+  EXPECT_EQ(error_of(rig, {positions[0], positions[1]}, {}),
+            "heights: 2 are too few; 3 or more are needed, 5 are good");
+  std::vector<HeightPosition> exchanged = positions;
+  std::swap(exchanged[1].seen, exchanged[2].seen);
+  EXPECT_NE(error_of(rig, exchanged, {}).find("are the heights in the order of the folders?"), std::string::npos);
+  std::vector<HeightPosition> bent = positions;
+  bent[2] = hidden.position(20, 0.3);
+  EXPECT_NE(error_of(rig, bent, {}).find("is not flat, or not at its height"), std::string::npos)
+      << error_of(rig, bent, {});
+  std::vector<HeightPosition> dark = positions;
+  dark[3].seen.resize(10);
+  EXPECT_NE(error_of(rig, dark, {}).find("the line was found in 10 places only"), std::string::npos);
+  // One place of the block shows each column at one height only.
+  std::vector<HeightPosition> one = {HeightPosition{"block", 0, {}}};
+  for (int k = 0; k < 4; ++k) {
+    hidden.sweep(hidden.plate(10.0 * k), 128 * k, 128 * k + 128, one[0].seen);
+  }
+  std::stable_sort(one[0].seen.begin(), one[0].seen.end(), [](const LineSighting& a, const LineSighting& b) {
+    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+  });
+  EXPECT_NE(error_of(rig, one, {.steps_mm = {0, 10, 20, 30}}), "none");
+}
+
+}  // namespace
+}  // namespace selfproj
