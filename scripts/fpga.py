@@ -103,11 +103,11 @@ PARTS = {
 }
 ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 # Part, configuration, number of seeds from 1 on, and number of unseen seeds, which influenced no decision
-PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10, 1), ("iCE40 HX8K", CONFIGURATIONS[1], 10, 1),
-          ("LFE5U-85F-8", CONFIGURATIONS[0], 1, 1), ("LFE5U-85F-8", CONFIGURATIONS[1], 1, 1),
-          ("LFE5U-85F-8", SCANNER, 1, 1)]
+PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10, 20), ("iCE40 HX8K", CONFIGURATIONS[1], 10, 20),
+          ("LFE5U-85F-8", CONFIGURATIONS[0], 3, 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3, 3),
+          ("LFE5U-85F-8", SCANNER, 10, 3)]
 
-# Of the two files in results/
+# Of the files in results/
 ABOUT = {"resources": "What the board takes of each FPGA family: block by block, and in one piece, mapped by Yosys",
          "clocks": "The pixel clock that the board reaches, by seeds of nextpnr"}
 
@@ -192,17 +192,16 @@ def mapping(family, top, blocks=()):
     return before + command.format(top=top) + after
 
 
-def synthesize(family, parameters, top, blocks=()):
-    """Returns the text of the netlist, flattened except for the modules `blocks`.
+def synthesize(family, parameters, top, blocks=(), sources=None):
+    """Returns the text of the netlist, flattened except for the modules `blocks`, of rtl/ or of `sources`.
 
     Yosys names cells by their files and lines, and what follows depends on names. So it reads the sources without
     comments, a line a statement, by the same names wherever they lie: only a change of a circuit moves a figure.
     """
     # Leave out files that the top does not need: they would change the names too.
-    pins = [PINS] if top == PINS.stem else []
-    read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], more=pins)
-    command = f"{read.replace(f'{ROOT}/', '')}hierarchy -check -top {top}; {mapping(family, top, blocks)}"
-    texts = rtl_tree.plain_texts(pins)
+    texts = sources or rtl_tree.plain_texts([PINS] if top == PINS.stem else [])
+    read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], files=texts)
+    command = f"{read}hierarchy -check -top {top}; {mapping(family, top, blocks)}"
 
     def make():
         with tempfile.TemporaryDirectory(dir=KEPT) as folder:

@@ -22,10 +22,10 @@ def sources(rtl=ROOT / "rtl"):
     return [rtl / PACKAGE, *others]
 
 
-def read_command(top, parameters=(), rtl=ROOT / "rtl", more=(), formal=False):
-    """Returns Yosys's commands that read rtl and the files `more`, and set parameters ("NAME=VALUE") of the module
-    `top`."""
-    files = " ".join(map(str, [*sources(rtl), *more]))
+def read_command(top, parameters=(), rtl=ROOT / "rtl", more=(), formal=False, files=()):
+    """Returns Yosys's commands that read rtl and the files `more`, or only `files`, and set parameters ("NAME=VALUE")
+    of the module `top`."""
+    files = " ".join(map(str, files or [*sources(rtl), *more]))
     sets = "".join(f" -set {text.replace('=', ' ', 1)}" for text in parameters)
     return f"read_verilog {'-formal ' if formal else ''}-sv {files}; " + (f"chparam{sets} {top}; " if sets else "")
 
@@ -43,9 +43,9 @@ def plain(text):
     return "`default_nettype none\n" + text.replace(";", ";\n").strip() + "\n`default_nettype wire\n"
 
 
-def plain_texts(more=()):
+def plain_texts(more=(), root=ROOT):
     """Returns the plain text of every source, and of the files `more`, by name below the root, in reading order."""
-    return {path.relative_to(ROOT): plain(path.read_text()) for path in [*sources(), *more]}
+    return {path.relative_to(root): plain(path.read_text()) for path in [*sources(root / "rtl"), *more]}
 
 
 def plant(folder, file, old, new):
