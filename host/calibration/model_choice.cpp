@@ -294,8 +294,10 @@ void refit(const std::vector<View>& views, const ModelSettings& settings, ModelC
 
 void check_starts(const std::vector<View>& views, const ModelSettings& settings, ModelChoice& choice) {
   constexpr double kBetter = 1;  // chi square by which another solution is better
-  constexpr double kClear = 20;  // chi square by which another solution is out of the question
-  constexpr double kSame = 0.3;  // standard deviations within which solutions are the same
+  constexpr double kClear = 20;  // chi square by which another solution is out of the question: less likely by e^-10
+  // Standard deviations within which solutions are the same: what is left of the rough minimum of a start, and too
+  // little to matter beside the deviations themselves.
+  constexpr double kSame = 0.3;
   constexpr int kMostBetter = 3;
   for (int round = 0; round <= kMostBetter; ++round) {
     choice.agreeing = choice.worse = choice.failed = 0;

@@ -190,6 +190,44 @@ TEST_F(CalibrateCommand, WhatIsLeftOutIsSaid) {
   EXPECT_EQ(json["poses"][1]["used"], 0);
 }
 
+// A pose that takes no part, and a chessboard that is said to be flat.
+TEST_F(CalibrateCommand, ChecksAgainstAPoseThatTakesNoPart) {
+  const Outcome outcome = calibrate(
+      usual("checked", {"pose_0", "pose_1", "pose_2", "pose_3"}, {"--board", "flat", "--check", "pose_4", "--"}));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("check      pose_4: 35 corners"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("board      bent"), std::string::npos) << outcome.out;
+  const auto json = nlohmann::json::parse(read_text(*folder_ / "checked" / "report.json"));
+  EXPECT_EQ(json["poses"].size(), 4U);
+  ASSERT_EQ(json["checks"].size(), 1U);
+  const nlohmann::json& check = json["checks"][0];
+  EXPECT_LT(check["camera_rms_px"], 0.15) << check;
+  EXPECT_LT(check["projector_rms_px"], 0.15) << check;
+  EXPECT_LT(std::abs(check["scale_off"].get<double>()), 0.01) << check;
+  EXPECT_LT(check["point_rms_mm"], 1.5) << check;
+  expect_refused(calibrate(usual("out", {"pose_0", "pose_1"}, {"--check", "pose_1", "--"})),
+                 "--check: pose_1 is given twice");
+  expect_refused(calibrate(usual("out", {"pose_0", "pose_1"}, {"--board", "round"})), "--board: ");
+}
+
+// Poses that lean alike determine no focal length.
+TEST_F(CalibrateCommand, ParallelPosesEndWithStatusOne) {
+  const World world;
+  const GraySequence sequence(world.projector_columns, world.projector_rows);
+  const ChessboardImages images(world, world.pose(5, 6, 575, turn(0, 0, 2)));
+  std::mt19937_64 random(9);
+  fs::create_directory(*folder_ / "parallel");
+  for (int i = 0; i < sequence.count(); ++i) {
+    write_text(*folder_ / "parallel" / fmt::format("{:02}.png", i),
+               encode_png({world.camera_rows, world.camera_columns, images.image(sequence.image(i), 1.5, random)}));
+  }
+  const Outcome outcome = calibrate(usual("out", {"pose_0", "parallel"}));
+  EXPECT_EQ(outcome.status, 1) << outcome.out;
+  EXPECT_EQ(outcome.err.rfind("selfproj: calibrate: no rig: the poses do not determine the ", 0), 0U) << outcome.err;
+  EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+  EXPECT_FALSE(fs::exists(*folder_ / "out"));
+}
+
 TEST_F(CalibrateCommand, WrongInputIsOneLine) {
   const std::vector<std::string> poses = all_poses();
   expect_refused(calibrate(usual("out", {"pose_0"})), "calibrate: 1 of 1 poses can be used; at least 2 are needed");

@@ -18,6 +18,7 @@
 #include "host/calibration/bundle.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/corner_codes.h"
+#include "host/calibration/model_choice.h"
 #include "host/io/user_error.h"
 #include "tests/support/chessboard_world.h"
 #include "tests/support/random_cases.h"
@@ -238,6 +239,46 @@ TEST(Calibrate, WarnsOfWhatTheDataCannotTell) {
   const CalibrationReport flat = calibrate(observed(world, parallel, 0.05, 0.1, 1), settings);
   EXPECT_TRUE(warns(flat, "all poses are parallel within"));
   EXPECT_NE(flat.model.refusal, "");
+}
+
+// A second solution, as the data of weak poses have one: here a result is moved, and its cost says that it fits alike.
+TEST(Calibrate, StartsThatDisagreeAreRefused) {
+  const World world;
+  const CalibrateSettings settings = settings_of(world);
+  const std::vector<PoseReport> poses = observed(world, world.poses(), 0.05, 0.1, 5);
+  std::vector<View> views;
+  for (const PoseReport& pose : poses) {
+    views.push_back(view_of(pose, settings, false));
+  }
+  const ModelSettings model{{world.camera_columns, world.camera_rows},
+                            {world.projector_columns, world.projector_rows},
+                            settings.free,
+                            nullptr};
+  const ModelChoice chosen = choose_model(views, model);
+  ModelChoice same = chosen;
+  check_starts(views, model, same);
+  EXPECT_EQ(same.refusal, "");
+  EXPECT_GE(same.agreeing, 6);
+
+  const auto moved = [&](double deviations, double chi_square) {
+    ModelChoice choice = chosen;
+    choice.result.bundle.camera[0] += deviations * chosen.result.deviation.camera[0];
+    choice.result.cost += 0.5 * chi_square;
+    check_starts(views, model, choice);
+    return choice;
+  };
+  EXPECT_EQ(moved(0.1, 0).refusal, "");
+  const ModelChoice alike = moved(2, 0);
+  EXPECT_EQ(alike.refusal.rfind("different starts end in different solutions that fit alike: camera fx ", 0), 0U)
+      << alike.refusal;
+  EXPECT_EQ(alike.agreeing, 0);
+  EXPECT_NE(moved(2, -10).refusal, "");
+  const ModelChoice worse = moved(2, -100);  // the starts' solutions are out of the question
+  EXPECT_EQ(worse.refusal, "");
+  EXPECT_GE(worse.worse, 6);
+  const ModelChoice better = moved(2, 10);  // one of them takes the result's place
+  EXPECT_EQ(better.refusal, "");
+  EXPECT_NEAR(better.result.bundle.camera[0], chosen.result.bundle.camera[0], 0.01);
 }
 
 // A capture whose codes are those of a homography, rounded.
