@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -218,6 +219,18 @@ TEST_F(RingDamage, MadeShorterUnderBoth) {
   }
 }
 
+// Runs as somebody else, who may not remove files of /dev/shm. Returns the status.
+int status_as_nobody(const std::function<int()>& what) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(10);
+    _exit(setgid(65534) == 0 && setuid(65534) == 0 ? what() : 99);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
 // Where a ring of another size may not be taken away, the writer says so, and does not try for ever.
 TEST_F(RingDamage, AnotherOnesRingCannotBeReplaced) {
   if (geteuid() != 0) {
@@ -227,23 +240,36 @@ TEST_F(RingDamage, AnotherOnesRingCannotBeReplaced) {
   const int file = open_file();
   ASSERT_EQ(fchmod(file, 0666), 0);
   close(file);
-  const pid_t child = fork();
-  if (child == 0) {
-    alarm(10);
-    if (setgid(65534) != 0 || setuid(65534) != 0) {
-      _exit(2);
-    }
-    try {
-      const RingWriter writer(name_, kSlots);
-    } catch (const UserError&) {
-      _exit(0);
-    }
-    _exit(1);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  EXPECT_EQ(status, 0);
+  EXPECT_EQ(status_as_nobody([&] {
+              try {
+                const RingWriter writer(name_, kSlots);
+              } catch (const UserError&) {
+                return 0;
+              }
+              return 1;
+            }),
+            0);
   EXPECT_EQ(info().slots, 2 * kSlots);
+}
+
+// A reader that may not write into the ring is told what it needs.
+TEST_F(RingDamage, AReaderNeedsTheRightToWrite) {
+  if (geteuid() != 0) {
+    GTEST_SKIP() << "only root can give a ring to someone else";
+  }
+  const RingWriter writer(name_, kSlots);
+  const int file = open_file();
+  ASSERT_EQ(fchmod(file, 0644), 0);
+  close(file);
+  EXPECT_EQ(status_as_nobody([&] {
+              try {
+                static_cast<void>(open_ring());
+              } catch (const UserError& error) {
+                return std::string(error.what()).find("needs the right to write") != std::string::npos ? 0 : 1;
+              }
+              return 2;
+            }),
+            0);
 }
 
 }  // namespace
