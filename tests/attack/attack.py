@@ -11,6 +11,7 @@ import time
 import materials
 from cases import Cases
 from files import Files
+from limits import Limits
 from options import Options
 from outputs import Outputs
 from programs import Attacker
@@ -44,7 +45,8 @@ def parts_of(attacker, made, counts, short):
         "restarts": lambda: rings.restarts(counts["restarts"]),
         "kills": lambda: outputs.kills(counts["kills"]),
         "files": lambda: Files(attacker, made).run(counts["files"]),
-        "options": lambda: Options(attacker, made).run(counts["options"])
+        "options": lambda: Options(attacker, made).run(counts["options"]),
+        "limits": lambda: Limits(attacker, made).run()
     }
 
 
@@ -77,10 +79,10 @@ def main():
         made = materials.make(attacker, folder)
         parts = parts_of(attacker, made, counts, options.short)
         for name, part in parts.items():
-            if options.only and name not in options.only:
+            if (options.only and name not in options.only) or (options.short and name == "limits"):
                 continue
             started, runs, cpu = time.monotonic(), attacker.runs, cpu_of_children()
-            part()
+            outcome = part()
             seconds = time.monotonic() - started
             _, count = attacker.cases.popitem()
             figures[name] = {
@@ -91,7 +93,10 @@ def main():
             print(f"{name}: {figures[name]['cases']} cases, {figures[name]['faults']} faults, {seconds:.1f} s, "
                   f"{cpu_of_children() - cpu:.1f} s of CPU",
                   flush=True)
-            if options.record:
+            if options.record and name == "limits":
+                keep("reader_limits", "Memory and time of every reader of files",
+                     "scripts/attack.sh --only limits --record", outcome)
+            elif options.record:
                 record(figures)
     faults = len(attacker.faults)
     print(f"{attacker.runs} runs in {time.monotonic() - begin:.0f} s, seed {options.seed}: {faults} faults")
@@ -103,20 +108,21 @@ def cpu_of_children():
     return usage.ru_utime + usage.ru_stime
 
 
-def record(figures):
-    """Into the folder results; the figures of parts that were not run now stay."""
+def keep(name, about, command, figures):
     sys.path.insert(0, str(ROOT / "scripts"))
     import results  # noqa: PLC0415: only where figures are kept
+    results.write(name, about, command, figures, folder=ROOT / "results")
+
+
+def record(figures):
+    """Into the folder results; the figures of parts that were not run now stay."""
     file = ROOT / "results" / "attack.json"
     before = json.loads(file.read_text())["results"]["parts"] if file.exists() else {}
     parts = {**before, **figures}
-    results.write("attack",
-                  "Cases of the attack from outside, and what failed in them",
-                  "scripts/attack.sh --record", {
-                      "parts": parts,
-                      **{key: sum(part[key] for part in parts.values()) for key in ("cases", "faults", "runs")}
-                  },
-                  folder=ROOT / "results")
+    keep("attack", "Cases of the attack from outside, and what failed in them", "scripts/attack.sh --record", {
+        "parts": parts,
+        **{key: sum(part[key] for part in parts.values()) for key in ("cases", "faults", "runs")}
+    })
 
 
 if __name__ == "__main__":

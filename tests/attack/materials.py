@@ -2,6 +2,7 @@
 import base64
 import math
 import pathlib
+import re
 import struct
 import zlib
 
@@ -70,15 +71,21 @@ def bmp(rows):
     return b"BM" + struct.pack("<IHHI", start + len(pixels), 0, 0, start) + head + palette + pixels
 
 
+def tiff_directory(columns, rows, bits, strip, orientation=1, compression=1):
+    """The directory of a TIFF of one strip of so many bytes, which begins at byte 8. 32 bits are floating-point
+    numbers."""
+    tags = [(256, 4, columns), (257, 4, rows), (258, 3, bits), (259, 3, compression), (262, 3, 1), (273, 4, 8),
+            (274, 3, orientation), (277, 3, 1), (278, 4, rows), (279, 4, strip), (284, 3, 1),
+            (339, 3, 3 if bits == 32 else 1)]
+    return struct.pack("<H", len(tags)) + b"".join(
+        struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in tags) + struct.pack("<I", 0)
+
+
 def tiff(rows, floats=False, orientation=1):
     """One uncompressed strip; `floats` are rows of numbers."""
     width, height = len(rows[0]), len(rows)
     data = b"".join(struct.pack(f"<{width}f", *row) if floats else row for row in rows)
-    tags = [(256, 4, width), (257, 4, height), (258, 3, 32 if floats else 8), (259, 3, 1), (262, 3, 1), (273, 4, 8),
-            (274, 3, orientation), (277, 3, 1), (278, 4, height), (279, 4, len(data)), (284, 3, 1),
-            (339, 3, 3 if floats else 1)]
-    directory = struct.pack("<H", len(tags)) + b"".join(
-        struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in tags) + struct.pack("<I", 0)
+    directory = tiff_directory(width, height, 32 if floats else 8, len(data), orientation)
     return b"II*\0" + struct.pack("<I", 8 + len(data)) + data + directory
 
 
@@ -156,6 +163,36 @@ def quarter(rig):
     return "\n".join(lines) + "\n"
 
 
+def values_of(rig):
+    """The numbers of a rig by section.key."""
+    values, section = {}, ""
+    for line in rig.splitlines():
+        key, _, value = line.strip().partition(": ")
+        if not line.startswith(" "):
+            section = key.rstrip(":")
+        elif re.fullmatch(r"[-\d.e]+", value):
+            values[f"{section}.{key}"] = float(value)
+        if line.startswith("plane_z_mm"):
+            values["plane_z_mm"] = float(value)
+    return values
+
+
+def sweep(rig, every, height):
+    """Names and images of a plate at this height under the lines of a light section's sweep."""
+    value = values_of(rig)
+    rows, columns = int(value["camera.rows"]), int(value["camera.columns"])
+    z = value["plane_z_mm"] - height
+    for line in range(every, int(value["projector.lines"]) - 2, every):
+        place = value["projector.center_xp_mm"] + value["projector.line_pitch_um"] / 1000 * (
+            line - (value["projector.lines"] - 1) / 2)
+        theta = math.tan(
+            math.radians(value["projector.tilt_deg"]) + math.atan(place / value["projector.focal_length_mm"]))
+        alpha = (value["projector.x_mm"] - (z - value["projector.z_mm"]) * theta) / z
+        row = (rows - 1) / 2 + alpha * value["camera.focal_length_mm"] * 1000 / value["camera.pixel_pitch_um"]
+        yield f"line_{line}.png", png(
+            [bytes([int(220 * math.exp(-(r - row)**2 / 5))]) * columns for r in range(rows)])
+
+
 def must(attacker, folder, *arguments):
     outcome = attacker.run(arguments, folder)
     if outcome.status != 0:
@@ -192,4 +229,10 @@ def make(attacker, folder):
     run("selfproj", "pattern", "gray", "--rig", "quarter.yaml", "--out", "quarter")
     run("selfproj-sim", "capture", "--rig", "quarter.yaml", "--patterns", "quarter", "--chessboard", "6x5", "--square",
         "30", "--poses", "2", "--out", "chess")
+    plate = run("selfproj", "rig", "light-section").replace("  columns: 512\n", "  columns: 64\n", 1)
+    (folder / "plate.yaml").write_text(plate)
+    for height in (0, 10, 20):
+        (folder / f"at{height}").mkdir()
+        for name, image in sweep(plate, 16, height):
+            (folder / f"at{height}" / name).write_bytes(image)
     return folder

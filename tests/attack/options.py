@@ -38,6 +38,10 @@ def commands_of(made):
             "--chessboard", "6x5", "--square", "30", "--projector", "256x192", "--rig", m / "quarter.yaml", "--out",
             "o", m / "chess" / "pose_01", m / "chess" / "pose_02"
         ],
+        ("selfproj", "calibrate", "heights"): [
+            "--rig", m / "plate.yaml", "--every", "16", "--heights", "0,10,20", "--out", "o", m / "at0", m / "at10",
+            m / "at20"
+        ],
         ("selfproj", "accuracy"): ["--out", "o"],
         ("selfproj", "devices"): [],
         ("selfproj-sim", "moments"): ["--engine", "model", "--out", "o.csv", *frames],

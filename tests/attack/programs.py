@@ -27,8 +27,8 @@ class Outcome:
         self.asked = asked  # the program was asked to end
 
 
-def limits():
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+def limits(memory):
+    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
@@ -57,6 +57,7 @@ class Attacker:
         self.runs = 0
         self.faults = []
         self.cases = {}
+        self.memory = MEMORY
 
     def program(self, name):
         return str(self.programs / name)
@@ -66,9 +67,8 @@ class Attacker:
         self.runs += 1
         words = [self.program(arguments[0])] + [str(a) for a in arguments[1:]]
         pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more}
-        if also := pipes.pop("preexec_fn", None):
-            return subprocess.Popen(words, cwd=folder, preexec_fn=lambda: (limits(), also()), **pipes)
-        return subprocess.Popen(words, cwd=folder, preexec_fn=limits, **pipes)
+        also = pipes.pop("preexec_fn", lambda: None)
+        return subprocess.Popen(words, cwd=folder, preexec_fn=lambda: (limits(self.memory), also()), **pipes)
 
     def run(self, arguments, folder, patience=PATIENCE, **more):
         process = self.start(arguments, folder, **more)
