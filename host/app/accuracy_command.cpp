@@ -85,7 +85,8 @@ void run_accuracy(const AccuracyOptions& options) {
   }
   const ErrorTerms approximate =
       approximate_error(rig, 0.5 * rig.projector.line_pitch_mm, 0.5 * rig.camera.pixel_pitch_mm);
-  fmt::print("  approximation for small angles (4.26): {:.2f} and {:.2f}\n\n", std::abs(approximate.projector.z),
+  fmt::print("  approximation for small angles{} (4.26): {:.2f} and {:.2f}\n\n",
+             rig.is_pinholes() ? "" : ", of the nearest pinholes", std::abs(approximate.projector.z),
              std::abs(approximate.camera.z));
   fmt::print("Range in the middle of the image, heights in mm (4.33); e = {}, {} bits, a = {}, a' = {}\n", options.e,
              options.bits, options.width, options.line_width);

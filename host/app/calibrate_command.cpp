@@ -57,12 +57,6 @@ int free_of(const std::string& option) { return option == kAuto ? FreeDistortion
 std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report) {
   try {
     const Rig rig = rig_of(report.calibration, load_rig(options.rig));
-    const double error = pinhole_error(rig, report.mean_distance_mm);
-    if (std::isfinite(error)) {
-      report.warnings.push_back(fmt::format(
-          "commands that take the rig as pinholes (all but depth) see z up to {:.3g} mm off at z = {:.0f} mm", error,
-          report.mean_distance_mm));
-    }
     return to_yaml(rig);
   } catch (const std::invalid_argument& error) {
     report.warnings.push_back(fmt::format("no rig.yaml: {}", error.what()));

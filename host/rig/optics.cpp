@@ -4,6 +4,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <vector>
 
 #include "host/rig/rig_calibration.h"
 
@@ -69,6 +70,7 @@ RigOptics::RigOptics(const Rig& rig)
   }
   const std::optional<cv::Vec2d> middle = ray({0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1)});
   sign_ = middle && track(*middle, rig.plane_z_mm).by_z.line > 0 ? 1 : -1;
+  fall_sign_ = middle && fall(calibration_.rotation * cv::Vec3d((*middle)[0], (*middle)[1], 1)) < 0 ? -1 : 1;
 }
 
 cv::Vec3d RigOptics::projector_centre() const { return -(calibration_.rotation.t() * calibration_.translation); }
@@ -94,13 +96,31 @@ std::optional<CameraPlace> RigOptics::seen(const cv::Vec3d& point) const {
 }
 
 std::optional<ProjectorPlace> RigOptics::lit_by(const cv::Vec3d& point) const {
-  const cv::Vec3d at = calibration_.rotation * point + calibration_.translation;
+  const cv::Vec3d at = to_projector(point);
   const cv::Vec2d ray(at[0] / at[2], at[1] / at[2]);
   if (!(at[2] > 0) || ray.dot(ray) > projector_reach_) {
     return std::nullopt;
   }
   const cv::Vec2d pixel = calibration_.projector.pixel(ray);
   return ProjectorPlace{pixel[0], pixel[1]};
+}
+
+std::vector<ProjectorPlace> RigOptics::epipolar_line(const cv::Vec2d& ray, double z_first, double z_last,
+                                                     int count) const {
+  const cv::Vec3d first = to_projector({ray[0] * z_first, ray[1] * z_first, z_first});
+  const cv::Vec3d last = to_projector({ray[0] * z_last, ray[1] * z_last, z_last});
+  const cv::Vec2d from(first[0] / first[2], first[1] / first[2]);
+  const cv::Vec2d to(last[0] / last[2], last[1] / last[2]);
+  std::vector<ProjectorPlace> places;
+  for (int i = 0; i < count && first[2] > 0 && last[2] > 0; ++i) {
+    const cv::Vec2d flat = from + (to - from) * (static_cast<double>(i) / (count - 1));
+    if (flat.dot(flat) > projector_reach_) {
+      return {};
+    }
+    const cv::Vec2d pixel = calibration_.projector.pixel(flat);
+    places.push_back({pixel[0], pixel[1]});
+  }
+  return places;
 }
 
 std::optional<cv::Vec3d> RigOptics::light_of(const ProjectorPlace& place) const {
@@ -140,6 +160,9 @@ std::optional<double> RigOptics::meet(const cv::Vec2d& ray, const LightSheet& sh
     return std::nullopt;
   }
   const cv::Vec3d direction = calibration_.rotation * cv::Vec3d(ray[0], ray[1], 1);
+  if (!(fall(direction) * fall_sign_ > 0)) {
+    return std::nullopt;
+  }
   const cv::Vec3d& t = calibration_.translation;
   double z = ((*flat)[0] * t[2] - t[0]) / (direction[0] - (*flat)[0] * direction[2]);
   if (!(z > 0) || !(track(ray, z).depth > 0)) {

@@ -7,6 +7,7 @@
 
 #include <opencv2/core/matx.hpp>
 #include <optional>
+#include <vector>
 
 #include "host/rig/calibration.h"
 #include "host/rig/height_correction.h"
@@ -49,6 +50,15 @@ class RigOptics {
   [[nodiscard]] std::optional<CameraPlace> seen(const cv::Vec3d& point) const;
   [[nodiscard]] std::optional<ProjectorPlace> lit_by(const cv::Vec3d& point) const;
 
+  // The point in the projector's axes (lines in the place of x), and the places at which the projector has the ray
+  // between two of its depths: `count` of them, at equal distances without distortion. Empty where one of them cannot
+  // be lit.
+  [[nodiscard]] cv::Vec3d to_projector(const cv::Vec3d& point) const {
+    return calibration_.rotation * point + calibration_.translation;
+  }
+  [[nodiscard]] std::vector<ProjectorPlace> epipolar_line(const cv::Vec2d& ray, double z_first, double z_last,
+                                                          int count) const;
+
   // The direction in which a projector place sends its light, scaled to 1 along the projector's axis.
   [[nodiscard]] std::optional<cv::Vec3d> light_of(const ProjectorPlace& place) const;
 
@@ -56,6 +66,9 @@ class RigOptics {
   // to 1e-7 mm. Nothing if the light is behind camera or projector, or z does not fall with the line as in the middle
   // of the image.
   [[nodiscard]] std::optional<double> meet(const cv::Vec2d& ray, const LightSheet& sheet) const;
+
+  // Whether the projector's lines rise towards the camera, as they do on a rig with positive pitches.
+  [[nodiscard]] bool lines_rise() const { return sign_ < 0; }
 
   // How far z moves from one projector line to the next at depth z on the ray, mm; for a laser 0.
   [[nodiscard]] double z_per_line(const cv::Vec2d& ray, double z) const;
@@ -65,6 +78,11 @@ class RigOptics {
   [[nodiscard]] double uncorrected(const CameraPlace& place, double z) const;
 
  private:
+  // Whether the line moves with z as in the middle of the image, by the geometry without distortion. It does not beyond
+  // the ray that passes through the projector's centre (on a rig of pinholes: z0 tan α = x0).
+  [[nodiscard]] double fall(const cv::Vec3d& direction) const {
+    return direction[0] * calibration_.translation[2] - calibration_.translation[0] * direction[2];
+  }
   // Projector line and column of ray z, and their derivatives by z.
   struct Track {
     ProjectorPlace place, by_z;
@@ -79,6 +97,7 @@ class RigOptics {
   cv::Vec3d normal_;                       // of the laser's plane
   double camera_reach_ = 0, projector_reach_ = 0;  // greatest x² + y² of a ray, before the lens model folds over
   double sign_ = -1;                               // sign of d line / d z in the middle of the image
+  double fall_sign_ = 1;                           // and of `fall` there
   std::optional<HeightCorrection> correction_;
 };
 

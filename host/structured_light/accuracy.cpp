@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/rig/geometry.h"
+#include "host/structured_light/lens_accuracy.h"
 #include "host/structured_light/stripe_code.h"
 
 namespace selfproj {
@@ -19,6 +20,9 @@ double theta_at(const Rig& rig, const SeenPoint& point) {
 }  // namespace
 
 ErrorTerms error_terms(const Rig& rig, const SeenPoint& point, double delta_xp_mm, double delta_xc_mm) {
+  if (!rig.is_pinholes()) {
+    return lens_error_terms(rig, point, delta_xp_mm, delta_xc_mm);
+  }
   const RigProjector& p = rig.projector;
   const double fc = rig.camera.focal_length_mm;
   const double alpha = alpha_of(rig, point.row);
@@ -52,11 +56,17 @@ double depth_of_line(const Rig& rig, double row, double line) {
 }
 
 DepthRange range_of_lines(const Rig& rig, const SeenPoint& reference, double below, double above) {
+  if (!rig.is_pinholes()) {
+    return lens_range_of_lines(rig, reference, below, above);
+  }
   const double line = line_of(rig.projector, theta_at(rig, reference));
   return {depth_of_line(rig, reference.row, line + above), depth_of_line(rig, reference.row, line - below)};
 }
 
 DepthRange range_of_cells(const Rig& rig, const SeenPoint& reference, int width, int bits, int e) {
+  if (!rig.is_pinholes()) {
+    return lens_range_of_cells(rig, reference, width, bits, e);
+  }
   // The projector line that a camera row sees on the plane z = z_R.
   const auto line_of_row = [&](double row) {
     return line_of(rig.projector,

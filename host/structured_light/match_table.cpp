@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "host/rig/geometry.h"
@@ -25,8 +27,6 @@ void check_all(const Rig& rig, const SelfReference& reference, const MatchSettin
             reference.row.rows == rig.projector.lines && reference.row.columns == rig.projector.columns,
         "match: the reference is for another rig");
 }
-
-constexpr int kNoCell = std::numeric_limits<int>::min();  // outside the projector's image
 
 // The middle of a step. Steps count from the edge of the first line.
 double line_at(int step) { return (step + 0.5) / kSteps - 0.5; }
@@ -48,13 +48,17 @@ MatchSearch::MatchSearch(const Rig& rig, const SelfReference& reference, const M
   for (int step = 0; step < rig.projector.lines * kSteps; ++step) {
     tan_theta_.push_back(tan_theta(rig.projector, line_at(step)));
   }
+  if (!rig.is_pinholes()) {
+    optics_.emplace(rig);
+    column_of_step_.resize(tan_theta_.size());
+  }
 }
 
 int MatchSearch::Path::column(double line) const { return static_cast<int>(std::floor(at_0 + slope * line + 0.5)); }
 
-int MatchSearch::cell_on(const Path& path, int step) const {
+// kNoCell outside the projector's image, too.
+int MatchSearch::cell_at(int column, int step) const {
   const RigProjector& projector = rig_->projector;
-  const int column = path.column(line_at(step));
   return column < 0 || column >= projector.columns
              ? kNoCell
              : cells_[static_cast<std::size_t>(column) * static_cast<std::size_t>(projector.lines) +
@@ -105,10 +109,10 @@ void MatchSearch::add(const Match& candidate, int cell, std::vector<Match>& matc
   Match& match = matches[static_cast<std::size_t>(code)];
   // The edge between two cells follows whole projector pixels. A slanted line may cross it to and fro; the pieces are
   // one place.
-  const double gap = candidate.line - candidate.half_width - match.line - match.half_width;
+  const double gap = std::abs(candidate.line - match.line) - candidate.half_width - match.half_width;
   if (match.candidates > 0 && match.steps == candidate.steps && gap < kGap) {
-    const double begin = match.line - match.half_width;
-    const double end = candidate.line + candidate.half_width;
+    const double begin = std::min(match.line - match.half_width, candidate.line - candidate.half_width);
+    const double end = std::max(match.line + match.half_width, candidate.line + candidate.half_width);
     const double middle = 0.5 * (begin + end);
     match.distance += middle - match.line;
     match.line = middle;
@@ -128,8 +132,22 @@ void MatchSearch::add(const Match& candidate, int cell, std::vector<Match>& matc
 bool MatchSearch::can_find(int row, int column) const {
   const auto pixel =
       static_cast<std::size_t>(row) * static_cast<std::size_t>(rig_->camera.columns) + static_cast<std::size_t>(column);
+  if (!reference_->measurable(pixel)) {
+    return false;
+  }
+  if (optics_) {
+    return !curve({static_cast<double>(row), static_cast<double>(column)}).empty();
+  }
   const double alpha = tan_alpha(rig_->camera, row + 1.0);  // geometry.h counts rows of a centroid from 1
-  return reference_->measurable(pixel) && rig_->projector.z_mm * alpha < rig_->projector.x_mm;
+  return rig_->projector.z_mm * alpha < rig_->projector.x_mm;
+}
+
+// Steps first..last - 1 lie in the cell.
+void MatchSearch::add_run(int first, int last, int cell, const Own& own, std::vector<Match>& matches) const {
+  if (cell != kNoCell) {
+    const double middle = 0.5 * (line_at(first) + line_at(last - 1));
+    add({middle, 0.5 * (last - first) / kSteps, own.cell - cell, middle - own.line, 1}, cell, matches);
+  }
 }
 
 void MatchSearch::find(int row, int column, std::vector<Match>& matches) const {
@@ -137,26 +155,100 @@ void MatchSearch::find(int row, int column, std::vector<Match>& matches) const {
   matches.assign(std::size_t{1} << static_cast<unsigned>(stripes.bits), Match{});
   const auto pixel =
       static_cast<std::size_t>(row) * static_cast<std::size_t>(rig_->camera.columns) + static_cast<std::size_t>(column);
+  if (!reference_->measurable(pixel)) {
+    return;
+  }
+  const Own own{cell_of_row(row, rig_->camera.rows, stripes.width),
+                static_cast<double>(reference_->points.line.values[pixel]),
+                static_cast<double>(reference_->points.column.values[pixel])};
+  if (optics_) {
+    find_through_lenses({static_cast<double>(row), static_cast<double>(column)}, own, matches);
+    return;
+  }
   if (!can_find(row, column)) {
     return;
   }
   const double alpha = tan_alpha(rig_->camera, row + 1.0);
   const double beta = tan_beta(rig_->camera, column);
-  const int own = cell_of_row(row, rig_->camera.rows, stripes.width);
-  const double seen_line = static_cast<double>(reference_->points.line.values[pixel]);
-  const double seen_column = static_cast<double>(reference_->points.column.values[pixel]);
-  const Path path = settings_.printed_direction ? Path{seen_column, 0} : epipolar_line(alpha, beta);
+  const Path path = settings_.printed_direction ? Path{own.column, 0} : epipolar_line(alpha, beta);
+  const auto cell_on = [&](int step) { return cell_at(path.column(line_at(step)), step); };
   const int end = rig_->projector.lines * kSteps;
   for (int first = first_step(alpha); first < end;) {
-    const int cell = cell_on(path, first);
+    const int cell = cell_on(first);
     int last = first + 1;
-    while (last < end && cell_on(path, last) == cell) {
+    while (last < end && cell_on(last) == cell) {
       ++last;
     }
-    if (cell != kNoCell) {
-      const double middle = 0.5 * (line_at(first) + line_at(last - 1));
-      add({middle, 0.5 * (last - first) / kSteps, own - cell, middle - seen_line, 1}, cell, matches);
+    add_run(first, last, cell, own, matches);
+    first = last;
+  }
+}
+
+// Places of the projector along the pixel's ray, in the order of its lines: as far as its image goes, or the lens
+// model. Empty if the ray meets no light.
+std::vector<ProjectorPlace> MatchSearch::curve(const CameraPlace& place) const {
+  constexpr int kParts = 16;
+  constexpr int kPlaces = 49;
+  const std::optional<cv::Vec2d> ray = optics_->ray(place);
+  const RigProjector& projector = rig_->projector;
+  const auto meet = [&](int part) {
+    const double line = -0.5 + static_cast<double>(projector.lines) * part / kParts;
+    return optics_->meet(*ray, {line, 0, 0.5 * (projector.columns - 1)});
+  };
+  std::optional<double> first;
+  std::optional<double> last;
+  for (int part = 0; ray && part <= kParts && !first; ++part) {
+    first = meet(part);
+  }
+  for (int part = kParts; ray && first && part >= 0 && !last; --part) {
+    last = meet(part);
+  }
+  return first && last && *first != *last ? optics_->epipolar_line(*ray, *first, *last, kPlaces)
+                                          : std::vector<ProjectorPlace>();
+}
+
+// Writes the projector columns of the curve's steps, linear between its places, and returns the first step and the one
+// after the last.
+std::pair<int, int> MatchSearch::columns_along(const std::vector<ProjectorPlace>& curve) const {
+  const int end = rig_->projector.lines * kSteps;
+  const auto step_of = [](double line) { return (line + 0.5) * kSteps - 0.5; };
+  const int first = std::clamp(static_cast<int>(std::ceil(step_of(curve.front().line))), 0, end);
+  const int last = std::clamp(static_cast<int>(std::floor(step_of(curve.back().line))) + 1, first, end);
+  std::size_t k = 0;
+  for (int step = first; step < last; ++step) {
+    const double line = line_at(step);
+    while (k + 2 < curve.size() && curve[k + 1].line < line) {
+      ++k;
     }
+    const double t = (line - curve[k].line) / (curve[k + 1].line - curve[k].line);
+    const double column = curve[k].column + t * (curve[k + 1].column - curve[k].column);
+    column_of_step_[static_cast<std::size_t>(step)] = static_cast<int>(std::floor(column + 0.5));
+  }
+  return {first, last};
+}
+
+void MatchSearch::find_through_lenses(const CameraPlace& place, const Own& own, std::vector<Match>& matches) const {
+  const std::vector<ProjectorPlace> curve = this->curve(place);
+  if (curve.empty()) {
+    return;
+  }
+  const auto [begin, end] = columns_along(curve);
+  const auto cell_on = [&](int step) {
+    const int column = settings_.printed_direction ? static_cast<int>(std::floor(own.column + 0.5))
+                                                   : column_of_step_[static_cast<std::size_t>(step)];
+    return cell_at(column, step);
+  };
+  // The search goes towards the camera.
+  const int way = optics_->lines_rise() ? 1 : -1;
+  const int from = way > 0 ? begin : end - 1;
+  const int to = way > 0 ? end : begin - 1;
+  for (int first = from; first != to;) {
+    const int cell = cell_on(first);
+    int last = first + way;
+    while (last != to && cell_on(last) == cell) {
+      last += way;
+    }
+    add_run(std::min(first, last - way), std::max(first, last - way) + 1, cell, own, matches);
     first = last;
   }
 }

@@ -5,8 +5,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "host/rig/optics.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/self_reference.h"
 #include "model/gray_match.h"
@@ -31,10 +34,10 @@ struct Match {
   int candidates = 0;     // candidates in the window; if 0, there is no match and the rest is meaningless
 };
 
-// The search itself, one pixel at a time. A camera pixel at row r has its own cell k = ⌊Xc / (a δc)⌋. Its
-// correspondences lie on its epipolar line in the projector image, a straight line. Along this line the cells K of the
-// reference (of f_R at the nearest projector pixel, in steps of a quarter of a line) form runs; pieces less than 2.5
-// lines apart are one run. A run with
+// The search itself, one pixel at a time, by one thread. A camera pixel at row r has its own cell k = ⌊Xc / (a δc)⌋.
+// Its correspondences lie on its epipolar line in the projector image, a straight line, or a curve through lenses.
+// Along this line the cells K of the reference (of f_R at the nearest projector pixel, in steps of a quarter of a line)
+// form runs; pieces less than 2.5 lines apart are one run. A run with
 //     n = k - K,   -e <= n < 2^m - e
 // is a candidate for the code of cell K. If there are several, it takes the one with the smallest |n| (printed window:
 // the one nearest to X_R), and of two equal ones the one nearer to the camera. Its place is the middle of the run,
@@ -58,9 +61,18 @@ class MatchSearch {
     double at_0, slope;
     [[nodiscard]] int column(double line) const;
   };
-  [[nodiscard]] int cell_on(const Path& path, int step) const;
+  // What a pixel sees: its own cell, and the projector point of the reference.
+  struct Own {
+    int cell;
+    double line, column;
+  };
+  [[nodiscard]] int cell_at(int column, int step) const;
   [[nodiscard]] int first_step(double alpha) const;
   [[nodiscard]] Path epipolar_line(double alpha, double beta) const;
+  [[nodiscard]] std::vector<ProjectorPlace> curve(const CameraPlace& place) const;
+  [[nodiscard]] std::pair<int, int> columns_along(const std::vector<ProjectorPlace>& curve) const;
+  void find_through_lenses(const CameraPlace& place, const Own& own, std::vector<Match>& matches) const;
+  void add_run(int first, int last, int cell, const Own& own, std::vector<Match>& matches) const;
   void add(const Match& candidate, int cell, std::vector<Match>& matches) const;
 
   const Rig* rig_;
@@ -69,6 +81,8 @@ class MatchSearch {
   std::vector<int> cells_;  // cells of the projector pixels, column by column, because the search goes along the lines
   std::vector<int> codes_;  // codes of the cells of a period
   std::vector<double> tan_theta_;
+  std::optional<RigOptics> optics_;          // none: pinholes
+  mutable std::vector<int> column_of_step_;  // of the curve that is followed
 };
 
 // The words of one row of the camera image; those of one code lie side by side, column by column. The codes are ordered

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <opencv2/core.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "host/rig/geometry.h"
+#include "host/rig/optics.h"
 #include "host/structured_light/check.h"
 
 namespace selfproj {
@@ -141,35 +144,92 @@ void fill_smoothly(FloatImage& image, const std::vector<std::uint8_t>& seen) {
   }
 }
 
+// The geometry of pinholes, in their own equations.
+class PinholeView {
+ public:
+  explicit PinholeView(const Rig& rig) : rig_(rig) {}
+
+  // z of what a camera point sees under a projector line; NaN if there is none.
+  [[nodiscard]] double depth(double row, double /*column*/, int line) const {
+    const double theta = tan_theta(rig_.projector, line);
+    const double alpha = tan_alpha(rig_.camera, row + 1);                          // rows from 1
+    return (rig_.projector.x_mm + rig_.projector.z_mm * theta) / (alpha + theta);  // (4.8)
+  }
+
+  // Where the camera sees what a projector pixel lights at depth z.
+  [[nodiscard]] std::optional<CameraPlace> seen(int line, int column, double z) const {
+    const RigProjector& p = rig_.projector;
+    const double theta = tan_theta(p, line);
+    const double xp = p.center_xp_mm + p.line_pitch_mm * (line - 0.5 * (p.lines - 1));
+    const double yp = p.center_yp_mm + p.column_pitch_mm * (column - 0.5 * (p.columns - 1));
+    const double x = p.x_mm - (z - p.z_mm) * theta;
+    const double y = (z - p.z_mm) * yp / (p.focal_length_mm * std::cos(p.tilt_rad) - xp * std::sin(p.tilt_rad));
+    return CameraPlace{centroid_of(rig_.camera, x / z) - 1, column_of(rig_.camera, y / z)};
+  }
+
+ private:
+  const Rig& rig_;
+};
+
+// The same through the lenses of a calibrated rig.
+class LensView {
+ public:
+  explicit LensView(const Rig& rig) : optics_(rig) {}
+
+  [[nodiscard]] double depth(double row, double column, int line) const {
+    const std::optional<cv::Vec2d> ray = optics_.ray({row, column});
+    const LightSheet sheet{static_cast<double>(line), 0, 0.5 * (optics_.rig().projector.columns - 1)};
+    return (ray ? optics_.meet(*ray, sheet) : std::nullopt).value_or(kUnknown);
+  }
+
+  [[nodiscard]] std::optional<CameraPlace> seen(int line, int column, double z) const {
+    const auto light = optics_.light_of({static_cast<double>(line), static_cast<double>(column)});
+    const cv::Vec3d centre = optics_.projector_centre();
+    if (!light || !((z - centre[2]) / (*light)[2] > 0)) {
+      return std::nullopt;
+    }
+    return optics_.seen(centre + *light * ((z - centre[2]) / (*light)[2]));
+  }
+
+ private:
+  RigOptics optics_;
+};
+
+// Whether a camera point is near enough to the image to mean something.
+bool is_near(const RigCamera& camera, const std::optional<CameraPlace>& place) {
+  constexpr double kSizes = 4;
+  return place && std::abs(place->row) < kSizes * camera.rows && std::abs(place->column) < kSizes * camera.columns;
+}
+
 // Continues the depth of the reference along the projector's rays. From it follows where the camera would see the
 // light.
-void fill_in(const Rig& rig, SelfReference& reference) {
-  check(std::find(reference.seen.begin(), reference.seen.end(), 1) != reference.seen.end(),
-        "self reference: no projector pixel is seen");
+template <class View>
+void fill_in(const Rig& rig, const View& view, SelfReference& reference) {
   const RigProjector& p = rig.projector;
   FloatImage depth(p.lines, p.columns);
+  std::vector<std::uint8_t> known = reference.seen;
+  std::size_t i = 0;
   for (int l = 0; l < p.lines; ++l) {
-    const double theta = tan_theta(p, l);
-    for (int c = 0; c < p.columns; ++c) {
-      const double alpha = tan_alpha(rig.camera, static_cast<double>(reference.row.row(l)[c]) + 1);  // rows from 1
-      depth.row(l)[c] = static_cast<float>((p.x_mm + p.z_mm * theta) / (alpha + theta));             // (4.8)
+    for (int c = 0; c < p.columns; ++c, ++i) {
+      if (known[i] != 0) {
+        depth.values[i] = static_cast<float>(view.depth(static_cast<double>(reference.row.values[i]),
+                                                        static_cast<double>(reference.column.values[i]), l));
+        known[i] = std::isnan(depth.values[i]) ? 0 : 1;
+      }
     }
   }
-  fill_smoothly(depth, reference.seen);
+  check(std::find(known.begin(), known.end(), 1) != known.end(), "self reference: no projector pixel is seen");
+  fill_smoothly(depth, known);
+  i = 0;
   for (int l = 0; l < p.lines; ++l) {
-    const double theta = tan_theta(p, l);
-    const double xp = p.center_xp_mm + p.line_pitch_mm * (l - 0.5 * (p.lines - 1));
-    for (int c = 0; c < p.columns; ++c) {
-      const auto i = static_cast<std::size_t>(l) * static_cast<std::size_t>(p.columns) + static_cast<std::size_t>(c);
+    for (int c = 0; c < p.columns; ++c, ++i) {
       if (reference.seen[i] != 0) {
         continue;
       }
-      const auto z = static_cast<double>(depth.values[i]);
-      const double yp = p.center_yp_mm + p.column_pitch_mm * (c - 0.5 * (p.columns - 1));
-      const double x = p.x_mm - (z - p.z_mm) * theta;
-      const double y = (z - p.z_mm) * yp / (p.focal_length_mm * std::cos(p.tilt_rad) - xp * std::sin(p.tilt_rad));
-      reference.row.values[i] = static_cast<float>(centroid_of(rig.camera, x / z) - 1);
-      reference.column.values[i] = static_cast<float>(column_of(rig.camera, y / z));
+      const std::optional<CameraPlace> place = view.seen(l, c, static_cast<double>(depth.values[i]));
+      const bool near = is_near(rig.camera, place);
+      reference.row.values[i] = near ? static_cast<float>(place->row) : kNoValue;
+      reference.column.values[i] = near ? static_cast<float>(place->column) : kNoValue;
     }
   }
 }
@@ -181,7 +241,8 @@ bool SelfReference::measurable(std::size_t pixel) const {
 }
 
 int SelfReference::cell(int line, int projector_column) const {
-  return cell_of_row(static_cast<double>(row.row(line)[projector_column]), camera_rows, stripes.width);
+  const auto place = static_cast<double>(row.row(line)[projector_column]);
+  return std::isnan(place) ? kNoCell : cell_of_row(place, camera_rows, stripes.width);
 }
 
 void check_stripes(const Stripes& stripes) {
@@ -210,7 +271,11 @@ SelfReference make_self_reference(const Rig& rig, const ProjectorPoints& points,
   reference.seen.resize(reference.row.values.size());
   std::transform(reference.row.values.begin(), reference.row.values.end(), reference.seen.begin(),
                  [](float value) { return std::isnan(value) ? std::uint8_t{0} : std::uint8_t{1}; });
-  fill_in(rig, reference);
+  if (rig.is_pinholes()) {
+    fill_in(rig, PinholeView(rig), reference);
+  } else {
+    fill_in(rig, LensView(rig), reference);
+  }
   return reference;
 }
 
@@ -219,7 +284,11 @@ FloatImage self_projected_pattern(const SelfReference& reference, int index) {
   FloatImage pattern(reference.row.rows, reference.row.columns);
   for (int l = 0; l < pattern.rows; ++l) {
     for (int c = 0; c < pattern.columns; ++c) {
-      const bool light = is_light(reference.stripes, reference.cell(l, c), index / 2);
+      const int cell = reference.cell(l, c);
+      if (cell == kNoCell) {
+        continue;
+      }
+      const bool light = is_light(reference.stripes, cell, index / 2);
       pattern.row(l)[c] = light == (index % 2 == 0) ? 1.0F : 0.0F;
     }
   }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "host/io/float_image.h"
@@ -13,19 +14,24 @@
 
 namespace selfproj {
 
+// Stands for the cell of a projector pixel that has no place f_R.
+inline constexpr int kNoCell = std::numeric_limits<int>::min();
+
 // Camera images have the rig's camera's rows x columns, projector images its lines x columns; coordinates count from 0.
 struct SelfReference {
   Stripes stripes;
   ProjectorPoints points;  // X_R: the projector point that each camera pixel sees on the reference; A_R says where
                            // there is one (both coordinates or neither)
-  FloatImage row;          // f_R: the camera point that each projector pixel lights on the reference (4.12); everywhere
+  FloatImage row;          // f_R: the camera point that each projector pixel lights on the reference (4.12); NaN where
+                           // it would be far outside the camera's image
   FloatImage column;
   std::vector<std::uint8_t> seen;  // for each projector pixel: 1 if the camera sees it, 0 if f_R is filled in
 
   // A_R of a camera pixel.
   [[nodiscard]] bool measurable(std::size_t pixel) const;
 
-  // ⌊Xc(f_R) / (a δc)⌋ of a projector pixel: the cell of the reference to which its light belongs.
+  // ⌊Xc(f_R) / (a δc)⌋ of a projector pixel: the cell of the reference to which its light belongs; kNoCell where f_R is
+  // NaN.
   [[nodiscard]] int cell(int line, int projector_column) const;
 
   int camera_rows = 0;  // the size in which Xc is counted
@@ -36,8 +42,10 @@ struct SelfReference {
 // in shadows and where the camera does not see, it is filled in, so that every projector pixel has a cell. For this the
 // depth z of the reference, as the projector sees it, is continued smoothly (Laplace's equation, level across the
 // border of the projector's image), and f_R is where the camera would see that surface, even beyond its image. A plane
-// that faces the camera continues as that plane, and neighbouring cells follow each other without a gap. Throws
-// std::invalid_argument if sizes are not the rig's, the stripes are out of range, or no pixel is seen.
+// that faces the camera continues as that plane, and neighbouring cells follow each other without a gap. A calibrated
+// rig does this through its lenses. f_R is NaN, and the patterns are dark, where the lens model has no ray, or the
+// camera would see the surface more than four sizes of its image away. Throws std::invalid_argument if sizes are not
+// the rig's, the stripes are out of range, or no pixel is seen.
 SelfReference make_self_reference(const Rig& rig, const ProjectorPoints& points, const Stripes& stripes);
 
 // Throws std::invalid_argument if the stripes are out of range.

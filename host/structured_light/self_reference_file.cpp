@@ -189,11 +189,14 @@ SelfReference read_self_reference(const Rig& rig, const std::string& folder) {
   for (const std::uint8_t value : seen.pixels) {
     reference.seen.push_back(value != 0 ? 1 : 0);
   }
-  const auto is_number = [](float value) { return std::isfinite(value) && std::abs(value) < 1e6F; };
+  // A pixel that the camera does not see may be without a place, which is then without both numbers.
   for (const auto& [name, image] :
        {std::pair{"f_r_row.tiff", &reference.row}, {"f_r_column.tiff", &reference.column}}) {
-    if (!std::all_of(image->values.begin(), image->values.end(), is_number)) {
-      throw UserError(file_in(folder, name), "is damaged: a projector pixel has no place");
+    for (std::size_t i = 0; i < image->values.size(); ++i) {
+      const bool none = std::isnan(reference.row.values[i]) && std::isnan(reference.column.values[i]);
+      if (!(std::abs(image->values[i]) < 1e6F) && !(none && reference.seen[i] == 0)) {
+        throw UserError(file_in(folder, name), "is damaged: a projector pixel has no place");
+      }
     }
   }
   return reference;

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
+#include "host/structured_light/rig_triangulation.h"
 #include "model/cpu_clones.h"
 
 namespace selfproj {
@@ -94,14 +96,41 @@ void look_up_row(const MatchTable& table, int row, const std::uint8_t* codes, co
   look_up(codes, ambiguous, table.columns(), table.row(row), lines);
 }
 
+namespace {
+
+// For each pixel the lines of all its matches, and the line of the reference.
+std::vector<LineRange> line_ranges(const SelfReference& reference, const MatchTable& table) {
+  std::vector<LineRange> ranges(reference.points.line.values.size());
+  const auto columns = static_cast<std::size_t>(table.columns());
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    LineRange& range = ranges[i];
+    const auto widen = [&range](float line) {
+      range = range.first > range.last ? LineRange{line, line}
+                                       : LineRange{std::min(range.first, line), std::max(range.last, line)};
+    };
+    if (const float line = reference.points.line.values[i]; !std::isnan(line)) {
+      widen(line);
+    }
+    for (int code = 0; code < 1 << table.bits(); ++code) {
+      const std::uint16_t word = table.word(static_cast<int>(i / columns), static_cast<int>(i % columns), code);
+      if (word != GrayMatch::kNone) {
+        widen(line_of(word));
+      }
+    }
+  }
+  return ranges;
+}
+
+}  // namespace
+
 SelfScanner::SelfScanner(const Rig& rig, const SelfReference& reference, const MatchTable& table, int threshold,
                          const DepthLimits& limits)
     : reference_(&reference),
       table_(&table),
-      triangulation_(rig, reference.stripes.bits, limits),
+      triangulation_(triangulation_of_rig(rig, reference.stripes.bits, limits)),
       decoder_({rig.camera.rows, rig.camera.columns, reference.stripes.bits, threshold}),
-      board_codes_(triangulation_.pixels()),
-      board_ambiguous_(triangulation_.pixels()),
+      board_codes_(triangulation_->pixels()),
+      board_ambiguous_(triangulation_->pixels()),
       lines_(static_cast<std::size_t>(rig.camera.columns)),
       depth_(rig.camera.rows, rig.camera.columns, kNoValue),
       difference_(depth_),
@@ -111,8 +140,20 @@ SelfScanner::SelfScanner(const Rig& rig, const SelfReference& reference, const M
       reference.points.line.columns != rig.camera.columns) {
     throw std::invalid_argument("self scanner: rig, reference and table have different sizes");
   }
+  planes_ = dynamic_cast<const PlaneTriangulation*>(triangulation_.get());
+  if (planes_ == nullptr) {
+    lenses_ = std::make_unique<LensLines>(rig, line_ranges(reference, table), limits);
+  }
   for (int r = 0; r < rig.camera.rows; ++r) {
-    triangulation_.depth_of_lines(r, reference.points.line.row(r), reference_depth_.row(r));
+    depth_of_lines(r, reference.points.line.row(r), reference_depth_.row(r));
+  }
+}
+
+void SelfScanner::depth_of_lines(int row, const float* lines, float* z) const {
+  if (planes_ != nullptr) {
+    planes_->depth_of_lines(row, lines, z);
+  } else {
+    lenses_->depth_of_lines(row, lines, z);
   }
 }
 
@@ -142,7 +183,7 @@ void SelfScanner::match(const std::uint8_t* codes, const std::uint8_t* ambiguous
   const std::ptrdiff_t columns = depth_.columns;
   for (int r = 0; r < depth_.rows; ++r) {
     look_up_row(*table_, r, codes + r * columns, ambiguous + r * columns, lines_.data());
-    triangulation_.depth_of_lines(r, lines_.data(), depth_.row(r));
+    depth_of_lines(r, lines_.data(), depth_.row(r));
     subtract(reference_depth_.row(r), depth_.row(r), columns, difference_.row(r));
   }
 }
@@ -153,7 +194,7 @@ void SelfScanner::newest_lines(int row, float* lines) const {
 }
 
 void SelfScanner::explain(std::vector<PointState>& states) const {
-  states.assign(triangulation_.pixels(), PointState::not_measurable);
+  states.assign(triangulation_->pixels(), PointState::not_measurable);
   if (codes_ == nullptr) {
     return;
   }
@@ -163,7 +204,9 @@ void SelfScanner::explain(std::vector<PointState>& states) const {
     newest_lines(r, lines.data());
     for (std::size_t c = 0; c < lines.size(); ++c) {
       if (!is_unmeasurable(ambiguous_[first + c]) && reference_->measurable(first + c)) {
-        states[first + c] = triangulation_.explain_line(first + c, lines[c], depth_.values[first + c]);
+        const float z = depth_.values[first + c];
+        states[first + c] = planes_ != nullptr ? planes_->explain_line(first + c, lines[c], z)
+                                               : lenses_->explain_line(first + c, lines[c], z);
       }
     }
   }

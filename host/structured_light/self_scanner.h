@@ -4,11 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "host/io/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/fast_decoder.h"
+#include "host/structured_light/lens_lines.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/triangulation.h"
@@ -27,7 +29,8 @@ void subtract(const float* from, const float* z, std::ptrdiff_t count, float* di
 class SelfScanner {
  public:
   // `threshold`: θ_b of (4.15). Allocates everything here; the table must outlive the scanner. Throws
-  // std::invalid_argument if a size or setting does not fit.
+  // std::invalid_argument if a size or setting does not fit, and UserError if depths through the rig's lenses cannot be
+  // fitted.
   SelfScanner(const Rig& rig, const SelfReference& reference, const MatchTable& table, int threshold,
               const DepthLimits& limits = {});
 
@@ -49,18 +52,21 @@ class SelfScanner {
   // Depth of the reference, from X_R.
   [[nodiscard]] const FloatImage& reference_depth() const { return reference_depth_; }
 
-  [[nodiscard]] const PlaneTriangulation& triangulation() const { return triangulation_; }
+  [[nodiscard]] const Triangulation& triangulation() const { return *triangulation_; }
 
   // The state of each pixel of the newest depth image: not_measurable because of the pair or the reference, no_line if
   // no cell of the reference is in the window.
   void explain(std::vector<PointState>& states) const;
 
  private:
+  void depth_of_lines(int row, const float* lines, float* z) const;
   void match(const std::uint8_t* codes, const std::uint8_t* ambiguous);
 
   const SelfReference* reference_;
   const MatchTable* table_;
-  PlaneTriangulation triangulation_;
+  std::unique_ptr<Triangulation> triangulation_;
+  const PlaneTriangulation* planes_ = nullptr;  // of pinholes, else null
+  std::unique_ptr<LensLines> lenses_;           // of any other rig, else null
   FastGrayDecoder decoder_;
   std::vector<std::uint8_t> board_codes_, board_ambiguous_;  // from take_codes
   const std::uint8_t* codes_ = nullptr;                      // newest codes

@@ -22,6 +22,7 @@
 #include "host/report/report.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/moved.h"
+#include "host/structured_light/rig_triangulation.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/triangulation.h"
 #include "sim/experiment/cosim_measurement.h"
@@ -64,11 +65,11 @@ class ScannerCosim final : public DepthCosim {
         min_difference_(options.min_difference.value_or(kDefaultMinDifference)),
         steady_{options.max_change.value_or(kDefaultSteady.most_change_mm),
                 options.min_neighbours.value_or(kDefaultSteady.least_neighbours)},
-        triangulation_(rig(), bits(), {0, rig().plane_z_mm + kBelowPlane}),
-        scanner_(triangulation_, {.threshold = rig().measure.code_threshold,
-                                  .median = median() == Median::on,
-                                  .min_difference_mm = static_cast<float>(min_difference_),
-                                  .steady = steady_}),
+        triangulation_(triangulation_of_rig(rig(), bits(), {0, rig().plane_z_mm + kBelowPlane})),
+        scanner_(*triangulation_, {.threshold = rig().measure.code_threshold,
+                                   .median = median() == Median::on,
+                                   .min_difference_mm = static_cast<float>(min_difference_),
+                                   .steady = steady_}),
         background_(rig().camera.rows, rig().camera.columns),
         true_background_(background_),
         moved_(background_) {
@@ -114,7 +115,7 @@ class ScannerCosim final : public DepthCosim {
 
  private:
   void take_codes(const std::uint16_t* codes) override { scanner_.take_codes(codes); }
-  [[nodiscard]] const Triangulation& triangulation() const override { return triangulation_; }
+  [[nodiscard]] const Triangulation& triangulation() const override { return *triangulation_; }
   [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
 
   void followed() override {
@@ -122,7 +123,7 @@ class ScannerCosim final : public DepthCosim {
     sample.frame = newest_frame();
     sample.t = middle_frame() / rig().camera.frame_rate_hz;
     sample.moved = scanner_.moved();
-    sample.true_moved = moved(triangulation_, truth().values.data(), true_background_.values.data(),
+    sample.true_moved = moved(*triangulation_, truth().values.data(), true_background_.values.data(),
                               static_cast<float>(min_difference_));
     if (info().analysis == SceneAnalysis::wave_front) {
       sample.front = front(sample.t, depth(), background_);
@@ -144,7 +145,7 @@ class ScannerCosim final : public DepthCosim {
     scanner_.difference(moved);
     return {.file = "moved",
             .title = "What moved",
-            .png = depth_picture(triangulation_, moved, "moved, " + when),
+            .png = depth_picture(*triangulation_, moved, "moved, " + when),
             .note = fmt::format("pixels whose depth differs from the background's by more than {} mm and stays",
                                 min_difference_)};
   }
@@ -203,7 +204,7 @@ class ScannerCosim final : public DepthCosim {
       return kNan;
     }
     const RingMeans rings(
-        triangulation_,
+        *triangulation_,
         {PoolWave::kImpactX, PoolWave::kImpactY, PoolWave::kCentreX - kX, PoolWave::kCentreX + kX, -kY, kY}, kStep,
         kRings);
     return foremost_crest(rings, rings.means(depth, background, kMost), kLeast);
@@ -211,7 +212,7 @@ class ScannerCosim final : public DepthCosim {
 
   double min_difference_;  // mm
   SteadySettings steady_;
-  PlaneTriangulation triangulation_;
+  std::unique_ptr<Triangulation> triangulation_;
   Scanner scanner_;
   FloatImage background_;
   FloatImage true_background_;

@@ -100,6 +100,10 @@ std::vector<std::string> run_structured_light(const ExperimentOptions& options, 
   if (rig.kind != RigKind::scanner) {
     throw UserError("--rig", fmt::format("{} is not a rig of kind scanner", options.rig));
   }
+  if (!rig.is_pinholes()) {  // the conventional scanner beside it codes the central lines only
+    throw UserError("--rig", fmt::format("{} is calibrated; {} takes a rig of pinholes, and `cosim` any", options.rig,
+                                         options.name));
+  }
   StructuredLightResult result;
   {
     ShownProgress progress("image");

@@ -1,19 +1,25 @@
 #include "sim/experiment/light_section.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "host/io/user_error.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/inspection.h"
+#include "host/light_section/lens_reference.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/profile.h"
 #include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
+#include "host/rig/optics.h"
 #include "host/rig/rig.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
@@ -70,11 +76,26 @@ double line_peak(const Image& image) {
   return peaks[static_cast<std::size_t>(image.columns / 2)];
 }
 
+// The projector line that lights what the middle of the camera's image sees at depth z.
+double line_in_middle(const Rig& rig, double z) {
+  if (rig.is_pinholes()) {
+    return line_on_middle(rig.projector, z);
+  }
+  const RigOptics optics(rig);
+  const auto ray = optics.ray({0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1)});
+  const auto light = ray ? optics.lit_by({(*ray)[0] * z, (*ray)[1] * z, z}) : std::nullopt;
+  if (!light) {
+    throw UserError(rig.name, fmt::format("its projector does not light the middle of the image at z = {} mm", z));
+  }
+  return light->line;
+}
+
 }  // namespace
 
 ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
   constexpr double kStep = 0.02;
-  const double reach = rig.plane_z_mm * std::abs(tan_beta(rig.camera, -1)) + 1;
+  const MiddleRow row(rig);
+  const double reach = rig.plane_z_mm * std::max(std::abs(row.tan_beta(-1)), row.tan_beta(rig.camera.columns)) + 1;
   const int middle = scene.frames() / 2;
   const double time = middle / rig.camera.frame_rate_hz;
   const int count = static_cast<int>(std::ceil(reach / kStep));
@@ -102,7 +123,7 @@ LightSection self_projection(const Rig& rig, const Rig& real, const Scene& refer
 }
 
 LightSection straight_line(const Rig& rig, const Scene& reference, const RenderOptions& options, double middle_height) {
-  const double line = line_on_middle(rig.projector, rig.plane_z_mm - middle_height);
+  const double line = line_in_middle(rig, rig.plane_z_mm - middle_height);
   LightSection result{rig, draw_straight_line(rig, line), {}};
   const auto centroids = scan_centroids(rig, rig, reference, result.pattern, options, kAllModes);
   for (std::size_t m = 0; m < kAllModes.size(); ++m) {
