@@ -2,6 +2,8 @@
 //
 //     bench_profile [--benchmark_...]
 //
+// For the pinholes of rig A, and for the same rig with distorting lenses on both sides ("lenses").
+//
 // Packets of 512 columns lie one after another in a buffer that stays in the second-level cache (64 of them, like the
 // newest packets of a ring) or in one far larger than the caches. For each packet the program calls parse_packet, which
 // reads all of it for the check word, and computes the differential profile of its payload into the same Profile. It
@@ -22,9 +24,12 @@
 #include <vector>
 
 #include "host/light_section/differential_profile.h"
+#include "host/light_section/lens_reference.h"
 #include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
+#include "host/rig/optics.h"
 #include "host/rig/rig.h"
+#include "host/rig/rig_calibration.h"
 #include "model/cpu_clones.h"
 #include "model/packet.h"
 #include "tests/bench/collector.h"
@@ -79,6 +84,25 @@ struct Packets {
   std::vector<std::uint8_t> bytes;
 };
 
+// z in double precision: (3.4), or where the ray meets the light through the lenses.
+double depth_of(const Rig& rig, const ReferenceProfile& reference, std::size_t column, double centroid) {
+  if (rig.is_pinholes()) {
+    const double theta = reference.tan_theta[column];
+    return (rig.projector.x_mm + rig.projector.z_mm * theta) / (tan_alpha(rig.camera, centroid) + theta);
+  }
+  static const RigOptics optics(rig);
+  const auto ray = optics.ray({centroid - 1, static_cast<double>(column)});
+  return optics.meet(*ray, *sheet_of(optics, reference, static_cast<int>(column))).value_or(0);
+}
+
+// Rig A with distorting lenses.
+Rig with_lenses(const Rig& rig) {
+  Calibration calibration = calibration_of(rig);
+  calibration.camera.k = {0.08, 0.01, 0.001, -0.001, 0, 0, 0, 0};
+  calibration.projector.k = {-0.08, 0.01, -0.001, 0.001, 0, 0, 0, 0};
+  return rig_of(calibration, rig);
+}
+
 bool profiles_are_right(const Rig& rig, const ReferenceProfile& reference, const DifferentialProfiler& profiler,
                         const Packets& packets) {
   Profile profile;
@@ -93,9 +117,7 @@ bool profiles_are_right(const Rig& rig, const ReferenceProfile& reference, const
     profiler.profile(packets.mode, view.payload.data(), profile.view());
     unpack_moments(packets.mode, kColumns, view.payload.data(), moments.view());
     for (std::size_t k = 0; k < kColumns; ++k) {
-      const double alpha = tan_alpha(rig.camera, static_cast<double>(moments.m1[k]) / moments.m0[k]);
-      const double theta = reference.tan_theta[k];
-      const double z = (rig.projector.x_mm + rig.projector.z_mm * theta) / (alpha + theta);  // (3.4)
+      const double z = depth_of(rig, reference, k, static_cast<double>(moments.m1[k]) / moments.m0[k]);
       if (profile.validity[k] != 0 || !(std::abs(static_cast<double>(profile.z[k]) - z) < 1e-3) ||
           !(std::abs(static_cast<double>(profile.dz[k]) - (z - reference.z_mm[k])) < 1e-4)) {
         return false;
@@ -171,23 +193,38 @@ int run(int argc, char** argv) {
   if (!bench::initialize(argv[0], {argv + 1, argv + argc})) {
     return 2;
   }
-  const Rig rig = load_rig("light-section");
-  const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, std::vector<double>(kColumns)));
-  const DifferentialProfiler profiler(rig, reference);
+  struct Station {
+    explicit Station(const Rig& of)
+        : rig(of),
+          reference(reference_of_curve(rig, curve_of_heights(rig, std::vector<double>(kColumns)))),
+          profiler(rig, reference) {}
+    Rig rig;
+    ReferenceProfile reference;
+    DifferentialProfiler profiler;
+  };
+  const Station pinholes(load_rig("light-section"));
+  const Station lenses(with_lenses(pinholes.rig));
   struct Case {
     std::string name;
+    const Station* station;
     Packets packets;
   };
-  const std::vector<Case> cases = {{"binary/cache", Packets(rig, Mode::binary, kInCache)},
-                                   {"binary/memory", Packets(rig, Mode::binary, kInMemory)},
-                                   {"grey_over/cache", Packets(rig, Mode::grey_over, kInCache)},
-                                   {"grey_over/memory", Packets(rig, Mode::grey_over, kInMemory)}};
-  for (const auto& [name, packets] : cases) {
-    if (!profiles_are_right(rig, reference, profiler, packets)) {
+  const std::vector<Case> cases = {
+      {"binary/cache", &pinholes, Packets(pinholes.rig, Mode::binary, kInCache)},
+      {"binary/memory", &pinholes, Packets(pinholes.rig, Mode::binary, kInMemory)},
+      {"grey_over/cache", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInCache)},
+      {"grey_over/memory", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInMemory)},
+      {"lenses_binary/cache", &lenses, Packets(lenses.rig, Mode::binary, kInCache)},
+      {"lenses_binary/memory", &lenses, Packets(lenses.rig, Mode::binary, kInMemory)},
+      {"lenses_grey_over/cache", &lenses, Packets(lenses.rig, Mode::grey_over, kInCache)},
+      {"lenses_grey_over/memory", &lenses, Packets(lenses.rig, Mode::grey_over, kInMemory)}};
+  for (const auto& [name, station, packets] : cases) {
+    if (!profiles_are_right(station->rig, station->reference, station->profiler, packets)) {
       std::fprintf(stderr, "bench_profile: the profiles are wrong (%s)\n", name.c_str());
       return 1;
     }
-    const auto add = [&, &name = name, &set = packets](const std::string& step, Work what) {
+    const auto add = [&, &name = name, &set = packets, &profiler = station->profiler](const std::string& step,
+                                                                                      Work what) {
       benchmark::RegisterBenchmark((step + "/" + name).c_str(),
                                    [&, what](benchmark::State& state) { work(state, profiler, set, what); });
     };
@@ -202,11 +239,11 @@ int run(int argc, char** argv) {
   return bench::run_registered(about, [&](const Collector& collector) {
     nlohmann::ordered_json results;
     std::printf("\nprofiles/s, one core, packet to differential profile (medians)\n");
-    for (const auto& [name, packets] : cases) {
+    for (const auto& [name, station, packets] : cases) {
       const double both = collector.median("both/" + name);
       const double most = collector.median("ceiling/" + name);
       if (both > 0 && most > 0) {
-        std::printf("%-16s: %8.0f profiles/s, %4.1f %% of reading the packets and writing the profiles alone\n",
+        std::printf("%-24s: %8.0f profiles/s, %4.1f %% of reading the packets and writing the profiles alone\n",
                     name.c_str(), both, 100 * both / most);
         const std::size_t slash = name.find('/');
         results[name.substr(0, slash)][name.substr(slash + 1)] = {{"profiles_per_s", both},
