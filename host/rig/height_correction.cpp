@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace selfproj {
@@ -29,13 +30,11 @@ HeightCorrection::HeightCorrection(const RigCamera& camera, const RigHeights& he
       degrees_(height_terms(heights.order, heights.order_heights)) {}
 
 void HeightCorrection::terms(double row, double column, double height_mm, std::vector<double>& values) const {
-  // Beyond its ends a polynomial grows without bounds.
-  const double height = std::clamp(height_mm, heights_.lowest_mm, heights_.highest_mm);
   const double middle = 0.5 * (heights_.lowest_mm + heights_.highest_mm);
   const double half = 0.5 * (heights_.highest_mm - heights_.lowest_mm);
   const Chebyshev c = chebyshev(std::clamp((column - column_middle_) / column_half_, -1.0, 1.0));
   const Chebyshev r = chebyshev(std::clamp((row - row_middle_) / row_half_, -1.0, 1.0));
-  const Chebyshev h = chebyshev((height - middle) / half);
+  const Chebyshev h = chebyshev((height_mm - middle) / half);
   values.clear();
   for (const auto& [column_degree, row_degree, height_degree] : degrees_) {
     values.push_back(c.at(static_cast<std::size_t>(column_degree)) * r.at(static_cast<std::size_t>(row_degree)) *
@@ -44,6 +43,11 @@ void HeightCorrection::terms(double row, double column, double height_mm, std::v
 }
 
 double HeightCorrection::at(double row, double column, double height_mm) const {
+  // Far beyond its ends a polynomial means nothing.
+  const double beyond = 0.25 * (heights_.highest_mm - heights_.lowest_mm);
+  if (!(height_mm >= heights_.lowest_mm - beyond && height_mm <= heights_.highest_mm + beyond)) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
   std::vector<double> values;
   terms(row, column, height_mm, values);
   double sum = 0;

@@ -14,13 +14,14 @@ namespace selfproj {
 // terms are products of Chebyshev polynomials.
 class HeightCorrection {
  public:
-  // Places outside the image and heights outside the calibrated range are corrected as at the border of the range.
+  // Places outside the image are corrected as those at its border.
   HeightCorrection(const RigCamera& camera, const RigHeights& heights);
 
   // The values of all terms at an image place (from 0) and a height by the geometry.
   void terms(double row, double column, double height_mm, std::vector<double>& values) const;
 
-  // What must be added to the height by the geometry.
+  // What must be added to the height by the geometry; NaN for a height that is outside of the calibrated range by more
+  // than a quarter of it.
   [[nodiscard]] double at(double row, double column, double height_mm) const;
 
  private:

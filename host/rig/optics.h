@@ -73,7 +73,8 @@ class RigOptics {
   // How far z moves from one projector line to the next at depth z on the ray, mm; for a laser 0.
   [[nodiscard]] double z_per_line(const cv::Vec2d& ray, double z) const;
 
-  // The same place's z with its height corrected (host/rig/height_correction.h), and the inverse.
+  // The same place's z with its height corrected (host/rig/height_correction.h), and the inverse; NaN far outside of
+  // the calibrated heights.
   [[nodiscard]] double corrected(const CameraPlace& place, double z) const;
   [[nodiscard]] double uncorrected(const CameraPlace& place, double z) const;
 
