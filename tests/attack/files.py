@@ -1,4 +1,5 @@
 """Attacks with mutated and cut files of every kind that the programs read."""
+import collections
 import csv
 import json
 import math
@@ -86,6 +87,18 @@ def check_word(packet):
         for i, word in enumerate(words):
             check ^= (word << 8 * i | word >> 32 - 8 * i) & 0xFFFFFFFF
     return check
+
+
+def missed_pairs(columns):
+    """The share of all pairs of bits of a packet of grey moments which, both flipped, leave its check word right. As it
+    is linear, these are the pairs of bits that change it alike."""
+    change = [1 << (bit + 8 * (bit // 32)) % 32 for bit in range(128)]
+    bits = 8 * (64 + 8 * columns + 16)
+    counts = collections.Counter(change[:96] + [1 << bit for bit in range(32)])  # the trailer
+    for _ in range(bits // 128 - 1):
+        change = [(word << 1 ^ (0x04C11DB7 if word >> 31 else 0)) & 0xFFFFFFFF for word in change]
+        counts.update(change)
+    return sum(n * (n - 1) for n in counts.values()) / (bits * (bits - 1))
 
 
 def damaged_unseen(whole, data, size):

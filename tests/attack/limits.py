@@ -68,9 +68,8 @@ class Limits:
         m = self.made
         gibibyte = zeros(1024)
         image = ["selfproj-sim", "moments", "--engine", "model", "--channel", "grey", "--out", "o.csv"]
-        frames = [m / f"frame_{i}.png" for i in range(1, 5)]
-        floats = ["selfproj", "depth", "--rig", m / "scanner.yaml", "--bits", "2", "--out", "o", *frames,
-                  "--background"]
+        seen = sorted((m / "seen").iterdir())[:4]
+        floats = ["selfproj", "depth", "--rig", m / "scanner.yaml", "--bits", "2", "--out", "o", *seen, "--background"]
         size = f"{SIDE} x {SIDE}"
 
         self.file("largest.png", png(SIDE, SIDE, zeros_of_rows(SIDE, SIDE), 8))
