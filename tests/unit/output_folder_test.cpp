@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -210,6 +212,59 @@ TEST(OutputFolder, ManyWritersAtOnce) {
   EXPECT_GT(looks, 3);
   EXPECT_EQ(scratch.names(), std::vector<std::string>{"results"});
   EXPECT_EQ(names_in(results), files);
+}
+
+// Runs `what` in a traced process and kills it at its system call number `call`. Returns whether it came so far.
+bool killed_at(int call, const std::function<void()>& what) {
+  const pid_t child = fork();
+  if (child == 0) {
+    ptrace(PTRACE_TRACEME, 0, nullptr, nullptr);
+    raise(SIGSTOP);
+    what();
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  for (int stop = 0; WIFSTOPPED(status) && stop < 2 * call; ++stop) {  // each call stops twice
+    ptrace(PTRACE_SYSCALL, child, nullptr, nullptr);
+    waitpid(child, &status, 0);
+  }
+  if (WIFSTOPPED(status)) {
+    kill(child, SIGKILL);
+    waitpid(child, &status, 0);
+    return true;
+  }
+  EXPECT_EQ(status, 0);
+  return false;
+}
+
+// Whenever a program is killed, a folder holds its old files or the new ones, and the next program tidies up.
+TEST(OutputFolder, KilledAtAnyMoment) {
+  const test::ScratchFolder scratch;
+  const fs::path results = scratch / "results";
+  const std::vector<std::string> files{"a", "b", "c"};
+  const auto write_all = [&](const char* text) {
+    OutputFolder output(results);
+    for (const std::string& file : files) {
+      output.append(file, text);
+    }
+    output.commit();
+  };
+  write_all("old");
+  int calls = 1;
+  int kept = 0;
+  for (; killed_at(calls, [&] { write_all("new"); }); ++calls) {
+    std::set<std::string> contents;
+    for (const std::string& file : files) {
+      contents.insert(fs::exists(results / file) ? test::read_text(results / file) : "missing");
+    }
+    ASSERT_EQ(contents.size(), 1U) << "old and new files after " << calls << " system calls";
+    kept += contents.contains("old") ? 1 : 0;
+    write_all("old");
+    ASSERT_EQ(scratch.names(), std::vector<std::string>{"results"}) << calls;
+  }
+  EXPECT_GT(kept, 20);
+  EXPECT_LT(kept, calls - 1) << "some kills come after the exchange";
 }
 
 // The next program that writes there removes the files of a killed one. A folder of a running program stays.
