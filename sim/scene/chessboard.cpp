@@ -81,6 +81,19 @@ Point3 middle_of_view(const RealRig& real, double z) {
   return {(bounds[0] + bounds[1]) / 2, (bounds[2] + bounds[3]) / 2, z};
 }
 
+// A board that faces the camera, turned about its normal and then tilted about an axis in its plane, in degrees but for
+// the direction of the axis.
+ChessboardPlace leaning(Point3 middle, double turn_deg, double axis_direction, double tilt_deg) {
+  ChessboardPlace place;
+  place.middle = middle;
+  const Point3 normal{0, 0, 1};
+  const Point3 axis = turned({1, 0, 0}, normal, axis_direction);
+  for (Point3* side : {&place.right, &place.below}) {
+    *side = turned(turned(*side, normal, turn_deg * kRadians), axis, tilt_deg * kRadians);
+  }
+  return place;
+}
+
 }  // namespace
 
 ChessboardFlaws drawn_flaws(double scale, double bend_mm, std::uint64_t seed) {
@@ -165,24 +178,26 @@ double ChessboardScene::albedo(double x, double y, double t) const {
 
 std::vector<ChessboardPlace> chessboard_places(const RealRig& real, const ChessboardShape& shape, int count,
                                                double tilt_deg) {
-  constexpr double kTurn = 12;     // degrees about the normal, to either side
+  constexpr double kTurn = 12;  // degrees about the normal, to either side
+  constexpr double kLeastShare = 0.1;
   constexpr double kDepth = 0.06;  // share of the distance, nearer and further away
   const Rig& rig = real.rig;
   const Visible visible(real, shape);
   std::vector<ChessboardPlace> places;
   for (int k = 0; k < count; ++k) {
     ChessboardPlace place;
-    const double z = rig.plane_z_mm * (1 + (k == 0 ? 0 : kDepth * (k % 3 - 1)));
-    place.middle = middle_of_view(real, z);
+    place.middle = middle_of_view(real, rig.plane_z_mm);
     // The leaning directions go round, while the places shift across them, so that every part of the image gets all of
     // them.
     const double lean = 2 * std::numbers::pi * k / std::max(1, count - 1);
     if (k > 0) {
-      const Point3 normal{0, 0, 1};
-      const double turn = kTurn * kRadians * (k % 2 == 0 ? 1 : -1);
-      const Point3 axis = turned({1, 0, 0}, normal, lean);
-      for (Point3* side : {&place.right, &place.below}) {
-        *side = turned(turned(*side, normal, turn), axis, tilt_deg * kRadians);
+      // A long board in a narrow image cannot be turned or brought nearer as far.
+      for (double share = 1; share > kLeastShare; share /= 2) {
+        const double z = rig.plane_z_mm * (1 + share * kDepth * (k % 3 - 1));
+        place = leaning(middle_of_view(real, z), share * kTurn * (k % 2 == 0 ? 1 : -1), lean, tilt_deg);
+        if (visible(place)) {
+          break;
+        }
       }
     }
     if (!visible(place)) {

@@ -1,0 +1,298 @@
+#!/usr/bin/env python3
+"""Measures with rigs that nobody knows: from images alone to true millimetres.
+
+    hidden_rigs.py [--seeds N-M] [--kind light-section|scanner|both] [--quick|--small] [--given NAME] [--out DIR]
+
+Each seed draws a rig that deviates from its drawings (`selfproj-sim ... --real-rig-seed`) and takes the images that a
+user would take. The program `selfproj` sees these images and the drawings, nothing else. Light section: it calibrates,
+ties the heights to plates, scans the good part, makes its pattern, takes out the residual, and measures experiment A2.
+Scanner: it calibrates and measures a plane. The figures are compared with the truth of the simulation.
+
+--quick takes one frame in five of A2 and eight poses of the chessboard, --small the least that still tests every step
+(the light section without a chessboard, from the drawings). --given replaces a step by the truth, to show what that
+step costs: `calibration` (lenses, poses, the belt) or `belt` (the way it moves). With --out, all files are kept in DIR,
+a new folder. With SELFPROJ_RESULTS set, hidden_rigs.json is written. The exit status is 1 where a bound is not reached.
+Standard library only.
+"""
+
+import argparse
+import json
+import math
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import hidden_rig_figures as figures
+import results
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+BOUNDS = {"light-section": {"tread_mm": 0.03, "rms_mm": 0.03, "max_mm": 0.10, "place_mm": 0.2},
+          "scanner": {"plane_mm": 0.1}}
+BOARDS = {"light-section": ("19x3", 2.6), "scanner": ("9x7", 20)}  # corners, side of a square in mm
+PROJECTORS = {"light-section": "512x512", "scanner": "1024x768"}
+CHECKED_MM = 15  # height of the plate with which the user checks the rig
+WRONG_TILT_DEG = 0.02
+
+
+class Effort:
+    """How much is captured."""
+
+    def __init__(self, poses, heights, every_line, every_frame):
+        self.poses, self.heights, self.every_line, self.every_frame = poses, heights, every_line, every_frame
+
+    @property
+    def spacing_mm(self):
+        return 0.1 * self.every_frame
+
+
+# Heights of the plates in mm: all that the image's rows can see around the treads.
+FULL = Effort(12, (0, 12, 24, 36, 48, 60), 4, 1)
+QUICK = Effort(8, (0, 12, 24, 36, 48, 60), 4, 5)
+SMALL = Effort(0, (0, 20, 40, 60), 10, 20)
+
+
+class Refused(Exception):
+    """A program of the chain ended with another status than 0."""
+
+
+class Chain:
+    """The commands of one seed, in a folder of their own."""
+
+    def __init__(self, folder, programs, seed):
+        self.folder, self.programs, self.seed = folder, programs, seed
+        folder.mkdir(parents=True)
+        self.seconds = 0.0
+        self.noise = 1000 * seed  # each capture has noise of its own
+        self.notes = {}           # what a step said that the chain survived
+
+    def run(self, program, *arguments):
+        words = [str(self.programs / program), *(str(a) for a in arguments)]
+        begin = time.monotonic()
+        done = subprocess.run(words, cwd=self.folder, capture_output=True, text=True, check=False)
+        self.seconds += time.monotonic() - begin
+        with (self.folder / "log.txt").open("a", encoding="utf-8") as log:
+            log.write(" ".join(words) + "\n" + done.stdout + done.stderr)
+        if done.returncode != 0:
+            said = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
+            raise Refused(f"{arguments[0]}: {said[-1]}")
+
+    def host(self, *arguments):
+        self.run("selfproj", *arguments)
+
+    def take(self, *arguments):
+        """Images by the hidden rig."""
+        self.noise += 1
+        self.run("selfproj-sim", *arguments, "--real-rig-seed", self.seed, "--seed", self.noise)
+
+    def calibrate(self, rig, effort, more=()):
+        """Board and calibration; the folder `calibration`."""
+        board, square = BOARDS[rig]
+        size = ("--chessboard", board, "--square", square)
+        self.host("pattern", "gray", "--rig", rig, "--out", "gray")
+        self.take("capture", "--rig", rig, "--out", "board", "--patterns", "gray", *size, "--poses", effort.poses,
+                  "--target-seed", self.seed, *more)
+        self.host("calibrate", *size, "--projector", PROJECTORS[rig], "--rig", rig, "--out", "calibration",
+                  *sorted((self.folder / "board").glob("pose_*")))
+
+    def plate(self, rig, height):
+        """A sweep of lines over a plate that is not quite flat and not quite at this height."""
+        folder = f"plate_{height:02}"
+        self.take("capture", "--rig", rig, "--out", folder, "--patterns", "lines", "--plate", height, "--target-seed",
+                  100 * self.seed + height)
+        return folder
+
+    def render(self, scene, reference, out, *more):
+        """Frames of a scene on the moving belt under the pattern of a reference."""
+        self.take("scene", "render", scene, "--rig", "drawn.yaml", "--pattern", f"{reference}/pattern.tiff", "--out",
+                  out, *more)
+        (self.folder / out / "pattern.tiff").unlink()  # a camera does not write it
+
+    def noticed(self, rig, every):
+        """Whether the user's check finds fault with a rig."""
+        try:
+            self.host("calibrate", "heights", "--rig", rig, "--heights", CHECKED_MM, "--every", every, "--check",
+                      f"plate_{CHECKED_MM}")
+            return False
+        except Refused as error:
+            self.notes[f"check of {rig}"] = str(error)
+            return True
+
+
+def true_sections(truth, names):
+    """Sections of a rig file from the truth, for what is given to the chain."""
+    def lens(view):
+        values = {"fx_px": view["column_focal_px"], "fy_px": view["row_focal_px"], "cx_px": view["column_centre_px"],
+                  "cy_px": view["row_centre_px"], **view["distortion"]}
+        return "".join(f"  {key}: {value!r}\n" for key, value in values.items())
+
+    axes = {name: [truth[name][key] for key in ("along_columns", "along_rows", "axis")]
+            for name in ("camera", "projector")}
+    way = [a[0] for a in axes["camera"]]
+    normal = [a[2] for a in axes["camera"]]
+    text = "belt_pose:\n" + "".join(f"  {name}_{letter}: {value!r}\n" for name, vector in
+                                    (("direction", way), ("normal", normal)) for letter, value in zip("xyz", vector))
+    if "calibration" not in names:
+        return text
+    turn = [[sum(p * c for p, c in zip(row, column)) for column in axes["camera"]] for row in axes["projector"]]
+    between = [c - p for c, p in zip(truth["camera"]["centre_mm"], truth["projector"]["centre_mm"])]
+    shift = [sum(a * b for a, b in zip(row, between)) for row in axes["projector"]]
+    angle = math.acos(max(-1, min(1, (turn[0][0] + turn[1][1] + turn[2][2] - 1) / 2)))
+    scale = math.degrees(angle) / (2 * math.sin(angle))
+    turns = [scale * (turn[2][1] - turn[1][2]), scale * (turn[0][2] - turn[2][0]), scale * (turn[1][0] - turn[0][1])]
+    return (text + "camera_lens:\n" + lens(truth["camera"]) + "projector_lens:\n" + lens(truth["projector"])
+            + "projector_pose:\n"
+            + "".join(f"  rotation_{letter}_deg: {value!r}\n" for letter, value in zip("xyz", turns))
+            + "".join(f"  translation_{letter}_mm: {value!r}\n" for letter, value in zip("xyz", shift)))
+
+
+def drawn(rig, every=1):
+    """The text of a drawn rig that takes only one in `every` frames."""
+    text = (ROOT / f"host/rig/{rig}.yaml").read_text(encoding="utf-8")
+    return re.sub(r"frame_rate_hz: (\d+)", lambda found: f"frame_rate_hz: {int(found[1]) // every}", text)
+
+
+def with_wrong_tilt(text):
+    """A rig whose projector is believed to be turned by WRONG_TILT_DEG more than it is."""
+    key = "rotation_x_deg" if "rotation_x_deg" in text else "tilt_deg"
+    return re.sub(key + r": *(\S+)", lambda found: f"{key}: {float(found[1]) + WRONG_TILT_DEG!r}", text, count=1)
+
+
+def light_section(chain, effort, given):
+    """The whole chain and its figures."""
+    rig = "light-section"
+    believed = rig
+    if effort.poses:
+        try:
+            chain.calibrate(rig, effort, ("--tilt", 35, "--bend", 0.05))
+            believed = "calibration/rig.yaml"
+        except Refused as error:  # the user goes on with the drawings, and the plates must do it all
+            chain.notes["calibration"] = str(error)
+    if given:
+        truth = json.loads((chain.folder / "board/truth.json").read_text(encoding="utf-8"))
+        (chain.folder / "given.yaml").write_text(drawn(rig) + true_sections(truth, given), encoding="utf-8")
+        believed = "given.yaml"
+    every = effort.every_line
+    chain.host("pattern", "--rig", rig, "--sweep", "--every", every, "--out", "lines")
+    plates = [chain.plate(rig, height) for height in effort.heights]
+    chain.host("calibrate", "heights", "--rig", believed, "--heights", ",".join(map(str, effort.heights)), "--every",
+               every, "--out", "heights", *plates)
+    believed = "heights/rig.yaml"
+    chain.plate(rig, CHECKED_MM)
+    wrong = with_wrong_tilt((chain.folder / believed).read_text(encoding="utf-8"))
+    (chain.folder / "wrong.yaml").write_text(wrong, encoding="utf-8")
+    noticed = {"right_rig_refused": chain.noticed(believed, every),
+               "wrong_rig_noticed": chain.noticed("wrong.yaml", every)}
+
+    chain.take("capture", "--rig", rig, "--out", "scan", "--patterns", "lines", "--scene", "stairs", "--stopped")
+    chain.host("pattern", "--rig", believed, "--scan", "scan", "--every", every, "--out", "good")
+    (chain.folder / "drawn.yaml").write_text(drawn(rig, effort.every_frame), encoding="utf-8")
+    count = min(16, round(60 / effort.spacing_mm))
+    chain.render("stairs", "good", "seen", "--first", round(70 / effort.spacing_mm - count / 2), "--count", count)
+    chain.host("pattern", "--rig", believed, "--reference", "good", "--residual", "seen", "--out", "part")
+    chain.render("stairs-marked", "part", "frames", "--truth", "truth.tiff")
+    chain.run("selfproj-sim", "cosim", "--frames", "frames/*.png", "--engine", "model", "--rig", "drawn.yaml",
+              "--packets", "part.packets")
+    chain.host("inspect", "--device", "file:part.packets", "--rig", believed, "--reference", "part", "--out", "result")
+    return {**figures.light_section_figures(chain.folder, effort.spacing_mm), **noticed}
+
+
+def scanner(chain, effort, _given):
+    """The whole chain and its figures."""
+    chain.calibrate("scanner", effort)
+    chain.take("capture", "--rig", "scanner", "--out", "plane", "--patterns", "gray", "--scene", "plane")
+    images = sorted((chain.folder / "plane").glob("image_*.png"))[:40]  # without white and black
+    chain.host("depth", "--calibration", "calibration/calibration.yaml", "--bits", 10, "--row-bits", 10, "--strict",
+               "--max-z-per-line", 5, "--plane", "--out", "depth", *images)
+    return figures.scanner_figures(chain.folder)
+
+
+def held(kind, found, bounds):
+    """What does not hold, as names of figures."""
+    if "refused" in found:
+        return ["refused"]
+    missed = [key for key, bound in bounds.items() if not found[key] <= bound]
+    if kind == "scanner" and not found["residual_mm"] <= found["rounding_mm"]:
+        missed.append("residual_mm")
+    if kind == "light-section":
+        missed += [key for key, wrong in (("right_rig_refused", True), ("wrong_rig_noticed", False))
+                   if found[key] == wrong]
+    return missed
+
+
+def line_of(kind, seed, found):
+    if "refused" in found:
+        return f"{kind} {seed:2}: {found['refused']}"
+    if kind == "scanner":
+        return (f"{kind} {seed:2}: plane off by {found['plane_mm']:.3f} mm at most, {found['middle_mm']:.3f} in the "
+                f"middle; residual {found['residual_mm']:.3f}, rounding {found['rounding_mm']:.3f} mm")
+    treads = " ".join(f"{tread:.3f}" for tread in found["treads_mm"])
+    return (f"{kind} {seed:2}: treads {treads}, RMS {found['rms_mm']:.3f}, max {found['max_mm']:.3f}, marks "
+            f"{found['place_mm']:.3f} mm; check {'refuses' if found['right_rig_refused'] else 'passes'} the rig, "
+            f"{'refuses' if found['wrong_rig_noticed'] else 'passes'} the wrong one"
+            + (f"; {found['notes']['calibration']}" if "calibration" in found["notes"] else ""))
+
+
+def measured(kind, seed, folder, options, effort):
+    chain = Chain(folder.resolve(), options.programs.resolve(), seed)
+    try:
+        found = (light_section if kind == "light-section" else scanner)(chain, effort, options.given)
+    except Refused as error:
+        found = {"refused": str(error)}
+    return {**found, "notes": chain.notes, "seconds": round(chain.seconds, 1)}
+
+
+def seeds_of(text):
+    first, _, last = text.partition("-")
+    return range(int(first), int(last or first) + 1)
+
+
+def worst(by_seed):
+    """The greatest of each figure, and the seed it comes from."""
+    keys = {key for found in by_seed.values() for key, value in found.items() if isinstance(value, float)}
+    return {key: dict(zip(("value", "seed"), max((found[key], seed) for seed, found in by_seed.items()
+                                                 if key in found))) for key in sorted(keys)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", type=seeds_of, default=seeds_of("1-20"), metavar="N-M")
+    parser.add_argument("--kind", choices=("light-section", "scanner", "both"), default="both")
+    parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/bin")
+    parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("--given", choices=("calibration", "belt"), nargs="*", default=[])
+    amount = parser.add_mutually_exclusive_group()
+    amount.add_argument("--quick", action="store_true")
+    amount.add_argument("--small", action="store_true")
+    options = parser.parse_args()
+    effort = SMALL if options.small else QUICK if options.quick else FULL
+    if options.out and options.out.exists():
+        parser.error(f"--out {options.out}: exists already")
+    if options.small and options.kind != "light-section":
+        parser.error("--small goes only with --kind light-section")
+    found, failures = {}, 0
+    for kind in ("light-section", "scanner") if options.kind == "both" else (options.kind,):
+        bounds = {key: bound for key, bound in BOUNDS[kind].items() if not (options.small and key == "place_mm")}
+        by_seed = found.setdefault(kind, {})
+        for seed in options.seeds:
+            root = options.out or pathlib.Path(tempfile.mkdtemp())
+            by_seed[f"{seed:02}"] = one = measured(kind, seed, root / kind / f"{seed:02}", options, effort)
+            one["missed"] = held(kind, one, bounds)
+            failures += bool(one["missed"])
+            print(line_of(kind, seed, one), flush=True)
+            if not options.out:
+                shutil.rmtree(root)
+        good = sum(not one["missed"] for one in by_seed.values())
+        print(f"{kind}: {good} of {len(by_seed)} within all bounds")
+        found[kind] = {"seeds": by_seed, "within": good, "of": len(by_seed), "worst": worst(by_seed)}
+    if not options.given:
+        results.write("hidden_rigs", "Rigs that nobody knows, from images alone, against the truth",
+                      "scripts/hidden_rigs.py" + (" --quick" if options.quick else ""), found)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
