@@ -2,12 +2,14 @@
 
 import json
 import math
+import statistics
 
 import float_tiff
 
 TREADS = (30, 39, 21)  # of experiment A2, from left to right, mm
 TREAD_WIDTH = 35
 STEP_COLUMNS = 3  # left out on each side of a step, as experiment A2 does it
+MARK_REACH = 17  # mm from a mark's median, along the belt and across: marks are 22 mm wide
 COLUMN_MM = 0.233  # between columns on the plane
 
 
@@ -58,25 +60,28 @@ def in_triangle(right, down):
 
 
 def marks_place(folder, spacing):
-    """How far the marks are from their places relative to each other: the part may lie anywhere on the belt."""
-    sums = [[0.0, 0.0, 0.0] for _ in TREADS]
-    columns = {}
+    """How far the marks are from their places relative to each other: the part may lie anywhere on the belt.
+
+    A mark is what lies 0.5 to 1.5 mm deeper than the good part within half a tread of its own median."""
+    points = []
     with open(folder / "result/profile.csv", encoding="utf-8") as lines:
         next(lines)
         for line in lines:
-            frame, column, x, y, z, dx, dy, dz = line.split(",")
-            if 0.5 < float(dz) < 1.5:
-                columns.setdefault(int(column), []).append((float(x) - spacing * int(frame), float(y)))
-    points = [p for found in columns.values() for p in found]
-    middle = sum(p[1] for p in points) / len(points)
-    for x, y in points:
-        tread = min(2, max(0, round((y - middle) / TREAD_WIDTH) + 1))
-        for k, value in enumerate((x, y, 1.0)):
-            sums[tread][k] += value
-    found = [(s[0] / s[2], s[1] / s[2]) for s in sums]
+            fields = line.split(",")
+            if 0.5 < float(fields[7]) < 1.5:
+                points.append((float(fields[2]) - spacing * int(fields[0]), float(fields[3])))
+    found = []
+    middle = statistics.median(y for _, y in points)
+    for tread in range(len(TREADS)):
+        own = [p for p in points if abs(p[1] - middle - TREAD_WIDTH * (tread - 1)) < TREAD_WIDTH / 2]
+        if not own:
+            return math.inf
+        around = [statistics.median(p[k] for p in own) for k in (0, 1)]
+        own = [p for p in own if all(abs(p[k] - around[k]) < MARK_REACH for k in (0, 1))]
+        found.append([sum(p[k] for p in own) / len(own) for k in (0, 1)])
     down = mark_centroid(in_triangle)[1]
     true = [(0, -TREAD_WIDTH), (0, 0), (-down, TREAD_WIDTH)]
-    shift = [sum(f[k] - t[k] for f, t in zip(found, true)) / 3 for k in (0, 1)]
+    shift = [sum(f[k] - t[k] for f, t in zip(found, true)) / len(true) for k in (0, 1)]
     return max(math.hypot(f[0] - t[0] - shift[0], f[1] - t[1] - shift[1]) for f, t in zip(found, true))
 
 

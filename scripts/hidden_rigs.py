@@ -11,8 +11,8 @@ Scanner: it calibrates and measures a plane. The figures are compared with the t
 --quick takes one frame in five of A2 and eight poses of the chessboard, --small the least that still tests every step
 (the light section without a chessboard, from the drawings). --given replaces a step by the truth, to show what that
 step costs: `calibration` (lenses, poses, the belt) or `belt` (the way it moves). With --out, all files are kept in DIR,
-a new folder. With SELFPROJ_RESULTS set, hidden_rigs.json is written. The exit status is 1 where a bound is not reached.
-Standard library only.
+a new folder; with --resume, what is in it is taken and not made again. With SELFPROJ_RESULTS set, hidden_rigs.json is
+written. The exit status is 1 where a bound is not reached. Standard library only.
 """
 
 import argparse
@@ -32,7 +32,7 @@ import results
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 BOUNDS = {"light-section": {"tread_mm": 0.03, "rms_mm": 0.03, "max_mm": 0.10, "place_mm": 0.2},
           "scanner": {"plane_mm": 0.1}}
-BOARDS = {"light-section": ("19x3", 2.6), "scanner": ("9x7", 20)}  # corners, side of a square in mm
+BOARDS = {"light-section": ("25x3", 2.2), "scanner": ("9x7", 20)}  # corners, side of a square in mm
 PROJECTORS = {"light-section": "512x512", "scanner": "1024x768"}
 CHECKED_MM = 15  # height of the plate with which the user checks the rig
 WRONG_TILT_DEG = 0.02
@@ -51,7 +51,7 @@ class Effort:
 
 # Heights of the plates in mm: all that the image's rows can see around the treads.
 FULL = Effort(12, (0, 12, 24, 36, 48, 60), 4, 1)
-QUICK = Effort(8, (0, 12, 24, 36, 48, 60), 4, 5)
+QUICK = Effort(10, (0, 12, 24, 36, 48, 60), 4, 5)
 SMALL = Effort(0, (0, 20, 40, 60), 10, 20)
 
 
@@ -64,13 +64,15 @@ class Chain:
 
     def __init__(self, folder, programs, seed):
         self.folder, self.programs, self.seed = folder, programs, seed
-        folder.mkdir(parents=True)
+        folder.mkdir(parents=True, exist_ok=True)
         self.seconds = 0.0
         self.noise = 1000 * seed  # each capture has noise of its own
         self.notes = {}           # what a step said that the chain survived
 
     def run(self, program, *arguments):
         words = [str(self.programs / program), *(str(a) for a in arguments)]
+        if "--out" in words and (self.folder / words[words.index("--out") + 1]).exists():
+            return  # --resume
         begin = time.monotonic()
         done = subprocess.run(words, cwd=self.folder, capture_output=True, text=True, check=False)
         self.seconds += time.monotonic() - begin
@@ -109,7 +111,7 @@ class Chain:
         """Frames of a scene on the moving belt under the pattern of a reference."""
         self.take("scene", "render", scene, "--rig", "drawn.yaml", "--pattern", f"{reference}/pattern.tiff", "--out",
                   out, *more)
-        (self.folder / out / "pattern.tiff").unlink()  # a camera does not write it
+        (self.folder / out / "pattern.tiff").unlink(missing_ok=True)  # a camera does not write it
 
     def noticed(self, rig, every):
         """Whether the user's check finds fault with a rig."""
@@ -263,13 +265,14 @@ def main():
     parser.add_argument("--kind", choices=("light-section", "scanner", "both"), default="both")
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/bin")
     parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("--resume", action="store_true")
     parser.add_argument("--given", choices=("calibration", "belt"), nargs="*", default=[])
     amount = parser.add_mutually_exclusive_group()
     amount.add_argument("--quick", action="store_true")
     amount.add_argument("--small", action="store_true")
     options = parser.parse_args()
     effort = SMALL if options.small else QUICK if options.quick else FULL
-    if options.out and options.out.exists():
+    if options.out and options.out.exists() and not options.resume:
         parser.error(f"--out {options.out}: exists already")
     if options.small and options.kind != "light-section":
         parser.error("--small goes only with --kind light-section")

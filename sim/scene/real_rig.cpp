@@ -109,8 +109,13 @@ RealRig deviating_rig(const Rig& nominal, const Deviation& camera, const Deviati
 
 RealRig hidden_rig(const Rig& nominal, std::uint64_t seed) {
   EvenNumbers random(seed);
-  const Deviation camera = drawn_deviation(random);
-  const Deviation projector = drawn_deviation(random);
+  Deviation camera = drawn_deviation(random);
+  Deviation projector = drawn_deviation(random);
+  const PixelPoint middle{(nominal.camera.rows - 1) / 2.0, (nominal.camera.columns - 1) / 2.0};
+  const Point3 aim = deviating_rig(nominal, camera, projector).camera.point_at(middle, nominal.plane_z_mm);
+  const Point3 back{-aim.x, -aim.y, 0};
+  camera.shift_mm = camera.shift_mm + back;
+  projector.shift_mm = projector.shift_mm + back;
   return deviating_rig(nominal, camera, projector);
 }
 

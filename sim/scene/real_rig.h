@@ -44,7 +44,8 @@ inline constexpr BrownLens::Coefficients kMostDistortion{0.1, 0.01, 0.001, 0.001
 // The rig with deviations of camera and projector. Starts from the pinholes of the rig, without its calibration.
 RealRig deviating_rig(const Rig& nominal, const Deviation& camera, const Deviation& projector);
 
-// The same with deviations drawn by this seed.
+// The same with deviations drawn by this seed. Both are then shifted along the belt so that the middle of the camera's
+// image is at x = y = 0 on it: the belt has no place of its own, and users lay parts where the camera looks.
 RealRig hidden_rig(const Rig& nominal, std::uint64_t seed);
 
 }  // namespace selfproj
