@@ -51,7 +51,7 @@ class Effort:
 
 # Heights of the plates in mm: all that the image's rows can see around the treads.
 FULL = Effort(12, (0, 12, 24, 36, 48, 60), 4, 1)
-QUICK = Effort(10, (0, 12, 24, 36, 48, 60), 4, 5)
+QUICK = Effort(8, (0, 12, 24, 36, 48, 60), 8, 5)
 SMALL = Effort(0, (0, 20, 40, 60), 10, 20)
 
 

@@ -60,27 +60,6 @@ class Visible {
   const ChessboardShape& shape_;
 };
 
-// The middle of the area of the plane z = `z` that both see. Uses rectangles, which both views nearly are.
-Point3 middle_of_view(const RealRig& real, double z) {
-  const Rig& rig = real.rig;
-  std::array<double, 4> bounds{-1e9, 1e9, -1e9, 1e9};  // x, y
-  const auto narrow = [&](const Pinhole& pinhole, int rows, int columns) {
-    const auto on_plane = [&](double row, double column) {
-      const Point3 ray = pinhole.ray({row, column});
-      return pinhole.centre() + ((z - pinhole.centre().z) / ray.z) * ray;
-    };
-    const double x0 = on_plane(0, (columns - 1) / 2.0).x;
-    const double x1 = on_plane(rows - 1, (columns - 1) / 2.0).x;
-    const double y0 = on_plane((rows - 1) / 2.0, 0).y;
-    const double y1 = on_plane((rows - 1) / 2.0, columns - 1).y;
-    bounds = {std::max(bounds[0], std::min(x0, x1)), std::min(bounds[1], std::max(x0, x1)),
-              std::max(bounds[2], std::min(y0, y1)), std::min(bounds[3], std::max(y0, y1))};
-  };
-  narrow(real.camera, rig.camera.rows, rig.camera.columns);
-  narrow(real.projector, rig.projector.lines, rig.projector.columns);
-  return {(bounds[0] + bounds[1]) / 2, (bounds[2] + bounds[3]) / 2, z};
-}
-
 // A board that faces the camera, turned about its normal and then tilted about an axis in its plane, in degrees but for
 // the direction of the axis.
 ChessboardPlace leaning(Point3 middle, double turn_deg, double axis_direction, double tilt_deg) {

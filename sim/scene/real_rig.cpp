@@ -1,5 +1,6 @@
 #include "sim/scene/real_rig.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -102,6 +103,26 @@ RealRig::RealRig(const Rig& of) : RealRig(of, camera_of(of), projector_of(of)) {
 RealRig::RealRig(const Rig& of, const Pinhole& its_camera, const Pinhole& its_projector)
     : rig(of), camera(its_camera), projector(its_projector) {}
 
+Point3 middle_of_view(const RealRig& real, double z) {
+  const Rig& rig = real.rig;
+  std::array<double, 4> bounds{-1e9, 1e9, -1e9, 1e9};  // x, y
+  const auto narrow = [&](const Pinhole& pinhole, int rows, int columns) {
+    const auto on_plane = [&](double row, double column) {
+      const Point3 ray = pinhole.ray({row, column});
+      return pinhole.centre() + ((z - pinhole.centre().z) / ray.z) * ray;
+    };
+    const double x0 = on_plane(0, (columns - 1) / 2.0).x;
+    const double x1 = on_plane(rows - 1, (columns - 1) / 2.0).x;
+    const double y0 = on_plane((rows - 1) / 2.0, 0).y;
+    const double y1 = on_plane((rows - 1) / 2.0, columns - 1).y;
+    bounds = {std::max(bounds[0], std::min(x0, x1)), std::min(bounds[1], std::max(x0, x1)),
+              std::max(bounds[2], std::min(y0, y1)), std::min(bounds[3], std::max(y0, y1))};
+  };
+  narrow(real.camera, rig.camera.rows, rig.camera.columns);
+  narrow(real.projector, rig.projector.lines, rig.projector.columns);
+  return {(bounds[0] + bounds[1]) / 2, (bounds[2] + bounds[3]) / 2, z};
+}
+
 RealRig deviating_rig(const Rig& nominal, const Deviation& camera, const Deviation& projector) {
   return {nominal, deviating(Pinhole::of_camera(nominal.camera), camera),
           deviating(Pinhole::of_projector(nominal.projector), projector)};
@@ -111,8 +132,7 @@ RealRig hidden_rig(const Rig& nominal, std::uint64_t seed) {
   EvenNumbers random(seed);
   Deviation camera = drawn_deviation(random);
   Deviation projector = drawn_deviation(random);
-  const PixelPoint middle{(nominal.camera.rows - 1) / 2.0, (nominal.camera.columns - 1) / 2.0};
-  const Point3 aim = deviating_rig(nominal, camera, projector).camera.point_at(middle, nominal.plane_z_mm);
+  const Point3 aim = middle_of_view(deviating_rig(nominal, camera, projector), nominal.plane_z_mm);
   const Point3 back{-aim.x, -aim.y, 0};
   camera.shift_mm = camera.shift_mm + back;
   projector.shift_mm = projector.shift_mm + back;

@@ -24,6 +24,10 @@ struct RealRig {
   Pinhole projector;
 };
 
+// The middle of the area of the plane z = `z` that camera and projector both see. Uses rectangles, which both views
+// nearly are.
+Point3 middle_of_view(const RealRig& real, double z);
+
 // How a camera or projector deviates from the rig's file.
 struct Deviation {
   std::array<double, 3> rotation_rad{};  // about the world's x, then y, then z, around its own centre
@@ -44,8 +48,8 @@ inline constexpr BrownLens::Coefficients kMostDistortion{0.1, 0.01, 0.001, 0.001
 // The rig with deviations of camera and projector. Starts from the pinholes of the rig, without its calibration.
 RealRig deviating_rig(const Rig& nominal, const Deviation& camera, const Deviation& projector);
 
-// The same with deviations drawn by this seed. Both are then shifted along the belt so that the middle of the camera's
-// image is at x = y = 0 on it: the belt has no place of its own, and users lay parts where the camera looks.
+// The same with deviations drawn by this seed. Both are then shifted along the belt so that the middle of what they see
+// is at x = y = 0 on it: the belt has no place of its own, and users lay parts where camera and projector look.
 RealRig hidden_rig(const Rig& nominal, std::uint64_t seed);
 
 }  // namespace selfproj

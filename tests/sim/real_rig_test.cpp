@@ -299,7 +299,7 @@ TEST(RealRig, SeedsDrawWithinTheBoundsAndDiffer) {
         (real.projector.centre() - nominal.projector.centre()) - (real.camera.centre() - nominal.camera.centre());
     EXPECT_LE(std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)}), 2 * kMostShiftMm);
     furthest = std::max(furthest, std::abs(shift.x));
-    const Point3 aim = real.camera.point_at({255.5, 255.5}, rig.plane_z_mm);
+    const Point3 aim = middle_of_view(real, rig.plane_z_mm);
     EXPECT_NEAR(aim.x, 0, 1e-9);
     EXPECT_NEAR(aim.y, 0, 1e-9);
     EXPECT_NEAR(real.camera.intrinsics().row_scale / nominal.camera.intrinsics().row_scale, 1, kMostFocal);
