@@ -18,6 +18,7 @@ written. The exit status is 1 where a bound is not reached. Standard library onl
 import argparse
 import json
 import math
+import os
 import pathlib
 import re
 import shutil
@@ -259,6 +260,46 @@ def worst(by_seed):
                                                  if key in found))) for key in sorted(keys)}
 
 
+def mm(value):
+    return f"{value:.3f}" if math.isfinite(value) else "none seen"
+
+
+def row_of(kind, seed, found):
+    """A row of the table: the seed, the figures, and those that do not hold."""
+    if "refused" in found:
+        return [seed, *["–"] * (8 if kind == "light-section" else 4), found["refused"]]
+    names = {"place_mm": "marks", "max_mm": "largest", "rms_mm": "RMS", "tread_mm": "treads", "plane_mm": "plane",
+             "residual_mm": "residual", "right_rig_refused": "check", "wrong_rig_noticed": "check of the wrong rig"}
+    missed = ", ".join(names[key] for key in found["missed"])
+    if kind == "scanner":
+        return [seed, *(mm(found[key]) for key in ("plane_mm", "middle_mm", "residual_mm", "rounding_mm")), missed]
+    return [seed, *map(mm, found["treads_mm"]), *(mm(found[key]) for key in ("rms_mm", "max_mm", "place_mm")),
+            f"{found['points']:,}", "drawings" if "calibration" in found["notes"] else "calibrated", missed]
+
+
+def table_of(kind, by_seed):
+    """The table of a kind for the documents."""
+    bounds = {key: bound for each in BOUNDS.values() for key, bound in each.items()}
+    head, note = {
+        "light-section": (
+            ["tread of 30 mm", "39 mm", "21 mm", "RMS", "largest", "marks", "points", "rig"],
+            f"Light section, mm. Bounds: treads within {bounds['tread_mm']}, heights {bounds['rms_mm']} RMS and "
+            f"{bounds['max_mm']} at most away from steps, places of the marks within {bounds['place_mm']}. Rig: "
+            "“drawings” where `selfproj calibrate` found the captures ambiguous and the plates had to do it all."),
+        "scanner": (
+            ["plane, largest", "plane, middle", "residual", "rounding predicts"],
+            f"Scanner, mm. Bounds: the plane within {bounds['plane_mm']} everywhere, its residual no more than "
+            "rounding to whole codes predicts.")}[kind]
+    return {"title": f"Hidden rigs: {kind}", "header": ["seed", *head, "does not hold"],
+            "rows": [row_of(kind, seed, found) for seed, found in by_seed.items()], "note": note}
+
+
+def earlier():
+    """What a run for the other kind of rig has left."""
+    file = pathlib.Path(os.environ.get(results.VARIABLE, "")) / "hidden_rigs.json"
+    return json.loads(file.read_text(encoding="utf-8"))["results"] if file.is_file() else {}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=seeds_of, default=seeds_of("1-20"), metavar="N-M")
@@ -290,10 +331,13 @@ def main():
                 shutil.rmtree(root)
         good = sum(not one["missed"] for one in by_seed.values())
         print(f"{kind}: {good} of {len(by_seed)} within all bounds")
-        found[kind] = {"seeds": by_seed, "within": good, "of": len(by_seed), "worst": worst(by_seed)}
-    if not options.given:
-        results.write("hidden_rigs", "Rigs that nobody knows, from images alone, against the truth",
-                      "scripts/hidden_rigs.py" + (" --quick" if options.quick else ""), found)
+        found[kind] = {"seeds": by_seed, "within": good, "of": len(by_seed), "worst": worst(by_seed),
+                       "table": table_of(kind, by_seed)}
+    effort_words = " --quick" if options.quick else " --small" if options.small else ""
+    if options.given:
+        found = {f"given_{'_'.join(options.given)}": found}
+    results.write("hidden_rigs", "Rigs that nobody knows, from images alone, against the truth",
+                  "scripts/hidden_rigs.py" + effort_words, {**earlier(), **found})
     return 1 if failures else 0
 
 
