@@ -32,13 +32,13 @@ struct CurveTables {
 };
 
 // sum = c_1 t + c_2 t² + ... of each column.
-template <int kDegree>
+template <int Degree>
 [[gnu::always_inline]] inline void polynomial(const float* __restrict t, int count,
                                               const float* __restrict coefficients, std::ptrdiff_t columns,
                                               float* __restrict sum) {
   for (int i = 0; i < count; ++i) {
-    float s = coefficients[(kDegree - 1) * columns + i];
-    for (int k = kDegree - 2; k >= 0; --k) {
+    float s = coefficients[(Degree - 1) * columns + i];
+    for (int k = Degree - 2; k >= 0; --k) {
       s = s * t[i] + coefficients[k * columns + i];
     }
     sum[i] = s * t[i];
@@ -89,18 +89,18 @@ template <int kDegree>
 }
 
 // Takes `count` <= kStrip columns.
-template <int kDegree>
+template <int Degree>
 [[gnu::always_inline]] inline void triangulate(const StripMoments& moments, int count, const CurveTables& k,
                                                const LineRules& rules, const ProfileView& out) {
   alignas(64) std::array<std::int32_t, kStrip> state;
   alignas(64) std::array<float, kStrip> t;
   alignas(64) std::array<float, kStrip> sum;
   begin(moments, count, k, rules, state.data(), out.centroid, t.data());
-  polynomial<kDegree>(t.data(), count, k.w, k.columns, sum.data());
+  polynomial<Degree>(t.data(), count, k.w, k.columns, sum.data());
   depth(sum.data(), k.inverse, k.z_r, count, out.z, out.dz);
-  polynomial<kDegree>(t.data(), count, k.a, k.columns, sum.data());
+  polynomial<Degree>(t.data(), count, k.a, k.columns, sum.data());
   beside(out.z, out.dz, k.a_r, sum.data(), count, out.x, out.dx);
-  polynomial<kDegree>(t.data(), count, k.b, k.columns, sum.data());
+  polynomial<Degree>(t.data(), count, k.b, k.columns, sum.data());
   beside(out.z, out.dz, k.b_r, sum.data(), count, out.y, out.dy);
   std::uint8_t* __restrict validity = out.validity;
   for (int i = 0; i < count; ++i) {
@@ -169,13 +169,13 @@ void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, Mode 
   });
 }
 
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const MomentsView& from,
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const MomentsView& moments,
                        const ProfileView& out) {
-  for_each_strip(curves, rules, out, [&](int first, int count, StripMoments& moments) {
+  for_each_strip(curves, rules, out, [&](int first, int count, StripMoments& strip) {
     for (int i = 0; i < count; ++i) {
-      moments.m0[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(from.m0[first + i]);
-      moments.m1[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(from.m1[first + i]);
-      moments.n[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(from.n[first + i]);
+      strip.m0[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(moments.m0[first + i]);
+      strip.m1[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(moments.m1[first + i]);
+      strip.n[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(moments.n[first + i]);
     }
   });
 }

@@ -35,7 +35,7 @@ struct HeightFit {
 // Fits plane, belt and corrections. Throws UserError if there are fewer than three heights, one has too few samples,
 // the heights are not in the order in which the rig sees them, a plate is not flat within its tolerance, or the
 // positions do not determine the heights of the whole image.
-HeightFit fit_heights(const Rig& rig, const std::vector<HeightPosition>& positions, const HeightSettings& settings);
+HeightFit fit_heights(const Rig& given, const std::vector<HeightPosition>& positions, const HeightSettings& settings);
 
 // The same levels measured with the rig as it is.
 std::vector<HeightLevel> check_heights(const Rig& rig, const std::vector<HeightPosition>& positions,

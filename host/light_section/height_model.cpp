@@ -66,13 +66,14 @@ std::optional<FittedHeights> fitted(const HeightModel& model, const Rig& rig, co
 
 FittedHeights choose(const HeightModel& model, const Rig& rig, const RigHeights& range) {
   constexpr double kAsWell = 1.002;
+  constexpr double kNone = std::numeric_limits<double>::infinity();
   struct Candidate {
     int order;
     double error;
   };
   std::vector<Candidate> candidates;
-  double least = std::numeric_limits<double>::infinity();
-  double uncertain = std::numeric_limits<double>::infinity();
+  double least = kNone;
+  double uncertain = kNone;
   for (int order = 1; order <= range.order; ++order) {
     const std::optional<FittedHeights> fit = fitted(model, rig, range, order, range.order_heights);
     uncertain = fit && order == 1 ? fit->uncertain : uncertain;
@@ -82,8 +83,7 @@ FittedHeights choose(const HeightModel& model, const Rig& rig, const RigHeights&
     double error = 0;
     for (const int half : {0, 1}) {
       const auto solved = model.solve(fit->places, half);
-      error +=
-          solved ? model.error(fit->places, solved->coefficients, 1 - half) : std::numeric_limits<double>::infinity();
+      error += solved ? model.error(fit->places, solved->coefficients, 1 - half) : kNone;
     }
     candidates.push_back({order, error});
     least = std::min(least, error);

@@ -80,14 +80,18 @@ void LensLines::reject(const std::vector<std::size_t>& pixels) {
   rejected_ = pixels.size();
 }
 
+std::optional<cv::Vec2d> LensLines::ray_of(std::size_t pixel) const {
+  const std::size_t row = pixel / static_cast<std::size_t>(columns_);
+  const std::size_t column = pixel % static_cast<std::size_t>(columns_);
+  return optics_.ray({static_cast<double>(row), static_cast<double>(column)});
+}
+
 // The range is cut to the lines that the ray meets, and at which a line is worth no more than the rig's limit.
 LensLines::Nodes LensLines::nodes_of(std::size_t pixel, const LineRange& range) const {
   constexpr int kSteps = 8;
   constexpr int kHalvings = 12;
   Nodes nodes;
-  const auto columns = static_cast<std::size_t>(columns_);
-  const std::optional<cv::Vec2d> ray =
-      optics_.ray({static_cast<double>(pixel / columns), static_cast<double>(pixel % columns)});
+  const std::optional<cv::Vec2d> ray = ray_of(pixel);
   if (!ray || !(range.first <= range.last)) {
     return nodes;
   }
@@ -236,9 +240,7 @@ PointState LensLines::explain_line(std::size_t pixel, float line, float z) const
   if (!std::isnan(z)) {
     return PointState::valid;
   }
-  const auto columns = static_cast<std::size_t>(columns_);
-  const std::optional<cv::Vec2d> ray =
-      optics_.ray({static_cast<double>(pixel / columns), static_cast<double>(pixel % columns)});
+  const std::optional<cv::Vec2d> ray = ray_of(pixel);
   const std::optional<double> met =
       ray ? optics_.meet(*ray, {static_cast<double>(line), 0, 0.5 * (optics_.rig().projector.columns - 1)})
           : std::nullopt;

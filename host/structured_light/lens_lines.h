@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstddef>
+#include <opencv2/core/matx.hpp>
+#include <optional>
 #include <vector>
 
 #include "host/rig/optics.h"
@@ -49,6 +51,7 @@ class LensLines {
   static std::array<double, kNodes> series_of(const Nodes& nodes);
   [[nodiscard]] std::vector<std::size_t> fit(const std::vector<Nodes>& nodes, int degree);
   void reject(const std::vector<std::size_t>& pixels);
+  [[nodiscard]] std::optional<cv::Vec2d> ray_of(std::size_t pixel) const;  // none where the lens cannot be undone
   [[nodiscard]] Nodes nodes_of(std::size_t pixel, const LineRange& range) const;
 
   RigOptics optics_;
