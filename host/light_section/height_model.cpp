@@ -82,8 +82,11 @@ FittedHeights choose(const HeightModel& model, const Rig& rig, const RigHeights&
     }
     double error = 0;
     for (const int half : {0, 1}) {
-      const auto solved = model.solve(fit->places, half);
-      error += solved ? model.error(fit->places, solved->coefficients, 1 - half) : kNone;
+      if (const auto solved = model.solve(fit->places, half)) {
+        error += model.error(fit->places, solved->coefficients, 1 - half);
+      } else {
+        error = kNone;
+      }
     }
     candidates.push_back({order, error});
     least = std::min(least, error);
