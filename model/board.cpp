@@ -92,6 +92,10 @@ PacketHeader BoardModel::header(std::uint8_t kind) const {
   header.pattern = inputs_.pattern;
   header.mode = static_cast<std::uint8_t>(settings_.mode);
   header.threshold = static_cast<std::uint8_t>(settings_.threshold);
+  header.select = static_cast<std::uint8_t>(settings_.select);
+  header.gap = static_cast<std::uint8_t>(settings_.gap);
+  header.first_row = static_cast<std::uint16_t>(settings_.window.first);
+  header.last_row = static_cast<std::uint16_t>(settings_.window.last);
   header.first_line = 1;
   header.lines = header.rows;
   header.flags = stray_before_ ? spec::kFlagStrayBefore : 0;
@@ -203,17 +207,19 @@ void BoardModel::end_frame(std::uint32_t status) {
   const bool in_last_row = row_ == settings_.rows || (row_ == settings_.rows - 1 && column_ != 0);
   if (in_last_row) {
     const int complete = row_ == settings_.rows ? settings_.columns : column_;
-    Moments moments;
-    moments.resize(settings_.columns);
-    const MomentsView view = moments.view();
+    Runs runs;
+    runs.resize(settings_.select, settings_.columns);
+    const RunsView view = runs.view();
     const ImageView image{
         .pixels = pixels_.data(), .rows = settings_.rows, .columns = complete, .stride = settings_.columns};
-    column_moments(image, settings_.mode, settings_.threshold, view);
-    std::fill(moments.m0.begin() + complete, moments.m0.end(), 0U);
-    std::fill(moments.m1.begin() + complete, moments.m1.end(), 0U);
-    std::fill(moments.n.begin() + complete, moments.n.end(), 0U);
+    const Measure measure{.mode = settings_.mode,
+                          .threshold = settings_.threshold,
+                          .select = settings_.select,
+                          .gap = settings_.gap,
+                          .window = settings_.window};
+    measure_columns(image, measure, view);  // the other columns are 0
     packet.payload.resize(moments_payload_bytes(settings_.mode, settings_.columns));
-    pack_moments(settings_.mode, settings_.columns, view, packet.payload.data());
+    pack_columns(settings_.select, settings_.mode, settings_.columns, view, packet.payload.data());
   }
   packet.header.payload_size = static_cast<std::uint32_t>(packet.payload.size());
   sink_(std::move(packet));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "model/column_moments.h"
+#include "model/column_runs.h"
 #include "model/gray_decoder.h"
 #include "model/packet.h"
 
@@ -25,7 +26,10 @@ struct BoardSettings {
   int columns = 512;   // a multiple of 4, from 4 up to the build's maximum
   int rows = 96;       // from 1 up to the build's maximum
   Mode mode = Mode::binary;
-  int threshold = 128;     // 0..255
+  int threshold = 128;  // 0..255
+  Select select = Select::all;
+  int gap = 0;             // 0..3
+  RowWindow window = {};   // rows that count for the moments, each up to the build's maximum
   int stream = 0;          // 0..255
   bool codes = false;      // the board decodes Gray codes and sends them
   bool median = false;     // the codes pass through the 3 x 3 median

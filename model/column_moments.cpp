@@ -4,24 +4,19 @@
 #include <string>
 
 namespace selfproj {
-namespace {
 
-std::uint32_t weight(Mode mode, int threshold, int pixel) {
-  const int lit = mode == Mode::binary ? 1 : mode == Mode::grey ? pixel : pixel - threshold;
-  return static_cast<std::uint32_t>(pixel > threshold ? lit : 0);
-}
-
-}  // namespace
-
-void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
+void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out, const RowWindow& window) {
   check_column_moments(image, mode, threshold, out);
   for (int column = 0; column < image.columns; ++column) {
     std::uint32_t m0 = 0;
     std::uint32_t m1 = 0;
     std::uint32_t n = 0;
     for (int row = 1; row <= image.rows; ++row) {
+      if (!window.counts(row)) {
+        continue;
+      }
       const int pixel = image.pixels[(row - 1) * image.stride + column];
-      const std::uint32_t w = weight(mode, threshold, pixel);
+      const std::uint32_t w = pixel_weight(mode, threshold, pixel);
       m0 += w;
       m1 += static_cast<std::uint32_t>(row) * w;
       n += pixel > threshold ? 1 : 0;

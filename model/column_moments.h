@@ -9,6 +9,8 @@
 // The moments of column η are exact sums:
 //
 //     M0(η) = Σ_ξ w(ξ, η)        M1(η) = Σ_ξ ξ · w(ξ, η)        N(η) = number of lit pixels                    (3.1)
+//
+// over the rows that count: all of them, or those of a window. model/column_runs.h has the strongest run of a column.
 #ifndef SELFPROJ_MODEL_COLUMN_MOMENTS_H
 #define SELFPROJ_MODEL_COLUMN_MOMENTS_H
 
@@ -25,6 +27,23 @@ enum class Mode : std::uint8_t {
   binary = spec::kModeBinary,
   grey = spec::kModeGrey,
   grey_over = spec::kModeGreyOver,
+};
+
+// The weight of a pixel: 0 unless it is lit.
+inline std::uint32_t pixel_weight(Mode mode, int threshold, int pixel) {
+  const int lit = mode == Mode::binary ? 1 : mode == Mode::grey ? pixel : pixel - threshold;
+  return static_cast<std::uint32_t>(pixel > threshold ? lit : 0);
+}
+
+// The rows that count, as in the register `window` and in the packet header: rows first..last, from 1. 0 stands for the
+// first and for the last row of the image. Rows beyond the image are allowed.
+struct RowWindow {
+  int first = 0;
+  int last = 0;
+
+  [[nodiscard]] bool counts(int row) const { return row >= first && (last == 0 || row <= last); }
+
+  bool operator==(const RowWindow&) const = default;
 };
 
 // An image that someone else owns: pixel (row r, column c), both from 0, is pixels[r * stride + c].
@@ -57,12 +76,13 @@ struct Moments {
   bool operator==(const Moments&) const = default;
 };
 
-// Writes the moments of every column of `image` to the first image.columns entries of the arrays of `out`, which must
-// not overlap each other or the image. Rows 1..spec::kMaxRows; columns 1 or more (the circuit takes only multiples of 4
-// up to spec::kMaxColumns); threshold 0..255. If one of these is out of range, the mode is unknown, or a pointer is
-// null, throws std::invalid_argument and writes nothing. Allocates nothing and keeps no state; any number of threads
-// may call it at once.
-void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out);
+// Writes the moments of every column of `image`, over the rows that count in `window`, to the first image.columns
+// entries of the arrays of `out`, which must not overlap each other or the image. Rows 1..spec::kMaxRows; columns 1 or
+// more (the circuit takes only multiples of 4 up to spec::kMaxColumns); threshold 0..255. If one of these is out of
+// range, the mode is unknown, or a pointer is null, throws std::invalid_argument and writes nothing. Allocates nothing
+// and keeps no state; any number of threads may call it at once.
+void column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out,
+                    const RowWindow& window = {});
 
 // Throws std::invalid_argument under the conditions of column_moments.
 void check_column_moments(const ImageView& image, Mode mode, int threshold, const MomentsView& out);

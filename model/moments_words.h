@@ -45,6 +45,40 @@ template <typename Take>
   }
 }
 
+// The words with Select::strongest: calls take(i, m0, m1, n, runs, second), the latter two as std::uint8_t, with the
+// strongest run of column first + i of a payload in mode binary. `second` is in sixteenths, as in RunsView; here it is
+// 8 or 0, because a word tells only whether it is 8 or more.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_binary_run_word(const std::uint8_t* payload, int first, int columns,
+                                                            const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kBinaryRunWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint32_t>(words + i * kBytes);
+    const std::uint32_t m0 = field_of(word, spec::kBinaryRunM0Lsb, spec::kBinaryRunM0Bits);
+    const std::uint32_t half = field_of(word, spec::kBinaryRunSecondLsb, spec::kBinaryRunSecondBits);
+    take(i, m0, field_of(word, spec::kBinaryRunM1Lsb, spec::kBinaryRunM1Bits), m0,
+         static_cast<std::uint8_t>(field_of(word, spec::kBinaryRunRunsLsb, spec::kBinaryRunRunsBits)),
+         static_cast<std::uint8_t>(8 * half));
+  }
+}
+
+// The same for a payload in a grey mode.
+template <typename Take>
+[[gnu::always_inline]] inline void for_each_grey_run_word(const std::uint8_t* payload, int first, int columns,
+                                                          const Take& take) {
+  constexpr std::ptrdiff_t kBytes = spec::kGreyRunWordBits / 8;
+  const std::uint8_t* words = payload + first * kBytes;
+  for (int i = 0; i < columns; ++i) {
+    const auto word = load_little_endian<std::uint64_t>(words + i * kBytes);
+    take(i, static_cast<std::uint32_t>(field_of(word, spec::kGreyRunM0Lsb, spec::kGreyRunM0Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kGreyRunM1Lsb, spec::kGreyRunM1Bits)),
+         static_cast<std::uint32_t>(field_of(word, spec::kGreyRunNLsb, spec::kGreyRunNBits)),
+         static_cast<std::uint8_t>(field_of(word, spec::kGreyRunRunsLsb, spec::kGreyRunRunsBits)),
+         static_cast<std::uint8_t>(field_of(word, spec::kGreyRunSecondLsb, spec::kGreyRunSecondBits)));
+  }
+}
+
 }  // namespace selfproj
 
 #endif  // SELFPROJ_MODEL_MOMENTS_WORDS_H

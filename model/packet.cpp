@@ -97,15 +97,19 @@ PacketHeader read_header(const std::uint8_t* bytes) {
   header.first_line = load_little_endian<std::uint16_t>(bytes + spec::kHeaderFirstLine);
   header.lines = load_little_endian<std::uint16_t>(bytes + spec::kHeaderLines);
   header.flags = bytes[spec::kHeaderFlags];
+  header.select = bytes[spec::kHeaderSelect];
+  header.first_row = load_little_endian<std::uint16_t>(bytes + spec::kHeaderFirstRow);
+  header.last_row = load_little_endian<std::uint16_t>(bytes + spec::kHeaderLastRow);
+  header.gap = bytes[spec::kHeaderGap];
   return header;
 }
 
 // Writes all fields but the reserved one.
 void write_header(const PacketHeader& header, std::uint32_t payload_size, std::uint32_t spec_hash,
-                  std::uint8_t* bytes) {
+                  std::uint16_t version, std::uint8_t* bytes) {
   store_little_endian(bytes + spec::kHeaderMagic, spec::kMagic);
   store_little_endian(bytes + spec::kHeaderSpecHash, spec_hash);
-  store_little_endian(bytes + spec::kHeaderVersion, spec::kVersion);
+  store_little_endian(bytes + spec::kHeaderVersion, version);
   store_little_endian(bytes + spec::kHeaderKind, header.kind);
   store_little_endian(bytes + spec::kHeaderStream, header.stream);
   store_little_endian(bytes + spec::kHeaderLost, header.lost);
@@ -121,6 +125,10 @@ void write_header(const PacketHeader& header, std::uint32_t payload_size, std::u
   store_little_endian(bytes + spec::kHeaderFirstLine, header.first_line);
   store_little_endian(bytes + spec::kHeaderLines, header.lines);
   store_little_endian(bytes + spec::kHeaderFlags, header.flags);
+  store_little_endian(bytes + spec::kHeaderSelect, header.select);
+  store_little_endian(bytes + spec::kHeaderFirstRow, header.first_row);
+  store_little_endian(bytes + spec::kHeaderLastRow, header.last_row);
+  store_little_endian(bytes + spec::kHeaderGap, header.gap);
 }
 
 // Throws unless there is room for header and trailer.
@@ -137,10 +145,14 @@ bool lines_in_frame(const PacketHeader& header) {
   return header.lines >= 1 && header.first_line >= 1 && header.first_line + header.lines - 1 <= header.rows;
 }
 
-// Whether mode, columns, rows and lines are possible. Lines matter only if the payload has lines.
+// Whether mode, select, gap, columns, rows and lines are possible. Lines matter only if the payload has lines.
 bool geometry_is_right(const PacketHeader& header) {
-  if (!is_known(static_cast<Mode>(header.mode)) || header.columns < 1 || header.columns > spec::kMaxColumns ||
-      header.columns % spec::kPixelsPerBeat != 0 || header.rows < 1 || header.rows > spec::kMaxRows) {
+  if (!is_known(static_cast<Mode>(header.mode)) || !is_known(static_cast<Select>(header.select)) ||
+      header.gap > kMaxGap || header.first_row > spec::kMaxRows || header.last_row > spec::kMaxRows) {
+    return false;
+  }
+  if (header.columns < 1 || header.columns > spec::kMaxColumns || header.columns % spec::kPixelsPerBeat != 0 ||
+      header.rows < 1 || header.rows > spec::kMaxRows) {
     return false;
   }
   return header.kind == spec::kKindMoments || header.payload_size == 0 || lines_in_frame(header);
@@ -158,21 +170,45 @@ std::size_t implied_payload_bytes(const PacketHeader& header) {
   }
 }
 
+// Judges hash and version, which belong together.
+PacketError judge_version(const std::uint8_t* bytes) {
+  const auto hash = load_little_endian<std::uint32_t>(bytes + spec::kHeaderSpecHash);
+  const auto version = load_little_endian<std::uint16_t>(bytes + spec::kHeaderVersion);
+  if (hash == spec::kHash) {
+    return version == spec::kVersion ? PacketError::none : PacketError::version;
+  }
+  for (const spec::EarlierVersion& earlier : spec::kEarlierVersions) {
+    if (hash == earlier.hash) {
+      return version == earlier.version ? PacketError::none : PacketError::version;
+    }
+  }
+  return PacketError::hash;
+}
+
+// The first byte of the header that is reserved in the packet's version, which must be known.
+std::size_t first_reserved_byte(const std::uint8_t* bytes) {
+  const auto hash = load_little_endian<std::uint32_t>(bytes + spec::kHeaderSpecHash);
+  for (const spec::EarlierVersion& earlier : spec::kEarlierVersions) {
+    if (hash == earlier.hash) {
+      return earlier.reserved_byte;
+    }
+  }
+  return spec::kHeaderReserved;
+}
+
 // Judges 64 bytes of header; `header` holds their values.
 PacketError judge_header(const std::uint8_t* bytes, const PacketHeader& header) {
   if (load_little_endian<std::uint32_t>(bytes + spec::kHeaderMagic) != spec::kMagic) {
     return PacketError::magic;
   }
-  if (load_little_endian<std::uint32_t>(bytes + spec::kHeaderSpecHash) != spec::kHash) {
-    return PacketError::hash;
-  }
-  if (load_little_endian<std::uint16_t>(bytes + spec::kHeaderVersion) != spec::kVersion) {
-    return PacketError::version;
+  if (const PacketError error = judge_version(bytes); error != PacketError::none) {
+    return error;
   }
   if (header.kind != spec::kKindMoments && header.kind != spec::kKindCodes && header.kind != spec::kKindImage) {
     return PacketError::kind;
   }
-  if (std::any_of(bytes + spec::kHeaderReserved, bytes + spec::kHeaderBytes, [](std::uint8_t b) { return b != 0; })) {
+  if (std::any_of(bytes + first_reserved_byte(bytes), bytes + spec::kHeaderBytes,
+                  [](std::uint8_t b) { return b != 0; })) {
     return PacketError::reserved;
   }
   if (!geometry_is_right(header)) {
@@ -232,7 +268,8 @@ void append_packet(const PacketHeader& header, std::span<const std::uint8_t> pay
   const std::size_t size = packet_bytes(payload.size());
   out.resize(begin + size);
   std::uint8_t* packet = out.data() + begin;
-  write_header(header, static_cast<std::uint32_t>(payload.size()), spec::kHash, packet);  // the rest is 0
+  write_header(header, static_cast<std::uint32_t>(payload.size()), spec::kHash, spec::kVersion,
+               packet);  // the rest is 0
   std::copy(payload.begin(), payload.end(), packet + spec::kHeaderBytes);
   std::uint8_t* trailer = packet + spec::kHeaderBytes + payload.size();
   store_little_endian(trailer + spec::kTrailerSequence, header.sequence);
@@ -311,9 +348,10 @@ void stamp_packet(std::span<std::uint8_t> packet, const PacketStamp& stamp) {
   seal_packet(packet);
 }
 
-void replace_header(std::span<std::uint8_t> packet, const PacketHeader& header, std::uint32_t spec_hash) {
+void replace_header(std::span<std::uint8_t> packet, const PacketHeader& header, std::uint32_t spec_hash,
+                    std::uint16_t version) {
   check_whole(packet);
-  write_header(header, header.payload_size, spec_hash, packet.data());
+  write_header(header, header.payload_size, spec_hash, version, packet.data());
   seal_packet(packet);
 }
 

@@ -14,12 +14,14 @@
 #include <span>
 #include <vector>
 
+#include "model/column_runs.h"
 #include "model/packet_payload.h"
 #include "model/spec/generated/selfproj_spec.h"
 
 namespace selfproj {
 
-// The fields of the header, without those that are the same in every packet (magic, hash, version, reserved).
+// The fields of the header, without those that are the same in every packet (magic, hash, version, reserved). A packet
+// of an earlier version (spec::kEarlierVersions) has 0 in the fields that it did not know yet.
 struct PacketHeader {
   std::uint8_t kind = 0;           // spec::kKind...
   std::uint8_t stream = 0;         // number of the camera
@@ -36,6 +38,10 @@ struct PacketHeader {
   std::uint16_t first_line = 0;    // first image line in the payload, counted from 1
   std::uint16_t lines = 0;         // image lines in the payload
   std::uint8_t flags = 0;          // spec::kFlag...
+  std::uint8_t select = 0;         // a value of Select
+  std::uint16_t first_row = 0;     // first row that counts for the moments, from 1; 0: the first
+  std::uint16_t last_row = 0;      // last row that counts, from 1; 0: the last
+  std::uint8_t gap = 0;            // dark rows between two lit pixels of one run
 
   bool operator==(const PacketHeader&) const = default;
 
@@ -76,11 +82,11 @@ enum class PacketError : std::uint8_t {
   none,
   too_short,  // the bytes end before the packet does; with more bytes it may be complete
   magic,      // the bytes are not the beginning of a packet
-  hash,       // the sender was built from another specification
-  version,    // the sender has another version of the specification
+  hash,       // the sender was built from another specification, neither this one nor a known earlier version
+  version,    // the version is not the one that belongs to the hash
   kind,       // unknown kind
-  reserved,   // a reserved byte of the header is not 0
-  geometry,   // the values of mode, columns, rows or lines are impossible
+  reserved,   // a byte of the header that is reserved in the packet's version is not 0
+  geometry,   // the values of mode, select, gap, columns, rows or lines are impossible
   size,       // payload_size is neither 0 nor what kind, mode, columns and lines imply
   sequence,   // the sequence in the trailer is not that of the header
   check,      // the check word does not match
@@ -132,9 +138,10 @@ struct PacketStamp {
 // not a whole number of beats, or fewer than header and trailer need.
 void stamp_packet(std::span<std::uint8_t> packet, const PacketStamp& stamp);
 
-// Replaces the header of a packet, including payload_size and the hash of the specification, and corrects the check
-// word. For tests of packets that are wrong elsewhere. Throws as above.
-void replace_header(std::span<std::uint8_t> packet, const PacketHeader& header, std::uint32_t spec_hash = spec::kHash);
+// Replaces the header of a packet, including payload_size, hash and version of the specification, and corrects the
+// check word. For tests of packets that are wrong elsewhere. Throws as above.
+void replace_header(std::span<std::uint8_t> packet, const PacketHeader& header, std::uint32_t spec_hash = spec::kHash,
+                    std::uint16_t version = spec::kVersion);
 
 // Corrects the check word of a whole packet. Throws as check_word().
 void seal_packet(std::span<std::uint8_t> packet);

@@ -16,6 +16,11 @@ constexpr std::size_t kGreyBytes = spec::kGreyWordBits / 8;
 constexpr std::size_t kCodeBytes = spec::kCodeWordBits / 8;
 constexpr std::size_t kPixelBytes = spec::kPixelBits / 8;
 
+// The words of runs are as long as those of moments.
+static_assert(spec::kBinaryRunWordBits == spec::kBinaryWordBits && spec::kGreyRunWordBits == spec::kGreyWordBits);
+
+constexpr int kHalf = 8;  // the second run has half of the strongest, in sixteenths
+
 constexpr std::uint32_t ones32(int bits) { return (std::uint32_t{1} << bits) - 1; }
 constexpr std::uint64_t ones64(int bits) { return (std::uint64_t{1} << bits) - 1; }
 
@@ -42,6 +47,8 @@ std::size_t checked(Mode mode, int columns) {
 }  // namespace
 
 bool is_known(Mode mode) { return mode == Mode::binary || mode == Mode::grey || mode == Mode::grey_over; }
+
+bool is_known(Select select) { return select == Select::all || select == Select::strongest; }
 
 std::size_t moments_payload_bytes(Mode mode, int columns) { return moments_bytes(mode, checked(mode, columns)); }
 
@@ -87,6 +94,64 @@ void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const M
     for_each_binary_word(payload, 0, columns, store);
   } else {
     for_each_grey_word(payload, 0, columns, store);
+  }
+}
+
+void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload) {
+  const std::size_t count = checked(mode, columns);
+  const MomentsView& moments = runs.moments;
+  std::uint8_t* word = payload;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (mode == Mode::binary) {
+      const std::uint32_t half = runs.second[i] >= kHalf ? 1 : 0;
+      store_little_endian(word, (moments.m1[i] & ones32(spec::kBinaryRunM1Bits)) << spec::kBinaryRunM1Lsb |
+                                    half << spec::kBinaryRunSecondLsb |
+                                    (moments.m0[i] & ones32(spec::kBinaryRunM0Bits)) << spec::kBinaryRunM0Lsb |
+                                    (runs.runs[i] & ones32(spec::kBinaryRunRunsBits)) << spec::kBinaryRunRunsLsb);
+      word += kBinaryBytes;
+    } else {
+      store_little_endian(word, (moments.m1[i] & ones64(spec::kGreyRunM1Bits)) << spec::kGreyRunM1Lsb |
+                                    (moments.m0[i] & ones64(spec::kGreyRunM0Bits)) << spec::kGreyRunM0Lsb |
+                                    (moments.n[i] & ones64(spec::kGreyRunNBits)) << spec::kGreyRunNLsb |
+                                    (runs.runs[i] & ones64(spec::kGreyRunRunsBits)) << spec::kGreyRunRunsLsb |
+                                    (runs.second[i] & ones64(spec::kGreyRunSecondBits)) << spec::kGreyRunSecondLsb);
+      word += kGreyBytes;
+    }
+  }
+  std::fill(word, payload + moments_bytes(mode, count), std::uint8_t{0});
+}
+
+void unpack_runs(Mode mode, int columns, const std::uint8_t* payload, const RunsView& out) {
+  checked(mode, columns);
+  const RunsView to = out;
+  const auto store = [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, std::uint8_t runs,
+                         std::uint8_t second) {
+    to.moments.m0[i] = m0;
+    to.moments.m1[i] = m1;
+    to.moments.n[i] = n;
+    to.runs[i] = runs;
+    to.second[i] = second;
+  };
+  if (mode == Mode::binary) {
+    for_each_binary_run_word(payload, 0, columns, store);
+  } else {
+    for_each_grey_run_word(payload, 0, columns, store);
+  }
+}
+
+void pack_columns(Select select, Mode mode, int columns, const RunsView& runs, std::uint8_t* payload) {
+  if (select == Select::strongest) {
+    pack_runs(mode, columns, runs, payload);
+  } else {
+    pack_moments(mode, columns, runs.moments, payload);
+  }
+}
+
+void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* payload, const RunsView& out) {
+  if (select == Select::strongest) {
+    unpack_runs(mode, columns, payload, out);
+  } else {
+    unpack_moments(mode, columns, payload, out.moments);
   }
 }
 

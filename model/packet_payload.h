@@ -7,11 +7,15 @@
 #include <cstdint>
 
 #include "model/column_moments.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 
 // Whether the value is one of the three modes.
 bool is_known(Mode mode);
+
+// Whether the value is one of the two selects.
+bool is_known(Select select);
 
 // Bytes of the moments of `columns` >= 0 columns: 4 for each column in mode binary, 8 in the grey modes, filled up with
 // zeros to a multiple of 16. Throws std::invalid_argument if columns are negative or the mode is unknown.
@@ -29,6 +33,15 @@ void pack_moments(Mode mode, int columns, const MomentsView& moments, std::uint8
 
 // Reads the moments back. In mode binary n becomes m0. Ignores bits that belong to no field.
 void unpack_moments(Mode mode, int columns, const std::uint8_t* payload, const MomentsView& out);
+
+// The same with Select::strongest. In mode binary a word tells of `second` only whether it is 8 or more (half the
+// strongest run, or more), and comes back as 8 or 0.
+void pack_runs(Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
+void unpack_runs(Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
+
+// Either of the two, as `select` says. With Select::all they do not touch `runs` and `second`.
+void pack_columns(Select select, Mode mode, int columns, const RunsView& runs, std::uint8_t* payload);
+void unpack_columns(Select select, Mode mode, int columns, const std::uint8_t* payload, const RunsView& out);
 
 // Writes the first `columns` words of a line of a code image (model/code_word.h), two bytes each, without the zeros
 // that follow. Throws as above.

@@ -26,7 +26,8 @@ SPEC = HERE / "selfproj.json"
 HEADER = HERE / "generated" / "selfproj_spec.h"
 PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
 TABLES = {
-    ROOT / "docs" / "packet-reference.md": ["formats", "header", "trailer", "values", "check", "reader"],
+    ROOT / "docs" / "packet-reference.md": ["formats", "header", "versions", "trailer", "values", "check",
+                                                "reader"],
     ROOT / "docs" / "register-reference.md": ["registers", "fields"],
     ROOT / "docs" / "circuits" / "gray.md": ["gray_memory"],
 }
@@ -35,7 +36,8 @@ TABLES = {
 FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits"), ("mode", "ModeBits"),
                 ("threshold", "HeaderThresholdBits"), ("sequence", "HeaderSequenceBits"),
                 ("time_stamp", "HeaderTimeStampBits"), ("encoder", "HeaderEncoderBits"), ("columns", "column_bits"),
-                ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits")]
+                ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits"), ("select", "SelectBits"),
+                ("first_row", "row_bits"), ("last_row", "row_bits"), ("gap", "RegMeasureGapBits")]
 PROSE = ("description", "effect", "after_reset")  # keys that are for readers only and do not concern programs
 REGISTER_WORDS = 32  # addresses of the register file, four bytes each
 
@@ -108,6 +110,7 @@ class Spec:
         self.trailer_bytes = self._bytes(self.trailer)
         self._prove_formats()
         self._check_registers()
+        self._check_earlier_versions()
 
     @staticmethod
     def _lay_out(fields):
@@ -137,6 +140,17 @@ class Spec:
                     raise SpecError(f"{fmt['name']}.{field['name']}: overlaps or leaves its word")
                 end = field["lsb"] + field["bits"]
 
+    def _check_earlier_versions(self):
+        """An earlier version had the same packet up to its reserved bytes, which were 0."""
+        ends = {field["lsb"] // 8 for field in self.header}
+        for earlier in self.raw["earlier_versions"]:
+            earlier["version"] = earlier["major"] << 8 | earlier["minor"]
+            if earlier["major"] != self.version >> 8 or earlier["version"] >= self.version:
+                raise SpecError("an earlier version has the same major number and a smaller minor one")
+            if earlier["reserved_byte"] not in ends:
+                raise SpecError(f"earlier version {earlier['major']}.{earlier['minor']}: its reserved bytes begin "
+                                "within a field")
+
     def _check_registers(self):
         used = set()
         for reg in self.raw["registers"]:
@@ -162,6 +176,16 @@ def hex32(value):
     return f"0x{value:08X}"
 
 
+def cpp_earlier_versions(spec):
+    earlier = spec.raw["earlier_versions"]
+    return ["// Earlier versions: their packets differ only in the header, whose bytes from `reserved_byte` on were 0.",
+            "struct EarlierVersion {", "  std::uint32_t hash;", "  std::uint16_t version;",
+            "  std::size_t reserved_byte;", "};",
+            f"constexpr std::array<EarlierVersion, {len(earlier)}> kEarlierVersions{{{{",
+            *(f"    {{{item['hash']}U, 0x{item['version']:04X}, {item['reserved_byte']}}},  // {item['description']}"
+              for item in earlier), "}};"]
+
+
 def cpp_header(spec):
     out = []
     emit = out.append
@@ -170,6 +194,7 @@ def cpp_header(spec):
     emit("#ifndef SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H")
     emit("#define SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H")
     emit("")
+    emit("#include <array>")
     emit("#include <cstddef>")
     emit("#include <cstdint>")
     emit("")
@@ -179,11 +204,14 @@ def cpp_header(spec):
     emit(f"constexpr std::uint32_t kHash = {hex32(spec.hash)}U;")
     emit(f"constexpr std::uint16_t kVersion = 0x{spec.version:04X};")
     emit("")
+    out += cpp_earlier_versions(spec)
+    emit("")
     emit("// Sizes")
     for size in spec.raw["sizes"]:
         emit(f"constexpr int k{camel(size['name'])} = {size['value']};  // {size['description']}")
     emit("")
-    for group, comment in (("modes", "Modes of the moments"), ("kinds", "Kinds of packet")):
+    for group, comment in (("modes", "Modes of the moments"),
+                           ("selects", "What of a column the moments are taken of"), ("kinds", "Kinds of packet")):
         emit(f"// {comment}")
         prefix = camel(group[:-1])
         for item in spec.raw[group]:
@@ -262,6 +290,9 @@ def sv_package(spec):
     for item in spec.raw["modes"]:
         emit(f"  localparam logic [1:0] Mode{camel(item['name'])} = 2'd{item['value']};")
     emit(f"  localparam int ModeBits = {max(item['value'] for item in spec.raw['modes']).bit_length()};")
+    for item in spec.raw["selects"]:
+        emit(f"  localparam logic [0:0] Select{camel(item['name'])} = 1'd{item['value']};")
+    emit(f"  localparam int SelectBits = {max(item['value'] for item in spec.raw['selects']).bit_length()};")
     for item in spec.raw["kinds"]:
         emit(f"  localparam logic [7:0] Kind{camel(item['name'])} = 8'd{item['value']};")
     emit("")

@@ -37,15 +37,23 @@ def header(spec):
             ""] + fields_by_byte(spec.header)
 
 
+def versions(spec):
+    """The earlier versions that readers take."""
+    out = ["| version | hash | reserved bytes of its header | what it had not |", "|---|---|---|---|"]
+    return out + [f"| {item['major']}.{item['minor']} | `{item['hash']}` | {item['reserved_byte']}.."
+                  f"{spec.header_bytes - 1} | {item['description']} |" for item in spec.raw["earlier_versions"]]
+
+
 def trailer(spec):
     return fields_by_byte(spec.trailer)
 
 
 def values(spec):
-    """Modes, kinds, flags and status bits."""
+    """Modes, selects, kinds, flags and status bits."""
     packet = spec.raw["packet"]
     out = []
     for title, items in (("kind", spec.raw["kinds"]), ("mode", spec.raw["modes"]),
+                         ("select", spec.raw["selects"]),
                          ("bit of flags", packet["flags"]), ("bit of status", packet["status"])):
         out += ["", f"| {title} | name | meaning |", "|---:|---|---|"]
         out += [f"| {item['value']} | {item['name']} | {item['description']} |" for item in items]
@@ -158,5 +166,5 @@ def gray_memory(spec):
     return out
 
 
-MAKERS = {"formats": formats, "header": header, "trailer": trailer, "values": values, "check": check, "reader": reader,
-          "registers": registers, "fields": fields, "gray_memory": gray_memory}
+MAKERS = {"formats": formats, "header": header, "versions": versions, "trailer": trailer, "values": values,
+          "check": check, "reader": reader, "registers": registers, "fields": fields, "gray_memory": gray_memory}

@@ -3,8 +3,8 @@
 // verilator lint_off UNUSEDPARAM
 package sp_spec_pkg;
 
-  localparam logic [31:0] SpecHash = 32'h08691C00;
-  localparam logic [15:0] SpecVersion = 16'h0100;
+  localparam logic [31:0] SpecHash = 32'hA3603834;
+  localparam logic [15:0] SpecVersion = 16'h0101;
 
   localparam int PixelBits = 8;
   localparam int PixelsPerBeat = 4;
@@ -16,6 +16,9 @@ package sp_spec_pkg;
   localparam logic [1:0] ModeGrey = 2'd1;
   localparam logic [1:0] ModeGreyOver = 2'd2;
   localparam int ModeBits = 2;
+  localparam logic [0:0] SelectAll = 1'd0;
+  localparam logic [0:0] SelectStrongest = 1'd1;
+  localparam int SelectBits = 1;
   localparam logic [7:0] KindMoments = 8'd1;
   localparam logic [7:0] KindCodes = 8'd2;
   localparam logic [7:0] KindImage = 8'd3;
@@ -32,6 +35,26 @@ package sp_spec_pkg;
   localparam int GreyM0Bits = 18;
   localparam int GreyNLsb = 45;
   localparam int GreyNBits = 10;
+  localparam int BinaryRunWordBits = 32;
+  localparam int BinaryRunM1Lsb = 0;
+  localparam int BinaryRunM1Bits = 19;
+  localparam int BinaryRunSecondLsb = 19;
+  localparam int BinaryRunSecondBits = 1;
+  localparam int BinaryRunM0Lsb = 20;
+  localparam int BinaryRunM0Bits = 10;
+  localparam int BinaryRunRunsLsb = 30;
+  localparam int BinaryRunRunsBits = 2;
+  localparam int GreyRunWordBits = 64;
+  localparam int GreyRunM1Lsb = 0;
+  localparam int GreyRunM1Bits = 27;
+  localparam int GreyRunM0Lsb = 27;
+  localparam int GreyRunM0Bits = 18;
+  localparam int GreyRunNLsb = 45;
+  localparam int GreyRunNBits = 10;
+  localparam int GreyRunRunsLsb = 55;
+  localparam int GreyRunRunsBits = 2;
+  localparam int GreyRunSecondLsb = 57;
+  localparam int GreyRunSecondBits = 5;
   localparam int CodeWordBits = 16;
   localparam int CodeCodeLsb = 0;
   localparam int CodeCodeBits = 12;
@@ -79,8 +102,16 @@ package sp_spec_pkg;
   localparam int HeaderLinesBits = 16;
   localparam int HeaderFlagsLsb = 416;
   localparam int HeaderFlagsBits = 8;
-  localparam int HeaderReservedLsb = 424;
-  localparam int HeaderReservedBits = 88;
+  localparam int HeaderSelectLsb = 424;
+  localparam int HeaderSelectBits = 8;
+  localparam int HeaderFirstRowLsb = 432;
+  localparam int HeaderFirstRowBits = 16;
+  localparam int HeaderLastRowLsb = 448;
+  localparam int HeaderLastRowBits = 16;
+  localparam int HeaderGapLsb = 464;
+  localparam int HeaderGapBits = 8;
+  localparam int HeaderReservedLsb = 472;
+  localparam int HeaderReservedBits = 40;
   localparam int TrailerSequenceLsb = 0;
   localparam int TrailerSequenceBits = 64;
   localparam int TrailerStatusLsb = 64;
@@ -122,6 +153,8 @@ package sp_spec_pkg;
   localparam int RegCapabilityCodesBits = 1;
   localparam int RegCapabilityMedianLsb = 25;
   localparam int RegCapabilityMedianBits = 1;
+  localparam int RegCapabilityRunsLsb = 26;
+  localparam int RegCapabilityRunsBits = 1;
   localparam int RegCapabilityCodeBitsLsb = 28;
   localparam int RegCapabilityCodeBitsBits = 4;
   localparam logic [7:0] RegControl = 8'h10;
@@ -144,6 +177,10 @@ package sp_spec_pkg;
   localparam int RegMeasureThresholdBits = 8;
   localparam int RegMeasureModeLsb = 8;
   localparam int RegMeasureModeBits = 2;
+  localparam int RegMeasureSelectLsb = 10;
+  localparam int RegMeasureSelectBits = 1;
+  localparam int RegMeasureGapLsb = 12;
+  localparam int RegMeasureGapBits = 2;
   localparam int RegMeasureStreamLsb = 16;
   localparam int RegMeasureStreamBits = 8;
   localparam logic [7:0] RegTimeout = 8'h1C;
@@ -218,8 +255,14 @@ package sp_spec_pkg;
   localparam logic [7:0] RegAbandoned = 8'h60;
   localparam int RegAbandonedCountLsb = 0;
   localparam int RegAbandonedCountBits = 32;
+  localparam logic [7:0] RegWindow = 8'h64;
+  localparam logic [31:0] RegWindowReset = 32'h00000000;
+  localparam int RegWindowFirstLsb = 0;
+  localparam int RegWindowFirstBits = 10;
+  localparam int RegWindowLastLsb = 16;
+  localparam int RegWindowLastBits = 10;
   // Words of the register file's address space in which there is a register
-  localparam logic [31:0] RegisterWords = 32'h01FFFFFF;
+  localparam logic [31:0] RegisterWords = 32'h03FFFFFF;
 
   // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits
   function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits);
@@ -233,7 +276,11 @@ package sp_spec_pkg;
                  ~({HeaderBits{1'b1}} << column_bits) << HeaderColumnsLsb |
                  ~({HeaderBits{1'b1}} << row_bits) << HeaderRowsLsb |
                  ~({HeaderBits{1'b1}} << row_bits) << HeaderLinesLsb |
-                 ~({HeaderBits{1'b1}} << FlagBits) << HeaderFlagsLsb;
+                 ~({HeaderBits{1'b1}} << FlagBits) << HeaderFlagsLsb |
+                 ~({HeaderBits{1'b1}} << SelectBits) << HeaderSelectLsb |
+                 ~({HeaderBits{1'b1}} << row_bits) << HeaderFirstRowLsb |
+                 ~({HeaderBits{1'b1}} << row_bits) << HeaderLastRowLsb |
+                 ~({HeaderBits{1'b1}} << RegMeasureGapBits) << HeaderGapLsb;
   endfunction
 
 endpackage

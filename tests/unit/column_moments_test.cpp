@@ -210,7 +210,11 @@ TEST(ColumnMoments, PartsOfRandomImages) {
   }
 }
 
-TEST(ColumnMoments, RefusesWhatIsOutOfRange) { expect_refusals_of_moments(column_moments); }
+TEST(ColumnMoments, RefusesWhatIsOutOfRange) {
+  expect_refusals_of_moments([](const ImageView& image, Mode mode, int threshold, const MomentsView& out) {
+    column_moments(image, mode, threshold, out);
+  });
+}
 
 }  // namespace
 }  // namespace selfproj::test

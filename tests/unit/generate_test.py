@@ -72,7 +72,9 @@ class GeneratorTest(unittest.TestCase):
 
     def test_formats_that_do_not_fit(self):
         for fmt, name, bits in (("binary", "m1", 18), ("binary", "m0", 9), ("grey", "m1", 26), ("grey", "m0", 17),
-                                ("grey", "n", 9), ("code", "code", 11)):
+                                ("grey", "n", 9), ("binary_run", "m1", 18), ("binary_run", "m0", 9),
+                                ("binary_run", "runs", 1),
+                                ("grey_run", "n", 9), ("grey_run", "second", 4), ("code", "code", 11)):
             with self.subTest(format=fmt, field=name):
                 self.refused(lambda spec: self.field(spec, fmt, name).update(bits=bits), f"{fmt}.{name}: ")
 
@@ -102,6 +104,10 @@ class GeneratorTest(unittest.TestCase):
 
     def test_register_field_too_wide(self):
         self.refused(lambda spec: named(spec["registers"], "frames")["fields"][0].update(bits=33), "leaves the word")
+
+    def test_earlier_version_that_is_none(self):
+        self.refused(lambda spec: spec["earlier_versions"][0].update(minor=spec["version"]["minor"]), "smaller minor")
+        self.refused(lambda spec: spec["earlier_versions"][0].update(reserved_byte=55), "within a field")
 
     def test_missing_file(self):
         result = subprocess.run([sys.executable, SPEC_FOLDER / "generate.py", "--check", "--spec", "no such file"],

@@ -89,6 +89,41 @@ TEST(PayloadWords, FieldsAtTheirBits) {
   EXPECT_EQ(word_of(Mode::grey, 0, 0, 0xFFFFFFFF), 0x007FE00000000000U);
 }
 
+TEST(PayloadWords, RunsAtTheirBitsAndBack) {
+  const auto word_of = [](Mode mode, std::uint32_t m0, std::uint32_t m1, std::uint32_t n, int runs, int second) {
+    Runs all{.moments = {.m0 = {m0}, .m1 = {m1}, .n = {n}},
+             .runs = {static_cast<std::uint8_t>(runs)},
+             .second = {static_cast<std::uint8_t>(second)}};
+    std::array<std::uint8_t, kBeat + 1> bytes{};
+    bytes.back() = 0xEE;
+    pack_runs(mode, 1, all.view(), bytes.data());
+    Runs back;
+    back.resize(Select::strongest, 1);
+    unpack_columns(Select::strongest, mode, 1, bytes.data(), back.view());
+    all.second[0] = mode == Mode::binary ? second >= 8 ? 8 : 0 : all.second[0];
+    if (mode == Mode::binary) {
+      all.moments.n = all.moments.m0;
+    }
+    EXPECT_EQ(back, all);
+    EXPECT_EQ(bytes.back(), 0xEE);
+    std::uint64_t word = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+      word |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
+    }
+    return word;
+  };
+  EXPECT_EQ(word_of(Mode::binary, 0, 0x7FFFF, 0, 0, 0), 0x000000000007FFFFU);
+  EXPECT_EQ(word_of(Mode::binary, 0, 0, 0, 0, 7), 0U);
+  EXPECT_EQ(word_of(Mode::binary, 0, 0, 0, 0, 8), 0x0000000000080000U);
+  EXPECT_EQ(word_of(Mode::binary, 0x3FF, 0, 0, 0, 0), 0x000000003FF00000U);
+  EXPECT_EQ(word_of(Mode::binary, 0, 0, 0, 3, 16), 0x00000000C0080000U);
+  EXPECT_EQ(word_of(Mode::grey, 0, 0x7FFFFFF, 0, 0, 0), 0x0000000007FFFFFFU);
+  EXPECT_EQ(word_of(Mode::grey_over, 0x3FFFF, 0, 0, 0, 0), 0x00001FFFF8000000U);
+  EXPECT_EQ(word_of(Mode::grey, 0, 0, 0x3FF, 0, 0), 0x007FE00000000000U);
+  EXPECT_EQ(word_of(Mode::grey_over, 0, 0, 0, 3, 0), 0x0180000000000000U);
+  EXPECT_EQ(word_of(Mode::grey, 0, 0, 0, 0, 16), 0x2000000000000000U);
+}
+
 TEST(PayloadWords, CodesAreWordsOfTwoBytesLowByteFirst) {
   const std::vector<std::uint16_t> codes = {0x8123, 0x0456, 0xFFFF, 0x0001, 0x8FFE};
   Bytes payload(codes_line_payload_bytes(4) + 2, 0xEE);

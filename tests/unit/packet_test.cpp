@@ -203,6 +203,11 @@ TEST(Packet, NamesWhatIsWrong) {
       EXPECT_EQ(verdict(forged(packet, spec::kHeaderRows, 2, rows)), PacketError::geometry);
     }
   }
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderSelect, 1, 2)), PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderGap, 1, 4)), PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderFirstRow, 2, spec::kMaxRows + 1)), PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kMaxRows + 1)), PacketError::geometry);
+  EXPECT_EQ(verdict(forged(moments, spec::kHeaderLastRow, 2, spec::kMaxRows)), PacketError::none);
   EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 0)), PacketError::geometry);
   EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 96)), PacketError::none);
   EXPECT_EQ(verdict(forged(image, spec::kHeaderFirstLine, 2, 97)), PacketError::geometry);
@@ -220,6 +225,40 @@ TEST(Packet, NamesWhatIsWrong) {
   Bytes bad_check = moments;
   bad_check.back() ^= 1;
   EXPECT_EQ(verdict(bad_check), PacketError::check);
+}
+
+// A packet of version 1.0, as a program of that time wrote it: 4 columns of 6 rows, binary, sequence 2, two columns
+// lit. It is read; what was reserved then must be 0, and version and hash belong together.
+TEST(Packet, EarlierVersionIsRead) {
+  Bytes packet(spec::kHeaderBytes + kBeat + spec::kTrailerBytes, 0);
+  const auto put = [&](std::size_t at, std::initializer_list<int> bytes) {
+    std::copy(bytes.begin(), bytes.end(), packet.begin() + static_cast<std::ptrdiff_t>(at));
+  };
+  put(0, {'S', 'L', 'F', 'P', 0x00, 0x1C, 0x69, 0x08, 0x00, 0x01, 1, 7});
+  put(15, {128, 2});                                  // threshold, sequence
+  put(40, {4, 0, 6, 0, 16, 0, 0, 0, 1, 0, 6, 0, 1});  // columns, rows, payload, first line, lines, flags
+  put(spec::kHeaderBytes, {5, 0, 0x20, 0, 0, 0, 0, 0, 6, 0, 0x10});
+  put(spec::kHeaderBytes + kBeat, {2});
+  seal_packet(packet);
+  PacketView view;
+  ASSERT_EQ(parse_packet(packet, view), PacketError::none);
+  EXPECT_EQ(view.header.columns, 4);
+  EXPECT_EQ(view.header.flags, spec::kFlagStrayBefore);
+  EXPECT_EQ(view.header.select, spec::kSelectAll);
+  EXPECT_EQ(view.header.first_row, 0);
+  EXPECT_EQ(view.header.last_row, 0);
+  EXPECT_EQ(view.header.gap, 0);
+  Moments moments;
+  moments.resize(4);
+  unpack_moments(Mode::binary, 4, view.payload.data(), moments.view());
+  EXPECT_EQ(moments, (Moments{.m0 = {2, 0, 1, 0}, .m1 = {5, 0, 6, 0}, .n = {2, 0, 1, 0}}));
+  for (std::size_t at = 53; at < spec::kHeaderBytes; ++at) {
+    EXPECT_EQ(verdict(forged(packet, at, 1, 1)), PacketError::reserved) << at;
+  }
+  EXPECT_EQ(verdict(forged(packet, spec::kHeaderVersion, 2, spec::kVersion)), PacketError::version);
+  const Bytes now = packet_of(header_of(spec::kKindMoments, Mode::binary, 4));
+  EXPECT_EQ(verdict(forged(now, spec::kHeaderVersion, 2, 0x0100)), PacketError::version);
+  EXPECT_EQ(verdict(forged(now, spec::kHeaderSpecHash, 4, 0x08691C00)), PacketError::version);
 }
 
 // The packet of a frame that broke before its header left.

@@ -32,6 +32,10 @@ inline PacketHeader header_of(std::uint8_t kind, Mode mode, int columns) {
   header.first_line = 7;
   header.lines = 1;
   header.flags = spec::kFlagStrayBefore;
+  header.select = spec::kSelectStrongest;
+  header.first_row = 0x0181;
+  header.last_row = 0x0291;
+  header.gap = 3;
   return header;
 }
 

@@ -3,14 +3,25 @@
 #ifndef SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H
 #define SELFPROJ_SPEC_GENERATED_SELFPROJ_SPEC_H
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
 namespace selfproj {
 namespace spec {
 
-constexpr std::uint32_t kHash = 0x08691C00U;
-constexpr std::uint16_t kVersion = 0x0100;
+constexpr std::uint32_t kHash = 0xA3603834U;
+constexpr std::uint16_t kVersion = 0x0101;
+
+// Earlier versions: their packets differ only in the header, whose bytes from `reserved_byte` on were 0.
+struct EarlierVersion {
+  std::uint32_t hash;
+  std::uint16_t version;
+  std::size_t reserved_byte;
+};
+constexpr std::array<EarlierVersion, 1> kEarlierVersions{{
+    {0x08691C00U, 0x0100, 53},  // no rows that count, no gap, no strongest run: the fields from select on were 0
+}};
 
 // Sizes
 constexpr int kPixelBits = 8;  // bits of a pixel
@@ -23,6 +34,10 @@ constexpr int kPacketBeatBytes = 16;  // width of the packet stream; the length 
 constexpr std::uint8_t kModeBinary = 0;  // a lit pixel weighs 1
 constexpr std::uint8_t kModeGrey = 1;  // a lit pixel weighs its value
 constexpr std::uint8_t kModeGreyOver = 2;  // a lit pixel weighs its value minus the threshold
+
+// What of a column the moments are taken of
+constexpr std::uint8_t kSelectAll = 0;  // the moments of all lit pixels of the column
+constexpr std::uint8_t kSelectStrongest = 1;  // the moments of the strongest run of the column
 
 // Kinds of packet
 constexpr std::uint8_t kKindMoments = 1;  // column moments, one packet per frame
@@ -52,6 +67,44 @@ constexpr int kGreyNLsb = 45;
 constexpr int kGreyNBits = 10;
 constexpr std::uint64_t kGreyNMax = 1023;  // rows
 static_assert(kGreyNMax >> kGreyNBits == 0, "grey.n does not fit");
+constexpr int kBinaryRunWordBits = 32;
+constexpr int kBinaryRunM1Lsb = 0;
+constexpr int kBinaryRunM1Bits = 19;
+constexpr std::uint64_t kBinaryRunM1Max = 523776;  // rows*(rows+1)/2
+static_assert(kBinaryRunM1Max >> kBinaryRunM1Bits == 0, "binary_run.m1 does not fit");
+constexpr int kBinaryRunSecondLsb = 19;
+constexpr int kBinaryRunSecondBits = 1;
+constexpr std::uint64_t kBinaryRunSecondMax = 1;  // 1
+static_assert(kBinaryRunSecondMax >> kBinaryRunSecondBits == 0, "binary_run.second does not fit");
+constexpr int kBinaryRunM0Lsb = 20;
+constexpr int kBinaryRunM0Bits = 10;
+constexpr std::uint64_t kBinaryRunM0Max = 1023;  // rows
+static_assert(kBinaryRunM0Max >> kBinaryRunM0Bits == 0, "binary_run.m0 does not fit");
+constexpr int kBinaryRunRunsLsb = 30;
+constexpr int kBinaryRunRunsBits = 2;
+constexpr std::uint64_t kBinaryRunRunsMax = 3;  // 3
+static_assert(kBinaryRunRunsMax >> kBinaryRunRunsBits == 0, "binary_run.runs does not fit");
+constexpr int kGreyRunWordBits = 64;
+constexpr int kGreyRunM1Lsb = 0;
+constexpr int kGreyRunM1Bits = 27;
+constexpr std::uint64_t kGreyRunM1Max = 133562880;  // pixel*rows*(rows+1)/2
+static_assert(kGreyRunM1Max >> kGreyRunM1Bits == 0, "grey_run.m1 does not fit");
+constexpr int kGreyRunM0Lsb = 27;
+constexpr int kGreyRunM0Bits = 18;
+constexpr std::uint64_t kGreyRunM0Max = 260865;  // pixel*rows
+static_assert(kGreyRunM0Max >> kGreyRunM0Bits == 0, "grey_run.m0 does not fit");
+constexpr int kGreyRunNLsb = 45;
+constexpr int kGreyRunNBits = 10;
+constexpr std::uint64_t kGreyRunNMax = 1023;  // rows
+static_assert(kGreyRunNMax >> kGreyRunNBits == 0, "grey_run.n does not fit");
+constexpr int kGreyRunRunsLsb = 55;
+constexpr int kGreyRunRunsBits = 2;
+constexpr std::uint64_t kGreyRunRunsMax = 3;  // 3
+static_assert(kGreyRunRunsMax >> kGreyRunRunsBits == 0, "grey_run.runs does not fit");
+constexpr int kGreyRunSecondLsb = 57;
+constexpr int kGreyRunSecondBits = 5;
+constexpr std::uint64_t kGreyRunSecondMax = 16;  // 16
+static_assert(kGreyRunSecondMax >> kGreyRunSecondBits == 0, "grey_run.second does not fit");
 constexpr int kCodeWordBits = 16;
 constexpr int kCodeCodeLsb = 0;
 constexpr int kCodeCodeBits = 12;
@@ -84,7 +137,11 @@ constexpr std::size_t kHeaderPayloadSize = 44;  // 32 bits
 constexpr std::size_t kHeaderFirstLine = 48;  // 16 bits
 constexpr std::size_t kHeaderLines = 50;  // 16 bits
 constexpr std::size_t kHeaderFlags = 52;  // 8 bits
-constexpr std::size_t kHeaderReserved = 53;  // 88 bits
+constexpr std::size_t kHeaderSelect = 53;  // 8 bits
+constexpr std::size_t kHeaderFirstRow = 54;  // 16 bits
+constexpr std::size_t kHeaderLastRow = 56;  // 16 bits
+constexpr std::size_t kHeaderGap = 58;  // 8 bits
+constexpr std::size_t kHeaderReserved = 59;  // 40 bits
 constexpr std::size_t kTrailerSequence = 0;  // 64 bits
 constexpr std::size_t kTrailerStatus = 8;  // 32 bits
 constexpr std::size_t kTrailerCheck = 12;  // 32 bits
@@ -107,11 +164,11 @@ constexpr std::uint32_t kRegIdReset = 0x50464C53U;
 constexpr int kRegIdIdLsb = 0;
 constexpr int kRegIdIdBits = 32;
 constexpr std::uint32_t kRegVersion = 0x04;  // ro
-constexpr std::uint32_t kRegVersionReset = 0x00000100U;
+constexpr std::uint32_t kRegVersionReset = 0x00000101U;
 constexpr int kRegVersionVersionLsb = 0;
 constexpr int kRegVersionVersionBits = 16;
 constexpr std::uint32_t kRegSpecHash = 0x08;  // ro
-constexpr std::uint32_t kRegSpecHashReset = 0x08691C00U;
+constexpr std::uint32_t kRegSpecHashReset = 0xA3603834U;
 constexpr int kRegSpecHashHashLsb = 0;
 constexpr int kRegSpecHashHashBits = 32;
 constexpr std::uint32_t kRegCapability = 0x0C;  // ro
@@ -128,6 +185,8 @@ constexpr int kRegCapabilityCodesLsb = 24;
 constexpr int kRegCapabilityCodesBits = 1;
 constexpr int kRegCapabilityMedianLsb = 25;
 constexpr int kRegCapabilityMedianBits = 1;
+constexpr int kRegCapabilityRunsLsb = 26;
+constexpr int kRegCapabilityRunsBits = 1;
 constexpr int kRegCapabilityCodeBitsLsb = 28;
 constexpr int kRegCapabilityCodeBitsBits = 4;
 constexpr std::uint32_t kRegControl = 0x10;  // rw
@@ -150,6 +209,10 @@ constexpr int kRegMeasureThresholdLsb = 0;
 constexpr int kRegMeasureThresholdBits = 8;
 constexpr int kRegMeasureModeLsb = 8;
 constexpr int kRegMeasureModeBits = 2;
+constexpr int kRegMeasureSelectLsb = 10;
+constexpr int kRegMeasureSelectBits = 1;
+constexpr int kRegMeasureGapLsb = 12;
+constexpr int kRegMeasureGapBits = 2;
 constexpr int kRegMeasureStreamLsb = 16;
 constexpr int kRegMeasureStreamBits = 8;
 constexpr std::uint32_t kRegTimeout = 0x1C;  // rw
@@ -236,6 +299,12 @@ constexpr std::uint32_t kRegAbandoned = 0x60;  // ro
 constexpr std::uint32_t kRegAbandonedReset = 0x00000000U;
 constexpr int kRegAbandonedCountLsb = 0;
 constexpr int kRegAbandonedCountBits = 32;
+constexpr std::uint32_t kRegWindow = 0x64;  // rw
+constexpr std::uint32_t kRegWindowReset = 0x00000000U;
+constexpr int kRegWindowFirstLsb = 0;
+constexpr int kRegWindowFirstBits = 10;
+constexpr int kRegWindowLastLsb = 16;
+constexpr int kRegWindowLastBits = 10;
 
 }  // namespace spec
 }  // namespace selfproj

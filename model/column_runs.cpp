@@ -1,0 +1,79 @@
+#include "model/column_runs.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace selfproj {
+namespace {
+
+struct Run {
+  std::uint32_t m0 = 0;
+  std::uint32_t m1 = 0;
+  std::uint32_t n = 0;
+};
+
+struct RunsOfColumn {
+  Run strongest;
+  std::uint32_t second = 0;  // M0 of the second
+  int count = 0;
+
+  void add(const Run& run) {
+    second = std::max(second, std::min(run.m0, strongest.m0));
+    if (run.m0 > strongest.m0) {
+      strongest = run;
+    }
+    ++count;
+  }
+};
+
+RunsOfColumn runs_of(const ImageView& image, const Measure& measure, int column) {
+  RunsOfColumn runs;
+  Run run;
+  int dark = 0;  // rows since the last lit pixel of the run
+  for (int row = 1; row <= image.rows; ++row) {
+    const int pixel = image.pixels[(row - 1) * image.stride + column];
+    const bool lit = pixel > measure.threshold && measure.window.counts(row);
+    dark = lit ? 0 : dark + 1;
+    if (lit) {
+      const std::uint32_t w = pixel_weight(measure.mode, measure.threshold, pixel);
+      run = {run.m0 + w, run.m1 + static_cast<std::uint32_t>(row) * w, run.n + 1};
+    }
+    if (run.n > 0 && (dark > measure.gap || row == image.rows)) {
+      runs.add(run);
+      run = {};
+    }
+  }
+  return runs;
+}
+
+}  // namespace
+
+void column_runs(const ImageView& image, const Measure& measure, const RunsView& out) {
+  check_column_runs(image, measure, out);
+  for (int column = 0; column < image.columns; ++column) {
+    const RunsOfColumn runs = runs_of(image, measure, column);
+    const auto& [m0, m1, n] = runs.strongest;
+    out.moments.m0[column] = m0;
+    out.moments.m1[column] = m1;
+    out.moments.n[column] = n;
+    out.runs[column] = static_cast<std::uint8_t>(std::min(runs.count, 3));
+    out.second[column] = static_cast<std::uint8_t>(m0 == 0 ? 0 : 16 * runs.second / m0);
+  }
+}
+
+void measure_columns(const ImageView& image, const Measure& measure, const RunsView& out) {
+  if (measure.select == Select::strongest) {
+    column_runs(image, measure, out);
+  } else {
+    column_moments(image, measure.mode, measure.threshold, out.moments, measure.window);
+  }
+}
+
+void check_column_runs(const ImageView& image, const Measure& measure, const RunsView& out) {
+  check_column_moments(image, measure.mode, measure.threshold, out.moments);
+  if (measure.gap < 0 || measure.gap > kMaxGap || out.runs == nullptr || out.second == nullptr) {
+    throw std::invalid_argument("column_runs: gap is not in 0..kMaxGap, or null pointer");
+  }
+}
+
+}  // namespace selfproj
