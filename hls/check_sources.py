@@ -5,11 +5,14 @@ Everywhere these are findings: dynamic allocation, virtual functions, exceptions
 library except its integers, floating point, goto, loops whose bounds are not constants, recursion, and headers that do
 not belong to the kernels. In files under a folder `shells` there are more: processes other than methods and clocked
 threads with a synchronous reset; threads without a reset section, or with a path without wait(); whatever the open
-compiler ICSC does not take.
+compiler ICSC does not take. ICSC 1.6.8 refuses some calls in arguments of other calls, and some constants that come
+from a call and are passed on. Here all of them are findings, in the functions outside of classes in other headers too,
+because the shells call those.
 
 The check reads what an HLS tool sees: in shared headers, the branches of SELFPROJ_HLS_VENDOR_TYPES. It prints one line
 a finding, and its exit status is then 1.
 """
+import functools
 import pathlib
 import re
 import sys
@@ -37,7 +40,9 @@ SHELL_WORDS = [
     ),
     ("process that is not clocked", r"\bSC_THREAD\b"),
     ("not for ICSC", r"\b(next_trigger|notify|const_cast|reinterpret_cast)\b"),
+    ("a macro of ICSC behind a namespace", r"\bsc_core\s*::\s*sc_start\b"),
 ]
+PORT_CALLS = ("read", "write")  # of ports and signals, which every compiler knows
 KEYWORDS = {
     "if", "for", "while", "switch", "return", "sizeof", "static_cast", "static_assert", "defined", "alignof",
     "decltype",
@@ -181,6 +186,44 @@ class Source:
             yield owner, head.group(2), head.start(), body, around + head.group(3) + body
 
 
+def arguments(body, names):
+    """Yields the arguments of every call of a function of these names in the body, with their place."""
+    for call in re.finditer(rf"\b({'|'.join(sorted(names))})\s*\(", body):
+        yield body[call.end():closing(body, call.end() - 1) - 1], call.end()
+
+
+def called_names(sources):
+    """Returns the names of the functions in the sources, without constructors."""
+    functions = [function for source in sources for function in source.functions()]
+    return {name for _, name, *_ in functions} - {owner for owner, *_ in functions} - set(PORT_CALLS)
+
+
+@functools.cache
+def names_here():
+    """Returns the names of the functions of the kernels and shells, which any source may call."""
+    return called_names([Source(str(f), f.read_text(), False) for f in kernel_files()])
+
+
+def calls(sources):
+    """Finds what ICSC refuses: calls in the arguments of calls, and constants from a call that are passed on."""
+    functions = [(source, *function) for source in sources for function in source.functions()]
+    names = called_names(sources) | names_here()
+    any_call = re.compile(rf"\b({'|'.join(sorted(names))})\s*\(|\.\s*read\s*\(\s*\)")
+    constant = re.compile(r"\bconst\s+\w+(?:<[^;(){}]*>)?\s*&?\s*(\w+)\s*=([^;]*);")
+    for source, owner, name, at, body, _ in functions:
+        if owner and not source.shell:
+            continue
+        start = source.code.index("{", at + len(name))
+        start = source.code.index(body, start)
+        for text, place in arguments(body, names):
+            if inner := any_call.search(text):
+                source.find(start + place + inner.start(), "call in an argument: " + " ".join(inner.group().split()))
+        for local in constant.finditer(body):
+            passed = any(re.search(rf"\b{local.group(1)}\b", text) for text, _ in arguments(body, names))
+            if passed and any_call.search(local.group(2)):
+                source.find(start + local.start(), f"constant from a call that is passed on: {local.group(1)}")
+
+
 def recursion(sources):
     """Finds functions that call themselves, directly or through others."""
     functions = {}
@@ -221,6 +264,7 @@ def check(files):
     for source in sources:
         source.check()
     recursion(sources)
+    calls(sources)
     return [f"{source.name}:{line}: {what}" for source in sources for line, what in sorted(source.findings)]
 
 

@@ -135,17 +135,24 @@ class ColumnMomentsShell : public sc_core::sc_module {
     while (true) {
       // From the exit to the entry, so that each step sees the registers before it as they were in the clock that ends.
       const bool valid = beat_[3].valid;
-      const bool s4_drain_row = beat_[3].drains();
+      bool s4_drain_row = beat_[3].drains();
       bool break_drains = drain_grey_;
       if (valid && beat_[3].last_row) {
         break_drains = beat_[3].grey;
       }
-      const bool accept = accept_i.read();
+      bool accept = accept_i.read();
+      Uint<kMBits> m_low = m_rd_low_i.read();
+      Uint<kMBits> m_high = m_rd_high_i.read();
+      Uint<kABits> a_low = a_rd_low_i.read();
+      Uint<kABits> a_high = a_rd_high_i.read();
       MomentsRead read;
-      read.take(m_rd_low_i.read(), m_rd_high_i.read(), a_rd_low_i.read(), a_rd_high_i.read());
-      draining_.finish_words(read, sums_, line_rd_data_i.read());
+      read.take(m_low, m_high, a_low, a_high);
+      Pixels line = line_rd_data_i.read();
+      draining_.finish_words(read, sums_, line);
       direct(accept, break_drains);
-      draining_.step(drain_, s4_drain_row && accept, break_[2] && accept && break_drains, beat_[3]);
+      bool push = s4_drain_row && accept;
+      bool broken = break_[2] && accept && break_drains;
+      draining_.step(drain_, push, broken, beat_[3]);
       if (valid && beat_[3].first_row) {
         spoiled_ = false;
       } else if (valid && !s4_drain_row && draining_.was_active) {
@@ -169,9 +176,9 @@ class ColumnMomentsShell : public sc_core::sc_module {
     }
     if (direct_[3]) {
       for (int pair = 0; pair < 2; ++pair) {
-        const Uint<64> upper = binary_word(direct_m0_[2 * pair + 1], sums_.sum_a[2 * pair + 1]);
-        direct_word_[0][pair] =
-            (upper << spec::kBinaryWordBits) | binary_word(direct_m0_[2 * pair], sums_.sum_a[2 * pair]);
+        Uint<64> upper = binary_word(direct_m0_[2 * pair + 1], sums_.sum_a[2 * pair + 1]);
+        Uint<64> lower = binary_word(direct_m0_[2 * pair], sums_.sum_a[2 * pair]);
+        direct_word_[0][pair] = (upper << spec::kBinaryWordBits) | lower;
       }
     }
     if (direct_[2]) {
@@ -204,19 +211,21 @@ class ColumnMomentsShell : public sc_core::sc_module {
     beat_[0].one_group = one_group_i.read();
     beat_[0].two_groups = two_groups_i.read();
     beat_[0].grey = mode_i.read() != spec::kModeBinary;
-    const Pixels pixels = beat_pixels_i.read();
-    const Pixel threshold = threshold_i.read();
-    const ModeBits mode = mode_i.read();
+    Pixels pixels = beat_pixels_i.read();
+    Pixel threshold = threshold_i.read();
+    ModeBits mode = mode_i.read();
     Pixels weights = 0;
     for (int lane = kLanes - 1; lane >= 0; --lane) {
-      weights = (weights << spec::kPixelBits) | weight_of(lane_of(pixels, lane), threshold, mode);
+      Pixel pixel = lane_of(pixels, lane);
+      Pixel weight = weight_of(pixel, threshold, mode);
+      weights = (weights << spec::kPixelBits) | weight;
     }
     beat_[0].weights = weights;
   }
 
   // The outputs of the clock that begins.
   void show() {
-    const bool s4_drain_row = beat_[3].drains();
+    bool s4_drain_row = beat_[3].drains();
     // A first row needs no read and may pass a drain. Any other row meets a drain only after a change of size: see
     // spoiled_o.
     add_ = beat_[3].valid && !s4_drain_row && (beat_[3].first_row || !draining_.active);
@@ -244,10 +253,14 @@ class ColumnMomentsShell : public sc_core::sc_module {
     Uint<kABits> a_low = 0;
     Uint<kABits> a_high = 0;
     for (int lane = 1; lane >= 0; --lane) {
-      m_low = (m_low << (kMBits / 2)) | sums_.word_m(lane);
-      m_high = (m_high << (kMBits / 2)) | sums_.word_m(lane + 2);
-      a_low = (a_low << (kABits / 2)) | sums_.now_a(lane);
-      a_high = (a_high << (kABits / 2)) | sums_.now_a(lane + 2);
+      Uint<kMBits / 2> m_of_low = sums_.word_m(lane);
+      Uint<kMBits / 2> m_of_high = sums_.word_m(lane + 2);
+      Sum1 a_of_low = sums_.now_a(lane);
+      Sum1 a_of_high = sums_.now_a(lane + 2);
+      m_low = (m_low << (kMBits / 2)) | m_of_low;
+      m_high = (m_high << (kMBits / 2)) | m_of_high;
+      a_low = (a_low << (kABits / 2)) | a_of_low;
+      a_high = (a_high << (kABits / 2)) | a_of_high;
     }
     m_wr_en_o.write(sums_.s2_add);
     m_wr_addr_o.write(sums_.s2_group);

@@ -190,7 +190,8 @@ class GrayDecoderShell : public sc_core::sc_module {
     codes_ = 0;
     if (!lost6_) {
       for (int lane = kCodeLanes - 1; lane >= 0; --lane) {
-        codes_ = (codes_ << spec::kCodeWordBits) | code_word(state6_[lane]);
+        CodeWord word = code_word(state6_[lane]);
+        codes_ = (codes_ << spec::kCodeWordBits) | word;
       }
     }
     codes_valid_ = show6_;
@@ -205,8 +206,8 @@ class GrayDecoderShell : public sc_core::sc_module {
     end6_ = line_end_[4] && !lost5_;
     lost6_ = lost5_;
     for (int lane = 0; lane < kCodeLanes; ++lane) {
-      state6_[lane] =
-          next_state(lane_of(pixels_[4], lane), state_[1][lane], threshold5_, negative_, weight_, above_, mask_);
+      GrayPixel pixel = lane_of(pixels_[4], lane);
+      state6_[lane] = next_state(pixel, state_[1][lane], threshold5_, negative_, weight_, above_, mask_);
     }
   }
 

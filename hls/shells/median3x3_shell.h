@@ -203,11 +203,13 @@ class Median3x3Shell : public sc_core::sc_module {
         }
       }
       const bool outer = (lane == 0 && window_first_) || (lane == kCodeLanes - 1 && window_last_);
+      Uint<4> half = half_of(window_top_, window_bottom_, outer);
       Code code = nine[4];
       if (median_) {
-        code = median_of(nine, half_of(window_top_, window_bottom_, outer));
+        code = median_of(nine, half);
       }
-      codes_[0] = (codes_[0] << spec::kCodeWordBits) | word_of(code);
+      CodeWord word = word_of(code);
+      codes_[0] = (codes_[0] << spec::kCodeWordBits) | word;
     }
     valid_[0] = window_valid_;
     start_[0] = window_valid_ && window_first_ && !window_top_;
@@ -296,9 +298,9 @@ class Median3x3Shell : public sc_core::sc_module {
     if (passing) {
       step_group = pass_group;
     }
-    const bool ends = valid && line_end && s_last_row_i.read();
+    bool ends = valid && line_end && s_last_row_i.read();
     const bool pass_ends = pass_group == last_group_;
-    const bool broken = s_break_i.read() && open_;
+    bool broken = s_break_i.read() && open_;
 
     for (int i = 5; i > 0; --i) {
       break_[i] = break_[i - 1];
@@ -322,8 +324,9 @@ class Median3x3Shell : public sc_core::sc_module {
     const Uint<64> words = s_codes_i.read();
     now1_ = 0;
     for (int lane = kCodeLanes - 1; lane >= 0; --lane) {
-      const CodeWord word = words >> (spec::kCodeWordBits * lane);
-      now1_ = (now1_ << kCodeBits) | code_of(word);
+      CodeWord word = words >> (spec::kCodeWordBits * lane);
+      Code code = code_of(word);
+      now1_ = (now1_ << kCodeBits) | code;
     }
 
     count(group, lines, ends, broken);

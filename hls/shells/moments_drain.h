@@ -88,7 +88,8 @@ struct MomentsDrain {
         if (d3_pick) {
           a = d3_a[i];
         }
-        d_word[0][i] = grey_word(d3_m0[i], finished_m1(rows, d3_m0[i], d3_old_m0[i], a), d3_n[i]);
+        Sum1 m1 = finished_m1(rows, d3_m0[i], d3_old_m0[i], a);
+        d_word[0][i] = grey_word(d3_m0[i], m1, d3_n[i]);
       }
       if (d2_valid) {
         Sum0 m0 = d2_m0[i + 2];

@@ -137,8 +137,12 @@ struct MomentsSums {
   }
   // One lane of the word to write: {N, M0}.
   Uint<kMBits / 2> word_m(int lane) const {
-    Uint<kMBits / 2> word = next_n(now_n(lane), s2_weight[lane]);
-    word = (word << spec::kGreyM0Bits) | next_m0(now_m0(lane), s2_weight[lane]);
+    Row n = now_n(lane);
+    Sum0 m0 = now_m0(lane);
+    Row sum_n_next = next_n(n, s2_weight[lane]);
+    Sum0 sum_m0_next = next_m0(m0, s2_weight[lane]);
+    Uint<kMBits / 2> word = sum_n_next;
+    word = (word << spec::kGreyM0Bits) | sum_m0_next;
     return word;
   }
 
@@ -176,9 +180,9 @@ struct MomentsSums {
   }
 
   void step_lane(int lane, bool forward, const MomentsRead& read) {
-    const Sum0 m0 = now_m0(lane);
-    const Row n = now_n(lane);
-    const Sum1 next_sum_a = now_a(lane);
+    Sum0 m0 = now_m0(lane);
+    Row n = now_n(lane);
+    Sum1 next_sum_a = now_a(lane);
     const Sum0 old_sum_m0 = sum_m0[lane];
     const Row old_sum_n = sum_n[lane];
     const Sum1 old_sum_a = sum_a[lane];

@@ -79,7 +79,22 @@ SHELL_FAULTS = [
     ("method f waits", "struct F {\n  F() { SC_METHOD(f); }\n  void f() { wait(); }  // HERE\n};"),
     ("not for ICSC", "struct F {\n  sc_core::sc_event e;  // HERE\n};"),
     ("not for ICSC", "struct F {\n  sc_core::sc_inout<bool> p;  // HERE\n};"),
+    ("a macro of ICSC", "inline void f() { sc_core::sc_start(); }  // HERE"),
+    # What ICSC 1.6.8 refused in these shells
+    ("call in an argument: finished_m1(", "struct F {\n  void f(Row n) {\n"
+     "    word = grey_word(m0, finished_m1(n, m0, m0, a), n);  // HERE\n  }\n};"),
+    ("call in an argument: lane_of(", "struct F {\n  void f(Pixels p, Pixel t, ModeBits m) {\n"
+     "    w = (w << 8) | weight_of(lane_of(p, 1),  // HERE\n                             t, m);\n  }\n};"),
+    ("call in an argument: now(", "struct F {\n  Sum0 now() const { return m0; }\n"
+     "  Sum0 f() const { return next_m0(now(), 1); }  // HERE\n};"),
+    ("call in an argument: .read()", "struct F {\n  void f() { w = lane_of(pixels_i.read(), 1); }  // HERE\n};"),
+    ("constant from a call that is passed on: m", "struct F {\n  Sum0 now() const { return m0; }\n  void f() {\n"
+     "    const Sum0 m = now();  // HERE\n    s = next_m0(m, 1);\n  }\n};"),
+    ("constant from a call that is passed on: m", "struct F {\n  void f() {\n"
+     "    const Pixels m = pixels_i.read();  // HERE\n    s = lane_of(m, 1);\n  }\n};"),
 ]
+KERNEL_CALLS = [("call in an argument: lane_of(", "inline Pixel f(Pixels p, Pixel t, ModeBits m) {\n"
+                 "  Pixel w = weight_of(lane_of(p, 1), t, m);  // HERE\n  return w;\n}")]
 # Code that only looks like a fault.
 FINE = [
     "// a new word, delete it, while (true), 1.5",
@@ -87,6 +102,8 @@ FINE = [
     "inline int f(const F& other) {\n  return other.g(1);\n}",
     "inline int f(int a) {\n  int s = a;\n  for (int i = kLanes - 1; i >= 0; --i) {\n    if (i == 2) {\n"
     "      s = s + i;\n    }\n  }\n  return s;\n}",
+    "inline Sum0 f(Sum0 m) {\n  const Sum0 n = next_m0(m, 1);\n  Sum0 o = next_m0(m, 2);\n  Sum0 p = next_m0(o, 1);\n"
+    "  return p + n;\n}",
     "#ifdef SELFPROJ_HLS_LATE_MEMORY\n#include <vector>\n#endif",
     "#ifndef SELFPROJ_HLS_VENDOR_TYPES\n#include <deque>\n#else\n#endif",
 ]
@@ -110,7 +127,7 @@ class CheckSources(unittest.TestCase):
     def test_every_fault_is_found(self):
         faults = [(name, *fault) for name in (KERNEL, SHELL) for fault in FAULTS] + [
             (SHELL, *fault) for fault in SHELL_FAULTS
-        ]
+        ] + [("hls/moments_arithmetic.h", *fault) for fault in KERNEL_CALLS]
         for name, kind, lines in faults:
             with self.subTest(file=name, kind=kind, lines=lines):
                 files, first = self.with_lines(name, lines)
