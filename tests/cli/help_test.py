@@ -55,6 +55,12 @@ class Help(unittest.TestCase):
                 for line in text.splitlines():
                     self.assertLessEqual(len(line), WIDTH, line)
 
+    def test_programs_start_without_the_image_codecs(self):
+        for program in command_pages.PROGRAMS:
+            needed = subprocess.run(["ldd", str(programs / program)], capture_output=True, text=True, check=True).stdout
+            self.assertIn("libopencv_core", needed)
+            self.assertNotRegex(needed, "libopencv_imgcodecs|libgdal")
+
     def test_every_option_is_explained(self):
         for name, command in self.commands.items():
             for option in command["arguments"] + [one for group in command["groups"] for one in group["options"]]:
