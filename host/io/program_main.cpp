@@ -85,20 +85,12 @@ std::string explained(const CLI::App& program, const CLI::ParseError& error) {
 }
 
 // With --check-usage as the first word, a command line is only parsed and not run. The tests of the documents use this.
-bool take_check_usage(CLI::App& program, std::vector<std::string>& words) {
-  if (words.empty() || words.front() != "--check-usage") {
-    return false;
+// The callbacks stay, because they own the variables into which the options are read.
+void take_check_usage(CLI::App& program, std::vector<std::string>& words) {
+  if (!words.empty() && words.front() == "--check-usage") {
+    words.erase(words.begin());
+    program.parse_complete_callback([] { throw CLI::Success(); });
   }
-  words.erase(words.begin());
-  std::vector<CLI::App*> commands = {&program};
-  while (!commands.empty()) {
-    CLI::App* const command = commands.back();
-    commands.pop_back();
-    command->callback(nullptr);
-    const std::vector<CLI::App*> inner = command->get_subcommands([](CLI::App*) { return true; });
-    commands.insert(commands.end(), inner.begin(), inner.end());
-  }
-  return true;
 }
 
 int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& add_commands, int argc, char** argv) {
@@ -119,7 +111,7 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
       fmt::print("{}", help_json(app));
       return 0;
     }
-    static_cast<void>(take_check_usage(app, words));
+    take_check_usage(app, words);
     std::reverse(words.begin(), words.end());  // CLI11 takes the words from the back
     try {
       app.parse(std::move(words));
