@@ -3,7 +3,7 @@
 // The count rises while A leads B. A level counts once it has been the same for three clocks, so
 // shorter pulses are suppressed. A step in which both lines change is not counted but is an error.
 // Both counts wrap. Latency: a change of a line that clock edge e samples is in count_o for clock
-// edge e + 7, and in errors_o for e + 6.
+// edge e + 7, and in errors_o for e + 6. The reset takes effect a clock later.
 `default_nettype none
 
 module sp_encoder (
@@ -34,6 +34,11 @@ module sp_encoder (
     logic [7:0] low;
   } chain_t;
 
+  // The reset ends in a register beside the encoder, so that no wire from afar is on its paths. The
+  // attribute of the process keeps Yosys from merging it with those of other blocks.
+  (* keep *) logic reset_q;  // rst_i, one clock ago
+  (* keep *) always_ff @(posedge clk_i) reset_q <= rst_i;
+
   lines_t      lines_q;
   chain_t      chain_q;
   logic [15:0] errors_q;
@@ -62,17 +67,17 @@ module sp_encoder (
   always_ff @(posedge clk_i) begin
     before2_q <= before1_q;
     before1_q <= now;
-    awake_q   <= rst_i || now != lines_q.level || !lines_q.settled;
+    awake_q   <= reset_q || now != lines_q.level || !lines_q.settled;
     stirred_q <= {stirred_q[1:0], awake_q};
     follow_q  <= awake_q || stirred_q != '0;
   end
 
-  // The lines may have any level at reset: the first levels are taken over without counting. Reset
-  // lasts longer than one clock, so everything is awake in it.
+  // The lines may have any level at reset: the first levels are taken over without counting. The
+  // reset lasts longer than one clock, so everything is awake in it.
   always_ff @(posedge clk_i) begin
     if (awake_q) begin
-      lines_q.settled <= !rst_i && lines_q.start[3];
-      lines_q.start   <= rst_i ? 4'd0 : {lines_q.start[2:0], 1'b1};
+      lines_q.settled <= !reset_q && lines_q.start[3];
+      lines_q.start   <= reset_q ? 4'd0 : {lines_q.start[2:0], 1'b1};
       lines_q.level   <= lines_q.settled ? lines_q.level ^ changes : now;
       lines_q.step    <= lines_q.settled && ^changes;
       // {b, a} runs 00, 01, 11, 10 where A leads
@@ -82,14 +87,14 @@ module sp_encoder (
   end
 
   always_ff @(posedge clk_i) if (follow_q) begin
-    if (rst_i) errors_q <= '0;
+    if (reset_q) errors_q <= '0;
     else errors_q <= errors_q + 16'(lines_q.error);
   end
 
   // --- The count, in three chains: the lowest runs one clock ahead of count_o, the others follow
   // ---
   always_ff @(posedge clk_i) if (follow_q) begin
-    if (rst_i) begin
+    if (reset_q) begin
       chain_q <= '0;
     end else begin
       chain_q.moved   <= lines_q.step;
@@ -101,7 +106,7 @@ module sp_encoder (
   end
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
+    if (reset_q) begin
       count_q <= '0;
     end else begin
       if (chain_q.moved) count_q[7:0] <= chain_q.low;

@@ -15,6 +15,8 @@
 // rises, and not while they are high. set_i is high one clock before settings change. After six
 // clocks without any of these nothing moves.
 //
+// The reset takes effect a clock later, and run_i and on_frame_i are low in that clock.
+//
 // Latency: the first projector pulse begins four clocks after run_i. Two clocks after run_i falls,
 // no pulse is left and pattern_o is 0. Frames count from the captured_i of the third clock after
 // on_frame_i on. pattern_o is there with the first clock of the camera pulse, and in the second
@@ -40,6 +42,10 @@ module sp_trigger (
 );
 
   // --- Requests ---
+  // The reset ends in a register that stands beside the sequencer, as in sp_encoder.
+  (* keep *) logic reset_q;  // rst_i, one clock ago
+  (* keep *) always_ff @(posedge clk_i) reset_q <= rst_i;
+
   logic [1:0] run_q;     // run_i for one clock, for two clocks
   logic       stop_q;    // run_i is low
   logic [2:0] frames_q;  // on_frame_i alone, for one to three clocks
@@ -48,18 +54,18 @@ module sp_trigger (
   logic       awake_q;   // a request now or up to six clocks ago
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
+    if (reset_q) begin
       run_q    <= '0;
       frames_q <= '0;
     end else begin
       run_q    <= run_i ? {run_q[0], 1'b1} : 2'b00;
       frames_q <= on_frame_i && !run_i ? {frames_q[1:0], 1'b1} : 3'b000;
     end
-    stop_q <= rst_i || !run_i;
+    stop_q <= reset_q || !run_i;
     rest_q <= !(run_i ? run_q[1] : on_frame_i && frames_q[1]);
     // Soon enough: what follows looks at the registers above, and at settings two clocks later.
-    stirred_q <= {stirred_q[3:0], rst_i || set_i || run_i || on_frame_i};
-    awake_q   <= rst_i || set_i || run_i || on_frame_i || stirred_q != '0;
+    stirred_q <= {stirred_q[3:0], reset_q || set_i || run_i || on_frame_i};
+    awake_q   <= reset_q || set_i || run_i || on_frame_i || stirred_q != '0;
   end
 
   // --- Facts about the settings, which stand still. They are known two clocks later, the upper
