@@ -78,6 +78,9 @@ std::string explained(const CLI::App& program, const CLI::ParseError& error) {
     return with_relation(text, "excludes", "cannot be combined with");
   }
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    if (const std::size_t end = text.find(" was given a disallowed flag override"); end != std::string::npos) {
+      return (end == 1 ? "-" : "--") + text.substr(0, end) + ": takes no value" + see;
+    }
     const std::size_t colon = text.find(": ");
     return colon == std::string::npos ? text + see : text.substr(0, colon) + ": a value is missing" + see;
   }
@@ -90,6 +93,18 @@ void take_check_usage(CLI::App& program, std::vector<std::string>& words) {
   if (!words.empty() && words.front() == "--check-usage") {
     words.erase(words.begin());
     program.parse_complete_callback([] { throw CLI::Success(); });
+  }
+}
+
+// --check=3 is an error. Without this, CLI11 reads a value of a flag as a number or a truth value.
+void refuse_values_of_flags(CLI::App& app) {
+  for (CLI::Option* option : app.get_options([](CLI::Option*) { return true; })) {
+    if (option->get_items_expected_max() == 0) {
+      option->disable_flag_override();
+    }
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    refuse_values_of_flags(*command);
   }
 }
 
@@ -106,6 +121,7 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
                          "Print the version of the packets' specification and end.");
     set_text(app, text);
     add_commands(app);
+    refuse_values_of_flags(app);
     std::vector<std::string> words(argv + 1, argv + argc);
     if (words == std::vector<std::string>{"--help-json"}) {  // for scripts/command_pages.py
       fmt::print("{}", help_json(app));

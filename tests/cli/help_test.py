@@ -105,6 +105,8 @@ class Help(unittest.TestCase):
             "depth --bits 4 --max-residual 0": "--max-residual: is '0'; a number above 0, at most 1e6 is expected",
             "depth --bits 4 --max-z nan": "--max-z: is 'nan'; a number from -1e6 to 1e6 is expected",
             "calibrate --corners best": "--corners: is 'best'; homography or direct is expected",
+            "inspect --device ring:x --check=3": "--check: takes no value; see selfproj inspect --help",
+            "inspect --device ring:x --check=never": "--check: takes no value; see selfproj inspect --help",
             "pattern --line 3 --sweep": "--line: cannot be combined with --sweep",
             "pattern --frame 3": "--frame: goes only with --reference",
         }

@@ -243,10 +243,10 @@ TEST_F(RingDamage, AnotherOnesRingCannotBeReplaced) {
   EXPECT_EQ(status_as_nobody([&] {
               try {
                 const RingWriter writer(name_, kSlots);
-              } catch (const UserError&) {
-                return 0;
+              } catch (const UserError& error) {
+                return std::string(error.what()).find("which cannot be replaced: ") != std::string::npos ? 0 : 1;
               }
-              return 1;
+              return 2;
             }),
             0);
   EXPECT_EQ(info().slots, 2 * kSlots);
