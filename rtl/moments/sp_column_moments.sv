@@ -66,7 +66,7 @@ module sp_column_moments #(
   logic [GroupBits-1:0]    s1_group_q, s2_group_q, s3_group_q, s4_group_q;
   logic [RowBits-1:0]      s1_row_q, s2_row_q, s3_row_q, s4_row_q;
   logic [5:0]              s1_flags_q, s2_flags_q, s3_flags_q, s4_flags_q;
-  logic [4*WeightBits-1:0] s3_weights_q, s4_weights_q;
+  logic [4*WeightBits-1:0] s3_weights, s4_weights_q;
   logic                    s4_first_row, s4_last_row, s4_line_end, s4_one, s4_two, s4_grey;
 
   always_ff @(posedge clk_i) begin
@@ -87,47 +87,21 @@ module sp_column_moments #(
     {s2_group_q, s2_row_q, s2_flags_q} <= {s1_group_q, s1_row_q, s1_flags_q};
     {s3_group_q, s3_row_q, s3_flags_q} <= {s2_group_q, s2_row_q, s2_flags_q};
     {s4_group_q, s4_row_q, s4_flags_q} <= {s3_group_q, s3_row_q, s3_flags_q};
-    s4_weights_q <= s3_weights_q;
+    s4_weights_q <= s3_weights;
   end
 
   assign {s4_first_row, s4_last_row, s4_line_end, s4_one, s4_two, s4_grey} = s4_flags_q;
 
-  logic [31:0] s1_pixels_q;
-  logic [7:0]  s1_room_q;  // 255 minus the threshold
-  logic [1:0]  s1_mode_q;
-  always_ff @(posedge clk_i) begin
-    s1_pixels_q <= beat_pixels_i;
-    s1_room_q   <= ~threshold_i;
-    s1_mode_q   <= mode_i;
-  end
-
-  for (genvar lane = 0; lane < 4; lane++) begin : gen_weight
-    // A pixel is lit where pixel + (255 - threshold) exceeds 255. The carry is taken as a bit of
-    // the sum, so that it stays at the end of its chain. It does not matter in reset.
-    logic       lit;
-    logic [7:0] unused_sum;
-    assign {lit, unused_sum} = {rst_i, s1_pixels_q[8*lane+:8]} + {1'b0, s1_room_q};
-    if (Grey) begin : gen_grey
-      logic [7:0] over1_q, value2_q;
-      logic       lit2_q;
-      always_ff @(posedge clk_i) begin
-        over1_q <= beat_pixels_i[8*lane+:8] - threshold_i;
-        case (s1_mode_q)
-          sp_spec_pkg::ModeBinary: value2_q <= 8'd1;
-          sp_spec_pkg::ModeGrey:   value2_q <= s1_pixels_q[8*lane+:8];
-          default:                 value2_q <= over1_q;
-        endcase
-        lit2_q                  <= lit;
-        s3_weights_q[8*lane+:8] <= lit2_q ? value2_q : 8'd0;
-      end
-    end else begin : gen_binary
-      logic lit2_q;
-      always_ff @(posedge clk_i) begin
-        lit2_q             <= lit;
-        s3_weights_q[lane] <= lit2_q;
-      end
-    end
-  end
+  sp_pixel_weights #(
+    .Grey(Grey)
+  ) u_weights (
+    .clk_i        (clk_i),
+    .rst_i        (rst_i),
+    .beat_pixels_i(beat_pixels_i),
+    .mode_i       (mode_i),
+    .threshold_i  (threshold_i),
+    .weights_o    (s3_weights)
+  );
 
   // --- Stage 4: which beats are added up. Only mode binary adds up the last row. ---
   logic                   s4_drain_row;  // a last row that goes to the drain
@@ -316,7 +290,7 @@ module sp_column_moments #(
     assign moments_data_o  = direct_data;
     assign moments_break_o = direct_break_q[DirectEnd];
     logic unused;
-    assign unused = ^{s4_line_end, no_direct_q, raw_m, raw_a, sum_m_comes, sum_a_comes, s1_mode_q};
+    assign unused = ^{s4_line_end, no_direct_q, raw_m, raw_a, sum_m_comes, sum_a_comes};
   end
 
 `ifdef FORMAL

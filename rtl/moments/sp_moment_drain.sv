@@ -1,9 +1,7 @@
 // Grey modes: completes the sums with the last row, two columns per clock.
 //
-// In the grey modes a column takes 64 bits, so the four columns of a beat need two clocks to leave,
-// while the last row comes in at one beat per clock. The last row is therefore not added to the
-// sums. Its weights wait in a line buffer (push_*). This module reads the sums of the earlier rows,
-// one group every second clock (drain_*), adds the last row and computes M1:
+// The last row is not added to the sums. sp_drain_order says when a column group is drained. This
+// module reads the sums of the earlier rows (drain_*), adds the last row and computes M1:
 //
 //   M0 = M0' + v,  N = N' + [v > 0],  M1 = R*M0 - (A + M0')
 //                               (M0', N', A: after row R-1; v: the weight in the last row)
@@ -12,13 +10,12 @@
 //
 // Guarantees:
 // * Words leave in column order. break_o comes after the last word where break_i ended the frame
-//   early. A pushed group is read two clocks later at the earliest.
+//   early.
 // * Between frames of equal settings, beats that are added one clock after they would be pushed
 //   never meet a drain read: the second row of the next frame begins one clock after the last drain
 //   read. After a change of settings, active_o keeps others from reading; it falls with the last
 //   drain read.
-// * Nothing overflows. M1 fits (sp_spec_pkg). The line buffer has room for one row, and that row is
-//   drained before the next wanted one comes; sp_packetizer refuses a row that comes sooner.
+// * Nothing overflows. M1 fits (sp_spec_pkg).
 // * Latency: the first two columns of a group leave ten clocks after its drain read, the other two
 //   one clock later.
 //
@@ -26,7 +23,6 @@
 //
 //   clock        0   1   2   3   4   5   6  ... 11  12  13  14  15  16
 //   push_i      _/A\_/B\____________________ ... ________________________   push_end_i with B
-//   waiting_q   _____/11111111111\___________ ... ________________________
 //   drain_o     _________/A\_____/B\_________ ... ________________________
 //   active_o    _____/11111111111\___________ ... ________________________
 //   raw_m_i     -------------< A >---< B >--- ... ------------------------
@@ -81,87 +77,38 @@ module sp_moment_drain #(
   localparam int ALow = (ABits + 1) / 2;
   localparam int AHigh = ABits - ALow;
 
-  // Line buffer, and what is left in it
-  logic                 waiting_q;      // groups wait: from group_q to last_group_q
-  // only one group waits; valid from the second clock after a read
-  logic                 one_waits_q;
-  logic [GroupBits-1:0] group_q;        // the next group to read
-  logic [GroupBits-1:0] last_group_q;   // the last group that was pushed
-  logic                 row_ended_q;    // this row gets no further push
-  logic                 break_asked_q;  // the row ended by a break that break_o has not told yet
-  // nothing is left before the break, which enters the stages now
-  logic                 break_now;
-  logic                 read_now;       // a drain read follows in the next clock
-  logic                 last_read;      // that read is the last of the row
-  logic                 drained_q;      // the last read, or the break, was decided one clock ago
   logic                 s1_read_q;      // there was a drain read one clock ago
   logic [RowBits-1:0]   row_number_q;   // number of the last row: R
   logic                 first_row_q;    // the last row is also the first: there are no earlier sums
   logic                 one_group_q;    // the image has 4 columns
   logic [31:0]          raw_weights;    // weights of the last row, from the line buffer
+  logic                 s0_break;       // the break in the stages, behind the last word
 
-  assign read_now  = waiting_q && !drain_o;
-  assign last_read = read_now && row_ended_q && one_waits_q;
-  assign break_now = break_asked_q && !waiting_q && !drain_o;
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      waiting_q     <= 1'b0;
-      row_ended_q   <= 1'b0;
-      break_asked_q <= 1'b0;
-      drain_o       <= 1'b0;
-      s1_read_q     <= 1'b0;
-      drained_q     <= 1'b0;
-      active_o      <= 1'b0;
-      group_q       <= '0;
-    end else begin
-      drain_o   <= read_now;
-      s1_read_q <= drain_o;
-      waiting_q <= push_i || waiting_q && !(read_now && one_waits_q);
-
-      if (push_i && push_end_i || break_i) row_ended_q <= 1'b1;
-      else if (last_read || break_now) row_ended_q <= 1'b0;
-
-      if (break_i) break_asked_q <= 1'b1;
-      else if (break_now) break_asked_q <= 1'b0;
-
-      if (push_i) active_o <= 1'b1;
-      else if (last_read || break_now) active_o <= 1'b0;
-
-      drained_q <= last_read || break_now;
-      if (drained_q) group_q <= '0;
-      else if (read_now) group_q <= group_q + 1'b1;
-    end
-  end
+  sp_drain_order #(
+    .GroupBits(GroupBits)
+  ) u_order (
+    .clk_i         (clk_i),
+    .rst_i         (rst_i),
+    .push_i        (push_i),
+    .push_end_i    (push_end_i),
+    .push_group_i  (push_group_i),
+    .push_weights_i(push_weights_i),
+    .break_i       (break_i),
+    .drain_o       (drain_o),
+    .drain_group_o (drain_group_o),
+    .weights_o     (raw_weights),
+    .active_o      (active_o),
+    .break_o       (s0_break)
+  );
 
   always_ff @(posedge clk_i) begin
-    drain_group_o <= group_q;
-    // A group that is pushed while none waits becomes group_q.
-    one_waits_q   <= push_i ? !waiting_q : group_q == last_group_q;
-    if (push_i) last_group_q <= push_group_i;
-  end
-
-  always_ff @(posedge clk_i) begin
+    s1_read_q <= !rst_i && drain_o;
     if (push_i) begin
       row_number_q <= push_row_i;
       first_row_q  <= push_first_row_i;
       one_group_q  <= push_one_group_i;
     end
   end
-
-  sp_ram #(
-    .Width   (32),
-    .LogDepth(GroupBits)
-  ) u_line (
-    .wr_clk_i (clk_i),
-    .wr_en_i  (push_i),
-    .wr_addr_i(push_group_i),
-    .wr_data_i(push_weights_i),
-    .rd_clk_i (clk_i),
-    .rd_en_i  (drain_o),
-    .rd_addr_i(drain_group_o),
-    .rd_data_o(raw_weights)
-  );
 
   // Stage 1: the M words and the weights are here.
   // Stage 2: they are kept for the two clocks of their group; the A words are here.
@@ -174,8 +121,7 @@ module sp_moment_drain #(
   logic [4*LaneMBits-1:0] s2_m_q;
   logic [4*LaneABits-1:0] s3_a_q;
   logic [31:0]            s2_weights_q;
-  // the break in the stages, behind the last word
-  logic                   s0_break_q, s1_break_q, s2_break_q;
+  logic                   s1_break_q, s2_break_q;
 
   logic [Latency-1:0]     valid_q;  // from stage 3 on
   logic [Latency-1:0]     break_q;
@@ -184,7 +130,6 @@ module sp_moment_drain #(
     if (rst_i) begin
       s2_first_q <= 1'b0;
       s2_valid_q <= 1'b0;
-      s0_break_q <= 1'b0;
       s1_break_q <= 1'b0;
       s2_break_q <= 1'b0;
       valid_q    <= '0;
@@ -192,8 +137,7 @@ module sp_moment_drain #(
     end else begin
       s2_first_q <= s1_read_q;
       s2_valid_q <= s1_read_q || s2_first_q;  // two clocks, two columns each
-      s0_break_q <= break_now;
-      s1_break_q <= s0_break_q;
+      s1_break_q <= s0_break;
       s2_break_q <= s1_break_q;
       valid_q    <= {valid_q[Latency-2:0], s2_valid_q};
       break_q    <= {break_q[Latency-2:0], s2_break_q};

@@ -1,7 +1,7 @@
 // Pipelined multiplier x * k without a multiplier block: radix-4 digits of k, one adder per stage.
 //
 // Guarantees: product_o = x_i * k_i, four clocks with move_i after x_i, one product per clock. k_i
-// (the number of rows of a frame) must not change during these four clocks.
+// comes one clock with move_i after its x_i.
 `default_nettype none
 
 module sp_scale #(

@@ -151,7 +151,7 @@ FAULTS = [
           "assign break_o = break_q[Latency-1];", "assign break_o = break_q[Latency-2];"),
     Fault("moment_drain/words_early", "moment_drain", "moments/sp_moment_drain.sv",
           "assign valid_o = valid_q[Latency-1];", "assign valid_o = valid_q[Latency-2];"),
-    Fault("moment_drain/ends_one_early", "moment_drain_of_four", "moments/sp_moment_drain.sv",
+    Fault("moment_drain/ends_one_early", "moment_drain_of_four", "moments/sp_drain_order.sv",
           "group_q == last_group_q;", "group_q + 1'b1 == last_group_q;"),
     Fault("column_moments_binary/row_off_by_one", "column_moments_binary", "moments/sp_moment_sums.sv",
           "s1_row_q         <= row_i;", "s1_row_q         <= row_i - RowBits'(1);", 12),

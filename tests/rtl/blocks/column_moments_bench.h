@@ -1,5 +1,6 @@
-// Sends frames into the column moments as sp_frame_tracker does, accepts them as sp_packetizer does, and compares every
-// word with the model in the clock that the header of sp_column_moments states.
+// Sends frames into the column moments, plain or of the strongest runs, as sp_frame_tracker does, accepts them as
+// sp_packetizer does, and compares every word with the model in the clock that the headers of sp_column_moments and
+// sp_column_runs state.
 #ifndef SELFPROJ_TESTS_RTL_BLOCKS_COLUMN_MOMENTS_BENCH_H
 #define SELFPROJ_TESTS_RTL_BLOCKS_COLUMN_MOMENTS_BENCH_H
 
@@ -16,7 +17,9 @@
 #include <vector>
 
 #include "model/column_moments.h"
+#include "model/column_runs.h"
 #include "model/packet.h"
+#include "model/packet_payload.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 
@@ -25,17 +28,34 @@ namespace selfproj::test::moments {
 constexpr int kAcceptDelay = 4;     // from the first beat of the last row to accept_i
 constexpr int kBusyAfter = 7;       // sp_packetizer: from a packet's last payload beat to the next decision
 constexpr int kGreyFirstDelay = 6;  // from a beat to its read by the drain; and from there:
-constexpr int kDrainDelay = 10;     // to the first two columns of the group; the other two come one clock later
 
-// From a beat to its word in mode binary. A break comes one clock after its beat.
+// The circuit has the strongest runs built in.
+template <typename Dut>
+constexpr bool kRuns = requires(Dut& dut) {
+  dut.strongest_i;
+};
+
+// From that read to the first two columns of the group; the other two come one clock later.
+template <typename Dut>
+constexpr int kDrainDelay = kRuns<Dut> ? 13 : 10;
+
+// From a beat to its word in mode binary, where it does not go through the drain. A break comes one clock after its
+// beat.
 template <typename Dut>
 constexpr int kBinaryDelay = 10;  // of a grey build
+
+// Mode binary goes through the drain.
+template <typename Dut>
+constexpr bool kBinaryDrains = false;
 
 struct Frame {
   int columns = 4;
   int rows = 1;
   Mode mode = Mode::binary;
   int threshold = 0;
+  Select select = Select::all;
+  int gap = 0;
+  RowWindow window;
   std::vector<std::uint8_t> pixels;
   int gaps = 0;        // percent of clocks without a beat
   bool wanted = true;  // its packet is taken if possible
@@ -135,12 +155,13 @@ class Bench {
   };
 
   void prepare(Frame& frame) const {
-    Moments moments;
-    moments.resize(frame.columns);
+    const Measure measure = {frame.mode, frame.threshold, frame.select, frame.gap, frame.window};
+    Runs runs;
+    runs.resize(frame.select, frame.columns);
     const ImageView image = {frame.pixels.data(), frame.rows, frame.columns, frame.columns};
-    column_moments(image, frame.mode, frame.threshold, moments.view());
+    measure_columns(image, measure, runs.view());
     frame.words.resize(moments_payload_bytes(frame.mode, frame.columns));
-    pack_moments(frame.mode, frame.columns, moments.view(), frame.words.data());
+    pack_columns(frame.select, frame.mode, frame.columns, runs.view(), frame.words.data());
   }
 
   static Word128 word_at(const Frame& frame, int index) {
@@ -168,10 +189,16 @@ class Bench {
     moments_->beat_first_row_i = row == 1;
     moments_->beat_last_row_i = row == frame->rows;
     moments_->beat_line_end_i = !broken && group == groups - 1;
-    moments_->one_group_i = groups == 1;
-    moments_->two_groups_i = groups == 2;
+    if constexpr (kRuns<Dut>) {
+      moments_->strongest_i = frame->select == Select::strongest;
+      moments_->gap_i = static_cast<CData>(frame->gap);
+    } else {
+      moments_->one_group_i = groups == 1;
+      moments_->two_groups_i = groups == 2;
+    }
     moments_->mode_i = static_cast<CData>(frame->mode);
-    moments_->threshold_i = static_cast<CData>(frame->threshold);
+    moments_->threshold_i =
+        frame->window.counts(row) ? static_cast<CData>(frame->threshold) : 255;  // as sp_moments_path
     if (row == frame->rows) {
       if (group == 0) {
         decisions_.push_back({moments_.clock() + kAcceptDelay - 1, frame});
@@ -243,14 +270,19 @@ class Bench {
     moments_.rise();
   }
 
+  static bool drains(const Frame& frame) { return frame.mode != Mode::binary || kBinaryDrains<Dut>; }
+
   void expect_words(Frame& frame, std::int64_t clock, int group) {
-    if (frame.mode == Mode::binary) {
+    if (drains(frame)) {
+      frame.last_drain = std::max(clock + kGreyFirstDelay, frame.last_drain + 2);
+      frame.last_word = frame.last_drain + kDrainDelay<Dut> + 1;
+    } else {
       frame.last_word = clock + kBinaryDelay<Dut>;
+    }
+    if (frame.mode == Mode::binary) {
       expected_[frame.last_word].word = word_at(frame, group);
       ++frame.words_sent;
     } else {
-      frame.last_drain = std::max(clock + kGreyFirstDelay, frame.last_drain + 2);
-      frame.last_word = frame.last_drain + kDrainDelay + 1;
       expected_[frame.last_word - 1].word = word_at(frame, 2 * group);
       expected_[frame.last_word].word = word_at(frame, 2 * group + 1);
       frame.words_sent += 2;
@@ -261,9 +293,9 @@ class Bench {
   }
 
   void expect_break(const Frame& frame, std::int64_t clock) {
-    const std::int64_t when = frame.mode == Mode::binary
-                                  ? clock + kBinaryDelay<Dut> - 1
-                                  : std::max(clock + kGreyFirstDelay - 1, frame.last_drain + 2) + kDrainDelay;
+    const std::int64_t when = drains(frame)
+                                  ? std::max(clock + kGreyFirstDelay - 1, frame.last_drain + 2) + kDrainDelay<Dut>
+                                  : clock + kBinaryDelay<Dut> - 1;
     ASSERT_GE(when, frame.last_word);
     expected_[when].ends_early = true;
     const int missing = static_cast<int>(frame.words.size() / 16) - frame.words_sent;
@@ -280,7 +312,28 @@ class Bench {
   std::int64_t idle_from_ = 0;
 };
 
-inline Frame random_frame(Random& random, int columns, int rows, Mode mode) {
+// Pixels of few values or dark stretches, so that columns have several runs and equal ones, and any window.
+inline void make_runs(Random& random, Frame& frame) {
+  frame.select = random.chance(75) ? Select::strongest : Select::all;
+  frame.gap = random.between(0, 3);
+  const int dark = random.between(10, 90);
+  const int values = random.chance(50) ? random.between(1, 3) : 255;
+  frame.threshold = random.chance(50) ? 0 : random.between(0, 254);
+  for (auto& pixel : frame.pixels) {
+    const int value = frame.threshold + random.between(1, values);
+    pixel = static_cast<std::uint8_t>(random.chance(dark) ? random.between(0, frame.threshold) : std::min(value, 255));
+  }
+}
+
+inline void make_window(Random& random, Frame& frame) {
+  if (random.chance(30)) {
+    frame.window.first = random.between(0, frame.rows);
+    frame.window.last = random.chance(30) ? 0 : random.between(0, frame.rows);
+  }
+}
+
+template <typename Dut>
+Frame random_frame(Random& random, int columns, int rows, Mode mode) {
   Frame frame;
   frame.columns = columns;
   frame.rows = rows;
@@ -291,7 +344,10 @@ inline Frame random_frame(Random& random, int columns, int rows, Mode mode) {
   if (random.chance(15)) {  // all pixels of one value, mostly an extreme one
     std::fill(frame.pixels.begin(), frame.pixels.end(),
               static_cast<std::uint8_t>(random.chance(70) ? 255 : random.between(0, 255)));
+  } else if (kRuns<Dut> && random.chance(85)) {
+    make_runs(random, frame);
   }
+  make_window(random, frame);
   return frame;
 }
 
@@ -307,7 +363,7 @@ void small_sizes(const std::vector<Mode>& modes) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
         Bench<Dut> bench(random);
         for (int frame = 0; frame < 8; ++frame) {
-          Frame next = random_frame(random, columns, rows, mode);
+          Frame next = random_frame<Dut>(random, columns, rows, mode);
           next.gaps = frame < 5 ? 0 : 40;
           bench.wait_for_room((rows - 1) * columns / 4);
           bench.play(next);
@@ -328,11 +384,12 @@ void large_size(int columns, int rows, const std::vector<Mode>& modes) {
   for (const Mode mode : modes) {
     SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
     Bench<Dut> bench(random);
-    Frame frame = random_frame(random, columns, rows, mode);
+    Frame frame = random_frame<Dut>(random, columns, rows, mode);
     frame.threshold = 0;
+    frame.window = {};
     std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
     bench.play(frame);
-    frame = random_frame(random, columns, rows, mode);
+    frame = random_frame<Dut>(random, columns, rows, mode);
     bench.play(frame);  // immediately after it
     bench.finish();
     ASSERT_EQ(bench.frames_accepted, 2);
@@ -357,7 +414,7 @@ void random_frames(Random& random, const std::vector<Mode>& modes, int max_colum
       rows = random.between(1, max_rows);
       mode = modes[static_cast<std::size_t>(random.between(0, static_cast<int>(modes.size()) - 1))];
     }
-    Frame frame = random_frame(random, columns, rows, mode);
+    Frame frame = random_frame<Dut>(random, columns, rows, mode);
     frame.gaps = dense ? 0 : random.between(0, 70);
     frame.wanted = random.chance(85);
     if (random.chance(breaks)) {

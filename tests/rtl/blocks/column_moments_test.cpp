@@ -33,7 +33,7 @@ TEST(ColumnMoments, DelayIs10ClocksInBinaryAndGroupsAnd16InTheGreyModes) {
   for (const Mode mode : kModes) {
     for (const int columns : {4, 8, 12, 96, 512, 2048}) {
       Bench<Vsp_column_moments> bench(random);
-      bench.play(random_frame(random, columns, 3, mode));
+      bench.play(random_frame<Vsp_column_moments>(random, columns, 3, mode));
       bench.finish();
       EXPECT_EQ(bench.last_word_clock - bench.last_beat_clock, mode == Mode::binary ? 10 : columns / 4 + 16)
           << columns << " columns";
@@ -72,13 +72,13 @@ TEST(ColumnMomentsSmall, RandomFrames) {
 TEST(ColumnMoments, ASpoiledFrameSaysSo) {
   Random random(1);
   Bench<Vsp_column_moments> bench(random);
-  bench.play(random_frame(random, 2048, 2, Mode::grey));
-  bench.play(random_frame(random, 8, 400, Mode::grey));  // its second row collides with the drain
+  bench.play(random_frame<Vsp_column_moments>(random, 2048, 2, Mode::grey));
+  bench.play(random_frame<Vsp_column_moments>(random, 8, 400, Mode::grey));  // its second row collides with the drain
   EXPECT_EQ(bench.frames_accepted, 1);
   bench.idle(5);
   EXPECT_EQ(bench.frames_spoiled, 1);
   bench.idle(600);
-  bench.play(random_frame(random, 8, 400, Mode::grey));
+  bench.play(random_frame<Vsp_column_moments>(random, 8, 400, Mode::grey));
   bench.finish();
   EXPECT_EQ(bench.frames_accepted, 2);
   EXPECT_EQ(bench.frames_spoiled, 1);

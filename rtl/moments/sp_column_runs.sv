@@ -1,0 +1,254 @@
+// The strongest run of every column of a stream of frames, four pixels in every clock; the moments
+// of all lit pixels where select is `all`.
+//
+// A run is a sequence of lit rows with at most gap_i dark rows between two of them. The strongest
+// run has the largest M0, of equals the one with the smaller rows. Weights, rows, M0, M1 and N are
+// those of sp_column_moments. The words also tell how many runs there are, up to 3, and how strong
+// the second one is; both are 0 where select is `all`, and the words those of sp_column_moments.
+//
+// Input, accept_i, break_i and spoiled_o are those of sp_column_moments. Latency: in a binary build
+// a beat of four columns leaves 12 clocks after its pixels. In a grey build two columns are
+// completed per clock, in every mode. The first beat leaves 19 clocks after its pixels, the last of
+// G groups G + 19 clocks after its pixels; in mode binary, where a beat takes four columns, the
+// first after 20.
+//
+// Distance: no gap is needed between frames. In a grey build the last row takes 2 G clocks to
+// leave, in mode binary too. sp_packetizer counts a packet that comes sooner as lost.
+`default_nettype none
+
+module sp_column_runs #(
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 8..2048
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
+  parameter bit Grey = 1'b1,  // modes grey and grey_over
+  // derived, do not set
+  parameter int GroupBits = $clog2(MaxColumns / 4),
+  parameter int RowBits = $clog2(MaxRows + 1)
+) (
+  input  wire logic                 clk_i,             // pixel clock
+  input  wire logic                 rst_i,             // active high, synchronous
+
+  input  wire logic                 beat_valid_i,  // a beat of four pixels
+  input  wire logic [31:0]          beat_pixels_i,     // leftmost pixel in 7..0
+  input  wire logic [GroupBits-1:0] beat_group_i,      // group of four columns, from 0
+  input  wire logic [RowBits-1:0]   beat_row_i,        // row, from 1
+  input  wire logic                 beat_first_row_i,  // the row is the first of the frame
+  input  wire logic                 beat_last_row_i,   // the row is the last of the frame
+  input  wire logic                 beat_line_end_i,   // the group is the last of its line
+  input  wire logic [1:0]           mode_i,            // 0 binary, 1 grey, 2 grey_over
+  input  wire logic [7:0]           threshold_i,       // a pixel is lit where it is greater
+  input  wire logic                 strongest_i,       // select: 1 strongest, 0 all
+  input  wire logic [1:0]           gap_i,             // dark rows that a run may have inside
+  input  wire logic                 break_i,           // the frame ends early, in its last row
+  input  wire logic                 accept_i,          // the beat of four clocks ago is wanted
+
+  output logic                      moments_valid_o,   // a payload beat
+  output logic [127:0]              moments_data_o,    // four or two columns, leftmost lowest
+  output logic                      moments_break_o,   // no more payload of this frame comes
+  output logic                      spoiled_o          // the sums of the frame are void
+);
+
+  localparam int WeightBits = Grey ? 8 : 1;
+  localparam int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits;
+  localparam int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
+  localparam int BestBits = 2 + 2 * M0Bits + ABits + (Grey ? 2 * RowBits : 0);
+
+  // --- Stages 1 to 4: weights; the rest waits for the decision of the packetizer ---
+  localparam int FlagBits = 7;
+  logic [4:1]                valid_q;
+  logic [3:1]                break_q;
+  logic [4*GroupBits-1:0]    group_q;   // of stages 1 to 4, stage 1 lowest
+  logic [4*RowBits-1:0]      row_q;     // likewise
+  logic [4*FlagBits-1:0]     flags_q;   // likewise
+  logic [4*WeightBits-1:0]   s3_weights, s4_weights_q;
+  logic [GroupBits-1:0]      s4_group;
+  logic [RowBits-1:0]        s4_row;
+  logic                      s4_first_row, s4_last_row, s4_line_end, s4_grey, s4_strongest;
+  logic [1:0]                s4_gap;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      valid_q <= '0;
+      break_q <= '0;
+    end else begin
+      valid_q <= {valid_q[3:1], beat_valid_i};
+      break_q <= {break_q[2:1], break_i};
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    group_q <= {group_q[3*GroupBits-1:0], beat_group_i};
+    row_q   <= {row_q[3*RowBits-1:0], beat_row_i};
+    flags_q <= {flags_q[3*FlagBits-1:0], beat_first_row_i, beat_last_row_i, beat_line_end_i,
+                Grey && mode_i != sp_spec_pkg::ModeBinary, strongest_i, gap_i};
+    s4_weights_q <= s3_weights;
+  end
+  assign s4_group = group_q[3*GroupBits+:GroupBits];
+  assign s4_row   = row_q[3*RowBits+:RowBits];
+  assign {s4_first_row, s4_last_row, s4_line_end, s4_grey, s4_strongest, s4_gap} =
+      flags_q[3*FlagBits+:FlagBits];
+
+  sp_pixel_weights #(
+    .Grey(Grey)
+  ) u_weights (
+    .clk_i        (clk_i),
+    .rst_i        (rst_i),
+    .beat_pixels_i(beat_pixels_i),
+    .mode_i       (mode_i),
+    .threshold_i  (threshold_i),
+    .weights_o    (s3_weights)
+  );
+
+  // --- Every row but the last is added up, the last row goes to the drain ---
+  logic                    s4_add, s4_push, s4_break;
+  logic                    add, add_first, add_strongest, drain, draining;
+  logic [1:0]              add_gap;
+  logic [GroupBits-1:0]    add_group, drain_group;
+  logic [RowBits-1:0]      add_row, drain_row;
+  logic [4*WeightBits-1:0] add_weights, drain1_weights;
+  logic                    best_valid;
+  logic [4*BestBits-1:0]   best;
+
+  // A first row needs no read, so it may pass a drain. Another row meets a drain only after a
+  // change of size: see spoiled_o.
+  assign s4_add   = valid_q[4] && !s4_last_row && (s4_first_row || !draining);
+  assign s4_push  = valid_q[4] && s4_last_row && accept_i;
+  assign s4_break = break_q[3] && accept_i;
+
+  sp_run_sums #(
+    .MaxRows  (MaxRows),
+    .GroupBits(GroupBits),
+    .Grey     (Grey)
+  ) u_sums (
+    .clk_i           (clk_i),
+    .rst_i           (rst_i),
+    .add_i           (add),
+    .add_first_i     (add_first),
+    .add_group_i     (add_group),
+    .add_row_i       (add_row),
+    .add_weights_i   (add_weights),
+    .strongest_i     (add_strongest),
+    .gap_i           (add_gap),
+    .drain_i         (drain),
+    .drain_group_i   (drain_group),
+    .drain_row_i     (drain_row),
+    .drain1_weights_i(drain1_weights),
+    .best_valid_o    (best_valid),
+    .best_o          (best)
+  );
+
+  if (Grey) begin : gen_grey
+    // The sums run one clock behind the drain.
+    logic                    s5_add_q, s5_first_row_q, s5_strongest_q;
+    logic [1:0]              s5_gap_q;
+    logic [GroupBits-1:0]    s5_group_q;
+    logic [RowBits-1:0]      s5_row_q, row_number_q;
+    logic [4*WeightBits-1:0] s5_weights_q;
+    logic                    drain_break;
+    logic                    out_grey_q, out_strongest_q;  // of the row that is drained
+    always_ff @(posedge clk_i) begin
+      if (rst_i) s5_add_q <= 1'b0;
+      else s5_add_q <= s4_add;
+    end
+    always_ff @(posedge clk_i) begin
+      {s5_first_row_q, s5_strongest_q, s5_gap_q} <= {s4_first_row, s4_strongest, s4_gap};
+      {s5_group_q, s5_row_q, s5_weights_q}       <= {s4_group, s4_row, s4_weights_q};
+      if (s4_push) {row_number_q, out_grey_q, out_strongest_q} <= {s4_row, s4_grey, s4_strongest};
+    end
+    assign {add, add_first, add_strongest, add_gap} =
+        {s5_add_q, s5_first_row_q, s5_strongest_q, s5_gap_q};
+    assign {add_group, add_row, add_weights}        = {s5_group_q, s5_row_q, s5_weights_q};
+    assign drain_row                                = row_number_q;
+
+    sp_drain_order #(
+      .GroupBits(GroupBits)
+    ) u_order (
+      .clk_i         (clk_i),
+      .rst_i         (rst_i),
+      .push_i        (s4_push),
+      .push_end_i    (s4_line_end),
+      .push_group_i  (s4_group),
+      .push_weights_i(s4_weights_q),
+      .break_i       (s4_break),
+      .drain_o       (drain),
+      .drain_group_o (drain_group),
+      .weights_o     (drain1_weights),
+      .active_o      (draining),
+      .break_o       (drain_break)
+    );
+
+    sp_run_output #(
+      .MaxRows(MaxRows)
+    ) u_output (
+      .clk_i          (clk_i),
+      .rst_i          (rst_i),
+      .grey_i         (out_grey_q),
+      .strongest_i    (out_strongest_q),
+      .best_valid_i   (best_valid),
+      .best_i         (best),
+      .drain_break_i  (drain_break),
+      .moments_valid_o(moments_valid_o),
+      .moments_data_o (moments_data_o),
+      .moments_break_o(moments_break_o)
+    );
+
+    // A frame is spoiled from its first lost beat until the first row of the next frame.
+    always_ff @(posedge clk_i) begin
+      if (rst_i) spoiled_o <= 1'b0;
+      else if (valid_q[4] && s4_first_row) spoiled_o <= 1'b0;
+      else if (valid_q[4] && !s4_last_row && draining) spoiled_o <= 1'b1;
+    end
+  end else begin : gen_binary
+    // The last row follows one clock later than the others. So at least two clocks lie between a
+    // drain and the row before it, and the first row of the next frame, which may come beside it,
+    // needs no read.
+    localparam int OutStage = 12;  // s4_push and s4_break are of stage 4
+    logic [OutStage:5]       push_q, end_q, strongest_q;
+    logic [GroupBits-1:0]    s5_group_q;
+    logic [RowBits-1:0]      s5_row_q;
+    logic [4*WeightBits-1:0] s5_weights_q, s6_weights_q;
+    always_ff @(posedge clk_i) begin
+      if (rst_i) begin
+        push_q <= '0;
+        end_q  <= '0;
+      end else begin
+        push_q <= {push_q[OutStage-1:5], s4_push};
+        end_q  <= {end_q[OutStage-1:5], s4_break};
+      end
+    end
+    always_ff @(posedge clk_i) begin
+      {s5_group_q, s5_row_q, s5_weights_q} <= {s4_group, s4_row, s4_weights_q};
+      s6_weights_q                         <= s5_weights_q;
+      strongest_q                          <= {strongest_q[OutStage-1:5], s4_strongest};
+    end
+    assign {add, add_first, add_strongest, add_gap} = {s4_add, s4_first_row, s4_strongest, s4_gap};
+    assign {add_group, add_row, add_weights}        = {s4_group, s4_row, s4_weights_q};
+    assign {drain, drain_group, drain_row}          = {push_q[5], s5_group_q, s5_row_q};
+    assign drain1_weights                           = s6_weights_q;
+    assign draining                                 = 1'b0;
+    assign spoiled_o                                = 1'b0;
+
+    for (genvar lane = 0; lane < 4; lane++) begin : gen_word
+      logic [1:0]        runs;
+      logic [M0Bits-1:0] second, m0;
+      logic [ABits-1:0]  m1;
+      logic [31:0]       word_q;
+      logic [2:0]        told;
+      assign {runs, second, m0, m1} = best[lane*BestBits+:BestBits];
+      logic              half;  // the second run has half the M0 of the strongest, or more
+      assign half = runs[1] && {second, 1'b0} >= {1'b0, m0};
+      assign told = strongest_q[OutStage-1] ? {half, runs} : 3'd0;
+      always_ff @(posedge clk_i) word_q <=
+          32'(m1) << sp_spec_pkg::BinaryRunM1Lsb | 32'(m0) << sp_spec_pkg::BinaryRunM0Lsb |
+          32'(told[2]) << sp_spec_pkg::BinaryRunSecondLsb |
+          32'(told[1:0]) << sp_spec_pkg::BinaryRunRunsLsb;
+      assign moments_data_o[32*lane+:32] = word_q;
+    end
+    assign moments_valid_o = push_q[OutStage];
+    assign moments_break_o = end_q[OutStage];
+    logic unused;
+    assign unused = ^{s4_line_end, s4_grey, best_valid};
+  end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,93 @@
+// Compares the strongest runs of the RTL with the model, beat by beat.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "Vsp_column_runs_ports.h"
+#include "Vsp_column_runs_small_ports.h"
+#include "tests/rtl/blocks/column_moments_bench.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test::moments {
+
+template <>
+constexpr bool kBinaryDrains<Vsp_column_runs> = true;
+template <>
+constexpr int kBinaryDelay<Vsp_column_runs_small> = 12;
+
+namespace {
+
+TEST(ColumnRuns, SmallSizes) { small_sizes<Vsp_column_runs>({Mode::binary, Mode::grey, Mode::grey_over}); }
+TEST(ColumnRunsSmall, SmallSizes) { small_sizes<Vsp_column_runs_small>({Mode::binary}); }
+
+TEST(ColumnRuns, LargestImage) { large_size<Vsp_column_runs>(2048, 1023, {Mode::grey}); }
+TEST(ColumnRuns, TallestImageOfOneGroup) { large_size<Vsp_column_runs>(4, 1023, {kModes.begin(), kModes.end()}); }
+TEST(ColumnRuns, TallestImageOfTwoGroups) { large_size<Vsp_column_runs>(8, 1023, {kModes.begin(), kModes.end()}); }
+TEST(ColumnRunsSmall, LargestImage) { large_size<Vsp_column_runs_small>(512, 127, {Mode::binary}); }
+TEST(ColumnRunsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_runs_small>(4, 127, {Mode::binary}); }
+
+// The delays as documents state them: from the last pixel of a frame without gaps to its last word.
+TEST(ColumnRuns, DelayIsGroupsAnd19Clocks) {
+  Random random(1);
+  for (const Mode mode : kModes) {
+    for (const int columns : {4, 8, 12, 96, 512, 2048}) {
+      Bench<Vsp_column_runs> bench(random);
+      bench.play(random_frame<Vsp_column_runs>(random, columns, 3, mode));
+      bench.finish();
+      EXPECT_EQ(bench.last_word_clock - bench.last_beat_clock, columns / 4 + 19) << columns << " columns";
+    }
+  }
+}
+TEST(ColumnRunsSmall, DelayIs12Clocks) {
+  Random random(1);
+  for (const int columns : {4, 8, 12, 512}) {
+    Bench<Vsp_column_runs_small> bench(random);
+    bench.play(random_frame<Vsp_column_runs_small>(random, columns, 3, Mode::binary));
+    bench.finish();
+    EXPECT_EQ(bench.last_word_clock - bench.last_beat_clock, 12) << columns << " columns";
+  }
+}
+
+TEST(ColumnRuns, RandomFramesOfOneSize) {
+  for (const std::uint64_t seed : seeds(150)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    random_frames<Vsp_column_runs>(random, {kModes.begin(), kModes.end()}, random.chance(60) ? 12 : 64, 12, false);
+    ASSERT_FALSE(::testing::Test::HasFailure());
+  }
+}
+TEST(ColumnRuns, RandomFramesOfChangingSizeAndMode) {
+  for (const std::uint64_t seed : seeds(200)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    random_frames<Vsp_column_runs>(random, {kModes.begin(), kModes.end()}, random.chance(50) ? 64 : 400, 12, true);
+    ASSERT_FALSE(::testing::Test::HasFailure());
+  }
+}
+TEST(ColumnRunsSmall, RandomFrames) {
+  for (const std::uint64_t seed : seeds(200)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    random_frames<Vsp_column_runs_small>(random, {Mode::binary}, random.chance(60) ? 12 : 64, 12, random.chance(50));
+    ASSERT_FALSE(::testing::Test::HasFailure());
+  }
+}
+
+// As ColumnMoments.ASpoiledFrameSaysSo.
+TEST(ColumnRuns, ASpoiledFrameSaysSo) {
+  Random random(1);
+  Bench<Vsp_column_runs> bench(random);
+  bench.play(random_frame<Vsp_column_runs>(random, 2048, 2, Mode::grey));
+  bench.play(random_frame<Vsp_column_runs>(random, 8, 400, Mode::grey));  // its second row collides with the drain
+  EXPECT_EQ(bench.frames_accepted, 1);
+  bench.idle(5);
+  EXPECT_EQ(bench.frames_spoiled, 1);
+  bench.idle(600);
+  bench.play(random_frame<Vsp_column_runs>(random, 8, 400, Mode::grey));
+  bench.finish();
+  EXPECT_EQ(bench.frames_accepted, 2);
+  EXPECT_EQ(bench.frames_spoiled, 1);
+}
+
+}  // namespace
+}  // namespace selfproj::test::moments
