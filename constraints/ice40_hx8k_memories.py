@@ -1,12 +1,15 @@
 # Gives every block RAM a site. nextpnr-ice40 runs this file with --pre-place. The grey build of the board takes 31 of
-# 32 block RAMs. The placer alone spreads those of the moments over both columns, so that the sums have to cross half of
-# the array and come back in one clock. This file puts the sums and the line buffer into the right column from the
-# bottom up, and the packet FIFO into the left column; the rest of the FIFO goes to the top of the right one.
+# 32 block RAMs, and a binary build with runs takes all. The placer alone spreads those of the moments over both
+# columns, so that the sums have to cross half of the array and come back in one clock. This file puts the sums and the
+# line buffer into the right column from the bottom up, and the packet FIFO into the left column; the rest of the FIFO
+# goes to the top of the right one.
 import re
 
 LEFT, RIGHT = ([f"X{x}/Y{y}/ram" for y in range(1, 32, 2)] for x in (8, 25))
-# The two sums of a lane are side by side.
-MOMENTS = ["gen_pair[0].u_m.", "gen_pair[0].u_a.", "gen_pair[1].u_m.", "gen_pair[1].u_a.", "u_line."]
+# The two sums of a lane are side by side. The last seven are those of the strongest runs.
+MOMENTS = ["gen_pair[0].u_m.", "gen_pair[0].u_a.", "gen_pair[1].u_m.", "gen_pair[1].u_a.", "u_line.",
+           "gen_lane[0].u_best.", "gen_lane[1].u_best.", "u_sums.u_d.", "u_sums.u_m.", "u_sums.u_a.",
+           "gen_lane[2].u_best.", "gen_lane[3].u_best."]
 
 memories = sorted(((name, cell) for name, cell in ctx.cells if cell.type == "ICESTORM_RAM"),
                   key=lambda memory: [int(number) for number in re.findall(r"\d+", memory[0])])

@@ -49,8 +49,12 @@ CONFIGURATIONS = [
                   SMALL | {"Codes": "1'b1", "CodeBits": "8"}),
     Configuration("default maxima", "moments with the grey modes, raw image; 2048 columns, 1023 rows",
                   {"MaxColumns": "2048", "MaxRows": "1023", "Grey": "1'b1", "Image": "1'b1"}),
+    Configuration("runs", "moments with the strongest runs, binary; 512 columns, 127 rows", SMALL | {"Runs": "1'b1"}),
 ]
 
+# Only for the clock
+GREY_RUNS = Configuration("grey runs", "moments with the strongest runs and the grey modes; 512 columns, 127 rows",
+                          SMALL | {"Grey": "1'b1", "Runs": "1'b1"})
 # Only for the clock: the largest image that fits into the block RAMs of an LFE5U-85F
 SCANNER = Configuration("scanner",
                         "moments, binary, and Gray decoder with its memory on chip, 4 bits; 512 columns, 384 rows",
@@ -106,7 +110,8 @@ PARTS = {
 ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 # Part, configuration, and how many of the seeds 1, 2, 3, ... are placed: none is left out
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 40), ("iCE40 HX8K", CONFIGURATIONS[1], 40),
-          ("LFE5U-85F-8", CONFIGURATIONS[0], 6), ("LFE5U-85F-8", CONFIGURATIONS[1], 6), ("LFE5U-85F-8", SCANNER, 13)]
+          ("LFE5U-85F-8", CONFIGURATIONS[0], 6), ("LFE5U-85F-8", CONFIGURATIONS[1], 6), ("LFE5U-85F-8", SCANNER, 13),
+          ("iCE40 HX8K", CONFIGURATIONS[4], 40), ("LFE5U-85F-8", GREY_RUNS, 10)]
 # Constants that a change of the specification moves, even one that the circuits know nothing of. They are measured with
 # the values that these had in version 1.0.
 FIXED = {"SpecHash": "32'h08691C00", "SpecVersion": "16'h0100"}

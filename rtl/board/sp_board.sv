@@ -14,6 +14,7 @@ module sp_board #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // image width: a multiple of 4, 12..2048
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // image height: 2..1023
   parameter bit Grey = 1'b1,   // modes grey and grey_over
+  parameter bit Runs = 1'b0,   // the strongest run of a column
   parameter bit Image = 1'b1,  // raw-image packets
   parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
   parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
@@ -87,6 +88,7 @@ module sp_board #(
   logic [1:0]            set_mode;
   logic [3:0]            set_bits;
   logic [7:0]            set_threshold, set_stream, set_code_threshold;
+  logic [2*RowBits+2:0]  set_select, select;
   logic [23:0]           set_timeout, trigger_period, trigger_camera;
   logic                  trigger_run, trigger_on_frame, frame_open;
   logic [7:0]            trigger_last_pattern;
@@ -130,6 +132,7 @@ module sp_board #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
     .Grey      (Grey),
+    .Runs      (Runs),
     .Image     (Image),
     .Codes     (Codes),
     .Median    (CodesMedian),
@@ -152,6 +155,7 @@ module sp_board #(
     .mode_o                (set_mode),
     .threshold_o           (set_threshold),
     .stream_o              (set_stream),
+    .select_o              (set_select),
     .timeout_o             (set_timeout),
     .trigger_run_o         (trigger_run),
     .trigger_on_frame_o    (trigger_on_frame),
@@ -178,7 +182,7 @@ module sp_board #(
   );
 
   // --- Frames ---
-  logic                  taking, take, image, one_group, two_groups;
+  logic                  taking, take, captured, image, one_group, two_groups;
   logic [ColumnBits-1:0] columns;
   logic [RowBits-1:0]    rows;
   logic [1:0]            mode;
@@ -187,8 +191,7 @@ module sp_board #(
   logic [31:0]           beat_pixels;
   logic [GroupBits-1:0]  beat_group;
   logic [RowBits-1:0]    beat_row;
-  logic                  frame_start, stray_before, last_row_start;
-  logic                  frame_break, break_in_last_row;
+  logic                  frame_start, stray_before, last_row_start, frame_break, break_in_last_row;
   logic [StatusBits-1:0] break_status;
 
   sp_frame_tracker #(
@@ -210,6 +213,7 @@ module sp_board #(
     .mode_i             (set_mode),
     .threshold_i        (set_threshold),
     .stream_i           (set_stream),
+    .select_i           (set_select),
     .timeout_i          (set_timeout),
     .taking_o           (taking),
     .take_o             (take),
@@ -219,6 +223,7 @@ module sp_board #(
     .mode_o             (mode),
     .threshold_o        (threshold),
     .stream_o           (stream),
+    .select_o           (select),
     .one_group_o        (one_group),
     .two_groups_o       (two_groups),
     .beat_valid_o       (beat_valid),
@@ -241,7 +246,6 @@ module sp_board #(
   );
 
   // --- Encoder, trigger, header fields ---
-  logic                  captured;
   logic [15:0]           pattern_now, pattern_of_frame;
   logic [sp_spec_pkg::HeaderBits-1:0] info;
 
@@ -284,6 +288,7 @@ module sp_board #(
     .mode_i        (mode),
     .threshold_i   (threshold),
     .stream_i      (stream),
+    .select_i      (select),
     .encoder_i     (encoder_count),
     .pattern_i     (pattern_now),
     .time_o        (time_now),
@@ -301,6 +306,7 @@ module sp_board #(
     .MaxColumns(MaxColumns),
     .MaxRows   (MaxRows),
     .Grey      (Grey),
+    .Runs      (Runs),
     .LogDepth  (MomentsLogDepth)
   ) u_moments_path (
     .clk_i              (clk_i),
@@ -308,6 +314,7 @@ module sp_board #(
     .groups_i           (columns[ColumnBits-1:2]),
     .mode_i             (mode),
     .threshold_i        (threshold),
+    .select_i           (select),
     .one_group_i        (one_group),
     .two_groups_i       (two_groups),
     .beat_valid_i       (beat_valid),
@@ -363,11 +370,8 @@ module sp_board #(
     );
   end else begin : gen_no_image
     logic unused;
-    assign unused          = ^{image, image_out_ready, beat_line_start};
-    assign lost_image      = 32'd0;
-    assign image_out_valid = 1'b0;
-    assign image_out_last  = 1'b0;
-    assign image_out_data  = '0;
+    assign unused = ^{image, image_out_ready, beat_line_start};
+    assign {lost_image, image_out_valid, image_out_last, image_out_data} = '0;
   end
 
   // --- Codes ---
@@ -411,13 +415,9 @@ module sp_board #(
     );
   end else begin : gen_no_codes
     logic unused;
-    assign unused          = ^{set_decode, set_median, set_bits, set_code_threshold, rows,
-                               pattern_of_frame, codes_out_ready};
-    assign lost_codes      = 32'd0;
-    assign abandoned       = 32'd0;
-    assign codes_out_valid = 1'b0;
-    assign codes_out_last  = 1'b0;
-    assign codes_out_data  = '0;
+    assign unused = ^{set_decode, set_median, set_bits, set_code_threshold, rows, pattern_of_frame,
+                      codes_out_ready};
+    assign {lost_codes, abandoned, codes_out_valid, codes_out_last, codes_out_data} = '0;
   end
 
   // --- The way out ---

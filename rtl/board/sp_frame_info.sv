@@ -45,6 +45,7 @@ module sp_frame_info #(
   input  wire logic [1:0]            mode_i,
   input  wire logic [7:0]            threshold_i,
   input  wire logic [7:0]            stream_i,
+  input  wire logic [2*RowBits+2:0]  select_i,  // {last row that counts, first, strongest, gap}
 
   input  wire logic [31:0]           encoder_i,
   input  wire logic [15:0]           pattern_i,
@@ -71,6 +72,10 @@ module sp_frame_info #(
   localparam int RowsBeat = sp_spec_pkg::HeaderRowsLsb / BeatBits;
   localparam int LinesBeat = sp_spec_pkg::HeaderLinesLsb / BeatBits;
   localparam int FlagsBeat = sp_spec_pkg::HeaderFlagsLsb / BeatBits;
+  localparam int SelectBeat = sp_spec_pkg::HeaderSelectLsb / BeatBits;
+  localparam int GapBeat = sp_spec_pkg::HeaderGapLsb / BeatBits;
+  localparam int FirstRowBeat = sp_spec_pkg::HeaderFirstRowLsb / BeatBits;
+  localparam int LastRowBeat = sp_spec_pkg::HeaderLastRowLsb / BeatBits;
 
   // Clocks from the edge that takes the first beat at the video input to the edge that captures the
   // time
@@ -190,6 +195,9 @@ module sp_frame_info #(
   logic [1:0]            mode_q;
   logic [ColumnBits-1:0] columns_q;
   logic [RowBits-1:0]    rows_q, lines_q;
+  logic                  strongest_q;
+  logic [1:0]            gap_q;
+  logic [RowBits-1:0]    first_row_q, last_row_q;
   logic                  stray_before_q;  // belongs to the frame, not to the settings
 
   always_ff @(posedge clk_i) begin
@@ -199,6 +207,10 @@ module sp_frame_info #(
     if (taken_q[3+ColumnsBeat]) columns_q <= columns_i;
     if (taken_q[3+RowsBeat]) rows_q <= rows_i;
     if (taken_q[3+LinesBeat]) lines_q <= rows_i;
+    if (taken_q[3+SelectBeat]) strongest_q <= select_i[2];
+    if (taken_q[3+GapBeat]) gap_q <= select_i[1:0];
+    if (taken_q[3+FirstRowBeat]) first_row_q <= select_i[3+:RowBits];
+    if (taken_q[3+LastRowBeat]) last_row_q <= select_i[3+RowBits+:RowBits];
     if (started_q[3+FlagsBeat]) stray_before_q <= stray_q[3+FlagsBeat];
   end
 
@@ -214,6 +226,10 @@ module sp_frame_info #(
     info_o[sp_spec_pkg::HeaderColumnsLsb+:ColumnBits]    = columns_q;
     info_o[sp_spec_pkg::HeaderRowsLsb+:RowBits]          = rows_q;
     info_o[sp_spec_pkg::HeaderLinesLsb+:RowBits]         = lines_q;
+    info_o[sp_spec_pkg::HeaderSelectLsb]                 = strongest_q;
+    info_o[sp_spec_pkg::HeaderGapLsb+:2]                 = gap_q;
+    info_o[sp_spec_pkg::HeaderFirstRowLsb+:RowBits]      = first_row_q;
+    info_o[sp_spec_pkg::HeaderLastRowLsb+:RowBits]       = last_row_q;
     info_o[sp_spec_pkg::HeaderFlagsLsb+sp_spec_pkg::FlagStrayBeforeBit] = stray_before_q;
   end
 

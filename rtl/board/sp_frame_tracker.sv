@@ -56,6 +56,7 @@ module sp_frame_tracker #(
   input  wire logic [1:0]            mode_i,
   input  wire logic [7:0]            threshold_i,
   input  wire logic [7:0]            stream_i,
+  input  wire logic [2*RowBits+2:0]  select_i,  // as in sp_registers
   input  wire logic [23:0]           timeout_i,
 
   output logic                       taking_o,  // one clock before take_o: the settings are taken
@@ -67,6 +68,7 @@ module sp_frame_tracker #(
   output logic      [1:0]            mode_o,
   output logic      [7:0]            threshold_o,
   output logic      [7:0]            stream_o,
+  output logic      [2*RowBits+2:0]  select_o,
   output logic                       one_group_o,
   output logic                       two_groups_o,
 
@@ -124,12 +126,10 @@ module sp_frame_tracker #(
   end
 
   // --- Stage 1: registers of the beat ---
-  logic        s1_valid_q;   // a beat
-  logic        s1_start_q;   // a beat with tuser
-  logic        s1_further_q; // a beat without tuser
-  logic        s1_begin_q;   // a beat that starts a frame
-  logic        s1_take_q;    // a beat that takes the settings over
-  logic        s1_last_q;    // tlast
+  logic        s1_valid_q, s1_last_q;     // a beat; its tlast
+  logic        s1_start_q, s1_further_q;  // a beat with tuser, without tuser
+  logic        s1_begin_q;                // a beat that starts a frame
+  logic        s1_take_q;                 // a beat that takes the settings over
   logic [31:0] s1_pixels_q;
 
   always_ff @(posedge clk_i) begin
@@ -156,6 +156,7 @@ module sp_frame_tracker #(
       mode_o      <= mode_i;
       threshold_o <= threshold_i;
       stream_o    <= stream_i;
+      select_o    <= select_i;
     end
   end
 
@@ -276,10 +277,8 @@ module sp_frame_tracker #(
   logic stray_q;              // a beat was discarded since the last frame start
   logic stray, stray_now_q;   // this beat is discarded while running; the last one was
   logic start_breaks;         // a start ends an open frame
-  logic late_break;           // a line or a pause ends it
-  logic late_break_q;         // it did one clock ago: break_o follows
-  logic late_valid_q;         // there was a beat one clock ago
-  logic late_last_q;          // that beat had tlast
+  logic late_break, late_break_q;   // a line or a pause ends it; it did one clock ago
+  logic late_valid_q, late_last_q;  // there was a beat one clock ago; it had tlast
 
   assign stray        = run_i && (s1_start_q && !s1_begin_q || s1_further_q && !open_q);
   assign start_breaks = s1_start_q && open_q;
@@ -394,7 +393,7 @@ module sp_frame_tracker #(
   // Rule 2: at least six clocks lie between two take-overs.
   always_ff @(posedge clk_i) if (f_ran_q && !$past(rst_i)) begin
     if (!($stable(columns_o) && $stable(rows_o) && $stable(mode_o) && $stable(threshold_o) &&
-          $stable(stream_o) && $stable(image_o))) begin
+          $stable(stream_o) && $stable(select_o) && $stable(image_o))) begin
       assert (frame_start_o && take_o && !f_hold_q[3]);
     end
     if (take_o) assert (f_since_q == 3'd7);

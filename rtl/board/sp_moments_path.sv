@@ -1,14 +1,15 @@
 // From beats to moments packets: the sums, their packets, and the packet FIFO into the bus clock.
 //
 // Guarantees: every frame start gives a packet or is counted in lost_o; packets come out whole.
-// This module only connects sp_column_moments and sp_packet_output, which have the latency, the
-// formats and the overflow rule.
+// This module only connects sp_column_moments, or sp_column_runs, and sp_packet_output, which have
+// the latency, the formats and the overflow rule.
 `default_nettype none
 
 module sp_moments_path #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter bit Grey = 1'b1,
+  parameter bit Runs = 1'b0,    // the strongest run of a column
   parameter int LogDepth = 11,  // log2 of the depth of the packet FIFO, in beats of 16 bytes
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
@@ -23,6 +24,7 @@ module sp_moments_path #(
   input  wire logic [ColumnBits-3:0] groups_i,  // of a line: columns / 4
   input  wire logic [1:0]            mode_i,
   input  wire logic [7:0]            threshold_i,
+  input  wire logic [2*RowBits+2:0]  select_i,  // {last row that counts, first, strongest, gap}
   input  wire logic                  one_group_i,
   input  wire logic                  two_groups_i,
   input  wire logic                  beat_valid_i,
@@ -70,31 +72,71 @@ module sp_moments_path #(
     if (last_row_start_i) payload_beats_q <= payload_beats;
   end
 
-  sp_column_moments #(
-    .MaxColumns(MaxColumns),
-    .MaxRows   (MaxRows),
-    .Grey      (Grey)
-  ) u_moments (
-    .clk_i           (clk_i),
-    .rst_i           (rst_i),
-    .beat_valid_i    (beat_valid_i),
-    .beat_pixels_i   (beat_pixels_i),
-    .beat_group_i    (beat_group_i),
-    .beat_row_i      (beat_row_i),
-    .beat_first_row_i(beat_first_row_i),
-    .beat_last_row_i (beat_last_row_i),
-    .beat_line_end_i (beat_line_end_i),
-    .one_group_i     (one_group_i),
-    .two_groups_i    (two_groups_i),
-    .mode_i          (mode_i),
-    .threshold_i     (threshold_i),
-    .break_i         (break_i && break_in_last_row_i),
-    .accept_i        (accept),
-    .moments_valid_o (words_valid),
-    .moments_data_o  (words_data),
-    .moments_break_o (words_break),
-    .spoiled_o       (spoiled)
-  );
+  // No pixel is greater than 255, so none is lit in a row that does not count.
+  logic [RowBits-1:0] first_row, last_row;  // that count; 0: no limit
+  logic               counts;
+  logic [7:0]         threshold;
+  assign {last_row, first_row} = select_i[3+:2*RowBits];
+  assign counts    = beat_row_i >= first_row && (beat_row_i <= last_row || last_row == '0);
+  assign threshold = threshold_i | {8{!counts}};
+
+  if (Runs) begin : gen_runs
+    sp_column_runs #(
+      .MaxColumns(MaxColumns),
+      .MaxRows   (MaxRows),
+      .Grey      (Grey)
+    ) u_moments (
+      .clk_i           (clk_i),
+      .rst_i           (rst_i),
+      .beat_valid_i    (beat_valid_i),
+      .beat_pixels_i   (beat_pixels_i),
+      .beat_group_i    (beat_group_i),
+      .beat_row_i      (beat_row_i),
+      .beat_first_row_i(beat_first_row_i),
+      .beat_last_row_i (beat_last_row_i),
+      .beat_line_end_i (beat_line_end_i),
+      .strongest_i     (select_i[2]),
+      .gap_i           (select_i[1:0]),
+      .mode_i          (mode_i),
+      .threshold_i     (threshold),
+      .break_i         (break_i && break_in_last_row_i),
+      .accept_i        (accept),
+      .moments_valid_o (words_valid),
+      .moments_data_o  (words_data),
+      .moments_break_o (words_break),
+      .spoiled_o       (spoiled)
+    );
+    logic unused;
+    assign unused = one_group_i ^ two_groups_i;
+  end else begin : gen_plain
+    sp_column_moments #(
+      .MaxColumns(MaxColumns),
+      .MaxRows   (MaxRows),
+      .Grey      (Grey)
+    ) u_moments (
+      .clk_i           (clk_i),
+      .rst_i           (rst_i),
+      .beat_valid_i    (beat_valid_i),
+      .beat_pixels_i   (beat_pixels_i),
+      .beat_group_i    (beat_group_i),
+      .beat_row_i      (beat_row_i),
+      .beat_first_row_i(beat_first_row_i),
+      .beat_last_row_i (beat_last_row_i),
+      .beat_line_end_i (beat_line_end_i),
+      .one_group_i     (one_group_i),
+      .two_groups_i    (two_groups_i),
+      .mode_i          (mode_i),
+      .threshold_i     (threshold),
+      .break_i         (break_i && break_in_last_row_i),
+      .accept_i        (accept),
+      .moments_valid_o (words_valid),
+      .moments_data_o  (words_data),
+      .moments_break_o (words_break),
+      .spoiled_o       (spoiled)
+    );
+    logic unused;
+    assign unused = ^select_i[2:0];
+  end
 
   sp_packet_output #(
     .Kind       (sp_spec_pkg::KindMoments),

@@ -24,6 +24,7 @@ module sp_registers #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,
   parameter int MaxRows = sp_spec_pkg::MaxRows,
   parameter bit Grey = 1'b1,
+  parameter bit Runs = 1'b0,  // the strongest run of a column
   parameter bit Image = 1'b1,
   parameter bit Codes = 1'b0,  // Gray-code decoder
   parameter bit Median = 1'b0,
@@ -53,6 +54,7 @@ module sp_registers #(
   output logic      [1:0]             mode_o,
   output logic      [7:0]             threshold_o,
   output logic      [7:0]             stream_o,
+  output logic      [2*RowBits+2:0]   select_o,  // {last row that counts, first, strongest, gap}
   output logic      [23:0]            timeout_o,
   output logic                        trigger_run_o,
   output logic                        trigger_on_frame_o,
@@ -87,6 +89,11 @@ module sp_registers #(
                  SizeRowsBits = sp_spec_pkg::RegSizeRowsBits;
   localparam int ModeLsb = sp_spec_pkg::RegMeasureModeLsb,
                  ModeBits = sp_spec_pkg::RegMeasureModeBits;
+  localparam int SelectLsb = sp_spec_pkg::RegMeasureSelectLsb,
+                 GapLsb = sp_spec_pkg::RegMeasureGapLsb;
+  localparam int WindowFirstLsb = sp_spec_pkg::RegWindowFirstLsb,
+                 WindowLastLsb = sp_spec_pkg::RegWindowLastLsb,
+                 WindowBits = sp_spec_pkg::RegWindowFirstBits;
   localparam int DecodeBitsLsb = sp_spec_pkg::RegDecodeBitsLsb,
                  DecodeBitsBits = sp_spec_pkg::RegDecodeBitsBits;
   // Width of each of the two with the unused bits above it, which must be 0
@@ -116,7 +123,8 @@ module sp_registers #(
   logic             there_q;    // this build has the register
   logic [Words-1:0] hit_q;
   logic             read_good_q;
-  logic             size_good_q, measure_good_q, image_good_q, period_good_q, decode_good_q;
+  logic             size_good_q, measure_good_q, window_good_q, image_good_q, period_good_q;
+  logic             decode_good_q;
   logic             image_wanted, trigger_wanted;
   logic             hold_q;     // as written
   logic             pending_q;  // settings were written and not yet taken over
@@ -126,6 +134,7 @@ module sp_registers #(
   localparam logic [31:0] Capability = 32'(MaxColumns) << sp_spec_pkg::RegCapabilityMaxColumnsLsb |
                                        32'(MaxRows) << sp_spec_pkg::RegCapabilityMaxRowsLsb |
                                        32'(Grey) << sp_spec_pkg::RegCapabilityGreyLsb |
+                                       32'(Runs) << sp_spec_pkg::RegCapabilityRunsLsb |
                                        32'(Image) << sp_spec_pkg::RegCapabilityImageLsb |
                                        32'(Codes) << sp_spec_pkg::RegCapabilityCodesLsb |
                                        32'(Codes && Median) << sp_spec_pkg::RegCapabilityMedianLsb |
@@ -135,7 +144,7 @@ module sp_registers #(
   // Writes, one clock later still
   localparam int WriteControl = 0, WriteSize = 1, WriteMeasure = 2, WriteDecode = 3,
                  WriteTimeout = 4, WriteTrigger = 5, WritePeriod = 6, WriteCamera = 7,
-                 WriteWidth = 8, Writes = 9;
+                 WriteWidth = 8, WriteWindow = 9, Writes = 10;
   // This register takes data_i: one bit for one clock, or none. In reset all are set, and every
   // register takes its reset value; so this bit alone is its enable.
   logic [Writes-1:0] put_q;
@@ -154,7 +163,7 @@ module sp_registers #(
     asked_q[4]   <= rst_i ? 1'b0 : asked_q[3];
     hold_o       <= rst_i || asked_q[2:0] != '0 && write_i || hold_q;
     pending_q    <= put_q[WriteControl] || put_q[WriteSize] || put_q[WriteMeasure] ||
-                    put_q[WriteDecode] || pending_q && !take_i;
+                    put_q[WriteDecode] || put_q[WriteWindow] || pending_q && !take_i;
   end
 
   always_ff @(posedge clk_i) begin
@@ -168,6 +177,7 @@ module sp_registers #(
         put_q[WriteSize]    <= hit_q[sp_spec_pkg::RegSize/4] && size_good_q;
         put_q[WriteMeasure] <= hit_q[sp_spec_pkg::RegMeasure/4] && measure_good_q;
         put_q[WriteDecode]  <= hit_q[sp_spec_pkg::RegDecode/4] && decode_good_q;
+        put_q[WriteWindow]  <= hit_q[sp_spec_pkg::RegWindow/4] && window_good_q;
         put_q[WriteTimeout] <= hit_q[sp_spec_pkg::RegTimeout/4];
         put_q[WriteTrigger] <= hit_q[sp_spec_pkg::RegTriggerControl/4] &&
                                !((trigger_run_o || trigger_on_frame_o) && trigger_wanted);
@@ -180,51 +190,39 @@ module sp_registers #(
   end
 
   // --- Writes ---
+  logic [31:0] control_data, measure_data, trigger_data;
+  assign control_data = rst_q ? sp_spec_pkg::RegControlReset : data_i;
+  assign measure_data = rst_q ? sp_spec_pkg::RegMeasureReset : data_i;
+  assign trigger_data = rst_q ? sp_spec_pkg::RegTriggerControlReset : data_i;
   always_ff @(posedge clk_i) begin
     if (put_q != '0) begin
       if (put_q[WriteControl]) begin
-        if (rst_q) begin
-          run_o   <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlRunLsb];
-          hold_q  <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlHoldLsb];
-          image_o <= sp_spec_pkg::RegControlReset[sp_spec_pkg::RegControlImageLsb];
-        end else begin
-          run_o   <= data_i[sp_spec_pkg::RegControlRunLsb];
-          hold_q  <= data_i[sp_spec_pkg::RegControlHoldLsb];
-          image_o <= image_wanted;
-        end
+        run_o   <= control_data[sp_spec_pkg::RegControlRunLsb];
+        hold_q  <= control_data[sp_spec_pkg::RegControlHoldLsb];
+        image_o <= control_data[sp_spec_pkg::RegControlImageLsb];
       end
       if (put_q[WriteSize]) begin
         columns_o <= rst_q ? ResetColumns : data_i[sp_spec_pkg::RegSizeColumnsLsb+:ColumnBits];
         rows_o    <= rst_q ? ResetRows : data_i[sp_spec_pkg::RegSizeRowsLsb+:RowBits];
       end
       if (put_q[WriteMeasure]) begin
-        if (rst_q) begin
-          threshold_o <= sp_spec_pkg::RegMeasureReset[sp_spec_pkg::RegMeasureThresholdLsb+:8];
-          mode_o      <= sp_spec_pkg::RegMeasureReset[sp_spec_pkg::RegMeasureModeLsb+:2];
-          stream_o    <= sp_spec_pkg::RegMeasureReset[sp_spec_pkg::RegMeasureStreamLsb+:8];
-        end else begin
-          threshold_o <= data_i[sp_spec_pkg::RegMeasureThresholdLsb+:8];
-          mode_o      <= data_i[sp_spec_pkg::RegMeasureModeLsb+:2];
-          stream_o    <= data_i[sp_spec_pkg::RegMeasureStreamLsb+:8];
-        end
+        threshold_o <= measure_data[sp_spec_pkg::RegMeasureThresholdLsb+:8];
+        mode_o      <= measure_data[ModeLsb+:ModeBits];
+        stream_o    <= measure_data[sp_spec_pkg::RegMeasureStreamLsb+:8];
+        select_o[2:0] <= Runs ? {measure_data[SelectLsb], measure_data[GapLsb+:2]} : 3'd0;
+      end
+      if (put_q[WriteWindow]) begin
+        select_o[3+:2*RowBits] <=
+            rst_q ? '0 : {data_i[WindowLastLsb+:RowBits], data_i[WindowFirstLsb+:RowBits]};
       end
       if (put_q[WriteTimeout]) begin
         timeout_o <= rst_q ? sp_spec_pkg::RegTimeoutReset[sp_spec_pkg::RegTimeoutClocksLsb+:24] :
                      data_i[sp_spec_pkg::RegTimeoutClocksLsb+:24];
       end
       if (put_q[WriteTrigger]) begin
-        if (rst_q) begin
-          trigger_run_o          <=
-              sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlRunLsb];
-          trigger_on_frame_o     <=
-              sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlOnFrameLsb];
-          trigger_last_pattern_o <=
-              sp_spec_pkg::RegTriggerControlReset[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
-        end else begin
-          trigger_run_o          <= data_i[sp_spec_pkg::RegTriggerControlRunLsb];
-          trigger_on_frame_o     <= data_i[sp_spec_pkg::RegTriggerControlOnFrameLsb];
-          trigger_last_pattern_o <= data_i[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
-        end
+        trigger_run_o          <= trigger_data[sp_spec_pkg::RegTriggerControlRunLsb];
+        trigger_on_frame_o     <= trigger_data[sp_spec_pkg::RegTriggerControlOnFrameLsb];
+        trigger_last_pattern_o <= trigger_data[sp_spec_pkg::RegTriggerControlLastPatternLsb+:8];
       end
       if (put_q[WritePeriod]) begin
         trigger_period_o <=
@@ -251,7 +249,7 @@ module sp_registers #(
   logic [31:0] set_q, moving_q;  // four pairs each
   logic [31:0] time_high_q;
   logic [31:0] control_word, size_word, measure_word, trigger_word, status_word, decode_word;
-  logic [31:0] timeout_word, period_word, camera_word, width_word, errors_word;
+  logic [31:0] timeout_word, period_word, camera_word, width_word, errors_word, window_word;
 
   assign control_word = 32'(run_o) << sp_spec_pkg::RegControlRunLsb |
                         32'(hold_q) << sp_spec_pkg::RegControlHoldLsb |
@@ -259,11 +257,14 @@ module sp_registers #(
   assign size_word    = 32'(columns_o) << sp_spec_pkg::RegSizeColumnsLsb |
                         32'(rows_o) << sp_spec_pkg::RegSizeRowsLsb;
   assign measure_word = 32'(threshold_o) << sp_spec_pkg::RegMeasureThresholdLsb |
-                        32'(mode_o) << sp_spec_pkg::RegMeasureModeLsb |
+                        32'(mode_o) << ModeLsb | 32'(select_o[2]) << SelectLsb |
+                        32'(select_o[1:0]) << GapLsb |
                         32'(stream_o) << sp_spec_pkg::RegMeasureStreamLsb;
   assign trigger_word = 32'(trigger_run_o) << sp_spec_pkg::RegTriggerControlRunLsb |
                         32'(trigger_on_frame_o) << sp_spec_pkg::RegTriggerControlOnFrameLsb |
                         32'(trigger_last_pattern_o) << sp_spec_pkg::RegTriggerControlLastPatternLsb;
+  assign window_word  = 32'(select_o[3+:RowBits]) << WindowFirstLsb |
+                        32'(select_o[3+RowBits+:RowBits]) << WindowLastLsb;
   assign timeout_word = 32'(timeout_o) << sp_spec_pkg::RegTimeoutClocksLsb;
   assign period_word  = 32'(trigger_period_o) << sp_spec_pkg::RegTriggerPeriodClocksLsb;
   assign camera_word  = 32'(trigger_camera_o) << sp_spec_pkg::RegTriggerCameraClocksLsb;
@@ -276,12 +277,20 @@ module sp_registers #(
                         32'(decode_o) << sp_spec_pkg::RegDecodeCodesLsb |
                         32'(median_o) << sp_spec_pkg::RegDecodeMedianLsb;
 
+  logic window_fits;
+  if (MaxRows == (1 << WindowBits) - 1) begin : gen_any_row
+    assign window_fits = 1'b1;
+  end else begin : gen_limit
+    assign window_fits = data_i[WindowFirstLsb+:WindowBits] <= WindowBits'(MaxRows) &&
+                         data_i[WindowLastLsb+:WindowBits] <= WindowBits'(MaxRows);
+  end
+
   // The word, if its register is asked for
   function automatic logic [31:0] word_if(input logic hit, input logic [31:0] word);
     word_if = {32{hit}} & word;
   endfunction
 
-  // With the low word, which time_q takes in the same clock
+  // With the low word, which time_q takes in this clock
   always_ff @(posedge clk_i) begin
     if (rst_q || asked_q[1] && !write_i && hit_q[sp_spec_pkg::RegTimeLow/4]) begin
       time_high_q <= rst_q ? 32'd0 : time_i[63:32];
@@ -298,8 +307,10 @@ module sp_registers #(
                         data_i[SizeColumnsLsb+:SizeColumnsSpan] <= SizeColumnsSpan'(MaxColumns) &&
                         data_i[SizeRowsLsb+:SizeRowsSpan] != '0 &&
                         data_i[SizeRowsLsb+:SizeRowsSpan] <= SizeRowsSpan'(MaxRows);
-      measure_good_q <= data_i[ModeLsb+:ModeBits] == sp_spec_pkg::ModeBinary ||
-                        Grey && data_i[ModeLsb+:ModeBits] <= sp_spec_pkg::ModeGreyOver;
+      measure_good_q <= (data_i[ModeLsb+:ModeBits] == sp_spec_pkg::ModeBinary ||
+                         Grey && data_i[ModeLsb+:ModeBits] <= sp_spec_pkg::ModeGreyOver) &&
+                        (Runs || !data_i[SelectLsb] && data_i[GapLsb+:2] == 2'd0);
+      window_good_q  <= window_fits;
       image_good_q  <= Image || !image_wanted;
       period_good_q <= data_i[sp_spec_pkg::RegTriggerPeriodClocksLsb+:24] != 24'd0;
       decode_good_q  <= Codes && data_i[DecodeBitsLsb+:DecodeBitsBits] != '0 &&
@@ -309,8 +320,7 @@ module sp_registers #(
     if (asked_q[1]) begin
       read_good_q <= there_q && !write_i;
       fixed_q     <= word_if(hit_q[sp_spec_pkg::RegId/4], sp_spec_pkg::Magic) |
-                     word_if(hit_q[sp_spec_pkg::RegVersion/4],
-                             32'(sp_spec_pkg::SpecVersion) << sp_spec_pkg::RegVersionVersionLsb) |
+                     word_if(hit_q[sp_spec_pkg::RegVersion/4], 32'(sp_spec_pkg::SpecVersion)) |
                      word_if(hit_q[sp_spec_pkg::RegSpecHash/4], sp_spec_pkg::SpecHash) |
                      word_if(hit_q[sp_spec_pkg::RegCapability/4], Capability);
       control_q   <= word_if(hit_q[sp_spec_pkg::RegControl/4], control_word) |
@@ -333,7 +343,8 @@ module sp_registers #(
                      word_if(hit_q[sp_spec_pkg::RegTimeHigh/4], time_high_q);
       encoder_q   <= word_if(hit_q[sp_spec_pkg::RegEncoder/4], encoder_i) |
                      word_if(hit_q[sp_spec_pkg::RegEncoderErrors/4], errors_word);
-      decode_q    <= word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word);
+      decode_q    <= word_if(Codes && hit_q[sp_spec_pkg::RegDecode/4], decode_word) |
+                     word_if(hit_q[sp_spec_pkg::RegWindow/4], window_word);
     end
     if (asked_q[2]) begin
       error_o  <= put_q == '0 && !read_good_q;
@@ -405,10 +416,9 @@ module sp_registers #(
       assert ($stable(trigger_last_pattern_o));
     end
     if (!($stable(columns_o) && $stable(rows_o) && $stable(mode_o) && $stable(threshold_o) &&
-          $stable(stream_o) && $stable(image_o) && $stable(decode_o) && $stable(median_o) &&
-          $stable(bits_o) && $stable(code_threshold_o))) begin
+          $stable(stream_o) && $stable(select_o) && $stable(image_o) && $stable(decode_o) &&
+          $stable(median_o) && $stable(bits_o) && $stable(code_threshold_o)))
       assert (hold_o && f_hold_q == 2'b11);
-    end
     cover (answer_o && error_o && write_i && trigger_run_o &&
            address_i == sp_spec_pkg::RegTriggerPeriod);
     cover (!$stable(trigger_last_pattern_o));

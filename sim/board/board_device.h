@@ -207,7 +207,11 @@ class BoardDevice {
                               static_cast<std::uint32_t>(settings.rows) << spec::kRegSizeRowsLsb);
     write(spec::kRegMeasure, static_cast<std::uint32_t>(settings.threshold) << spec::kRegMeasureThresholdLsb |
                                  static_cast<std::uint32_t>(settings.mode) << spec::kRegMeasureModeLsb |
+                                 static_cast<std::uint32_t>(settings.select) << spec::kRegMeasureSelectLsb |
+                                 static_cast<std::uint32_t>(settings.gap) << spec::kRegMeasureGapLsb |
                                  static_cast<std::uint32_t>(settings.stream) << spec::kRegMeasureStreamLsb);
+    write(spec::kRegWindow, static_cast<std::uint32_t>(settings.window.first) << spec::kRegWindowFirstLsb |
+                                static_cast<std::uint32_t>(settings.window.last) << spec::kRegWindowLastLsb);
     write(spec::kRegTimeout, static_cast<std::uint32_t>(settings.timeout));
     if (!decodes_) {
       decodes_ = (read(spec::kRegCapability) >> spec::kRegCapabilityCodesLsb & 1U) != 0;

@@ -8,6 +8,7 @@ module integer_parameters_tb;
     .MaxColumns (16),
     .MaxRows    (4),
     .Grey       (1),
+    .Runs       (1),
     .Image      (0),
     .Codes      (1),
     .CodesMedian(1)
@@ -17,6 +18,7 @@ module integer_parameters_tb;
     .MaxColumns (16),
     .MaxRows    (4),
     .Grey       (1'b1),
+    .Runs       (1'b1),
     .Image      (1'b0),
     .Codes      (1'b1),
     .CodesMedian(1'b1)
@@ -26,6 +28,7 @@ module integer_parameters_tb;
     .MaxColumns (16),
     .MaxRows    (4),
     .Grey       (0),
+    .Runs       (0),
     .Image      (1),
     .Codes      (1),
     .CodesMedian(0)
@@ -42,6 +45,7 @@ module integer_parameters_tb;
 
   initial begin
     check(u_bits.u_registers.Capability, Size | 32'd1 << sp_spec_pkg::RegCapabilityGreyLsb |
+                                         32'd1 << sp_spec_pkg::RegCapabilityRunsLsb |
                                          32'd1 << sp_spec_pkg::RegCapabilityMedianLsb);
     check(u_integers.u_registers.Capability, u_bits.u_registers.Capability);
     check(u_others.u_registers.Capability, Size | 32'd1 << sp_spec_pkg::RegCapabilityImageLsb);

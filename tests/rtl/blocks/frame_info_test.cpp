@@ -21,7 +21,7 @@ constexpr int kTrackerDelay = 2;  // from a frame's first beat at the video inpu
 constexpr int kEncoderDelay = 7;  // from a change of the encoder's lines to encoder_i
 
 struct Settings {
-  int stream, mode, threshold, columns, rows;
+  int stream, mode, threshold, columns, rows, gap, strongest, first_row, last_row;
 };
 
 struct Frame {
@@ -53,7 +53,7 @@ void expect_fields(const Wide& info, const Shown& shown) {
     std::uint64_t (*of)(const Frame&);
     std::size_t early = 0;  // clocks before its beat
   };
-  static constexpr std::array<Field, 11> kFields = {
+  static constexpr std::array<Field, 15> kFields = {
       {{"stream", spec::kHeaderStream, 1, [](const Frame& f) { return static_cast<std::uint64_t>(f.settings.stream); }},
        {"mode", spec::kHeaderMode, 1, [](const Frame& f) { return static_cast<std::uint64_t>(f.settings.mode); }},
        {"threshold", spec::kHeaderThreshold, 1,
@@ -62,6 +62,13 @@ void expect_fields(const Wide& info, const Shown& shown) {
         [](const Frame& f) { return static_cast<std::uint64_t>(f.settings.columns); }},
        {"rows", spec::kHeaderRows, 2, [](const Frame& f) { return static_cast<std::uint64_t>(f.settings.rows); }},
        {"lines", spec::kHeaderLines, 2, [](const Frame& f) { return static_cast<std::uint64_t>(f.settings.rows); }},
+       {"select", spec::kHeaderSelect, 1,
+        [](const Frame& f) { return static_cast<std::uint64_t>(f.settings.strongest); }},
+       {"first row", spec::kHeaderFirstRow, 2,
+        [](const Frame& f) { return static_cast<std::uint64_t>(f.settings.first_row); }},
+       {"last row", spec::kHeaderLastRow, 2,
+        [](const Frame& f) { return static_cast<std::uint64_t>(f.settings.last_row); }},
+       {"gap", spec::kHeaderGap, 1, [](const Frame& f) { return static_cast<std::uint64_t>(f.settings.gap); }},
        {"pattern", spec::kHeaderPattern, 2, [](const Frame& f) { return std::uint64_t{f.pattern}; }},
        {"sequence", spec::kHeaderSequence, 8, [](const Frame& f) { return f.sequence; }, 1},
        {"time stamp", spec::kHeaderTimeStamp, 8,
@@ -96,8 +103,9 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       const bool take = start && now - last_take >= kTakeDistance && (frames.empty() || random.chance(80));
       if (take) {
         last_take = now;
-        settings = {random.between(0, 255), random.between(0, 2), random.between(0, 255), random.between(0, 4095),
-                    random.between(0, 1023)};
+        settings = {random.between(0, 255),  random.between(0, 2),    random.between(0, 255),
+                    random.between(0, 4095), random.between(0, 1023), random.between(0, 3),
+                    random.between(0, 1),    random.between(0, 1023), random.between(0, 1023)};
       }
       info->frame_start_i = start;
       info->take_i = take;
@@ -107,6 +115,8 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       info->threshold_i = static_cast<CData>(settings.threshold);
       info->columns_i = static_cast<SData>(settings.columns);
       info->rows_i = static_cast<SData>(settings.rows);
+      info->select_i = static_cast<IData>(settings.gap | settings.strongest << 2 | settings.first_row << 3 |
+                                          settings.last_row << 13);
       info->encoder_i = static_cast<std::uint32_t>(random.bits());
       info->pattern_i = static_cast<std::uint16_t>(random.bits());
       if (start) {

@@ -28,6 +28,7 @@ struct Settings {
   int mode = 0;
   int threshold = 0;
   int stream = 0;
+  std::uint32_t select = 0;
 };
 
 // All outputs in one clock. Fields of a beat count only if beat is set, those of a break only if break_status is set.
@@ -168,8 +169,8 @@ class Bench {
     for (const char* port : {"break_in_last_row_o", "break_status_o"}) {
       tracker_.valid_when(port, [this] { return tracker_->break_o != 0; });
     }
-    for (const char* port :
-         {"image_o", "columns_o", "rows_o", "mode_o", "threshold_o", "stream_o", "one_group_o", "two_groups_o"}) {
+    for (const char* port : {"image_o", "columns_o", "rows_o", "mode_o", "threshold_o", "stream_o", "select_o",
+                             "one_group_o", "two_groups_o"}) {
       tracker_.valid_when(port, [this] { return reference_.taken; });
     }
     tracker_->s_axis_tvalid_i = 0;
@@ -247,6 +248,7 @@ class Bench {
     tracker_->mode_i = static_cast<CData>(settings.mode);
     tracker_->threshold_i = static_cast<CData>(settings.threshold);
     tracker_->stream_i = static_cast<CData>(settings.stream);
+    tracker_->select_i = settings.select;
     tracker_->timeout_i = static_cast<IData>(timeout);
   }
 
@@ -288,6 +290,7 @@ class Bench {
       ASSERT_EQ(tracker_->mode_o, reference_.in_force.mode);
       ASSERT_EQ(tracker_->threshold_o, reference_.in_force.threshold);
       ASSERT_EQ(tracker_->stream_o, reference_.in_force.stream);
+      ASSERT_EQ(tracker_->select_o, reference_.in_force.select);
       ASSERT_EQ(tracker_->one_group_o, reference_.in_force.columns == 4);
       ASSERT_EQ(tracker_->two_groups_o, reference_.in_force.columns == 8);
     }

@@ -121,8 +121,13 @@ TEST(FrameTracker, SettingsChangeAtAFramesStartOnly) {
     for (int frame = 0; frame < 60; ++frame) {
       Settings s = bench.settings;
       if (random.chance(60)) {
-        s = {random.chance(50),    4 * random.between(1, 4), random.between(1, 4),
-             random.between(0, 2), random.between(0, 255),   random.between(0, 255)};
+        s = {random.chance(50),
+             4 * random.between(1, 4),
+             random.between(1, 4),
+             random.between(0, 2),
+             random.between(0, 255),
+             random.between(0, 255),
+             static_cast<std::uint32_t>(random.between(0, (1 << 23) - 1))};
       }
       bench.set(s);
       bench.hold = random.chance(20) && bench.reference().taken;

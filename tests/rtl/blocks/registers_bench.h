@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -24,6 +25,7 @@ struct Build {
   bool grey;
   bool image;
   int code_bits = 0;  // of the Gray-code decoder, which then has the median; 0: no decoder
+  bool runs = false;
 };
 
 template <typename Dut>
@@ -38,7 +40,7 @@ struct BuildOf<Vsp_registers_small> {
 };
 template <>
 struct BuildOf<Vsp_registers_codes> {
-  static constexpr Build kBuild = {640, 480, false, true, 9};
+  static constexpr Build kBuild = {640, 480, false, true, 9, true};
 };
 
 // State inputs, all different and with upper bits set.
@@ -71,7 +73,11 @@ inline const std::vector<Writable> kWritable = {
      field(spec::kRegSizeColumnsLsb, spec::kRegSizeColumnsBits) | field(spec::kRegSizeRowsLsb, spec::kRegSizeRowsBits)},
     {spec::kRegMeasure, spec::kRegMeasureReset,
      field(spec::kRegMeasureThresholdLsb, 8) | field(spec::kRegMeasureModeLsb, 2) |
-         field(spec::kRegMeasureStreamLsb, 8)},
+         field(spec::kRegMeasureStreamLsb, 8) | field(spec::kRegMeasureSelectLsb, 1) |
+         field(spec::kRegMeasureGapLsb, 2)},
+    {spec::kRegWindow, spec::kRegWindowReset,
+     field(spec::kRegWindowFirstLsb, spec::kRegWindowFirstBits) |
+         field(spec::kRegWindowLastLsb, spec::kRegWindowLastBits)},
     {spec::kRegTimeout, spec::kRegTimeoutReset, field(0, spec::kRegTimeoutClocksBits)},
     {spec::kRegTriggerControl, spec::kRegTriggerControlReset,
      field(spec::kRegTriggerControlRunLsb, 1) | field(spec::kRegTriggerControlOnFrameLsb, 1) |
@@ -179,7 +185,7 @@ class Bench {
         }
       }
       pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize ||
-                 address == spec::kRegMeasure || address == spec::kRegDecode;
+                 address == spec::kRegMeasure || address == spec::kRegDecode || address == spec::kRegWindow;
     }
     begin_clock(false);
     EXPECT_EQ(registers_->answer_o, 0);
@@ -209,7 +215,14 @@ class Bench {
       }
       case spec::kRegMeasure: {
         const std::uint32_t mode = data >> spec::kRegMeasureModeLsb & 3;
-        return mode == spec::kModeBinary || (kBuild.grey && mode <= spec::kModeGreyOver);
+        const std::uint32_t run_bits = field(spec::kRegMeasureSelectLsb, 1) | field(spec::kRegMeasureGapLsb, 2);
+        return (mode == spec::kModeBinary || (kBuild.grey && mode <= spec::kModeGreyOver)) &&
+               (kBuild.runs || (data & run_bits) == 0);
+      }
+      case spec::kRegWindow: {
+        const std::uint32_t row = field(0, spec::kRegWindowFirstBits);
+        const auto limit = static_cast<std::uint32_t>(kBuild.max_rows);
+        return (data >> spec::kRegWindowFirstLsb & row) <= limit && (data >> spec::kRegWindowLastLsb & row) <= limit;
       }
       case spec::kRegDecode: {
         const int bits = static_cast<int>(data >> spec::kRegDecodeBitsLsb & field(0, spec::kRegDecodeBitsBits));
@@ -232,7 +245,8 @@ class Bench {
   }
 
   static bool readable(std::uint32_t address) {
-    return address <= (kBuild.code_bits != 0 ? spec::kRegAbandoned : spec::kRegEncoderErrors) && address % 4 == 0;
+    const bool there = address <= (kBuild.code_bits != 0 ? spec::kRegAbandoned : spec::kRegEncoderErrors);
+    return (there || address == spec::kRegWindow) && address % 4 == 0;
   }
 
   std::uint32_t expected_read(std::uint32_t address) const {
@@ -248,6 +262,7 @@ class Bench {
                static_cast<std::uint32_t>(kBuild.max_rows) << spec::kRegCapabilityMaxRowsLsb |
                (kBuild.grey ? 1U << spec::kRegCapabilityGreyLsb : 0) |
                (kBuild.image ? 1U << spec::kRegCapabilityImageLsb : 0) |
+               (kBuild.runs ? 1U << spec::kRegCapabilityRunsLsb : 0) |
                (kBuild.code_bits != 0 ? 1U << spec::kRegCapabilityCodesLsb | 1U << spec::kRegCapabilityMedianLsb : 0) |
                static_cast<std::uint32_t>(kBuild.code_bits) << spec::kRegCapabilityCodeBitsLsb;
       case spec::kRegStatus:
@@ -327,6 +342,11 @@ class Bench {
     EXPECT_EQ(registers_->threshold_o, value(kRegMeasure, kRegMeasureThresholdLsb, kRegMeasureThresholdBits));
     EXPECT_EQ(registers_->mode_o, value(kRegMeasure, kRegMeasureModeLsb, kRegMeasureModeBits));
     EXPECT_EQ(registers_->stream_o, value(kRegMeasure, kRegMeasureStreamLsb, kRegMeasureStreamBits));
+    const int row_bits = std::bit_width(static_cast<unsigned>(kBuild.max_rows));
+    EXPECT_EQ(registers_->select_o, value(kRegMeasure, kRegMeasureGapLsb, 2) |
+                                        value(kRegMeasure, kRegMeasureSelectLsb, 1) << 2 |
+                                        value(kRegWindow, kRegWindowFirstLsb, kRegWindowFirstBits) << 3 |
+                                        value(kRegWindow, kRegWindowLastLsb, kRegWindowLastBits) << (3 + row_bits));
     EXPECT_EQ(registers_->timeout_o, value(kRegTimeout, kRegTimeoutClocksLsb, kRegTimeoutClocksBits));
     EXPECT_EQ(registers_->trigger_run_o, value(kRegTriggerControl, kRegTriggerControlRunLsb, 1));
     EXPECT_EQ(registers_->trigger_on_frame_o, value(kRegTriggerControl, kRegTriggerControlOnFrameLsb, 1));

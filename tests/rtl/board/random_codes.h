@@ -53,6 +53,8 @@ void play_random_sequences(std::uint64_t seed, bool full_build, int fault_percen
     settings.mode = full_build ? static_cast<Mode>(random.between(0, 2)) : Mode::binary;
     settings.threshold = random.between(0, 255);
     settings.stream = random.between(0, 255);
+    settings.select = settings.stream % 2 == 0 ? Select::strongest : Select::all;
+    settings.gap = settings.stream / 2 % 4;
     settings.timeout = random.chance(70) ? 0 : random.between(20, 200);
     settings.codes = random.chance(95);
     settings.median = full_build && random.chance(60);

@@ -17,6 +17,7 @@ struct RandomFrames {
   int max_rows = 40;
   bool grey = true;       // modes grey and grey_over
   bool image = true;      // raw images
+  bool runs = false;      // the strongest run of a column
   int fault_percent = 0;  // share of frames with faults
   int changes = 100;      // number of changes of the settings, each followed by 1 to 12 frames
 };
@@ -44,12 +45,18 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
   board.turn_encoder(random.between(4, 40));
   board.count_patterns_on_frames(random.between(0, 23));
   for (int change = 0; change < limits.changes && !::testing::Test::HasFailure(); ++change) {
+    const int rows = random.between(1, random.chance(70) ? 6 : limits.max_rows);
+    const bool strongest = limits.runs && random.chance(75);
     const BoardSettings settings = {
         .image = limits.image && random.chance(30),
         .columns = 4 * random.between(1, random.chance(70) ? 8 : limits.max_columns / 4),
-        .rows = random.between(1, random.chance(70) ? 6 : limits.max_rows),
+        .rows = rows,
         .mode = limits.grey ? static_cast<Mode>(random.between(0, 2)) : Mode::binary,
         .threshold = random.chance(20) ? 255 * random.between(0, 1) : random.between(0, 255),
+        .select = strongest ? Select::strongest : Select::all,
+        .gap = limits.runs ? random.between(0, 3) : 0,
+        .window = {.first = random.chance(70) ? 0 : random.between(0, rows),
+                   .last = random.chance(70) ? 0 : random.between(0, rows)},
         .stream = random.between(0, 255),
         .timeout = random.chance(50) ? 0 : random.between(1, 200)};
     board.write(settings);

@@ -1,0 +1,74 @@
+// Compares the board with the strongest runs, of the grey modes and binary, with the model, byte by byte.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "Vboard_codes.h"
+#include "Vboard_codes_raw.h"
+#include "tests/rtl/board/frames.h"
+#include "tests/rtl/board/random_frames.h"
+#include "tests/rtl/board/scoreboard.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+template <class Model>
+void play_all(int cases, const RandomFrames& limits) {
+  FrameCounts counts;
+  for (const std::uint64_t seed : seeds(cases)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    play_random_frames<Model>(seed, limits, counts);
+    if (::testing::Test::HasFailure()) {
+      return;
+    }
+  }
+  if (runs_all_cases()) {
+    EXPECT_GT(counts.delivered, counts.frames / 3) << "too little of the board was seen";
+    EXPECT_GT(counts.lost, 0U) << "losses were not seen";
+  }
+}
+
+TEST(RunsBoard, RandomSmallFramesEqualTheModel) { play_all<Vboard_codes>(15, {.runs = true}); }
+TEST(RunsBoard, RandomFaultsEqualTheModel) { play_all<Vboard_codes>(10, {.runs = true, .fault_percent = 40}); }
+TEST(BinaryRunsBoard, RandomSmallFramesEqualTheModel) {
+  play_all<Vboard_codes_raw>(15, {.max_columns = 128, .grey = false, .image = false, .runs = true});
+}
+TEST(BinaryRunsBoard, RandomFaultsEqualTheModel) {
+  play_all<Vboard_codes_raw>(10, {.grey = false, .image = false, .runs = true, .fault_percent = 40});
+}
+
+// The packets lost of 20 frames of equal settings with so many clocks after the last beat of each.
+template <class Model>
+std::uint64_t lost_at(Mode mode, int columns, int rows, int gap) {
+  Random random(1);
+  Scoreboard<Model> board({.bus_period_ps = 4000});
+  board.write({.columns = columns, .rows = rows, .mode = mode, .select = Select::strongest, .gap = 1});
+  for (int i = 0; i < 20; ++i) {
+    board.device().send(random_image(random, rows, columns).view());
+    board.device().gap(static_cast<std::uint32_t>(gap));
+  }
+  board.finish();
+  return board.lost(spec::kKindMoments);
+}
+
+// docs/using-the-circuits.md states these distances between frame starts.
+TEST(RunsBoard, FramesAtTheSmallestDistanceAreDelivered) {
+  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+    for (const int groups : {1, 2, 3, 5, 16}) {
+      const int distance = 2 * groups + 22;
+      EXPECT_EQ(lost_at<Vboard_codes>(mode, 4 * groups, 1, distance - groups), 0U) << groups << " groups";
+      EXPECT_GT(lost_at<Vboard_codes>(mode, 4 * groups, 1, distance - groups - 1), 0U) << groups << " groups";
+    }
+  }
+}
+TEST(BinaryRunsBoard, FramesAtTheSmallestDistanceAreDelivered) {
+  for (const int groups : {1, 2, 3, 5, 32}) {
+    const int distance = groups + 15;
+    EXPECT_EQ(lost_at<Vboard_codes_raw>(Mode::binary, 4 * groups, 1, distance - groups), 0U) << groups << " groups";
+    EXPECT_GT(lost_at<Vboard_codes_raw>(Mode::binary, 4 * groups, 1, distance - groups - 1), 0U) << groups << " groups";
+  }
+}
+
+}  // namespace
+}  // namespace selfproj::test
