@@ -3,7 +3,7 @@
 // Three layers:
 //   moments_arithmetic.h  operations on one pixel, one sum, one word; the SystemC shell uses them, too
 //   ColumnMoments         one step: a beat of 4 pixels in, at most 16 bytes of payload out; keeps the sums
-//   ColumnMomentsKernel   one step of the streams: AXI4-Stream video in, payload out; column_moments_top() is one of
+//   moments_streams.h     one step of the streams: AXI4-Stream video in, payload out; column_moments_top() is one of
 //   them
 //
 // A step is a clock: the tool pipelines it with an initiation interval of 1.
@@ -19,7 +19,9 @@
 #ifndef SELFPROJ_HLS_COLUMN_MOMENTS_H
 #define SELFPROJ_HLS_COLUMN_MOMENTS_H
 
+#include "hls/last_row.h"
 #include "hls/moments_arithmetic.h"
+#include "hls/moments_streams.h"
 #include "hls/recent.h"
 #include "hls/types.h"
 #include "model/spec/generated/selfproj_spec.h"
@@ -33,34 +35,11 @@
 namespace selfproj {
 namespace hls {
 
-// A beat and its place, or none.
-struct MomentsIn {
-  bool valid = false;
-  Pixels pixels = 0;
-  Group group = 0;
-  Row row = 0;
-  bool first_row = false;
-  bool last_row = false;
-  bool line_end = false;  // the row's last group
-  ModeBits mode = 0;
-  Pixel threshold = 0;
-  bool broken = false;  // the frame breaks: after this beat, if there is one, no more will come
-};
-
-// 16 bytes of payload: four columns in mode binary, two in the grey modes, lowest first. Or nothing.
-struct MomentsOut {
-  bool valid = false;
-  Uint<64> low = 0;
-  Uint<64> high = 0;
-  bool first = false;  // of the frame
-  bool last = false;   // of the frame
-};
-
 // Takes rows and columns up to the maxima of the specification.
 //
 // In mode binary, payload leaves with the step that brings its pixels. In the grey modes group g leaves at the earliest
 // with the steps g + 1 and g + 2 after its pixels, two steps for each group. While draining(), only a first row that is
-// not the last may come, and while leaving(), no last row of mode binary. ColumnMomentsKernel ensures this. Between
+// not the last may come, and nothing for which exit_taken(). MomentsKernel ensures this. Between
 // frames of one size it never has to wait.
 class ColumnMoments {
  public:
@@ -76,11 +55,13 @@ class ColumnMoments {
   }
 
   // The last row of a grey frame has ended and is still being read.
-  bool draining() const { return ended_; }
-  // Payload of such a frame leaves with the next step, whatever comes.
-  bool leaving() const { return odd_; }
-  // The last row of a frame comes or leaves.
-  bool busy() const { return active_ || odd_; }
+  bool draining() const { return last_row_.draining(); }
+  // Payload of such a frame leaves with the next step, so that of a beat in mode binary cannot.
+  bool exit_taken(bool last_row, ModeBits mode) const {
+    return last_row_.odd() && last_row && mode == spec::kModeBinary;
+  }
+  // The last row of a grey frame comes or leaves.
+  bool busy() const { return last_row_.busy(); }
 
   MomentsOut step(const MomentsIn& in) {
 #pragma HLS inline
@@ -96,18 +77,18 @@ class ColumnMoments {
     const bool grey = in.mode != spec::kModeBinary;
     const bool push = in.valid && in.last_row && grey;
     const bool add = in.valid && !push;
-    const bool drain = waiting_ != 0 && !odd_;  // a group that an earlier step pushed
+    const bool drain = last_row_.drains();
 
     // One read: of the group that is added up, or of the one that leaves. A first row needs none.
     Group address = in.group;
     if (drain) {
-      address = drain_group_;
+      address = last_row_.group();
     }
     const Sums stored = sums_[static_cast<int>(address)];
     const Sums old = recent_.read(address, stored);
 
-    const Pixels stored_weights = line_[static_cast<int>(drain_group_)];
-    MomentsOut out = leave(drain, old, recent_line_.read(drain_group_, stored_weights));
+    const Pixels stored_weights = line_[static_cast<int>(last_row_.group())];
+    MomentsOut out = leave(drain, old, recent_line_.read(last_row_.group(), stored_weights));
     if (add) {
       add_up(in, old, grey, out);
     }
@@ -117,7 +98,7 @@ class ColumnMoments {
       recent_line_.write(in.group, weights);
       rows_ = in.row;
     }
-    control(push, push && in.line_end, in.broken, drain);
+    last_row_.step(push, push && in.line_end, in.broken, drain);
     return out;
   }
 
@@ -130,16 +111,6 @@ class ColumnMoments {
     Sum1 a[kLanes];
     Row n[kLanes];
   };
-
-  static Pixels weights_of(const MomentsIn& in) {
-#pragma HLS inline
-    Pixels weights = 0;
-    for (int lane = kLanes - 1; lane >= 0; --lane) {
-#pragma HLS unroll
-      weights = (weights << spec::kPixelBits) | weight_of(lane_of(in.pixels, lane), in.threshold, in.mode);
-    }
-    return weights;
-  }
 
   void add_up(const MomentsIn& in, const Sums& old, bool grey, MomentsOut& out) {
 #pragma HLS inline
@@ -192,7 +163,7 @@ class ColumnMoments {
       }
     }
     MomentsOut out;
-    out.valid = drain || odd_;
+    out.valid = drain || last_row_.odd();
     Uint<spec::kGreyWordBits> words[2];
     for (int i = 0; i < 2; ++i) {
 #pragma HLS unroll
@@ -200,7 +171,7 @@ class ColumnMoments {
       Sum1 a = held_.a[i];
       Row n = held_.n[i];
       Pixel weight = lane_of(held_weights_, i);
-      if (odd_) {
+      if (last_row_.odd()) {
         before = held_.m0[i + 2];
         a = held_.a[i + 2];
         n = held_.n[i + 2];
@@ -211,173 +182,23 @@ class ColumnMoments {
     }
     out.low = words[0];
     out.high = words[1];
-    out.first = drain && drain_group_ == 0;
-    out.last = odd_ && odd_last_;
+    out.first = drain && last_row_.group() == 0;
+    out.last = last_row_.odd_is_last();
     return out;
   }
-
-  // Keeps track of what waits in the line buffer.
-  void control(bool push, bool push_end, bool broken, bool drain) {
-#pragma HLS inline
-    Uint<kWaitingBits> waiting = waiting_;
-    if (push && !drain) {
-      waiting = waiting + 1;
-    } else if (!push && drain) {
-      waiting = waiting - 1;
-    }
-    const bool cut = broken_ || (broken && (push || (active_ && !ended_)));  // but not for a frame that came later
-    const bool ended = ended_ || push_end || cut;
-    const bool last = ended && waiting == 0;  // nothing is left in the line buffer
-    odd_ = drain;
-    odd_last_ = last && !cut;
-    broken_ = cut && !last;
-    active_ = (active_ || push) && !last;
-    ended_ = ended && !last;
-    waiting_ = waiting;
-    if (last) {
-      drain_group_ = 0;
-    } else if (drain) {
-      drain_group_ = drain_group_ + 1;
-    }
-  }
-
-  static constexpr int kWaitingBits = bits_for(kGroups);
 
   Memory<Sums, kGroups> sums_;
   Recent<Sums, Group> recent_;
   // Grey modes: the last row, and the part of it that still has to leave
   Memory<Pixels, kGroups> line_;
   Recent<Pixels, Group> recent_line_;
-  Uint<kWaitingBits> waiting_ = 0;  // groups in the line buffer
-  Group drain_group_ = 0;           // next group to drain
-  bool active_ = false;             // a last row comes or leaves
-  bool ended_ = false;              // no more of it will come
-  bool broken_ = false;             // it ended because its frame broke
-  bool odd_ = false;                // the other two columns of the group read in the last step leave now
-  bool odd_last_ = false;           // these are the frame's last
+  LastRow last_row_;
   Row rows_ = 0;
   Sums held_;
   Pixels held_weights_ = 0;
 };
 
-// --- Streams ---
-
-// The settings, taken over at each frame's start: columns a multiple of 4 from 4, rows from 1.
-struct MomentsSetup {
-  Columns columns = 0;
-  Row rows = 0;
-  ModeBits mode = 0;
-  Pixel threshold = 0;
-};
-
-// Turns video beats (tuser: start of frame, tlast: end of line) into payload (tuser: first beat of a frame, tlast:
-// last).
-//
-// Beats before a start are dropped. A line that ends too early or too late breaks its frame, and a start begins a new
-// frame at any time. A frame that breaks in its last row gives the payload of the columns it had, without tlast. One
-// that breaks earlier gives nothing.
-class ColumnMomentsKernel {
- public:
-  // One clock. Returns true while more steps without input would give more output.
-  bool step(Stream<AxisBeat<32>>& video, const MomentsSetup& setup, Stream<AxisBeat<128>>& payload) {
-#pragma HLS inline
-    late_memory_step();
-    MomentsIn in;
-    AxisBeat<32> beat;
-    if (holds_) {
-      if (!moments_.busy()) {
-        holds_ = false;
-        place(held_, held_setup_, in);
-      }
-    } else if (may_read(setup) && video.read_nb(beat)) {
-      if (beat.user != 0 && open_ && moments_.busy()) {  // after a frame that broke, the next one waits until it is out
-        in.broken = true;
-        open_ = false;
-        holds_ = true;
-        held_ = beat;
-        held_setup_ = setup;
-      } else {
-        place(beat, setup, in);
-      }
-    }
-    const MomentsOut out = moments_.step(in);
-    if (out.valid) {
-      AxisData<128> data(out.high);
-      data = data << 64;
-      data = data | AxisData<128>(out.low);
-      payload.write(axis_beat<128>(data, out.first, out.last));
-    }
-    return moments_.busy() || holds_;
-  }
-
- private:
-  // A row waits only if both it and a drain need a read, and a last row if it has no room in the line buffer or at the
-  // exit. This happens only after a change of size or mode, or with frames of one row.
-  bool may_read(const MomentsSetup& setup) const {
-#pragma HLS inline
-    const bool at_start = !open_ || (row_ == 1 && group_ == 0);
-    const bool first_row = at_start || row_ == 1;
-    Row rows = rows_;
-    ModeBits mode = mode_;
-    if (at_start) {
-      rows = setup.rows;
-      mode = setup.mode;
-    }
-    const bool last_row = at_start ? rows == 1 : row_ == rows;
-    const bool exit_taken = moments_.leaving() && last_row && mode == spec::kModeBinary;
-    return (!moments_.draining() || (first_row && !last_row)) && !exit_taken;
-  }
-
-  void place(const AxisBeat<32>& beat, const MomentsSetup& setup, MomentsIn& in) {
-#pragma HLS inline
-    const bool start = beat.user != 0;
-    const bool line_end = beat.last != 0;
-    if (start) {
-      open_ = true;
-      row_ = 1;
-      group_ = 0;
-      rows_ = setup.rows;
-      mode_ = setup.mode;
-      threshold_ = setup.threshold;
-      last_group_ = (setup.columns >> 2) - 1;
-    }
-    if (open_) {
-      in.valid = true;
-      in.pixels = beat.data.to_uint();
-      in.group = group_;
-      in.row = row_;
-      in.first_row = row_ == 1;
-      in.last_row = row_ == rows_;
-      in.line_end = group_ == last_group_;
-      in.mode = mode_;
-      in.threshold = threshold_;
-      if (line_end != in.line_end) {
-        in.line_end = false;
-        in.broken = true;
-        open_ = false;
-      } else if (line_end) {
-        open_ = !in.last_row;
-        row_ = row_ + 1;
-        group_ = 0;
-      } else {
-        group_ = group_ + 1;
-      }
-    }
-  }
-
-  ColumnMoments moments_;
-  bool holds_ = false;  // a start is waiting
-  AxisBeat<32> held_;
-  MomentsSetup held_setup_;
-  bool open_ = false;  // a frame is under way
-  Row row_ = 1;        // row of the next beat
-  Group group_ = 0;
-  // Of the current frame
-  Row rows_ = 1;
-  Group last_group_ = 0;
-  ModeBits mode_ = 0;
-  Pixel threshold_ = 0;
-};
+using ColumnMomentsKernel = MomentsKernel<ColumnMoments>;
 
 }  // namespace hls
 }  // namespace selfproj
@@ -386,6 +207,7 @@ class ColumnMomentsKernel {
 // of a top function. See column_moments.cpp.
 void column_moments_top(selfproj::hls::Stream<selfproj::hls::AxisBeat<32>>& video, selfproj::hls::Columns columns,
                         selfproj::hls::Row rows, selfproj::hls::ModeBits mode, selfproj::hls::Pixel threshold,
+                        selfproj::hls::Row first_row, selfproj::hls::Row last_row,
                         selfproj::hls::Stream<selfproj::hls::AxisBeat<128>>& payload);
 
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

@@ -38,7 +38,7 @@ struct Bench {
       video.write(kernel::axis_beat<32>(four, at == 0, at % columns == columns - 4));
     }
     for (; calls < columns * rows / 4 + 2 * beats + 16; ++calls) {
-      column_moments_top(video, columns, rows, mode, threshold, payload);
+      column_moments_top(video, columns, rows, mode, threshold, 0, 0, payload);
     }
     std::vector<std::uint64_t> words;  // 32 bits in mode binary, else 64
     kernel::AxisBeat<128> beat;

@@ -24,7 +24,21 @@ MomentsBench::Step moments_kernel() {
 
 MomentsBench::Step moments_top() {
   return [](auto& video, const auto& setup, auto& payload) {
-    column_moments_top(video, setup.columns, setup.rows, setup.mode, setup.threshold, payload);
+    column_moments_top(video, setup.columns, setup.rows, setup.mode, setup.threshold, setup.first_row, setup.last_row,
+                       payload);
+  };
+}
+
+MomentsBench::Step runs_kernel() {
+  return [kernel = std::make_shared<hls::ColumnRunsKernel>()](auto& video, const auto& setup, auto& payload) {
+    kernel->step(video, setup, payload);
+  };
+}
+
+MomentsBench::Step runs_top() {
+  return [](auto& video, const auto& setup, auto& payload) {
+    column_runs_top(video, setup.columns, setup.rows, setup.mode, setup.threshold, setup.strongest ? 1 : 0, setup.gap,
+                    setup.first_row, setup.last_row, payload);
   };
 }
 
@@ -53,6 +67,50 @@ TEST(HlsColumnMoments, RandomFrames) {
   }
   if (std::getenv("SELFPROJ_SEED") == nullptr) {
     EXPECT_GT(matched, 20'000U) << "too little was compared";
+  }
+}
+
+TEST(HlsColumnRuns, RandomFrames) {
+  std::uint64_t matched = 0;
+  for (const std::uint64_t seed : seeds(200)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    MomentsBench bench(random.chance(50) ? runs_kernel() : runs_top());
+    play_moments_frames(bench, 40, random, random_runs_frame);
+    ASSERT_FALSE(HasFailure());
+    matched += bench.matched();
+  }
+  if (std::getenv("SELFPROJ_SEED") == nullptr) {
+    EXPECT_GT(matched, 20'000U) << "too little was compared";
+  }
+}
+
+// As HlsColumnMoments.LargestImage and TakesABeatEveryStep.
+TEST(HlsColumnRuns, LargestImage) {
+  Random random(1);
+  MomentsBench bench(runs_kernel());
+  MomentsFrame frame = random_runs_frame(random, spec::kMaxColumns, spec::kMaxRows, Mode::grey);
+  frame.threshold = 0;
+  frame.window = {};
+  std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
+  bench.play(frame, 0, random);
+  bench.finish();
+  EXPECT_EQ(bench.matched(), spec::kMaxColumns / 2U);
+}
+TEST(HlsColumnRuns, TakesABeatEveryStep) {
+  Random random(1);
+  for (const Mode mode : kModes) {
+    for (const int columns : {4, 8, 12, 64, 512}) {
+      for (const int rows : {2, 3, 16}) {
+        SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
+        MomentsBench bench(runs_kernel());
+        for (int frame = 0; frame < 4; ++frame) {
+          bench.play(random_runs_frame(random, columns, rows, mode), 0, random);
+          ASSERT_TRUE(bench.all_read());
+        }
+        bench.finish();
+      }
+    }
   }
 }
 

@@ -1,4 +1,5 @@
-// Plays random frames through the kernel of the column moments, and compares every beat of payload with the model.
+// Plays random frames through the kernel of the column moments, plain or of the strongest runs, and compares every beat
+// of payload with the model.
 #ifndef SELFPROJ_TESTS_HLS_MOMENTS_BENCH_H
 #define SELFPROJ_TESTS_HLS_MOMENTS_BENCH_H
 
@@ -12,8 +13,10 @@
 #include <vector>
 
 #include "hls/column_moments.h"
+#include "hls/column_runs.h"
 #include "model/column_moments.h"
-#include "model/packet.h"
+#include "model/column_runs.h"
+#include "model/packet_payload.h"
 #include "sim/board/hls_streams.h"
 #include "tests/support/random_cases.h"
 
@@ -25,6 +28,9 @@ struct MomentsFrame {
   Mode mode = Mode::binary;
   int threshold = 0;
   std::vector<std::uint8_t> pixels;  // row by row
+  Select select = Select::all;
+  int gap = 0;
+  RowWindow window = {};
 };
 
 class MomentsBench {
@@ -57,6 +63,10 @@ class MomentsBench {
     setup_.rows = frame.rows;
     setup_.mode = static_cast<unsigned>(frame.mode);
     setup_.threshold = frame.threshold;
+    setup_.strongest = frame.select == Select::strongest;
+    setup_.gap = static_cast<unsigned>(frame.gap);
+    setup_.first_row = static_cast<unsigned>(frame.window.first);
+    setup_.last_row = static_cast<unsigned>(frame.window.last);
     expect(frame, beats, end);
     for (int i = 0; i < beats; ++i) {
       while (random.chance(gaps)) {
@@ -109,12 +119,16 @@ class MomentsBench {
   }
 
   void expect(const MomentsFrame& frame, int beats, End end) {
-    Moments moments;
-    moments.resize(frame.columns);
-    column_moments({frame.pixels.data(), frame.rows, frame.columns, frame.columns}, frame.mode, frame.threshold,
-                   moments.view());
+    const Measure measure = {.mode = frame.mode,
+                             .threshold = frame.threshold,
+                             .select = frame.select,
+                             .gap = frame.gap,
+                             .window = frame.window};
+    Runs runs;
+    runs.resize(frame.select, frame.columns);
+    measure_columns({frame.pixels.data(), frame.rows, frame.columns, frame.columns}, measure, runs.view());
     std::vector<std::uint8_t> payload(moments_payload_bytes(frame.mode, frame.columns));
-    pack_moments(frame.mode, frame.columns, moments.view(), payload.data());
+    pack_columns(frame.select, frame.mode, frame.columns, runs.view(), payload.data());
     const int of_last_row = std::max(0, beats - (frame.rows - 1) * frame.columns / 4);
     const int words = of_last_row * (frame.mode == Mode::binary ? 1 : 2);
     for (int i = 0; i < words; ++i) {
@@ -160,11 +174,31 @@ inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, 
     std::fill(frame.pixels.begin(), frame.pixels.end(),
               static_cast<std::uint8_t>(random.chance(70) ? 255 : random.between(0, 255)));
   }
+  if (random.chance(30)) {
+    frame.window = {.first = random.between(0, rows), .last = random.between(0, rows)};
+  }
   return frame;
 }
 
+// The same with several runs in a column, equal ones too.
+inline MomentsFrame random_runs_frame(Random& random, int columns, int rows, Mode mode) {
+  MomentsFrame frame = random_moments_frame(random, columns, rows, mode);
+  frame.select = random.chance(80) ? Select::strongest : Select::all;
+  frame.gap = random.between(0, 3);
+  const int dark = random.between(10, 90);
+  const int values = random.chance(50) ? random.between(1, 3) : 255;
+  for (auto& pixel : frame.pixels) {
+    const int lit = std::min(frame.threshold + random.between(1, values), 255);
+    pixel = static_cast<std::uint8_t>(random.chance(dark) ? random.between(0, frame.threshold) : lit);
+  }
+  return frame;
+}
+
+using MakeFrame = MomentsFrame(Random& random, int columns, int rows, Mode mode);
+
 // Plays `frames` frames of changing size, mode and threshold. Some break, with stray beats behind them; gaps anywhere.
-inline void play_moments_frames(MomentsBench& bench, int frames, Random& random) {
+inline void play_moments_frames(MomentsBench& bench, int frames, Random& random,
+                                MakeFrame& make = random_moments_frame) {
   int columns = 4;
   int rows = 1;
   Mode mode = Mode::binary;
@@ -176,7 +210,7 @@ inline void play_moments_frames(MomentsBench& bench, int frames, Random& random)
       rows = random.between(1, random.chance(50) ? 2 : 9);
       mode = static_cast<Mode>(random.between(0, 2));
     }
-    const MomentsFrame frame = random_moments_frame(random, columns, rows, mode);
+    const MomentsFrame frame = make(random, columns, rows, mode);
     const int groups = columns / 4;
     const int gaps = dense ? 0 : random.between(0, 60);
     if (!random.chance(breaks)) {
