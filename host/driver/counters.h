@@ -24,7 +24,13 @@ struct Counters {
   std::uint64_t repeated = 0;         // good packets that had come before; they are not given out again
   std::uint64_t restarts = 0;         // times that the board's sequence or clock went back because of a reset
   std::uint64_t reattached = 0;       // ring: times that a new writer, or a new ring of this name, took over
-  std::uint64_t read_errors = 0;      // file: errors of the device after which reading continued
+  std::uint64_t read_errors = 0;      // file, network: errors of the device after which reading continued
+  std::uint64_t lost_network = 0;     // network: packets of which a datagram did not come
+  std::uint64_t datagrams_lost = 0;   // network: datagrams that did not come, whoever lost them
+  std::uint64_t datagrams_overflow = 0;   // of these, those for which the socket's buffer had no room
+  std::uint64_t datagrams_doubled = 0;    // network: datagrams that had come before
+  std::uint64_t datagrams_reordered = 0;  // network: datagrams that came after a later one
+  std::uint64_t datagrams_refused = 0;    // network: datagrams that are none of a board, or are cut
 
   bool operator==(const Counters&) const = default;
 };
@@ -37,7 +43,7 @@ struct CounterName {
 };
 
 // Every counter once, in the order of the fields.
-inline constexpr std::array<CounterName, 13> kCounterNames = {{
+inline constexpr std::array<CounterName, 19> kCounterNames = {{
     {&Counters::delivered, "delivered", "packets delivered"},
     {&Counters::flagged, "flagged", "packets flagged by the board"},
     {&Counters::lost_board, "lost_board", "lost on the board"},
@@ -51,6 +57,12 @@ inline constexpr std::array<CounterName, 13> kCounterNames = {{
     {&Counters::restarts, "restarts", "restarts of the board"},
     {&Counters::reattached, "reattached", "changes of writer or ring"},
     {&Counters::read_errors, "read_errors", "errors of the device"},
+    {&Counters::lost_network, "lost_network", "lost in the network"},
+    {&Counters::datagrams_lost, "datagrams_lost", "datagrams lost"},
+    {&Counters::datagrams_overflow, "datagrams_overflow", "datagrams lost in the socket's buffer"},
+    {&Counters::datagrams_doubled, "datagrams_doubled", "datagrams doubled"},
+    {&Counters::datagrams_reordered, "datagrams_reordered", "datagrams out of order"},
+    {&Counters::datagrams_refused, "datagrams_refused", "datagrams refused"},
 }};
 static_assert(sizeof(Counters) == kCounterNames.size() * sizeof(std::uint64_t), "a counter has no name");
 

@@ -5,6 +5,7 @@
 
 #include "host/driver/file_device.h"
 #include "host/driver/ring_device.h"
+#include "host/driver/udp_device.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
@@ -13,11 +14,14 @@ std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions&
   const std::size_t colon = uri.find(':');
   const std::string scheme = uri.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
-  if (colon == std::string::npos || (scheme != "ring" && scheme != "file" && scheme != "sim")) {
-    throw UserError(uri, "is not a device; use ring:NAME or file:PATH");
+  if (colon == std::string::npos || (scheme != "ring" && scheme != "file" && scheme != "udp" && scheme != "sim")) {
+    throw UserError(uri, "is not a device; use ring:NAME, file:PATH or udp:HOST");
   }
   if (scheme == "sim") {
     throw UserError(uri, "exists only inside selfproj-sim");
+  }
+  if (scheme == "udp") {
+    return make_udp_device(rest, options);
   }
   if (rest.empty()) {
     throw UserError(uri, scheme == "ring" ? "the name of the ring is missing" : "the path of the file is missing");

@@ -2,6 +2,7 @@
 //
 //     ring:NAME   a ring in shared memory, written by a board's driver or by selfproj-sim board   (ring_layout.h)
 //     file:PATH   a recorded stream, a pipe, or a streaming character device such as /dev/xdma0_c2h_0
+//     udp:HOST[:PORT]   a board on the network, which sends packets in datagrams   (udp_device.h)
 //     sim:        inside selfproj-sim only: SimDevice (sim_device.h)
 #ifndef SELFPROJ_HOST_DRIVER_OPEN_DEVICE_H
 #define SELFPROJ_HOST_DRIVER_OPEN_DEVICE_H

@@ -4,8 +4,9 @@
     generate.py            write the files
     generate.py --check    write nothing; exit 1 and name each file that differs
 
-Outputs: the C++ header (C++14), the SystemVerilog package, and the tables (tables.py) between the markers
-`<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown files listed in TABLES.
+Outputs: the C++ header (C++14), the table of registers by name (C++20, register_table.py), the SystemVerilog package,
+and the tables (tables.py) between the markers `<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the
+Markdown files listed in TABLES.
 Standard library only. Every number format is proved here: the largest value that can occur is computed from the sizes
 and must fit its field. If one does not fit, the generator says so and writes nothing.
 """
@@ -18,16 +19,19 @@ import operator
 import pathlib
 import sys
 
+import register_table
 import tables
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 SPEC = HERE / "selfproj.json"
 HEADER = HERE / "generated" / "selfproj_spec.h"
+REGISTERS = HERE / "generated" / "register_table.h"
+DATAGRAM = HERE / "generated" / "datagram_format.h"
 PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
 TABLES = {
     ROOT / "docs" / "packet-reference.md": ["formats", "header", "versions", "trailer", "values", "check",
-                                                "reader"],
+                                                "reader", "datagram"],
     ROOT / "docs" / "register-reference.md": ["registers", "fields"],
     ROOT / "docs" / "circuits" / "gray.md": ["gray_memory"],
 }
@@ -66,8 +70,12 @@ def with_whole_descriptions(node):
 
 
 def spec_hash(spec):
-    """First 32 bits of the SHA-256 of the specification without its prose, keys sorted."""
-    canonical = json.dumps(without_descriptions(spec), sort_keys=True, separators=(",", ":"))
+    """First 32 bits of the SHA-256 of the specification without its prose, keys sorted.
+
+    Datagrams only carry packets, and have their own magic number; they do not count.
+    """
+    agreed = {key: value for key, value in spec.items() if key != "datagram"}
+    canonical = json.dumps(without_descriptions(agreed), sort_keys=True, separators=(",", ":"))
     return int.from_bytes(hashlib.sha256(canonical.encode()).digest()[:4], "big")
 
 
@@ -106,6 +114,7 @@ class Spec:
                       "pixel": (1 << self.sizes["pixel_bits"]) - 1}
         self.header = self._lay_out(self.raw["packet"]["header"])
         self.trailer = self._lay_out(self.raw["packet"]["trailer"])
+        self._bytes(self._lay_out(self.raw["datagram"]["header"]))
         self.header_bytes = self._bytes(self.header)
         self.trailer_bytes = self._bytes(self.trailer)
         self._prove_formats()
@@ -351,7 +360,8 @@ def with_table(path, text, name, lines):
 
 
 def outputs(spec):
-    files = {HEADER: cpp_header(spec), PACKAGE: sv_package(spec)}
+    files = {HEADER: cpp_header(spec), REGISTERS: register_table.cpp_register_table(spec),
+             DATAGRAM: register_table.cpp_datagram(spec), PACKAGE: sv_package(spec)}
     for path, names in TABLES.items():
         text = path.read_text(encoding="utf-8")
         for name in names:

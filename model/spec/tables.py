@@ -166,5 +166,10 @@ def gray_memory(spec):
     return out
 
 
+def datagram(spec):
+    return fields_by_byte(spec.raw["datagram"]["header"])
+
+
 MAKERS = {"formats": formats, "header": header, "versions": versions, "trailer": trailer, "values": values,
-          "check": check, "reader": reader, "registers": registers, "fields": fields, "gray_memory": gray_memory}
+          "check": check, "reader": reader, "datagram": datagram, "registers": registers, "fields": fields,
+          "gray_memory": gray_memory}

@@ -1,0 +1,226 @@
+#include "host/driver/control.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+std::string hex(std::uint32_t value) {
+  std::array<char, 11> text{};
+  static_cast<void>(std::snprintf(text.data(), text.size(), "0x%08X", value));
+  return text.data();
+}
+
+const spec::Register& at(std::uint32_t address) {
+  return *std::find_if(spec::kRegisters.begin(), spec::kRegisters.end(),
+                       [&](const spec::Register& one) { return one.address == address; });
+}
+
+std::string part_name(const RegisterPart& part) {
+  return std::string(part.in->name) + (part.field == nullptr ? "" : "." + std::string(part.field->name));
+}
+
+bool flag(std::uint32_t word, int lsb) { return field_of(word, lsb, 1) != 0; }
+
+}  // namespace
+
+RegisterPart register_part(std::string_view name) {
+  const std::string_view in = name.substr(0, name.find('.'));
+  for (const spec::Register& one : spec::kRegisters) {
+    if (one.name != in) {
+      continue;
+    }
+    if (in == name) {
+      return {&one, nullptr};
+    }
+    for (const spec::RegisterField& field : one.fields) {
+      if (field.name == name.substr(in.size() + 1)) {
+        return {&one, &field};
+      }
+    }
+    throw UserError(std::string(name), "register " + std::string(in) + " has no such field");
+  }
+  throw UserError(std::string(name), "there is no such register");
+}
+
+Control::Control(std::unique_ptr<RegisterPort> port) : port_(std::move(port)) {
+  const std::array<std::uint32_t, 4> addresses{spec::kRegId, spec::kRegVersion, spec::kRegSpecHash,
+                                               spec::kRegCapability};
+  const std::vector<std::uint32_t> words = port_->read(addresses);
+  if (words[0] != spec::kMagic) {
+    throw UserError(uri(), "no selfproj board is there: its first register is " + hex(words[0]));
+  }
+  if (words[1] != spec::kVersion || words[2] != spec::kHash) {
+    throw UserError(uri(), "the board was built from another specification: version " + std::to_string(words[1] >> 8U) +
+                               "." + std::to_string(words[1] & 0xFFU) + ", hash " + hex(words[2]) + ", not " +
+                               hex(spec::kHash));
+  }
+  const std::uint32_t can = words[3];
+  build_ = {
+      .max_columns =
+          static_cast<int>(field_of(can, spec::kRegCapabilityMaxColumnsLsb, spec::kRegCapabilityMaxColumnsBits)),
+      .max_rows = static_cast<int>(field_of(can, spec::kRegCapabilityMaxRowsLsb, spec::kRegCapabilityMaxRowsBits)),
+      .grey = flag(can, spec::kRegCapabilityGreyLsb),
+      .image = flag(can, spec::kRegCapabilityImageLsb),
+      .codes = flag(can, spec::kRegCapabilityCodesLsb),
+      .median = flag(can, spec::kRegCapabilityMedianLsb),
+      .runs = flag(can, spec::kRegCapabilityRunsLsb),
+      .code_bits = static_cast<int>(field_of(can, spec::kRegCapabilityCodeBitsLsb, spec::kRegCapabilityCodeBitsBits)),
+  };
+}
+
+void Control::need(const spec::Register& one) const {
+  if (!has_register(build_, one.address)) {
+    throw UserError(uri(), "this board has no register " + std::string(one.name) + ": it has no Gray-code decoder");
+  }
+}
+
+std::uint32_t Control::word(std::uint32_t address) {
+  return port_->read(std::array<std::uint32_t, 1>{address}).front();
+}
+
+std::uint32_t Control::read(const RegisterPart& part) {
+  need(*part.in);
+  const std::uint32_t value = word(part.in->address);
+  return part.field == nullptr ? value : field_of(value, part.field->lsb, part.field->bits);
+}
+
+void Control::write_word(const spec::Register& one, std::uint32_t value) {
+  need(one);
+  if (!one.writable) {
+    throw UserError(uri(), "register " + std::string(one.name) + " can only be read");
+  }
+  const Written written = port_->write(one.address, value);
+  const std::uint32_t mask = one.address == spec::kRegSize ? ~0U : one.mask();  // bits that are not ignored
+  if (written == Written::refused || (written == Written::unknown && word(one.address) != (value & mask))) {
+    throw UserError(uri(), "the board refuses " + hex(value) + " in register " + std::string(one.name));
+  }
+}
+
+void Control::write(const RegisterPart& part, std::uint32_t value) {
+  std::uint32_t whole = value;
+  if (part.field != nullptr) {
+    if ((std::uint64_t{value} >> part.field->bits) != 0) {
+      throw UserError(uri(), part_name(part) + " cannot hold " + std::to_string(value) + ": it has " +
+                                 std::to_string(part.field->bits) + " bits");
+    }
+    const std::uint32_t others =
+        part.in->fields.size() > 1 ? read({part.in, nullptr}) & part.in->mask() & ~part.field->mask() : 0;
+    whole = others | value << part.field->lsb;
+  }
+  write_word(*part.in, whole);
+}
+
+void Control::write_together(std::vector<std::pair<RegisterPart, std::uint32_t>> values) {
+  std::stable_sort(values.begin(), values.end(), [](const auto& one, const auto& other) {
+    const auto rank = [](const RegisterPart& part) {
+      return part.in->address == spec::kRegControl ? ~0U : part.in->address;
+    };
+    return rank(one.first) < rank(other.first);
+  });
+  // One word a register, so that fields of one register change in one write.
+  std::vector<std::pair<const spec::Register*, std::uint32_t>> words;
+  for (const auto& [part, value] : values) {
+    need(*part.in);
+    if (!part.in->writable) {
+      throw UserError(uri(), "register " + std::string(part.in->name) + " can only be read");
+    }
+    if (part.field != nullptr && (std::uint64_t{value} >> part.field->bits) != 0) {
+      throw UserError(uri(), part_name(part) + " cannot hold " + std::to_string(value) + ": it has " +
+                                 std::to_string(part.field->bits) + " bits");
+    }
+    if (words.empty() || words.back().first != part.in) {
+      words.emplace_back(part.in, read({part.in, nullptr}) & part.in->mask());
+    }
+    std::uint32_t& word_of = words.back().second;
+    word_of = part.field == nullptr ? value : (word_of & ~part.field->mask()) | value << part.field->lsb;
+  }
+  const spec::Register& control = at(spec::kRegControl);
+  const std::uint32_t before = word(control.address) & control.mask();
+  const bool settings = std::any_of(words.begin(), words.end(), [](const auto& one) { return one.first->setting; });
+  if (settings) {
+    write_word(control, before | 1U << spec::kRegControlHoldLsb);
+  }
+  try {
+    for (const auto& [one, value] : words) {
+      write_word(*one, value);
+    }
+  } catch (const UserError&) {
+    if (settings) {
+      write_word(control, before);
+    }
+    throw;
+  }
+  if (settings && (words.empty() || words.back().first != &control)) {
+    write_word(control, before);
+  }
+}
+
+void Control::set(const BoardSettings& settings) {
+  const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
+  const auto number = [](int value, int lsb) { return static_cast<std::uint32_t>(value) << lsb; };
+  if (settings.codes && !build_.codes) {
+    throw UserError(uri(), "this board has no Gray-code decoder");
+  }
+  const std::uint32_t control =
+      bit(settings.run, spec::kRegControlRunLsb) | bit(settings.image, spec::kRegControlImageLsb);
+  write_word(at(spec::kRegControl), control | 1U << spec::kRegControlHoldLsb);
+  write_word(at(spec::kRegSize),
+             number(settings.columns, spec::kRegSizeColumnsLsb) | number(settings.rows, spec::kRegSizeRowsLsb));
+  write_word(at(spec::kRegMeasure), number(settings.threshold, spec::kRegMeasureThresholdLsb) |
+                                        number(static_cast<int>(settings.mode), spec::kRegMeasureModeLsb) |
+                                        number(static_cast<int>(settings.select), spec::kRegMeasureSelectLsb) |
+                                        number(settings.gap, spec::kRegMeasureGapLsb) |
+                                        number(settings.stream, spec::kRegMeasureStreamLsb));
+  const std::uint32_t window =
+      number(settings.window.first, spec::kRegWindowFirstLsb) | number(settings.window.last, spec::kRegWindowLastLsb);
+  if (word(spec::kRegWindow) != window) {
+    write_word(at(spec::kRegWindow), window);
+  }
+  write_word(at(spec::kRegTimeout), number(settings.timeout, spec::kRegTimeoutClocksLsb));
+  if (build_.codes) {
+    write_word(at(spec::kRegDecode), number(settings.code_threshold, spec::kRegDecodeThresholdLsb) |
+                                         number(settings.code_bits, spec::kRegDecodeBitsLsb) |
+                                         bit(settings.codes, spec::kRegDecodeCodesLsb) |
+                                         bit(settings.median, spec::kRegDecodeMedianLsb));
+  }
+  write_word(at(spec::kRegControl), control | bit(settings.hold, spec::kRegControlHoldLsb));
+}
+
+void Control::count_patterns_on_frames(int patterns) {
+  write_word(at(spec::kRegTriggerControl),
+             1U << spec::kRegTriggerControlOnFrameLsb | static_cast<std::uint32_t>(patterns - 1)
+                                                            << spec::kRegTriggerControlLastPatternLsb);
+}
+
+BoardState Control::state() {
+  // The low word first: reading it holds the high one.
+  const std::array<std::uint32_t, 2> clock{spec::kRegTimeLow, spec::kRegTimeHigh};
+  const std::vector<std::uint32_t> time = port_->read(clock);
+  return {
+      .frame_open = flag(word(spec::kRegStatus), spec::kRegStatusFrameOpenLsb),
+      .frames = word(spec::kRegFrames),
+      .broken = word(spec::kRegBroken),
+      .stray = word(spec::kRegStray),
+      .lost_moments = word(spec::kRegLostMoments),
+      .lost_image = word(spec::kRegLostImage),
+      .lost_codes = build_.codes ? word(spec::kRegLostCodes) : 0,
+      .abandoned = build_.codes ? word(spec::kRegAbandoned) : 0,
+      .time = time[0] | std::uint64_t{time[1]} << 32U,
+      .encoder = word(spec::kRegEncoder),
+      .encoder_errors = static_cast<std::uint16_t>(word(spec::kRegEncoderErrors)),
+  };
+}
+
+}  // namespace selfproj

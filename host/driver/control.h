@@ -1,0 +1,81 @@
+// Control of a board: its registers by name, its settings, its counters. open_control.h opens one by its URI.
+//
+//     const std::unique_ptr<Control> control = open_control("udp:192.168.1.50");
+//     control->set({.run = true, .columns = 512, .rows = 96, .mode = Mode::grey_over, .threshold = 60});
+//     control->write("trigger_period.clocks", 15120);
+#ifndef SELFPROJ_HOST_DRIVER_CONTROL_H
+#define SELFPROJ_HOST_DRIVER_CONTROL_H
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/driver/register_port.h"
+#include "model/board.h"
+#include "model/register_file.h"
+#include "model/spec/generated/register_table.h"
+
+namespace selfproj {
+
+// A register or one of its fields.
+struct RegisterPart {
+  const spec::Register* in = nullptr;
+  const spec::RegisterField* field = nullptr;  // nullptr: the whole word
+};
+
+// The part of this name: "size", "size.columns". A register with one field is known by both names. Throws UserError.
+RegisterPart register_part(std::string_view name);
+
+// For one thread at a time. Every error is a UserError that begins with the URI.
+class Control {
+ public:
+  // Reads what the board is. Throws if nothing answers, if it is no selfproj board, or if it was built from another
+  // specification.
+  explicit Control(std::unique_ptr<RegisterPort> port);
+
+  [[nodiscard]] const BoardBuild& build() const { return build_; }
+  [[nodiscard]] const std::string& uri() const { return port_->uri(); }
+
+  // The value of a register or field.
+  [[nodiscard]] std::uint32_t read(std::string_view name) { return read(register_part(name)); }
+  [[nodiscard]] std::uint32_t read(const RegisterPart& part);
+
+  // Writes a register, or one of its fields and leaves the others. Throws if the board refuses the value: it then says
+  // so, or the register does not hold it afterwards.
+  void write(std::string_view name, std::uint32_t value) { write(register_part(name), value); }
+  void write(const RegisterPart& part, std::uint32_t value);
+
+  // Writes parts that take effect at one frame start, in the order of their addresses, except that `control` comes
+  // last; while they are written, control.hold is 1. Checks first that every value fits its part. If the board refuses
+  // one, the earlier ones stay written, and the error names the refused one.
+  void write_together(std::vector<std::pair<RegisterPart, std::uint32_t>> values);
+
+  // Writes all settings. They count from the next frame start on.
+  void set(const BoardSettings& settings);
+
+  // Frames count patterns: frame k from now on has the pattern index k mod patterns, 1..256.
+  void count_patterns_on_frames(int patterns);
+
+  // Everything that only the board changes, read register by register; the time as one number.
+  [[nodiscard]] BoardState state();
+
+ private:
+  void write_word(const spec::Register& one, std::uint32_t value);
+  [[nodiscard]] std::uint32_t word(std::uint32_t address);
+  void need(const spec::Register& one) const;
+
+  std::unique_ptr<RegisterPort> port_;
+  BoardBuild build_;
+};
+
+// The bits of a word.
+constexpr std::uint32_t field_of(std::uint32_t word, int lsb, int bits) {
+  return static_cast<std::uint32_t>((word >> lsb) & ((std::uint64_t{1} << bits) - 1));
+}
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_DRIVER_CONTROL_H

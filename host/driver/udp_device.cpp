@@ -1,0 +1,210 @@
+#include "host/driver/udp_device.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/types.h>
+#include <sys/uio.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <ctime>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/driver/clock.h"
+#include "host/driver/counters.h"
+#include "host/driver/datagram_assembler.h"
+#include "host/driver/device.h"
+#include "host/driver/packet_tally.h"
+#include "host/driver/udp_socket.h"
+#include "host/io/file_descriptor.h"
+#include "host/io/user_error.h"
+#include "model/datagram.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::size_t kBatch = 64;     // datagrams of one system call
+constexpr std::size_t kRoom = 9216;    // bytes for each, more than a jumbo frame has
+constexpr int kSocketBytes = 1 << 25;  // the kernel's buffer: 0.4 s of Gigabit Ethernet
+constexpr std::int64_t kSilenceNs = 20'000'000;
+constexpr std::int64_t kErrorPauseNs = 1'000'000;
+
+// The batches of a socket.
+class DatagramBatch {
+ public:
+  DatagramBatch() : bytes_(kBatch * kRoom) {
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      pieces_[i] = {bytes_.data() + i * kRoom, kRoom};
+      messages_[i].msg_hdr.msg_iov = &pieces_[i];
+      messages_[i].msg_hdr.msg_iovlen = 1;
+    }
+  }
+
+  // Returns the number of datagrams that have come, or -1 with errno.
+  int receive(int socket) {
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      messages_[i].msg_hdr.msg_control = controls_[i].data();
+      messages_[i].msg_hdr.msg_controllen = controls_[i].size();
+    }
+    return recvmmsg(socket, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
+  }
+
+  [[nodiscard]] std::span<const std::uint8_t> datagram(std::size_t i) const {
+    return {bytes_.data() + i * kRoom, std::min<std::size_t>(messages_[i].msg_len, kRoom)};
+  }
+
+  // The kernel's count of datagrams without room, if datagram i tells it. It wraps.
+  bool overflow(std::size_t i, std::uint32_t& count) {
+    msghdr& header = messages_[i].msg_hdr;
+    for (cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr; part = CMSG_NXTHDR(&header, part)) {
+      if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SO_RXQ_OVFL) {
+        std::memcpy(&count, CMSG_DATA(part), sizeof count);
+        return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::array<iovec, kBatch> pieces_{};
+  std::array<mmsghdr, kBatch> messages_{};
+  struct alignas(cmsghdr) Control : std::array<std::uint8_t, CMSG_SPACE(sizeof(std::uint32_t))> {};
+  std::array<Control, kBatch> controls_{};
+};
+
+class UdpDevice final : public Device {
+ public:
+  UdpDevice(const std::string& place, const DeviceOptions& options)
+      : uri_("udp:" + place),
+        options_(options),
+        socket_(open_udp_socket(uri_, udp_place(uri_, place, kDatagramPort))),
+        assembler_(counters_),
+        tally_(counters_) {
+    // As much as the system allows: without the right to more, net.core.rmem_max is the limit.
+    const int bytes = kSocketBytes;
+    if (setsockopt(socket_.number(), SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0) {
+      static_cast<void>(setsockopt(socket_.number(), SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes));
+    }
+    const int on = 1;
+    if (setsockopt(socket_.number(), SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) != 0) {
+      throw UserError(uri_, error_text(errno));
+    }
+    last_ns_ = now_ns();
+  }
+
+  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
+    const std::int64_t started = now_ns();
+    for (bool looked = false;; looked = true) {
+      while (take(packet)) {
+        if (tally_.accept(packet.header)) {
+          ++counters_.delivered;
+          counters_.flagged += packet.status != 0 ? 1 : 0;
+          return Next::packet;
+        }
+      }
+      const std::int64_t now = now_ns();
+      if (!quiet_ && now - last_ns_ >= kSilenceNs) {
+        assembler_.flush();
+        quiet_ = true;
+        continue;
+      }
+      if (looked && now - started >= timeout.count()) {
+        return Next::timeout;
+      }
+      receive(now - started, timeout.count());
+    }
+  }
+
+  void release() override {}  // the place is kept until the next call of next()
+
+  [[nodiscard]] std::int64_t arrival_ns() const override { return last_ns_; }
+  [[nodiscard]] Counters counters() const override { return counters_; }
+  [[nodiscard]] const std::string& uri() const override { return uri_; }
+
+ private:
+  // The next packet of the datagrams received.
+  bool take(PacketView& packet) {
+    for (;;) {
+      if (assembler_.next(packet)) {
+        return true;
+      }
+      if (used_ == held_) {
+        return false;
+      }
+      used_ += assembler_.add(batch_.datagram(used_)) ? 1 : 0;
+    }
+  }
+
+  // Receives what is there, or waits according to the policy.
+  void receive(std::int64_t waited, std::int64_t timeout) {
+    const int count = batch_.receive(socket_.number());
+    if (count > 0) {
+      last_ns_ = now_ns();
+      quiet_ = false;
+      used_ = 0;
+      held_ = static_cast<std::size_t>(count);
+      note_overflow();
+      return;
+    }
+    if (count < 0 && errno != EAGAIN && errno != EINTR && errno != ECONNREFUSED) {
+      ++counters_.read_errors;
+      const timespec pause{0, kErrorPauseNs};
+      nanosleep(&pause, nullptr);
+      return;
+    }
+    const bool polls = options_.wait == Wait::polling ||
+                       (options_.wait == Wait::polling_then_blocking && waited < options_.spin.count());
+    if (polls) {
+      relax();
+      return;
+    }
+    std::int64_t wait = std::max<std::int64_t>(timeout - waited, 0);
+    if (!quiet_) {
+      wait = std::min(wait, kSilenceNs);
+    }
+    constexpr std::int64_t kSecond = 1'000'000'000;
+    const timespec limit{static_cast<std::time_t>(wait / kSecond), static_cast<long>(wait % kSecond)};
+    pollfd watched{socket_.number(), POLLIN, 0};
+    static_cast<void>(ppoll(&watched, 1, &limit, nullptr));
+  }
+
+  void note_overflow() {
+    for (std::size_t i = 0; i < held_; ++i) {
+      std::uint32_t count = 0;
+      if (batch_.overflow(i, count)) {
+        counters_.datagrams_overflow += static_cast<std::uint32_t>(count - overflow_);
+        overflow_ = count;
+      }
+    }
+  }
+
+  std::string uri_;
+  DeviceOptions options_;
+  FileDescriptor socket_;
+  Counters counters_;
+  DatagramBatch batch_;
+  DatagramAssembler assembler_;
+  PacketTally tally_;
+  std::size_t used_ = 0;  // datagrams of the batch that were added
+  std::size_t held_ = 0;  // datagrams in the batch
+  std::uint32_t overflow_ = 0;
+  std::int64_t last_ns_ = 0;
+  bool quiet_ = true;  // what was incomplete is given up
+};
+
+}  // namespace
+
+std::unique_ptr<Device> make_udp_device(const std::string& place, const DeviceOptions& options) {
+  return std::make_unique<UdpDevice>(place, options);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,73 @@
+// Packets in datagrams: the header of a datagram, and how a packet is cut.
+#ifndef SELFPROJ_MODEL_DATAGRAM_H
+#define SELFPROJ_MODEL_DATAGRAM_H
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "model/little_endian.h"
+#include "model/spec/generated/datagram_format.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+
+struct DatagramHeader {
+  std::uint16_t session = 0;
+  std::uint32_t sequence = 0;
+  std::uint32_t packet = 0;
+  std::uint16_t offset = 0;
+  std::uint16_t length = 0;  // 0: the sender is idle
+
+  bool operator==(const DatagramHeader&) const = default;
+};
+
+inline constexpr std::uint16_t kDatagramPort = 1235;  // where boards send from and to, unless told otherwise
+
+// Bytes of UDP payload in Ethernet's ordinary frames (1,500 bytes) and in jumbo frames (9,000 bytes).
+inline constexpr std::size_t kDatagramBytes = 1472;
+inline constexpr std::size_t kJumboDatagramBytes = 8972;
+
+// The longest piece of a packet in datagrams of this many bytes: whole beats.
+constexpr std::size_t datagram_piece(std::size_t datagram_bytes) {
+  return (datagram_bytes - spec::kDatagramHeaderBytes) / spec::kPacketBeatBytes * spec::kPacketBeatBytes;
+}
+
+// Datagrams of a packet of this many bytes, which go in pieces of `piece` bytes.
+constexpr std::size_t datagrams_of(std::size_t packet_bytes, std::size_t piece) {
+  return (packet_bytes + piece - 1) / piece;
+}
+
+// Writes spec::kDatagramHeaderBytes bytes.
+inline void write_datagram_header(const DatagramHeader& header, std::uint8_t* bytes) {
+  store_little_endian(bytes + spec::kDatagramMagicAt, spec::kDatagramMagic);
+  store_little_endian(bytes + spec::kDatagramSession, header.session);
+  store_little_endian(bytes + spec::kDatagramSequence, header.sequence);
+  store_little_endian(bytes + spec::kDatagramPacket, header.packet);
+  store_little_endian(bytes + spec::kDatagramOffset, header.offset);
+  store_little_endian(bytes + spec::kDatagramLength, header.length);
+}
+
+// The header of a whole datagram; nothing if it is none, is cut, or does not consist of whole beats.
+inline std::optional<DatagramHeader> read_datagram_header(std::span<const std::uint8_t> datagram) {
+  if (datagram.size() < spec::kDatagramHeaderBytes) {
+    return std::nullopt;
+  }
+  const std::uint8_t* const bytes = datagram.data();
+  const DatagramHeader header{.session = load_little_endian<std::uint16_t>(bytes + spec::kDatagramSession),
+                              .sequence = load_little_endian<std::uint32_t>(bytes + spec::kDatagramSequence),
+                              .packet = load_little_endian<std::uint32_t>(bytes + spec::kDatagramPacket),
+                              .offset = load_little_endian<std::uint16_t>(bytes + spec::kDatagramOffset),
+                              .length = load_little_endian<std::uint16_t>(bytes + spec::kDatagramLength)};
+  if (load_little_endian<std::uint16_t>(bytes + spec::kDatagramMagicAt) != spec::kDatagramMagic ||
+      datagram.size() != spec::kDatagramHeaderBytes + header.length || header.offset % spec::kPacketBeatBytes != 0 ||
+      header.length % spec::kPacketBeatBytes != 0) {
+    return std::nullopt;
+  }
+  return header;
+}
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_MODEL_DATAGRAM_H

@@ -1,0 +1,194 @@
+#include "model/register_file.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "model/spec/generated/register_table.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::uint32_t bits_of(std::uint32_t word, int lsb, int bits) {
+  return static_cast<std::uint32_t>((word >> lsb) & ((std::uint64_t{1} << bits) - 1));
+}
+
+const spec::Register* register_at(std::uint32_t address) {
+  const auto* const found = std::find_if(spec::kRegisters.begin(), spec::kRegisters.end(),
+                                         [&](const spec::Register& one) { return one.address == address; });
+  return found == spec::kRegisters.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+bool has_register(const BoardBuild& build, std::uint32_t address) {
+  const bool decoder = address == spec::kRegDecode || address == spec::kRegLostCodes || address == spec::kRegAbandoned;
+  return register_at(address) != nullptr && (build.codes || !decoder);
+}
+
+RegisterFile::RegisterFile(const BoardBuild& build) : build_(build) {
+  for (const spec::Register& one : spec::kRegisters) {
+    if (one.writable && has_register(build, one.address)) {
+      values_[one.address / 4] = one.reset;
+    }
+  }
+  const std::uint32_t size = values_[spec::kRegSize / 4];
+  const std::uint32_t columns = std::min(bits_of(size, spec::kRegSizeColumnsLsb, spec::kRegSizeColumnsBits),
+                                         static_cast<std::uint32_t>(build.max_columns));
+  const std::uint32_t rows = std::min(bits_of(size, spec::kRegSizeRowsLsb, spec::kRegSizeRowsBits),
+                                      static_cast<std::uint32_t>(build.max_rows));
+  values_[spec::kRegSize / 4] = columns << spec::kRegSizeColumnsLsb | rows << spec::kRegSizeRowsLsb;
+  if (build.codes) {
+    std::uint32_t& decode = values_[spec::kRegDecode / 4];
+    const std::uint32_t code_bits = bits_of(decode, spec::kRegDecodeBitsLsb, spec::kRegDecodeBitsBits);
+    const std::uint32_t most = std::min(code_bits, static_cast<std::uint32_t>(build.code_bits));
+    decode = (decode & ~(code_bits << spec::kRegDecodeBitsLsb)) | most << spec::kRegDecodeBitsLsb;
+  }
+}
+
+std::uint32_t RegisterFile::capability() const {
+  const auto bit = [](bool set, int lsb) { return static_cast<std::uint32_t>(set ? 1U : 0U) << lsb; };
+  return static_cast<std::uint32_t>(build_.max_columns) << spec::kRegCapabilityMaxColumnsLsb |
+         static_cast<std::uint32_t>(build_.max_rows) << spec::kRegCapabilityMaxRowsLsb |
+         bit(build_.grey, spec::kRegCapabilityGreyLsb) | bit(build_.image, spec::kRegCapabilityImageLsb) |
+         bit(build_.codes, spec::kRegCapabilityCodesLsb) |
+         bit(build_.codes && build_.median, spec::kRegCapabilityMedianLsb) |
+         bit(build_.runs, spec::kRegCapabilityRunsLsb) |
+         static_cast<std::uint32_t>(build_.codes ? build_.code_bits : 0) << spec::kRegCapabilityCodeBitsLsb;
+}
+
+RegisterAnswer RegisterFile::read(std::uint32_t address, const BoardState& state) {
+  if (!has_register(build_, address)) {
+    return {.error = true, .data = 0};
+  }
+  const auto answer = [](std::uint32_t data) { return RegisterAnswer{.error = false, .data = data}; };
+  switch (address) {
+    case spec::kRegId:
+      return answer(spec::kMagic);
+    case spec::kRegVersion:
+      return answer(spec::kVersion);
+    case spec::kRegSpecHash:
+      return answer(spec::kHash);
+    case spec::kRegCapability:
+      return answer(capability());
+    case spec::kRegStatus:
+      return answer(static_cast<std::uint32_t>(state.frame_open ? 1U : 0U) << spec::kRegStatusFrameOpenLsb |
+                    static_cast<std::uint32_t>(pending_ ? 1U : 0U) << spec::kRegStatusPendingLsb);
+    case spec::kRegFrames:
+      return answer(state.frames);
+    case spec::kRegBroken:
+      return answer(state.broken);
+    case spec::kRegStray:
+      return answer(state.stray);
+    case spec::kRegLostMoments:
+      return answer(state.lost_moments);
+    case spec::kRegLostImage:
+      return answer(state.lost_image);
+    case spec::kRegLostCodes:
+      return answer(state.lost_codes);
+    case spec::kRegAbandoned:
+      return answer(state.abandoned);
+    case spec::kRegTimeLow:
+      time_high_ = static_cast<std::uint32_t>(state.time >> 32U);
+      return answer(static_cast<std::uint32_t>(state.time));
+    case spec::kRegTimeHigh:
+      return answer(time_high_);
+    case spec::kRegEncoder:
+      return answer(state.encoder);
+    case spec::kRegEncoderErrors:
+      return answer(state.encoder_errors);
+    default:
+      return answer(values_[address / 4]);
+  }
+}
+
+// Whether this build, in this state, can do the value.
+bool RegisterFile::good(std::uint32_t address, std::uint32_t data) const {
+  const bool runs = field(spec::kRegTriggerControl, spec::kRegTriggerControlRunLsb, 1) != 0;
+  const bool on_frame = field(spec::kRegTriggerControl, spec::kRegTriggerControlOnFrameLsb, 1) != 0;
+  switch (address) {
+    case spec::kRegControl:
+      return build_.image || bits_of(data, spec::kRegControlImageLsb, 1) == 0;
+    case spec::kRegSize: {
+      // The bits above a field must be 0, so they count to it.
+      const std::uint32_t columns = bits_of(data, 0, spec::kRegSizeRowsLsb);
+      const std::uint32_t rows = data >> spec::kRegSizeRowsLsb;
+      return columns != 0 && columns % spec::kPixelsPerBeat == 0 &&
+             columns <= static_cast<std::uint32_t>(build_.max_columns) && rows != 0 &&
+             rows <= static_cast<std::uint32_t>(build_.max_rows);
+    }
+    case spec::kRegMeasure: {
+      const std::uint32_t mode = bits_of(data, spec::kRegMeasureModeLsb, spec::kRegMeasureModeBits);
+      const bool plain = bits_of(data, spec::kRegMeasureSelectLsb, spec::kRegMeasureSelectBits) == spec::kSelectAll &&
+                         bits_of(data, spec::kRegMeasureGapLsb, spec::kRegMeasureGapBits) == 0;
+      return (mode == spec::kModeBinary || (build_.grey && mode <= spec::kModeGreyOver)) && (build_.runs || plain);
+    }
+    case spec::kRegWindow: {
+      const auto most = static_cast<std::uint32_t>(build_.max_rows);
+      return bits_of(data, spec::kRegWindowFirstLsb, spec::kRegWindowFirstBits) <= most &&
+             bits_of(data, spec::kRegWindowLastLsb, spec::kRegWindowLastBits) <= most;
+    }
+    case spec::kRegTriggerControl: {
+      const bool starts = bits_of(data, spec::kRegTriggerControlRunLsb, 1) != 0 ||
+                          bits_of(data, spec::kRegTriggerControlOnFrameLsb, 1) != 0;
+      return !((runs || on_frame) && starts);
+    }
+    case spec::kRegTriggerPeriod:
+      return !runs && bits_of(data, spec::kRegTriggerPeriodClocksLsb, spec::kRegTriggerPeriodClocksBits) != 0;
+    case spec::kRegTriggerCamera:
+    case spec::kRegTriggerWidth:
+      return !runs;
+    case spec::kRegDecode: {
+      const std::uint32_t code_bits = bits_of(data, spec::kRegDecodeBitsLsb, spec::kRegDecodeBitsBits);
+      return code_bits != 0 && code_bits <= static_cast<std::uint32_t>(build_.code_bits) &&
+             (build_.median || bits_of(data, spec::kRegDecodeMedianLsb, 1) == 0);
+    }
+    default:
+      return true;
+  }
+}
+
+RegisterAnswer RegisterFile::write(std::uint32_t address, std::uint32_t data) {
+  const spec::Register* const one = register_at(address);
+  if (!has_register(build_, address) || !one->writable || !good(address, data)) {
+    return {.error = true, .data = 0};
+  }
+  values_[address / 4] = data & one->mask();
+  pending_ = pending_ || one->setting || address == spec::kRegControl;
+  return {};
+}
+
+std::uint32_t RegisterFile::value(std::uint32_t address) const {
+  return address / 4 < kWords ? values_[address / 4] : 0;
+}
+
+std::uint32_t RegisterFile::field(std::uint32_t address, int lsb, int bits) const {
+  return bits_of(value(address), lsb, bits);
+}
+
+BoardSettings RegisterFile::settings() const {
+  const auto number = [this](std::uint32_t address, int lsb, int bits) {
+    return static_cast<int>(field(address, lsb, bits));
+  };
+  return {
+      .run = field(spec::kRegControl, spec::kRegControlRunLsb, 1) != 0,
+      .hold = field(spec::kRegControl, spec::kRegControlHoldLsb, 1) != 0,
+      .image = field(spec::kRegControl, spec::kRegControlImageLsb, 1) != 0,
+      .columns = number(spec::kRegSize, spec::kRegSizeColumnsLsb, spec::kRegSizeColumnsBits),
+      .rows = number(spec::kRegSize, spec::kRegSizeRowsLsb, spec::kRegSizeRowsBits),
+      .mode = static_cast<Mode>(field(spec::kRegMeasure, spec::kRegMeasureModeLsb, spec::kRegMeasureModeBits)),
+      .threshold = number(spec::kRegMeasure, spec::kRegMeasureThresholdLsb, spec::kRegMeasureThresholdBits),
+      .select = static_cast<Select>(field(spec::kRegMeasure, spec::kRegMeasureSelectLsb, spec::kRegMeasureSelectBits)),
+      .gap = number(spec::kRegMeasure, spec::kRegMeasureGapLsb, spec::kRegMeasureGapBits),
+      .window = {.first = number(spec::kRegWindow, spec::kRegWindowFirstLsb, spec::kRegWindowFirstBits),
+                 .last = number(spec::kRegWindow, spec::kRegWindowLastLsb, spec::kRegWindowLastBits)},
+      .stream = number(spec::kRegMeasure, spec::kRegMeasureStreamLsb, spec::kRegMeasureStreamBits),
+      .codes = field(spec::kRegDecode, spec::kRegDecodeCodesLsb, 1) != 0,
+      .median = field(spec::kRegDecode, spec::kRegDecodeMedianLsb, 1) != 0,
+      .code_bits = number(spec::kRegDecode, spec::kRegDecodeBitsLsb, spec::kRegDecodeBitsBits),
+      .code_threshold = number(spec::kRegDecode, spec::kRegDecodeThresholdLsb, spec::kRegDecodeThresholdBits),
+      .timeout = number(spec::kRegTimeout, spec::kRegTimeoutClocksLsb, spec::kRegTimeoutClocksBits),
+  };
+}
+
+}  // namespace selfproj

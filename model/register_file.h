@@ -1,0 +1,87 @@
+// The register file behind the board's AXI4-Lite port: what a host reads, which writes it takes, and which it refuses.
+#ifndef SELFPROJ_MODEL_REGISTER_FILE_H
+#define SELFPROJ_MODEL_REGISTER_FILE_H
+
+#include <array>
+#include <cstdint>
+
+#include "model/board.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+
+// What a build of the board can do: the register `capability`.
+struct BoardBuild {
+  int max_columns = spec::kMaxColumns;
+  int max_rows = spec::kMaxRows;
+  bool grey = true;
+  bool image = true;
+  bool codes = false;  // the Gray-code decoder
+  bool median = false;
+  bool runs = false;  // the strongest run of a column
+  int code_bits = 0;  // largest number of code bits; 0 without the decoder
+};
+
+// What the board is doing: the registers that only the board changes.
+struct BoardState {
+  bool frame_open = false;
+  std::uint32_t frames = 0;
+  std::uint32_t broken = 0;
+  std::uint32_t stray = 0;
+  std::uint32_t lost_moments = 0;
+  std::uint32_t lost_image = 0;
+  std::uint32_t lost_codes = 0;
+  std::uint32_t abandoned = 0;
+  std::uint64_t time = 0;  // pixel clocks
+  std::uint32_t encoder = 0;
+  std::uint16_t encoder_errors = 0;
+};
+
+// The answer of a register access.
+struct RegisterAnswer {
+  bool error = false;  // SLVERR: the access has changed nothing
+  std::uint32_t data = 0;
+
+  bool operator==(const RegisterAnswer&) const = default;
+};
+
+// The model of rtl/board/sp_registers, without its clocks.
+class RegisterFile {
+ public:
+  // After reset.
+  explicit RegisterFile(const BoardBuild& build = {});
+
+  // Reading time_low holds time_high.
+  RegisterAnswer read(std::uint32_t address, const BoardState& state);
+
+  // Takes a write of all four bytes, or refuses it as a whole. Bits outside all fields are ignored, except in `size`.
+  RegisterAnswer write(std::uint32_t address, std::uint32_t data);
+
+  // A frame start has taken the settings over: status.pending becomes 0.
+  void taken() { pending_ = false; }
+
+  // The settings as they are written.
+  [[nodiscard]] BoardSettings settings() const;
+
+  // The value of a register that can be written; 0 for others.
+  [[nodiscard]] std::uint32_t value(std::uint32_t address) const;
+
+ private:
+  static constexpr std::uint32_t kWords = 32;
+
+  [[nodiscard]] bool good(std::uint32_t address, std::uint32_t data) const;
+  [[nodiscard]] std::uint32_t field(std::uint32_t address, int lsb, int bits) const;
+  [[nodiscard]] std::uint32_t capability() const;
+
+  BoardBuild build_;
+  std::array<std::uint32_t, kWords> values_{};
+  bool pending_ = true;
+  std::uint32_t time_high_ = 0;
+};
+
+// Whether a build has the register. Some exist only with the Gray-code decoder.
+bool has_register(const BoardBuild& build, std::uint32_t address);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_MODEL_REGISTER_FILE_H

@@ -1,0 +1,175 @@
+// Generated from model/spec/selfproj.json by model/spec/generate.py; do not edit.
+#ifndef SELFPROJ_SPEC_GENERATED_REGISTER_TABLE_H
+#define SELFPROJ_SPEC_GENERATED_REGISTER_TABLE_H
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace selfproj::spec {
+
+struct RegisterField {
+  std::string_view name;
+  int lsb = 0;
+  int bits = 0;
+  std::string_view description;
+
+  // Its bits in the register's word.
+  [[nodiscard]] constexpr std::uint32_t mask() const {
+    return static_cast<std::uint32_t>(((std::uint64_t{1} << bits) - 1) << lsb);
+  }
+};
+
+struct Register {
+  std::string_view name;
+  std::uint32_t address = 0;  // bytes
+  bool writable = false;
+  bool setting = false;  // counts from a frame start on
+  std::uint32_t reset = 0;
+  std::string_view description;
+  std::span<const RegisterField> fields;
+
+  // The bits of all fields.
+  [[nodiscard]] constexpr std::uint32_t mask() const {
+    std::uint32_t bits = 0;
+    for (const RegisterField& field : fields) {
+      bits |= field.mask();
+    }
+    return bits;
+  }
+};
+
+inline constexpr std::array<RegisterField, 1> kFieldsOfId{{
+    {"id", 0, 32, "the letters SLFP, S in 7..0"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfVersion{{
+    {"version", 0, 16, "the major number in 15..8, the minor one in 7..0"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfSpecHash{{
+    {"hash", 0, 32, "its hash, the same as in every packet header"},
+}};
+inline constexpr std::array<RegisterField, 8> kFieldsOfCapability{{
+    {"max_columns", 0, 12, "largest image width"},
+    {"max_rows", 12, 10, "largest image height"},
+    {"grey", 22, 1, "1: modes grey and grey_over are built in"},
+    {"image", 23, 1, "1: raw-image packets are built in"},
+    {"codes", 24, 1, "1: the Gray-code decoder is built in"},
+    {"median", 25, 1, "1: the 3 x 3 median of its codes is built in"},
+    {"runs", 26, 1, "1: the strongest run of a column is built in"},
+    {"code_bits", 28, 4, "largest number of code bits; 0 without the decoder"},
+}};
+inline constexpr std::array<RegisterField, 3> kFieldsOfControl{{
+    {"run", 0, 1, "1: frame starts are accepted; 0: no new frame begins, an open one is taken to its end, other beats are discarded and not counted"},
+    {"hold", 1, 1, "1: the settings in force stay in force; 0: the next frame start takes over all that was written, so that several settings change together"},
+    {"image", 2, 1, "1: send raw-image packets too; refused in a build without them"},
+}};
+inline constexpr std::array<RegisterField, 2> kFieldsOfSize{{
+    {"columns", 0, 12, "a multiple of 4, from 4 to the build's maximum"},
+    {"rows", 16, 10, "from 1 to the build's maximum"},
+}};
+inline constexpr std::array<RegisterField, 5> kFieldsOfMeasure{{
+    {"threshold", 0, 8, "a pixel is lit where it is greater"},
+    {"mode", 8, 2, "0 binary, 1 grey, 2 grey_over; a binary build refuses all but 0"},
+    {"select", 10, 1, "0 all, 1 strongest; a build without runs refuses 1"},
+    {"gap", 12, 2, "dark rows that two lit pixels of one run may have between them; a build without runs refuses all but 0"},
+    {"stream", 16, 8, "stream number, repeated in every packet header"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfTimeout{{
+    {"clocks", 0, 24, "an open frame ends as incomplete after this many clocks without a beat; 0: never"},
+}};
+inline constexpr std::array<RegisterField, 3> kFieldsOfTriggerControl{{
+    {"run", 0, 1, "1: the sequencer gives pulses, the first one four clocks later; 0: no pulses"},
+    {"on_frame", 1, 1, "1, while run is 0: no pulses; the first frame that starts after this was written has pattern index 0, and every further frame the next one"},
+    {"last_pattern", 16, 8, "number of patterns minus 1: the pattern index counts from 0 to this value and begins again at 0, with run and with on_frame"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerPeriod{{
+    {"clocks", 0, 24, "pixel clocks from one projector pulse to the next; at least 1, 0 is refused"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerCamera{{
+    {"clocks", 0, 24, "pixel clocks from the projector pulse to the camera pulse; below the period, else there is no camera pulse"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfTriggerWidth{{
+    {"clocks", 0, 16, "pixel clocks that a pulse lasts; 0: no pulses; a pulse that lasts until the next one of its kind runs into it"},
+}};
+inline constexpr std::array<RegisterField, 2> kFieldsOfStatus{{
+    {"frame_open", 0, 1, "1: a frame is being taken"},
+    {"pending", 1, 1, "1: settings were written that no frame start has taken over yet; also after reset, until the first take-over"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfFrames{{
+    {"count", 0, 32, "since reset; the low word of the next sequence number"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfBroken{{
+    {"count", 0, 32, "since reset; wraps"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfStray{{
+    {"count", 0, 32, "since reset; wraps"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfLostMoments{{
+    {"count", 0, 32, "since reset; wraps"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfLostImage{{
+    {"count", 0, 32, "since reset; wraps"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfTimeLow{{
+    {"low", 0, 32, "edges of the pixel clock after reset, less six"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfTimeHigh{{
+    {"high", 0, 32, "the high word that the last read of time_low held"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfEncoder{{
+    {"count", 0, 32, "quarter periods, rising where A leads B, in two's complement; wraps"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfEncoderErrors{{
+    {"count", 0, 16, "times that A and B changed together; wraps"},
+}};
+inline constexpr std::array<RegisterField, 4> kFieldsOfDecode{{
+    {"threshold", 0, 8, "a pixel of a pair is ambiguous where its two values differ by no more than this"},
+    {"bits", 8, 4, "m, the code bits: from 1 to the build's maximum, else the write is refused"},
+    {"codes", 16, 1, "1: decode and send code packets"},
+    {"median", 17, 1, "1: send their 3 x 3 median; refused in a build without it"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfLostCodes{{
+    {"count", 0, 32, "since reset; wraps"},
+}};
+inline constexpr std::array<RegisterField, 1> kFieldsOfAbandoned{{
+    {"count", 0, 32, "since reset; wraps"},
+}};
+inline constexpr std::array<RegisterField, 2> kFieldsOfWindow{{
+    {"first", 0, 10, "first row that counts, from 1; 0: the first"},
+    {"last", 16, 10, "last row that counts, from 1; 0: the last"},
+}};
+
+// In the order of their addresses.
+inline constexpr std::array<Register, 26> kRegisters{{
+    {"id", 0x00, false, false, 0x50464C53U, "marks a selfproj board", kFieldsOfId},
+    {"version", 0x04, false, false, 0x00000101U, "version of the specification", kFieldsOfVersion},
+    {"spec_hash", 0x08, false, false, 0xA3603834U, "specification that the board was built from", kFieldsOfSpecHash},
+    {"capability", 0x0C, false, false, 0x00000000U, "what this build can do", kFieldsOfCapability},
+    {"control", 0x10, true, false, 0x00000000U, "starts and stops the board", kFieldsOfControl},
+    {"size", 0x14, true, true, 0x00600200U, "image size; a size that the build cannot do is refused, and so is a word whose other bits are not 0; in a build smaller than 512 x 96 the reset value is limited to the build's maxima", kFieldsOfSize},
+    {"measure", 0x18, true, true, 0x00000080U, "what the moments measure", kFieldsOfMeasure},
+    {"timeout", 0x1C, true, false, 0x00E6B680U, "ends a frame whose beats stop coming", kFieldsOfTimeout},
+    {"trigger_control", 0x20, true, false, 0x00000000U, "trigger sequencer and pattern index; while run or on_frame is 1, a write that does not clear both is refused", kFieldsOfTriggerControl},
+    {"trigger_period", 0x24, true, false, 0x00003B10U, "period of the sequencer; refused while trigger_control.run is 1", kFieldsOfTriggerPeriod},
+    {"trigger_camera", 0x28, true, false, 0x00000010U, "delay of the camera pulse; refused while trigger_control.run is 1", kFieldsOfTriggerCamera},
+    {"trigger_width", 0x2C, true, false, 0x00000097U, "length of both pulses; refused while trigger_control.run is 1", kFieldsOfTriggerWidth},
+    {"status", 0x30, false, false, 0x00000000U, "what the board is doing", kFieldsOfStatus},
+    {"frames", 0x34, false, false, 0x00000000U, "accepted frame starts", kFieldsOfFrames},
+    {"broken", 0x38, false, false, 0x00000000U, "frames that broke", kFieldsOfBroken},
+    {"stray", 0x3C, false, false, 0x00000000U, "beats that belonged to no frame and were discarded while control.run was 1", kFieldsOfStray},
+    {"lost_moments", 0x40, false, false, 0x00000000U, "moments packets lost", kFieldsOfLostMoments},
+    {"lost_image", 0x44, false, false, 0x00000000U, "image packets lost", kFieldsOfLostImage},
+    {"time_low", 0x48, false, false, 0x00000000U, "time, low word; reading it holds the high word", kFieldsOfTimeLow},
+    {"time_high", 0x4C, false, false, 0x00000000U, "time, high word", kFieldsOfTimeHigh},
+    {"encoder", 0x50, false, false, 0x00000000U, "position of the encoder", kFieldsOfEncoder},
+    {"encoder_errors", 0x54, false, false, 0x00000000U, "steps of the encoder that were missed", kFieldsOfEncoderErrors},
+    {"decode", 0x58, true, true, 0x00000805U, "Gray-code decoder; not there in a build without it; in a build of fewer than 8 code bits the reset value of bits is limited to them", kFieldsOfDecode},
+    {"lost_codes", 0x5C, false, false, 0x00000000U, "code packets lost; not there in a build without the decoder", kFieldsOfLostCodes},
+    {"abandoned", 0x60, false, false, 0x00000000U, "good frames after which the decoder waits for plane 0, because its memory was late or the frame came too soon after the one before; not there in a build without the decoder", kFieldsOfAbandoned},
+    {"window", 0x64, true, true, 0x00000000U, "rows that count for the moments; pixels of other rows are dark for them; codes and images do not change; where no row of the frame counts, all columns are dark; a row above the build's max_rows is refused", kFieldsOfWindow},
+}};
+
+}  // namespace selfproj::spec
+
+#endif  // SELFPROJ_SPEC_GENERATED_REGISTER_TABLE_H

@@ -1,0 +1,37 @@
+// Registers of boards without a board: behind a port that answers, and in a file as a bus would show them.
+#ifndef SELFPROJ_TESTS_SUPPORT_BOARD_REGISTERS_H
+#define SELFPROJ_TESTS_SUPPORT_BOARD_REGISTERS_H
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "model/register_file.h"
+#include "model/spec/generated/register_table.h"
+#include "sim/board/access_port.h"
+
+namespace selfproj::test {
+
+// A port to the model of the register file, which must outlive it.
+inline std::unique_ptr<RegisterPort> port_of(RegisterFile& board, const BoardState& state = {}) {
+  return std::make_unique<AccessPort>([&board, state](bool write, std::uint32_t address, std::uint32_t data) {
+    return write ? board.write(address, data) : board.read(address, state);
+  });
+}
+
+// The bytes of all registers after reset, little endian.
+inline std::string register_bytes(const BoardBuild& build = {}) {
+  RegisterFile board(build);
+  std::string bytes;
+  for (std::uint32_t address = 0; address <= spec::kRegisters.back().address; address += 4) {
+    const std::uint32_t word = board.read(address, {}).data;
+    for (int shift = 0; shift < 32; shift += 8) {
+      bytes.push_back(static_cast<char>(word >> shift & 0xFFU));
+    }
+  }
+  return bytes;
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_SUPPORT_BOARD_REGISTERS_H
