@@ -20,8 +20,8 @@
 //   w1_weight_i        -----< w >---------------   first beat
 //   raw_d_i, raw_m_i,  -----< D >< M >< A >------
 //   raw_a_i
-//   wr_d_o, wr_m_o,    ---------< D >< M >< A >--   from either beat
-//   wr_a_o
+//   wr_d_o, wr_m_o     ---------< D >< M >-------   from either beat
+//   wr_a_o             -----------------< A >----   from a main beat
 //   s3_ends_o          -------------< e >--------   the run ends in this row
 //   s3_has_run_o       -------------< e >--------   with this row, the column has a run
 //   s4_m_o, s5_a_o     -----------------< M >< A >  of the main beat
@@ -51,10 +51,10 @@ module sp_run_lane #(
   input  wire logic [1:0]            s2_gap_i,
   input  wire logic                  s2_strongest_i,
   input  wire logic [RowBits-1:0]    s3_row_i,
+  input  wire logic                  s3_second_row_i,
   input  wire logic [WeightBits-1:0] w1_weight_i,
   input  wire logic                  w2_first_i,   // the write of D is of a first beat
   input  wire logic                  w3_first_i,
-  input  wire logic                  w4_first_i,
 
   input  wire logic [2:0]            raw_d_i,
   input  wire logic [MBits-1:0]      raw_m_i,
@@ -118,30 +118,29 @@ module sp_run_lane #(
     assign next_m = s3_m0 + M0Bits'(s3_weight_q);
     assign wr_m_o = w3_first_i ? M0Bits'(w3_weight_q) : next_m;
     logic unused;
-    assign unused = s3_lit_q;
+    assign unused = w3_lit_q;
   end
 
   // --- A ---
-  logic [ABits-1:0] s4_a_q, s4_addend_q, wr_a_q, next_a, first_a;
-  assign next_a = s4_a_q + s4_addend_q;
-  assign wr_a_o = w4_first_i ? first_a : next_a;
+  // No first beat writes it, so that no multiplexer stands behind the adder: after the first row it
+  // is M0 in a binary build, and 0 in a grey one.
+  logic [ABits-1:0] s4_a_q, s4_addend_q, wr_a_q;
+  logic             after_first;  // bit 0 of A after the first row
+  assign wr_a_o = s4_a_q + s4_addend_q;
+  assign s5_a_o = wr_a_q;
   always_ff @(posedge clk_i) begin
-    s4_a_q <= !s3_open_q ? '0 : s3_onto_new_i ? wr_a_o : s3_onto_last_i ? wr_a_q : raw_a_i;
-    s5_a_o <= next_a;
+    s4_a_q <= !s3_open_q ? '0 : s3_second_row_i ? ABits'(after_first) :
+              s3_onto_new_i ? wr_a_o : s3_onto_last_i ? wr_a_q : raw_a_i;
     wr_a_q <= wr_a_o;
   end
   if (Grey) begin : gen_grey_a
     always_ff @(posedge clk_i) s4_addend_q <= ABits'(s3_m0);
-    assign first_a = '0;
+    assign after_first = 1'b0;
     logic unused;
     assign unused = ^s3_row_i;
   end else begin : gen_binary_a
-    logic w4_lit_q;
-    always_ff @(posedge clk_i) begin
-      s4_addend_q <= s3_lit_q ? ABits'(s3_row_i) : {ABits{1'b0}};
-      w4_lit_q    <= w3_lit_q;
-    end
-    assign first_a = ABits'(w4_lit_q);
+    always_ff @(posedge clk_i) s4_addend_q <= s3_lit_q ? ABits'(s3_row_i) : {ABits{1'b0}};
+    assign after_first = s3_m0[0];
   end
 
 endmodule

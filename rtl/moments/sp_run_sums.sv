@@ -70,7 +70,7 @@ module sp_run_sums #(
   logic [2:1]              main_q;        // there is a main beat
   logic [5:1]              keep_q;        // a main beat that is no drain: best may change
   logic [4:1]              write_q;       // an add, first or not: D, M and A are written
-  logic [4:1]              first_q;       // an add of the first row
+  logic [3:1]              first_q;       // an add of the first row
   logic [GroupBits-1:0]    s1_group_q, s2_group_q;                          // of the main beat
   // of the add
   logic [GroupBits-1:0]    w1_group_q, w2_group_q, w3_group_q, w4_group_q, w5_group_q;
@@ -81,7 +81,7 @@ module sp_run_sums #(
   logic [1:0]              s1_gap_q, s2_gap_q;
   logic                    s1_alone_q;
   logic                    s2_none_q, s3_none_q;     // no run of the column has ended before
-  logic                    s2_clears_q, s3_clears_q, s4_clears_q, s5_clears_q;  // best is written
+  logic                    s2_second_row_q, s3_second_row_q, s4_second_row_q, s5_second_row_q;
   logic                    s3_after_new_q, s3_after_last_q;
 
   always_ff @(posedge clk_i) begin
@@ -96,7 +96,7 @@ module sp_run_sums #(
       main_q  <= {main_q[1], main};
       keep_q  <= {keep_q[4:1], add_i && !add_first_i};
       write_q <= {write_q[3:1], add_i};
-      first_q <= {first_q[3:1], add_i && add_first_i};
+      first_q <= {first_q[2:1], add_i && add_first_i};
     end
   end
 
@@ -120,8 +120,9 @@ module sp_run_sums #(
     // the frame. The second row writes best whatever it has.
     s2_none_q      <= s1_row_q <= RowBits'(2) || s1_row_q == RowBits'(3) && !drain_q[1];
     s3_none_q      <= s2_none_q;
-    s2_clears_q    <= s1_row_q == RowBits'(2);
-    {s3_clears_q, s4_clears_q, s5_clears_q} <= {s2_clears_q, s3_clears_q, s4_clears_q};
+    s2_second_row_q    <= s1_row_q == RowBits'(2);
+    {s3_second_row_q, s4_second_row_q, s5_second_row_q} <=
+        {s2_second_row_q, s3_second_row_q, s4_second_row_q};
     s3_after_new_q  <= keep_q[4] && w4_group_q == s2_group_q;
     s3_after_last_q <= keep_q[5] && w5_group_q == s2_group_q;
   end
@@ -185,32 +186,32 @@ module sp_run_sums #(
       .MaxRows(MaxRows),
       .Grey   (Grey)
     ) u_lane (
-      .clk_i         (clk_i),
-      .s1_weight_i   (s1_weights[lane*WeightBits+:WeightBits]),
-      .s1_alone_i    (s1_alone_q),
-      .s1_onto_new_i (onto_new_q[1]),
-      .s1_onto_last_i(onto_last_q[1]),
-      .s2_onto_new_i (onto_new_q[2]),
-      .s2_onto_last_i(onto_last_q[2]),
-      .s3_onto_new_i (onto_new_q[3]),
-      .s3_onto_last_i(onto_last_q[3]),
-      .s2_gap_i      (s2_gap_q),
-      .s2_strongest_i(s2_strongest_q),
-      .s3_row_i      (s3_row_q),
-      .w1_weight_i   (w1_weights_q[lane*WeightBits+:WeightBits]),
-      .w2_first_i    (first_q[2]),
-      .w3_first_i    (first_q[3]),
-      .w4_first_i    (first_q[4]),
-      .raw_d_i       (raw_d[lane*3+:3]),
-      .raw_m_i       (raw_m[lane*MBits+:MBits]),
-      .raw_a_i       (raw_a[lane*ABits+:ABits]),
-      .wr_d_o        (wr_d[lane*3+:3]),
-      .wr_m_o        (wr_m[lane*MBits+:MBits]),
-      .wr_a_o        (wr_a[lane*ABits+:ABits]),
-      .s3_ends_o     (s3_ends),
-      .s3_has_run_o  (s3_has_run),
-      .s4_m_o        (s4_m),
-      .s5_a_o        (s5_a)
+      .clk_i          (clk_i),
+      .s1_weight_i    (s1_weights[lane*WeightBits+:WeightBits]),
+      .s1_alone_i     (s1_alone_q),
+      .s1_onto_new_i  (onto_new_q[1]),
+      .s1_onto_last_i (onto_last_q[1]),
+      .s2_onto_new_i  (onto_new_q[2]),
+      .s2_onto_last_i (onto_last_q[2]),
+      .s3_onto_new_i  (onto_new_q[3]),
+      .s3_onto_last_i (onto_last_q[3]),
+      .s2_gap_i       (s2_gap_q),
+      .s2_strongest_i (s2_strongest_q),
+      .s3_row_i       (s3_row_q),
+      .s3_second_row_i(s3_second_row_q),
+      .w1_weight_i    (w1_weights_q[lane*WeightBits+:WeightBits]),
+      .w2_first_i     (first_q[2]),
+      .w3_first_i     (first_q[3]),
+      .raw_d_i        (raw_d[lane*3+:3]),
+      .raw_m_i        (raw_m[lane*MBits+:MBits]),
+      .raw_a_i        (raw_a[lane*ABits+:ABits]),
+      .wr_d_o         (wr_d[lane*3+:3]),
+      .wr_m_o         (wr_m[lane*MBits+:MBits]),
+      .wr_a_o         (wr_a[lane*ABits+:ABits]),
+      .s3_ends_o      (s3_ends),
+      .s3_has_run_o   (s3_has_run),
+      .s4_m_o         (s4_m),
+      .s5_a_o         (s5_a)
     );
 
     always_ff @(posedge clk_i) begin
@@ -239,7 +240,7 @@ module sp_run_sums #(
       .s3_after_last_i(s3_after_last_q),
       .s4_run_i       (s4_run_q),
       .s4_m0_i        (s4_m[M0Bits-1:0]),
-      .s5_keep_i      (keep_q[5] && (s5_ends_q || s5_clears_q)),
+      .s5_keep_i      (keep_q[5] && (s5_ends_q || s5_second_row_q)),
       .s5_group_i     (w5_group_q),
       .s5_rest_i      (s5_rest),
       .best_o         (best_o[lane*BestBits+:BestBits])

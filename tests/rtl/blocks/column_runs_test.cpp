@@ -25,6 +25,7 @@ TEST(ColumnRuns, TallestImageOfOneGroup) { large_size<Vsp_column_runs>(4, 1023, 
 TEST(ColumnRuns, TallestImageOfTwoGroups) { large_size<Vsp_column_runs>(8, 1023, {kModes.begin(), kModes.end()}); }
 TEST(ColumnRunsSmall, LargestImage) { large_size<Vsp_column_runs_small>(512, 127, {Mode::binary}); }
 TEST(ColumnRunsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_runs_small>(4, 127, {Mode::binary}); }
+TEST(ColumnRunsSmall, TallestImageOfTwoGroups) { large_size<Vsp_column_runs_small>(8, 127, {Mode::binary}); }
 
 // The delays as documents state them: from the last pixel of a frame without gaps to its last word.
 TEST(ColumnRuns, DelayIsGroupsAnd19Clocks) {
