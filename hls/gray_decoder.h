@@ -43,10 +43,12 @@ inline PixelState next_state(GrayPixel pixel, PixelState state, GrayPixel thresh
   const GrayPixel positive = state;
   const Plane planes = state >> spec::kPixelBits;
   const Plane ambiguous = state >> (spec::kPixelBits + kMaxCodeBits);
-  const Uint<spec::kPixelBits + 1> lit_above = pixel + threshold;
-  const Uint<spec::kPixelBits + 1> dark_above = positive + threshold;
-  const bool lit = positive > lit_above;
-  const bool dark = pixel > dark_above;
+  // The threshold less and plus the difference: their signs, in the highest bit, say lit and dark for certain.
+  const Uint<spec::kPixelBits + 2> difference = positive - pixel;
+  const Uint<spec::kPixelBits + 2> under = threshold - difference;
+  const Uint<spec::kPixelBits + 2> over = threshold + difference;
+  const bool lit = (under >> (spec::kPixelBits + 1)) != 0;
+  const bool dark = (over >> (spec::kPixelBits + 1)) != 0;
   const Plane before = planes & above;
   Plane changed = 0;
   Plane set_plane = 0;

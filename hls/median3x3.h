@@ -59,15 +59,14 @@ inline CodeWord word_of(Code code) {
 inline Code median_of(const Code codes[9], Uint<4> half) {
 #pragma HLS inline
   Uint<4> count = 0;
-  Uint<4> rank[9];
-#pragma HLS array_partition variable = rank complete
+  Uint<1> earlier[9][9];  // [i][j]: j comes before i
+#pragma HLS array_partition variable = earlier complete dim = 0
   Code key[9];  // in order of rank
 #pragma HLS array_partition variable = key complete
   for (int i = 0; i < 9; ++i) {
 #pragma HLS unroll
     const Uint<1> measurable = codes[i] >> spec::kCodeCodeBits;
     count = count + measurable;
-    rank[i] = 0;
     key[i] = codes[i] ^ (1 << spec::kCodeCodeBits);
   }
   for (int i = 0; i < 9; ++i) {
@@ -75,11 +74,9 @@ inline Code median_of(const Code codes[9], Uint<4> half) {
     for (int j = 0; j < 9; ++j) {
 #pragma HLS unroll
       if (i < j) {
-        if (key[j] < key[i]) {
-          rank[i] = rank[i] + 1;
-        } else {
-          rank[j] = rank[j] + 1;
-        }
+        const Uint<1> less = key[j] < key[i] ? 1 : 0;
+        earlier[i][j] = less;
+        earlier[j][i] = 1 - less;
       }
     }
   }
@@ -87,9 +84,19 @@ inline Code median_of(const Code codes[9], Uint<4> half) {
   Code median = 0;
   for (int i = 0; i < 9; ++i) {
 #pragma HLS unroll
-    if (rank[i] == target && count > half) {
-      median = codes[i];
+    Uint<4> rank = 0;
+    for (int j = 0; j < 9; ++j) {
+#pragma HLS unroll
+      if (i != j) {
+        rank = rank + earlier[i][j];
+      }
     }
+    if (rank == target) {
+      median = median | codes[i];  // one of the nine has this rank
+    }
+  }
+  if (count <= half) {
+    median = 0;
   }
   return median;
 }

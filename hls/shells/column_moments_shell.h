@@ -248,6 +248,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
     a_rd_en_o.write(sums_.s1_add || draining_.s1_drain);
     a_rd_addr_o.write(a_address);
 
+    sums_.add();
     Uint<kMBits> m_low = 0;
     Uint<kMBits> m_high = 0;
     Uint<kABits> a_low = 0;
@@ -255,12 +256,10 @@ class ColumnMomentsShell : public sc_core::sc_module {
     for (int lane = 1; lane >= 0; --lane) {
       Uint<kMBits / 2> m_of_low = sums_.word_m(lane);
       Uint<kMBits / 2> m_of_high = sums_.word_m(lane + 2);
-      Sum1 a_of_low = sums_.now_a(lane);
-      Sum1 a_of_high = sums_.now_a(lane + 2);
       m_low = (m_low << (kMBits / 2)) | m_of_low;
       m_high = (m_high << (kMBits / 2)) | m_of_high;
-      a_low = (a_low << (kABits / 2)) | a_of_low;
-      a_high = (a_high << (kABits / 2)) | a_of_high;
+      a_low = (a_low << (kABits / 2)) | sums_.added_a[lane];
+      a_high = (a_high << (kABits / 2)) | sums_.added_a[lane + 2];
     }
     m_wr_en_o.write(sums_.s2_add);
     m_wr_addr_o.write(sums_.s2_group);

@@ -80,6 +80,10 @@ struct MomentsSums {
   Sum0 sum_m0[kLanes];
   Row sum_n[kLanes];
   Sum1 sum_a[kLanes];
+  // What the memories get in this clock, and the sums take over at its end: each addition is there once.
+  Sum0 added_m0[kLanes];
+  Row added_n[kLanes];
+  Sum1 added_a[kLanes];
 
   void reset() {
     s1_add = false;
@@ -109,6 +113,9 @@ struct MomentsSums {
       sum_m0[lane] = 0;
       sum_n[lane] = 0;
       sum_a[lane] = 0;
+      added_m0[lane] = 0;
+      added_n[lane] = 0;
+      added_a[lane] = 0;
     }
   }
 
@@ -132,17 +139,23 @@ struct MomentsSums {
     if (s3_use_sum) {
       base = sum_a[lane];
     }
-    Sum1 next = base + s3_addend[lane];
-    return next;
+    return base;
+  }
+  // The additions of the clock that begins.
+  void add() {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      Sum0 m0 = now_m0(lane);
+      Row n = now_n(lane);
+      Sum1 a = now_a(lane);
+      added_m0[lane] = next_m0(m0, s2_weight[lane]);
+      added_n[lane] = next_n(n, s2_weight[lane]);
+      added_a[lane] = a + s3_addend[lane];
+    }
   }
   // One lane of the word to write: {N, M0}.
   Uint<kMBits / 2> word_m(int lane) const {
-    Row n = now_n(lane);
-    Sum0 m0 = now_m0(lane);
-    Row sum_n_next = next_n(n, s2_weight[lane]);
-    Sum0 sum_m0_next = next_m0(m0, s2_weight[lane]);
-    Uint<kMBits / 2> word = sum_n_next;
-    word = (word << spec::kGreyM0Bits) | sum_m0_next;
+    Uint<kMBits / 2> word = added_n[lane];
+    word = (word << spec::kGreyM0Bits) | added_m0[lane];
     return word;
   }
 
@@ -181,17 +194,15 @@ struct MomentsSums {
 
   void step_lane(int lane, bool forward, const MomentsRead& read) {
     Sum0 m0 = now_m0(lane);
-    Row n = now_n(lane);
-    Sum1 next_sum_a = now_a(lane);
     const Sum0 old_sum_m0 = sum_m0[lane];
     const Row old_sum_n = sum_n[lane];
     const Sum1 old_sum_a = sum_a[lane];
     if (s3_add) {
-      sum_a[lane] = next_sum_a;
+      sum_a[lane] = added_a[lane];
     }
     if (s2_add) {
-      sum_m0[lane] = next_m0(m0, s2_weight[lane]);
-      sum_n[lane] = next_n(n, s2_weight[lane]);
+      sum_m0[lane] = added_m0[lane];
+      sum_n[lane] = added_n[lane];
       s3_addend[lane] = addend_of(m0, s2_weight[lane], s2_row, s2_grey);
       s3_old_a[lane] = read.a[lane];
       if (s2_first) {
