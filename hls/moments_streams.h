@@ -35,7 +35,8 @@ inline Pixels weights_of(const MomentsIn& in) {
   Pixels weights = 0;
   for (int lane = kLanes - 1; lane >= 0; --lane) {
 #pragma HLS unroll
-    weights = (weights << spec::kPixelBits) | weight_of(lane_of(in.pixels, lane), in.threshold, in.mode);
+    Pixel pixel = lane_of(in.pixels, lane);
+    weights = (weights << spec::kPixelBits) | weight_of(pixel, in.threshold, in.mode);
   }
   return weights;
 }
