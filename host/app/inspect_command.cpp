@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/app/board_run.h"
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "host/driver/open_device.h"
@@ -42,6 +43,7 @@ namespace {
 
 struct InspectOptions {
   std::string device;
+  std::string control;  // empty: the device's, if it has one
   std::string rig = "light-section";
   std::string reference;  // empty: the plane
   std::string out;
@@ -91,7 +93,8 @@ std::string delay_text(const DurationHistogram& delay) {
 
 // The counters of the driver that are shown while packets come.
 std::string losses_text(const Counters& counters) {
-  return counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::missing, &Counters::bad});
+  return counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network,
+                                  &Counters::missing, &Counters::bad});
 }
 
 // The counts of the inspection, then those of the driver.
@@ -270,9 +273,9 @@ void print_outcome(const InspectOptions& options, const Work& work, const Counte
 
 // Throws CheckFailed if anything was lost, bad or missing.
 void check(const InspectOptions& options, const Work& work, const Counters& counters) {
-  const std::uint64_t faults = counters.lost_board + counters.lost_ring + counters.missing + counters.bad +
-                               counters.repeated + counters.restarts + counters.read_errors + work.broken +
-                               work.other_size;
+  const std::uint64_t faults = counters.lost_board + counters.lost_ring + counters.lost_network + counters.missing +
+                               counters.bad + counters.repeated + counters.restarts + counters.read_errors +
+                               work.broken + work.other_size;
   if (faults > 0 || work.profiles == 0 || (options.count > 0 && work.profiles < options.count)) {
     throw CheckFailed(fmt::format("--check: {} profiles{}, {} faults", work.profiles,
                                   options.count > 0 ? fmt::format(" of {}", options.count) : std::string(), faults));
@@ -303,6 +306,7 @@ void run_inspect(const InspectOptions& options) {
 
   InspectionLoop loop(options, rig, profiler, kept);
   const std::unique_ptr<Device> device = open(options);
+  const BoardRun board(options.device, options.control, rig);
   const StopSignal stop;
   loop.run(*device);
 
@@ -349,9 +353,16 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
   begin_group(*command, "Input");
   command
       ->add_option("--device", options->device,
-                   "Where packets come from: ring:NAME, or file:PATH for a recording, a pipe or a character device.")
+                   "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, or file:PATH for a "
+                   "recording, a pipe or a character device.")
       ->type_name("URI")
       ->required();
+  command
+      ->add_option("--control", options->control,
+                   "The board's registers, which get the rig's image size, mode and threshold: bar:PATH[+OFFSET], or "
+                   "none.")
+      ->type_name("URI")
+      ->default_str("those beside the device, if it has any");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file.")->type_name("RIG")->capture_default_str();
   command
       ->add_option("--reference", options->reference,

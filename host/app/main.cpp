@@ -1,11 +1,14 @@
 // selfproj: the program for the production PC.
 
 #include "host/app/accuracy_command.h"
+#include "host/app/board_command.h"
 #include "host/app/calibrate_command.h"
 #include "host/app/depth_command.h"
 #include "host/app/devices_command.h"
+#include "host/app/images_command.h"
 #include "host/app/inspect_command.h"
 #include "host/app/pattern_command.h"
+#include "host/app/record_command.h"
 #include "host/app/rig_command.h"
 #include "host/app/stripes_command.h"
 #include "host/io/program_main.h"
@@ -32,7 +35,10 @@ selfproj rig light-section
         selfproj::add_depth_command(app);
         selfproj::add_match_command(app);
         selfproj::add_accuracy_command(app);
+        selfproj::add_board_command(app);
         selfproj::add_devices_command(app);
+        selfproj::add_record_command(app);
+        selfproj::add_images_command(app);
         selfproj::add_inspect_command(app);
       },
       argc, argv);

@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -46,36 +48,79 @@ OutputFile::OutputFile(const std::string& name) : name_(name), target_(name) {
   note_output(name_, target_);
 }
 
-void OutputFile::write(std::string_view text) const {
-  if (fs::exists(status_) && !fs::is_regular_file(status_)) {
-    FileDescriptor device(open(target_.c_str(), O_WRONLY | O_CLOEXEC));
-    if (device.number() < 0 || !write_all(device.number(), text) || !device.close()) {
-      throw UserError(name_, error_text(errno));
+// A file that is being written: a temporary one that takes the target's place at the end, or the device or pipe itself.
+class OutputStream::Part {
+ public:
+  explicit Part(const OutputFile& file) : file_(file) {
+    if (fs::exists(file.status_) && !fs::is_regular_file(file.status_)) {
+      device_.reset(open(file.target_.c_str(), O_WRONLY | O_CLOEXEC));
+      must(device_.number() >= 0);
+      return;
     }
-    return;
+    temporary_.emplace(writable_parent(file.name_, file.target_), Temporary::Kind::file);
   }
-  try {
-    Temporary temporary(writable_parent(name_, target_), Temporary::Kind::file);
-    FileDescriptor& file = temporary.descriptor();
-    const auto mode = static_cast<mode_t>(status_.permissions() & fs::perms::mask);
-    if ((fs::exists(status_) && fchmod(file.number(), mode) != 0) || !write_all(file.number(), text) ||
-        fsync(file.number()) != 0) {
-      throw std::system_error(errno, std::generic_category());
+
+  void append(std::string_view text) { must(write_all(descriptor().number(), text)); }
+
+  void commit() {
+    if (!temporary_) {
+      must(device_.close());
+      return;
     }
+    const auto mode = static_cast<mode_t>(file_.status_.permissions() & fs::perms::mask);
+    const int number = descriptor().number();
+    must((!fs::exists(file_.status_) || fchmod(number, mode) == 0) && fsync(number) == 0);
     const SignalsHeld held;
     std::error_code error;
-    MadeFolders parents(parent_of(target_), error);
+    MadeFolders parents(parent_of(file_.target_), error);
     if (error) {
       throw std::system_error(error);
     }
-    if (rename(temporary.path().c_str(), target_.c_str()) != 0) {
+    must(rename(temporary_->path().c_str(), file_.target_.c_str()) == 0);
+    temporary_->keep();
+    parents.keep();
+  }
+
+ private:
+  static void must(bool done) {
+    if (!done) {
       throw std::system_error(errno, std::generic_category());
     }
-    temporary.keep();
-    parents.keep();
-  } catch (const std::system_error& error) {
-    throw UserError(name_, error.code().message());
   }
+  FileDescriptor& descriptor() { return temporary_ ? temporary_->descriptor() : device_; }
+
+  const OutputFile& file_;
+  std::optional<Temporary> temporary_;  // empty: a device
+  FileDescriptor device_{-1};
+};
+
+// What cannot be done is the user's error, and names the file.
+template <class Act>
+auto OutputStream::guarded(Act act) const {
+  try {
+    return act();
+  } catch (const std::system_error& error) {
+    throw UserError(file_.name(), error.code().message());
+  }
+}
+
+OutputStream::OutputStream(const OutputFile& file)
+    : file_(file), part_(guarded([&] { return std::make_unique<Part>(file); })) {}
+
+OutputStream::~OutputStream() = default;
+
+void OutputStream::append(std::string_view text) {
+  guarded([&] { part_->append(text); });
+}
+
+void OutputStream::commit() {
+  guarded([&] { part_->commit(); });
+}
+
+void OutputFile::write(std::string_view text) const {
+  OutputStream stream(*this);
+  stream.append(text);
+  stream.commit();
 }
 
 }  // namespace selfproj

@@ -2,6 +2,7 @@
 #define SELFPROJ_HOST_IO_OUTPUT_FILE_H
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -24,9 +25,34 @@ class OutputFile {
   [[nodiscard]] const std::string& name() const { return name_; }
 
  private:
+  friend class OutputStream;
+
   std::string name_;
   std::filesystem::path target_;
   std::filesystem::file_status status_;
+};
+
+// An output file that is written piece by piece. Nothing appears, or is replaced, before `commit`; without it nothing
+// is left. (What goes to a device or pipe is there at once.)
+class OutputStream {
+ public:
+  // `file` must outlive it. Throws UserError.
+  explicit OutputStream(const OutputFile& file);
+  OutputStream(const OutputStream&) = delete;
+  OutputStream& operator=(const OutputStream&) = delete;
+  ~OutputStream();
+
+  // Throw UserError.
+  void append(std::string_view text);
+  void commit();
+
+ private:
+  class Part;
+  template <class Act>
+  auto guarded(Act act) const;
+
+  const OutputFile& file_;
+  std::unique_ptr<Part> part_;
 };
 
 }  // namespace selfproj

@@ -5,10 +5,11 @@ import re
 import resource
 import signal
 import struct
+import time
 
 from files import check_outputs
 from materials import EXIF_TURNED, JPEG, line_rows, tiff
-from programs import Fault
+from programs import Fault, temporaries
 
 NO_SUCH_NUMBERS = ["-1e308", "1e39", "1e-320", "nan"]
 
@@ -60,7 +61,8 @@ class Cases:
         for command, name in self.drawn(self.options_for_numbers(), counts):
             case("cases", f"not a number: {command} {name}", self.is_refused,
                  [command.split()[0], "--check-usage", *command.split()[1:], name, "nan"], name)
-        for name in ("jpeg", "orientation", "decimal_numbers", "file_size", "new_board", "lost_of_a_ring"):
+        for name in ("jpeg", "orientation", "decimal_numbers", "file_size", "new_board", "lost_of_a_ring",
+                     "recording_signals"):
             case("cases", name, getattr(self, name))
 
     def drawn(self, all_of_them, count):
@@ -193,6 +195,27 @@ class Cases:
                 raise Fault(f"status {outcome.status} with files of at most 60 bytes: {outcome.err!r}")
             if [(p.name, p.read_bytes()) for p in (folder / "o").iterdir()] != [("pattern_00000.png", b"old")]:
                 raise Fault("a folder that could not be written is not as it was")
+
+    def recording_signals(self):
+        """A recording that is asked to end is whole; one that is killed is not there."""
+        packets = (self.made / "packets.bin").read_bytes()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL):
+            with self.attacker.scratch() as folder:
+                os.mkfifo(folder / "pipe")
+                process = self.attacker.start(["selfproj", "record", "--device", "file:pipe", "--out", "o"], folder)
+                with open(folder / "pipe", "wb") as pipe:
+                    pipe.write(packets)
+                    pipe.flush()
+                    time.sleep(0.3)
+                    process.send_signal(number)
+                    process.communicate(timeout=20)
+                there = (folder / "o").read_bytes() if (folder / "o").exists() else None
+                if number == signal.SIGKILL:
+                    good = there is None
+                else:
+                    good = process.returncode == 0 and there == packets and not temporaries(folder)
+                if not good:
+                    raise Fault(f"signal {number}: status {process.returncode}, {there and len(there)} bytes")
 
     # --- rings ---
 

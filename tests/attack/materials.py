@@ -193,6 +193,12 @@ def sweep(rig, every, height):
             [bytes([int(220 * math.exp(-(r - row)**2 / 5))]) * columns for r in range(rows)])
 
 
+def registers(version, spec_hash):
+    """The registers of a board that can do 2048 x 1023 pixels, grey moments and raw images, as a file."""
+    capability = 2048 | 1023 << 12 | 3 << 22
+    return struct.pack("<4sIII", b"SLFP", version, spec_hash, capability) + bytes(4096 - 16)
+
+
 def must(attacker, folder, *arguments):
     outcome = attacker.run(arguments, folder)
     if outcome.status != 0:
@@ -218,6 +224,9 @@ def make(attacker, folder):
     (folder / "quarter.yaml").write_text(quarter(run("selfproj", "rig", "scanner")))
     (folder / "scanner.yaml").write_text(with_values(run("selfproj", "rig", "scanner"), SMALL_SCANNER))
     run("selfproj-sim", "board", "--line", "64x16", "--line-frames", "20", "--record", "packets.bin")
+    version = re.search(r"specification (\d+)\.(\d+), hash 0x(\w+)", run("selfproj", "--version"))
+    (folder / "bar.bin").write_bytes(
+        registers(int(version[1]) << 8 | int(version[2]), int(version[3], 16)))
     run("selfproj", "pattern", "--rig", "rig.yaml", "--reference", "curve.csv", "--out", "reference")
     run("selfproj", "inspect", "--device", "file:packets.bin", "--rig", "rig.yaml", "--out", "inspection")
     run("selfproj", "pattern", "gray", "--rig", "scanner.yaml", "--out", "gray")

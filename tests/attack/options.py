@@ -2,6 +2,7 @@
 import json
 import os
 import re
+import shutil
 
 from programs import Fault
 
@@ -12,6 +13,7 @@ VALUES = [
     "1 2", "1x1", "0x0", "-1x5", "99999999999x99999999999", "4294967808x96", "3x3x3", "x", "/", ".", "..",
     "/dev/null", "/dev/zero", "/dev/full", "/dev/stdin", "/proc/self/mem", "/no/such/file", "none", "%s%n", "\n",
     "a\nb", "é€", "--", "--help", "-", "*", "?", "ring:", "ring:x/y", "file:", "file:/dev/zero", "file:/", "sim:",
+    "udp:", "udp:127.0.0.2:99999", "bar:", "bar:/dev/zero", "bar:/dev/null", "bar:bar.bin+4",
     "x" * 300, "x" * 5000, "rig.yaml", "frame_1.png", "packets.bin", "heights.tiff", "curve.csv", "a.jpg",
     "reference", "grey", "rtl", "binary", "light-section", "scanner", "stairs-marked", "plane", "true", "1e1", "+5",
     "1_000", "1'000"
@@ -44,6 +46,15 @@ def commands_of(made):
         ],
         ("selfproj", "accuracy"): ["--out", "o"],
         ("selfproj", "devices"): [],
+        ("selfproj", "record"): ["--device", f"file:{m}/packets.bin", "--out", "o"],
+        ("selfproj", "images"): ["--device", f"file:{m}/codes.bin", "--out", "o"],
+        ("selfproj", "board", "info"): ["--device", "bar:bar.bin"],
+        ("selfproj", "board", "status"): ["--device", "bar:bar.bin"],
+        ("selfproj", "board", "set"): ["--device", "bar:bar.bin", "size.columns=512"],
+        ("selfproj", "board", "start"): ["--device", "bar:bar.bin"],
+        ("selfproj", "board", "stop"): ["--device", "bar:bar.bin"],
+        ("selfproj", "board", "trigger"): ["--device", "bar:bar.bin", "--off"],
+        ("selfproj", "board", "selftest"): ["--device", "bar:bar.bin"],
         ("selfproj-sim", "moments"): ["--engine", "model", "--out", "o.csv", *frames],
         ("selfproj-sim", "decode"): ["--engine", "model", "--bits", "2", "--out", "o", *frames],
         ("selfproj-sim", "cosim"): [
@@ -125,6 +136,8 @@ class Options:
         ring = f"attack-options-{os.getpid()}"
         words = [ring if str(word) == "none" else word for word in words]
         with self.attacker.scratch() as folder:
+            if command[1] == "board":  # writes into the registers
+                shutil.copy(self.made / "bar.bin", folder)
             outcome = self.attacker.attack(words, folder, [self.made], patience=SLOW)
             self.refused_numbers(outcome, words, name, value)
             for path in folder.rglob("*.json"):

@@ -1,0 +1,265 @@
+#include "host/app/board_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/driver/board_list.h"
+#include "host/driver/board_test.h"
+#include "host/driver/control.h"
+#include "host/driver/open_control.h"
+#include "host/io/command_line.h"
+#include "host/io/frame_options.h"
+#include "host/io/numbers.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+void print_boards() {
+  const std::vector<BoardPlace> boards = list_boards();
+  if (boards.empty()) {
+    fmt::print("no file of board registers in /dev\n");
+  }
+  for (const BoardPlace& board : boards) {
+    fmt::print("{:28} {}\n", board.uri, board.problem.empty() ? "a board of this specification" : board.problem);
+  }
+}
+
+std::string yes(bool there) { return there ? "yes" : "no"; }
+
+void print_info(Control& control) {
+  const BoardBuild& build = control.build();
+  fmt::print("{}: selfproj board, specification {}.{}, hash 0x{:08X}\n", control.uri(), spec::kVersion >> 8U,
+             spec::kVersion & 0xFFU, spec::kHash);
+  fmt::print("largest image    {} x {} pixels\n", build.max_columns, build.max_rows);
+  fmt::print("grey moments     {}\nraw images       {}\n", yes(build.grey), yes(build.image));
+  fmt::print("Gray decoder     {}\n",
+             build.codes ? fmt::format("{} bits{}", build.code_bits, build.median ? ", median" : "") : "no");
+}
+
+// All registers that the board has, with their fields.
+void print_status(Control& control) {
+  static_cast<void>(control.state());  // time_low and time_high then belong together
+  for (const spec::Register& one : spec::kRegisters) {
+    if (!has_register(control.build(), one.address)) {
+      continue;
+    }
+    const std::uint32_t word = control.read({&one, nullptr});
+    std::string fields;
+    for (const spec::RegisterField& field : one.fields) {
+      fields += fmt::format("  {}={}", field.name, field_of(word, field.lsb, field.bits));
+    }
+    fmt::print("0x{:02X} {:16} 0x{:08X}{}\n", one.address, one.name, word, fields);
+  }
+}
+
+// "size.columns=512"; a mode may be given by its name.
+std::pair<RegisterPart, std::uint32_t> assignment(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) {
+    throw UserError(text, "is no assignment such as size.columns=512");
+  }
+  const std::string name = text.substr(0, equals);
+  const std::string value = text.substr(equals + 1);
+  const RegisterPart part = register_part(name);
+  const std::vector<std::string> modes = mode_names();
+  if (name == "measure.mode" && std::find(modes.begin(), modes.end(), value) != modes.end()) {
+    return {part, static_cast<std::uint32_t>(mode_of(value))};
+  }
+  const std::optional<std::uint32_t> number = number_of_text<std::uint32_t>(value);
+  if (!number) {
+    throw UserError(text, fmt::format("'{}' is no whole number from 0 to 4294967295", value));
+  }
+  return {part, *number};
+}
+
+struct TriggerOptions {
+  std::optional<std::uint32_t> period;
+  std::optional<std::uint32_t> camera;
+  std::optional<std::uint32_t> width;
+  std::uint32_t patterns = 1;
+  bool on_frame = false;
+  bool off = false;
+};
+
+// Stops the sequencer, writes its settings and starts it again, as the board wants it.
+void set_trigger(Control& control, const TriggerOptions& options) {
+  control.write("trigger_control", 0);
+  const auto write = [&](const char* name, const std::optional<std::uint32_t>& value) {
+    if (value) {
+      control.write(name, *value);
+    }
+  };
+  write("trigger_period.clocks", options.period);
+  write("trigger_camera.clocks", options.camera);
+  write("trigger_width.clocks", options.width);
+  if (options.off) {
+    fmt::print("{}: no trigger pulses\n", control.uri());
+  } else if (options.on_frame) {
+    control.count_patterns_on_frames(static_cast<int>(options.patterns));
+    fmt::print("{}: frames count {} patterns, no pulses\n", control.uri(), options.patterns);
+  } else {
+    control.write("trigger_control", 1U << spec::kRegTriggerControlRunLsb |
+                                         (options.patterns - 1) << spec::kRegTriggerControlLastPatternLsb);
+    fmt::print("{}: pulses every {} clocks, {} patterns\n", control.uri(), control.read("trigger_period.clocks"),
+               options.patterns);
+  }
+}
+
+void run_selftest(Control& control) {
+  const std::vector<BoardTestResult> results = test_board(control);
+  std::size_t failed = 0;
+  for (const BoardTestResult& result : results) {
+    fmt::print("{:5} {}{}\n", result.fault.empty() ? "good" : "FAULT", result.what,
+               result.fault.empty() ? "" : ": " + result.fault);
+    failed += result.fault.empty() ? 0 : 1;
+  }
+  if (failed > 0) {
+    throw CheckFailed(fmt::format("{}: {} of {} checks failed", control.uri(), failed, results.size()));
+  }
+}
+
+// Adds a subcommand that works on the board of --device.
+CLI::App* add_on_board(CLI::App& parent, const CommandText& text, const std::function<void(Control&)>& act) {
+  CLI::App* command = add_command(parent, text);
+  const auto device = std::make_shared<std::string>();
+  command
+      ->add_option("--device", *device,
+                   "The board: bar:PATH[+OFFSET] for registers in a file mapped into memory, or file:/dev/xdma0_c2h_0 "
+                   "for those beside this device.")
+      ->type_name("URI")
+      ->required();
+  command->callback([device, act] { act(*open_control(*device)); });
+  return command;
+}
+
+void add_set_command(CLI::App& board) {
+  const auto values = std::make_shared<std::vector<std::string>>();
+  CLI::App* command = add_on_board(
+      board,
+      {.name = "set",
+       .purpose = "Writes registers of a board by name.",
+       .details = "Settings change together, at the next frame start. A value that the board refuses is an error that "
+                  "names its register. `selfproj board status` lists the names; measure.mode may be given as binary, "
+                  "grey or grey-over.",
+       .examples = R"(
+# Frames of 512 x 96 pixels, grey moments over threshold 60 (needs hardware)
+selfproj board set --device bar:/dev/xdma0_user size.columns=512 size.rows=96 \
+  measure.mode=grey-over measure.threshold=60
+)"},
+      [values](Control& control) {
+        std::vector<std::pair<RegisterPart, std::uint32_t>> parts;
+        std::transform(values->begin(), values->end(), std::back_inserter(parts), assignment);
+        control.write_together(std::move(parts));
+      });
+  command->add_option("NAME=VALUE", *values, "Registers or fields, and their values.")
+      ->type_name("SETTING")
+      ->required();
+}
+
+void add_trigger_command(CLI::App& board) {
+  const auto options = std::make_shared<TriggerOptions>();
+  CLI::App* command = add_on_board(board,
+                                   {.name = "trigger",
+                                    .purpose = "Sets up, starts and stops the trigger pulses for projector and camera.",
+                                    .details = "Stops the sequencer, writes what is given, and starts it again.",
+                                    .examples = R"(
+# 10,000 pulses a second at 151.2 MHz, the camera 100 clocks after the projector (needs hardware)
+selfproj board trigger --device bar:/dev/xdma0_user --period 15120 --camera-delay 100
+)"},
+                                   [options](Control& control) { set_trigger(control, *options); });
+  constexpr std::int64_t kMostClocks = (std::int64_t{1} << spec::kRegTriggerPeriodClocksBits) - 1;
+  constexpr std::int64_t kMostWidth = (std::int64_t{1} << spec::kRegTriggerWidthClocksBits) - 1;
+  command->add_option("--period", options->period, "Pixel clocks from one projector pulse to the next.")
+      ->transform(whole_number(1, kMostClocks))
+      ->type_name("N");
+  command->add_option("--camera-delay", options->camera, "Pixel clocks from the projector's pulse to the camera's.")
+      ->transform(whole_number(0, kMostClocks))
+      ->type_name("N");
+  command->add_option("--width", options->width, "Pixel clocks that a pulse lasts.")
+      ->transform(whole_number(0, kMostWidth))
+      ->type_name("N");
+  command->add_option("--patterns", options->patterns, "Patterns that follow each other.")
+      ->transform(whole_number(1, 1 << spec::kRegTriggerControlLastPatternBits))
+      ->type_name("N")
+      ->capture_default_str();
+  CLI::Option* const on_frame =
+      command->add_flag("--on-frame", options->on_frame, "Give no pulses, but count the patterns with the frames.");
+  command->add_flag("--off", options->off, "Give no pulses.")->excludes(on_frame);
+}
+
+}  // namespace
+
+void add_board_command(CLI::App& app) {
+  CLI::App* board = add_command(
+      app, {.name = "board",
+            .purpose = "Controls a board: its registers, settings and state.",
+            .details = "The commands reach the board's registers through a file that the system maps into memory.",
+            .examples = R"(
+# List the boards of this machine.
+selfproj board list
+)"});
+  board->require_subcommand(1);
+  CLI::App* list = add_command(*board, {.name = "list",
+                                        .purpose = "Lists the files in /dev through which boards can be controlled.",
+                                        .details = "Looks at /dev/xdma*_user and /dev/uio*.",
+                                        .examples = R"(
+# List the boards of this machine.
+selfproj board list
+)"});
+  list->callback(print_boards);
+  add_on_board(*board, {.name = "info", .purpose = "Says what a board can do.", .details = "", .examples = R"(
+# The board behind the Xilinx DMA driver (needs hardware)
+selfproj board info --device bar:/dev/xdma0_user
+)"},
+               print_info);
+  add_on_board(*board,
+               {.name = "status",
+                .purpose = "Prints every register and field of a board by name.",
+                .details = "",
+                .examples = R"(
+# Every register of the board behind the Xilinx DMA driver (needs hardware)
+selfproj board status --device bar:/dev/xdma0_user
+)"},
+               print_status);
+  add_set_command(*board);
+  add_on_board(*board, {.name = "start", .purpose = "Lets a board accept frames.", .details = "", .examples = R"(
+# Accept frames from now on (needs hardware)
+selfproj board start --device bar:/dev/xdma0_user
+)"},
+               [](Control& control) { control.write("control.run", 1); });
+  add_on_board(*board,
+               {.name = "stop",
+                .purpose = "Lets a board accept no further frames; an open one is taken to its end.",
+                .details = "",
+                .examples = R"(
+# Accept no further frames (needs hardware)
+selfproj board stop --device bar:/dev/xdma0_user
+)"},
+               [](Control& control) { control.write("control.run", 0); });
+  add_trigger_command(*board);
+  add_on_board(*board,
+               {.name = "selftest",
+                .purpose = "Tests the way to a board's registers: patterns written and read, refusals, the clock.",
+                .details = "The board must be stopped, and no trigger pulses may run. Every register has its old value "
+                           "afterwards. The exit status is 1 if a check fails.",
+                .examples = R"(
+# Test the way to the registers of a stopped board (needs hardware)
+selfproj board selftest --device bar:/dev/xdma0_user
+)"},
+               run_selftest);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,49 @@
+#include "host/app/board_run.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include "host/driver/open_control.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+// The control beside the device. A device whose registers have no file is taken as it is.
+std::string control_of(const std::string& device) {
+  const std::string uri = control_uri(device);
+  std::error_code unused;
+  const bool missing = uri.starts_with("bar:") && !std::filesystem::exists(uri.substr(4), unused);
+  return missing ? "" : uri;
+}
+
+}  // namespace
+
+BoardRun::BoardRun(const std::string& device, const std::string& control, const Rig& rig) {
+  const std::string uri = control == "none" ? "" : control.empty() ? control_of(device) : control;
+  if (uri.empty()) {
+    return;
+  }
+  control_ = open_control(uri);
+  ran_ = control_->read("control.run") != 0;
+  const auto number = [](int value) { return static_cast<std::uint32_t>(value); };
+  control_->write_together({{register_part("size.columns"), number(rig.camera.columns)},
+                            {register_part("size.rows"), number(rig.camera.rows)},
+                            {register_part("measure.mode"), number(static_cast<int>(rig.measure.mode))},
+                            {register_part("measure.threshold"), number(rig.measure.threshold)},
+                            {register_part("control.run"), 1}});
+}
+
+BoardRun::~BoardRun() {
+  if (control_ != nullptr && !ran_) {
+    try {
+      control_->write("control.run", 0);
+    } catch (const UserError&) {  // a board that has gone needs no stop
+    }
+  }
+}
+
+}  // namespace selfproj

@@ -1,0 +1,132 @@
+#include "host/app/images_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/app/packet_run.h"
+#include "host/driver/counters.h"
+#include "host/driver/image_assembler.h"
+#include "host/io/code_image.h"
+#include "host/io/command_line.h"
+#include "host/io/image_files.h"
+#include "host/io/output_folder.h"
+#include "host/io/user_error.h"
+#include "model/code_word.h"
+#include "model/packet.h"
+
+namespace selfproj {
+namespace {
+
+struct ImagesOptions {
+  PacketRunOptions run;
+  std::string out;
+  int stream = 0;
+};
+
+// The files of complete images. Names have the number of the frame, and the number of the restart after one.
+class ImageFiles {
+ public:
+  ImageFiles(const std::string& folder, int stream)
+      : folder_(folder), images_(spec::kKindImage, stream), codes_(spec::kKindCodes, stream) {}
+
+  // Returns how many images were written so far.
+  std::uint64_t add(const PacketView& packet, std::uint64_t restarts) {
+    if (images_.add(packet)) {
+      const PacketHeader& header = images_.header();
+      folder_.append(name("image", header, restarts), encode_png({header.rows, header.columns, images_.pixels()}));
+    } else if (codes_.add(packet)) {
+      add_codes(codes_.header(), restarts);
+    }
+    return written();
+  }
+
+  void commit() { folder_.commit(); }
+
+  [[nodiscard]] std::uint64_t written() const { return images_.complete() + codes_.complete(); }
+  [[nodiscard]] std::uint64_t raw() const { return images_.complete(); }
+  [[nodiscard]] std::uint64_t codes() const { return codes_.complete(); }
+  [[nodiscard]] std::uint64_t incomplete() const { return images_.incomplete() + codes_.incomplete(); }
+
+ private:
+  static std::string name(const char* what, const PacketHeader& header, std::uint64_t restarts) {
+    const std::string after = restarts == 0 ? "" : fmt::format("_{}", restarts);
+    return fmt::format("{}{}_{:08}.png", what, after, header.sequence);
+  }
+
+  void add_codes(const PacketHeader& header, std::uint64_t restarts) {
+    const std::vector<std::uint16_t>& words = codes_.codes();
+    std::vector<std::uint16_t> codes(words.size());
+    Image measurable{header.rows, header.columns, std::vector<std::uint8_t>(words.size())};
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const bool good = is_measurable(words[i]);
+      codes[i] = static_cast<std::uint16_t>(good ? code_of(words[i]) : 0);
+      measurable.pixels[i] = good ? UINT8_MAX : 0;
+    }
+    folder_.append(name("code", header, restarts), encode_png16(header.rows, header.columns, codes));
+    folder_.append(name("measurable", header, restarts), encode_png(measurable));
+  }
+
+  OutputFolder folder_;
+  ImageAssembler images_;
+  ImageAssembler codes_;
+};
+
+void run_images(const ImagesOptions& options) {
+  ImageFiles files(options.out, options.stream);
+  const std::unique_ptr<Device> device = open_device(options.run);
+  const auto text = [&] {
+    return fmt::format("{} raw images, {} code images, {} incomplete", files.raw(), files.codes(), files.incomplete());
+  };
+  run_packets(
+      *device, options.run, [&](const PacketView& packet) { return files.add(packet, device->counters().restarts); },
+      text);
+  if (files.written() == 0) {
+    throw CheckFailed(fmt::format("{}: no complete image came, and nothing is written; {} incomplete",
+                                  options.run.device, files.incomplete()));
+  }
+  files.commit();
+  const Counters counters = device->counters();
+  fmt::print(
+      "{} → {}; {}\n", text(), options.out,
+      counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network, &Counters::bad}));
+  check_packets(options.run, counters, files.incomplete());
+}
+
+}  // namespace
+
+void add_images_command(CLI::App& app) {
+  CLI::App* command = add_command(
+      app,
+      {.name = "images",
+       .purpose = "Writes the raw images and code images in a board's packets as PNG files.",
+       .details =
+           "The folder gets image_K.png (8 bits) for each raw image, and for each code image code_K.png (16 bits, 0 "
+           "where not measurable) and measurable_K.png (0 or 255); K is the number of the frame, eight digits. Images "
+           "of which a line is missing are counted and left out. Without an image nothing is written, and the exit "
+           "status is 1.",
+       .examples = R"(
+# The code images of a simulated scanner.
+selfproj-sim cosim --engine model --rig scanner --scene fist --bits 2 --count 6 \
+  --packets codes.packets
+selfproj images --device file:codes.packets --out codes
+)"});
+  const auto options = std::make_shared<ImagesOptions>();
+  add_packet_run_options(*command, options->run, "images");
+  command->add_option("--stream", options->stream, "Take the images of this stream number.")
+      ->transform(whole_number(0, UINT8_MAX))
+      ->type_name("N")
+      ->group("Input")
+      ->capture_default_str();
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for the images.")->type_name("DIR")->required();
+  command->callback([options] { run_images(*options); });
+}
+
+}  // namespace selfproj

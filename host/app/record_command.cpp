@@ -1,0 +1,75 @@
+#include "host/app/record_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "host/app/packet_run.h"
+#include "host/driver/counters.h"
+#include "host/io/command_line.h"
+#include "host/io/output_file.h"
+#include "host/io/user_error.h"
+#include "model/packet.h"
+
+namespace selfproj {
+namespace {
+
+struct RecordOptions {
+  PacketRunOptions run;
+  std::string out;
+};
+
+void run_record(const RecordOptions& options) {
+  const OutputFile file(options.out);
+  const std::unique_ptr<Device> device = open_device(options.run);
+  OutputStream stream(file);
+  std::uint64_t packets = 0;
+  std::uint64_t bytes = 0;
+  const auto losses = [&] {
+    return counters_text(device->counters(), {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network,
+                                              &Counters::missing, &Counters::bad});
+  };
+  run_packets(
+      *device, options.run,
+      [&](const PacketView& packet) {
+        stream.append({reinterpret_cast<const char*>(packet.bytes().data()), packet.size});
+        bytes += packet.size;
+        return ++packets;
+      },
+      [&] { return fmt::format("{} packets, {} bytes, {}", packets, bytes, losses()); });
+  if (packets == 0) {
+    throw CheckFailed(options.run.device + ": no packet came, and nothing is written");
+  }
+  stream.commit();
+  fmt::print("{} packets, {} bytes → {}; {}\n", packets, bytes, options.out, losses());
+  check_packets(options.run, device->counters());
+}
+
+}  // namespace
+
+void add_record_command(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, {.name = "record",
+            .purpose = "Records the packets of a board, of every kind, in a file.",
+            .details = "The file gets the good packets as they came, and can be read as file:PATH. It appears whole at "
+                       "the end of the run: after --count packets, after --seconds, at Ctrl-C, or when the device has "
+                       "ended. What was lost is printed. Without a packet nothing is written, and the exit status "
+                       "is 1.",
+            .examples = R"(
+# A board in a process of its own, and 500 of its packets.
+selfproj-sim board --line 512x96 --ring line1 --count 2000 --wait-for-reader &
+selfproj record --device ring:line1 --wait-for-board --count 500 --out part.packets
+selfproj inspect --device file:part.packets --check
+)"});
+  const auto options = std::make_shared<RecordOptions>();
+  add_packet_run_options(*command, options->run, "packets");
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "File for the packets.")->type_name("FILE")->required();
+  command->callback([options] { run_record(*options); });
+}
+
+}  // namespace selfproj
