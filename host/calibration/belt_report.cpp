@@ -84,7 +84,7 @@ std::array<std::vector<double>, 3> shifts_of(const std::vector<View>& views, con
     cv::Vec3d sum;
     double count = 0;
     for (std::size_t v = 0; v < views.size(); ++v) {
-      const BoardPlace& place = plates.places[v];
+      const PlatePlace& place = plates.places[v];
       if (place.plate == static_cast<int>(k)) {
         const cv::Vec3d way = turn * cv::Vec3d(found.belt.way[0], found.belt.way[1], 0);
         sum += middle_of(views[v], lens, middle) - place.belt_mm * way + cv::Vec3d(0, 0, place.height_mm);

@@ -169,7 +169,7 @@ class Fit {
 
   void add_plates(const Plates& plates) {
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      const BoardPlace& place = plates.places[v];
+      const PlatePlace& place = plates.places[v];
       if (place.plate >= 0) {
         add({{kKnown, kPose}}, plate_cost(place, plates), belt_.data(), way_.data(),
             plate_off_[static_cast<std::size_t>(place.plate)].data(), blocks_[v].data());

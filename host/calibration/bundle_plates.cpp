@@ -39,7 +39,7 @@ void start_belt(const Plates& plates, Bundle& bundle) {
   belt.plate_off.assign(plates.count(), {});
   belt.scale = 0;
   const auto first =
-      std::find_if(plates.places.begin(), plates.places.end(), [](const BoardPlace& p) { return p.plate >= 0; });
+      std::find_if(plates.places.begin(), plates.places.end(), [](const PlatePlace& p) { return p.plate >= 0; });
   if (first == plates.places.end()) {
     return;
   }

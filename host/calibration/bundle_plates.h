@@ -14,7 +14,7 @@
 namespace selfproj {
 
 // Where the chessboard of one view lies.
-struct BoardPlace {
+struct PlatePlace {
   int plate = -1;  // number of the plate, from 0; -1: held by hand, nothing is known
   double height_mm = 0;
   double belt_mm = 0;  // place of the belt
@@ -40,7 +40,7 @@ struct Plates {
   [[nodiscard]] double unit(const Belt& belt) const { return 1 + scale_deviation * belt.scale; }
 
   std::vector<double> heights_mm;
-  std::vector<BoardPlace> places;  // one for each view
+  std::vector<PlatePlace> places;  // one for each view
   // Standard deviations of what a plate is off: turns about x, y and z, rad, and shifts along x, y and z, mm.
   std::array<double, 6> deviations{};
   double scale_deviation = 0;  // of the chessboard's size, as a share

@@ -175,9 +175,9 @@ class Calibrator {
   // The plates under the poses of the views. Rows of a mirrored projector count from below.
   [[nodiscard]] Plates plates_under(const std::vector<std::size_t>& poses) const {
     Plates plates = *report_.settings.plates;
-    const std::vector<BoardPlace> all = std::exchange(plates.places, {});
+    const std::vector<PlatePlace> all = std::exchange(plates.places, {});
     for (const std::size_t pose : poses) {
-      plates.places.push_back(pose < all.size() ? all[pose] : BoardPlace{});
+      plates.places.push_back(pose < all.size() ? all[pose] : PlatePlace{});
     }
     if (report_.mirrored) {
       plates.projector[1] *= -1;

@@ -25,7 +25,7 @@ constexpr double kTightShift = 2e-3;  // mm
 
 class PlateResidual {
  public:
-  PlateResidual(const BoardPlace& place, const Plates& plates)
+  PlateResidual(const PlatePlace& place, const Plates& plates)
       : place_(place), deviations_(plates.deviations), scale_deviation_(plates.scale_deviation) {}
 
   template <typename T>
@@ -51,7 +51,7 @@ class PlateResidual {
   }
 
  private:
-  BoardPlace place_;
+  PlatePlace place_;
   std::array<double, 6> deviations_;
   double scale_deviation_;
 };
@@ -64,7 +64,7 @@ cv::Matx33d turn_of_belt(const cv::Vec3d& rotation) {
 
 }  // namespace
 
-ceres::CostFunction* plate_cost(const BoardPlace& place, const Plates& plates) {
+ceres::CostFunction* plate_cost(const PlatePlace& place, const Plates& plates) {
   return new ceres::AutoDiffCostFunction<PlateResidual, kPose, kPose, 3, kPose, kView>(
       new PlateResidual(place, plates));
 }

@@ -14,7 +14,7 @@ namespace selfproj {
 
 // The residuals of a view on a plate, six, in standard deviations of a tight tie: its pose less that of belt and plate.
 // The blocks are belt pose, way and scale (3), plate_off, view.
-ceres::CostFunction* plate_cost(const BoardPlace& place, const Plates& plates);
+ceres::CostFunction* plate_cost(const PlatePlace& place, const Plates& plates);
 
 // Sets what the covariance says of the belt. Its unknowns are the last ones: the belt's pose, its way if it moves, the
 // scale, and six of what each plate is off.

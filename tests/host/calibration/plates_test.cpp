@@ -196,7 +196,7 @@ TEST(Plates, WrongPlacesAreRefused) {
   plates[2].y += 1;
   EXPECT_NE(reason(plates, as_it_is).find("beside the others"), std::string::npos) << reason(plates, as_it_is);
   const auto too_far = [](Plates& all) {
-    for (BoardPlace& place : all.places) {
+    for (PlatePlace& place : all.places) {
       place.belt_mm *= 1.1;
     }
   };
