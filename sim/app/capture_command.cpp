@@ -19,6 +19,7 @@
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
 #include "host/rig/rig.h"
+#include "sim/app/world_options.h"
 #include "sim/scene/chessboard.h"
 #include "sim/scene/pattern_set.h"
 #include "sim/scene/projected_light.h"
@@ -54,6 +55,7 @@ struct CaptureOptions {
   std::optional<std::int64_t> seed;
   std::optional<std::uint64_t> real_rig_seed;
   bool without_noise = false;
+  WorldOptions world;
   int threads = 0;
   std::string out;
 };
@@ -134,12 +136,13 @@ void run_capture(const CaptureOptions& options) {
   const std::vector<std::string> files = files_of_folder(options.patterns);
   std::vector<ProjectedLight> patterns;
   patterns.reserve(files.size());
+  CaptureSettings settings;
+  settings.render.world = options.world.world();
   for (const std::string& file : files) {
-    patterns.push_back(project_image(rig, read_image(file, Channel::grey), {}, file));
+    patterns.push_back(project_image(rig, read_image(file, Channel::grey), settings.render, file));
   }
   std::optional<Progress> progress;
   std::size_t done = 0;
-  CaptureSettings settings;
   settings.render.shot_noise = settings.render.read_noise = !options.without_noise;
   settings.threads = options.threads;
   settings.done = [&] { progress->update(++done); };
@@ -303,6 +306,7 @@ selfproj-sim capture --rig light-section --real-rig-seed 7 --plate 10 --target-s
       ->type_name("N")
       ->default_str("the rig's");
   command->add_flag("--without-noise", options->without_noise, "Leave out shot noise and read noise.");
+  add_world_options(*command, options->world);
   command->add_option("--threads", options->threads, "Threads to use.")
       ->transform(whole_number(1, 1024))
       ->type_name("N")

@@ -10,6 +10,7 @@
 #include "host/io/frame_options.h"
 #include "host/structured_light/stripe_code.h"
 #include "model/gray_decoder.h"
+#include "sim/app/world_options.h"
 #include "sim/experiment/cosim.h"
 #include "sim/experiment/cosim_options.h"
 #include "sim/scene/renderer.h"
@@ -19,7 +20,7 @@ namespace {
 
 constexpr std::int64_t kLastFrame = std::int64_t{1} << 30U;
 
-void add_source_options(CLI::App& command, CosimOptions& options) {
+void add_source_options(CLI::App& command, CosimOptions& options, WorldOptions& world) {
   begin_group(command, "Source of the frames");
   CLI::Option* scene =
       command.add_option("--scene", options.scene, "Scene under the simulated camera, of `selfproj-sim scene list`.")
@@ -54,6 +55,7 @@ void add_source_options(CLI::App& command, CosimOptions& options) {
       ->delimiter(',')
       ->check(one_of(names))
       ->type_name("NAME,...");
+  add_world_options(command, world);
   command.add_option("--seed", options.seed, "Seed of everything random.")
       ->transform(whole_number(0))
       ->type_name("N")
@@ -195,11 +197,15 @@ selfproj-sim cosim --scene mountain --count 2 --trace board.fst --trace-from 2
 selfproj-sim cosim --scene fist --count 588 --out fist
 )"});
   const auto options = std::make_shared<CosimOptions>();
-  add_source_options(*command, *options);
+  const auto world = std::make_shared<WorldOptions>();
+  add_source_options(*command, *options, *world);
   add_measuring_options(*command, *options);
   add_scanner_options(*command, *options);
   add_output_options(*command, *options);
-  command->callback([options] { run_cosim(*options); });
+  command->callback([options, world] {
+    options->world = world->world();
+    run_cosim(*options);
+  });
 }
 
 }  // namespace selfproj

@@ -7,6 +7,7 @@
 
 #include "host/io/command_line.h"
 #include "host/structured_light/stripe_code.h"
+#include "sim/app/world_options.h"
 #include "sim/experiment/experiment.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/virtual_scan.h"
@@ -15,6 +16,7 @@ namespace selfproj {
 
 void add_experiment_command(CLI::App& app) {
   auto options = std::make_shared<ExperimentOptions>();
+  auto world = std::make_shared<WorldOptions>();
   CLI::App* command = add_command(
       app, {.name = "experiment",
             .purpose = "Repeats an experiment of the thesis in simulation, and compares it with the published figures.",
@@ -23,7 +25,8 @@ void add_experiment_command(CLI::App& app) {
                        "- A2: light section of stairs with carved marks\n"
                        "- B4: structured light on cuboids\n"
                        "- B7: structured light on a moving mouse\n"
-                       "- B8: structured light on two moving hands\n\n"
+                       "- B8: structured light on two moving hands\n"
+                       "- robustness: A2 and B4 under each of the disturbances of --disturb, over its strength\n\n"
                        "The exit status is 1 where a figure is not reached.",
             .examples = R"(
 # Experiment A1 on every 50th frame, as a quick look.
@@ -31,10 +34,13 @@ selfproj-sim experiment A1 --every 50 --out mountain
 
 # All of A2, with a table of what each source of error costs (takes minutes)
 selfproj-sim experiment A2 --sources --out stairs
+
+# What gloss, hot pixels, flicker and all the others cost (takes minutes)
+selfproj-sim experiment robustness --out robustness
 )"});
   command->add_option("NAME", options->name, "Name of the experiment.")
       ->required()
-      ->check(one_of({"A1", "A2", "B4", "B7", "B8"}));
+      ->check(one_of({"A1", "A2", "B4", "B7", "B8", "robustness"}));
   begin_group(*command, "Settings");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file.")
       ->type_name("RIG")
@@ -47,11 +53,12 @@ selfproj-sim experiment A2 --sources --out stairs
       ->delimiter(',')
       ->check(one_of(sources))
       ->type_name("NAME,...");
+  add_world_options(*command, *world);
   begin_group(*command, "Light section (A1, A2)");
   command->add_option("--every", options->every, "Take only every N-th frame.")
       ->transform(whole_number(1, 1000))
       ->type_name("N")
-      ->capture_default_str();
+      ->default_str("1; 70 for robustness");
   command->add_flag_callback(
       "--no-residual", [options] { options->residual = false; },
       "Do not measure and remove the residual of the reference.");
@@ -65,9 +72,20 @@ selfproj-sim experiment A2 --sources --out stairs
       ->transform(whole_number(0, (1 << Stripes{}.bits) - 1))
       ->type_name("E")
       ->default_str("8 for B4, 0 for B7 and B8");
+  begin_group(*command, "Disturbances (robustness, which also takes --every and --world)");
+  const auto number = [&](const char* name, int& value, int most, const char* text) {
+    command->add_option(name, value, text)->transform(whole_number(1, most))->type_name("N")->capture_default_str();
+  };
+  number("--cameras", options->cameras, 1000, "Cameras with defect pixels of their own.");
+  number("--strengths", options->strengths, 5, "Strengths of each disturbance.");
+  number("--coarser", options->coarser, 8, "Give the scanner N times fewer pixels along each side.");
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for images, tables and report.")->type_name("DIR");
-  command->callback([options] { run_experiment(*options); });
+  command->callback([options, world] {
+    options->world = world->world();
+    options->parameters = load_world(world->file);
+    run_experiment(*options);
+  });
 }
 
 }  // namespace selfproj

@@ -30,6 +30,7 @@
 #include "host/io/user_error.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
+#include "sim/app/world_options.h"
 #include "sim/scene/height_map.h"
 #include "sim/scene/parallel.h"
 #include "sim/scene/pattern_renderer.h"
@@ -66,12 +67,14 @@ struct SceneOptions {
   std::optional<std::uint64_t> real_rig_seed;
   std::vector<std::string> without;
   bool falloff = false;
+  WorldOptions world;
   int threads = 0;
 };
 
 RenderOptions render_options(const SceneOptions& options) {
   RenderOptions result = options_without(options.without);
   result.falloff = options.falloff;
+  result.world = options.world.world();
   return result;
 }
 
@@ -177,9 +180,8 @@ FrameMaker whole_patterns(const SceneOptions& options, const RealRig& real, cons
     throw UserError("--bits", "cannot be combined with --pattern");
   }
   const auto light = std::make_shared<std::vector<ProjectedLight>>();
-  const double blur = render_with.projector_blur ? rig.imaging.projector_blur_px : 0;
   for (const std::string& file : options.patterns) {
-    light->emplace_back(read_pattern(file, rig), blur);
+    light->push_back(throw_light(rig, read_pattern(file, rig), render_with));
   }
   if (options.patterns.empty()) {
     for (const Image& image : gray_patterns(rig.projector, options.bits > 0 ? options.bits : kDefaultBits)) {
@@ -267,7 +269,9 @@ void render(const SceneOptions& options) {
              rig.camera.columns, rig.camera.rows,
              options.height_map.empty() ? "scene " + options.scene : "height map " + options.height_map, rig.name,
              rig.imaging.seed,
-             options.without.empty() ? "" : fmt::format(", without {}", fmt::join(options.without, ", ")), out.name());
+             (options.without.empty() ? "" : fmt::format(", without {}", fmt::join(options.without, ", "))) +
+                 (options.world.disturb.empty() ? "" : fmt::format(", {}", fmt::join(options.world.disturb, ", "))),
+             out.name());
 }
 
 void list() {
@@ -325,6 +329,7 @@ void add_light_options(CLI::App& command, SceneOptions& options) {
       ->check(one_of(switches))
       ->type_name("NAME,...");
   command.add_flag("--falloff", options.falloff, "Light falls with the squared distance from the projector.");
+  add_world_options(command, options.world);
   command
       .add_option("--real-rig-seed", options.real_rig_seed,
                   "Seed of a rig that takes the images instead: it deviates from --rig in lenses and mounting.")
@@ -355,6 +360,9 @@ selfproj-sim scene render stairs --first 700 --count 4 --truth frames/truth.tiff
 
 # A desk under 8-bit Gray codes, without noise.
 selfproj-sim scene render desk --count 16 --without shot-noise,read-noise --out codes
+
+# Stairs of painted metal, seen again in a shiny wall by a camera with defect pixels.
+selfproj-sim scene render stairs --first 700 --count 2 --disturb gloss,second-line=0.3,defect-pixels --out shiny
 )"});
   const auto options = std::make_shared<SceneOptions>();
   add_part_options(*command, *options);

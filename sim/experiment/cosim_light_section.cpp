@@ -108,7 +108,7 @@ Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
   const Rig& rig = setup.rig;
   const Rig real = real_rig_of(options, rig);
   setup.scene = make_scene(info.name, real);
-  const RenderOptions render = options_without(options.without);
+  const RenderOptions render = options.render();
   const LightSection light =
       self_projection(rig, real, *make_scene(info.reference_name(), real), render, options.residual);
   const auto mode =
@@ -167,6 +167,9 @@ std::unique_ptr<FrameSource> recorded_frames(const CosimOptions& options) {
 Setup recorded_setup(const CosimOptions& options) {
   if (!options.without.empty()) {
     throw UserError("--without", "goes only with scenes, not with recorded images");
+  }
+  if (options.world.any()) {
+    throw UserError("--disturb", "goes only with scenes, not with recorded images");
   }
   if (options.residual || !options.real_rig.empty()) {
     throw UserError(options.residual ? "--residual" : "--real-rig", "goes only with scenes, not with recorded images");

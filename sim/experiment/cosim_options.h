@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "sim/platform/platform.h"
+#include "sim/scene/renderer.h"
 #include "sim/scene/scene_info.h"
+#include "sim/scene/world.h"
 
 namespace selfproj {
 
@@ -22,6 +24,7 @@ struct CosimOptions {
   std::optional<int> threshold = {};         // for lit pixels, or for codes (4.15); nothing: the rig's
   std::optional<std::int64_t> seed = {};     // nothing: the rig's
   std::vector<std::string> without = {};     // names of RenderOptions to switch off
+  World world = {};                          // disturbances of the images
   std::size_t first = 1;                     // first frame
   std::optional<std::size_t> count = {};     // number of frames; nothing: all
   int bus_stall = 0;                         // percent of the bus's clocks in which it is not ready
@@ -44,6 +47,13 @@ struct CosimOptions {
   std::optional<float> max_change = {};       // mm
   std::optional<int> min_neighbours = {};
   std::optional<int> e = {};  // e of (4.20)
+
+  // How the images of a scene are rendered.
+  [[nodiscard]] RenderOptions render() const {
+    RenderOptions result = options_without(without);
+    result.world = world;
+    return result;
+  }
 
   // The scene or the recorded images, in words.
   [[nodiscard]] std::string what() const { return frames.empty() ? "scene " + scene : "recorded images"; }

@@ -171,7 +171,7 @@ class ScannerCosim final : public DepthCosim {
   void measure_background(const Scene& reference, const PatternSet& patterns) {
     Rig still_rig = rig();
     ++still_rig.imaging.seed;
-    const PatternRenderer still(still_rig, reference, options_without(options().without));
+    const PatternRenderer still(still_rig, reference, options().render());
     Image positive{background_.rows, background_.columns, std::vector<std::uint8_t>(background_.values.size())};
     Image negative = positive;
     for (int k = 0; k < patterns.size(); ++k) {
@@ -224,8 +224,7 @@ class ScannerCosim final : public DepthCosim {
 
 std::unique_ptr<CosimMeasurement> make_scanner_cosim(const CosimOptions& options, const SceneInfo& scene) {
   DepthCosimSetup setup = depth_cosim_setup(options, scene, options.bits.value_or(kDefaultBits));
-  const PatternSet patterns(setup.rig, gray_patterns(setup.rig.projector, setup.bits),
-                            options_without(options.without));
+  const PatternSet patterns(setup.rig, gray_patterns(setup.rig.projector, setup.bits), options.render());
   return std::make_unique<ScannerCosim>(options, scene, std::move(setup), patterns);
 }
 

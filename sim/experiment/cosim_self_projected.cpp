@@ -242,13 +242,12 @@ std::unique_ptr<CosimMeasurement> make_self_projected_cosim(const CosimOptions& 
   Stripes stripes;
   stripes.bits = setup.bits;
   const SelfReference reference = make_self_reference(
-      rig, scan_points(rig, *reference_scene, options_without(options.without), ScanMethod::gray_codes, [] {}),
-      stripes);
+      rig, scan_points(rig, *reference_scene, options.render(), ScanMethod::gray_codes, [] {}), stripes);
   std::vector<Image> drawn;
   for (int i = 0; i < 2 * setup.bits; ++i) {
     drawn.push_back(pattern_image(self_projected_pattern(reference, i)));
   }
-  PatternSet patterns(rig, drawn, options_without(options.without));
+  PatternSet patterns(rig, drawn, options.render());
   return std::make_unique<SelfProjectedCosim>(options, scene, std::move(setup), reference, drawn, std::move(patterns),
                                               cells_below);
 }

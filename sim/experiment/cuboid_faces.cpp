@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "sim/experiment/line_planes.h"
@@ -79,10 +80,12 @@ CuboidFigures cuboid_figures(const Rig& rig, const std::vector<Face>& faces, con
     const auto z = static_cast<double>(depth.values[i]);
     const auto from_reference = static_cast<double>(difference.values[i]);
     if (std::isnan(z) || std::isnan(from_reference)) {
+      face.errors.add(std::numeric_limits<double>::quiet_NaN());
       continue;
     }
     ++face.valid;
     const double error = z - static_cast<double>(truth.values[i]);
+    face.errors.add(error);
     face.height += rig.plane_z_mm - z;
     face.difference += from_reference;
     face.rms += error * error;

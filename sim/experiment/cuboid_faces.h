@@ -10,6 +10,7 @@
 
 #include "host/io/float_image.h"
 #include "host/rig/rig.h"
+#include "sim/experiment/error_spread.h"
 
 namespace selfproj {
 
@@ -31,6 +32,7 @@ struct FaceFigures {
   double difference = 0;  // mean difference from the reference
   double rms = 0;         // RMS error of z
   double most = 0;        // largest error of z; 0 if there are no pixels
+  ErrorSpread errors;     // of z
   double width = 0;       // mean width of a code in z, over the pixels at which it is known
 };
 

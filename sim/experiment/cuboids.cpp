@@ -25,6 +25,7 @@
 #include "sim/experiment/cuboid_faces.h"
 #include "sim/experiment/line_planes.h"
 #include "sim/experiment/match_shares.h"
+#include "sim/experiment/pattern_scan.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_list.h"
@@ -71,24 +72,6 @@ struct Method {
   CuboidFigures figures;
 };
 
-// Gives a scanner the images of a scene under the 2 m patterns of a cycle. `see` gets each image before the scanner.
-template <class AnyScanner>
-void scan(const PatternRenderer& renderer, int first, int bits, const std::function<FloatImage(int)>& pattern,
-          const std::function<void(int, const ImageView&)>& see, AnyScanner& scanner) {
-  std::vector<std::uint8_t> positive;  // the scanner reads it again when the negative comes
-  take_images(renderer,
-              {.count = 2 * bits, .first = first, .pattern = [&](int i) { return pattern_image(pattern(i)); }},
-              [&](int i, const ImageView& image) {
-                see(i, image);
-                if (i % 2 == 0) {
-                  positive.assign(image.pixels, image.pixels + renderer.rig().camera.pixels());
-                  scanner.take({positive.data(), image.rows, image.columns, image.columns}, i);
-                } else {
-                  scanner.take(image, i);
-                }
-              });
-}
-
 // The width in z of the cell whose match is the true one for a pixel; NaN if there is no match.
 double width_of_match(const Stage& stage, const MatchSearch& search, std::size_t pixel, std::vector<Match>& matches) {
   const PixelPoint light = stage.planes.light(pixel, static_cast<double>(stage.truth.values[pixel]));
@@ -113,7 +96,7 @@ Method measure_self_projected(const Stage& stage, const SelfReference& reference
   const int finest = 2 * bits - 2;
   page.pictures.push_back(
       {"Finest self-projected pattern", encode_png(pattern_image(self_projected_pattern(reference, finest))), ""});
-  scan(
+  scan_cycle(
       stage.part, 0, bits, [&](int i) { return self_projected_pattern(reference, i); },
       [&](int i, const ImageView& image) {
         if (i == finest) {
@@ -138,7 +121,7 @@ Method measure_conventional(const Stage& stage, int bits, const std::function<vo
   const PlaneTriangulation triangulation(rig, bits, {}, kCodedLines);
   const auto depth_of = [&](const PatternRenderer& renderer, int first) {
     Scanner scanner(triangulation, {.threshold = rig.measure.code_threshold});
-    scan(
+    scan_cycle(
         renderer, first, bits, [&](int i) { return gray_pattern(rig, bits, kCodedLines, i); },
         [&](int /*i*/, const ImageView& /*image*/) { done(); }, scanner);
     return scanner.depth();
@@ -186,6 +169,28 @@ ReportTable errors_table(const std::vector<Method>& methods) {
       const FaceFigures& f = method.figures[face];
       table.rows.back().push_back(
           fmt::format("{} / {} / {}", figure_text(f.rms), figure_text(f.most), figure_text(f.width)));
+    }
+  }
+  return table;
+}
+
+// What RMS and mean do not show: single pixels that are far off, on the plane above all.
+ReportTable spread_table(const std::vector<Method>& methods) {
+  ReportTable table{
+      "B4: error of z per pixel, mm: median / 99 % / 99.9 % / largest, and the share that is more than 10 mm off",
+      {""},
+      {},
+      "Over the same pixels. The plane is the largest face."};
+  for (const char* name : kFaceNames) {
+    table.header.emplace_back(name);
+  }
+  for (const Method& method : methods) {
+    table.rows.push_back({method.name});
+    for (const FaceFigures& face : method.figures) {
+      const ErrorSpread& e = face.errors;
+      table.rows.back().push_back(fmt::format("{} / {} / {} / {}, {:.3f} %", figure_text(e.quantile(0.5)),
+                                              figure_text(e.quantile(0.99)), figure_text(e.quantile(0.999)),
+                                              figure_text(e.quantile(1)), 100 * e.beyond(10)));
     }
   }
   return table;
@@ -351,9 +356,12 @@ StructuredLightResult run_cuboids(const CuboidsOptions& options, const ProgressO
   for (const int bits : options.conventional_bits) {
     methods.push_back(measure_conventional(stage, bits, count));
   }
-  result.tables = {heights_table(methods), errors_table(methods), valid_table(methods),
+  result.tables = {heights_table(methods),
+                   errors_table(methods),
+                   valid_table(methods),
                    shares_table(stage, reference, result.not_reached),
-                   scan_table(reference, stage.planes, stage.reference_z, options.scan)};
+                   scan_table(reference, stage.planes, stage.reference_z, options.scan),
+                   spread_table(methods)};
   check_figures(methods[0].figures, result.not_reached);
   add_pictures(stage, methods, result.page);
   result.page.title = "Experiment B4";

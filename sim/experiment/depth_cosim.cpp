@@ -84,7 +84,7 @@ DepthCosim::DepthCosim(const CosimOptions& options, const SceneInfo& info, Depth
       setup_(std::move(setup)),
       median_(median),
       patterns_(std::move(patterns)),
-      renderer_(setup_.rig, *setup_.scene, options_without(options.without)),
+      renderer_(setup_.rig, *setup_.scene, options.render()),
       source_(
           [this](int frame, std::span<std::uint8_t> pixels) {
             const int of_run = frame - static_cast<int>(options_.first - 1);

@@ -20,6 +20,7 @@
 #include "host/rig/rig.h"
 #include "sim/experiment/cuboids.h"
 #include "sim/experiment/moving_things.h"
+#include "sim/experiment/robustness.h"
 #include "sim/experiment/section_experiment.h"
 #include "sim/experiment/structured_light.h"
 #include "sim/scene/renderer.h"
@@ -54,17 +55,22 @@ void print(const ReportTable& table) {
   fmt::print("\n");
 }
 
-// The tables and what is not reached, as results/experiment_NAME.json; with --sources and --gray-scan under a different
-// name.
-void keep_results(const ExperimentOptions& options, const std::vector<ReportTable>& tables,
-                  const std::vector<std::string>& not_reached) {
+nlohmann::ordered_json json_of(const std::vector<ReportTable>& tables) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const ReportTable& table : tables) {
     all.push_back({{"title", table.title}, {"header", table.header}, {"rows", table.rows}, {"note", table.note}});
   }
+  return all;
+}
+
+// The tables and what is not reached, as results/experiment_NAME.json; with --sources and --gray-scan under a different
+// name.
+void keep_results(const ExperimentOptions& options, const std::vector<ReportTable>& tables,
+                  const std::vector<std::string>& not_reached) {
   write_results("experiment_" + options.name + (options.sources ? "_sources" : "") +
                     (options.scan == ScanMethod::gray_codes ? "_gray_scan" : ""),
-                "Experiment " + options.name + " in simulation", {{"tables", all}, {"not_reached", not_reached}});
+                "Experiment " + options.name + " in simulation",
+                {{"tables", json_of(tables)}, {"not_reached", not_reached}});
 }
 
 // A line on the terminal that counts images or frames.
@@ -88,7 +94,7 @@ template <class Options>
 Options structured_light_options(const ExperimentOptions& options, const Rig& rig) {
   Options experiment;
   experiment.rig = rig;
-  experiment.render = options_without(options.off);
+  experiment.render = options.render();
   experiment.scan = options.scan;
   experiment.e = options.e.value_or(experiment.e);
   return experiment;
@@ -132,9 +138,9 @@ std::vector<std::string> run_light_section(const ExperimentOptions& options, std
   SectionOptions experiment;
   experiment.rig = load_rig(options.rig.empty() ? "light-section" : options.rig);
   experiment.residual = options.residual;
-  experiment.every = options.every;
+  experiment.every = options.every.value_or(1);
   experiment.sources = options.sources;
-  experiment.render = options_without(options.off);
+  experiment.render = options.render();
   SectionResult result;
   {
     ShownProgress progress("frame");
@@ -156,6 +162,36 @@ std::vector<std::string> run_light_section(const ExperimentOptions& options, std
   return result.not_reached;
 }
 
+void run_worlds(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
+  if (options.world.any() || !options.off.empty() || !options.rig.empty()) {
+    throw UserError(options.world.any()    ? "--disturb"
+                    : !options.off.empty() ? "--off"
+                                           : "--rig",
+                    "does not go with robustness, which sets it itself");
+  }
+  RobustnessOptions experiment;
+  experiment.world = options.parameters;
+  experiment.every = options.every.value_or(experiment.every);
+  experiment.cameras = options.cameras;
+  experiment.strengths = static_cast<std::size_t>(options.strengths);
+  experiment.coarser = options.coarser;
+  RobustnessResult result;
+  {
+    ShownProgress progress("world");
+    result = run_robustness(experiment, std::ref(progress));
+  }
+  for (const ReportTable& table : result.tables) {
+    print(table);
+  }
+  nlohmann::ordered_json figures = {{"tables", json_of(result.tables)}};
+  figures.update(nlohmann::ordered_json::parse(result.data));
+  write_results("robustness", "A2 and B4 under each disturbance of the world", figures);
+  if (folder) {
+    folder->append("report.html", page_html(result.page));
+    folder->commit();
+  }
+}
+
 }  // namespace
 
 void run_experiment(const ExperimentOptions& options) {
@@ -166,6 +202,10 @@ void run_experiment(const ExperimentOptions& options) {
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(options.out);
+  }
+  if (options.name == "robustness") {
+    run_worlds(options, folder);
+    return;
   }
   const std::vector<std::string> not_reached =
       structured_light ? run_structured_light(options, folder) : run_light_section(options, folder);

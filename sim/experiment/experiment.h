@@ -6,21 +6,36 @@
 #include <string>
 #include <vector>
 
+#include "sim/scene/renderer.h"
 #include "sim/scene/virtual_scan.h"
+#include "sim/scene/world.h"
 
 namespace selfproj {
 
 // The options of an experiment.
 struct ExperimentOptions {
-  std::string name;                   // A1, A2, B4, B7, B8
+  std::string name;                   // A1, A2, B4, B7, B8, robustness
   std::string rig = {};               // built-in or a file; empty: that of the experiment
   std::string out = {};               // folder for the report and the files behind it; empty: none
   std::vector<std::string> off = {};  // names of kDisturbances
+  World world = {};                   // disturbances of the images
+
+  [[nodiscard]] RenderOptions render() const {
+    RenderOptions result = options_without(off);
+    result.world = world;
+    return result;
+  }
+
+  // For robustness:
+  WorldFile parameters = {};  // of the disturbances
+  int cameras = 40;
+  int strengths = 5;
+  int coarser = 1;
 
   // For A1 and A2:
-  bool residual = true;  // measure the reference's own residual and remove it
-  bool sources = false;  // also make the table of error sources
-  int every = 1;         // take only every n-th frame
+  bool residual = true;           // measure the reference's own residual and remove it
+  bool sources = false;           // also make the table of error sources
+  std::optional<int> every = {};  // take only every n-th frame; nothing: every one, and every 70th for robustness
 
   // For B4, B7 and B8:
   ScanMethod scan = ScanMethod::lines;

@@ -148,6 +148,7 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
     result.by_mode.emplace_back(rig, rig.camera.columns, inspection);
   }
   const Renderer renderer(rig, scene, setup.pattern, options);
+  const Renderer ideal(rig, scene, setup.pattern, options.ideal_world());
   result.truth = FloatImage(count, rig.camera.columns);
 
   constexpr int kBatch = 64;
@@ -169,7 +170,7 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
         frame.values.resize(frame.pixels.size());
         renderer.render(number, std::span(frame.values));
       }
-      renderer.truth(number, {result.truth.row(begin + i), static_cast<std::size_t>(rig.camera.columns)});
+      ideal.truth(number, {result.truth.row(begin + i), static_cast<std::size_t>(rig.camera.columns)});
       for (std::size_t m = 0; m < kAllModes.size(); ++m) {
         if (options.quantization) {
           column_moments(view_of(rig, frame.pixels), kAllModes[m], rig.measure.threshold, frame.moments[m].view());

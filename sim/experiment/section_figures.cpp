@@ -161,7 +161,7 @@ void measure_treads(const Measurement& m, const Inspection& inspection, const Ri
 MethodFigures section_figures(const Measurement& m, const LightSection& setup, const Scene& scene, std::size_t treads,
                               const RenderOptions& render) {
   const Rig& rig = setup.rig;
-  const Renderer renderer(rig, scene, setup.pattern, render);  // needed for its truth
+  const Renderer renderer(rig, scene, setup.pattern, render.ideal_world());  // needed for its truth
   const double column_mm = m.by_mode[0].column_spacing_mm();
   const double frame_mm = rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz;
   const double reach = kStepColumns * column_mm;

@@ -19,7 +19,7 @@ struct LightSpot {
 
   // The grey value under a pattern.
   [[nodiscard]] float grey(const ProjectedLight& pattern) const {
-    return light == 0 ? ambient : ambient + light * pattern.quick_at(line, column);
+    return light == 0 ? ambient : ambient + light * pattern.quick_at(line, column, z);
   }
 };
 

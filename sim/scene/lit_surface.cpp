@@ -14,12 +14,17 @@ constexpr double kEverywhere = 1e6;  // mm
 
 }  // namespace
 
-LitSurface::LitSurface(const RealRig& real, const Scene& scene, bool falloff)
+LitSurface::LitSurface(const RealRig& real, const Scene& scene, bool falloff, const World& world)
     : scene_(scene),
       plane_z_(real.rig.plane_z_mm),
       falloff_(falloff),
       camera_(real.camera),
-      projector_(real.projector.centre()) {}
+      projector_(real.projector.centre()),
+      gloss_(world.gloss) {
+  if (world.texture) {
+    texture_.emplace(*world.texture, world.seed);
+  }
+}
 
 HeightRange LitSurface::all_heights(double t0, double t1) const {
   return scene_.range({-kEverywhere, kEverywhere, -kEverywhere, kEverywhere}, t0, t1);
@@ -101,6 +106,23 @@ bool LitSurface::in_shadow(Point3 point, Point3 normal, double t, double highest
   const double dx = (projector_.x - start.x) / (top - low);
   const double dy = (projector_.y - start.y) / (top - low);
   return is_blocked(scene_, {start.x - dx * low, dx, start.y - dy * low, dy}, t, low, high);
+}
+
+// The texture is carried along with the part.
+double LitSurface::albedo(Point3 point, double t) const {
+  const double even = scene_.albedo(point.x, point.y, t);
+  return texture_ ? even * texture_->at(point.x - scene_.speed() * t, point.y) : even;
+}
+
+double LitSurface::reflectance(Point3 point, Point3 normal, double albedo) const {
+  if (!gloss_) {
+    return albedo;
+  }
+  const auto direction = [&](Point3 to) {
+    const Point3 way = to - point;
+    return 1 / std::sqrt(dot(way, way)) * way;
+  };
+  return relative_radiance(*gloss_, albedo, normal, direction(projector_), direction(camera_.centre()));
 }
 
 double LitSurface::lit_share(const Hit& hit, double t, double highest) const {

@@ -3,9 +3,12 @@
 #ifndef SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 #define SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 
+#include <optional>
+
 #include "sim/scene/pinhole.h"
 #include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/world.h"
 
 namespace selfproj {
 
@@ -18,8 +21,8 @@ class LitSurface {
   };
 
   // The scene must live as long as this object. `falloff`: light falls with the square of the distance from the
-  // projector, and is as stated on the plane at x = y = 0.
-  LitSurface(const RealRig& real, const Scene& scene, bool falloff);
+  // projector, and is as stated on the plane at x = y = 0. Of the world only gloss and texture matter.
+  LitSurface(const RealRig& real, const Scene& scene, bool falloff, const World& world = {});
 
   // Bounds of all heights from t0 to t1.
   [[nodiscard]] HeightRange all_heights(double t0, double t1) const;
@@ -42,6 +45,18 @@ class LitSurface {
   // Whether the surface blocks the light to a point. `highest` bounds all heights.
   [[nodiscard]] bool in_shadow(Point3 point, Point3 normal, double t, double highest) const;
 
+  // The albedo of the surface there, with its texture; and whether it is the same everywhere at all times.
+  [[nodiscard]] double albedo(Point3 point, double t) const;
+  [[nodiscard]] bool even_albedo() const { return scene_.even_albedo() && !texture_; }
+
+  // The share of the irradiance that goes towards the camera, relative to that of a white surface that scatters evenly:
+  // the albedo, unless the surface shines.
+  [[nodiscard]] double reflectance(const Hit& hit, double t) const {
+    const double even = albedo(hit.point, t);
+    return gloss_ ? reflectance(hit.point, normal(hit, t), even) : even;
+  }
+  [[nodiscard]] double reflectance(Point3 point, Point3 normal, double albedo) const;
+
   // The incidence, or 0 in the shadow.
   [[nodiscard]] double lit_share(const Hit& hit, double t, double highest) const;
 
@@ -51,6 +66,8 @@ class LitSurface {
   bool falloff_;
   Pinhole camera_;
   Point3 projector_;  // centre of the projector
+  std::optional<Gloss> gloss_;
+  std::optional<TextureField> texture_;
 };
 
 // mm above a surface at which the test for its shadow begins.

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -73,7 +74,8 @@ Look look(const StillSurface& surface, PixelPoint pixel, const LightSpot& still,
     share = 0;
   }
   result.dark = share <= 0;
-  result.spot = surface.spot_of(point, share, bodies[static_cast<std::size_t>(result.body)]->albedo());
+  const double albedo = bodies[static_cast<std::size_t>(result.body)]->albedo();
+  result.spot = surface.spot_of(point, share, albedo, surface.surface().reflectance(point, nearest.normal, albedo));
   return result;
 }
 
@@ -141,7 +143,7 @@ void swept_values(const Nodes& begin, const Nodes& end, int passes, const Projec
         light = 0;
         for (int pass = 0; pass < passes; ++pass) {
           const float s = (static_cast<float>((i + j) % kSubPixels * passes + pass) + 0.5F) * instant;
-          light += pattern.quick_at(mix(from.line, to.line, s), mix(from.column, to.column, s));
+          light += pattern.quick_at(mix(from.line, to.line, s), mix(from.column, to.column, s), mix(from.z, to.z, s));
         }
         light /= static_cast<float>(passes);
       }
@@ -158,11 +160,17 @@ PatternRenderer::PatternRenderer(const RealRig& real, const Scene& scene, Render
       scene_(scene),
       options_(options),
       still_(real, checked(scene), options, threads),
+      disturbed_(DisturbedCamera::of(real, scene, still_.surface(), options.world)),
       kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {}
 
+double PatternRenderer::time_of_shot(int frame) const {
+  const std::optional<Jitter>& jitter = options_.world.jitter;
+  return frame / rig_.camera.frame_rate_hz +
+         (jitter ? lateness(*jitter, static_cast<std::uint64_t>(rig_.imaging.seed), frame, 0) : 0);
+}
+
 BodyMotion PatternRenderer::motion_of(int frame) const {
-  return body_motion(rig_, scene_, still_, frame / rig_.camera.frame_rate_hz,
-                     options_.motion_blur ? rig_.camera.exposure_s : 0);
+  return body_motion(rig_, scene_, still_, time_of_shot(frame), options_.motion_blur ? rig_.camera.exposure_s : 0);
 }
 
 // Grey values of a block in which bodies may be. Its nine nodes at three times show whether one smooth thing fills it,
@@ -272,7 +280,15 @@ void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span
 
 void PatternRenderer::render(int frame, const ProjectedLight& pattern, std::span<float> pixels) const {
   expose(frame, pattern, pixels);
+  if (disturbed_) {
+    disturbed_->add_light(
+        {frame, time_of_shot(frame), rig_.camera.exposure_s, pattern, [&](std::span<float> z) { depth(frame, z); }},
+        pixels);
+  }
   add_noise(rig_.imaging, options_, frame, pixels);
+  if (disturbed_) {
+    disturbed_->add_faults(frame, pixels);
+  }
   if (options_.quantization) {
     quantize(pixels);
   }

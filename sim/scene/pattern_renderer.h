@@ -9,6 +9,7 @@
 #define SELFPROJ_SIM_SCENE_PATTERN_RENDERER_H
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -27,9 +28,10 @@ namespace selfproj {
 
 class PatternRenderer {
  public:
-  // The scene must live as long as the renderer. Its surface must stand still (speed() is 0; that of t = 0 is used);
-  // its bodies may move. Throws std::invalid_argument if it moves. Traces the surface with several threads (0: one for
-  // each core).
+  // The scene must live as long as the renderer, which cannot be copied or moved. Its table does not swing: of
+  // vibration only that of the camera matters. Its surface must stand still (speed() is 0; that of t = 0 is used); its
+  // bodies may move. Throws std::invalid_argument if it moves. Traces the surface with several threads (0: one for each
+  // core).
   PatternRenderer(const RealRig& real, const Scene& scene, RenderOptions options = {}, int threads = 0);
 
   // The image of a frame (from 0) under this pattern, camera rows x columns, row by row, as Renderer would make it,
@@ -51,6 +53,7 @@ class PatternRenderer {
   [[nodiscard]] const RenderOptions& options() const { return options_; }
 
  private:
+  [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter
   [[nodiscard]] BodyMotion motion_of(int frame) const;
   void moving_values(const BodyMotion& motion, int down, int across, const ProjectedLight& pattern,
                      BlockValues& values) const;
@@ -60,6 +63,7 @@ class PatternRenderer {
   const Scene& scene_;
   RenderOptions options_;
   StillSurface still_;
+  std::unique_ptr<const DisturbedCamera> disturbed_;
   std::vector<float> kernel_;
 };
 

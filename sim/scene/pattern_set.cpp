@@ -20,7 +20,7 @@ ProjectedLight project_image(const Rig& rig, const Image& image, const RenderOpt
   std::transform(image.pixels.begin(), image.pixels.end(), light.values.begin(),
                  [](std::uint8_t value) { return static_cast<float>(value) / kFull; });
   check_pattern(light, rig.projector, source);
-  return {light, options.projector_blur ? rig.imaging.projector_blur_px : 0};
+  return throw_light(rig, light, options);
 }
 
 PatternSet::PatternSet(const Rig& rig, std::span<const Image> images, const RenderOptions& options) {

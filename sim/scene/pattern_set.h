@@ -14,8 +14,8 @@
 
 namespace selfproj {
 
-// An image as the rig's projector throws it: its lines x columns, 8 bits, 255 for full light. Only the projector's blur
-// matters among the options. Throws UserError about `source` if the image has another size.
+// An image as the rig's projector throws it: its lines x columns, 8 bits, 255 for full light. Only the projector's
+// blur, gamma and focus matter among the options. Throws UserError about `source` if the image has another size.
 ProjectedLight project_image(const Rig& rig, const Image& image, const RenderOptions& options = {},
                              const std::string& source = "pattern");
 

@@ -7,11 +7,13 @@
 #include <vector>
 
 #include "host/io/float_image.h"
+#include "sim/scene/gaussian_kernel.h"
 
 namespace selfproj {
 namespace {
 
-constexpr double kReach = 4;  // reach of the blur, in standard deviations
+constexpr double kReach = kKernelReach;
+constexpr int kLevels = 6;  // of blur by defocus
 
 // The blurred pattern with `margin` dark pixels around it.
 FloatImage blurred(const FloatImage& pattern, int margin, double sigma) {
@@ -78,26 +80,64 @@ std::vector<double> centres_of(const FloatImage& pattern) {
 
 }  // namespace
 
-std::vector<double> gaussian_kernel(double sigma) {
-  const int reach = static_cast<int>(std::ceil(kReach * sigma));
-  std::vector<double> kernel(static_cast<std::size_t>(2 * reach + 1));
-  double sum = 0;
-  for (int k = -reach; k <= reach; ++k) {
-    const double weight = sigma > 0 ? std::exp(-0.5 * k * k / (sigma * sigma)) : 1;
-    kernel[static_cast<std::size_t>(k + reach)] = weight;
-    sum += weight;
-  }
-  for (double& weight : kernel) {
-    weight /= sum;
-  }
-  return kernel;
+double ProjectorFocus::sigma_px(double line, double column, double z) const {
+  const Point3 along = projector.ray({line, column});
+  return lens.sigma_px((z - projector.centre().z) / along.z);
 }
 
-ProjectedLight::ProjectedLight(const FloatImage& pattern, double blur)
+ProjectedLight::ProjectedLight(const FloatImage& pattern, double blur, const std::optional<ProjectorFocus>& focus)
     : margin_(static_cast<int>(std::ceil(kReach * blur)) + 1),
       light_(blurred(pattern, margin_, blur)),
       ranges_(light_),
-      centres_(centres_of(pattern)) {}
+      centres_(centres_of(pattern)),
+      focus_(focus),
+      blur_(blur) {
+  if (!focus) {
+    return;
+  }
+  double most = 0;
+  for (const double line : {0.0, pattern.rows - 1.0}) {
+    for (const double column : {0.0, pattern.columns - 1.0}) {
+      for (const double z : {focus->nearest_z, focus->farthest_z}) {
+        most = std::max(most, focus->sigma_px(line, column, z));
+      }
+    }
+  }
+  variance_step_ = most * most / kLevels;
+  for (int level = 1; level <= kLevels && most > 0; ++level) {
+    wider_.emplace_back(pattern, std::sqrt(blur * blur + level * variance_step_));
+  }
+}
+
+// Between two blurred patterns the mixture's variance is linear, and so exact.
+double ProjectedLight::focused_at(PixelPoint p, double z) const {
+  if (wider_.empty()) {
+    return at(p);
+  }
+  const double sigma = focus_->sigma_px(p.row, p.column, z);
+  const double level = std::clamp(sigma * sigma / variance_step_, 0.0, static_cast<double>(wider_.size()));
+  const auto below = std::min(static_cast<std::size_t>(level), wider_.size() - 1);
+  const double f = level - static_cast<double>(below);
+  const ProjectedLight& sharper = below == 0 ? *this : wider_[below - 1];
+  return (1 - f) * sharper.at(p) + f * wider_[below].at(p);
+}
+
+ProjectedLight::Part ProjectedLight::in(int first_line, int last_line, int first_column, int last_column) const {
+  Part part{0, 0, {}};
+  for (int line = first_line; line <= last_line; ++line) {
+    for (int column = first_column; column <= last_column; ++column) {
+      const auto light = static_cast<double>(light_.row(line + margin_)[column + margin_]);
+      part.sum += light;
+      part.pixels += light > 0 ? 1 : 0;
+      part.middle.row += light * line;
+      part.middle.column += light * column;
+    }
+  }
+  if (part.sum > 0) {
+    part.middle = {part.middle.row / part.sum, part.middle.column / part.sum};
+  }
+  return part;
+}
 
 double ProjectedLight::at(PixelPoint p) const {
   const double r = p.row + margin_;
@@ -123,13 +163,17 @@ MinMaxPyramid::Range ProjectedLight::range(double line_0, double line_1, double 
   const double c0 = std::max(0.0, std::floor(column_0 + margin_));
   const double c1 = std::min(last_column, std::ceil(column_1 + margin_));
   if (r0 > r1 || c0 > c1) {
-    return {0, 0};
+    return wider_.empty() ? MinMaxPyramid::Range{0, 0} : wider_.back().range(line_0, line_1, column_0, column_1);
   }
   MinMaxPyramid::Range found =
       ranges_.range(static_cast<int>(r0), static_cast<int>(r1), static_cast<int>(c0), static_cast<int>(c1));
   if (line_0 + margin_ < 0 || line_1 + margin_ > last_row || column_0 + margin_ < 0 ||
       column_1 + margin_ > last_column) {
     found.low = std::min(found.low, 0.0F);  // outside the pattern
+  }
+  for (const ProjectedLight& light : wider_) {
+    const MinMaxPyramid::Range other = light.range(line_0, line_1, column_0, column_1);
+    found = {std::min(found.low, other.low), std::max(found.high, other.high)};
   }
   return found;
 }

@@ -2,24 +2,52 @@
 #ifndef SELFPROJ_SIM_SCENE_PROJECTED_LIGHT_H
 #define SELFPROJ_SIM_SCENE_PROJECTED_LIGHT_H
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "host/io/float_image.h"
+#include "sim/scene/defocus.h"
 #include "sim/scene/min_max_pyramid.h"
 #include "sim/scene/pinhole.h"
 
 namespace selfproj {
 
-// The weights of a Gaussian of standard deviation `sigma` at integers from -4 sigma to 4 sigma, of sum 1.
-std::vector<double> gaussian_kernel(double sigma);
+// A projector's lens that is sharp at one distance. It maps z of the world to the blur at a place of the pattern.
+struct ProjectorFocus {
+  FocusedLens lens;
+  Pinhole projector;  // its distortion does not matter here
+  double nearest_z;   // mm: the blur is prepared from here to the farthest
+  double farthest_z;
+
+  // Standard deviation of the blur, in pixels.
+  [[nodiscard]] double sigma_px(double line, double column, double z) const;
+};
 
 class ProjectedLight {
  public:
-  // `pattern` has light 0..1, projector lines x columns; `blur` is the standard deviation in pixels.
-  ProjectedLight(const FloatImage& pattern, double blur);
+  // `pattern` has light 0..1, projector lines x columns; `blur` is the standard deviation in pixels. With a focus the
+  // blur grows with the distance from it.
+  ProjectedLight(const FloatImage& pattern, double blur, const std::optional<ProjectorFocus>& focus = {});
 
   // The light at a place of the pattern: linear between the centres of the blurred pixels, 0 outside.
   [[nodiscard]] double at(PixelPoint p) const;
+
+  // The same where it falls on something at z, mm.
+  [[nodiscard]] double at(PixelPoint p, double z) const { return focus_ ? focused_at(p, z) : at(p); }
+  [[nodiscard]] float quick_at(float line, float column, float z) const {
+    return focus_ ? static_cast<float>(
+                        focused_at({static_cast<double>(line), static_cast<double>(column)}, static_cast<double>(z)))
+                  : quick_at(line, column);
+  }
+
+  // The light of the blurred pattern, without defocus, in a part of it: sum and middle, and how many pixels have light.
+  struct Part {
+    double sum;
+    double pixels;
+    PixelPoint middle;
+  };
+  [[nodiscard]] Part in(int first_line, int last_line, int first_column, int last_column) const;
 
   // The same in 32-bit floats, for many places.
   [[nodiscard]] float quick_at(float line, float column) const {
@@ -54,6 +82,12 @@ class ProjectedLight {
   FloatImage light_;  // with the margin
   MinMaxPyramid ranges_;
   std::vector<double> centres_;
+
+  [[nodiscard]] double focused_at(PixelPoint p, double z) const;
+  std::optional<ProjectorFocus> focus_;
+  double blur_ = 0;
+  double variance_step_ = 0;           // from one of the wider ones to the next
+  std::vector<ProjectedLight> wider_;  // with more and more blur
 };
 
 }  // namespace selfproj

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,6 +41,23 @@ RenderOptions options_without(const std::vector<std::string>& names) {
   return options;
 }
 
+ProjectedLight throw_light(const Rig& rig, const FloatImage& pattern, const RenderOptions& options) {
+  std::optional<ProjectorFocus> focus;
+  if (options.world.projector_defocus) {
+    const Defocus& defocus = *options.world.projector_defocus;
+    const RigProjector& size = rig.projector;
+    const Pinhole projector = Pinhole::of_projector(size);
+    const double sharp = projector.depth({0, 0, rig.plane_z_mm - defocus.focus_above_plane_mm});
+    constexpr double kReach = 150;  // mm above the plane: as high as parts are
+    const double pitch = std::sqrt(std::abs(size.line_pitch_mm * size.column_pitch_mm));
+    focus.emplace(ProjectorFocus{
+        {size.focal_length_mm, defocus.f_number, pitch, sharp}, projector, rig.plane_z_mm - kReach, rig.plane_z_mm});
+  }
+  const double blur = options.projector_blur ? rig.imaging.projector_blur_px : 0;
+  return options.world.gamma ? ProjectedLight(light_through(*options.world.gamma, pattern), blur, focus)
+                             : ProjectedLight(pattern, blur, focus);
+}
+
 void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source) {
   if (pattern.rows != projector.lines || pattern.columns != projector.columns) {
     throw UserError(source, fmt::format("has {} lines of {} columns; the rig's projector has {} of {}", pattern.rows,
@@ -64,16 +82,24 @@ Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pa
     : rig_(real.rig),
       scene_(scene),
       options_(options),
+      swinging_(options.world.vibration ? on_swinging_belt(scene, *options.world.vibration) : nullptr),
       camera_(real.camera),
       projector_(real.projector),
-      surface_(real, scene, options.falloff),
-      light_(checked(pattern, rig_.projector), options.projector_blur ? rig_.imaging.projector_blur_px : 0),
+      lit_(std::make_shared<const LitSurface>(real, swinging_ ? *swinging_ : scene, options.falloff, options.world)),
+      surface_(*lit_),
+      disturbed_(DisturbedCamera::of(real, swinging_ ? *swinging_ : scene, surface_, options.world)),
+      light_(throw_light(rig_, checked(pattern, rig_.projector), options)),
       margin_(lens_margin(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
       kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {}
 
 void Renderer::set_pattern(const FloatImage& pattern) {
-  light_ =
-      ProjectedLight(checked(pattern, rig_.projector), options_.projector_blur ? rig_.imaging.projector_blur_px : 0);
+  light_ = throw_light(rig_, checked(pattern, rig_.projector), options_);
+}
+
+double Renderer::time_of_shot(int frame) const {
+  const std::optional<Jitter>& jitter = options_.world.jitter;
+  return time_of(frame) +
+         (jitter ? lateness(*jitter, static_cast<std::uint64_t>(rig_.imaging.seed), frame, scene_.speed()) : 0);
 }
 
 double Renderer::true_height(int frame, double x, double y) const { return scene_.height(x, y, time_of(frame)); }
@@ -100,9 +126,9 @@ bool Renderer::is_dark(int row, int column, HeightRange heights) const {
 
 // The grey value that the projector's light adds at a surface point.
 double Renderer::grey(const Hit& hit, double t, double highest) const {
-  const double light = projector_.depth(hit.point) > 0 ? light_.at(projector_.project(hit.point)) : 0;
+  const double light = projector_.depth(hit.point) > 0 ? light_.at(projector_.project(hit.point), hit.point.z) : 0;
   return light > 0 ? (rig_.imaging.white - rig_.imaging.ambient) * light * surface_.lit_share(hit, t, highest) *
-                         scene_.albedo(hit.point.x, hit.point.y, t)
+                         surface_.reflectance(hit, t)
                    : 0;
 }
 
@@ -111,7 +137,7 @@ double Renderer::grey(const Hit& hit, double t, double highest) const {
 // without projected light needs only one sample for each pixel.
 void Renderer::sample_block(const Light& light, int row, int column, HeightRange heights, bool dark, float* to) const {
   constexpr int kSide = kBlock * kSub;
-  const double ambient = scene_.even_albedo() ? 0 : rig_.imaging.ambient - rig_.imaging.dark;
+  const double ambient = surface_.even_albedo() ? 0 : rig_.imaging.ambient - rig_.imaging.dark;
   if (dark) {
     for (int i = 0; i < kSide; ++i) {
       for (int j = 0; j < kSide; ++j) {
@@ -120,7 +146,7 @@ void Renderer::sample_block(const Light& light, int row, int column, HeightRange
           const int pixel_column = column + j / kSub;
           const Hit h =
               surface_.hit({static_cast<double>(pixel_row), static_cast<double>(pixel_column)}, light.middle, heights);
-          to[i * kSide + j] = static_cast<float>(ambient * scene_.albedo(h.point.x, h.point.y, light.middle));
+          to[i * kSide + j] = static_cast<float>(ambient * surface_.albedo(h.point, light.middle));
         } else {
           to[i * kSide + j] = to[(i - i % kSub) * kSide + j - j % kSub];
         }
@@ -138,7 +164,7 @@ void Renderer::sample_block(const Light& light, int row, int column, HeightRange
         const Hit h = surface_.hit(pixel, t, heights);
         sum += grey(h, t, light.heights.high);
         if (ambient > 0) {
-          sum += ambient * scene_.albedo(h.point.x, h.point.y, t);
+          sum += ambient * surface_.albedo(h.point, t);
         }
       }
       to[i * kSide + j] = static_cast<float>(sum / light.passes);
@@ -151,7 +177,7 @@ void Renderer::sample_block(const Light& light, int row, int column, HeightRange
 void Renderer::expose(int frame, std::span<float> pixels) const {
   const int rows = rig_.camera.rows;
   const int columns = rig_.camera.columns;
-  Light light{time_of(frame), options_.motion_blur ? rig_.camera.exposure_s : 0, 1, {}};
+  Light light{time_of_shot(frame), options_.motion_blur ? rig_.camera.exposure_s : 0, 1, {}};
   light.heights = surface_.all_heights(light.middle - light.exposure / 2, light.middle + light.exposure / 2);
   const double way = scene_.speed() * light.exposure;  // in pixels of the nearest surface
   const double way_px =
@@ -159,7 +185,7 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
   light.passes = std::clamp(static_cast<int>(std::ceil(way_px)), 1, 64);
 
   constexpr int kSide = kBlock * kSub;
-  const bool even = scene_.even_albedo();
+  const bool even = surface_.even_albedo();
   const int blocks_across = (columns + 2 * margin_ + kBlock - 1) / kBlock;
   const int blocks_down = (rows + 2 * margin_ + kBlock - 1) / kBlock;
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(blocks_across) * kSide;
@@ -251,7 +277,23 @@ void quantize(std::span<const float> from, std::span<std::uint8_t> to) {
 
 void Renderer::render(int frame, std::span<float> pixels) const {
   expose(frame, pixels);
+  if (disturbed_) {
+    const double t = time_of_shot(frame);
+    const auto depths = [&](std::span<float> z) {
+      const HeightRange all = surface_.all_heights(t, t);
+      for (std::size_t i = 0; i < z.size(); ++i) {
+        const auto columns = static_cast<std::size_t>(rig_.camera.columns);
+        const std::size_t row = i / columns;
+        const PixelPoint pixel{static_cast<double>(row), static_cast<double>(i % columns)};
+        z[i] = static_cast<float>(surface_.hit(pixel, t, all).point.z);
+      }
+    };
+    disturbed_->add_light({frame, t, rig_.camera.exposure_s, light_, depths}, pixels);
+  }
   add_noise(rig_.imaging, options_, frame, pixels);
+  if (disturbed_) {
+    disturbed_->add_faults(frame, pixels);
+  }
   if (options_.quantization) {
     quantize(pixels);
   }

@@ -4,18 +4,21 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "host/io/float_image.h"
 #include "host/rig/rig.h"
+#include "sim/scene/disturbed_camera.h"
 #include "sim/scene/lens_kernel.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/world.h"
 
 namespace selfproj {
 
@@ -28,7 +31,18 @@ struct RenderOptions {
   bool projector_blur = true;
   bool motion_blur = true;  // if false, all light comes at the middle of the exposure
   bool falloff = false;  // light falls with the squared distance from the projector; as stated on the plane, x = y = 0
+  World world = {};      // disturbances that are not in an ideal world: none
+
+  // The same in an ideal world; what is rendered so knows the truth.
+  [[nodiscard]] RenderOptions ideal_world() const {
+    RenderOptions result = *this;
+    result.world = {};
+    return result;
+  }
 };
+
+// A pattern of light 0..1 as the rig's projector throws it: with its gamma, its blur and its focus.
+ProjectedLight throw_light(const Rig& rig, const FloatImage& pattern, const RenderOptions& options);
 
 // Adds noise according to RenderOptions to an image of grey values. It is that of a frame of this number with this
 // rig's seed: normal, of variance (grey - dark) / electrons_per_grey + read_noise^2. It does not depend on who made the
@@ -77,7 +91,8 @@ class Renderer {
 
   // The result of a light section without any error: for each camera column the height, mm, of the point where its
   // viewing plane, the light sheet (the middle of the projected line, ProjectedLight::line_centre) and the surface meet
-  // at the middle of the exposure. NaN if the camera does not see the line, or sees it more than once.
+  // at the middle of the exposure. NaN if the camera does not see the line, or sees it more than once. On a belt that
+  // swings it swings as well: ask a renderer of the ideal world for the part.
   void truth(int frame, std::span<float> heights) const;
 
   // One such row for each of `count` frames from `first` on, with several threads (0: one for each core).
@@ -97,6 +112,7 @@ class Renderer {
   struct Light;  // of one frame while it is rendered
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
+  [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter
   [[nodiscard]] HeightRange block_heights(const Light& light, int row, int column) const;
   [[nodiscard]] bool is_dark(int row, int column, HeightRange heights) const;
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
@@ -106,9 +122,12 @@ class Renderer {
   Rig rig_;
   const Scene& scene_;
   RenderOptions options_;
+  std::shared_ptr<const Scene> swinging_;  // the scene as it is seen, if its belt swings
   Pinhole camera_;
   Pinhole projector_;
-  LitSurface surface_;
+  std::shared_ptr<const LitSurface> lit_;  // at one place, however the renderer is moved
+  const LitSurface& surface_;
+  std::shared_ptr<const DisturbedCamera> disturbed_;
   ProjectedLight light_;
   int margin_;                 // pixels around the image from which the lens gathers light
   std::vector<float> kernel_;  // of pixel and lens, one weight for each sub-pixel: (2 margin + 1) kSub

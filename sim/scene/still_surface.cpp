@@ -13,10 +13,9 @@ namespace selfproj {
 
 StillSurface::StillSurface(const RealRig& real, const Scene& scene, const RenderOptions& options, int threads)
     : imaging_(real.rig.imaging),
-      scene_(scene),
       camera_(real.camera),
       projector_(real.projector),
-      surface_(real, scene, options.falloff),
+      surface_(real, scene, options.falloff, options.world),
       heights_(surface_.all_heights(0, 0)),
       grid_(real.rig.camera, lens_margin(options.camera_blur ? imaging_.camera_blur_px : 0)),
       blocks_(grid_.blocks()),
@@ -51,7 +50,7 @@ StillSurface::StillSurface(const RealRig& real, const Scene& scene, const Render
   }
 }
 
-LightSpot StillSurface::spot_of(Point3 point, double share, double albedo) const {
+LightSpot StillSurface::spot_of(Point3 point, double share, double albedo, double reflectance) const {
   LightSpot spot;
   spot.z = static_cast<float>(point.z);
   spot.ambient = static_cast<float>(imaging_.dark + albedo * (imaging_.ambient - imaging_.dark));
@@ -59,14 +58,15 @@ LightSpot StillSurface::spot_of(Point3 point, double share, double albedo) const
     const PixelPoint p = projector_.project(point);
     spot.line = static_cast<float>(p.row);
     spot.column = static_cast<float>(p.column);
-    spot.light = static_cast<float>(albedo * share * (imaging_.white - imaging_.ambient));
+    spot.light = static_cast<float>(reflectance * share * (imaging_.white - imaging_.ambient));
   }
   return spot;
 }
 
 LightSpot StillSurface::trace(PixelPoint pixel, HeightRange heights) const {
   const LitSurface::Hit hit = surface_.hit(pixel, 0, heights);
-  return spot_of(hit.point, surface_.lit_share(hit, 0, heights_.high), scene_.albedo(hit.point.x, hit.point.y, 0));
+  return spot_of(hit.point, surface_.lit_share(hit, 0, heights_.high), surface_.albedo(hit.point, 0),
+                 surface_.reflectance(hit, 0));
 }
 
 // If the surface is level, the nodes suffice. Otherwise all sub-pixels are traced, and dropped again if the corners can
@@ -86,7 +86,7 @@ void StillSurface::trace_block(int down, int across, Block& block, std::vector<L
                                between(block.corners, static_cast<float>(d) / 2, static_cast<float>(a) / 2), kLinear);
     }
   }
-  if (linear && heights.high - heights.low <= kHeightTolerance && scene_.even_albedo()) {
+  if (linear && heights.high - heights.low <= kHeightTolerance && surface_.even_albedo()) {
     return;
   }
   const std::size_t first = samples.size();
@@ -124,9 +124,9 @@ void StillSurface::values(const Block& block, const ProjectedLight& pattern, Sha
     const LightSpot right = mix(block.corners[1], block.corners[3], down);
     for (int j = 0; j < kBlockSide; ++j) {
       const float across = (static_cast<float>(j) + 0.5F) / kBlockSide;
-      const float light =
-          same ? range.high
-               : pattern.quick_at(mix(left.line, right.line, across), mix(left.column, right.column, across));
+      const float light = same ? range.high
+                               : pattern.quick_at(mix(left.line, right.line, across),
+                                                  mix(left.column, right.column, across), mix(left.z, right.z, across));
       *to++ = mix(left.ambient, right.ambient, across) + light * mix(left.light, right.light, across);
     }
   }

@@ -58,15 +58,15 @@ class StillSurface {
   // Grey values of a block under a pattern: lit as the surface is, or all in the shadow.
   void values(const Block& block, const ProjectedLight& pattern, Shade shade, BlockValues& values) const;
 
-  // The properties of a point that a ray meets. `share` of the projector's full light is that of LitSurface::lit_share.
-  [[nodiscard]] LightSpot spot_of(Point3 point, double share, double albedo) const;
+  // The properties of a point that a ray meets. `share` of the projector's full light is that of LitSurface::lit_share;
+  // `albedo` is for ambient light, and `reflectance` for the projector's.
+  [[nodiscard]] LightSpot spot_of(Point3 point, double share, double albedo, double reflectance) const;
 
  private:
   [[nodiscard]] LightSpot trace(PixelPoint pixel, HeightRange heights) const;
   void trace_block(int down, int across, Block& block, std::vector<LightSpot>& samples) const;
 
   RigImaging imaging_;
-  const Scene& scene_;
   Pinhole camera_;
   Pinhole projector_;
   LitSurface surface_;

@@ -25,7 +25,9 @@ TEST(StructuredLight, CuboidsAreMeasured) {
   options.conventional_bits = {4};
   const StructuredLightResult result = run_cuboids(options, [](std::size_t, std::size_t) {});
   EXPECT_TRUE(result.not_reached.empty()) << result.not_reached.front();
-  EXPECT_EQ(result.tables.size(), 5U);
+  ASSERT_EQ(result.tables.size(), 6U);
+  ASSERT_EQ(result.tables[5].rows.size(), 2U);
+  EXPECT_EQ(result.tables[5].rows[0].size(), 8U) << "the plane is not left out";
   EXPECT_EQ(result.difference.rows, 512);
 }
 

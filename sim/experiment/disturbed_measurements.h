@@ -1,0 +1,61 @@
+// Measurements of A2 and B4 in a world that is not ideal, against the truth of the part.
+#ifndef SELFPROJ_SIM_EXPERIMENT_DISTURBED_MEASUREMENTS_H
+#define SELFPROJ_SIM_EXPERIMENT_DISTURBED_MEASUREMENTS_H
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/rig/rig.h"
+#include "sim/experiment/error_spread.h"
+#include "sim/scene/scene.h"
+#include "sim/scene/world.h"
+
+namespace selfproj {
+
+// The errors of one way to measure.
+struct WayOfMeasuring {
+  std::string name;
+  ErrorSpread errors;
+};
+
+// A2: the marked stairs under the pattern of the good part, whose residual is measured in the same world. Only places
+// away from height steps count, whatever is measured there.
+class DisturbedStairs {
+ public:
+  // Takes every `every`-th frame in which the line lies on the part, and this many of the good part.
+  DisturbedStairs(const Rig& rig, int every, int reference_frames);
+
+  // Each mode, first with all lit pixels of a column, then with its strongest run. `noise_seed` is that of the frames'
+  // noise.
+  [[nodiscard]] std::vector<WayOfMeasuring> measure(const World& world, std::int64_t noise_seed = 1) const;
+
+  [[nodiscard]] const Rig& rig() const { return rig_; }
+
+ private:
+  Rig rig_;
+  int reference_frames_;
+  std::unique_ptr<Scene> part_, good_;
+  FloatImage pattern_;
+  std::vector<int> frames_;
+  FloatImage truth_;  // height, mm; rows are frames_; NaN where nothing is compared
+};
+
+// B4: the marked cuboids by 4 self-projected bits, whose reference is scanned by Gray codes in the same world, and by 8
+// conventional bits. The interiors of all faces count, the plane as well.
+class DisturbedCuboids {
+ public:
+  explicit DisturbedCuboids(const Rig& rig);
+  [[nodiscard]] std::vector<WayOfMeasuring> measure(const World& world) const;
+
+ private:
+  Rig rig_;
+  std::unique_ptr<Scene> part_, good_;
+  FloatImage truth_;  // z, mm; NaN where nothing is compared
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_EXPERIMENT_DISTURBED_MEASUREMENTS_H
