@@ -155,7 +155,7 @@ class ColumnRuns {
     const Pixels stored_weights = line_[static_cast<int>(last_row_.group())];
     const OpenRuns open = recent_open_.read(address, stored_open);
     const Ended ended = recent_ended_.read(address, stored_ended);
-    const MomentsOut out = leave(drain, open, ended, recent_line_.read(last_row_.group(), stored_weights));
+    MomentsOut out = leave(drain, open, ended, recent_line_.read(last_row_.group(), stored_weights));
     if (in.valid && !push) {
       add_up(in, weights, open, ended);
     }

@@ -22,6 +22,7 @@
 #include "host/driver/open_device.h"
 #include "host/io/command_line.h"
 #include "host/io/duration_histogram.h"
+#include "host/io/frame_options.h"
 #include "host/io/output_file.h"
 #include "host/io/output_folder.h"
 #include "host/io/status_line.h"
@@ -36,6 +37,7 @@
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"
+#include "model/column_runs.h"
 #include "model/pixel_clock.h"
 
 namespace selfproj {
@@ -46,6 +48,7 @@ struct InspectOptions {
   std::string control;  // empty: the device's, if it has one
   std::string rig = "light-section";
   std::string reference;  // empty: the plane
+  std::string select;     // empty: whatever comes
   std::string out;
   std::string json;
   std::uint64_t count = 0;
@@ -66,7 +69,9 @@ struct Work {
   std::uint64_t profiles = 0;      // frames that became a profile
   std::uint64_t broken = 0;        // frames flagged by the board
   std::uint64_t other_size = 0;    // frames of another size than the rig's camera
+  std::uint64_t other_select = 0;  // frames of which the board sent something else than --select
   std::uint64_t not_moments = 0;   // packets of images and codes
+  std::uint64_t ambiguous = 0;     // columns whose second run is nearly as strong as the strongest
   std::uint64_t points = 0;        // valid columns of all profiles
   std::int64_t first_ns = 0;       // when the first packet was taken
   std::int64_t first_done_ns = 0;  // when the first profile was there
@@ -103,12 +108,14 @@ std::vector<Fact> facts_of(const Work& work, const Counters& counters) {
   const auto microseconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-3; };
   std::vector<Fact> facts = {{"profiles", "profiles", number(work.profiles)},
                              {"points", "valid points", number(work.points)},
+                             {"ambiguous", "ambiguous columns", number(work.ambiguous)},
                              {"frames_per_second", "frames a second", work.rate()},
                              {"delay_p50_us", "delay, median", microseconds(work.delay.percentile_ns(0.5)), "µs"},
                              {"delay_p99_us", "delay, 99 %", microseconds(work.delay.percentile_ns(0.99)), "µs"},
                              {"delay_max_us", "delay, longest", microseconds(work.delay.longest_ns()), "µs"},
                              {"broken_frames", "frames flagged by the board", number(work.broken)},
                              {"other_size", "frames of another size", number(work.other_size)},
+                             {"other_select", "frames of another select", number(work.other_select)},
                              {"other_packets", "packets of images and codes", number(work.not_moments)}};
   const std::vector<Fact> driver = counter_facts(counters);
   facts.insert(facts.end(), driver.begin(), driver.end());
@@ -151,6 +158,7 @@ class InspectionLoop {
   InspectionLoop(const InspectOptions& options, const Rig& rig, const DifferentialProfiler& profiler,
                  Inspection* inspection)
       : rig_(rig),
+        select_(options.select.empty() ? std::nullopt : std::optional(select_of(options.select))),
         profiler_(profiler),
         inspection_(inspection),
         most_(options.count > 0 ? options.count : std::numeric_limits<std::uint64_t>::max()),
@@ -192,7 +200,10 @@ class InspectionLoop {
       work_.last_done_ns = now;
       work_.delay.add(now - device.arrival_ns());
       ++work_.profiles;
-      work_.points += static_cast<std::uint64_t>(std::count(profile_.validity.begin(), profile_.validity.end(), 0));
+      for (const std::uint8_t validity : profile_.validity) {
+        work_.points += validity == static_cast<std::uint8_t>(Validity::valid) ? 1U : 0U;
+        work_.ambiguous += validity == static_cast<std::uint8_t>(Validity::ambiguous) ? 1U : 0U;
+      }
       if (inspection_ != nullptr) {
         inspection_->add(packet.header, packet.payload, profile_.view());
       }
@@ -220,7 +231,16 @@ class InspectionLoop {
       ++work_.broken;
       return false;
     }
-    profiler_.profile(static_cast<Mode>(header.mode), packet.payload.data(), profile_.view());
+    if (select_ && header.select != static_cast<std::uint8_t>(*select_)) {
+      if (work_.profiles == 0) {
+        throw UserError(uri, fmt::format("its packets tell of {}, not of --select {}",
+                                         select_name(static_cast<Select>(header.select)), select_name(*select_)));
+      }
+      ++work_.other_select;
+      return false;
+    }
+    profiler_.profile(static_cast<Select>(header.select), static_cast<Mode>(header.mode), packet.payload.data(),
+                      profile_.view());
     return true;
   }
 
@@ -236,6 +256,7 @@ class InspectionLoop {
   }
 
   const Rig& rig_;
+  std::optional<Select> select_;  // empty: whatever comes
   const DifferentialProfiler& profiler_;
   Inspection* inspection_;
   std::uint64_t most_;
@@ -275,7 +296,7 @@ void print_outcome(const InspectOptions& options, const Work& work, const Counte
 void check(const InspectOptions& options, const Work& work, const Counters& counters) {
   const std::uint64_t faults = counters.lost_board + counters.lost_ring + counters.lost_network + counters.missing +
                                counters.bad + counters.repeated + counters.restarts + counters.read_errors +
-                               work.broken + work.other_size;
+                               work.broken + work.other_size + work.other_select;
   if (faults > 0 || work.profiles == 0 || (options.count > 0 && work.profiles < options.count)) {
     throw CheckFailed(fmt::format("--check: {} profiles{}, {} faults", work.profiles,
                                   options.count > 0 ? fmt::format(" of {}", options.count) : std::string(), faults));
@@ -369,6 +390,12 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
                    "Folder that `selfproj pattern` wrote for the good part whose pattern is projected.")
       ->type_name("DIR")
       ->default_str("the empty plane");
+  command
+      ->add_option("--select", options->select,
+                   "What the board must have selected of each column; another stream is refused.")
+      ->check(one_of(select_names()))
+      ->type_name("SELECT")
+      ->default_str("what comes");
   command
       ->add_option("--pixel-clock-hz", options->pixel_clock_hz,
                    "Pixel clock of the board in Hz, which its time stamps count.")

@@ -7,6 +7,7 @@
 #include "host/app/devices_command.h"
 #include "host/app/images_command.h"
 #include "host/app/inspect_command.h"
+#include "host/app/lines_command.h"
 #include "host/app/pattern_command.h"
 #include "host/app/record_command.h"
 #include "host/app/rig_command.h"
@@ -40,6 +41,7 @@ selfproj rig light-section
         selfproj::add_record_command(app);
         selfproj::add_images_command(app);
         selfproj::add_inspect_command(app);
+        selfproj::add_lines_command(app);
       },
       argc, argv);
 }

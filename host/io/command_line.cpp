@@ -11,6 +11,9 @@
 #include "host/io/frame_options.h"
 #include "host/io/natural_order.h"
 #include "host/io/numbers.h"
+#include "host/io/prepared_images.h"
+#include "host/io/user_error.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 namespace {
@@ -118,6 +121,53 @@ CLI::Option* add_channel_option(CLI::App& command, std::string& channel) {
       .add_option("--channel", channel, "Channel to take of colour images. Without it, colour images are refused.")
       ->check(one_of(channel_names()))
       ->type_name("CHANNEL");
+}
+
+void SelectOptions::apply(Measure& measure) const {
+  if (!select.empty()) {
+    measure.select = select_of(select);
+  }
+  if (gap) {
+    if (measure.select != Select::strongest) {
+      throw UserError("--gap", "goes only with --select strongest");
+    }
+    measure.gap = *gap;
+  }
+  if (measure.select == Select::all) {
+    measure.gap = 0;
+  }
+  if (!rows.empty()) {
+    measure.window = rows_of_text("--rows", rows);
+  }
+}
+
+void add_select_options(CLI::App& command, SelectOptions& options, const std::string& by_default) {
+  command
+      .add_option("--select", options.select,
+                  "What of a column counts: all lit pixels, or its strongest run, which leaves out what is lit apart "
+                  "from the line.")
+      ->check(one_of(select_names()))
+      ->type_name("SELECT")
+      ->default_str(by_default);
+  command.add_option("--gap", options.gap, "Dark rows that two lit pixels of one run may have between them.")
+      ->transform(whole_number(0, kMaxGap))
+      ->type_name("G")
+      ->default_str("0");
+  command.add_option("--rows", options.rows, "First and last row that count, from 1, such as 10..80.")
+      ->type_name("A..B")
+      ->default_str("all");
+}
+
+void add_preparation_options(CLI::App& command, Preparation& preparation) {
+  add_channel_option(command, preparation.channel);
+  command
+      .add_option(
+          "--roi", preparation.roi,
+          "Part of the images to take: columns, rows, and its left and upper pixel from 0, such as 320x60+0+40.")
+      ->type_name("WxH+X+Y")
+      ->default_str("all");
+  command.add_flag("--transpose", preparation.transpose,
+                   "Exchange rows and columns, for lines that run from top to bottom. --roi comes first.");
 }
 
 }  // namespace selfproj

@@ -6,8 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "host/io/prepared_images.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 
@@ -47,6 +51,22 @@ CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<s
 
 // Adds --channel: the channel to take of colour images.
 CLI::Option* add_channel_option(CLI::App& command, std::string& channel);
+
+// What of a column is measured, as --select, --gap and --rows say it; nothing where an option is not given.
+struct SelectOptions {
+  std::string select = {};
+  std::optional<int> gap = {};
+  std::string rows = {};
+
+  // Changes `measure` where an option says so. Throws UserError about --rows, or about --gap without the strongest run.
+  void apply(Measure& measure) const;
+};
+
+// Adds --select, --gap and --rows. `by_default` is what --help says of --select.
+void add_select_options(CLI::App& command, SelectOptions& options, const std::string& by_default = "all");
+
+// Adds --channel, --roi and --transpose.
+void add_preparation_options(CLI::App& command, Preparation& preparation);
 
 }  // namespace selfproj
 

@@ -20,7 +20,8 @@
 namespace selfproj {
 namespace {
 
-constexpr std::array<Channel, 4> kChannels{Channel::red, Channel::green, Channel::blue, Channel::grey};
+constexpr std::array<Channel, 5> kChannels{Channel::red, Channel::green, Channel::blue, Channel::grey,
+                                           Channel::red_difference};
 
 }  // namespace
 
@@ -44,6 +45,45 @@ std::string mode_name(Mode mode) {
   const auto* const found =
       std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) { return entry.second == mode; });
   return found == kModes.end() ? "unknown" : found->first;
+}
+
+std::vector<std::string> select_names() { return {select_name(Select::all), select_name(Select::strongest)}; }
+
+Select select_of(const std::string& name) {
+  for (const Select select : {Select::all, Select::strongest}) {
+    if (name == select_name(select)) {
+      return select;
+    }
+  }
+  throw std::invalid_argument("select_of: " + name);
+}
+
+std::string select_name(Select select) {
+  return select == Select::all ? "all" : select == Select::strongest ? "strongest" : "unknown";
+}
+
+RowWindow rows_of_text(const std::string& option, const std::string& text) {
+  const std::string_view all = text;
+  const std::size_t middle = all.find("..");
+  const auto first = number_of_text<int>(all.substr(0, middle));
+  const auto last = number_of_text<int>(middle == std::string_view::npos ? all : all.substr(middle + 2));
+  if (middle == std::string_view::npos || !first || !last || *first < 1 || *first > *last || *last > spec::kMaxRows) {
+    throw UserError(option, fmt::format("is '{}'; rows such as 10..80 are expected, from 1 to {}, the first not after "
+                                        "the last",
+                                        text, spec::kMaxRows));
+  }
+  return {.first = *first, .last = *last};
+}
+
+std::string select_text(const Measure& measure) {
+  std::string text;
+  if (measure.select != Select::all) {
+    text = fmt::format("{}, gap {}", select_name(measure.select), measure.gap);
+  }
+  if (measure.window != RowWindow{}) {
+    text += fmt::format("{}rows {}..{}", text.empty() ? "" : ", ", measure.window.first, measure.window.last);
+  }
+  return text;
 }
 
 std::vector<std::string> channel_names() {

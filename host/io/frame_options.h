@@ -10,6 +10,7 @@
 
 #include "host/io/image_files.h"
 #include "model/column_moments.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 
@@ -22,6 +23,20 @@ std::vector<std::string> mode_names();
 // other value.
 Mode mode_of(const std::string& name);
 std::string mode_name(Mode mode);
+
+// The names of the selects in options: "all" and "strongest". Throws std::invalid_argument for any other name; the name
+// of a select, "unknown" for any other value.
+std::vector<std::string> select_names();
+Select select_of(const std::string& name);
+std::string select_name(Select select);
+
+// The window of a text "A..B", first and last row that count, from 1. Throws UserError about `option` unless 1 <= A <=
+// B
+// <= spec::kMaxRows.
+RowWindow rows_of_text(const std::string& option, const std::string& text);
+
+// "strongest, gap 1, rows 10..80": what `measure` has that is not what a board measures by default; empty if nothing.
+std::string select_text(const Measure& measure);
 
 // Names of the channels: red, green, blue, grey; and the channel of one of them, none for the empty name. Throws
 // std::invalid_argument for any other.

@@ -30,6 +30,21 @@
 namespace selfproj {
 namespace {
 
+// Red less the mean of green and blue, (2 r - g - b + 1) / 2 rounded down, at least 0.
+cv::Mat red_difference(const cv::Mat& image) {
+  cv::Mat plane(image.rows, image.cols, CV_8UC1);
+  const int channels = image.channels();
+  for (int row = 0; row < image.rows; ++row) {
+    const auto* from = image.ptr<std::uint8_t>(row);
+    auto* to = plane.ptr<std::uint8_t>(row);
+    for (int column = 0; column < image.cols; ++column, from += channels) {
+      const int twice = 2 * from[2] - from[1] - from[0];
+      to[column] = static_cast<std::uint8_t>(twice > 0 ? (twice + 1) / 2 : 0);
+    }
+  }
+  return plane;
+}
+
 cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional<Channel> channel) {
   if (image.channels() == 1) {
     if (channel.value_or(Channel::grey) != Channel::grey) {
@@ -41,7 +56,8 @@ cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional
     throw UserError(file, "has " + std::to_string(image.channels()) + " channels; 1, 3 or 4 are expected");
   }
   if (!channel) {
-    throw UserError(file, "is a colour image; choose a channel with --channel red, green, blue or grey");
+    throw UserError(file,
+                    "is a colour image; choose a channel with --channel red, green, blue, grey or red-difference");
   }
   cv::Mat plane;
   switch (*channel) {  // OpenCV's order of planes is blue, green, red
@@ -57,6 +73,9 @@ cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional
     case Channel::grey:
       cv::cvtColor(image, plane, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
       break;
+    case Channel::red_difference:
+      plane = red_difference(image);
+      break;
   }
   return plane;
 }
@@ -71,6 +90,8 @@ std::string to_string(Channel channel) {
       return "green";
     case Channel::blue:
       return "blue";
+    case Channel::red_difference:
+      return "red-difference";
     case Channel::grey:
       break;
   }
@@ -130,12 +151,6 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
     throw UserError(folder, "contains no images");
   }
   return in_natural_order(std::move(files));
-}
-
-std::vector<std::string> image_arguments(const std::vector<std::string>& arguments) {
-  std::error_code error;
-  const bool folder = arguments.size() == 1 && std::filesystem::is_directory(arguments.front(), error);
-  return folder ? files_of_folder(arguments.front()) : arguments;
 }
 
 std::string encode_png(const Image& image) {

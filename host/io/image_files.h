@@ -11,10 +11,11 @@
 
 namespace selfproj {
 
-// The part of a colour image to take: one of its planes, or its luminance (ITU-R BT.601, rounded as in OpenCV).
-enum class Channel : std::uint8_t { red, green, blue, grey };
+// The part of a colour image to take: one of its planes, its luminance (ITU-R BT.601, rounded as in OpenCV), or for the
+// light of a red laser the red plane less the mean of green and blue, at least 0, halves rounded up.
+enum class Channel : std::uint8_t { red, green, blue, grey, red_difference };
 
-// "red", "green", "blue", "grey".
+// "red", "green", "blue", "grey", "red-difference".
 std::string to_string(Channel channel);
 
 // An image that owns its pixels, row by row without gaps.
@@ -40,9 +41,6 @@ Image read_image(const std::string& file, std::optional<Channel> channel);
 // The files of a folder in natural order (img2 before img10), without those that begin with a dot. Throws UserError if
 // the folder cannot be read or has no files.
 std::vector<std::string> files_of_folder(const std::string& folder);
-
-// The image files that a command is given: the files themselves, or those of the folder if it is given a single one.
-std::vector<std::string> image_arguments(const std::vector<std::string>& arguments);
 
 // Returns the bytes of a PNG file. Throws std::invalid_argument if the image has no pixels or is too large.
 std::string encode_png(const Image& image);

@@ -81,7 +81,8 @@ template <int Degree>
     const float c = static_cast<float>(moments.m1[static_cast<std::size_t>(i)]) / static_cast<float>(m0);  // (3.2)
     std::int32_t found = c >= first[i] ? code(Validity::valid) : code(Validity::out_of_range);
     found = c <= last[i] ? found : code(Validity::out_of_range);
-    const std::int32_t s = validity_of(c, m0, n, valid[i], found, rules);
+    const std::int32_t second = moments.second[static_cast<std::size_t>(i)];
+    const std::int32_t s = validity_of(c, m0, n, second, valid[i], found, rules);
     state[i] = s;
     centroid[i] = s == code(Validity::valid) ? c : kNoValue;
     t[i] = s == code(Validity::valid) ? (c - row_r[i]) * per_row : kNoValue;
@@ -126,19 +127,19 @@ SELFPROJ_CLONES void strip_8(const StripMoments& moments, int count, const Curve
 }
 
 SELFPROJ_CLONES void unpack_binary(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  for_each_binary_word(payload, first, count, [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
-    moments.m0[i] = static_cast<std::int32_t>(m0);
-    moments.m1[i] = static_cast<std::int32_t>(m1);
-    moments.n[i] = static_cast<std::int32_t>(n);
-  });
+  for_each_binary_word(payload, first, count, take_moments(moments));
 }
 
 SELFPROJ_CLONES void unpack_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
-  for_each_grey_word(payload, first, count, [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
-    moments.m0[i] = static_cast<std::int32_t>(m0);
-    moments.m1[i] = static_cast<std::int32_t>(m1);
-    moments.n[i] = static_cast<std::int32_t>(n);
-  });
+  for_each_grey_word(payload, first, count, take_moments(moments));
+}
+
+SELFPROJ_CLONES void unpack_runs_binary(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
+  unpack_binary_runs(payload, first, count, moments);
+}
+
+SELFPROJ_CLONES void unpack_runs_grey(const std::uint8_t* payload, int first, int count, StripMoments& moments) {
+  unpack_grey_runs(payload, first, count, moments);
 }
 
 // Calls unpack(first, count, moments) and the kernel for each strip.
@@ -162,22 +163,19 @@ void for_each_strip(const ColumnCurves& curves, const LineRules& rules, const Pr
 
 }  // namespace
 
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, Mode mode, const std::uint8_t* payload,
-                       const ProfileView& out) {
-  for_each_strip(curves, rules, out, [&](int first, int count, StripMoments& moments) {
-    (mode == Mode::binary ? unpack_binary : unpack_grey)(payload, first, count, moments);
-  });
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, Select select, Mode mode,
+                       const std::uint8_t* payload, const ProfileView& out) {
+  const bool runs = select == Select::strongest;
+  const auto unpack =
+      mode == Mode::binary ? (runs ? unpack_runs_binary : unpack_binary) : (runs ? unpack_runs_grey : unpack_grey);
+  for_each_strip(curves, rules, out,
+                 [&](int first, int count, StripMoments& moments) { unpack(payload, first, count, moments); });
 }
 
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const MomentsView& moments,
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const RunsView& runs,
                        const ProfileView& out) {
-  for_each_strip(curves, rules, out, [&](int first, int count, StripMoments& strip) {
-    for (int i = 0; i < count; ++i) {
-      strip.m0[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(moments.m0[first + i]);
-      strip.m1[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(moments.m1[first + i]);
-      strip.n[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(moments.n[first + i]);
-    }
-  });
+  for_each_strip(curves, rules, out,
+                 [&](int first, int count, StripMoments& strip) { copy_runs(runs, first, count, strip); });
 }
 
 }  // namespace selfproj

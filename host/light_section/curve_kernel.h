@@ -8,13 +8,14 @@
 #include "host/light_section/profile.h"
 #include "host/light_section/strip_moments.h"
 #include "model/column_moments.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 
 // What DifferentialProfiler::profile does, for all columns.
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, Mode mode, const std::uint8_t* payload,
-                       const ProfileView& out);
-void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const MomentsView& moments,
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, Select select, Mode mode,
+                       const std::uint8_t* payload, const ProfileView& out);
+void profile_by_curves(const ColumnCurves& curves, const LineRules& rules, const RunsView& runs,
                        const ProfileView& out);
 
 }  // namespace selfproj

@@ -12,6 +12,7 @@
 #include "host/light_section/curve_kernel.h"
 #include "host/light_section/strip_moments.h"
 #include "host/rig/geometry.h"
+#include "model/column_runs.h"
 #include "model/cpu_clones.h"
 #include "model/moments_words.h"
 
@@ -90,7 +91,7 @@ namespace {
     std::int32_t s = worth <= limit ? code(Validity::valid) : code(Validity::out_of_range);
     s = sum > 0.0F ? s : code(Validity::out_of_range);
     s = reach > 0.0F ? s : code(Validity::out_of_range);
-    s = validity_of(c, m0, n, valid[i], s, t.rules);
+    s = validity_of(c, m0, n, moments.second[i], valid[i], s, t.rules);
     state[i] = s;
     centroid[i] = s == code(Validity::valid) ? c : kNoValue;
     tangent[i] = s == code(Validity::valid) ? tan_alpha : kNoValue;
@@ -108,33 +109,35 @@ namespace {
 SELFPROJ_CLONES void strip_binary(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
                                   const ProfileView& out) {
   StripMoments moments;
-  for_each_binary_word(payload, first, columns, [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
-    moments.m0[i] = static_cast<std::int32_t>(m0);
-    moments.m1[i] = static_cast<std::int32_t>(m1);
-    moments.n[i] = static_cast<std::int32_t>(n);
-  });
+  for_each_binary_word(payload, first, columns, take_moments(moments));
   triangulate(moments, columns, tables, out);
 }
 
 SELFPROJ_CLONES void strip_grey(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
                                 const ProfileView& out) {
   StripMoments moments;
-  for_each_grey_word(payload, first, columns, [&](int i, std::uint32_t m0, std::uint32_t m1, std::uint32_t n) {
-    moments.m0[i] = static_cast<std::int32_t>(m0);
-    moments.m1[i] = static_cast<std::int32_t>(m1);
-    moments.n[i] = static_cast<std::int32_t>(n);
-  });
+  for_each_grey_word(payload, first, columns, take_moments(moments));
   triangulate(moments, columns, tables, out);
 }
 
-SELFPROJ_CLONES void strip_moments(const MomentsView& from, int columns, const ProfileTables& tables,
+SELFPROJ_CLONES void strip_binary_runs(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
+                                       const ProfileView& out) {
+  StripMoments moments;
+  unpack_binary_runs(payload, first, columns, moments);
+  triangulate(moments, columns, tables, out);
+}
+
+SELFPROJ_CLONES void strip_grey_runs(const std::uint8_t* payload, int first, int columns, const ProfileTables& tables,
+                                     const ProfileView& out) {
+  StripMoments moments;
+  unpack_grey_runs(payload, first, columns, moments);
+  triangulate(moments, columns, tables, out);
+}
+
+SELFPROJ_CLONES void strip_moments(const RunsView& from, int first, int columns, const ProfileTables& tables,
                                    const ProfileView& out) {
   StripMoments moments;
-  for (int i = 0; i < columns; ++i) {
-    moments.m0[i] = static_cast<std::int32_t>(from.m0[i]);
-    moments.m1[i] = static_cast<std::int32_t>(from.m1[i]);
-    moments.n[i] = static_cast<std::int32_t>(from.n[i]);
-  }
+  copy_runs(from, first, columns, moments);
   triangulate(moments, columns, tables, out);
 }
 
@@ -146,7 +149,7 @@ DifferentialProfiler::DifferentialProfiler(const Rig& rig, const ReferenceProfil
       projector_x_(static_cast<float>(rig.projector.x_mm)),
       projector_z_(static_cast<float>(rig.projector.z_mm)),
       max_z_per_line_(static_cast<float>(rig.measure.max_z_per_line_mm)),
-      rules_{static_cast<float>(rig.camera.rows), rig.measure.min_lit_px, rig.measure.max_lit_px} {
+      rules_(line_rules(rig)) {
   if (reference.columns() != rig.camera.columns) {
     throw std::invalid_argument("profile: the reference has other columns than the camera");
   }
@@ -189,31 +192,28 @@ ProfileTables DifferentialProfiler::tables_from(int first) const {
           rules_};
 }
 
-void DifferentialProfiler::profile(Mode mode, const std::uint8_t* payload, const ProfileView& out) const {
+void DifferentialProfiler::profile(Select select, Mode mode, const std::uint8_t* payload,
+                                   const ProfileView& out) const {
   if (curves_) {
-    profile_by_curves(*curves_, rules_, mode, payload, out);
+    profile_by_curves(*curves_, rules_, select, mode, payload, out);
     return;
   }
+  const bool runs = select == Select::strongest;
+  const auto strip_of =
+      mode == Mode::binary ? (runs ? strip_binary_runs : strip_binary) : (runs ? strip_grey_runs : strip_grey);
   for (int first = 0; first < columns(); first += kStrip) {
     const int count = std::min(kStrip, columns() - first);
-    const ProfileView strip = from_column(out, first);
-    const ProfileTables tables = tables_from(first);
-    if (mode == Mode::binary) {
-      strip_binary(payload, first, count, tables, strip);
-    } else {
-      strip_grey(payload, first, count, tables, strip);
-    }
+    strip_of(payload, first, count, tables_from(first), from_column(out, first));
   }
 }
 
-void DifferentialProfiler::profile(const MomentsView& moments, const ProfileView& out) const {
+void DifferentialProfiler::profile(const RunsView& runs, const ProfileView& out) const {
   if (curves_) {
-    profile_by_curves(*curves_, rules_, moments, out);
+    profile_by_curves(*curves_, rules_, runs, out);
     return;
   }
   for (int first = 0; first < columns(); first += kStrip) {
-    strip_moments({moments.m0 + first, moments.m1 + first, moments.n + first}, std::min(kStrip, columns() - first),
-                  tables_from(first), from_column(out, first));
+    strip_moments(runs, first, std::min(kStrip, columns() - first), tables_from(first), from_column(out, first));
   }
 }
 

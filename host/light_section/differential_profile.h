@@ -12,6 +12,7 @@
 #include "host/light_section/strip_moments.h"
 #include "host/rig/rig.h"
 #include "model/column_moments.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 
@@ -48,10 +49,19 @@ class DifferentialProfiler {
   // light plane is not before the camera's ray, z0 tan α < x0 does not hold, or one projector line is worth more than
   // max_z_per_line_mm. Allocates nothing and keeps no state; any number of threads may call it at once. Unknown modes
   // count as grey.
-  void profile(Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
+  void profile(Mode mode, const std::uint8_t* payload, const ProfileView& out) const {
+    profile(Select::all, mode, payload, out);
+  }
+
+  // The same for a payload with the strongest run of each column. A column is ambiguous if its second run has at least
+  // the share of the strongest one's M0 that the rig calls ambiguous. Unknown selects count as `all`.
+  void profile(Select select, Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
 
   // The same from moments, which are only read, and are as column_moments gives them (below 2^31).
-  void profile(const MomentsView& moments, const ProfileView& out) const;
+  void profile(const MomentsView& moments, const ProfileView& out) const { profile({moments, nullptr, nullptr}, out); }
+
+  // The same from runs; without `second`, from the moments alone.
+  void profile(const RunsView& runs, const ProfileView& out) const;
 
  private:
   [[nodiscard]] ProfileTables tables_from(int first) const;

@@ -38,7 +38,22 @@ bool Inspection::begin_frame(const PacketHeader& header) {
     ++not_kept_;
     return false;
   }
-  frames_.push_back({header.sequence, header.time_stamp, header.encoder, header.mode, header.threshold});
+  frames_.push_back({.sequence = header.sequence,
+                     .time_stamp = header.time_stamp,
+                     .encoder = header.encoder,
+                     .mode = header.mode,
+                     .threshold = header.threshold,
+                     .select = header.select,
+                     .gap = header.gap,
+                     .window = {header.first_row, header.last_row}});
+  const std::size_t size = frames_.size() * static_cast<std::size_t>(columns_);
+  for (auto* values : {&values_.m0, &values_.m1, &values_.n}) {
+    values->resize(size);
+  }
+  if (has_runs() || header.select == spec::kSelectStrongest) {
+    values_.runs.resize(size);
+    values_.second.resize(size);
+  }
   return true;
 }
 
@@ -53,13 +68,26 @@ void Inspection::add_profile(const ProfileView& profile) {
   append(values_.validity, profile.validity);
 }
 
-void Inspection::add(const PacketHeader& header, const MomentsView& moments, const ProfileView& profile) {
+RunsView Inspection::last_frame() {
+  const std::size_t begin = (frames_.size() - 1) * static_cast<std::size_t>(columns_);
+  const bool runs = has_runs();
+  return {{values_.m0.data() + begin, values_.m1.data() + begin, values_.n.data() + begin},
+          runs ? values_.runs.data() + begin : nullptr,
+          runs ? values_.second.data() + begin : nullptr};
+}
+
+void Inspection::add(const PacketHeader& header, const RunsView& runs, const ProfileView& profile) {
   if (!begin_frame(header)) {
     return;
   }
-  values_.m0.insert(values_.m0.end(), moments.m0, moments.m0 + columns_);
-  values_.m1.insert(values_.m1.end(), moments.m1, moments.m1 + columns_);
-  values_.n.insert(values_.n.end(), moments.n, moments.n + columns_);
+  const RunsView to = last_frame();
+  std::copy_n(runs.moments.m0, columns_, to.moments.m0);
+  std::copy_n(runs.moments.m1, columns_, to.moments.m1);
+  std::copy_n(runs.moments.n, columns_, to.moments.n);
+  if (runs.runs != nullptr && runs.second != nullptr && to.runs != nullptr) {
+    std::copy_n(runs.runs, columns_, to.runs);
+    std::copy_n(runs.second, columns_, to.second);
+  }
   add_profile(profile);
 }
 
@@ -71,12 +99,7 @@ void Inspection::add(const PacketHeader& header, std::span<const std::uint8_t> p
   if (!begin_frame(header)) {
     return;
   }
-  const std::size_t begin = values_.m0.size();
-  for (auto* values : {&values_.m0, &values_.m1, &values_.n}) {
-    values->resize(begin + static_cast<std::size_t>(columns_));
-  }
-  unpack_moments(mode, columns_, payload.data(),
-                 {values_.m0.data() + begin, values_.m1.data() + begin, values_.n.data() + begin});
+  unpack_columns(static_cast<Select>(header.select), mode, columns_, payload.data(), last_frame());
   add_profile(profile);
 }
 

@@ -11,7 +11,7 @@
 #include "host/io/float_image.h"
 #include "host/light_section/profile.h"
 #include "host/rig/rig.h"
-#include "model/column_moments.h"
+#include "model/column_runs.h"
 #include "model/packet.h"
 
 namespace selfproj {
@@ -30,6 +30,17 @@ class Inspection {
     std::uint32_t encoder = 0;
     std::uint8_t mode = 0;  // a value of Mode
     std::uint8_t threshold = 0;
+    std::uint8_t select = 0;  // a value of Select
+    std::uint8_t gap = 0;
+    RowWindow window = {};
+
+    [[nodiscard]] Measure measure() const {
+      return {.mode = static_cast<Mode>(mode),
+              .threshold = threshold,
+              .select = static_cast<Select>(select),
+              .gap = gap,
+              .window = window};
+    }
   };
 
   // One entry for each column, frame after frame. Profiles are in mm, and without meaning unless validity is
@@ -38,15 +49,21 @@ class Inspection {
     std::vector<std::uint32_t> m0, m1, n;
     std::vector<float> x, y, z, dx, dy, dz;
     std::vector<std::uint8_t> validity;  // a Validity for each column
+    // Number of runs, and the second in sixteenths of the strongest, as RunsView has them; 0 in frames without runs.
+    // Empty as long as no frame has them.
+    std::vector<std::uint8_t> runs, second;
   };
 
   // For profiles of `columns` > 0 columns, measured with this rig.
   Inspection(const Rig& rig, int columns, const InspectionOptions& options = {});
 
-  // Adds a frame: the header of its packet, its moments as numbers or as the packet's payload, and its profile, all
-  // with `columns` columns. Allocates nothing while there are no more frames than expected_frames. Throws
+  // Adds a frame: the header of its packet, its moments or runs as numbers, or the packet's payload, and its profile,
+  // all with `columns` columns. Allocates nothing while there are no more frames than expected_frames. Throws
   // std::invalid_argument if the header or the payload has another width.
-  void add(const PacketHeader& header, const MomentsView& moments, const ProfileView& profile);
+  void add(const PacketHeader& header, const RunsView& runs, const ProfileView& profile);
+  void add(const PacketHeader& header, const MomentsView& moments, const ProfileView& profile) {
+    add(header, RunsView{moments, nullptr, nullptr}, profile);
+  }
   void add(const PacketHeader& header, std::span<const std::uint8_t> payload, const ProfileView& profile);
 
   // Frames kept, and frames that came after max_frames.
@@ -80,10 +97,15 @@ class Inspection {
   [[nodiscard]] FloatImage x() const;
   [[nodiscard]] FloatImage y() const;
 
+  // Whether a frame with the strongest run of each column came.
+  [[nodiscard]] bool has_runs() const { return !values_.runs.empty(); }
+
  private:
   // Makes room for one more frame. Returns false if the frame is not to be kept.
   bool begin_frame(const PacketHeader& header);
   void add_profile(const ProfileView& profile);
+  // Where the moments and runs of the frame go that begin_frame() made room for.
+  RunsView last_frame();
   [[nodiscard]] FloatImage map(const std::vector<float>& values, double offset, double factor) const;
 
   Rig rig_;

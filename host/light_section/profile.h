@@ -17,7 +17,9 @@ enum class Validity : std::uint8_t {
   cut_off,       // the line reaches the image's first or last row and may continue beyond it: see line_is_cut_off
   no_reference,  // the reference has no point in this column
   out_of_range,  // triangulation is impossible there (section 1 of the method)
+  ambiguous,     // the second run is nearly as strong as the strongest: see the rig's ambiguous_from
 };
+inline constexpr int kValidities = 8;
 
 // Whether a line of n lit pixels around the centroid (rows from 1) reaches the first or the last of `rows` rows. Part
 // of it may then lie outside the image, and its centroid is not where the line is. Moments do not say which rows were

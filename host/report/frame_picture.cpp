@@ -18,7 +18,8 @@ namespace {
 constexpr int kShift = 4;  // fractional bits of OpenCV's drawing coordinates
 constexpr double kLabelFontSize = 0.45;
 const cv::Scalar kLabelInk(40, 40, 40);
-const cv::Scalar kLine(0, 110, 255);  // orange
+const cv::Scalar kLine(0, 110, 255);       // orange
+const cv::Scalar kAmbiguous(255, 0, 220);  // magenta
 
 cv::Mat to_mat(const Image& image) {
   cv::Mat mat(image.rows, image.columns, CV_8UC1);
@@ -84,7 +85,15 @@ std::string frame_png(const CameraPicture& camera) {
       y[i] = kTop + (row + 0.5) * scale - 0.5;
     }
   }
-  draw_trace(picture, x, y, 4.0 * scale);
+  std::vector<double> sure = y;
+  for (std::size_t i = 0; i < std::min(count, camera.ambiguous.size()); ++i) {
+    if (camera.ambiguous[i] != 0 && !std::isnan(y[i])) {
+      sure[i] = std::nan("");
+      cv::circle(picture, {static_cast<int>(std::lround(x[i])), static_cast<int>(std::lround(y[i]))}, 2, kAmbiguous,
+                 cv::FILLED, cv::LINE_AA);
+    }
+  }
+  draw_trace(picture, x, sure, 4.0 * scale);
 
   int top = kTop + enlarged.rows + kGap;
   for (const auto& [values, name] :

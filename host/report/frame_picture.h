@@ -3,7 +3,9 @@
 #define SELFPROJ_HOST_REPORT_FRAME_PICTURE_H
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "host/io/image_files.h"
 #include "model/column_moments.h"
@@ -14,13 +16,15 @@ namespace selfproj {
 struct CameraPicture {
   Image image;
   Moments moments;
-  std::size_t frame = 0;  // from 1
+  std::vector<std::uint8_t> ambiguous = {};  // not 0: the column is to be marked; empty: none
+  std::size_t frame = 0;                     // from 1
 };
 
 // The image alone as PNG, with its rows and columns unchanged.
 std::string image_png(const Image& image);
 
-// PNG of the enlarged image with the centroid of every column drawn over it. Below it are the moments M0 (amount of
+// PNG of the enlarged image with the centroid of every column drawn over it, that of an ambiguous column in magenta and
+// apart. Below it are the moments M0 (amount of
 // light over the threshold) and n (lit pixels) of the columns.
 std::string frame_png(const CameraPicture& camera);
 

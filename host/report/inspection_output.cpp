@@ -23,21 +23,23 @@
 #include "host/report/facts_json.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"
+#include "host/report/moments_csv.h"
 #include "host/report/number_text.h"
 #include "model/spec/generated/selfproj_spec.h"
 
 namespace selfproj {
 namespace {
 
-constexpr std::array<const char*, 7> kValidityNames = {"valid",   "unlit",        "too_few",     "too_wide",
-                                                       "cut_off", "no_reference", "out_of_range"};
-constexpr std::array<const char*, 7> kValidityLabels = {"points",
-                                                        "columns without light",
-                                                        "columns with too few lit pixels",
-                                                        "columns with too many lit pixels",
-                                                        "columns whose line the image's border cuts off",
-                                                        "columns without a reference",
-                                                        "columns out of range"};
+constexpr std::array<const char*, kValidities> kValidityNames = {
+    "valid", "unlit", "too_few", "too_wide", "cut_off", "no_reference", "out_of_range", "ambiguous"};
+constexpr std::array<const char*, kValidities> kValidityLabels = {"points",
+                                                                  "columns without light",
+                                                                  "columns with too few lit pixels",
+                                                                  "columns with too many lit pixels",
+                                                                  "columns whose line the image's border cuts off",
+                                                                  "columns without a reference",
+                                                                  "columns out of range",
+                                                                  "columns whose second run is nearly as strong"};
 
 // Collects text and appends it to a file of the folder, one megabyte at a time.
 class Table {
@@ -140,19 +142,26 @@ ValidityCounts count_validity(const Inspection& inspection) {
 void write_moments(const Inspection& inspection, OutputFolder& folder) {
   const Inspection::Values& values = inspection.values();
   Table table(folder, "moments.csv");
-  table.append("frame,column,m0,m1,n\n");
+  const bool runs = inspection.has_runs();
+  table.append(moments_csv_header(runs ? Select::strongest : Select::all));
   std::size_t at = 0;
   for (std::size_t frame = 1; frame <= inspection.frames(); ++frame) {
     std::array<char, kMaxNumberText> name{};
     const std::string_view frame_text(name.data(),
                                       static_cast<std::size_t>(append_integer(name.data(), frame) - name.data()));
     for (int column = 1; column <= inspection.columns(); ++column, ++at) {
-      char* to = table.room(6 * kMaxNumberText);
+      char* to = table.room(8 * kMaxNumberText);
       to = std::copy(frame_text.begin(), frame_text.end(), to);
       for (const std::uint64_t value : {static_cast<std::uint64_t>(column), std::uint64_t{values.m0[at]},
                                         std::uint64_t{values.m1[at]}, std::uint64_t{values.n[at]}}) {
         *to++ = ',';
         to = append_integer(to, value);
+      }
+      if (runs) {
+        *to++ = ',';
+        to = append_integer(to, std::uint64_t{values.runs[at]});
+        *to++ = ',';
+        to = append_integer(to, std::uint64_t{values.second[at]});
       }
       *to++ = '\n';
       table.end(to);
@@ -245,6 +254,11 @@ std::string summary(const Inspection& inspection, const ReportParts& parts) {
   json["last_sequence"] = inspection.frame(inspection.frames() - 1).sequence;
   json["mode"] = mode_name(static_cast<Mode>(first.mode));
   json["threshold"] = first.threshold;
+  if (first.measure().select != Select::all || first.measure().window != RowWindow{}) {
+    json["select"] = select_name(first.measure().select);
+    json["gap"] = first.gap;
+    json["rows"] = {first.window.first, first.window.last};
+  }
   json["counters"] = facts_json(parts.counters);
   json["settings"] = facts_json(parts.settings);
   json["rig"] = {{"name", rig.name}, {"yaml", to_yaml(rig)}};
@@ -261,6 +275,9 @@ ReportData report_data(const Inspection& inspection, const ReportParts& parts) {
   data.title = parts.title;
   data.subtitle = fmt::format("rig {} · {} × {} px · mode {} · threshold {}", rig.name, rig.camera.rows,
                               inspection.columns(), mode_name(static_cast<Mode>(first.mode)), first.threshold);
+  if (const std::string select = select_text(first.measure()); !select.empty()) {
+    data.subtitle += " · " + select;
+  }
   data.height = inspection.height();
   data.difference = inspection.difference();
   data.y = inspection.y();

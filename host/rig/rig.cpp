@@ -150,6 +150,18 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.number("line_width_px", rig.measure.line_width_px, 1, kPositive);
   v.integer("code_threshold", rig.measure.code_threshold, 0, 255);
   v.number("max_z_per_line_mm", rig.measure.max_z_per_line_mm, 1, kPositive);
+  if (v.has_any({"runs"}, rig.measure.runs)) {
+    v.begin("runs");
+    v.integer("gap_rows", rig.measure.runs->gap_rows, 0, kMaxGap);
+    v.number("ambiguous_from", rig.measure.runs->ambiguous_from, 1, {.low = 1.0 / 16, .high = 2});
+    v.end();
+  }
+  if (v.has_any({"window"}, rig.measure.window)) {
+    v.begin("window");
+    v.integer("first_row", rig.measure.window->first, 1, spec::kMaxRows);
+    v.integer("last_row", rig.measure.window->last, 1, spec::kMaxRows);
+    v.end();
+  }
   v.end();
   v.begin("imaging");
   v.number("white", rig.imaging.white, 1, {0, 255});
@@ -242,6 +254,10 @@ Rig parse_rig(const std::string& yaml, const std::string& source) {
   FieldReader reader(source, root);
   visit_rig(rig, reader);
   reader.end();
+  if (rig.measure.window && rig.measure.window->first > rig.measure.window->last) {
+    throw UserError(source, fmt::format("measure.window.first_row is {}, after last_row, {}", rig.measure.window->first,
+                                        rig.measure.window->last));
+  }
   if (rig.measure.min_lit_px > rig.measure.max_lit_px) {
     throw UserError(source, fmt::format("measure.min_lit_px is {}, more than measure.max_lit_px, {}",
                                         rig.measure.min_lit_px, rig.measure.max_lit_px));

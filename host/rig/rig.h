@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "model/column_moments.h"
+#include "model/column_runs.h"
 #include "model/pixel_clock.h"
 
 namespace selfproj {
@@ -65,14 +66,43 @@ struct RigBoard {
   double pixel_clock_hz = kDefaultPixelClockHz;  // the clock that its time stamps count
 };
 
+// The strongest run of each column (model/column_runs.h), and what is ambiguous.
+struct RigRuns {
+  int gap_rows = 0;             // dark rows that two lit pixels of one run may have between them
+  double ambiguous_from = 0.5;  // a column is invalid if its second run has at least this share of the strongest's M0
+};
+
 struct RigMeasure {
   Mode mode = Mode::grey_over;
-  int threshold = 0;             // light section: a pixel is lit if it is greater than this
-  int min_lit_px = 0;            // a column with fewer lit pixels is invalid
-  int max_lit_px = 0;            // a column with more lit pixels is invalid
-  double line_width_px = 0;      // width of a projected line, in projector lines
-  int code_threshold = 0;        // threshold of the Gray-code binarization (4.15)
-  double max_z_per_line_mm = 0;  // a point is invalid if one projector line is worth more in z
+  int threshold = 0;                     // light section: a pixel is lit if it is greater than this
+  int min_lit_px = 0;                    // a column with fewer lit pixels is invalid
+  int max_lit_px = 0;                    // a column with more lit pixels is invalid
+  double line_width_px = 0;              // width of a projected line, in projector lines
+  int code_threshold = 0;                // threshold of the Gray-code binarization (4.15)
+  double max_z_per_line_mm = 0;          // a point is invalid if one projector line is worth more in z
+  std::optional<RigRuns> runs = {};      // select the strongest run; nothing: all lit pixels
+  std::optional<RowWindow> window = {};  // rows that count; nothing: all
+
+  // What the board is told to measure.
+  [[nodiscard]] Measure of_board() const {
+    return {.mode = mode,
+            .threshold = threshold,
+            .select = runs ? Select::strongest : Select::all,
+            .gap = runs ? runs->gap_rows : 0,
+            .window = window.value_or(RowWindow{})};
+  }
+
+  // Makes this what `measure` says, as from options of a command.
+  void take(const Measure& measure) {
+    mode = measure.mode;
+    threshold = measure.threshold;
+    if (measure.select == Select::all) {
+      runs.reset();
+    } else {
+      runs = RigRuns{.gap_rows = measure.gap, .ambiguous_from = runs.value_or(RigRuns{}).ambiguous_from};
+    }
+    window = measure.window == RowWindow{} ? std::nullopt : std::optional(measure.window);
+  }
 };
 
 // Light and noise, which only the simulation needs. Grey values are those of the 8-bit image.

@@ -31,11 +31,12 @@ void add_source_options(CLI::App& command, CosimOptions& options, WorldOptions& 
                             ->type_name("PATTERN")
                             ->excludes(scene);
   add_files(
-      command, "--background", options.background,
-      "The same views without the line, one for each frame. They are subtracted before the board sees the frames.")
+      command, "--background", options.preparation.background,
+      "The same view without the line: one image for all frames, or one for each. It is subtracted before the board "
+      "sees the frames.")
       ->type_name("PATTERN")
       ->needs(frames);
-  add_channel_option(command, options.channel);
+  add_preparation_options(command, options.preparation);
   command.add_option("--first", options.first, "First frame to take, from 1.")
       ->transform(whole_number(1, kLastFrame))
       ->type_name("N")
@@ -98,6 +99,7 @@ void add_measuring_options(CLI::App& command, CosimOptions& options) {
       ->check(one_of(mode_names()))
       ->type_name("MODE")
       ->default_str("the rig's");
+  add_select_options(command, options.select, "the rig's");
   command.add_flag("--residual", options.residual,
                    "Measure the good part once under its own pattern, and subtract each column's offset.");
   command
@@ -180,8 +182,9 @@ void add_cosim_command(CLI::App& app) {
            "With a scene of a scanner the projector shows Gray codes, and the board decodes them. From frame 2M on, "
            "every second frame completes a depth image. A cycle of frames of the scene's background is decoded "
            "beforehand.\n\n"
-           "Recorded images have 8 bits, one size and a multiple of 4 columns. With --rig they are measured from the "
-           "straight line on the plane.",
+           "Recorded images have 8 bits and one size. With --rig they are measured from the straight line on the "
+           "plane. "
+           "`selfproj lines` shows the line in recorded images without a simulated board.",
        .examples = R"(
 # 20 frames of the marked stairs, with all results in the folder part.
 selfproj-sim cosim --count 20 --out part

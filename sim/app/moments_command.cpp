@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <iterator>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,21 +14,23 @@
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_file.h"
+#include "host/io/prepared_images.h"
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
-#include "model/column_moments.h"
+#include "host/report/moments_csv.h"
+#include "model/column_runs.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "sim/board/moments_engine.h"
-#include "sim/experiment/moments_csv.h"
 
 namespace selfproj {
 namespace {
 
 struct MomentsOptions {
   std::string engine = "rtl";
-  int threshold = MomentsSettings{}.threshold;
+  int threshold = Measure{}.threshold;
   std::string mode = "binary";
-  std::string channel;  // empty: none asked for
+  SelectOptions select;
+  Preparation preparation;
   std::string out;
   std::vector<std::string> images;
 };
@@ -56,51 +57,63 @@ std::size_t batch_size(const Image& image) {
   return std::clamp<std::size_t>(kBytes / image.pixels.size(), 1, kMost);
 }
 
+// Columns of the frames that the engine gets: a circuit takes a multiple of 4, so that dark columns are added.
+int columns_for(const std::string& engine, const PreparedImages& images) {
+  const std::string& file = images.files().front();
+  if (images.rows() > spec::kMaxRows) {
+    throw UserError(file, fmt::format("has {} rows; at most {} are possible", images.rows(), spec::kMaxRows));
+  }
+  if (engine == "model") {
+    return images.columns();
+  }
+  const int padded = (images.columns() + spec::kPixelsPerBeat - 1) / spec::kPixelsPerBeat * spec::kPixelsPerBeat;
+  check_frame_size(file, {.rows = images.rows(), .columns = padded, .pixels = {}}, spec::kMaxRows, spec::kMaxColumns);
+  return padded;
+}
+
 void run_moments(const MomentsOptions& options) {
   const OutputFile out(options.out);
-  for (const std::string& file : options.images) {
-    check_image_file(file);
+  Measure measure{.mode = mode_of(options.mode), .threshold = options.threshold};
+  options.select.apply(measure);
+  if (measure.select == Select::strongest && options.engine == "rtl") {
+    throw UserError("--select strongest", "the board of this build has no runs; --engine hls and model have them");
   }
   const std::unique_ptr<MomentsEngine> engine = make_moments_engine(options.engine);
-  const std::optional<Channel> channel = channel_of(options.channel);
+  PreparedImages source(options.images, options.preparation);
   const std::size_t total = options.images.size();
+  const MomentsSettings settings{
+      .rows = source.rows(), .columns = columns_for(options.engine, source), .measure = measure};
 
-  MomentsSettings settings{0, 0, mode_of(options.mode), options.threshold};
-  std::string csv = kMomentsCsvHeader;
+  std::string csv = moments_csv_header(measure.select);
   std::vector<Image> images;
-  std::vector<Moments> moments;
+  std::vector<Runs> found;
   {
     Progress progress("frame", total);
     std::size_t batch = 1;
     for (std::size_t i = 0; i < total; ++i) {
-      const std::string& file = options.images[i];
-      const Image& image = images.emplace_back(read_image(file, channel));
-      if (i == 0) {
-        check_frame_size(file, image, spec::kMaxRows, spec::kMaxColumns);
-        settings.rows = image.rows;
-        settings.columns = image.columns;
-        batch = batch_size(image);
-      }
-      check_same_size(file, image, options.images.front(), settings.rows, settings.columns);
+      const Image& image = images.emplace_back(with_columns(source.frame(i), settings.columns));
+      batch = i == 0 ? batch_size(image) : batch;
       if (images.size() < batch && i + 1 < total) {
         continue;
       }
       std::vector<ImageView> frames;
       std::transform(images.begin(), images.end(), std::back_inserter(frames),
                      [](const Image& held) { return held.view(); });
-      moments.resize(frames.size());
-      engine->process(frames, settings, moments);
-      for (std::size_t k = 0; k < moments.size(); ++k) {
-        append_moments_csv(csv, i + 2 - moments.size() + k, moments[k]);
+      found.resize(frames.size());
+      engine->process(frames, settings, found);
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        found[k].resize(measure.select, source.columns());  // without the padding
+        append_moments_csv(csv, i + 2 - found.size() + k, found[k]);
       }
       images.clear();
       progress.update(i + 1);
     }
   }
   out.write(csv);
-  fmt::print("{} {} of {}, engine {}, {}, threshold {}: {} columns → {}\n", total, total == 1 ? "frame" : "frames",
-             size_text(settings.rows, settings.columns), engine->name(), options.mode, settings.threshold,
-             total * static_cast<std::size_t>(settings.columns), out.name());
+  const std::string select = select_text(measure);
+  fmt::print("{} {} of {}, engine {}, {}, threshold {}{}{}: {} columns → {}\n", total, total == 1 ? "frame" : "frames",
+             size_text(settings.rows, source.columns()), engine->name(), options.mode, measure.threshold,
+             select.empty() ? "" : ", ", select, total * static_cast<std::size_t>(source.columns()), out.name());
 }
 
 }  // namespace
@@ -112,8 +125,12 @@ void add_moments_command(CLI::App& app) {
        .purpose = "Computes the column moments of image files, as the board does for camera frames.",
        .details =
            "Each image is a frame. The table has the columns frame, column, m0, m1 and n. Frames, columns and rows "
-           "are counted from 1; n is the number of lit pixels. The line crosses a column at row m1 / m0.\n\n"
-           "The images have 8 bits, one size, a multiple of 4 columns up to 2048, and up to 1023 rows.",
+           "are counted from 1; n is the number of lit pixels. The line crosses a column at row m1 / m0. With --select "
+           "strongest they are those of the strongest run, and the table has two more columns: runs, the number of "
+           "runs (3: three or more), and second, M0 of the second run in sixteenths of the strongest one's, rounded "
+           "down (binary: 8 where it is half or more, else 0).\n\n"
+           "The images have 8 bits, one size and up to 1023 rows. The model takes any width; for the others up to 2048 "
+           "columns, dark columns are added where it is not a multiple of 4.",
        .examples = R"(
 # Render 4 frames, and compute their moments with the board's RTL.
 selfproj-sim scene render stairs --count 4 --out frames
@@ -138,7 +155,11 @@ selfproj-sim moments --mode grey-over --threshold 60 --out moments.csv frames/fr
       ->transform(whole_number(0, 255))
       ->type_name("T")
       ->capture_default_str();
-  add_channel_option(*command, options->channel);
+  add_select_options(*command, options->select);
+  begin_group(*command, "Images");
+  add_files(*command, "--background", options->preparation.background,
+            "The same view without the line: one image for all, or one for each. It is subtracted.");
+  add_preparation_options(*command, options->preparation);
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "Table to write.")->type_name("FILE.csv")->required();
   add_files(*command, "IMAGE", options->images, "Images in the order of the frames.")->required();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "model/column_moments.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 
@@ -14,8 +15,7 @@ namespace selfproj {
 struct MomentsSettings {
   int rows = 0;     // 1..spec::kMaxRows
   int columns = 0;  // a multiple of spec::kPixelsPerBeat, up to spec::kMaxColumns
-  Mode mode = Mode::binary;
-  int threshold = 128;  // 0..255; a pixel is lit if it is greater
+  Measure measure;
 };
 
 class MomentsEngine {
@@ -28,10 +28,11 @@ class MomentsEngine {
   // The name for the option --engine of the programs.
   [[nodiscard]] virtual std::string name() const = 0;
 
-  // Writes the moments of frames[i] to out[i], which is resized to settings.columns. All frames have the size in the
+  // Writes what settings.measure asks for of frames[i] to out[i], which is resized to settings.columns. In mode binary
+  // `second` is 8 or 0, as in a packet (unpack_runs). All frames have the size in the
   // settings, and `out` has as many entries as `frames`. Throws std::runtime_error if the engine itself fails, for
   // example if a simulated board lost a frame.
-  virtual void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Moments> out) = 0;
+  virtual void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) = 0;
 };
 
 // The bit-exact model.

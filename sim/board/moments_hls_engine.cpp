@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hls/column_moments.h"
+#include "hls/column_runs.h"
 #include "model/packet.h"
 #include "sim/board/hls_streams.h"
 #include "sim/board/moments_engine.h"
@@ -19,18 +20,23 @@ class HlsEngine final : public MomentsEngine {
  public:
   [[nodiscard]] std::string name() const override { return "hls"; }
 
-  void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Moments> out) override {
+  void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) override {
+    const Measure& measure = settings.measure;
     hls::MomentsSetup setup;
     setup.columns = settings.columns;
     setup.rows = settings.rows;
-    setup.mode = static_cast<unsigned>(settings.mode);
-    setup.threshold = settings.threshold;
-    const std::size_t size = moments_payload_bytes(settings.mode, settings.columns);
+    setup.mode = static_cast<unsigned>(measure.mode);
+    setup.threshold = measure.threshold;
+    setup.strongest = measure.select == Select::strongest;
+    setup.gap = measure.gap;
+    setup.first_row = measure.window.first;
+    setup.last_row = measure.window.last;
+    const std::size_t size = moments_payload_bytes(measure.mode, settings.columns);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       push_frame(frames[i], video_);
       bool more = true;
       while (more || !video_.empty()) {
-        more = kernel_->step(video_, setup, payload_);
+        more = setup.strongest ? runs_kernel_->step(video_, setup, payload_) : kernel_->step(video_, setup, payload_);
       }
       bytes_.clear();
       hls::AxisBeat<128> beat;
@@ -43,13 +49,14 @@ class HlsEngine final : public MomentsEngine {
       if (bytes_.size() != size) {
         throw std::runtime_error("engine hls: frame " + std::to_string(i + 1) + " gave no whole payload");
       }
-      out[i].resize(settings.columns);
-      unpack_moments(settings.mode, settings.columns, bytes_.data(), out[i].view());
+      out[i].resize(measure.select, settings.columns);
+      unpack_columns(measure.select, measure.mode, settings.columns, bytes_.data(), out[i].view());
     }
   }
 
  private:
   std::unique_ptr<hls::ColumnMomentsKernel> kernel_ = std::make_unique<hls::ColumnMomentsKernel>();
+  std::unique_ptr<hls::ColumnRunsKernel> runs_kernel_ = std::make_unique<hls::ColumnRunsKernel>();
   hls::Stream<hls::AxisBeat<32>> video_;
   hls::Stream<hls::AxisBeat<128>> payload_;
   std::vector<std::uint8_t> bytes_;

@@ -16,7 +16,8 @@ class RtlEngine final : public MomentsEngine {
  public:
   [[nodiscard]] std::string name() const override { return "rtl"; }
 
-  void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Moments> out) override {
+  void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) override {
+    const Measure& measure = settings.measure;
     BoardDevice<Vboard> board;
     std::size_t received = 0;
     std::string problem;
@@ -29,15 +30,20 @@ class RtlEngine final : public MomentsEngine {
                  received == out.size()) {
         problem = "frame " + std::to_string(received + 1) + " was lost or broken on the board";
       } else {
-        out[received].resize(settings.columns);
-        unpack_moments(settings.mode, settings.columns, packet.payload.data(), out[received].view());
+        out[received].resize(measure.select, settings.columns);
+        unpack_columns(measure.select, measure.mode, settings.columns, packet.payload.data(), out[received].view());
         ++received;
       }
     });
-    board.write(BoardSettings{
-        .columns = settings.columns, .rows = settings.rows, .mode = settings.mode, .threshold = settings.threshold});
+    board.write(BoardSettings{.columns = settings.columns,
+                              .rows = settings.rows,
+                              .mode = measure.mode,
+                              .threshold = measure.threshold,
+                              .select = measure.select,
+                              .gap = measure.gap,
+                              .window = measure.window});
     // Frames of few rows must not follow each other immediately. Leave the time that two packets need.
-    const auto gap = static_cast<std::uint32_t>(moments_payload_bytes(settings.mode, settings.columns) / 8 + 64);
+    const auto gap = static_cast<std::uint32_t>(moments_payload_bytes(measure.mode, settings.columns) / 8 + 64);
     for (const ImageView& frame : frames) {
       board.send(frame);
       board.gap(gap);

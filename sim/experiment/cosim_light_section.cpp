@@ -16,12 +16,14 @@
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
 #include "host/io/output_folder.h"
+#include "host/io/prepared_images.h"
 #include "host/io/user_error.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/inspection.h"
 #include "host/light_section/reference.h"
 #include "host/report/frame_picture.h"
 #include "host/report/inspection_output.h"
+#include "host/report/line_images.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"
 #include "model/packet.h"
@@ -30,7 +32,6 @@
 #include "sim/experiment/cosim_result.h"
 #include "sim/experiment/frame_source.h"
 #include "sim/experiment/light_section.h"
-#include "sim/experiment/line_images.h"
 #include "sim/platform/camera_timing.h"
 #include "sim/platform/platform.h"
 #include "sim/scene/renderer.h"
@@ -47,6 +48,7 @@ struct Setup {
   std::unique_ptr<Scene> scene;
   std::unique_ptr<Renderer> renderer;
   std::unique_ptr<FrameSource> source;
+  int image_columns = 0;                           // of the frames without padding; 0: there is none
   std::unique_ptr<DifferentialProfiler> profiler;  // null without a geometry
   std::vector<Fact> facts;
 };
@@ -66,6 +68,12 @@ Rig rig_of(const CosimOptions& options) {
     rig.measure.mode = mode_of(options.mode);
   }
   rig.measure.threshold = options.threshold.value_or(rig.measure.threshold);
+  Measure measure = rig.measure.of_board();
+  options.select.apply(measure);
+  rig.measure.take(measure);
+  if (measure.select == Select::strongest && options.engine != "model") {
+    throw UserError("--select strongest", "the board of this build has no runs; --engine model has them");
+  }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   return rig;
 }
@@ -138,26 +146,29 @@ std::vector<std::string> files_of(const std::string& option, const std::vector<s
   return files;
 }
 
-std::unique_ptr<FrameSource> recorded_frames(const CosimOptions& options) {
+std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
   std::vector<std::string> files = files_of("--frames", options.frames);
   const std::size_t count = frames_of_run(options, files.size(), "--frames " + options.frames.front());
-  std::vector<std::string> background = files_of("--background", options.background);
-  if (!background.empty() && background.size() != files.size()) {
-    throw UserError("--background " + options.background.front(),
-                    fmt::format("has {} files for {} frames", background.size(), files.size()));
+  Preparation preparation = options.preparation;
+  preparation.background = files_of("--background", options.preparation.background);
+  if (preparation.background.size() == 1 && files.size() > 1) {
+    // one for all frames
+  } else if (!preparation.background.empty() && preparation.background.size() != files.size()) {
+    throw UserError("--background " + options.preparation.background.front(),
+                    fmt::format("has {} files for {} frames", preparation.background.size(), files.size()));
   }
-  for (auto* list : {&files, &background}) {
-    if (!list->empty()) {
+  for (auto* list : {&files, &preparation.background}) {
+    if (list->size() > 1) {
       list->erase(list->begin(), list->begin() + static_cast<std::ptrdiff_t>(options.first - 1));
       list->resize(count);
     }
   }
-  auto source = std::make_unique<RecordedFrames>(files, channel_of(options.channel), background);
+  auto source = std::make_unique<RecordedFrames>(PreparedImages(files, preparation), 0, count);
   if (!options.rig.empty()) {
     const RigCamera& camera = light_section_rig(options.rig).camera;
-    if (source->rows() != camera.rows || source->columns() != camera.columns) {
+    if (source->rows() != camera.rows || source->image_columns() != camera.columns) {
       throw UserError(files.front(), fmt::format("is {}, but the camera of --rig {} has {}",
-                                                 size_text(source->rows(), source->columns()), options.rig,
+                                                 size_text(source->rows(), source->image_columns()), options.rig,
                                                  size_text(camera.rows, camera.columns)));
     }
   }
@@ -175,10 +186,12 @@ Setup recorded_setup(const CosimOptions& options) {
     throw UserError(options.residual ? "--residual" : "--real-rig", "goes only with scenes, not with recorded images");
   }
   Setup setup;
-  setup.source = recorded_frames(options);
+  std::unique_ptr<RecordedFrames> frames = recorded_frames(options);
+  setup.image_columns = frames->image_columns();
+  setup.source = std::move(frames);
   setup.facts = {{"frames_from", "recorded images", options.frames.front()}};
-  if (!options.background.empty()) {
-    setup.facts.push_back({"background", "subtracted from them", options.background.front()});
+  if (!options.preparation.background.empty()) {
+    setup.facts.push_back({"background", "subtracted from them", options.preparation.background.front()});
   }
   setup.rig = rig_of(options);
   if (options.rig.empty()) {
@@ -205,12 +218,14 @@ class LightSectionCosim final : public CosimMeasurement {
       : options_(options),
         setup_(std::move(setup)),
         columns_(setup_.source->columns()),
-        line_images_(setup_.source->rows(), columns_, setup_.rig.measure) {
+        measure_(setup_.rig.measure.of_board()),
+        line_images_(setup_.source->rows(), setup_.image_columns > 0 ? setup_.image_columns : columns_,
+                     setup_.rig.measure) {
     if (setup_.profiler != nullptr) {
       inspection_.emplace(setup_.rig, columns_, InspectionOptions{.expected_frames = setup_.source->total()});
       profile_.resize(columns_);
     }
-    moments_.resize(columns_);
+    runs_.resize(measure_.select, columns_);
   }
 
   FrameSource& source() override { return *setup_.source; }
@@ -221,8 +236,11 @@ class LightSectionCosim final : public CosimMeasurement {
     platform.engine = engine_of(options_);
     platform.settings = {.columns = columns_,
                          .rows = setup_.source->rows(),
-                         .mode = rig.measure.mode,
-                         .threshold = rig.measure.threshold};
+                         .mode = measure_.mode,
+                         .threshold = measure_.threshold,
+                         .select = measure_.select,
+                         .gap = measure_.gap,
+                         .window = measure_.window};
     platform.frame_rate_hz = rig.camera.frame_rate_hz;
     platform.pixel_clock_hz = rig.pixel_clock_hz();
     if (rig.conveyor.encoder_mm_per_count > 0 && setup_.profiler != nullptr) {
@@ -270,16 +288,15 @@ class LightSectionCosim final : public CosimMeasurement {
       return;
     }
     const std::size_t frame = packet.header.sequence + 1;
-    const auto mode = static_cast<Mode>(packet.header.mode);
-    unpack_moments(mode, columns_, packet.payload.data(), moments_.view());
+    unpack_columns(measure_.select, measure_.mode, columns_, packet.payload.data(), runs_.view());
     if (const auto picture = camera_.find(frame); picture != camera_.end()) {
-      picture->second.moments = moments_;
+      picture->second = line_images_.picture(frame, std::move(picture->second.image), runs_);
     }
     if (inspection_) {
-      setup_.profiler->profile(mode, packet.payload.data(), profile_.view());
+      setup_.profiler->profile(measure_.select, measure_.mode, packet.payload.data(), profile_.view());
       inspection_->add(packet.header, packet.payload, profile_.view());
     } else {
-      line_images_.add(frame, moments_);
+      line_images_.add(frame, runs_);
     }
   }
 
@@ -310,7 +327,8 @@ class LightSectionCosim final : public CosimMeasurement {
       }
       write_inspection(*inspection_, folder, parts);
     } else {
-      line_images_.write(folder, facts, setup_.source->total(), pictures);
+      line_images_.write(folder, {.title = facts.title, .counters = facts.counters, .settings = facts.settings},
+                         setup_.source->total(), pictures);
     }
     for (const CameraPicture& picture : pictures) {
       folder.append(fmt::format("frame_{}.png", picture.frame), frame_png(picture));
@@ -319,9 +337,10 @@ class LightSectionCosim final : public CosimMeasurement {
 
   [[nodiscard]] std::string text() const override {
     const RigMeasure& measure = setup_.rig.measure;
-    return fmt::format("{}: {} frames of {} at {:.0f} fps, {}, threshold {}, engine {}\n", options_.what(),
+    const std::string select = select_text(measure_);
+    return fmt::format("{}: {} frames of {} at {:.0f} fps, {}, threshold {}{}{}, engine {}\n", options_.what(),
                        setup_.source->total(), size_text(setup_.source->rows(), columns_), rate(timing()),
-                       mode_name(measure.mode), measure.threshold, options_.engine);
+                       mode_name(measure.mode), measure.threshold, select.empty() ? "" : ", ", select, options_.engine);
   }
 
   [[nodiscard]] std::string matched(const CosimResult& result) const override {
@@ -339,10 +358,11 @@ class LightSectionCosim final : public CosimMeasurement {
   const CosimOptions& options_;
   Setup setup_;
   int columns_;
+  Measure measure_;
   std::vector<std::size_t> pictures_;  // frames to show, from 1
   std::map<std::size_t, CameraPicture> camera_;
   Profile profile_;
-  Moments moments_;
+  Runs runs_;
   std::optional<Inspection> inspection_;
   LineImages line_images_;  // used without a geometry
 };

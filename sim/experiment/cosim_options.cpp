@@ -26,7 +26,12 @@ void check_options(const CosimOptions& options, SceneMethod method) {
     }
   };
   refuse(!options.mode.empty(), "--mode");
-  refuse(!options.channel.empty(), "--channel");
+  refuse(!options.preparation.channel.empty(), "--channel");
+  refuse(!options.preparation.roi.empty(), "--roi");
+  refuse(options.preparation.transpose, "--transpose");
+  refuse(!options.select.select.empty(), "--select");
+  refuse(options.select.gap.has_value(), "--gap");
+  refuse(!options.select.rows.empty(), "--rows");
   refuse(!options.trace.empty(), "--trace");
   refuse(options.residual, "--residual");
   refuse(!options.real_rig.empty(), "--real-rig");

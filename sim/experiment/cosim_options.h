@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "host/io/command_line.h"
+#include "host/io/prepared_images.h"
 #include "sim/platform/platform.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene_info.h"
@@ -17,26 +19,26 @@ namespace selfproj {
 
 struct CosimOptions {
   std::string scene = "stairs-marked";
-  std::vector<std::string> frames = {};      // files or patterns of recorded images; empty: use the scene
-  std::vector<std::string> background = {};  // background images for the frames
-  std::string engine = "rtl";                // rtl, hls or model
-  std::string rig = {};                      // empty: the scene's own; none for recorded images
-  std::optional<int> threshold = {};         // for lit pixels, or for codes (4.15); nothing: the rig's
-  std::optional<std::int64_t> seed = {};     // nothing: the rig's
-  std::vector<std::string> without = {};     // names of RenderOptions to switch off
-  World world = {};                          // disturbances of the images
-  std::size_t first = 1;                     // first frame
-  std::optional<std::size_t> count = {};     // number of frames; nothing: all
-  int bus_stall = 0;                         // percent of the bus's clocks in which it is not ready
-  std::string out = {};                      // folder; empty: only compare
-  std::vector<std::size_t> pictures = {};    // frames of the run to show, from 1; empty: a choice
-  std::string packets = {};                  // file for the stream of packets; empty: none
+  std::vector<std::string> frames = {};    // files or patterns of recorded images; empty: use the scene
+  Preparation preparation = {};            // how recorded images become frames; `background` has patterns
+  std::string engine = "rtl";              // rtl, hls or model
+  std::string rig = {};                    // empty: the scene's own; none for recorded images
+  std::optional<int> threshold = {};       // for lit pixels, or for codes (4.15); nothing: the rig's
+  std::optional<std::int64_t> seed = {};   // nothing: the rig's
+  std::vector<std::string> without = {};   // names of RenderOptions to switch off
+  World world = {};                        // disturbances of the images
+  std::size_t first = 1;                   // first frame
+  std::optional<std::size_t> count = {};   // number of frames; nothing: all
+  int bus_stall = 0;                       // percent of the bus's clocks in which it is not ready
+  std::string out = {};                    // folder; empty: only compare
+  std::vector<std::size_t> pictures = {};  // frames of the run to show, from 1; empty: a choice
+  std::string packets = {};                // file for the stream of packets; empty: none
 
   // For method light_section:
   std::string real_rig = {};  // the rig that takes the images; empty: `rig`
   bool residual = false;      // measure the reference's own residual and remove it
-  std::string channel = {};   // channel of colour images
   std::string mode = {};      // empty: the rig's
+  SelectOptions select = {};  // nothing: the rig's
   std::string trace = {};     // FST file of waveforms; empty: none
   std::size_t trace_from = 1;
 

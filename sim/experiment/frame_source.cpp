@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <future>
-#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,6 +12,7 @@
 
 #include "host/io/frame_options.h"
 #include "host/io/natural_order.h"
+#include "host/io/prepared_images.h"
 #include "host/io/user_error.h"
 #include "model/spec/generated/selfproj_spec.h"
 
@@ -41,34 +40,22 @@ const Image* SceneFrames::next() {
   return &image_;
 }
 
-RecordedFrames::RecordedFrames(std::vector<std::string> files, std::optional<Channel> channel,
-                               std::vector<std::string> background)
-    : files_(std::move(files)), background_(std::move(background)), channel_(channel) {
-  for (const auto* list : {&files_, &background_}) {
-    for (const std::string& file : *list) {
-      check_image_file(file);
-    }
-  }
-  first_ = read_image(files_.front(), channel_);
-  check_frame_size(files_.front(), first_, spec::kMaxRows, spec::kMaxColumns);
+RecordedFrames::RecordedFrames(PreparedImages images, std::size_t first, std::size_t count)
+    : images_(std::move(images)),
+      first_(first),
+      count_(count),
+      columns_((images_.columns() + spec::kPixelsPerBeat - 1) / spec::kPixelsPerBeat * spec::kPixelsPerBeat) {
+  check_frame_size(images_.files().front(), {.rows = images_.rows(), .columns = columns_, .pixels = {}}, spec::kMaxRows,
+                   spec::kMaxColumns);
 }
 
 const Image* RecordedFrames::next() {
-  if (given_ == files_.size()) {
+  if (given_ == count_) {
     return nullptr;
   }
-  const std::string& file = files_[given_++];
-  as_taken_ = read_image(file, channel_);
-  check_same_size(file, as_taken_, files_.front(), first_.rows, first_.columns);
-  image_ = as_taken_;
-  if (!background_.empty()) {
-    const std::string& name = background_[given_ - 1];
-    const Image background = read_image(name, channel_);
-    check_same_size(name, background, files_.front(), first_.rows, first_.columns);
-    std::transform(image_.pixels.begin(), image_.pixels.end(), background.pixels.begin(), image_.pixels.begin(),
-                   [](std::uint8_t with, std::uint8_t without) {
-                     return static_cast<std::uint8_t>(std::max(0, int{with} - int{without}));
-                   });
+  image_ = images_.frame(first_ + given_++, &as_taken_);
+  if (columns_ != image_.columns) {
+    image_ = with_columns(image_, columns_);
   }
   return &image_;
 }

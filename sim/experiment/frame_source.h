@@ -7,12 +7,12 @@
 #include <deque>
 #include <functional>
 #include <future>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "host/io/image_files.h"
+#include "host/io/prepared_images.h"
 
 namespace selfproj {
 
@@ -59,25 +59,25 @@ class SceneFrames final : public FrameSource {
   Image image_;
 };
 
-// Images of one size that fits the board.
+// Images of one size, padded with dark columns to a size that fits the board.
 class RecordedFrames final : public FrameSource {
  public:
-  // Looks at all files and reads the first. `background` is empty or has one image for each file, taken without the
-  // line. It is subtracted, and negative values become 0. Throws UserError with the file.
-  RecordedFrames(std::vector<std::string> files, std::optional<Channel> channel,
-                 std::vector<std::string> background = {});
+  // The images from `first`, from 0, on. Throws UserError as PreparedImages does, and if they do not fit the board.
+  RecordedFrames(PreparedImages images, std::size_t first, std::size_t count);
 
-  [[nodiscard]] std::size_t total() const override { return files_.size(); }
-  [[nodiscard]] int rows() const override { return first_.rows; }
-  [[nodiscard]] int columns() const override { return first_.columns; }
+  [[nodiscard]] std::size_t total() const override { return count_; }
+  [[nodiscard]] int rows() const override { return images_.rows(); }
+  [[nodiscard]] int columns() const override { return columns_; }
+  // Columns of the images, without the padding.
+  [[nodiscard]] int image_columns() const { return images_.columns(); }
   const Image* next() override;
   [[nodiscard]] const Image& picture() const override { return as_taken_; }
 
  private:
-  std::vector<std::string> files_;
-  std::vector<std::string> background_;
-  std::optional<Channel> channel_;
-  Image first_;
+  PreparedImages images_;
+  std::size_t first_;
+  std::size_t count_;
+  int columns_;
   Image as_taken_;
   Image image_;
   std::size_t given_ = 0;

@@ -43,26 +43,34 @@ constexpr int kColumns = 512;
 constexpr int kInCache = 64;
 constexpr int kInMemory = 40000;  // 88 MB in mode binary
 
-// Good packets of random lines 3 to 9 rows wide, one after another.
+// Good packets of random lines 3 to 9 rows wide, one after another. With Select::strongest half the columns have a
+// second run, of less than half the strongest.
 struct Packets {
-  Packets(const Rig& packet_rig, Mode packet_mode, int packet_count) : mode(packet_mode), count(packet_count) {
+  Packets(const Rig& packet_rig, Mode packet_mode, int packet_count, Select packet_select = Select::all)
+      : select(packet_select), mode(packet_mode), count(packet_count) {
     std::mt19937 engine(1);
     const auto random = [&] { return static_cast<std::uint32_t>(engine()); };
-    Moments moments;
-    moments.resize(kColumns);
+    Runs runs;
+    runs.resize(select, kColumns);
+    Moments& moments = runs.moments;
     std::vector<std::uint8_t> payload(moments_payload_bytes(mode, kColumns));
     PacketHeader header;
     header.kind = spec::kKindMoments;
     header.columns = kColumns;
     header.rows = static_cast<std::uint16_t>(packet_rig.camera.rows);
     header.mode = static_cast<std::uint8_t>(mode);
+    header.select = static_cast<std::uint8_t>(select);
     for (int i = 0; i < kInCache; ++i) {
       for (std::size_t k = 0; k < kColumns; ++k) {
         moments.n[k] = 3 + random() % 7;
         moments.m0[k] = mode == Mode::binary ? moments.n[k] : moments.n[k] * 100 + random() % 100;
         moments.m1[k] = moments.m0[k] * 40 + random() % (16 * moments.m0[k]);
+        if (select == Select::strongest) {
+          runs.runs[k] = static_cast<std::uint8_t>(1 + random() % 2);
+          runs.second[k] = static_cast<std::uint8_t>(runs.runs[k] > 1 ? random() % 8 : 0);
+        }
       }
-      pack_moments(mode, kColumns, moments.view(), payload.data());
+      pack_columns(select, mode, kColumns, runs.view(), payload.data());
       ++header.sequence;
       append_packet(header, payload, 0, bytes);
     }
@@ -78,6 +86,7 @@ struct Packets {
     return std::span(bytes).subspan(static_cast<std::size_t>(i) * size, size);
   }
 
+  Select select;
   Mode mode;
   int count;
   std::size_t size;
@@ -107,15 +116,16 @@ bool profiles_are_right(const Rig& rig, const ReferenceProfile& reference, const
                         const Packets& packets) {
   Profile profile;
   profile.resize(kColumns);
-  Moments moments;
-  moments.resize(kColumns);
+  Runs runs;
+  runs.resize(packets.select, kColumns);
+  const Moments& moments = runs.moments;
   for (int i = 0; i < 16; ++i) {
     PacketView view;
     if (parse_packet(packets.packet(i), view) != PacketError::none) {
       return false;
     }
-    profiler.profile(packets.mode, view.payload.data(), profile.view());
-    unpack_moments(packets.mode, kColumns, view.payload.data(), moments.view());
+    profiler.profile(packets.select, packets.mode, view.payload.data(), profile.view());
+    unpack_columns(packets.select, packets.mode, kColumns, view.payload.data(), runs.view());
     for (std::size_t k = 0; k < kColumns; ++k) {
       const double z = depth_of(rig, reference, k, static_cast<double>(moments.m1[k]) / moments.m0[k]);
       if (profile.validity[k] != 0 || !(std::abs(static_cast<double>(profile.z[k]) - z) < 1e-3) ||
@@ -148,7 +158,7 @@ void work(benchmark::State& state, const DifferentialProfiler& profiler, const P
       }
       benchmark::DoNotOptimize(view);
       if (what != Work::parse) {
-        profiler.profile(packets.mode, view.payload.data(), out);
+        profiler.profile(packets.select, packets.mode, view.payload.data(), out);
       }
       benchmark::ClobberMemory();
     }
@@ -214,6 +224,10 @@ int run(int argc, char** argv) {
       {"binary/memory", &pinholes, Packets(pinholes.rig, Mode::binary, kInMemory)},
       {"grey_over/cache", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInCache)},
       {"grey_over/memory", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInMemory)},
+      {"strongest_binary/cache", &pinholes, Packets(pinholes.rig, Mode::binary, kInCache, Select::strongest)},
+      {"strongest_binary/memory", &pinholes, Packets(pinholes.rig, Mode::binary, kInMemory, Select::strongest)},
+      {"strongest_grey_over/cache", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInCache, Select::strongest)},
+      {"strongest_grey_over/memory", &pinholes, Packets(pinholes.rig, Mode::grey_over, kInMemory, Select::strongest)},
       {"lenses_binary/cache", &lenses, Packets(lenses.rig, Mode::binary, kInCache)},
       {"lenses_binary/memory", &lenses, Packets(lenses.rig, Mode::binary, kInMemory)},
       {"lenses_grey_over/cache", &lenses, Packets(lenses.rig, Mode::grey_over, kInCache)},

@@ -1,0 +1,149 @@
+#include "host/app/lines_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/command_line.h"
+#include "host/io/frame_options.h"
+#include "host/io/image_files.h"
+#include "host/io/output_folder.h"
+#include "host/io/prepared_images.h"
+#include "host/io/progress.h"
+#include "host/io/user_error.h"
+#include "host/light_section/fast_runs.h"
+#include "host/report/frame_picture.h"
+#include "host/report/line_images.h"
+#include "host/report/report.h"
+#include "host/rig/rig.h"
+#include "model/column_runs.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+namespace {
+
+struct LinesOptions {
+  std::vector<std::string> images;
+  Preparation preparation;
+  std::string mode = "grey-over";
+  int threshold = 128;
+  SelectOptions select;
+  double ambiguous_from = RigRuns{}.ambiguous_from;
+  std::size_t pictures = 20;
+  std::string out;
+};
+
+RigMeasure measure_of(const LinesOptions& options) {
+  Measure measure{.mode = mode_of(options.mode), .threshold = options.threshold, .select = Select::strongest};
+  options.select.apply(measure);
+  RigMeasure result;
+  result.take(measure);
+  if (result.runs) {
+    result.runs->ambiguous_from = options.ambiguous_from;
+  }
+  return result;
+}
+
+void run_lines(const LinesOptions& options) {
+  const RigMeasure rig_measure = measure_of(options);
+  const Measure measure = rig_measure.of_board();
+  OutputFolder folder(options.out);
+  PreparedImages images(options.images, options.preparation);
+  if (images.rows() > spec::kMaxRows) {
+    throw UserError(images.files().front(), fmt::format("has {} rows; at most {} are possible: see --roi and "
+                                                        "--transpose",
+                                                        images.rows(), spec::kMaxRows));
+  }
+  LineImages lines(images.rows(), images.columns(), rig_measure);
+  std::vector<CameraPicture> pictures;
+  Runs runs;
+  runs.resize(measure.select, images.columns());
+  {
+    Progress progress("image", images.count());
+    for (std::size_t i = 0; i < images.count(); ++i) {
+      Image as_taken;
+      const Image frame = images.frame(i, &as_taken);
+      fast_measure_columns(frame.view(), measure, runs.view());
+      lines.add(i + 1, runs);
+      if (i < options.pictures) {
+        pictures.push_back(lines.picture(i + 1, std::move(as_taken), runs));
+        folder.append(fmt::format("frame_{}.png", i + 1), frame_png(pictures.back()));
+      }
+      progress.update(i + 1);
+    }
+  }
+  std::vector<Fact> settings = {{"first_image", "first image", images.files().front()}};
+  if (!options.preparation.background.empty()) {
+    settings.push_back({"background", "subtracted from them", options.preparation.background.front()});
+  }
+  lines.write(folder, {.title = "Lines in recorded images", .counters = {}, .settings = settings}, images.count(),
+              pictures);
+  folder.commit();
+  const std::string select = select_text(measure);
+  fmt::print("{} {} of {}, {}, threshold {}{}{}: {} columns with light, {} ambiguous → {}\n", images.count(),
+             images.count() == 1 ? "image" : "images", size_text(images.rows(), images.columns()), options.mode,
+             measure.threshold, select.empty() ? "" : ", ", select, lines.lit(), lines.ambiguous(), options.out);
+}
+
+}  // namespace
+
+void add_lines_command(CLI::App& app) {
+  CLI::App* command = add_command(
+      app,
+      {.name = "lines",
+       .purpose = "Finds the laser line in recorded images, column by column, as a board would.",
+       .details = "Each image is a frame of any width and up to 1023 rows. A line that runs from top to bottom needs "
+                  "--transpose. The folder of --out gets frame_K.png, the images with the line drawn over them, "
+                  "moments.csv, centroid.tiff (rows are images; pixel rows count from 1), summary.json and "
+                  "report.html.\n\n"
+                  "By default the strongest run of each column counts. A column is ambiguous, and magenta in the "
+                  "pictures, where its second run is nearly as strong.",
+       .examples = R"(
+# Render images of a scene, and find the line in them.
+selfproj-sim scene render stairs --count 3 --out frames
+selfproj lines --threshold 20 --out lines frames/frame_*.png
+
+# A red laser in colour images, with an image taken while it was off (needs your files)
+selfproj lines --channel red-difference --threshold 15 --background off.jpg --out lines on.jpg
+)"});
+  const auto options = std::make_shared<LinesOptions>();
+  begin_group(*command, "Images");
+  add_files(*command, "IMAGE", options->images, "Images with the line.")->required();
+  add_files(*command, "--background", options->preparation.background,
+            "The same view without the line: one image for all, or one for each. It is subtracted.");
+  add_preparation_options(*command, options->preparation);
+  begin_group(*command, "Measuring");
+  command
+      ->add_option("--mode", options->mode,
+                   "Weight of a lit pixel: 1 (binary), its grey value (grey), or its grey value less T (grey-over).")
+      ->check(one_of(mode_names()))
+      ->type_name("MODE")
+      ->capture_default_str();
+  command->add_option("--threshold", options->threshold, "A pixel is lit where its grey value is greater than T.")
+      ->transform(whole_number(0, 255))
+      ->type_name("T")
+      ->required();
+  add_select_options(*command, options->select, "strongest");
+  command
+      ->add_option("--ambiguous-from", options->ambiguous_from,
+                   "A column is ambiguous where its second run has at least this share of the strongest one.")
+      ->transform(real_number(1.0 / 16, 2))
+      ->type_name("SHARE")
+      ->capture_default_str();
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for pictures, tables and report.")->type_name("DIR")->required();
+  command->add_option("--pictures", options->pictures, "Images that are shown, the first ones.")
+      ->transform(whole_number(0, 10000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->callback([options] { run_lines(*options); });
+}
+
+}  // namespace selfproj

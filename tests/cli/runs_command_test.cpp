@@ -1,0 +1,200 @@
+// Tests `selfproj-sim moments` with the strongest run and with images as they come, and `selfproj lines`.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/column_runs.h"
+#include "model/packet_payload.h"
+#include "tests/cli/program.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+cv::Mat random_image(Random& random, int rows, int columns, int type = CV_8UC1) {
+  cv::Mat image(rows, columns, type);
+  const std::vector<std::uint8_t> bytes = random.bytes(image.total() * image.elemSize());
+  std::copy(bytes.begin(), bytes.end(), image.data);
+  return image;
+}
+
+// The expected table, from the definition; in mode binary `second` is 8 or 0.
+std::string expected_csv(const cv::Mat& image, const Measure& measure) {
+  Runs runs;
+  runs.resize(measure.select, image.cols);
+  measure_columns({image.data, image.rows, image.cols, static_cast<std::ptrdiff_t>(image.step[0])}, measure,
+                  runs.view());
+  const bool strongest = measure.select == Select::strongest;
+  std::string csv = strongest ? "frame,column,m0,m1,n,runs,second\n" : "frame,column,m0,m1,n\n";
+  for (std::size_t i = 0; i < runs.moments.n.size(); ++i) {
+    fmt::format_to(std::back_inserter(csv), "1,{},{},{},{}", i + 1, runs.moments.m0[i], runs.moments.m1[i],
+                   runs.moments.n[i]);
+    if (strongest) {
+      const int second = measure.mode == Mode::binary ? runs.second[i] / 8 > 0 ? 8 : 0 : runs.second[i];
+      fmt::format_to(std::back_inserter(csv), ",{},{}", runs.runs[i], second);
+    }
+    csv += "\n";
+  }
+  return csv;
+}
+
+class RunsCommand : public ::testing::Test {
+ protected:
+  Outcome moments(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> all{"moments", "--out", "out.csv", "--engine", "model"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return run_program(SELFPROJ_SIM_PROGRAM, all, folder_.path());
+  }
+  Outcome lines(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> all{"lines"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return run_program(SELFPROJ_PROGRAM, all, folder_.path());
+  }
+  void save(const std::string& name, const cv::Mat& image) const {
+    ASSERT_TRUE(cv::imwrite((folder_ / name).string(), image));
+  }
+  std::string table() const { return read_text(folder_ / "out.csv"); }
+  void refused(const std::vector<std::string>& arguments, const std::string& reason) const {
+    const Outcome outcome = moments(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(RunsCommand, StrongestRunWithGapAndRows) {
+  Random random(1);
+  const cv::Mat image = random_image(random, 30, 23);
+  save("a.png", image);
+  for (const auto& [name, mode] :
+       {std::pair{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}) {
+    const Measure measure{
+        .mode = mode, .threshold = 170, .select = Select::strongest, .gap = 2, .window = {.first = 4, .last = 27}};
+    const Outcome outcome = moments(
+        {"--select", "strongest", "--gap", "2", "--rows", "4..27", "--mode", name, "--threshold", "170", "a.png"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("strongest, gap 2, rows 4..27"), std::string::npos) << outcome.out;
+    EXPECT_EQ(table(), expected_csv(image, measure));
+  }
+  EXPECT_EQ(moments({"--rows", "4..27", "a.png"}).status, 0);
+  EXPECT_EQ(table(), expected_csv(image, {.window = {.first = 4, .last = 27}}));
+}
+
+TEST_F(RunsCommand, PartTurnedAndWithoutItsBackground) {
+  Random random(2);
+  const cv::Mat with = random_image(random, 21, 33);
+  const cv::Mat without = random_image(random, 21, 33);
+  save("with.png", with);
+  save("without.png", without);
+  cv::Mat expected;
+  cv::subtract(with, without, expected);
+  expected = expected(cv::Rect(5, 2, 17, 12)).t();
+  EXPECT_EQ(
+      moments({"--threshold", "40", "--background", "without.png", "--roi", "17x12+5+2", "--transpose", "with.png"})
+          .status,
+      0);
+  EXPECT_EQ(table(), expected_csv(expected.clone(), {.threshold = 40}));
+}
+
+TEST_F(RunsCommand, RedLessTheMeanOfGreenAndBlue) {
+  Random random(3);
+  const cv::Mat image = random_image(random, 9, 10, CV_8UC3);
+  save("a.png", image);
+  cv::Mat expected(image.rows, image.cols, CV_8UC1);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.cols; ++column) {
+      const auto& pixel = image.at<cv::Vec3b>(row, column);
+      const double difference = pixel[2] - 0.5 * (pixel[0] + pixel[1]);
+      expected.at<std::uint8_t>(row, column) = static_cast<std::uint8_t>(std::max(0.0, std::floor(difference + 0.5)));
+    }
+  }
+  EXPECT_EQ(moments({"--channel", "red-difference", "--mode", "grey", "--threshold", "10", "a.png"}).status, 0);
+  EXPECT_EQ(table(), expected_csv(expected, {.mode = Mode::grey, .threshold = 10}));
+}
+
+TEST_F(RunsCommand, RefusesWhatMakesNoSense) {
+  save("a.png", cv::Mat(8, 12, CV_8UC1, cv::Scalar(200)));
+  refused({"--rows", "5..4", "a.png"}, "--rows: is '5..4'");
+  refused({"--rows", "0..4", "a.png"}, "--rows");
+  refused({"--rows", "5-8", "a.png"}, "--rows");
+  refused({"--gap", "1", "a.png"}, "--gap: goes only with --select strongest");
+  refused({"--select", "strongest", "--gap", "4", "a.png"}, "--gap");
+  refused({"--select", "second", "a.png"}, "--select");
+  refused({"--roi", "8x8", "a.png"}, "--roi: is '8x8'");
+  refused({"--roi", "8x8+5+0", "a.png"}, "a.png: is 12 x 8; --roi 8 x 8+5+0 is not within it");
+  refused({"--background", "b.png", "a.png"}, "b.png");
+}
+
+TEST_F(RunsCommand, LinesLeaveOutAHotPixelAndMarkWhatIsAmbiguous) {
+  cv::Mat image(40, 21, CV_8UC1, cv::Scalar(5));
+  image.rowRange(10, 15) = 150;
+  image.at<std::uint8_t>(32, 7) = 255;
+  image.col(12).rowRange(30, 34) = 150;
+  save("a.png", image);
+  const Outcome outcome = lines({"--threshold", "60", "--out", "seen", "a.png"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(
+      outcome.out,
+      "1 image of 21 x 40, grey-over, threshold 60, strongest, gap 0: 21 columns with light, 1 ambiguous → seen\n");
+  std::string expected = "frame,column,m0,m1,n,runs,second\n";
+  for (int column = 1; column <= 21; ++column) {
+    fmt::format_to(std::back_inserter(expected), "1,{},450,5850,5,{},{}\n", column, column == 8 || column == 13 ? 2 : 1,
+                   column == 8    ? 6
+                   : column == 13 ? 12
+                                  : 0);
+  }
+  EXPECT_EQ(read_text(folder_ / "seen/moments.csv"), expected);
+  const cv::Mat picture = cv::imread((folder_ / "seen/frame_1.png").string());
+  ASSERT_FALSE(picture.empty());
+  int magenta = 0;
+  for (int row = 0; row < picture.rows; ++row) {
+    for (int column = 0; column < picture.cols; ++column) {
+      magenta += picture.at<cv::Vec3b>(row, column) == cv::Vec3b(255, 0, 220) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(magenta, 0);
+  EXPECT_NE(read_text(folder_ / "seen/report.html").find("ambiguous columns"), std::string::npos);
+  EXPECT_NE(read_text(folder_ / "seen/summary.json").find("\"ambiguous\": 1"), std::string::npos);
+  const Outcome all = lines({"--threshold", "60", "--select", "all", "--out", "all", "a.png"});
+  EXPECT_EQ(all.status, 0) << all.err;
+  EXPECT_NE(read_text(folder_ / "all/moments.csv").find("1,8,645,"), std::string::npos);
+}
+
+// The whole way: scene, board model, packets, driver, profiles. A stream of another select is refused.
+TEST_F(RunsCommand, PacketsOfTheStrongestRunAreInspected) {
+  const auto run = [&](const std::string& program, const std::vector<std::string>& arguments) {
+    return run_program(program, arguments, folder_.path());
+  };
+  const Outcome sent = run(SELFPROJ_SIM_PROGRAM, {"cosim", "--engine", "model", "--count", "3", "--select", "strongest",
+                                                  "--gap", "1", "--packets", "p", "--out", "sim"});
+  ASSERT_EQ(sent.status, 0) << sent.err;
+  EXPECT_NE(sent.out.find("matched 1536 columns in 3 frames, 0 mismatches"), std::string::npos) << sent.out;
+  const Outcome seen =
+      run(SELFPROJ_PROGRAM, {"inspect", "--device", "file:p", "--select", "strongest", "--out", "seen", "--check"});
+  ASSERT_EQ(seen.status, 0) << seen.err;
+  const std::string table = read_text(folder_ / "seen/moments.csv");
+  EXPECT_EQ(table.rfind("frame,column,m0,m1,n,runs,second\n", 0), 0U);
+  EXPECT_EQ(read_text(folder_ / "sim/moments.csv"), table);
+  const std::string summary = read_text(folder_ / "seen/summary.json");
+  EXPECT_NE(summary.find("\"select\": \"strongest\""), std::string::npos);
+  EXPECT_NE(summary.find("\"ambiguous\": "), std::string::npos);
+  const Outcome other = run(SELFPROJ_PROGRAM, {"inspect", "--device", "file:p", "--select", "all"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("file:p: its packets tell of strongest, not of --select all"), std::string::npos)
+      << other.err;
+}
+
+}  // namespace
+}  // namespace selfproj::test
