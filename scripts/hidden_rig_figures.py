@@ -11,6 +11,7 @@ TREAD_WIDTH = 35
 STEP_COLUMNS = 3  # left out on each side of a step, as experiment A2 does it
 MARK_REACH = 17  # mm from a mark's median, along the belt and across: marks are 22 mm wide
 COLUMN_MM = 0.233  # between columns on the plane
+PLANE_Z = 1167  # of the belt of rig A, mm
 
 
 def near_steps(truth, columns, frames, step=0.3):
@@ -59,30 +60,90 @@ def in_triangle(right, down):
                segment(0, reach, -reach, -reach)) <= 1.5
 
 
-def marks_place(folder, spacing):
-    """How far the marks are from their places relative to each other: the part may lie anywhere on the belt.
+def undistorted(lens, x, y):
+    """Brown's formula, inverted by fixed points."""
+    u, v = x, y
+    for _ in range(60):
+        r2 = u * u + v * v
+        radial = 1 + r2 * (lens["k1"] + r2 * (lens["k2"] + r2 * lens["k3"]))
+        u = (x - 2 * lens["p1"] * u * v - lens["p2"] * (r2 + 2 * u * u)) / radial
+        v = (y - lens["p1"] * (r2 + 2 * v * v) - 2 * lens["p2"] * u * v) / radial
+    return u, v
 
-    A mark is what lies 0.5 to 1.5 mm deeper than the good part within half a tread of its own median."""
+
+class TrueCamera:
+    """The camera of the hidden rig, as the simulation has it."""
+
+    def __init__(self, folder):
+        self.view = json.loads((folder / "board/truth.json").read_text(encoding="utf-8"))["camera"]
+
+    def place(self, row, column, z):
+        """x and y of the world at which a pixel sees the plane z."""
+        view = self.view
+        u, v = undistorted(view["distortion"], (column - view["column_centre_px"]) / view["column_focal_px"],
+                           (row - view["row_centre_px"]) / view["row_focal_px"])
+        ray = [u * a + v * b + c for a, b, c in zip(view["along_columns"], view["along_rows"], view["axis"])]
+        way = (z - view["centre_mm"][2]) / ray[2]
+        return tuple(view["centre_mm"][k] + way * ray[k] for k in (0, 1))
+
+
+def points_of_marks(folder, spacing):
+    """For each mark its points (frame, column, x, y), in the part's frame: what lies 0.5 to 1.5 mm deeper than the
+    good part within half a tread of its own median; None if one has no points."""
     points = []
     with open(folder / "result/profile.csv", encoding="utf-8") as lines:
         next(lines)
         for line in lines:
             fields = line.split(",")
             if 0.5 < float(fields[7]) < 1.5:
-                points.append((float(fields[2]) - spacing * int(fields[0]), float(fields[3])))
-    found = []
-    middle = statistics.median(y for _, y in points)
+                points.append((int(fields[0]), int(fields[1]), float(fields[2]) - spacing * int(fields[0]),
+                               float(fields[3])))
+    marks = []
+    middle = statistics.median(p[3] for p in points)
     for tread in range(len(TREADS)):
-        own = [p for p in points if abs(p[1] - middle - TREAD_WIDTH * (tread - 1)) < TREAD_WIDTH / 2]
+        own = [p for p in points if abs(p[3] - middle - TREAD_WIDTH * (tread - 1)) < TREAD_WIDTH / 2]
         if not own:
-            return math.inf
-        around = [statistics.median(p[k] for p in own) for k in (0, 1)]
-        own = [p for p in own if all(abs(p[k] - around[k]) < MARK_REACH for k in (0, 1))]
-        found.append([sum(p[k] for p in own) / len(own) for k in (0, 1)])
-    down = mark_centroid(in_triangle)[1]
-    true = [(0, -TREAD_WIDTH), (0, 0), (-down, TREAD_WIDTH)]
-    shift = [sum(f[k] - t[k] for f, t in zip(found, true)) / len(true) for k in (0, 1)]
+            return None
+        around = [statistics.median(p[k] for p in own) for k in (2, 3)]
+        marks.append([p for p in own if all(abs(p[2 + k] - around[k]) < MARK_REACH for k in (0, 1))])
+    return marks
+
+
+def beside_each_other(found, true):
+    """How far places are from the true ones, relative to each other: the part may lie anywhere on the belt."""
+    shift = [statistics.fmean(f[k] - t[k] for f, t in zip(found, true)) for k in (0, 1)]
     return max(math.hypot(f[0] - t[0] - shift[0], f[1] - t[1] - shift[1]) for f, t in zip(found, true))
+
+
+def marks_figures(folder, spacing, truth):
+    """How far the marks' points are from where they truly are, and the centroid of what is seen of each mark from the
+    mark's own. The latter is off even with a rig that is known perfectly: the light falls in from one side, and a wall
+    1 mm high shades 0.6 mm of a mark's bottom."""
+    marks = points_of_marks(folder, spacing)
+    if not marks:
+        return {"place_mm": math.inf, "centroid_mm": math.inf}
+    rows = {}
+    with open(folder / "result/moments.csv", encoding="utf-8") as lines:
+        next(lines)
+        for line in lines:
+            frame, column, m0, m1, _ = line.split(",")
+            if int(m0) > 0:
+                rows[int(frame), int(column)] = int(m1) / int(m0) - 1
+    camera = TrueCamera(folder)
+    found, true = [], []
+    for points in marks:
+        pairs = []
+        for frame, column, x, y in points:
+            height = truth[frame - 1][column - 1]
+            if not math.isnan(height):
+                at = camera.place(rows[frame, column], column - 1, PLANE_Z - height)
+                pairs.append((x, y, at[0] - spacing * frame, at[1]))
+        found.append([statistics.fmean(p[k] for p in pairs) for k in (0, 1)])
+        true.append([statistics.fmean(p[k] for p in pairs) for k in (2, 3)])
+    down = mark_centroid(in_triangle)[1]
+    drawn = [(0, -TREAD_WIDTH), (0, 0), (-down, TREAD_WIDTH)]
+    seen = [[statistics.fmean(p[k] for p in points) for k in (2, 3)] for points in marks]
+    return {"place_mm": beside_each_other(found, true), "centroid_mm": beside_each_other(seen, drawn)}
 
 
 def light_section_figures(folder, spacing):
@@ -108,18 +169,7 @@ def light_section_figures(folder, spacing):
     found = [s / n if n else math.nan for s, n in treads]
     return {"treads_mm": found, "tread_mm": max(abs(f - t) for f, t in zip(found, TREADS)),
             "mean_mm": total / count, "rms_mm": math.sqrt(squares / count), "max_mm": greatest, "points": count,
-            "missing": missing, "place_mm": marks_place(folder, spacing)}
-
-
-def undistorted(lens, x, y):
-    """Brown's formula, inverted by fixed points."""
-    u, v = x, y
-    for _ in range(60):
-        r2 = u * u + v * v
-        radial = 1 + r2 * (lens["k1"] + r2 * (lens["k2"] + r2 * lens["k3"]))
-        u = (x - 2 * lens["p1"] * u * v - lens["p2"] * (r2 + 2 * u * u)) / radial
-        v = (y - lens["p1"] * (r2 + 2 * v * v) - 2 * lens["p2"] * u * v) / radial
-    return u, v
+            "missing": missing, **marks_figures(folder, spacing, truth)}
 
 
 def scanner_figures(folder):

@@ -3,16 +3,22 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/app/camera_command.h"
 #include "host/app/heights_command.h"
+#include "host/app/length_list.h"
+#include "host/calibration/bundle_plates.h"
 #include "host/calibration/calibrate.h"
 #include "host/calibration/calibration_check.h"
 #include "host/calibration/calibration_output.h"
@@ -25,6 +31,7 @@
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
 #include "host/rig/calibration_file.h"
+#include "host/rig/optics.h"
 #include "host/rig/rig.h"
 #include "host/rig/rig_calibration.h"
 #include "host/structured_light/gray_sequence.h"
@@ -47,21 +54,81 @@ struct CalibrateOptions {
   std::string projector_distortion = kAuto;
   DecodeSettings decode;
   CalibrateSettings calibrate;
+  std::string plates;
+  std::string moves;
+  PlateTolerance tolerance;
   std::vector<std::string> poses;
   std::vector<std::string> checks;
 };
 
 int free_of(const std::string& option) { return option == kAuto ? FreeDistortion::kByData : std::stoi(option); }
 
+// Twice what a projector line is worth in z in the middle of the camera's image, at this distance.
+double coarse(const Rig& rig, double distance_mm) {
+  const RigOptics optics(rig);
+  const auto ray = optics.ray({0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1)});
+  const double way = ray ? 2 * optics.z_per_line(*ray, distance_mm) : 0;
+  return std::isfinite(way) ? way : 0;
+}
+
 // The rig of the calibration, or the reason why it does not exist.
 std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report) {
   try {
-    const Rig rig = rig_of(report.calibration, load_rig(options.rig));
+    Rig rig = rig_of(report.calibration, load_rig(options.rig));
+    if (report.belt) {
+      if (report.belt->moved) {
+        rig.belt_pose = report.belt->pose;
+      }
+      rig.plane_z_mm = report.belt->plane_z_mm;
+    }
+    if (rig.kind == RigKind::scanner) {
+      // The limit of --rig may be that of a much finer rig.
+      rig.measure.max_z_per_line_mm = std::max(rig.measure.max_z_per_line_mm, coarse(rig, report.mean_distance_mm));
+    }
     return to_yaml(rig);
   } catch (const std::invalid_argument& error) {
     report.warnings.push_back(fmt::format("no rig.yaml: {}", error.what()));
     return {};
   }
+}
+
+// Heights and moves of plates, with the drawings of the rig as the place to start from.
+void apply_plates(const CalibrateOptions& options, CalibrateSettings& settings) {
+  constexpr std::size_t kLeastPlates = 3;
+  if (options.plates.empty() && !options.moves.empty()) {
+    throw UserError("--moves", "is for --plates");
+  }
+  if (options.plates.empty()) {
+    return;
+  }
+  const std::vector<double> heights = ascending_lengths("--plates", options.plates);
+  const std::vector<double> moves =
+      options.moves.empty() ? std::vector<double>{0} : ascending_lengths("--moves", options.moves);
+  if (heights.size() < kLeastPlates) {
+    throw UserError("--plates", fmt::format("{} are too few; 3 or more heights are needed", heights.size()));
+  }
+  if (!options.moves.empty() && moves.size() < 2) {
+    throw UserError("--moves", "two places of the belt are needed, to know which way it runs");
+  }
+  const std::size_t count = heights.size() * moves.size();
+  if (options.poses.size() < count) {
+    throw UserError("--plates", fmt::format("{} heights with {} places of the belt are {} poses; {} are given",
+                                            heights.size(), moves.size(), count, options.poses.size()));
+  }
+  const Rig rig = load_rig(options.rig);
+  if (rig.projector.columns != settings.projector_columns || rig.projector.lines != settings.projector_rows) {
+    throw UserError("--rig", fmt::format("its projector has {}, not {}; --plates starts from this rig",
+                                         size_text(rig.projector.lines, rig.projector.columns), options.projector));
+  }
+  const Chessboard& board = settings.chessboard;
+  const double side = board.square_mm * (std::max(board.columns, board.rows) - 1);
+  settings.plates.emplace(heights, moves, options.tolerance, side);
+  const Calibration drawn = calibration_of(rig);
+  const auto lens_of = [](const Lens& l) { return LensParameters{l.fx, l.fy, l.cx, l.cy}; };
+  settings.plates->camera = lens_of(drawn.camera);
+  settings.plates->projector = lens_of(drawn.projector);
+  cv::Rodrigues(drawn.rotation, settings.plates->stereo.rotation);
+  settings.plates->stereo.translation = drawn.translation;
 }
 
 // Checks the options and puts them into options.calibrate.
@@ -91,6 +158,7 @@ void apply(CalibrateOptions& options) {
   settings.bent = options.board == "bent";
   settings.free = {free_of(options.camera_distortion), free_of(options.projector_distortion)};
   static_cast<void>(load_rig(options.rig));
+  apply_plates(options, settings);
 }
 
 // Decodes the folders and finds the chessboard in each.
@@ -142,6 +210,45 @@ void run_calibrate(CalibrateOptions options) {
   fmt::print("{}→ {}\n", report_text(report), folder.name());
 }
 
+void add_plate_options(CLI::App& command, CalibrateOptions& options) {
+  begin_group(command, "Plates: the chessboard lies at known heights over the belt");
+  command
+      .add_option("--plates", options.plates,
+                  "Heights in mm of a plate that carries the chessboard, ascending. The first poses are those on it, "
+                  "height by height and there place by place of the belt; further ones may lean freely. The least "
+                  "squares start from --rig.")
+      ->type_name("H,H,...");
+  command
+      .add_option(
+          "--moves", options.moves,
+          "Places of the belt in mm by its encoder, ascending, to which it takes the plate at each height. They "
+          "tell which way the belt runs, which a light section must know.")
+      ->type_name("X,X,...");
+  command.add_option("--tolerance", options.tolerance.height_mm, "How far a height may be off, in mm.")
+      ->transform(number_above_zero(10))
+      ->type_name("MM")
+      ->capture_default_str();
+  command
+      .add_option("--parallel", options.tolerance.parallel_mm,
+                  "How far one end of the chessboard may lie higher than the other, in mm.")
+      ->transform(number_above_zero(10))
+      ->type_name("MM")
+      ->capture_default_str();
+  command
+      .add_option("--square-tolerance", options.tolerance.square,
+                  "How far the squares' side may be off, as a share. The heights tell the rest.")
+      ->transform(number_above_zero(0.1))
+      ->type_name("SHARE")
+      ->capture_default_str();
+  command
+      .add_option("--fence", options.tolerance.fence_mm,
+                  "How far the plate may miss its place on the belt from height to height, in mm. Push it against a "
+                  "fence that stands square to the belt.")
+      ->transform(number_above_zero(1000))
+      ->type_name("MM")
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void add_calibrate_command(CLI::App& app) {
@@ -183,6 +290,7 @@ selfproj calibrate --chessboard 9x7 --square 20 --projector 1024x768 \
                    "Rig whose pixel pitches, rates, conveyor and measuring are copied to rig.yaml.")
       ->type_name("RIG")
       ->capture_default_str();
+  add_plate_options(*command, *options);
   begin_group(*command, "Decoding");
   command
       ->add_option("--threshold", options->decode.threshold,
@@ -256,6 +364,7 @@ selfproj calibrate --chessboard 9x7 --square 20 --projector 1024x768 \
   add_files(
       *command, "POSE", options->poses,
       "Folders of images, one for each pose. Each holds the whole sequence, numbered in the order of the patterns.");
+  add_camera_command(*command);
   add_heights_command(*command);
   command->callback([options, command] {
     if (!command->get_subcommands().empty()) {

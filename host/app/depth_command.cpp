@@ -3,16 +3,20 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/io/command_line.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
+#include "host/io/image_files.h"
 #include "host/io/image_sequence.h"
+#include "host/io/numbers.h"
 #include "host/io/output_folder.h"
 #include "host/io/user_error.h"
 #include "host/report/depth_output.h"
@@ -33,6 +37,7 @@ struct DepthOptions {
   std::string compare;
   bool compare_opengl = false;
   bool plane = false;
+  std::string plane_region;
   std::string out;
   std::string device;
   std::size_t count = 0;
@@ -45,14 +50,17 @@ void check_options(const DepthOptions& options) {
   if (geometry.rig.empty() == geometry.calibration.empty()) {
     throw UserError("--rig, --calibration", "give one of them, not both");
   }
-  if (!geometry.rig.empty() && (geometry.row_bits > 0 || geometry.lines > 0 || geometry.row_lines > 0)) {
-    throw UserError("--row-bits, --lines, --row-lines", "go only with --calibration; a rig has its own lines");
+  if (!geometry.rig.empty() && (geometry.lines > 0 || geometry.row_lines > 0)) {
+    throw UserError("--lines, --row-lines", "go only with --calibration; a rig has its own lines");
   }
   if (geometry.row_bits > 0 && (scanner.median || !options.setup.background.empty())) {
     throw UserError("--row-bits", "measures once with both axes; --median and --background go only with one axis");
   }
   if (scanner.strict && scanner.median) {
     throw UserError("--strict", "cannot be combined with --median, which fills what --strict leaves out");
+  }
+  if (!options.plane && !options.plane_region.empty()) {
+    throw UserError("--plane-region", "is for --plane");
   }
   if (options.images.empty() == options.device.empty()) {
     throw UserError("IMAGE, --device", "give one of them, not both");
@@ -68,8 +76,17 @@ void check_options(const DepthOptions& options) {
   if (options.count > 0) {
     throw UserError("--count", "goes only with --device");
   }
-  const std::size_t count = options.images.size();
+}
+
+// The files of the images. A folder may hold the white and the black image of a whole sequence after the codes.
+std::vector<std::string> files_of(const DepthOptions& options) {
+  std::vector<std::string> files = image_arguments(options.images);
+  const DepthGeometry& geometry = options.setup.geometry;
   const auto need = 2 * static_cast<std::size_t>(geometry.bits + geometry.row_bits);
+  if (files.size() == need + 2 && files.size() != options.images.size()) {
+    files.resize(need);
+  }
+  const std::size_t count = files.size();
   if (count % 2 != 0) {
     throw UserError("IMAGE",
                     fmt::format("{} images are an odd number; each positive is followed by its negative", count));
@@ -80,13 +97,39 @@ void check_options(const DepthOptions& options) {
   }
   if (geometry.row_bits > 0 && count != need) {
     throw UserError("IMAGE",
-                    fmt::format("{} images are too many; with --row-bits, exactly {} are needed", count, need));
+                    fmt::format("{} images are too many; with --row-bits, exactly {} are needed, or in a folder, with "
+                                "white and black, {}",
+                                count, need, need + 2));
   }
+  return files;
+}
+
+// Four whole numbers with commas between them.
+PlaneRegion region_of_text(const std::string& text, const FloatImage& depth) {
+  std::vector<int> numbers;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::optional<int> number = number_of_text<int>(text.substr(begin, end - begin));
+    if (!number || *number < 0) {
+      break;
+    }
+    numbers.push_back(*number);
+    begin = end + 1;
+  }
+  const bool whole = numbers.size() == 4 && std::count(text.begin(), text.end(), ',') == 3;
+  if (!whole || numbers[2] == 0 || numbers[3] == 0) {
+    throw UserError("--plane-region", fmt::format("'{}' is not ROW,COLUMN,ROWS,COLUMNS, four whole numbers", text));
+  }
+  if (numbers[2] > depth.rows - numbers[0] || numbers[3] > depth.columns - numbers[1]) {
+    throw UserError("--plane-region",
+                    fmt::format("{} reaches beyond the depth image of {}", text, size_text(depth.rows, depth.columns)));
+  }
+  return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
 // Computes the depth images of the recorded images. If there are several, each is written into the folder.
 DepthRun depth_of_files(const DepthOptions& options, OutputFolder& folder) {
-  ImageSequence images(options.images, channel_of(options.channel));
+  ImageSequence images(files_of(options), channel_of(options.channel));
   const DepthGeometry& geometry = options.setup.geometry;
   if (geometry.row_bits > 0) {
     return depth_of_both_axes(options.setup, images);
@@ -119,7 +162,7 @@ void run_depth(const DepthOptions& options) {
                                               : depth_of_device(options.setup, options.device, options.count);
   DepthReport report{.setup = options.setup,
                      .device = options.device,
-                     .images = options.images.size(),
+                     .images = options.device.empty() ? files_of(options).size() : 0,
                      .cloud = options.compare,
                      .comparison = {},
                      .plane = {}};
@@ -127,7 +170,10 @@ void run_depth(const DepthOptions& options) {
     report.comparison = compare_with_file(options, run);
   }
   if (options.plane) {
-    report.plane = fit_plane(*run.triangulation, run.depth);
+    const FloatImage& depth = run.depth;
+    report.plane = options.plane_region.empty()
+                       ? fit_plane(*run.triangulation, depth)
+                       : fit_plane(*run.triangulation, depth, region_of_text(options.plane_region, depth));
   }
   write_depth(run, report, folder);
   folder.commit();
@@ -244,7 +290,13 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   command->add_option("--compare", options->compare, "Print how far the points lie from those of this cloud.")
       ->type_name("FILE.ply");
   command->add_flag("--compare-opengl", options->compare_opengl, "y and z of that cloud have the opposite sign.");
-  command->add_flag("--plane", options->plane, "Fit a plane to the newest depth image, and print how flat it is.");
+  command->add_flag("--plane", options->plane,
+                    "Fit the plane on which most points of the newest depth image lie, and print how flat it is.");
+  command
+      ->add_option("--plane-region", options->plane_region,
+                   "Part of the image that --plane takes: its first row and column from 0, and how many of them.")
+      ->type_name("R,C,ROWS,COLUMNS")
+      ->default_str("the whole image");
   begin_group(*command, "Input and output");
   command
       ->add_option("--device", options->device,
@@ -256,7 +308,9 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
       ->type_name("N")
       ->default_str("all");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
-  add_files(*command, "IMAGE", options->images, "8-bit images of one size. These or --device are needed.");
+  add_files(*command, "IMAGE", options->images,
+            "8-bit images of one size, or one folder of them, in natural order and nothing else in it. The folder may "
+            "hold white and black after the codes. These or --device are needed.");
   command->callback([options] { run_depth(*options); });
 }
 

@@ -8,15 +8,14 @@
 #include <cstddef>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "host/app/length_list.h"
 #include "host/io/command_line.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
-#include "host/io/numbers.h"
 #include "host/io/output_folder.h"
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
@@ -39,27 +38,6 @@ struct HeightsOptions {
   std::string out;
   std::vector<std::string> folders;
 };
-
-// Numbers with commas between them, ascending.
-std::vector<double> ascending(const char* option, const std::string& text) {
-  constexpr double kMost = 1e5;
-  std::vector<double> values;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::string entry = text.substr(begin, end - begin);
-    const std::optional<double> value = number_of_text<double>(entry);
-    if (!value || !(std::abs(*value) <= kMost)) {
-      throw UserError(option, fmt::format("'{}' is not a height in mm", entry));
-    }
-    if (!values.empty() && !(*value > values.back())) {
-      throw UserError(option,
-                      fmt::format("{} follows {}; heights are expected in ascending order", *value, values.back()));
-    }
-    values.push_back(*value);
-    begin = end + 1;
-  }
-  return values;
-}
 
 HeightPosition read_position(const HeightsOptions& options, const Rig& rig, const std::string& folder,
                              const std::vector<int>& lines) {
@@ -168,13 +146,13 @@ void run_heights(HeightsOptions options) {
   }
   std::vector<double> heights;
   if (options.steps.empty()) {
-    heights = ascending("--heights", options.heights);
+    heights = ascending_lengths("--heights", options.heights);
     if (heights.size() != options.folders.size()) {
       throw UserError("--heights",
                       fmt::format("has {} heights for {} folders", heights.size(), options.folders.size()));
     }
   } else {
-    options.settings.steps_mm = ascending("--steps", options.steps);
+    options.settings.steps_mm = ascending_lengths("--steps", options.steps);
   }
   if (std::set<std::string>(options.folders.begin(), options.folders.end()).size() != options.folders.size()) {
     throw UserError("DIR", "a folder is given twice");

@@ -21,7 +21,9 @@
 
 #include "host/calibration/bundle_cost.h"
 #include "host/calibration/bundle_deviations.h"
+#include "host/calibration/bundle_plates.h"
 #include "host/calibration/normal_matrix.h"
+#include "host/calibration/plate_cost.h"
 
 namespace selfproj {
 namespace {
@@ -42,6 +44,7 @@ constexpr Kind kBend = 2;
 constexpr Kind kStretch = 3;
 constexpr Kind kOwn = 4;
 constexpr Kind kKinds = 5;
+constexpr Kind kKnown = kKinds;  // of known size: what plates are off
 
 std::array<double*, kKinds> parts_of(BundleNoise& noise) {
   return {&noise.camera, &noise.projector, &noise.bend, &noise.stretch, &noise.own};
@@ -73,6 +76,9 @@ class Fit {
       }
       sights_ += views[v].sights.size();
     }
+    put(start.belt.pose, belt_.data());
+    way_ = {start.belt.way[0], start.belt.way[1], start.belt.scale};
+    plate_off_ = start.belt.plate_off;
     add_residuals();
     hold();
   }
@@ -156,6 +162,23 @@ class Fit {
         add({{kOwn, kOwnModes}}, new OwnPrior, block.data());
       }
     }
+    if (options_.plates != nullptr) {
+      add_plates(*options_.plates);
+    }
+  }
+
+  void add_plates(const Plates& plates) {
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      const PlatePlace& place = plates.places[v];
+      if (place.plate >= 0) {
+        add({{kKnown, kPose}}, plate_cost(place, plates), belt_.data(), way_.data(),
+            plate_off_[static_cast<std::size_t>(place.plate)].data(), blocks_[v].data());
+      }
+    }
+    for (auto& off : plate_off_) {
+      add({{kKnown, kPose}}, new PriorCost<kPose, kPose>, off.data());
+    }
+    add({{kKnown, 1}}, new PriorCost<1, 3>, way_.data());
   }
 
   // Puts what is estimated in order, and holds the rest.
@@ -182,6 +205,13 @@ class Fit {
       order_.push_back(block.data());
       if (!shaped()) {
         hold_some(block.data(), kView, own_bend);
+      }
+    }
+    if (options_.plates != nullptr) {
+      order_.insert(order_.end(), {belt_.data(), way_.data()});
+      hold_some(way_.data(), 3, options_.plates->moved ? std::vector<int>{} : std::vector<int>{0, 1});
+      for (auto& off : plate_off_) {
+        order_.push_back(off.data());
       }
     }
     if (poses_only_) {
@@ -238,8 +268,8 @@ class Fit {
   double estimate_noise() {
     const Linear linear = linearize();
     const std::vector<double> leverage = leverages(linear.jacobian, covariance_of(normal_matrix(linear.jacobian)));
-    std::array<double, kKinds> squares{};
-    std::array<double, kKinds> redundancy{};
+    std::array<double, kKnown + 1> squares{};
+    std::array<double, kKnown + 1> redundancy{};
     for (std::size_t row = 0; row < leverage.size(); ++row) {
       squares[kinds_[row]] += linear.residuals[row] * linear.residuals[row];
       redundancy[kinds_[row]] += 1 - leverage[row];
@@ -247,7 +277,7 @@ class Fit {
     return apply(squares, redundancy);
   }
 
-  double apply(const std::array<double, kKinds>& squares, const std::array<double, kKinds>& redundancy) {
+  double apply(const std::array<double, kKnown + 1>& squares, const std::array<double, kKnown + 1>& redundancy) {
     constexpr double kNoRedundancy = 1e-3;
     constexpr double kFastest = 20;  // a shape's standard deviation changes by no more than this factor at once
     double greatest = 0;
@@ -301,6 +331,7 @@ class Fit {
     bundle.stereo = pose_at(stereo_.data());
     bundle.shape = shape_;
     bundle.noise = noise_;
+    bundle.belt = {pose_at(belt_.data()), {way_[0], way_[1]}, way_[2], plate_off_};
     bundle.chessboard.clear();
     bundle.own_bend.clear();
     for (const auto& block : blocks_) {
@@ -350,6 +381,9 @@ class Fit {
   std::array<double, kPose> stereo_{};
   std::array<double, kSharedModes> shape_{};
   std::vector<std::array<double, kView>> blocks_;
+  std::array<double, kPose> belt_{};
+  std::array<double, 3> way_{};  // and scale
+  std::vector<std::array<double, kPose>> plate_off_;
   std::size_t sights_ = 0;
   std::vector<double*> order_;
   std::vector<ceres::ResidualBlockId> residuals_;
@@ -377,7 +411,11 @@ BundleResult solve_bundle(const std::vector<View>& views, const Bundle& start, c
   Fit with_more(views, result.bundle, wide, false);
   Eigen::MatrixXd normal = with_more.normal();
   add_distortion_prior(normal, with_more.layout(), options.free);
-  fill_deviations(covariance_of(normal), with_more.layout(), options.free, result);
+  const Eigen::MatrixXd covariance = covariance_of(normal);
+  fill_deviations(covariance, with_more.layout(), options.free, result);
+  if (options.plates != nullptr) {
+    fill_belt_deviations(covariance, *options.plates, result);
+  }
   return result;
 }
 

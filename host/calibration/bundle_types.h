@@ -52,6 +52,17 @@ struct BundleNoise {
   double own = 0;      // bend of a single pose beside the shared one
 };
 
+struct Plates;  // bundle_plates.h
+
+// How plates lie over a belt, in the axes of a chessboard on the plate at height 0 with the belt at place 0: x and y
+// along the chessboard, z away from the camera.
+struct Belt {
+  Pose pose;                                       // camera from these axes
+  cv::Vec2d way{0, 1};                             // x and y by which a millimetre of the belt moves the chessboard
+  double scale = 0;                                // of the chessboard's squares, in units of Plates::scale_deviation
+  std::vector<std::array<double, 6>> plate_off{};  // of each plate from its drawing, in units of Plates::deviations
+};
+
 struct Bundle {
   LensParameters camera{}, projector{};
   Pose stereo;                                          // projector from camera
@@ -59,12 +70,14 @@ struct Bundle {
   std::array<double, kSharedModes> shape{};             // in units of noise.bend and noise.stretch
   std::vector<std::array<double, kOwnModes>> own_bend;  // one for each view, in units of noise.own
   BundleNoise noise;
+  Belt belt;  // only with BundleOptions::plates
 };
 
 struct BundleOptions {
   FreeDistortion free{0, 0};
   FreeDistortion uncertain{0, 0};  // coefficients beyond the free ones that are held, but not known to be 0
   const std::vector<CornerModes>* shape = nullptr;  // of the chessboard; none: it is flat
+  const Plates* plates = nullptr;                   // under the chessboards; none: nothing is known of their places
   bool projector = true;                            // false: the camera alone; projector and stereo keep their values
   bool estimate_noise = true;                       // false: it stays that of the start
   bool deviations = true;  // false: none are computed, and the minimum is rough, which is faster
@@ -78,6 +91,9 @@ struct BundleResult {
   // not filled in. Widened for few views (widening_of in bundle_deviations.h).
   Bundle deviation;
   double baseline_deviation = 0;  // of the length of the translation, in mm
+  // With plates: of the angle between the plates' normal and what the camera sees in the middle of its image, rad, and
+  // of Belt::scale.
+  double lean_deviation = 0, scale_deviation = 0;
   // Of the free distortion coefficients, camera before projector, unwidened.
   cv::Mat1d distortion_covariance;
   // Root mean square of the lengths of the residuals in pixels: over all views, and for each view.

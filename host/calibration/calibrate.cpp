@@ -11,12 +11,15 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/calibration/belt_report.h"
 #include "host/calibration/bundle.h"
+#include "host/calibration/bundle_plates.h"
 #include "host/calibration/calibration_warnings.h"
 #include "host/calibration/chessboard.h"
 #include "host/calibration/corner_codes.h"
@@ -81,6 +84,7 @@ Lens lens_of(const LensParameters& p) { return {p[0], p[1], p[2], p[3], {p[4], p
 struct Index {
   std::vector<View> views;
   std::vector<std::size_t> pose;  // pose of each view
+  std::optional<Plates> plates;   // under these views
 };
 
 class Calibrator {
@@ -100,10 +104,11 @@ class Calibrator {
     report_.mirrored = is_mirrored(index.views);
     index = used();
     choose(index);
+    refuse_plates(index);
     while (report_.settings.reject > 0 && reject_all(index)) {
       choose(index);
     }
-    check_starts(index.views, model_settings(), report_.model);
+    check_starts(index.views, model_settings(index), report_.model);
     report_.bundle = report_.model.result;
     fit_alone(index);
     finish(index);
@@ -127,7 +132,11 @@ class Calibrator {
   void leave_out_poor_poses() {
     std::size_t left = 0;
     for (PoseReport& pose : report_.poses) {
-      if (pose.reason.empty() && pose.used() < report_.settings.min_corners) {
+      if (pose.reason.empty() && pose.used() == 0) {
+        pose.reason =
+            "its chessboard is seen, but no corner has codes; the images are likely in another order than "
+            "the patterns";
+      } else if (pose.reason.empty() && pose.used() < report_.settings.min_corners) {
         pose.reason = fmt::format("only {} of {} corners can be used; {} are needed", pose.used(),
                                   report_.settings.chessboard.corners(), report_.settings.min_corners);
       }
@@ -157,11 +166,38 @@ class Calibrator {
       index.pose.push_back(p);
       index.views.push_back(view_of(pose, report_.settings, report_.mirrored));
     }
+    if (report_.settings.plates) {
+      index.plates = plates_under(index.pose);
+    }
     return index;
   }
 
-  [[nodiscard]] ModelSettings model_settings() const {
-    return {camera_size_, projector_size_, report_.settings.free, shape()};
+  // The plates under the poses of the views. Rows of a mirrored projector count from below.
+  [[nodiscard]] Plates plates_under(const std::vector<std::size_t>& poses) const {
+    Plates plates = *report_.settings.plates;
+    const std::vector<PlatePlace> all = std::exchange(plates.places, {});
+    for (const std::size_t pose : poses) {
+      plates.places.push_back(pose < all.size() ? all[pose] : PlatePlace{});
+    }
+    if (report_.mirrored) {
+      plates.projector[1] *= -1;
+      plates.projector[3] = projector_size_.height - 1 - plates.projector[3];
+    }
+    return plates;
+  }
+
+  // Throws UserError if the plates are not where they are said to be.
+  void refuse_plates(const Index& index) const {
+    if (index.plates) {
+      const std::string fault = fault_of_plates(index.views, *index.plates, report_.bundle.bundle);
+      if (!fault.empty()) {
+        throw UserError("--plates", fault);
+      }
+    }
+  }
+
+  [[nodiscard]] ModelSettings model_settings(const Index& index) const {
+    return {camera_size_, projector_size_, report_.settings.free, shape(), index.plates ? &*index.plates : nullptr};
   }
 
   [[nodiscard]] const std::vector<CornerModes>* shape() const {
@@ -170,7 +206,7 @@ class Calibrator {
 
   void choose(const Index& index) {
     try {
-      report_.model = choose_model(index.views, model_settings());
+      report_.model = choose_model(index.views, model_settings(index));
     } catch (const std::runtime_error& error) {
       throw UserError("calibrate", error.what());
     } catch (const std::invalid_argument& error) {
@@ -183,6 +219,7 @@ class Calibrator {
   void fit_alone(const Index& index) {
     const auto rms = [&](const std::vector<View>& views, const Bundle& start, int free) {
       BundleOptions options;
+      options.plates = index.plates ? &*index.plates : nullptr;
       options.free.camera = free;
       options.shape = shape();
       options.projector = false;
@@ -206,6 +243,8 @@ class Calibrator {
       cv::composeRT(pose.rotation, pose.translation, both.stereo.rotation, both.stereo.translation,
                     start.chessboard[v].rotation, start.chessboard[v].translation);
     }
+    cv::composeRT(both.belt.pose.rotation, both.belt.pose.translation, both.stereo.rotation, both.stereo.translation,
+                  start.belt.pose.rotation, start.belt.pose.translation);
     report_.projector_alone_rms = rms(views, start, report_.model.free.projector);
   }
 
@@ -221,7 +260,7 @@ class Calibrator {
       if (index.views.size() != poses) {
         break;
       }
-      refit(index.views, model_settings(), report_.model);
+      refit(index.views, model_settings(index), report_.model);
       report_.bundle = report_.model.result;
     }
     return any;
@@ -256,6 +295,9 @@ class Calibrator {
   }
 
   void finish(const Index& index) {
+    if (index.plates) {
+      report_.belt = belt_report(*index.plates, report_.bundle);
+    }
     const BundleResult& found = report_.bundle;
     Calibration& calibration = report_.calibration;
     calibration.camera = lens_of(found.bundle.camera);

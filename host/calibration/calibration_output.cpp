@@ -160,6 +160,17 @@ std::string report_json(const CalibrationReport& report) {
                                                    {"sd", number(found.deviation.stereo.translation[i])}};
   }
   json["pose"]["baseline_mm"] = {{"value", cv::norm(stereo.translation)}, {"sd", number(found.baseline_deviation)}};
+  if (report.belt) {
+    const BeltReport& belt = *report.belt;
+    json["belt"] = {{"normal", belt.pose.normal},
+                    {"plane_z_mm", belt.plane_z_mm},
+                    {"lean_sd_deg", number(belt.lean_deg_sd)},
+                    {"true_over_given_squares", {{"value", belt.squares}, {"sd", number(belt.squares_sd)}}}};
+    if (belt.moved) {
+      json["belt"]["direction"] = belt.pose.direction;
+      json["belt"]["chessboard_mm_per_belt_mm"] = belt.way;
+    }
+  }
   json["coverage"] = {{"camera", report.camera_coverage}, {"projector", report.projector_coverage}};
   json["greatest_angle_between_poses_deg"] = report.greatest_angle_deg;
   json["mean_distance_mm"] = report.mean_distance_mm;
@@ -225,6 +236,16 @@ std::string report_text(const CalibrationReport& report) {
   if (report.settings.bent) {
     text += fmt::format("board      bent by {:.3g} mm; a single pose by {:.2g} mm RMS more\n", report.board_range_mm,
                         found.bundle.noise.own);
+  }
+  if (report.belt) {
+    const BeltReport& belt = *report.belt;
+    text += fmt::format(
+        "belt       {:.3f} mm away, its direction known to {:.4f}°; squares {:.6f} ± {:.6f} of those given\n",
+        belt.plane_z_mm, belt.lean_deg_sd, belt.squares, belt.squares_sd);
+    if (belt.moved) {
+      text += fmt::format("           runs at {:.4f}° from the camera's columns; moves {:.5f} mm for each mm said\n",
+                          kDegreesARadian * std::atan2(belt.pose.direction[0], belt.pose.direction[1]), belt.way);
+    }
   }
   text += fmt::format("starts     {} of {} lead here, {} to worse fits\n", report.model.agreeing,
                       report.model.agreeing + report.model.worse + report.model.failed, report.model.worse);

@@ -4,14 +4,17 @@
 
 #include <opencv2/core/matx.hpp>
 #include <opencv2/core/types.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/calibration/bundle.h"
+#include "host/calibration/bundle_plates.h"
 #include "host/calibration/chessboard.h"
 #include "host/calibration/corner_codes.h"
 #include "host/calibration/model_choice.h"
 #include "host/rig/calibration_file.h"
+#include "host/rig/rig.h"
 
 namespace selfproj {
 
@@ -23,7 +26,9 @@ struct CalibrateSettings {
   int min_corners = 12;  // a pose with fewer usable corners is left out
   FreeDistortion free;   // 0, 1, 2, 4 or 5 for each lens, or FreeDistortion::kByData
   bool bent = true;      // the chessboard's shape is estimated; false: it is exactly flat
-  double reject = 4.5;   // corners with residuals above this many standard deviations are left out; 0: none
+  // Under the chessboards of the first poses, if there are any; the projector's rows count as in the images.
+  std::optional<Plates> plates;
+  double reject = 4.5;  // corners with residuals above this many standard deviations are left out; 0: none
 };
 
 struct Corner {
@@ -48,6 +53,16 @@ struct PoseReport {
   [[nodiscard]] int used() const;
 };
 
+// How the belt lies before the camera, from chessboards on plates.
+struct BeltReport {
+  RigBeltPose pose;
+  bool moved = false;                  // whether the belt moved; if not, the pose's direction is the chessboard's rows
+  double plane_z_mm = 0;               // from the camera's centre, square to the belt
+  double way = 0;                      // mm that the chessboard moved for each mm of the belt
+  double squares = 1, squares_sd = 0;  // true size of the chessboard over the given one
+  double lean_deg_sd = 0;              // of the angle between the belt's normal and the view of the image's middle
+};
+
 // How a pose that took no part in the calibration fits it.
 struct CheckReport {
   std::string name;
@@ -68,6 +83,7 @@ struct CalibrationReport {
   BundleResult bundle;             // of the used poses, in order; if mirrored, the projector's rows count from below
   ModelChoice model;               // how that was chosen; its own result is `bundle`
   std::vector<CornerModes> shape;  // of the chessboard; empty if it is flat
+  std::optional<BeltReport> belt;  // if there were plates
   double board_range_mm = 0;       // highest less lowest corner of the shared shape
   double camera_alone_rms = 0, projector_alone_rms = 0;  // each lens calibrated without the other
   double greatest_angle_deg = 0;                         // between two poses' normals

@@ -48,7 +48,8 @@ double distortion_px(const EstimatedLens& lens) {
   return px;
 }
 
-void warn_of_lens(const EstimatedLens& lens, std::vector<std::string>& warnings) {
+// With plates a centre and the lean of the camera stand in for each other; what they see together is known.
+void warn_of_lens(const EstimatedLens& lens, bool plates, std::vector<std::string>& warnings) {
   const std::array<const char*, 4> names{"fx", "fy", "cx", "cy"};
   const auto warn = [&](std::size_t i, double limit, const char* of_what) {
     warnings.push_back(
@@ -62,7 +63,7 @@ void warn_of_lens(const EstimatedLens& lens, std::vector<std::string>& warnings)
   }
   const double side = std::max(lens.image.width, lens.image.height);
   for (std::size_t i = 2; i < names.size(); ++i) {
-    if (!(lens.deviation[i] <= kPoorCentre * side)) {
+    if (!plates && !(lens.deviation[i] <= kPoorCentre * side)) {
       warn(i, kPoorCentre, " of the image");
     }
   }
@@ -124,14 +125,15 @@ std::vector<std::string> warnings_of(const CalibrationReport& report) {
     warnings.push_back(fmt::format("only {} poses: their noise, rather than the fit's residuals, decides",
                                    found.bundle.chessboard.size()));
   }
-  if (report.greatest_angle_deg < kParallel) {
+  // Plates are parallel; that they are at known heights tells what leaning poses would.
+  if (!report.belt && report.greatest_angle_deg < kParallel) {
     warnings.push_back(
         fmt::format("all poses are parallel within {:.1f} degrees: focal lengths and distances cannot "
                     "be told apart well; turn the board by 20 to 45 degrees",
                     report.greatest_angle_deg));
   }
   for (const EstimatedLens& lens : lenses_of(report)) {
-    warn_of_lens(lens, warnings);
+    warn_of_lens(lens, report.belt.has_value(), warnings);
   }
   const double baseline = cv::norm(found.bundle.stereo.translation);
   if (!(found.baseline_deviation <= kPoorBaseline * baseline)) {

@@ -38,6 +38,8 @@ BundleOptions options_of(const ModelSettings& settings, const FreeDistortion& fr
     options.uncertain.projector = kMostByData;
   }
   options.shape = settings.shape;
+  options.plates = settings.plates;
+  options.projector = settings.with_projector;
   return options;
 }
 
@@ -54,13 +56,23 @@ void begin_shape(Bundle& bundle, const std::vector<View>& views) {
   bundle.noise.stretch = 0.1 * kBegin * side;
 }
 
+std::vector<Bundle> starts_of(const std::vector<View>& views, const ModelSettings& settings) {
+  if (!settings.with_projector) {
+    return camera_starts(views, settings.camera);
+  }
+  return settings.plates == nullptr ? bundle_starts(views, settings.camera, settings.projector)
+                                    : bundle_starts_of(views, *settings.plates, settings.camera, settings.projector);
+}
+
 // The fits of a flat chessboard without distortion from all starts, the best one first.
 std::vector<Bundle> first_fits(const std::vector<View>& views, const ModelSettings& settings) {
   std::vector<Bundle> fits;
   double least = 0;
   std::string reason = "the poses do not determine the lens; lean the chessboard in more directions";
-  for (const Bundle& start : bundle_starts(views, settings.camera, settings.projector)) {
+  for (const Bundle& start : starts_of(views, settings)) {
     BundleOptions options;
+    options.plates = settings.plates;
+    options.projector = settings.with_projector;
     options.estimate_noise = false;  // so that costs compare
     options.deviations = false;
     try {
@@ -126,6 +138,8 @@ class Ladder {
     const FreeDistortion& asked = settings_.free;
     choice_.starts = first_fits(views_, settings_);
     BundleOptions options;
+    options.plates = settings_.plates;
+    options.projector = settings_.with_projector;
     options.deviations = false;
     Bundle start = solve_bundle(views_, choice_.starts.front(), options).bundle;
     begin_shape(start, views_);
@@ -229,7 +243,8 @@ std::string undetermined(const BundleResult& found, const ModelSettings& setting
     const double side = std::max(size.width, size.height);
     return std::all_of(lens.begin(), lens.begin() + 2, [&](double f) { return f > side / kSane && f < side * kSane; });
   };
-  if (!sane(found.bundle.camera, settings.camera) || !sane(found.bundle.projector, settings.projector)) {
+  const bool both = settings.with_projector;
+  if (!sane(found.bundle.camera, settings.camera) || (both && !sane(found.bundle.projector, settings.projector))) {
     return "the poses do not determine the focal lengths; lean the chessboard in more directions";
   }
   constexpr double kUnknown = 0.1;  // relative standard deviation
@@ -243,9 +258,10 @@ std::string undetermined(const BundleResult& found, const ModelSettings& setting
   };
   const std::array<std::string, 3> all{
       check("camera's focal length", found.bundle.camera[0], found.deviation.camera[0]),
-      check("projector's focal length", found.bundle.projector[0], found.deviation.projector[0]),
-      check("distance between camera and projector", cv::norm(found.bundle.stereo.translation),
-            found.baseline_deviation)};
+      both ? check("projector's focal length", found.bundle.projector[0], found.deviation.projector[0]) : "",
+      both ? check("distance between camera and projector", cv::norm(found.bundle.stereo.translation),
+                   found.baseline_deviation)
+           : ""};
   for (const std::string& reason : all) {
     if (!reason.empty()) {
       return reason;

@@ -32,6 +32,8 @@ struct ModelSettings {
   cv::Size camera, projector;                       // sizes of the images
   FreeDistortion free;                              // 0, 1, 2, 4 or 5 for each lens, or kByData
   const std::vector<CornerModes>* shape = nullptr;  // of the chessboard; none: it is flat
+  const Plates* plates = nullptr;                   // under the chessboards, if there are any
+  bool with_projector = true;                       // false: the camera alone; `free.projector` is 0 then
 };
 
 // Frees the distortion step by step: none, k1, k2, then p1 and p2, each lens by itself. Where the data decide, a step

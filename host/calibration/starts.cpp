@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace selfproj {
@@ -120,7 +122,54 @@ LensParameters changed(LensParameters lens, cv::Size size, double focal, double 
   return lens;
 }
 
+// The pose of a view square to the camera's axis: the similarity that fits its corners best.
+Pose square_pose(const View& view, const LensParameters& lens) {
+  using Complex = std::complex<double>;
+  Complex board_mean = 0;
+  Complex seen_mean = 0;
+  std::vector<std::pair<Complex, Complex>> pairs;
+  for (const Sight& sight : view.sights) {
+    const Complex board(sight.chessboard.x, sight.chessboard.y);
+    const Complex seen((sight.camera.x - lens[2]) / lens[0], (sight.camera.y - lens[3]) / lens[1]);
+    pairs.emplace_back(board, seen);
+    board_mean += board;
+    seen_mean += seen;
+  }
+  const auto count = static_cast<double>(pairs.size());
+  board_mean /= count;
+  seen_mean /= count;
+  Complex product = 0;
+  double squares = 0;
+  for (const auto& [board, seen] : pairs) {
+    product += (seen - seen_mean) * std::conj(board - board_mean);
+    squares += std::norm(board - board_mean);
+  }
+  const Complex turn = product / squares;  // its length is 1 / z
+  const Complex at = (seen_mean - turn * board_mean) / std::abs(turn);
+  return {{0, 0, std::arg(turn)}, {at.real(), at.imag(), 1 / std::abs(turn)}};
+}
+
 }  // namespace
+
+std::vector<Bundle> bundle_starts_of(const std::vector<View>& views, const Plates& plates, cv::Size camera,
+                                     cv::Size projector) {
+  const std::array<Change, 7> changes{
+      {{}, {1.1, 1.1}, {0.9, 0.9}, {1.1, 0.9}, {0.9, 1.1}, {1, 1, 0.1, 0.1, 0, 0.1}, {1, 1, -0.1, 0.1, 0.1, -0.1}}};
+  std::vector<Bundle> starts;
+  for (const Change& c : changes) {
+    Bundle start;
+    start.camera = changed(plates.camera, camera, c.camera_focal, c.camera_x, c.camera_y);
+    start.projector = changed(plates.projector, projector, c.projector_focal, c.projector_x, c.projector_y);
+    start.stereo = plates.stereo;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      const bool lies = plates.places[v].plate >= 0;
+      start.chessboard.push_back(lies ? square_pose(views[v], start.camera) : chessboard_pose(views[v], start.camera));
+    }
+    start_belt(plates, start);
+    starts.push_back(start);
+  }
+  return starts;
+}
 
 std::vector<Bundle> bundle_starts(const std::vector<View>& views, cv::Size camera, cv::Size projector) {
   const std::array<Change, 9> changes{{{},
@@ -151,6 +200,28 @@ std::vector<Bundle> bundle_starts(const std::vector<View>& views, cv::Size camer
     }
     if (in_projector.size() == views.size()) {
       start.stereo = stereo_pose(start.chessboard, in_projector);
+      starts.push_back(start);
+    }
+  }
+  return starts;
+}
+
+std::vector<Bundle> camera_starts(const std::vector<View>& views, cv::Size camera) {
+  const std::array<Change, 7> changes{
+      {{}, {1.5}, {0.7}, {1, 1, 0.25, 0.25}, {1, 1, -0.25, -0.25}, {1, 1, 0.25, -0.25}, {1, 1, 0, 0, 0, 0, true}}};
+  const LensParameters lens = first_lens(views, camera, &Sight::camera);
+  std::vector<Bundle> starts;
+  for (const Change& c : changes) {
+    Bundle start;
+    start.camera = changed(lens, camera, c.camera_focal, c.camera_x, c.camera_y);
+    for (const View& view : views) {
+      const std::optional<Pose> pose = pose_of(view, start.camera, &Sight::camera, c.other_lean);
+      if (!pose) {
+        break;
+      }
+      start.chessboard.push_back(*pose);
+    }
+    if (start.chessboard.size() == views.size()) {
       starts.push_back(start);
     }
   }

@@ -153,6 +153,12 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   return in_natural_order(std::move(files));
 }
 
+std::vector<std::string> image_arguments(const std::vector<std::string>& arguments) {
+  std::error_code error;
+  const bool folder = arguments.size() == 1 && std::filesystem::is_directory(arguments.front(), error);
+  return folder ? files_of_folder(arguments.front()) : arguments;
+}
+
 std::string encode_png(const Image& image) {
   cv::Mat mat(image.rows, image.columns, CV_8UC1);
   std::vector<std::uint8_t> bytes;

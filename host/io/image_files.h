@@ -42,6 +42,9 @@ Image read_image(const std::string& file, std::optional<Channel> channel);
 // the folder cannot be read or has no files.
 std::vector<std::string> files_of_folder(const std::string& folder);
 
+// The image files that a command is given: the files themselves, or those of the folder if it is given a single one.
+std::vector<std::string> image_arguments(const std::vector<std::string>& arguments);
+
 // Returns the bytes of a PNG file. Throws std::invalid_argument if the image has no pixels or is too large.
 std::string encode_png(const Image& image);
 

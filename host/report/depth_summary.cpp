@@ -49,6 +49,7 @@ Json device_json(const std::string& uri, const DeviceCounts& counts) {
 
 Json plane_json(const PlaneFit& plane) {
   return {{"points", plane.points},
+          {"points_not_on_it", plane.left_out},
           {"z_on_axis_mm", number(plane.z0)},
           {"z_per_x", number(plane.a)},
           {"z_per_y", number(plane.b)},
@@ -179,11 +180,12 @@ std::string depth_text(const DepthRun& run, const DepthReport& report, const std
   if (std::isnan(plane.rms)) {
     fmt::format_to(to, "plane: {} points are too few, or on a line\n", plane.points);
   } else {
-    fmt::format_to(
-        to,
-        "plane through {} points: z {:.3f} mm on the axis, leaning by {:.3f}°; residuals {:.3f} mm RMS, {:.3f} mm at "
-        "most; rounding to whole codes predicts {:.3f} mm RMS\n",
-        plane.points, plane.z0, tilt_deg(plane), plane.rms, plane.greatest, plane.rounding_rms);
+    fmt::format_to(to,
+                   "plane through {} of {} points: z {:.3f} mm on the axis, leaning by {:.3f}°; residuals {:.3f} mm "
+                   "RMS, {:.3f} mm at "
+                   "most; rounding to whole codes predicts {:.3f} mm RMS\n",
+                   plane.points, plane.points + plane.left_out, plane.z0, tilt_deg(plane), plane.rms, plane.greatest,
+                   plane.rounding_rms);
   }
   return text;
 }

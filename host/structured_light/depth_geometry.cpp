@@ -25,12 +25,31 @@ std::unique_ptr<LensTriangulation> with_lens(const std::string& name, const Cali
   }
 }
 
-std::unique_ptr<Triangulation> rig_triangulation(const DepthGeometry& geometry, const ImageSource& source) {
+Rig rig_for(const DepthGeometry& geometry, const ImageSource& source) {
   Rig rig = load_rig(geometry.rig);
   check_size("--rig " + geometry.rig, rig.camera.rows, rig.camera.columns, source);
   if (std::isfinite(geometry.limits.max_z_per_line_mm)) {
     rig.measure.max_z_per_line_mm = geometry.limits.max_z_per_line_mm;
   }
+  return rig;
+}
+
+// The first code is that of the projector's lines, the second that of its columns: those of the images exchanged.
+std::unique_ptr<LensTriangulation> rig_triangulation_of_both(const DepthGeometry& geometry, const ImageSource& source) {
+  const Rig rig = rig_for(geometry, source);
+  LensSettings settings{.rows = source.rows,
+                        .columns = source.columns,
+                        .bits = geometry.row_bits,
+                        .row_bits = geometry.bits,
+                        .max_residual_px = geometry.max_residual_px,
+                        .limits = geometry.limits,
+                        .rows_are_x = true};
+  settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
+  return with_lens(geometry.rig, calibration_of(rig), settings);
+}
+
+std::unique_ptr<Triangulation> rig_triangulation(const DepthGeometry& geometry, const ImageSource& source) {
+  const Rig rig = rig_for(geometry, source);
   if (!rig.calibration) {
     return std::make_unique<PlaneTriangulation>(rig, geometry.bits, geometry.limits);
   }
@@ -54,6 +73,9 @@ void check_size(const std::string& geometry, int rows, int columns, const ImageS
 }
 
 std::unique_ptr<LensTriangulation> make_lens_triangulation(const DepthGeometry& geometry, const ImageSource& source) {
+  if (!geometry.rig.empty()) {
+    return rig_triangulation_of_both(geometry, source);
+  }
   const Calibration calibration = read_calibration(geometry.calibration);
   if (calibration.camera_rows > 0) {
     check_size(geometry.calibration, calibration.camera_rows, calibration.camera_columns, source);

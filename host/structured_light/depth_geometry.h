@@ -25,8 +25,8 @@ struct DepthGeometry {
   std::string rig;          // a built-in rig or a YAML file
   std::string calibration;  // an OpenCV YAML file
 
-  int bits = 0;          // m of the code along the coded axis; with a calibration, that of the projector's columns
-  int row_bits = 0;      // with a calibration: bits of the code of the projector's rows; 0: they have none
+  int bits = 0;          // m of the code along the coded axis; with a calibration or both axes, the projector's columns
+  int row_bits = 0;      // bits of the code of the projector's rows; 0: one axis is coded
   double lines = 0;      // with a calibration: projector columns that 2^bits codes cover; 0: one for each code
   double row_lines = 0;  // the same for rows
   double max_residual_px = LensSettings{}.max_residual_px;  // for both axes
@@ -37,7 +37,8 @@ struct DepthGeometry {
 // UserError if the file cannot be read, is for images of another size, or gives no geometry for depth.
 std::unique_ptr<Triangulation> make_triangulation(const DepthGeometry& geometry, const ImageSource& source);
 
-// The same from a calibration file, which is needed for both axes.
+// The same for both axes. `bits` are then those of the code of the projector's columns, also with a rig, whose x and y
+// are exchanged (LensSettings::rows_are_x): it takes the code of its lines, the second one, for the first.
 std::unique_ptr<LensTriangulation> make_lens_triangulation(const DepthGeometry& geometry, const ImageSource& source);
 
 }  // namespace selfproj

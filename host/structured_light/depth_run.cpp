@@ -213,6 +213,9 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images) {
     column_codes = decoder.words(*triangulation, setup.geometry.bits);
     row_codes = decoder.words(*triangulation, setup.geometry.row_bits);
   }
+  if (triangulation->rows_are_x()) {
+    std::swap(column_codes, row_codes);
+  }
   run.depth = FloatImage(triangulation->rows(), triangulation->columns());
   std::vector<PointState> states(triangulation->pixels());
   std::vector<float> residuals(triangulation->pixels());

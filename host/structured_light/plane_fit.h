@@ -10,9 +10,16 @@
 
 namespace selfproj {
 
-// The plane z = z0 + a x + b y nearest to the points in z (least squares); lengths in mm.
+// A part of the depth image.
+struct PlaneRegion {
+  int row = 0, column = 0;  // the first ones
+  int rows = 0, columns = 0;
+};
+
+// The plane z = z0 + a x + b y nearest in z to the points that lie on it (least squares); lengths in mm.
 struct PlaneFit {
   std::size_t points = 0;
+  std::size_t left_out = 0;                              // points that do not lie on it
   double z0 = std::numeric_limits<double>::quiet_NaN();  // on the axis x = y = 0
   double a = std::numeric_limits<double>::quiet_NaN();
   double b = std::numeric_limits<double>::quiet_NaN();
@@ -23,9 +30,13 @@ struct PlaneFit {
   double rounding_rms = std::numeric_limits<double>::quiet_NaN();
 };
 
-// Fits all pixels of the triangulation that have a depth. The result is NaN if fewer than 3 have one or they lie on a
-// line. Throws std::invalid_argument if the sizes differ.
+// Fits the plane on which most pixels with a depth lie, of a region or of the whole image (RANSAC, with triples that
+// are the same in each run). A point lies on it within four standard deviations of what rounding to codes does to it,
+// or, where the plane is not quite flat, within 4.5 of the points' own, by their median. The result is NaN if fewer
+// than 3 pixels have a depth or they lie on a line. Throws std::invalid_argument if the sizes differ or the region is
+// not within the image.
 PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth);
+PlaneFit fit_plane(const Triangulation& triangulation, const FloatImage& depth, const PlaneRegion& region);
 
 }  // namespace selfproj
 

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
@@ -28,8 +29,10 @@
 #include "host/io/stop_signal.h"
 #include "host/io/user_error.h"
 #include "model/column_moments.h"
+#include "model/packet.h"
 #include "model/pixel_clock.h"
 #include "sim/board/packet_recording.h"
+#include "sim/board/udp_sender.h"
 
 namespace selfproj {
 namespace {
@@ -44,6 +47,9 @@ struct BoardOptions {
   int threshold = 60;
   int line_frames = 100;
   std::string ring;
+  std::string udp;
+  std::string from;  // empty: any address and port
+  bool jumbo = false;
   std::string record;
   double rate = kDefaultRate;
   double pixel_clock_hz = kDefaultPixelClockHz;
@@ -130,16 +136,68 @@ void record(const BoardOptions& options, const PacketRecording& source) {
   fmt::print("{} frames, {} bytes → {}\n", frames, stream.size(), options.record);
 }
 
+// Packets into the ring of --ring.
+class RingOutput {
+ public:
+  explicit RingOutput(const BoardOptions& options)
+      : options_(options), writer_(options.ring, options.slots.value_or(RingWriter::deep_slots(options.ring))) {}
+
+  [[nodiscard]] bool has_reader() const { return writer_.has_reader(); }
+  template <class Stamp>
+  void packet(std::size_t size, const Stamp& stamp) {
+    if (const std::span<std::uint8_t> room = writer_.claim(); !room.empty()) {
+      stamp(room.data());
+      writer_.publish(size);
+    }
+  }
+  void glance() { renewed_ += writer_.renew_if_removed() ? 1 : 0; }
+  void finish() const {
+    if (!options_.keep) {
+      remove_ring(options_.ring);
+    }
+  }
+  [[nodiscard]] std::string text() const {
+    return fmt::format("{} lost in the full ring; ring made anew {} times", writer_.lost(), renewed_);
+  }
+
+ private:
+  const BoardOptions& options_;
+  RingWriter writer_;
+  std::uint64_t renewed_ = 0;
+};
+
+// Packets to the host of --udp. Nobody can tell whether it listens.
+class UdpOutput {
+ public:
+  explicit UdpOutput(const BoardOptions& options) : sender_(options.udp, options.from, options.jumbo) {}
+
+  [[nodiscard]] static bool has_reader() { return true; }
+  template <class Stamp>
+  void packet(std::size_t size, const Stamp& stamp) {
+    stamp(packet_.data());
+    sender_.send({packet_.data(), size});
+  }
+  static void glance() {}
+  void finish() { sender_.finish(); }
+  [[nodiscard]] std::string text() const {
+    return fmt::format("{} datagrams, {} could not be sent", sender_.datagrams(), sender_.failed());
+  }
+
+ private:
+  UdpSender sender_;
+  std::array<std::uint8_t, kLargestPacketBytes> packet_{};
+};
+
 // A board in real time. Frames are due at fixed times from the start, not from each other, so that the rate is kept
 // exactly; a late one follows immediately. The summary says how late the latest was.
-void play(const BoardOptions& options, const PacketRecording& source) {
-  RingWriter writer(options.ring, options.slots.value_or(RingWriter::deep_slots(options.ring)));
+template <class Output>
+void play(const BoardOptions& options, const PacketRecording& source, Output& output) {
   const StopSignal stop;
   StatusLine status;
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // sleep to the point, not up to 50 µs longer
 
   constexpr std::int64_t kGlanceNs = kSecondNs / 10;
-  while (options.wait_for_reader && !writer.has_reader() && !StopSignal::came()) {
+  while (options.wait_for_reader && !output.has_reader() && !StopSignal::came()) {
     status.show("waiting for a reader of ring:" + options.ring);
     sleep_until(now_ns() + kGlanceNs / 10);
   }
@@ -152,7 +210,6 @@ void play(const BoardOptions& options, const PacketRecording& source) {
                                                : std::numeric_limits<std::int64_t>::max();
   std::int64_t next_glance = start + kGlanceNs;
   std::int64_t latest = 0;
-  std::uint64_t renewed = 0;
   std::uint64_t packets = 0;
   std::uint64_t frame = 0;
   for (; frame < frames && !StopSignal::came(); ++frame) {
@@ -168,36 +225,28 @@ void play(const BoardOptions& options, const PacketRecording& source) {
     }
     source.play(frame, clocks, [&](std::size_t size, const auto& stamp) {
       ++packets;
-      if (const std::span<std::uint8_t> room = writer.claim(); !room.empty()) {
-        stamp(room.data());
-        writer.publish(size);
-      }
+      output.packet(size, stamp);
     });
     if (due >= next_glance || (period == 0 && frame % 1024 == 0 && now_ns() >= next_glance)) {
       const std::int64_t now = now_ns();
       next_glance = std::max(now, due) + kGlanceNs;
-      renewed += writer.renew_if_removed() ? 1 : 0;
+      output.glance();
       if (status.visible()) {
-        status.show(fmt::format("{} frames, {:.1f} s, lost in the ring {}", frame + 1,
-                                static_cast<double>(now - start) / kSecondNs, writer.lost()));
+        status.show(fmt::format("{} frames, {:.1f} s, {}", frame + 1, static_cast<double>(now - start) / kSecondNs,
+                                output.text()));
       }
     }
   }
   const double seconds = static_cast<double>(now_ns() - start) / kSecondNs;
   status.show("");
-  if (!options.keep) {
-    remove_ring(options.ring);
-  }
-  fmt::print(
-      "{} frames in {:.3f} s: {:.0f} frames/s, {} packets, {} lost in the full ring; ring made anew {} times; latest "
-      "frame {:.3f} ms late\n",
-      frame, seconds, static_cast<double>(frame) / seconds, packets, writer.lost(), renewed,
-      static_cast<double>(latest) / 1e6);
+  output.finish();
+  fmt::print("{} frames in {:.3f} s: {:.0f} frames/s, {} packets, {}; latest frame {:.3f} ms late\n", frame, seconds,
+             static_cast<double>(frame) / seconds, packets, output.text(), static_cast<double>(latest) / 1e6);
 }
 
 void run_board(const BoardOptions& options) {
-  if (options.ring.empty() == options.record.empty()) {
-    throw UserError("--ring, --record", "give one of them, not both");
+  if ((options.ring.empty() ? 0 : 1) + (options.record.empty() ? 0 : 1) + (options.udp.empty() ? 0 : 1) != 1) {
+    throw UserError("--ring, --udp, --record", "give one of them");
   }
   constexpr double kLeastRate = 1e-3;
   if (options.rate != 0 && !(options.rate >= kLeastRate && options.rate <= 1e9)) {
@@ -208,10 +257,14 @@ void run_board(const BoardOptions& options) {
     throw UserError("--seconds", "a number from 0 to 1e9 is needed");
   }
   const PacketRecording source = source_of(options);
-  if (options.ring.empty()) {
+  if (!options.record.empty()) {
     record(options, source);
+  } else if (!options.udp.empty()) {
+    UdpOutput output(options);
+    play(options, source, output);
   } else {
-    play(options, source);
+    RingOutput output(options);
+    play(options, source, output);
   }
 }
 
@@ -221,10 +274,11 @@ void add_board_command(CLI::App& app) {
   CLI::App* command = add_command(
       app,
       {.name = "board",
-       .purpose = "Plays a board in real time into a shared-memory ring, for a driver in another process.",
+       .purpose = "Plays a board in real time, into a shared-memory ring or over the network.",
        .details =
            "Packets come from a recording (--replay) or from a line of light that moves (--line); they go into a "
-           "ring (--ring) or a file (--record). Sequence numbers, time stamps, encoder counts and check words "
+           "ring (--ring), to a host on the network (--udp) or into a file (--record). Sequence numbers, time stamps, "
+           "encoder counts and check words "
            "are written anew, so that repetitions follow each other as one run.\n\n"
            "Frames are due at fixed times from the start. A late frame follows immediately. The last line says how "
            "many frames were played, how many found the ring full, and how late the latest was.",
@@ -258,7 +312,7 @@ selfproj inspect --device ring:line1 --wait-for-board --seconds 3
       ->transform(whole_number(1, 100000))
       ->type_name("N")
       ->capture_default_str();
-  begin_group(*command, "Destination (one of --ring and --record is required)");
+  begin_group(*command, "Destination (one of --ring, --udp and --record is required)");
   command->add_option("--ring", options->ring, "Ring to write into. A driver reads it as ring:NAME.")
       ->type_name("NAME");
   command->add_option("--slots", options->slots, "Packets that the ring holds, a power of two.")
@@ -267,6 +321,17 @@ selfproj inspect --device ring:line1 --wait-for-board --seconds 3
       ->default_str(fmt::format("{}, or fewer where /dev/shm is small", RingWriter::kDeepSlots));
   command->add_flag("--wait-for-reader", options->wait_for_reader, "Begin when a reader has opened the ring.");
   command->add_flag("--keep", options->keep, "Leave the ring in place at the end, for a later reader.");
+  CLI::Option* const udp = command
+                               ->add_option("--udp", options->udp,
+                                            "Host to send datagrams to, HOST or HOST:PORT. Its driver reads "
+                                            "udp:ADDRESS, the address of this machine.")
+                               ->type_name("HOST");
+  command
+      ->add_option("--from", options->from,
+                   "Address of this machine to send from, or ADDRESS:PORT; the port is that of --udp unless given.")
+      ->type_name("ADDRESS")
+      ->needs(udp);
+  command->add_flag("--jumbo", options->jumbo, "Send datagrams for frames of 9,000 bytes, not 1,500.")->needs(udp);
   command->add_option("--record", options->record, "File for the same packets, written as fast as possible.")
       ->type_name("FILE");
   begin_group(*command, "Timing");

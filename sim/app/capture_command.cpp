@@ -41,6 +41,8 @@ struct CaptureOptions {
   double square_mm = 0;
   int poses = 8;
   double tilt_deg = 30;
+  PlateVisits visits{{}, {0}};
+  double fence_mm = 0.05;
   std::optional<double> plate_mm;
   std::vector<double> steps_mm;
   double tread_mm = 35;
@@ -67,9 +69,24 @@ void check(const CaptureOptions& options) {
   if (!options.chessboard.empty() && !(options.square_mm > 0)) {
     throw UserError("--square", "is required with --chessboard");
   }
+  if (options.chessboard.empty() && !options.visits.heights_mm.empty()) {
+    throw UserError("--heights", "is for --chessboard");
+  }
   if (!options.scene.empty() && options.target_seed) {
     throw UserError("--target-seed", "is for targets, and a scene has no flaws");
   }
+}
+
+// Where the chessboard is, pose by pose.
+std::vector<ChessboardPlace> places_of(const CaptureOptions& options, const RealRig& real,
+                                       const ChessboardShape& shape) {
+  if (options.visits.heights_mm.empty()) {
+    return chessboard_places(real, shape, options.poses, options.tilt_deg);
+  }
+  const TargetTolerance& tolerance = options.tolerance;
+  const PlateFlaws flaws =
+      options.target_seed ? PlateFlaws{tolerance.height_mm, tolerance.flatness_mm, options.fence_mm} : PlateFlaws{};
+  return places_on_plates(real, shape, options.visits, flaws, options.target_seed.value_or(0));
 }
 
 // What stands still under the patterns, unless it is a chessboard.
@@ -96,7 +113,10 @@ std::string what_of(const CaptureOptions& options) {
   if (!options.steps_mm.empty()) {
     return fmt::format("steps of {:g} mm", fmt::join(options.steps_mm, ", "));
   }
-  return options.scene.empty() ? fmt::format("chessboard of {} corners in {} poses", options.chessboard, options.poses)
+  const std::size_t poses = options.visits.heights_mm.empty()
+                                ? static_cast<std::size_t>(options.poses)
+                                : options.visits.heights_mm.size() * options.visits.belt_mm.size();
+  return options.scene.empty() ? fmt::format("chessboard of {} corners in {} poses", options.chessboard, poses)
                                : "scene " + options.scene;
 }
 
@@ -133,7 +153,7 @@ void run_capture(const CaptureOptions& options) {
   } else {
     const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
     const ChessboardShape shape{corners.columns, corners.rows, options.square_mm};
-    const std::vector<ChessboardPlace> places = chessboard_places(real, shape, options.poses, options.tilt_deg);
+    const std::vector<ChessboardPlace> places = places_of(options, real, shape);
     const ChessboardFlaws flaws = options.target_seed
                                       ? drawn_flaws(options.print_scale, options.bend_mm, *options.target_seed)
                                       : ChessboardFlaws{};
@@ -161,6 +181,21 @@ void add_target_options(CLI::App& command, CaptureOptions& options) {
       ->transform(real_number(0, 60))
       ->type_name("DEG")
       ->capture_default_str();
+  command
+      .add_option("--heights", options.visits.heights_mm,
+                  "Heights in mm over the belt of a plate that carries it, instead of --poses.")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(real_number(-1e4, 1e4))
+      ->type_name("MM,...");
+  command
+      .add_option("--moves", options.visits.belt_mm,
+                  "Places of the belt in mm. The belt takes the plate to all of them at each height.")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(real_number(-1e4, 1e4))
+      ->type_name("MM,...")
+      ->default_str("0");
   begin_group(command, "Steps");
   command.add_option("--tread", options.tread_mm, "Width of a tread in mm, across the belt.")
       ->transform(number_above_zero())
@@ -188,13 +223,21 @@ void add_target_options(CLI::App& command, CaptureOptions& options) {
       ->capture_default_str();
   command
       .add_option("--height-tolerance", options.tolerance.height_mm,
-                  "Plate, steps: error of a height, mm to either side.")
+                  "Plate, steps, --heights: error of a height, mm to either side.")
       ->transform(real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
   command
-      .add_option("--flatness", options.tolerance.flatness_mm,
-                  "Plate: mm from the lowest point of its surface to the highest.")
+      .add_option(
+          "--flatness", options.tolerance.flatness_mm,
+          "Plate: mm from the lowest point of its surface to the highest. --heights: mm by which one end of the "
+          "chessboard is higher than the other, to either side.")
+      ->transform(real_number(0, 10))
+      ->type_name("MM")
+      ->capture_default_str();
+  command
+      .add_option("--fence", options.fence_mm,
+                  "--heights: mm by which the plate misses its place on the belt, to either side.")
       ->transform(real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
@@ -216,6 +259,11 @@ selfproj-sim capture --rig scanner --scene desk --patterns patterns --out desk
 # Capture a chessboard in 2 poses, as `selfproj calibrate` takes it.
 selfproj-sim capture --rig scanner --patterns patterns --chessboard 9x7 --square 21 --poses 2 \
   --out captures
+
+# The same at 3 heights over the belt, moved by 6 mm at each, as --plates and --moves take it.
+selfproj pattern gray --rig light-section --out gray
+selfproj-sim capture --rig light-section --patterns gray --chessboard 21x3 --square 2.2 \
+  --heights 0,20,40 --moves 0,6 --out plates
 
 # A sweep of lines over a plate 10 mm above the belt, seen by a rig that nobody knows.
 selfproj pattern --sweep --every 32 --out lines

@@ -84,7 +84,8 @@ void check_files(const DecodeOptions& options, const OutputFolder& out) {
   }
 }
 
-void run_decode(const DecodeOptions& options) {
+void run_decode(DecodeOptions options) {
+  options.images = image_arguments(options.images);
   OutputFolder out(options.out);
   check_files(options, out);
   const std::unique_ptr<GrayEngine> engine = make_gray_engine(options.engine);
@@ -174,7 +175,9 @@ selfproj-sim decode --bits 8 --out decoded codes/frame_*.png
   add_channel_option(*command, options->channel);
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the code images.")->type_name("DIR")->required();
-  add_files(*command, "IMAGE", options->images, "Images in the order of the patterns, an even number.")->required();
+  add_files(*command, "IMAGE", options->images,
+            "Images in the order of the patterns, an even number, or one folder of them, in natural order.")
+      ->required();
   command->callback([options] { run_decode(*options); });
 }
 

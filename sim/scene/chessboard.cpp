@@ -26,17 +26,17 @@ Point3 turned(Point3 v, Point3 axis, double angle) {
   return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis;
 }
 
-// Checks whether camera and projector see the whole board.
+// Checks whether camera and projector see the whole board, and so many squares beyond the outermost corners.
 class Visible {
  public:
-  Visible(const RealRig& real, const ChessboardShape& shape) : real_(real), shape_(shape) {}
+  Visible(const RealRig& real, const ChessboardShape& shape, double margin)
+      : real_(real), shape_(shape), margin_(margin) {}
 
   [[nodiscard]] bool operator()(const ChessboardPlace& place) const {
-    constexpr double kMargin = 2;  // squares beyond the outermost corners
     for (const double side : {-1.0, 1.0}) {
       for (const double end : {-1.0, 1.0}) {
-        const Point3 p = place.middle + side * shape_.square_mm * ((shape_.across - 1) / 2.0 + kMargin) * place.right +
-                         end * shape_.square_mm * ((shape_.down - 1) / 2.0 + kMargin) * place.below;
+        const Point3 p = place.middle + side * shape_.square_mm * ((shape_.across - 1) / 2.0 + margin_) * place.right +
+                         end * shape_.square_mm * ((shape_.down - 1) / 2.0 + margin_) * place.below;
         const Rig& rig = real_.rig;
         if (!inside(real_.camera, p, rig.camera.rows, rig.camera.columns) ||
             !inside(real_.projector, p, rig.projector.lines, rig.projector.columns)) {
@@ -58,6 +58,7 @@ class Visible {
 
   const RealRig& real_;
   const ChessboardShape& shape_;
+  double margin_;
 };
 
 // A board that faces the camera, turned about its normal and then tilted about an axis in its plane, in degrees but for
@@ -155,13 +156,47 @@ double ChessboardScene::albedo(double x, double y, double t) const {
   return 1 - (1 - kBlack) * black;
 }
 
+std::vector<ChessboardPlace> places_on_plates(const RealRig& real, const ChessboardShape& shape,
+                                              const PlateVisits& visits, const PlateFlaws& flaws, std::uint64_t seed) {
+  constexpr std::uint64_t kOwn = 0x9e3779b97f4a7c15;  // other numbers than those of the board's flaws
+  EvenNumbers random(seed ^ kOwn);
+  const Visible visible(real, shape, 1);
+  const double plane = real.rig.plane_z_mm;
+  const Point3 aim = middle_of_view(real, plane);
+  const auto [first, last] = std::minmax_element(visits.belt_mm.begin(), visits.belt_mm.end());
+  const double side = shape.square_mm * (std::max(shape.across, shape.down) - 1);
+  std::vector<ChessboardPlace> places;
+  for (const double height : visits.heights_mm) {
+    ChessboardPlace place;
+    const double turn = random.within(flaws.fence_mm) / side;
+    const double lean_x = random.within(flaws.parallel_mm) / side;
+    const double lean_y = random.within(flaws.parallel_mm) / side;
+    for (Point3* along : {&place.right, &place.below}) {
+      *along = turned(turned(turned(*along, {0, 0, 1}, turn), {1, 0, 0}, lean_x), {0, 1, 0}, lean_y);
+    }
+    place.middle = aim + Point3{random.within(flaws.fence_mm), random.within(flaws.fence_mm),
+                                random.within(flaws.height_mm) - height};
+    for (const double belt : visits.belt_mm) {
+      ChessboardPlace moved = place;
+      moved.middle.x += belt - (*first + *last) / 2;
+      if (!visible(moved)) {
+        throw UserError("--chessboard", fmt::format("camera and projector do not both see all of it at {:g} mm, with "
+                                                    "the belt at {:g} mm; give smaller squares or fewer of them",
+                                                    height, belt));
+      }
+      places.push_back(moved);
+    }
+  }
+  return places;
+}
+
 std::vector<ChessboardPlace> chessboard_places(const RealRig& real, const ChessboardShape& shape, int count,
                                                double tilt_deg) {
   constexpr double kTurn = 12;  // degrees about the normal, to either side
   constexpr double kLeastShare = 0.1;
   constexpr double kDepth = 0.06;  // share of the distance, nearer and further away
   const Rig& rig = real.rig;
-  const Visible visible(real, shape);
+  const Visible visible(real, shape, 2);
   std::vector<ChessboardPlace> places;
   for (int k = 0; k < count; ++k) {
     ChessboardPlace place;

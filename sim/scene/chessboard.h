@@ -72,6 +72,25 @@ class ChessboardScene : public Scene {
   double dx_, dy_;  // slopes of z on the plane along x and y
 };
 
+// Heights of a plate that carries the board, and places of the belt on which it lies, in mm.
+struct PlateVisits {
+  std::vector<double> heights_mm, belt_mm;
+};
+
+// What the plate may be off, to either side.
+struct PlateFlaws {
+  double height_mm = 0;
+  double parallel_mm = 0;  // of one end of the board above the other, along both of its sides
+  double fence_mm = 0;     // of its place on the belt, and of one end of the board beside the other
+};
+
+// The places of a board on a plate over the belt, along the camera's rows, height by height and there belt place by
+// belt place. The plate is put down anew at each height, with flaws drawn evenly; then only the belt moves it, along x.
+// The middle of its way is where camera and projector both look. Throws UserError if one of them does not see all of
+// the board at a place.
+std::vector<ChessboardPlace> places_on_plates(const RealRig& real, const ChessboardShape& shape,
+                                              const PlateVisits& visits, const PlateFlaws& flaws, std::uint64_t seed);
+
 // `count` places of the board in which camera and projector see it whole, with a margin of one square around it. In the
 // first place it faces the camera, in the middle of the area of the rig's plane that both see. In the others it leans
 // by `tilt_deg` in as many directions, nearer and further away, and is turned and shifted as far as the margin allows,

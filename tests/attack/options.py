@@ -53,7 +53,7 @@ def commands_of(made):
         ("selfproj", "board", "set"): ["--device", "bar:bar.bin", "size.columns=512"],
         ("selfproj", "board", "start"): ["--device", "bar:bar.bin"],
         ("selfproj", "board", "stop"): ["--device", "bar:bar.bin"],
-        ("selfproj", "board", "trigger"): ["--device", "bar:bar.bin", "--off"],
+        ("selfproj", "board", "trigger"): ["--device", "bar:bar.bin", "--period", "15120"],
         ("selfproj", "board", "selftest"): ["--device", "bar:bar.bin"],
         ("selfproj-sim", "moments"): ["--engine", "model", "--out", "o.csv", *frames],
         ("selfproj-sim", "decode"): ["--engine", "model", "--bits", "2", "--out", "o", *frames],

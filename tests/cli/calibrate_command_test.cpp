@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -265,6 +266,92 @@ TEST_F(CalibrateCommand, WrongInputIsOneLine) {
   expect_refused(calibrate(usual("out", poses, {"--camera-distortion", "3"})), "--camera-distortion: ");
   expect_refused(calibrate(usual("short/image_03.png/out", poses)),
                  "short/image_03.png/out: short/image_03.png is not a folder");
+}
+
+// A camera alone from the white images, and as a laser one row of the projector, which is a plane.
+TEST_F(CalibrateCommand, CameraAndLaser) {
+  constexpr int kRow = 44;
+  const World world;
+  const GraySequence sequence(world.projector_columns, world.projector_rows);
+  std::vector<std::uint8_t> line(static_cast<std::size_t>(world.projector_columns * world.projector_rows), 0);
+  std::fill_n(line.begin() + static_cast<std::ptrdiff_t>(kRow) * world.projector_columns, world.projector_columns, 255);
+  fs::create_directory(*folder_ / "lines");
+  std::mt19937_64 random(4);
+  std::vector<std::string> plain{"calibrate", "camera", "--chessboard", "7x5", "--square", "40"};
+  for (int p = 0; p < kPoses; ++p) {
+    const ChessboardImages images(world, world.poses()[static_cast<std::size_t>(p)]);
+    write_text(*folder_ / "lines" / fmt::format("{}.png", p),
+               encode_png({world.camera_rows, world.camera_columns, images.image(line, 1.5, random)}));
+    plain.push_back(fmt::format("pose_{}/image_{}.png", p, sequence.white()));
+  }
+  const auto camera = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = plain;
+    all.insert(all.end(), more.begin(), more.end());
+    return run_program(SELFPROJ_PROGRAM, all, folder_->path());
+  };
+  const Outcome outcome = camera({"--laser", "lines", "--out", "camera"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(fs::exists(*folder_ / "camera" / "camera.yaml"));
+  const Rig rig = load_any_rig((*folder_ / "camera" / "rig.yaml").string());
+  ASSERT_TRUE(rig.calibration && rig.light_plane);
+  EXPECT_NEAR(rig.calibration->camera.fx_px, world.camera.fx, 0.01 * world.camera.fx);
+  const cv::Vec3d in_projector(0, 1, -(kRow - world.projector.cy) / world.projector.fy);
+  cv::Vec3d normal = world.rotation.t() * in_projector;
+  double distance = -in_projector.dot(world.translation) / cv::norm(normal);
+  normal = cv::normalize(normal);
+  if (distance < 0) {
+    normal = -normal;
+    distance = -distance;
+  }
+  const std::array<double, 3>& found = rig.light_plane->normal;
+  EXPECT_LT(cv::norm(cv::Vec3d(found[0], found[1], found[2]) - normal), 0.02);
+  EXPECT_NEAR(rig.light_plane->distance_mm, distance, 5);
+
+  expect_refused(camera({"--laser", "lines/0.png", "lines/1.png", "--out", "out"}),
+                 "--laser: has 2 images for 5 of the chessboard; one of each pose is needed");
+  expect_refused(run_program(SELFPROJ_PROGRAM,
+                             {"calibrate", "camera", "--chessboard", "7x5", "--square", "40", "--out", "out", plain[6]},
+                             folder_->path()),
+                 "calibrate camera: 1 of 1 images can be used; at least 2 are needed");
+  expect_refused(
+      run_program(SELFPROJ_PROGRAM,
+                  {"calibrate", "camera", "--chessboard", "7x4", "--square", "40", "--out", "out", plain[6], plain[7]},
+                  folder_->path()),
+      "calibrate camera: 0 of 2 images can be used");
+}
+
+// The images of two poses from the last to the first: the chessboard is seen, its codes are not.
+TEST_F(CalibrateCommand, AWrongOrderIsNamed) {
+  for (const std::string pose : {"pose_0", "pose_2"}) {
+    fs::create_directory(*folder_ / ("turned_" + pose));
+    for (int i = 0; i < 30; ++i) {
+      fs::copy_file(*folder_ / pose / fmt::format("image_{:02}.png", i),
+                    *folder_ / ("turned_" + pose) / fmt::format("{}.png", 29 - i));
+    }
+  }
+  const Outcome outcome = calibrate(usual("out", {"turned_pose_0", "turned_pose_2"}));
+  expect_refused(outcome, "calibrate: 0 of 2 poses can be used");
+  EXPECT_NE(outcome.err.find("turned_pose_0: its chessboard is seen, but no corner has codes; the images are likely in "
+                             "another order than the patterns"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST_F(CalibrateCommand, WrongPlatesAreOneLine) {
+  const auto plates = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all{"--rig", "light-section"};
+    all.insert(all.end(), more.begin(), more.end());
+    return calibrate(usual("out", all_poses(), all));
+  };
+  expect_refused(plates({"--moves", "0,6"}), "--moves: is for --plates");
+  expect_refused(plates({"--plates", "0,20,10"}), "--plates: 10 follows 20; numbers are expected in ascending order");
+  expect_refused(plates({"--plates", "0,low,10"}), "--plates: 'low' is not a number of mm");
+  expect_refused(plates({"--plates", "0,20"}), "--plates: 2 are too few; 3 or more heights are needed");
+  expect_refused(plates({"--plates", "0,20,40", "--moves", "6"}), "--moves: two places of the belt are needed");
+  expect_refused(plates({"--plates", "0,20,40", "--moves", "0,6"}),
+                 "--plates: 3 heights with 2 places of the belt are 6 poses; 5 are given");
+  expect_refused(plates({"--plates", "0,20,40"}), "--rig: its projector has 512 x 512, not 96x80");
+  expect_refused(plates({"--plates", "0,20,40", "--fence", "-1"}), "--fence: ");
 }
 
 }  // namespace

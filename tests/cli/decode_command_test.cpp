@@ -283,5 +283,28 @@ TEST_F(RealCaptures, CropOfTheShell) {
   expect_engines_agree(save(crops), 11);
 }
 
+// One folder stands for its images in natural order: 10.png after 9.png.
+TEST_F(DecodeCommand, TakesAFolder) {
+  Random random(4);
+  const GraySettings settings{.rows = 6, .columns = 8, .bits = 6, .threshold = 5};
+  const std::vector<cv::Mat> images = random_sequence(random, settings, 12);
+  const std::vector<std::string> names = save(images);
+  fs::create_directory(folder_ / "images");
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    fs::copy_file(folder_ / names[i], folder_ / "images" / fmt::format("{}.png", i));
+  }
+  std::vector<std::string> arguments{"--engine", "model", "--bits", "6", "--out", "by_names"};
+  arguments.insert(arguments.end(), names.begin(), names.end());
+  ASSERT_EQ(decode(arguments).status, 0);
+  const Outcome outcome = decode({"--engine", "model", "--bits", "6", "--out", "by_folder", "images"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* file : {"code_0005.png", "measurable_0005.png"}) {
+    EXPECT_EQ(read_text(folder_ / "by_folder" / file), read_text(folder_ / "by_names" / file));
+  }
+  write_text(folder_ / "images" / "notes.txt", "no image");
+  write_text(folder_ / "images" / "notes2.txt", "no image");
+  expect_refused({"--engine", "model", "--bits", "6", "--out", "out", "images"}, "images/notes.txt: ", "not an image");
+}
+
 }  // namespace
 }  // namespace selfproj::test

@@ -77,7 +77,7 @@ TEST(HeightsCommand, CorrectsARigAndChecksIt) {
   expect_refused(folder, heights(folder, {"--heights", "0,10,20", "--out", "out", "at0", "at20", "at10"}),
                  "at20: is given as 10 mm above at0, but the rig sees it");
   expect_refused(folder, heights(folder, {"--heights", "0,20,10", "--out", "out", "at0", "at20", "at10"}),
-                 "--heights: 10 follows 20; heights are expected in ascending order");
+                 "--heights: 10 follows 20; numbers are expected in ascending order");
   expect_refused(folder, heights(folder, {"--heights", "0,20", "--out", "out", "at0", "at20"}),
                  "heights: 2 are too few; 3 or more are needed, 5 are good");
   expect_refused(folder, heights(folder, {"--heights", "0,20", "--out", "out", "at0"}),

@@ -14,6 +14,7 @@
 #include "host/io/user_error.h"
 #include "host/rig/rig.h"
 #include "sim/scene/pinhole.h"
+#include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
 #include "tests/host/structured_light/pinhole.h"
 
@@ -126,6 +127,40 @@ TEST(BoardPlaces, CameraAndProjectorSeeAllOfItFromManySides) {
   // Together they cover most of the part of the image that the projector lights.
   EXPECT_GT(columns[1] - columns[0], 0.8 * rig.camera.columns);
   EXPECT_GT(rows[1] - rows[0], 0.6 * rig.camera.rows);
+}
+
+// Height by height, moved by the belt alone, and beside its place by no more than its flaws.
+TEST(BoardPlaces, PlatesLieAtTheirHeights) {
+  const RealRig real(load_rig("light-section"));
+  const ChessboardShape shape{21, 3, 2.2};
+  const PlateVisits visits{{0, 20, 60}, {0, 6}};
+  const PlateFlaws flaws{0.005, 0.01, 0.05};
+  const std::vector<ChessboardPlace> places = places_on_plates(real, shape, visits, flaws, 3);
+  ASSERT_EQ(places.size(), 6U);
+  const double side = shape.square_mm * (shape.across - 1);
+  double greatest = 0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const ChessboardPlace& place = places[k];
+    const double height = real.rig.plane_z_mm - place.middle.z;
+    EXPECT_NEAR(height, visits.heights_mm[k / 2], flaws.height_mm);
+    EXPECT_NEAR(place.middle.x, k % 2 == 0 ? -3 : 3, flaws.fence_mm + 0.01);
+    EXPECT_NEAR(place.middle.y, 0, flaws.fence_mm + 0.01);
+    EXPECT_NEAR(side * place.right.z, 0, 1.01 * flaws.parallel_mm);
+    EXPECT_NEAR(side * place.below.z, 0, 1.01 * flaws.parallel_mm);
+    EXPECT_NEAR(side * place.right.x, 0, 1.01 * flaws.fence_mm);
+    EXPECT_NEAR(dot(place.right, place.below), 0, 1e-12);
+    if (k % 2 == 1) {
+      const Point3 moved = place.middle - places[k - 1].middle;
+      EXPECT_NEAR(moved.x, 6, 1e-9);
+      EXPECT_EQ(moved.y, 0);
+      EXPECT_EQ(moved.z, 0);
+      EXPECT_EQ(place.right.x, places[k - 1].right.x);
+    }
+    greatest = std::max(greatest, std::abs(height - visits.heights_mm[k / 2]));
+  }
+  EXPECT_GT(greatest, 1e-4);
+  EXPECT_THROW(places_on_plates(real, {61, 3, 2.2}, visits, flaws, 3), UserError);
+  EXPECT_THROW(places_on_plates(real, shape, {{0}, {0, 20}}, flaws, 3), UserError);
 }
 
 TEST(BoardPlaces, NoRoomIsRefused) {

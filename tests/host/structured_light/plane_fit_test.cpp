@@ -106,6 +106,33 @@ TEST(PlaneFit, CodesOfBothAxes) {
   expect_plane(triangulation, depth);
 }
 
+// A board that fills two fifths of the image before a wall that leans otherwise, and points anywhere: the plane is that
+// of the board in its region, and that of the wall in the whole image.
+TEST(PlaneFit, MostPointsDecide) {
+  const Rig rig = small_rig();
+  const PlaneTriangulation triangulation(rig, kBits);
+  FloatImage depth(rig.camera.rows, rig.camera.columns);
+  for (std::size_t i = 0; i < depth.values.size(); ++i) {
+    const std::size_t row = i / static_cast<std::size_t>(rig.camera.columns);
+    const bool board = row >= 40 && row < 160;
+    const double wall = 700 + 40 * static_cast<double>(row) / rig.camera.rows;
+    depth.values[i] = static_cast<float>(i % 11 == 0 ? 450 + static_cast<double>(i % 401)
+                                         : board     ? on_plane(rig, i).z
+                                                     : wall);
+  }
+  const PlaneFit board = fit_plane(triangulation, depth, {30, 10, 140, 240});
+  EXPECT_NEAR(board.z0, kZ0, 0.05);
+  EXPECT_NEAR(board.a, kA, 1e-3);
+  EXPECT_NEAR(board.b, kB, 1e-3);
+  EXPECT_GT(board.left_out, 2000U);
+  EXPECT_EQ(board.points + board.left_out, 140U * 240U);
+  const PlaneFit all = fit_plane(triangulation, depth);
+  EXPECT_GT(all.z0, 690);
+  EXPECT_LT(all.rms, 1);
+  EXPECT_THROW(fit_plane(triangulation, depth, {0, 0, rig.camera.rows + 1, 3}), std::invalid_argument);
+  EXPECT_THROW(fit_plane(triangulation, depth, {-1, 0, 3, 3}), std::invalid_argument);
+}
+
 TEST(PlaneFit, ExactPointsLeaveNothing) {
   const Rig rig = small_rig();
   const PlaneTriangulation triangulation(rig, kBits);

@@ -1,0 +1,283 @@
+#include "host/app/camera_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/calibration/laser_plane.h"
+#include "host/io/command_line.h"
+#include "host/io/frame_options.h"
+#include "host/io/image_files.h"
+#include "host/io/output_folder.h"
+#include "host/io/progress.h"
+#include "host/io/user_error.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CameraOptions {
+  std::string chessboard;
+  std::string rig = "light-section";
+  std::string distortion = "auto";
+  std::string board = "bent";
+  std::string channel;
+  std::string out;
+  CameraSettings settings;
+  std::vector<std::string> images;
+  std::vector<std::string> laser;
+};
+
+constexpr std::array<const char*, kLensParameters> kNames{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+
+// Checks the options and puts them into the settings.
+void apply(CameraOptions& options) {
+  constexpr int kMostCorners = 200;
+  const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
+  if (corners.columns < 3 || corners.rows < 3) {
+    throw UserError("--chessboard",
+                    fmt::format("is {}; at least 3 inner corners are needed along both sides", options.chessboard));
+  }
+  options.settings.chessboard.columns = corners.columns;
+  options.settings.chessboard.rows = corners.rows;
+  options.settings.distortion = options.distortion == "auto" ? FreeDistortion::kByData : std::stoi(options.distortion);
+  options.settings.bent = options.board == "bent";
+  options.images = image_arguments(options.images);
+  options.laser = image_arguments(options.laser);
+  const std::set<std::string> once(options.images.begin(), options.images.end());
+  if (once.size() != options.images.size()) {
+    throw UserError("IMAGE", "an image is given twice");
+  }
+  if (!options.laser.empty() && options.laser.size() != options.images.size()) {
+    throw UserError("--laser", fmt::format("has {} images for {} of the chessboard; one of each pose is needed, in the "
+                                           "same order",
+                                           options.laser.size(), options.images.size()));
+  }
+  for (const std::string& file : options.images) {
+    check_image_file(file);
+  }
+  for (const std::string& file : options.laser) {
+    check_image_file(file);
+  }
+}
+
+// The images of the laser, of the size of the camera's.
+std::vector<Image> read_lines(const CameraOptions& options, const CameraReport& camera) {
+  std::vector<Image> lines;
+  for (const std::string& file : options.laser) {
+    lines.push_back(read_image(file, channel_of(options.channel)));
+    const BoardImage& first = camera.images.front();
+    if (lines.back().rows != first.rows || lines.back().columns != first.columns) {
+      throw UserError(file, fmt::format("is {}, but {} is {}", size_text(lines.back().rows, lines.back().columns),
+                                        first.name, size_text(first.rows, first.columns)));
+    }
+  }
+  return lines;
+}
+
+Rig rig_of_laser(const CameraOptions& options, const CameraReport& camera, const LaserPlane& laser) {
+  const LensParameters& p = camera.model.result.bundle.camera;
+  Rig rig = load_rig(options.rig);
+  rig.camera.rows = camera.images.front().rows;
+  rig.camera.columns = camera.images.front().columns;
+  rig.camera.focal_length_mm = 0.5 * (p[0] + p[1]) * rig.camera.pixel_pitch_mm;
+  rig.calibration.emplace();
+  rig.calibration->camera = {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8]};
+  rig.light_plane = laser.plane;
+  rig.belt_pose.reset();
+  rig.heights.reset();
+  return rig;
+}
+
+std::string camera_yaml(const CameraReport& camera) {
+  const LensParameters& p = camera.model.result.bundle.camera;
+  const BoardImage& first = camera.images.front();
+  return fmt::format(
+      "%YAML:1.0\n---\ncam_size: [ {}, {} ]\ncam_K: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+      "   data: [ {}, 0., {}, 0., {}, {}, 0., 0., 1. ]\ncam_kc: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
+      "   data: [ {}, {}, {}, {}, {} ]\n",
+      first.columns, first.rows, p[0], p[2], p[1], p[3], p[4], p[5], p[6], p[7], p[8]);
+}
+
+std::string report_json(const CameraReport& camera, const std::optional<LaserPlane>& laser) {
+  const BundleResult& found = camera.model.result;
+  Json json;
+  for (std::size_t i = 0; i < kLensParameters; ++i) {
+    const bool estimated = i < 4 + static_cast<std::size_t>(camera.model.free.camera);
+    json["camera"][kNames.at(i)] = {{"value", found.bundle.camera.at(i)},
+                                    {"sd", estimated ? Json(found.deviation.camera.at(i)) : Json("fixed")}};
+  }
+  json["rms_px"] = found.camera_rms;
+  json["starts"] = {
+      {"agreeing", camera.model.agreeing}, {"worse", camera.model.worse}, {"failed", camera.model.failed}};
+  for (const BoardImage& image : camera.images) {
+    Json entry{{"name", image.name}, {"corners", image.corners.size()}, {"used", image.used_corners()}};
+    if (image.reason.empty()) {
+      entry["rms_px"] = image.rms_px;
+    } else {
+      entry["left_out"] = image.reason;
+    }
+    json["images"].push_back(entry);
+  }
+  if (laser) {
+    json["laser"] = {
+        {"normal", laser->plane.normal},     {"distance_mm", laser->plane.distance_mm}, {"images", laser->images},
+        {"points", laser->points},           {"points_left_out", laser->left_out},      {"rms_mm", laser->rms_mm},
+        {"turn_sd_deg", laser->turn_sd_deg}, {"shift_sd_mm", laser->shift_sd_mm}};
+  }
+  return json.dump(2) + "\n";
+}
+
+std::string report_text(const CameraReport& camera, const std::optional<LaserPlane>& laser) {
+  const BundleResult& found = camera.model.result;
+  std::string text;
+  for (const BoardImage& image : camera.images) {
+    text += image.reason.empty() ? fmt::format("{}: {} of {} corners, RMS {:.3f} px\n", image.name,
+                                               image.used_corners(), image.corners.size(), image.rms_px)
+                                 : fmt::format("{}: left out: {}\n", image.name, image.reason);
+  }
+  text += "camera    ";
+  for (std::size_t i = 0; i < 4 + static_cast<std::size_t>(camera.model.free.camera); ++i) {
+    text +=
+        i < 4
+            ? fmt::format(" {} {:.2f} ± {:.2f}", kNames.at(i), found.bundle.camera.at(i), found.deviation.camera.at(i))
+            : fmt::format(" {} {:.4f} ± {:.4f}", kNames.at(i), found.bundle.camera.at(i), found.deviation.camera.at(i));
+  }
+  text += fmt::format("\nRMS        {:.3f} px\n", found.camera_rms);
+  if (laser) {
+    const std::array<double, 3>& n = laser->plane.normal;
+    text += fmt::format(
+        "laser      normal ({:.5f}, {:.5f}, {:.5f}) ± {:.3f}°, {:.3f} mm away, ± {:.3f} mm where it was seen; {} "
+        "points "
+        "in {} images, {} left out, {:.3f} mm RMS\n",
+        n[0], n[1], n[2], laser->turn_sd_deg, laser->plane.distance_mm, laser->shift_sd_mm, laser->points,
+        laser->images, laser->left_out, laser->rms_mm);
+  }
+  return text;
+}
+
+void run_camera(CameraOptions options) {
+  apply(options);
+  OutputFolder folder(options.out);
+  static_cast<void>(load_rig(options.rig));
+  std::vector<BoardImage> boards;
+  {
+    Progress progress("image", options.images.size());
+    for (const std::string& file : options.images) {
+      boards.push_back(observe_board(file, read_image(file, channel_of(options.channel)), options.settings.chessboard));
+      progress.update(boards.size());
+    }
+  }
+  const CameraReport camera = calibrate_camera(std::move(boards), options.settings);
+  if (!camera.model.refusal.empty()) {
+    throw CheckFailed(fmt::format("calibrate camera: no camera: {}", camera.model.refusal));
+  }
+  std::optional<LaserPlane> laser;
+  if (!options.laser.empty()) {
+    laser = laser_plane(camera, read_lines(options, camera));
+    folder.append("rig.yaml", to_yaml(rig_of_laser(options, camera, *laser)));
+  }
+  folder.append("camera.yaml", camera_yaml(camera));
+  folder.append("report.json", report_json(camera, laser));
+  folder.commit();
+  fmt::print("{}→ {}\n", report_text(camera, laser), folder.name());
+}
+
+void add_camera_options(CLI::App& command, CameraOptions& options) {
+  begin_group(command, "Chessboard");
+  command.add_option("--chessboard", options.chessboard, "Inner corners along the two sides of the chessboard.")
+      ->type_name("NxM")
+      ->required();
+  command.add_option("--square", options.settings.chessboard.square_mm, "Side of a square in mm.")
+      ->transform(number_above_zero())
+      ->type_name("MM")
+      ->required();
+  command
+      .add_option("--board", options.board,
+                  "bent: the chessboard's shape is estimated, as paper is never flat. flat: it is exactly flat.")
+      ->check(one_of({"bent", "flat"}))
+      ->type_name("SHAPE")
+      ->capture_default_str();
+  command
+      .add_option(
+          "--distortion", options.distortion,
+          "How many of k1, k2, p1, p2, k3 are estimated. The others are 0. auto: as many as the images support, "
+          "without k3.")
+      ->check(one_of({"auto", "0", "1", "2", "4", "5"}))
+      ->type_name("N")
+      ->capture_default_str();
+  command
+      .add_option("--reject", options.settings.reject,
+                  "Leave out corners whose residual exceeds this many standard deviations. 0 keeps all.")
+      ->transform(real_number(0, 1000))
+      ->type_name("K")
+      ->capture_default_str();
+  command.add_option("--min-corners", options.settings.min_corners, "Leave out images with fewer usable corners.")
+      ->transform(whole_number(6, 40000))
+      ->type_name("N")
+      ->capture_default_str();
+  add_channel_option(command, options.channel);
+  begin_group(command, "Laser");
+  command
+      .add_option("--laser", options.laser,
+                  "Images of the laser's line on the chessboard, of the same poses in the same order, or a folder of "
+                  "them. Darken the room for them.")
+      ->type_name("IMAGE");
+  command.add_option("--laser-threshold", options.settings.threshold, "The line is brighter than this grey value.")
+      ->transform(whole_number(0, 254))
+      ->type_name("T")
+      ->capture_default_str();
+  command
+      .add_option("--rig", options.rig,
+                  "With --laser: rig of kind light-section whose pixel pitch, rates, conveyor and measuring are copied "
+                  "to rig.yaml.")
+      ->type_name("RIG")
+      ->capture_default_str();
+  begin_group(command, "Output");
+  command.add_option("--out", options.out, "Folder for the results.")->type_name("DIR")->required();
+  add_files(command, "IMAGE", options.images, "Plain images of the chessboard in several poses, or a folder of them.")
+      ->required();
+}
+
+}  // namespace
+
+CLI::App* add_camera_command(CLI::App& calibrate) {
+  CLI::App* command = add_command(
+      calibrate,
+      {.name = "camera",
+       .purpose = "Calibrates a camera alone from plain images of a chessboard, and a laser's plane.",
+       .details = "Record the chessboard in 5 or more poses that lean in different directions. With --laser, record in "
+                  "each pose a second image with the laser's line on it; camera and laser are then a light section.\n\n"
+                  "The output folder gets camera.yaml (OpenCV YAML), report.json, and with --laser rig.yaml, which "
+                  "`selfproj inspect` takes. Where the poses do not determine the result, nothing is written and the "
+                  "exit status is 1.",
+       .examples = R"(
+# A camera and a laser's plane (needs your files)
+selfproj calibrate camera --chessboard 9x7 --square 20 --out line1 boards/*.png \
+  --laser lines/*.png
+)"});
+  const auto options = std::make_shared<CameraOptions>();
+  add_camera_options(*command, *options);
+  // What `calibrate` itself requires is not required here.
+  command->preparse_callback([&calibrate](std::size_t /*arguments*/) {
+    for (CLI::Option* option : calibrate.get_options()) {
+      option->required(false);
+    }
+  });
+  command->callback([options] { run_camera(*options); });
+  return command;
+}
+
+}  // namespace selfproj

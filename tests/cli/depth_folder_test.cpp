@@ -1,0 +1,145 @@
+// Tests selfproj depth on a folder of a whole Gray sequence, white and black included, by a rig that takes both axes.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/rig/rig.h"
+#include "host/rig/rig_calibration.h"
+#include "host/structured_light/lens_triangulation.h"
+#include "tests/cli/program.h"
+#include "tests/host/structured_light/pinhole.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr int kRows = 30;
+constexpr int kColumns = 40;
+constexpr int kBits = 6;
+
+// A small scanner with 64 lines and columns.
+Rig small_scanner() {
+  Rig rig = load_rig("scanner");
+  rig.camera.rows = kRows;
+  rig.camera.columns = kColumns;
+  rig.camera.pixel_pitch_mm = 0.1;
+  rig.projector.lines = rig.projector.columns = 64;
+  rig.projector.line_pitch_mm *= 12;
+  rig.projector.column_pitch_mm *= 16;
+  rig.measure.max_z_per_line_mm = 60;
+  return rig;
+}
+
+struct Codes {
+  std::vector<int> columns, lines;  // of each pixel; -1: not lit
+};
+
+// What the projector shows where each pixel sees the plane.
+Codes codes_on_plane(const Rig& rig) {
+  const double scale = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  const auto code = [](double place) {
+    const double nearest = std::floor(place + 0.5);
+    return nearest >= 0 && nearest < 64 ? static_cast<int>(nearest) : -1;
+  };
+  Codes codes;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const Pixel lit = projector_lights(
+          rig.projector, {scale * (row - 0.5 * (kRows - 1)), scale * (column - 0.5 * (kColumns - 1)), rig.plane_z_mm});
+      codes.columns.push_back(code(lit.column));
+      codes.lines.push_back(code(lit.row));
+    }
+  }
+  return codes;
+}
+
+// The positive or the negative image of one plane of a code.
+std::string image_of(const std::vector<int>& codes, int plane, bool negative) {
+  Image image{kRows, kColumns, {}};
+  for (const int code : codes) {
+    const bool white = (((code ^ (code >> 1)) >> (kBits - 1 - plane) & 1) != 0) != negative;
+    image.pixels.push_back(code < 0 ? std::uint8_t{30} : white ? std::uint8_t{200} : std::uint8_t{40});
+  }
+  return encode_png(image);
+}
+
+TEST(DepthFolder, ARigTakesBothAxes) {
+  const ScratchFolder folder;
+  const Rig rig = small_scanner();
+  const Codes codes = codes_on_plane(rig);
+  write_text(folder / "rig.yaml", to_yaml(rig));
+  std::filesystem::create_directory(folder / "images");
+  int number = 0;
+  const auto save = [&](const std::string& bytes) {
+    write_text(folder / "images" / fmt::format("img{}.png", number++), bytes);  // natural order: 10 after 9
+  };
+  for (const std::vector<int>* axis : {&codes.columns, &codes.lines}) {
+    for (int plane = 0; plane < kBits; ++plane) {
+      save(image_of(*axis, plane, false));
+      save(image_of(*axis, plane, true));
+    }
+  }
+  for (const int grey : {200, 20}) {
+    save(encode_png({kRows, kColumns, std::vector<std::uint8_t>(kRows * kColumns, static_cast<std::uint8_t>(grey))}));
+  }
+  const std::vector<std::string> usual{"depth", "--rig",   "rig.yaml", "--bits", "6",     "--row-bits",
+                                       "6",     "--plane", "--out",    "out",    "images"};
+  const Outcome outcome = run_program(SELFPROJ_PROGRAM, usual, folder.path());
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+
+  LensSettings settings;
+  settings.rows = kRows;
+  settings.columns = kColumns;
+  settings.bits = settings.row_bits = kBits;
+  settings.rows_are_x = true;
+  settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
+  const auto words = [](const std::vector<int>& all) {
+    std::vector<std::uint16_t> result;
+    for (const int code : all) {
+      result.push_back(code < 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(code | 0x8000));
+    }
+    return result;
+  };
+  FloatImage expected(kRows, kColumns);
+  LensTriangulation(calibration_of(rig), settings)
+      .depth_of_both(words(codes.lines).data(), words(codes.columns).data(), expected.values.data(), nullptr, nullptr);
+  const FloatImage depth = read_float_tiff((folder / "out" / "depth.tiff").string());
+  ASSERT_EQ(depth.values.size(), expected.values.size());
+  EXPECT_EQ(std::memcmp(depth.values.data(), expected.values.data(), depth.values.size() * sizeof(float)), 0);
+  double sum = 0;
+  int count = 0;
+  for (const float z : depth.values) {
+    sum += std::isnan(z) ? 0 : static_cast<double>(z);
+    count += std::isnan(z) ? 0 : 1;
+  }
+  ASSERT_GT(count, 300);
+  EXPECT_NEAR(sum / count, rig.plane_z_mm, 3);  // a line is worth up to 60 mm here
+
+  // What does not belong there is refused by name, and an odd number is no sequence of pairs.
+  std::filesystem::remove_all(folder / "out");
+  const auto expect_refused = [&](const std::string& begin) {
+    const Outcome refused = run_program(SELFPROJ_PROGRAM, usual, folder.path());
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_EQ(refused.err.rfind("selfproj: " + begin, 0), 0U) << refused.err;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  };
+  write_text(folder / "images/notes.txt", "no image");
+  expect_refused("IMAGE: 27 images are an odd number");
+  std::filesystem::remove(folder / "images/img0.png");
+  std::filesystem::remove(folder / "images/img25.png");
+  std::filesystem::remove(folder / "images/img24.png");
+  expect_refused("images/notes.txt: is not an image");
+}
+
+}  // namespace
+}  // namespace selfproj::test

@@ -1,0 +1,139 @@
+// Tests a camera alone and a laser's plane in worlds of known truth: plain views of a chessboard, and the line in which
+// a plane of any orientation cuts it.
+#include "host/calibration/laser_plane.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host/io/user_error.h"
+#include "tests/support/chessboard_world.h"
+
+namespace selfproj {
+namespace {
+
+using test::World;
+
+struct Laser {
+  cv::Vec3d normal;
+  double distance;
+};
+
+CameraSettings settings_of(const World& world) {
+  CameraSettings settings;
+  settings.chessboard = {world.chessboard_columns, world.chessboard_rows, world.square};
+  return settings;
+}
+
+std::vector<BoardImage> seen(const World& world, const std::vector<test::ChessboardPose>& poses, double noise) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  std::vector<BoardImage> images;
+  for (const test::ChessboardPose& pose : poses) {
+    BoardImage image;
+    image.name = "image" + std::to_string(images.size());
+    image.rows = world.camera_rows;
+    image.columns = world.camera_columns;
+    for (int i = 0; i < world.chessboard_columns * world.chessboard_rows; ++i) {
+      const cv::Vec2d at = world.in_camera(pose.turn * world.on_chessboard(i) + pose.at);
+      const double x = at[0] + noise * normal(random);
+      image.corners.emplace_back(x, at[1] + noise * normal(random));
+    }
+    image.used.assign(image.corners.size(), true);
+    images.push_back(image);
+  }
+  return images;
+}
+
+// The line of a laser on the plane of a chessboard: a Gaussian across the rows, 1.2 pixels wide.
+Image line_on(const World& world, const test::ChessboardPose& pose, const Laser& laser) {
+  const cv::Vec3d board(pose.turn(0, 2), pose.turn(1, 2), pose.turn(2, 2));
+  Image image{world.camera_rows, world.camera_columns, {}};
+  image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 8);
+  const cv::Vec3d along = cv::normalize(laser.normal.cross(board));
+  const cv::Matx33d planes(laser.normal[0], laser.normal[1], laser.normal[2], board[0], board[1], board[2], along[0],
+                           along[1], along[2]);
+  const cv::Vec3d from = planes.inv() * cv::Vec3d(laser.distance, board.dot(pose.at), along.dot(pose.at));
+  std::vector<double> rows(static_cast<std::size_t>(image.columns), -1);
+  for (int step = -4000; step <= 4000; ++step) {
+    const cv::Vec2d at = world.in_camera(from + 0.1 * step * along);
+    const cv::Vec2d next = world.in_camera(from + 0.1 * (step + 1) * along);
+    const double left = std::min(at[0], next[0]);
+    const double right = std::max(at[0], next[0]);
+    for (int c = std::max(0, static_cast<int>(std::ceil(left))); c <= right && c < image.columns; ++c) {
+      rows[static_cast<std::size_t>(c)] = at[1] + (c - at[0]) / (next[0] - at[0]) * (next[1] - at[1]);
+    }
+  }
+  for (int c = 0; c < image.columns; ++c) {
+    for (int r = 0; r < image.rows; ++r) {
+      const double off = (r - rows[static_cast<std::size_t>(c)]) / 1.2;
+      image.pixels[static_cast<std::size_t>(r * image.columns + c)] =
+          static_cast<std::uint8_t>(std::lround(8 + 200 * std::exp(-0.5 * off * off)));
+    }
+  }
+  return image;
+}
+
+TEST(LaserPlane, CameraAndPlaneOfAnyOrientation) {
+  World world;
+  world.camera.k1 = -0.12;
+  const std::vector<test::ChessboardPose> poses = world.poses();
+  const CameraReport camera = calibrate_camera(seen(world, poses, 0.02), settings_of(world));
+  EXPECT_EQ(camera.model.refusal, "");
+  const BundleResult& found = camera.model.result;
+  const std::array<double, 5> truth{world.camera.fx, world.camera.fy, world.camera.cx, world.camera.cy,
+                                    world.camera.k1};
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_LT(std::abs(found.bundle.camera.at(i) - truth.at(i)), 4 * found.deviation.camera.at(i)) << i;
+  }
+  EXPECT_LT(found.deviation.camera[0], 1);
+  for (const double roll : {0.0, 12.0, -25.0}) {
+    SCOPED_TRACE(roll);
+    const cv::Vec3d normal = test::turn(35, 0, 0) * test::turn(0, 0, roll) * cv::Vec3d(0, 1, 0);
+    const Laser laser{normal, normal.dot(cv::Vec3d(0, 10, 560))};
+    std::vector<Image> lines;
+    for (const test::ChessboardPose& pose : poses) {
+      lines.push_back(line_on(world, pose, laser));
+    }
+    const LaserPlane plane = laser_plane(camera, lines);
+    const std::array<double, 3>& n = plane.plane.normal;
+    const double sign = laser.distance < 0 ? -1 : 1;
+    const double off = 180 / CV_PI * cv::norm(sign * normal - cv::Vec3d(n[0], n[1], n[2]));
+    EXPECT_LT(off, std::max(0.05, 4 * plane.turn_sd_deg));
+    EXPECT_LT(plane.turn_sd_deg, 0.2);
+    EXPECT_NEAR(plane.plane.distance_mm, sign * laser.distance, 1);
+    EXPECT_LT(plane.rms_mm, 0.5);
+    EXPECT_GE(plane.images, 6U);
+  }
+}
+
+TEST(LaserPlane, WhatDoesNotTellIsRefused) {
+  const World world;
+  const std::vector<test::ChessboardPose> poses = world.poses();
+  const CameraReport camera = calibrate_camera(seen(world, poses, 0.02), settings_of(world));
+  std::vector<Image> dark(poses.size(), Image{world.camera_rows, world.camera_columns, {}});
+  for (Image& image : dark) {
+    image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 8);
+  }
+  EXPECT_THROW(laser_plane(camera, dark), UserError);
+  // Parallel poses tell no focal length.
+  const CameraReport parallel = calibrate_camera(
+      seen(world,
+           {world.pose(0, 0, 560, test::turn(0.2, 0, 0)), world.pose(20, 5, 580, test::turn(0, 0.2, 4)),
+            world.pose(-20, 5, 540, test::turn(0, 0, -4))},
+           0.1),
+      settings_of(world));
+  EXPECT_NE(parallel.model.refusal, "");
+  EXPECT_THROW(calibrate_camera(seen(world, {poses[0]}, 0.02), settings_of(world)), UserError);
+}
+
+}  // namespace
+}  // namespace selfproj
