@@ -63,7 +63,10 @@ struct Runs {
   }
 
   // Valid until the next resize. With Select::all `runs` and `second` point to nothing.
-  RunsView view() { return {moments.view(), runs.data(), second.data()}; }
+  RunsView view() {
+    const bool empty = runs.empty();
+    return {moments.view(), empty ? nullptr : runs.data(), empty ? nullptr : second.data()};
+  }
 
   bool operator==(const Runs&) const = default;
 };

@@ -196,6 +196,10 @@ class Bench {
     header_.pattern = static_cast<std::uint16_t>(random_.bits());
     header_.mode = static_cast<std::uint8_t>(random_.between(0, 2));
     header_.threshold = static_cast<std::uint8_t>(random_.bits());
+    header_.select = static_cast<std::uint8_t>(random_.between(0, 1));
+    header_.first_row = static_cast<std::uint16_t>(random_.between(0, 1023));
+    header_.last_row = static_cast<std::uint16_t>(random_.between(0, 1023));
+    header_.gap = static_cast<std::uint8_t>(random_.between(0, 3));
     header_.first_line = static_cast<std::uint16_t>(kPerLine ? d.line : 1);
     header_.lines = kPerLine ? std::uint16_t{1} : header_.rows;
     header_.flags = random_.chance(50) ? spec::kFlagStrayBefore : std::uint8_t{0};
@@ -341,6 +345,10 @@ class Bench {
     mark(spec::kHeaderRows, 2);
     mark(spec::kHeaderLines, kPerLine ? 0 : 2);
     mark(spec::kHeaderFlags, 1);
+    mark(spec::kHeaderSelect, 1);
+    mark(spec::kHeaderFirstRow, 2);
+    mark(spec::kHeaderLastRow, 2);
+    mark(spec::kHeaderGap, 1);
     return bytes;
   }
 
