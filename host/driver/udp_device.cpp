@@ -103,7 +103,7 @@ class UdpDevice final : public Device {
 
   Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
     const std::int64_t started = now_ns();
-    for (bool looked = false;; looked = true) {
+    for (;;) {
       while (take(packet)) {
         if (tally_.accept(packet.header)) {
           ++counters_.delivered;
@@ -111,16 +111,20 @@ class UdpDevice final : public Device {
           return Next::packet;
         }
       }
+      // The time before the look: what came while this process had to wait for its turn is no silence.
       const std::int64_t now = now_ns();
+      if (receive()) {
+        continue;
+      }
       if (!quiet_ && now - last_ns_ >= kSilenceNs) {
         assembler_.flush();
         quiet_ = true;
         continue;
       }
-      if (looked && now - started >= timeout.count()) {
+      if (now - started >= timeout.count()) {
         return Next::timeout;
       }
-      receive(now - started, timeout.count());
+      wait(now - started, timeout.count());
     }
   }
 
@@ -144,8 +148,8 @@ class UdpDevice final : public Device {
     }
   }
 
-  // Receives what is there, or waits according to the policy.
-  void receive(std::int64_t waited, std::int64_t timeout) {
+  // Receives what is there. Returns false if that is nothing.
+  bool receive() {
     const int count = batch_.receive(socket_.number());
     if (count > 0) {
       last_ns_ = now_ns();
@@ -153,26 +157,30 @@ class UdpDevice final : public Device {
       used_ = 0;
       held_ = static_cast<std::size_t>(count);
       note_overflow();
-      return;
+      return true;
     }
     if (count < 0 && errno != EAGAIN && errno != EINTR && errno != ECONNREFUSED) {
       ++counters_.read_errors;
       const timespec pause{0, kErrorPauseNs};
       nanosleep(&pause, nullptr);
-      return;
     }
+    return false;
+  }
+
+  // Waits for datagrams according to the policy, no longer than until the silence counts.
+  void wait(std::int64_t waited, std::int64_t timeout) {
     const bool polls = options_.wait == Wait::polling ||
                        (options_.wait == Wait::polling_then_blocking && waited < options_.spin.count());
     if (polls) {
       relax();
       return;
     }
-    std::int64_t wait = std::max<std::int64_t>(timeout - waited, 0);
+    std::int64_t rest = std::max<std::int64_t>(timeout - waited, 0);
     if (!quiet_) {
-      wait = std::min(wait, kSilenceNs);
+      rest = std::min(rest, kSilenceNs);
     }
     constexpr std::int64_t kSecond = 1'000'000'000;
-    const timespec limit{static_cast<std::time_t>(wait / kSecond), static_cast<long>(wait % kSecond)};
+    const timespec limit{static_cast<std::time_t>(rest / kSecond), static_cast<long>(rest % kSecond)};
     pollfd watched{socket_.number(), POLLIN, 0};
     static_cast<void>(ppoll(&watched, 1, &limit, nullptr));
   }

@@ -126,7 +126,7 @@ TEST(Counters, EachHasOneNameOfItsOwn) {
   }
   EXPECT_EQ(keys.size(), kCounterNames.size());
   EXPECT_EQ(labels.size(), kCounterNames.size());
-  EXPECT_EQ(counters, (Counters{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}));
+  EXPECT_EQ(counters, (Counters{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}));
   EXPECT_EQ(counters_text({.lost_board = 3, .missing = 4}, {&Counters::missing, &Counters::lost_board}),
             "missing frames 4, lost on the board 3");
   EXPECT_THROW(name_of(nullptr), std::invalid_argument);
