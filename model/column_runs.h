@@ -58,15 +58,16 @@ struct Runs {
   void resize(Select select, int columns) {
     moments.resize(columns);
     for (auto* values : {&runs, &second}) {
-      values->resize(select == Select::strongest ? static_cast<std::size_t>(columns) : 0);
+      if (select == Select::strongest) {
+        values->resize(static_cast<std::size_t>(columns));
+      } else {
+        std::vector<std::uint8_t>().swap(*values);  // frees it, so that view() points to nothing
+      }
     }
   }
 
   // Valid until the next resize. With Select::all `runs` and `second` point to nothing.
-  RunsView view() {
-    const bool empty = runs.empty();
-    return {moments.view(), empty ? nullptr : runs.data(), empty ? nullptr : second.data()};
-  }
+  RunsView view() { return {moments.view(), runs.data(), second.data()}; }
 
   bool operator==(const Runs&) const = default;
 };
