@@ -237,7 +237,7 @@ void add_target_options(CLI::App& command, CaptureOptions& options) {
       ->capture_default_str();
   command
       .add_option("--fence", options.fence_mm,
-                  "--heights: mm by which the plate misses its place on the belt, to either side.")
+                  "With --heights: how far the plate misses its place on the belt, to either side, in mm.")
       ->transform(real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();

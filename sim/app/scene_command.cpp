@@ -362,7 +362,7 @@ selfproj-sim scene render stairs --first 700 --count 4 --truth frames/truth.tiff
 selfproj-sim scene render desk --count 16 --without shot-noise,read-noise --out codes
 
 # Stairs of painted metal, seen again in a shiny wall by a camera with defect pixels.
-selfproj-sim scene render stairs --first 700 --count 2 --disturb gloss,second-line=0.3,defect-pixels --out shiny
+selfproj-sim scene render stairs --first 700 --count 2 --disturb gloss,defect-pixels --out shiny
 )"});
   const auto options = std::make_shared<SceneOptions>();
   add_part_options(*command, *options);

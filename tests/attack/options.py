@@ -40,6 +40,11 @@ def commands_of(made):
             "--chessboard", "6x5", "--square", "30", "--projector", "256x192", "--rig", m / "quarter.yaml", "--out",
             "o", m / "chess" / "pose_01", m / "chess" / "pose_02"
         ],
+        ("selfproj", "calibrate", "camera"): [
+            "--chessboard", "6x5", "--square", "30", "--out", "o", *(sorted(pose.iterdir())[0] for pose in
+                                                                    sorted((m / "chess").glob("pose_*")))
+        ],
+        ("selfproj", "lines"): ["--threshold", "60", "--out", "o", *frames],
         ("selfproj", "calibrate", "heights"): [
             "--rig", m / "plate.yaml", "--every", "16", "--heights", "0,10,20", "--out", "o", m / "at0", m / "at10",
             m / "at20"

@@ -67,7 +67,7 @@ class Help(unittest.TestCase):
                 with self.subTest(f"{name} {option['name']}"):
                     self.assertRegex(option["text"], r"^[A-Z0-9a-z].*\.$")
                     if option["value"]:
-                        self.assertRegex(option["value"], r"^[A-Za-z0-9.,|]+$")
+                        self.assertRegex(option["value"], r"^[A-Za-z0-9.,|+]+$")
 
     def test_numbers_have_units_or_ranges(self):
         for name, command in self.commands.items():
