@@ -29,12 +29,16 @@ namespace selfproj {
 namespace {
 
 constexpr double kMicro = 1e-6;
+constexpr double kMilli = 1e-3;
 constexpr double kMmPerUm = 1e-3;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kUnit = 1e-6;  // how far the length of a vector may be from 1
 const std::vector<std::pair<const char*, Mode>> kModeChoices(kModes.begin(), kModes.end());
 const std::vector<std::pair<const char*, RigKind>> kKinds = {{"light-section", RigKind::light_section},
                                                              {"scanner", RigKind::scanner}};
+const std::vector<std::pair<const char*, PartCut>> kCuts = {
+    {"profile", PartCut::profile}, {"distance", PartCut::distance}, {"trigger", PartCut::trigger}};
+const std::vector<std::pair<const char*, bool>> kBelts = {{"encoder", true}, {"clock", false}};
 
 template <class LensT, class Visitor>
 void visit_lens(const char* section, LensT& lens, Range focal, Visitor& v) {
@@ -95,6 +99,21 @@ void visit_heights(HeightsT& heights, Visitor& v) {
   v.integer("order", heights.order, 0, kMostOrder);
   v.integer("order_heights", heights.order_heights, 0, kMostOrder);
   v.numbers("corrections_mm", heights.corrections_mm, 1, kAny);
+  v.end();
+}
+
+template <class PartsT, class Visitor>
+void visit_parts(PartsT& parts, Visitor& v) {
+  v.begin("parts");
+  v.choice("cut", parts.cut, kCuts);
+  v.choice("belt", parts.by_encoder, kBelts);
+  v.number("grid_mm", parts.grid_mm, 1, {.low = 0.01, .high = 100});
+  v.number("above_mm", parts.above_mm, 1, kAny);
+  v.number("min_width_mm", parts.min_width_mm, 1, kNotNegative);
+  v.number("gap_mm", parts.gap_mm, 1, kPositive);
+  v.number("pause_ms", parts.pause_s, kMilli, kPositive);
+  v.number("min_length_mm", parts.min_length_mm, 1, kNotNegative);
+  v.number("length_mm", parts.length_mm, 1, kPositive);
   v.end();
 }
 
@@ -187,6 +206,9 @@ void visit_rig(RigT& rig, Visitor& v) {
   if (v.has_any({"heights"}, rig.heights)) {
     visit_heights(*rig.heights, v);
   }
+  if (v.has_any({"parts"}, rig.parts)) {
+    visit_parts(*rig.parts, v);
+  }
 }
 
 // What the sections that a rig may have demand of each other.
@@ -214,9 +236,22 @@ void check_sections(const Rig& rig, const std::string& source) {
   const char* const section = rig.light_plane ? "light_plane"
                               : rig.belt_pose ? "belt_pose"
                               : rig.heights   ? "heights"
+                              : rig.parts     ? "parts"
                                               : nullptr;
   if (section != nullptr && rig.kind != RigKind::light_section) {
     throw UserError(source, fmt::format("{} goes only with kind light-section", section));
+  }
+  if (rig.parts) {
+    const RigParts& parts = *rig.parts;
+    if (!(parts.min_length_mm < parts.length_mm)) {
+      throw UserError(source, fmt::format("parts.length_mm is {}, parts.min_length_mm {}; it must be greater",
+                                          parts.length_mm, parts.min_length_mm));
+    }
+    constexpr double kMostRows = 20'000;  // of a part's map
+    if ((parts.length_mm + 2 * parts.gap_mm) / parts.grid_mm > kMostRows) {
+      throw UserError(source, fmt::format("parts.length_mm, {}, has more than {} cells of parts.grid_mm, {}",
+                                          parts.length_mm, kMostRows, parts.grid_mm));
+    }
   }
   if (rig.heights) {
     const RigHeights& h = *rig.heights;

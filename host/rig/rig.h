@@ -156,6 +156,26 @@ struct RigHeights {
   std::vector<double> corrections_mm;
 };
 
+// What tells one part from the next (host/parts).
+enum class PartCut : std::uint8_t {
+  profile,   // a part begins where profiles are higher than above_mm, and ends where they are not any more
+  distance,  // every length_mm of the belt is a part
+  trigger,   // frames come only while a part is there: a pause of pause_s ends it
+};
+
+// How the stream of profiles is cut into parts, and the grid of their maps.
+struct RigParts {
+  PartCut cut = PartCut::profile;
+  bool by_encoder = true;    // the belt is where the encoder says; otherwise where speed and time stamps say
+  double grid_mm = 0;        // distance of neighbouring cells of a map, along and across
+  double above_mm = 0;       // what is higher above the plane belongs to a part
+  double min_width_mm = 0;   // cut by profile: a profile belongs to a part if so much of it is higher than above_mm
+  double gap_mm = 0;         // cut by profile: a part ends where the belt moves so far without such a profile
+  double pause_s = 0;        // cut by trigger: a pause of the frames that ends a part
+  double min_length_mm = 0;  // what is shorter is no part; cut by distance: without meaning
+  double length_mm = 0;      // a part that is longer is cut here; cut by distance: the length of each
+};
+
 struct Rig {
   std::string name;
   RigKind kind = RigKind::light_section;
@@ -173,6 +193,7 @@ struct Rig {
   std::optional<RigLightPlane> light_plane;  // if present, a laser line takes the place of the projector
   std::optional<RigBeltPose> belt_pose;
   std::optional<RigHeights> heights;
+  std::optional<RigParts> parts;
 
   // Whether light and view follow the pinholes of (3.3) to (3.9), with nothing else to be known.
   [[nodiscard]] bool is_pinholes() const { return !calibration && !light_plane && !belt_pose && !heights; }

@@ -1,0 +1,63 @@
+// OK, not OK, or cannot tell: a placed part against its tolerance.
+#ifndef SELFPROJ_HOST_PARTS_JUDGE_H
+#define SELFPROJ_HOST_PARTS_JUDGE_H
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/parts/map_grid.h"
+#include "host/parts/part_cutter.h"
+#include "host/parts/part_result.h"
+#include "host/parts/section_reference.h"
+#include "host/parts/tolerance.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+
+// The difference as far as at least a square of the smallest defect's area reaches it: the grey opening and closing by
+// this square. What is smaller, as noise is, has gone from both. Places without a point stand between the two levels.
+struct DefectLevels {
+  cv::Mat1f high;  // opening
+  cv::Mat1f low;   // closing
+};
+DefectLevels defect_levels(const FloatImage& difference, int side);
+
+// The side of that square in cells, at least 1.
+int defect_side(double smallest_mm2, double pitch_mm);
+
+// The cells of a polygon whose middle lies in it or on its border: 255, else 0.
+cv::Mat1b region_cells(const ToleranceRegion& region, const MapGrid& grid);
+
+// Places and judges parts. Keeps what is the same for all of them.
+class Judge {
+ public:
+  // Throws UserError, naming `source`, as check_tolerance does.
+  Judge(const Rig& rig, const SectionReference& section, const Tolerance& tolerance, const std::string& source);
+
+  // The result of the part but for its number and delay, and its maps.
+  //
+  // A part cannot be told if the board was restarted in it, it is too long, it could not be placed or lies outside of
+  // what the tolerance allows, or a region misses too many points; but a defect that is there makes it not OK.
+  PartResult judge(const CutPart& part, PlacedMaps& maps) const;
+
+  [[nodiscard]] const MapGrid& grid() const { return grid_; }
+  [[nodiscard]] const Tolerance& tolerance() const { return tolerance_; }
+
+  // Heights on the grid, less those of the reference.
+  [[nodiscard]] FloatImage difference(const FloatImage& heights) const;
+
+ private:
+  void place(const CutPart& part, PartResult& result) const;
+  void find_defects(const PlacedMaps& maps, PartResult& result) const;
+
+  double above_;
+  Tolerance tolerance_;
+  MapGrid grid_;
+  std::vector<double> reference_;  // heights of the grid's columns
+  std::vector<cv::Mat1b> regions_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_PARTS_JUDGE_H

@@ -1,0 +1,64 @@
+// What is said of a part.
+#ifndef SELFPROJ_HOST_PARTS_PART_RESULT_H
+#define SELFPROJ_HOST_PARTS_PART_RESULT_H
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/parts/map_grid.h"
+#include "host/parts/placement.h"
+
+namespace selfproj {
+
+enum class Verdict : std::uint8_t { ok, not_ok, cannot_tell };
+inline constexpr std::array<const char*, 3> kVerdictNames = {"OK", "not OK", "cannot tell"};
+inline const char* verdict_name(Verdict verdict) { return kVerdictNames[static_cast<std::size_t>(verdict)]; }
+
+// A place where the difference leaves its band.
+struct Defect {
+  std::string region;
+  double along_mm = 0;  // its middle on the placed map
+  double across_mm = 0;
+  double size_along_mm = 0;
+  double size_across_mm = 0;
+  double area_mm2 = 0;
+  double depth_mm = 0;  // difference that at least the smallest area reaches; below 0: too low
+};
+
+// What a region looks like.
+struct RegionFigures {
+  std::string name;
+  double missing = 0;                    // share of its places without a point
+  double mean_mm = 0;                    // of the difference; 0 if no place has a point
+  double lowest_mm = 0, highest_mm = 0;  // what at least the smallest area reaches
+};
+
+struct PartResult {
+  std::uint64_t number = 0;  // from 1
+  Verdict verdict = Verdict::cannot_tell;
+  std::string reason;  // one line; empty if OK
+  std::vector<Defect> defects;
+  std::vector<RegionFigures> regions;
+  std::optional<Placement> placement;
+  double begin_mm = 0;  // belt
+  double length_mm = 0;
+  std::uint64_t first_frame = 0, last_frame = 0;  // sequence numbers
+  std::uint64_t frames = 0, missing_frames = 0;
+  std::int64_t delay_ns = 0;  // from the arrival of its last frame to this result
+};
+
+// The placed maps of a part: mm, NaN where there is nothing.
+struct PlacedMaps {
+  MapGrid grid;
+  FloatImage height;
+  FloatImage difference;  // height less that of the reference
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_PARTS_PART_RESULT_H

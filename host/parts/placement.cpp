@@ -1,0 +1,317 @@
+#include "host/parts/placement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/parts/map_grid.h"
+
+namespace selfproj {
+namespace {
+
+constexpr int kInto = 4;       // cells behind an edge that may be partly filled
+constexpr int kFull = 8;       // cells behind these that say what a full cell has
+constexpr int kBorder = 2;     // an edge in so many cells from the border of the view is the view's
+constexpr double kTrim = 0.6;  // cells: places nearer to the line than this always count
+
+// A place of an edge, in cells: `at` along the axis that crosses it, `beside` along it.
+struct Place {
+  double beside = 0;
+  double at = 0;
+};
+
+// The cells of the largest thing higher than above_mm: not 0.
+cv::Mat1b largest_thing(const HeightCells& cells, double above_mm) {
+  cv::Mat1b mask(cells.grid.rows, cells.grid.columns, std::uint8_t{0});
+  for (int r = 0; r < mask.rows; ++r) {
+    for (int c = 0; c < mask.cols; ++c) {
+      mask(r, c) = static_cast<double>(cells.height.row(r)[c]) > above_mm ? UINT8_MAX : 0;
+    }
+  }
+  // Cells that no light reached inside the part do not tear it apart.
+  cv::Mat1b joined;
+  cv::morphologyEx(mask, joined, cv::MORPH_CLOSE, cv::Mat1b(5, 5, std::uint8_t{1}));
+  cv::Mat1i labels;
+  cv::Mat1i figures;
+  cv::Mat1d middles;
+  const int count = cv::connectedComponentsWithStats(joined, labels, figures, middles, 8);
+  int largest = 0;
+  for (int i = 1; i < count; ++i) {
+    if (largest == 0 || figures(i, cv::CC_STAT_AREA) > figures(largest, cv::CC_STAT_AREA)) {
+      largest = i;
+    }
+  }
+  cv::compare(labels, largest == 0 ? count : largest, joined, cv::CMP_EQ);
+  cv::bitwise_and(joined, mask, mask);
+  return mask;
+}
+
+// A line of cells that is looked at from its begin: its cells, and how full they are.
+struct Line {
+  std::vector<float> weights;
+  std::vector<std::uint8_t> inside;
+};
+
+// Where the thing begins in the line, in cells; the middle of cell 0 is 0. With points even along the line, the sum of
+// the weights up to a cell says how far before it they begin.
+std::optional<double> begin_of(const Line& line) {
+  const auto size = static_cast<std::ptrdiff_t>(line.inside.size());
+  const auto first = std::find(line.inside.begin(), line.inside.end(), 1) - line.inside.begin();
+  if (first + kInto + kFull > size) {
+    return std::nullopt;
+  }
+  double full = 0;
+  for (std::ptrdiff_t i = first + kInto; i < first + kInto + kFull; ++i) {
+    full += static_cast<double>(line.weights[static_cast<std::size_t>(i)]) / kFull;
+  }
+  if (!(full > 0)) {
+    return std::nullopt;
+  }
+  double sum = 0;
+  const std::ptrdiff_t last = first + kInto - 1;
+  for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, first - 1); i <= last; ++i) {
+    sum += static_cast<double>(line.weights[static_cast<std::size_t>(i)]);
+  }
+  const double begin = static_cast<double>(last) + 0.5 - sum / full;
+  // What is not even there, as a light that is lost at the edge, is told by the cells alone.
+  const double by_cells = static_cast<double>(first) - 0.5;
+  return std::clamp(begin, by_cells - 1, by_cells + 1);
+}
+
+// The straight line at = a + b beside.
+struct Fit {
+  double a = 0, b = 0;
+  double rms = 0;
+  double beside = 0;  // middle of the places that count
+  std::size_t count = 0;
+};
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Begins with the medians of the first and the last third; then least squares, without what is far off.
+std::optional<Fit> fit_line(const std::vector<Place>& places) {
+  if (places.size() < kLeastPlaces) {
+    return std::nullopt;
+  }
+  const std::size_t third = places.size() / 3;
+  std::array<std::vector<double>, 2> at;
+  std::array<std::vector<double>, 2> beside;
+  for (std::size_t i = 0; i < third + 1; ++i) {
+    at[0].push_back(places[i].at);
+    beside[0].push_back(places[i].beside);
+    at[1].push_back(places[places.size() - 1 - i].at);
+    beside[1].push_back(places[places.size() - 1 - i].beside);
+  }
+  Fit fit;
+  const double way = median(beside[1]) - median(beside[0]);
+  fit.b = way > 0 ? (median(at[1]) - median(at[0])) / way : 0;
+  fit.a = median(at[0]) - fit.b * median(beside[0]);
+  for (int turn = 0; turn < 5; ++turn) {
+    std::vector<double> off;
+    off.reserve(places.size());
+    for (const Place& place : places) {
+      off.push_back(std::abs(place.at - fit.a - fit.b * place.beside));
+    }
+    const double limit = std::max(kTrim, 3 * 1.5 * median(off));
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (off[i] <= limit) {
+        const double x = places[i].beside, y = places[i].at;
+        n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y, syy += y * y;
+      }
+    }
+    const double spread = sxx - sx * sx / n;
+    if (n < static_cast<double>(kLeastPlaces) || !(spread > 0)) {
+      return std::nullopt;
+    }
+    fit.b = (sxy - sx * sy / n) / spread;
+    fit.a = (sy - fit.b * sx) / n;
+    fit.beside = sx / n;
+    fit.count = static_cast<std::size_t>(n);
+    fit.rms = std::sqrt(std::max(0.0, (syy - sy * sy / n - fit.b * (sxy - sx * sy / n)) / n));
+  }
+  return fit;
+}
+
+// The cells of row or column `number`, from its begin or from its end.
+Line line_of(const HeightCells& cells, const cv::Mat1b& thing, Edge edge, int number) {
+  const bool along = edge == Edge::leading || edge == Edge::trailing;  // the line of cells runs along
+  const int size = along ? thing.rows : thing.cols;
+  Line line;
+  line.weights.reserve(static_cast<std::size_t>(size));
+  line.inside.reserve(static_cast<std::size_t>(size));
+  for (int i = 0; i < size; ++i) {
+    const int k = edge == Edge::trailing || edge == Edge::right ? size - 1 - i : i;
+    const int r = along ? k : number;
+    const int c = along ? number : k;
+    line.inside.push_back(thing(r, c) != 0 ? 1 : 0);
+    const bool counts = thing(r, c) != 0 || std::isnan(cells.height.row(r)[c]);
+    line.weights.push_back(counts ? cells.weight.row(r)[c] : 0.0F);
+  }
+  return line;
+}
+
+std::optional<EdgeLine> edge_line(const HeightCells& cells, const cv::Mat1b& thing, Edge edge) {
+  const bool along = edge == Edge::leading || edge == Edge::trailing;
+  const bool back = edge == Edge::trailing || edge == Edge::right;
+  const int size = along ? thing.rows : thing.cols;
+  std::vector<Place> places;
+  for (int number = 0; number < (along ? thing.cols : thing.rows); ++number) {
+    if (const std::optional<double> begin = begin_of(line_of(cells, thing, edge, number))) {
+      places.push_back({static_cast<double>(number), back ? size - 1 - *begin : *begin});
+    }
+  }
+  // The first and the last tenth may belong to the edges beside.
+  const auto tenth = static_cast<std::ptrdiff_t>(places.size() / 10);
+  places = {places.begin() + tenth, places.end() - tenth};
+  const std::optional<Fit> fit = fit_line(places);
+  if (!fit) {
+    return std::nullopt;
+  }
+  const double at = fit->a + fit->b * fit->beside;
+  if (!along && (at < kBorder || at > size - 1 - kBorder)) {
+    return std::nullopt;
+  }
+  const double turn = along ? std::atan(fit->b) : -std::atan(fit->b);
+  return EdgeLine{cells.grid.along_of(along ? at : fit->beside), cells.grid.across_of(along ? fit->beside : at), turn,
+                  fit->rms * std::cos(turn) * cells.grid.pitch_mm, fit->count};
+}
+
+// The places of two opposite edges that the outline wants, and what the part has.
+struct Shift {
+  double offset = 0;
+  std::optional<double> size = {};
+  double remains = 0;  // of each of two edges
+};
+
+Shift shift_of(std::optional<double> low, std::optional<double> high, std::optional<double> want_low,
+               std::optional<double> want_high) {
+  Shift result;
+  if (low && high) {
+    result.size = *high - *low;
+  }
+  if (low && high && want_low && want_high) {
+    result.offset = 0.5 * (*low + *high - *want_low - *want_high);
+    result.remains = 0.5 * std::abs(*high - *low - *want_high + *want_low);
+  } else if (low && want_low) {
+    result.offset = *low - *want_low;
+  } else if (high && want_high) {
+    result.offset = *high - *want_high;
+  }
+  return result;
+}
+
+}  // namespace
+
+EdgeLines edges_of(const HeightCells& cells, double above_mm) {
+  EdgeLines edges;
+  if (cells.grid.rows == 0) {
+    return edges;
+  }
+  const cv::Mat1b thing = largest_thing(cells, above_mm);
+  for (std::size_t i = 0; i < kEdges; ++i) {
+    edges[i] = edge_line(cells, thing, static_cast<Edge>(i));
+  }
+  return edges;
+}
+
+double Placement::seen_along(double v, double w) const {
+  return (v + along_mm) * std::cos(turn_rad) + (w + offset_mm) * std::sin(turn_rad);
+}
+
+double Placement::seen_across(double v, double w) const {
+  return -(v + along_mm) * std::sin(turn_rad) + (w + offset_mm) * std::cos(turn_rad);
+}
+
+std::optional<Placement> place_by_edges(const EdgeLines& edges, const Outline& outline) {
+  Placement result;
+  double weights = 0;
+  double squares = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < kEdges; ++i) {
+    if (edges[i]) {
+      const auto n = static_cast<double>(edges[i]->count);
+      result.turn_rad += edges[i]->turn_rad * n * n * n;
+      weights += n * n * n;
+      squares += edges[i]->rms_mm * edges[i]->rms_mm * n;
+      count += n;
+      result.edges += (result.edges.empty() ? "" : " ") + std::string(kEdgeNames[i]);
+    }
+  }
+  const auto there = [&](Edge edge) { return edges[static_cast<std::size_t>(edge)].has_value(); };
+  if (!(weights > 0) || !(there(Edge::leading) || (there(Edge::trailing) && outline.length_mm))) {
+    return std::nullopt;
+  }
+  result.turn_rad /= weights;
+  // The edges in the turned axes.
+  std::array<std::optional<double>, kEdges> at;
+  for (std::size_t i = 0; i < kEdges; ++i) {
+    if (edges[i]) {
+      const double s = std::sin(result.turn_rad), c = std::cos(result.turn_rad);
+      at[i] =
+          i < 2 ? edges[i]->along_mm * c - edges[i]->across_mm * s : edges[i]->along_mm * s + edges[i]->across_mm * c;
+    }
+  }
+  const Shift along = shift_of(at[0], at[1], 0.0, outline.length_mm);
+  const Shift across = shift_of(at[2], at[3], outline.left_mm, outline.right_mm);
+  result.along_mm = along.offset;
+  result.offset_mm = across.offset;
+  result.length_mm = along.size;
+  result.width_mm = across.size;
+  const double middle_v = 0.5 * outline.length_mm.value_or(along.size.value_or(0));
+  const double middle_w = 0.5 * (outline.left_mm.value_or(0) + outline.right_mm.value_or(0));
+  result.across_mm = result.seen_across(middle_v, middle_w) - middle_w;
+  result.residual_mm =
+      std::sqrt(squares / count + 0.5 * (along.remains * along.remains + across.remains * across.remains));
+  return result;
+}
+
+FloatImage placed_heights(const HeightCells& cells, const Placement& placement, const MapGrid& grid) {
+  FloatImage result(grid.rows, grid.columns, kNoValue);
+  const MapGrid& from = cells.grid;
+  for (int r = 0; r < grid.rows; ++r) {
+    for (int c = 0; c < grid.columns; ++c) {
+      const double v = grid.along_of(r);
+      const double w = grid.across_of(c);
+      const double row = from.row_of(placement.seen_along(v, w));
+      const double column = from.column_of(placement.seen_across(v, w));
+      const int r0 = static_cast<int>(std::floor(row));
+      const int c0 = static_cast<int>(std::floor(column));
+      if (r0 < 0 || c0 < 0 || r0 + 1 >= from.rows || c0 + 1 >= from.columns) {
+        continue;
+      }
+      const auto fr = static_cast<float>(row - r0);
+      const auto fc = static_cast<float>(column - c0);
+      const float* const above = cells.height.row(r0) + c0;
+      const float* const below = cells.height.row(r0 + 1) + c0;
+      const std::array<std::pair<float, float>, 4> parts = {
+          {{above[0], (1 - fr) * (1 - fc)}, {above[1], (1 - fr) * fc}, {below[0], fr * (1 - fc)}, {below[1], fr * fc}}};
+      float sum = 0;
+      float weights = 0;
+      for (const auto& [height, weight] : parts) {
+        if (!std::isnan(height)) {
+          sum += height * weight;
+          weights += weight;
+        }
+      }
+      if (weights >= 0.5F) {
+        result.row(r)[c] = sum / weights;
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace selfproj

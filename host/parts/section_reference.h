@@ -1,0 +1,30 @@
+// The section of the good part as a map has it.
+#ifndef SELFPROJ_HOST_PARTS_SECTION_REFERENCE_H
+#define SELFPROJ_HOST_PARTS_SECTION_REFERENCE_H
+
+#include <vector>
+
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/reference_profile.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+
+// What the reference of the light section is like across the belt: places and heights above the plane, mm, by place.
+// Columns without a reference are left out; `gap` says after which points one was.
+struct SectionReference {
+  std::vector<double> across_mm;
+  std::vector<double> height_mm;
+
+  // The height at a place, on the straight line between the neighbouring points; NaN where these are further apart than
+  // `widest_mm`, or steeper than a wall (kSteepest): heights there say more about the place than about the part.
+  [[nodiscard]] double at(double across_mm, double widest_mm) const;
+};
+
+// Asks the profiler itself where its reference lies, by moments that are exactly those of the reference. It holds for
+// every kind of rig, therefore.
+SectionReference section_of(const Rig& rig, const ReferenceProfile& reference, const DifferentialProfiler& profiler);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_PARTS_SECTION_REFERENCE_H
