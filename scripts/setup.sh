@@ -11,6 +11,7 @@ for_programs=(
   libopencv-calib3d-dev libceres-dev libeigen3-dev  # calibration
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   nlohmann-json3-dev                         # summaries
+  pkg-config libaravis-dev libusb-1.0-0-dev  # GigE and USB3 cameras
 )
 for_tests=(
   git python3 python3-pip                    # lists of sources, checks, headers of HLS tools

@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "host/camera/aravis_camera.h"
+#include "host/camera/camera_uri.h"
+#include "host/camera/open_camera.h"
 #include "host/driver/ring_list.h"
 #include "host/io/command_line.h"
 #include "host/io/user_error.h"
@@ -15,12 +18,35 @@
 namespace selfproj {
 namespace {
 
+// The settings of a URI as a list.
+std::string camera_keys() {
+  std::string text;
+  for (const std::string& line : camera_uri_help()) {
+    text += (text.empty() ? "- " : "\n- ") + line;
+  }
+  return text;
+}
+
 std::string side(bool there, std::uint32_t pid, std::uint32_t crashes) {
   std::string text = there ? fmt::format("process {}", pid) : "none";
   return crashes == 0 ? text : fmt::format("{}, {} crashed", text, crashes);
 }
 
-void list() {
+void print_cameras() {
+  const std::vector<CameraEntry> cameras = list_cameras();
+  if (cameras.empty()) {
+    fmt::print("no camera{}\n",
+               has_aravis() ? "" : "; built without Aravis, this program knows no GigE and USB3 cameras");
+    return;
+  }
+  fmt::print("{:40} {:12} {:32} {}\n", "camera", "interface", "model", "address");
+  for (const CameraEntry& camera : cameras) {
+    fmt::print("{:40} {:12} {:32} {}\n", camera.uri, camera.kind, camera.model,
+               camera.problem.empty() ? camera.address : "cannot be used: " + camera.problem);
+  }
+}
+
+void print_rings() {
   const std::vector<RingInfo> rings = list_rings();
   if (rings.empty()) {
     fmt::print("no ring; a board's driver or `selfproj-sim board --ring NAME` makes one\n");
@@ -46,15 +72,24 @@ void add_devices_command(CLI::App& app) {
   CLI::App* command = add_command(
       app,
       {.name = "devices",
-       .purpose = "Lists the shared-memory rings of this machine, and who writes and reads them.",
-       .details = "A line shows the ring's URI for --device, the processes of board and reader and how often each has "
+       .purpose = "Lists the shared-memory rings of this machine, who writes and reads them, and its cameras.",
+       .details = "A ring's line shows its URI for --device, the processes of board and reader and how often each has "
                   "crashed, the packets written, lost because the ring was full, and not yet read, and the slots of "
-                  "the ring.",
+                  "the ring.\n\n"
+                  "A camera's line shows its URI for --device and --camera, and its address. GigE cameras of the "
+                  "network have a second to answer. One in another network is opened by its address: "
+                  "camera:192.168.1.20. camera:Fake_1 is one that Aravis simulates within the program.\n\n"
+                  "Settings follow the name of a camera, the first after ?, the others after &:\n\n" +
+                  camera_keys(),
        .examples = R"(
 # Make a ring, list it and remove it.
 selfproj-sim board --line 512x96 --ring line1 --count 100 --keep
 selfproj devices
 selfproj devices --remove line1
+
+# Packets of a simulated camera: this program is the board.
+selfproj record --device "camera:Fake_1?region=512x96&mode=grey&threshold=100" --count 20 \
+  --out camera.packets
 )"});
   auto remove = std::make_shared<std::string>();
   command
@@ -63,7 +98,8 @@ selfproj devices --remove line1
       ->type_name("NAME");
   command->callback([remove] {
     if (remove->empty()) {
-      list();
+      print_rings();
+      print_cameras();
     } else if (!remove_ring(*remove)) {
       throw UserError("ring:" + *remove, "there is no such ring");
     }

@@ -17,9 +17,10 @@
 #include <vector>
 
 #include "host/app/board_run.h"
+#include "host/camera/camera_device.h"
+#include "host/camera/camera_uri.h"
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
-#include "host/driver/open_device.h"
 #include "host/io/command_line.h"
 #include "host/io/duration_histogram.h"
 #include "host/io/frame_options.h"
@@ -142,12 +143,23 @@ Rig rig_of(const InspectOptions& options) {
   return rig;
 }
 
-std::unique_ptr<Device> open(const InspectOptions& options) {
+std::unique_ptr<Device> open(const InspectOptions& options, const Rig& rig) {
   const Wait wait = std::find_if(kWaits.begin(), kWaits.end(), [&](const auto& entry) {
                       return entry.first == options.wait;
                     })->second;
-  return open_device(options.device,
-                     {.wait = wait, .wait_for_board = options.wait_for_board, .discard_backlog = options.newest});
+  Measure measure = rig.measure.of_board();
+  if (!options.select.empty()) {
+    measure.select = select_of(options.select);
+  }
+  return open_any_device(options.device,
+                         {.wait = wait, .wait_for_board = options.wait_for_board, .discard_backlog = options.newest},
+                         {.region = CameraRegion{.columns = rig.camera.columns, .rows = rig.camera.rows},
+                          .board = {.mode = measure.mode,
+                                    .threshold = measure.threshold,
+                                    .select = measure.select,
+                                    .gap = measure.gap,
+                                    .window = measure.window,
+                                    .pixel_clock_hz = rig.pixel_clock_hz()}});
 }
 
 // Turns packets of a device into profiles, until there are enough, the time is up, or no more come.
@@ -326,7 +338,7 @@ void run_inspect(const InspectOptions& options) {
   Inspection* const kept = inspection ? &*inspection : nullptr;
 
   InspectionLoop loop(options, rig, profiler, kept);
-  const std::unique_ptr<Device> device = open(options);
+  const std::unique_ptr<Device> device = open(options, rig);
   const BoardRun board(options.device, options.control, rig);
   const StopSignal stop;
   loop.run(*device);
@@ -374,8 +386,10 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
   begin_group(*command, "Input");
   command
       ->add_option("--device", options->device,
-                   "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, or file:PATH for a "
-                   "recording, a pipe or a character device.")
+                   "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, file:PATH for a "
+                   "recording, a pipe or a character device, or camera:NAME[?KEY=VALUE&...] for a camera, of whose "
+                   "images this program makes the packets itself, as the rig says. `selfproj devices` lists cameras "
+                   "and their settings.")
       ->type_name("URI")
       ->required();
   command

@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
+#include "host/camera/camera_device.h"
 #include "host/driver/clock.h"
-#include "host/driver/open_device.h"
 #include "host/io/command_line.h"
 #include "host/io/status_line.h"
 #include "host/io/stop_signal.h"
@@ -22,8 +22,9 @@ void add_packet_run_options(CLI::App& command, PacketRunOptions& options, const 
   begin_group(command, "Input");
   command
       .add_option("--device", options.device,
-                  "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, or file:PATH for a "
-                  "recording, a pipe or a character device.")
+                  "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, file:PATH for a "
+                  "recording, a pipe or a character device, or camera:NAME[?KEY=VALUE&...] for a camera, of whose "
+                  "images this program makes the packets itself.")
       ->type_name("URI")
       ->required();
   command.add_flag("--wait-for-board", options.wait_for_board,
@@ -40,7 +41,7 @@ void add_packet_run_options(CLI::App& command, PacketRunOptions& options, const 
 }
 
 std::unique_ptr<Device> open_device(const PacketRunOptions& options) {
-  return open_device(options.device, {.wait_for_board = options.wait_for_board, .discard_backlog = options.newest});
+  return open_any_device(options.device, {.wait_for_board = options.wait_for_board, .discard_backlog = options.newest});
 }
 
 void run_packets(Device& device, const PacketRunOptions& options,

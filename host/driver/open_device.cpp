@@ -15,7 +15,7 @@ std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions&
   const std::string scheme = uri.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
   if (colon == std::string::npos || (scheme != "ring" && scheme != "file" && scheme != "udp" && scheme != "sim")) {
-    throw UserError(uri, "is not a device; use ring:NAME, file:PATH or udp:HOST");
+    throw UserError(uri, "is not a device; use ring:NAME, file:PATH, udp:HOST or camera:NAME");
   }
   if (scheme == "sim") {
     throw UserError(uri, "exists only inside selfproj-sim");

@@ -4,6 +4,8 @@
 //     file:PATH   a recorded stream, a pipe, or a streaming character device such as /dev/xdma0_c2h_0
 //     udp:HOST[:PORT]   a board on the network, which sends packets in datagrams   (udp_device.h)
 //     sim:        inside selfproj-sim only: SimDevice (sim_device.h)
+//
+// camera:NAME, a camera without a board, is opened by camera/camera_device.h.
 #ifndef SELFPROJ_HOST_DRIVER_OPEN_DEVICE_H
 #define SELFPROJ_HOST_DRIVER_OPEN_DEVICE_H
 

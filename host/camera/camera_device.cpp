@@ -1,0 +1,149 @@
+#include "host/camera/camera_device.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "host/camera/open_camera.h"
+#include "host/camera/software_board.h"
+#include "host/driver/clock.h"
+#include "host/driver/counters.h"
+#include "host/driver/open_device.h"
+#include "host/driver/packet_tally.h"
+#include "host/io/user_error.h"
+#include "model/pixel_clock.h"
+
+namespace selfproj {
+namespace {
+
+BoardSettings board_settings(const Camera& camera, const CameraBoardSettings& given) {
+  BoardSettings board;
+  board.rows = camera.rows();
+  board.columns = camera.columns();
+  board.mode = given.mode.value_or(board.mode);
+  board.threshold = given.threshold.value_or(board.threshold);
+  board.select = given.select.value_or(board.select);
+  board.gap = given.gap.value_or(board.gap);
+  board.window = given.window.value_or(board.window);
+  board.stream = given.stream.value_or(board.stream);
+  board.codes = given.code_bits.has_value();
+  board.code_bits = given.code_bits.value_or(board.code_bits);
+  board.code_threshold = given.code_threshold.value_or(board.code_threshold);
+  board.median = given.median;
+  board.image = given.image;
+  return board;
+}
+
+SoftwareBoard make_board(const Camera& camera, const CameraBoardSettings& given) {
+  try {
+    return SoftwareBoard(board_settings(camera, given));
+  } catch (const std::invalid_argument&) {
+    throw UserError(camera.uri(),
+                    fmt::format("its images have {} x {} pixels; a board takes 4 to {} columns, a multiple of 4, and 1 "
+                                "to {} rows; choose a region",
+                                camera.columns(), camera.rows(), spec::kMaxColumns, spec::kMaxRows));
+  }
+}
+
+class CameraDevice final : public Device {
+ public:
+  CameraDevice(std::unique_ptr<Camera> camera, const CameraBoardSettings& board, const DeviceOptions& options)
+      : camera_(std::move(camera)),
+        board_(make_board(*camera_, board)),
+        patterns_(static_cast<std::uint64_t>(board.patterns.value_or(board.code_bits ? 2 * *board.code_bits : 1))),
+        clock_hz_(static_cast<std::uint64_t>(std::llround(board.pixel_clock_hz.value_or(kDefaultPixelClockHz)))),
+        polls_(options.wait == Wait::polling),
+        tally_(counters_) {
+    camera_->start();
+  }
+
+  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
+    const std::int64_t started = now_ns();
+    for (;;) {
+      while (board_.next(packet)) {
+        if (tally_.accept(packet.header)) {
+          ++counters_.delivered;
+          counters_.flagged += packet.status != 0 ? 1 : 0;
+          return Next::packet;
+        }
+      }
+      const std::chrono::nanoseconds rest(timeout.count() - (now_ns() - started));
+      CameraImage image;
+      if (camera_->next(image, polls_ ? std::chrono::nanoseconds(0) : rest)) {
+        take(image);
+      } else if (rest.count() <= 0 || !polls_) {
+        return Next::timeout;
+      } else {
+        relax();
+      }
+    }
+  }
+
+  void release() override {}  // the packets are kept until the next image is taken
+
+  [[nodiscard]] std::int64_t arrival_ns() const override { return arrival_ns_; }
+  [[nodiscard]] Counters counters() const override { return counters_; }
+  [[nodiscard]] const std::string& uri() const override { return camera_->uri(); }
+
+ private:
+  void take(const CameraImage& image) {
+    arrival_ns_ = image.arrival_ns;
+    first_ns_ = first_ns_.value_or(image.time_ns);
+    constexpr std::uint64_t kSecond = 1'000'000'000;
+    const auto time = static_cast<std::uint64_t>(image.time_ns - *first_ns_);
+    board_.take(image.view, image.complete, image.number,
+                {.clock = time / kSecond * clock_hz_ + time % kSecond * clock_hz_ / kSecond,
+                 .encoder = 0,
+                 .pattern = static_cast<std::uint16_t>(image.number % patterns_)});
+  }
+
+  std::unique_ptr<Camera> camera_;
+  SoftwareBoard board_;
+  std::uint64_t patterns_;
+  std::uint64_t clock_hz_;
+  bool polls_;
+  Counters counters_;
+  PacketTally tally_;
+  std::optional<std::int64_t> first_ns_;
+  std::int64_t arrival_ns_ = 0;
+};
+
+template <class T>
+void fill(std::optional<T>& value, const std::optional<T>& by_default) {
+  if (!value) {
+    value = by_default;
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Device> make_camera_device(std::unique_ptr<Camera> camera, const CameraBoardSettings& board,
+                                           const DeviceOptions& options) {
+  return std::make_unique<CameraDevice>(std::move(camera), board, options);
+}
+
+std::unique_ptr<Device> open_any_device(const std::string& uri, const DeviceOptions& options,
+                                        const CameraDefaults& defaults) {
+  if (!is_camera_uri(uri)) {
+    return open_device(uri, options);
+  }
+  CameraUri camera = parse_camera_uri(uri);
+  fill(camera.camera.region, defaults.region);
+  CameraBoardSettings& board = camera.board;
+  fill(board.mode, defaults.board.mode);
+  fill(board.threshold, defaults.board.threshold);
+  fill(board.select, defaults.board.select);
+  fill(board.gap, defaults.board.gap);
+  fill(board.window, defaults.board.window);
+  fill(board.pixel_clock_hz, defaults.board.pixel_clock_hz);
+  return make_camera_device(open_camera(camera), board, options);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,38 @@
+// A camera and the board in software as a device of the driver.
+#ifndef SELFPROJ_HOST_CAMERA_CAMERA_DEVICE_H
+#define SELFPROJ_HOST_CAMERA_CAMERA_DEVICE_H
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "host/camera/camera.h"
+#include "host/camera/camera_uri.h"
+#include "host/driver/device.h"
+
+namespace selfproj {
+
+// Packets of the camera's images. The sequence is the camera's own number of the image, so that every image that it
+// dropped is a missing frame; one of which parts are missing is a frame flagged as incomplete. The time stamp is the
+// camera's time since the first image, in clocks of board.pixel_clock_hz. The encoder count is 0. The device has no
+// end; next() throws UserError when the camera has gone.
+//
+// `board` has the settings; what is not given is that of BoardSettings. Throws UserError with the URI if no board
+// could have images of the camera's size.
+std::unique_ptr<Device> make_camera_device(std::unique_ptr<Camera> camera, const CameraBoardSettings& board,
+                                           const DeviceOptions& options = {});
+
+// What a rig says of the camera and of the measurement, where the URI says nothing.
+struct CameraDefaults {
+  std::optional<CameraRegion> region = {};
+  CameraBoardSettings board = {};
+};
+
+// Opens a device of any kind: camera:NAME (camera_uri.h), or one of the driver (driver/open_device.h). Throws
+// UserError.
+std::unique_ptr<Device> open_any_device(const std::string& uri, const DeviceOptions& options = {},
+                                        const CameraDefaults& defaults = {});
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_CAMERA_CAMERA_DEVICE_H

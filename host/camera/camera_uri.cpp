@@ -1,0 +1,206 @@
+#include "host/camera/camera_uri.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/camera/pixel_format.h"
+#include "host/io/frame_options.h"
+#include "host/io/numbers.h"
+#include "host/io/user_error.h"
+#include "model/gray_decoder.h"
+#include "model/pixel_clock.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+namespace {
+
+constexpr int kLargestSide = 1 << 15;
+constexpr int kMostBuffers = 4096;
+constexpr int kLeastPacket = 220;  // of GigE Vision's 576 less what its header may need
+constexpr int kLargestPacket = 16'000;
+constexpr int kMostPatterns = 1 << 16;
+
+// Why a value is refused.
+struct Refusal {
+  std::string reason;
+};
+
+template <class T>
+T number_in(const std::string& text, T least, T most) {
+  const std::optional<T> value = number_of_text<T>(text);
+  if (!value || *value < least || *value > most) {
+    throw Refusal{
+        fmt::format("is no {} from {} to {}", std::is_integral_v<T> ? "whole number" : "number", least, most)};
+  }
+  return *value;
+}
+
+double positive(const std::string& text) {
+  const std::optional<double> value = number_of_text<double>(text);
+  if (!value || *value <= 0 || *value > 1e9) {
+    throw Refusal{"is no number above 0, up to 1e9"};
+  }
+  return *value;
+}
+
+bool yes(const std::string& text) {
+  if (text != "yes" && text != "no") {
+    throw Refusal{"is neither yes nor no"};
+  }
+  return text == "yes";
+}
+
+std::string name_in(const std::string& text, const std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), text) == names.end()) {
+    throw Refusal{fmt::format("is none of {}", fmt::join(names, ", "))};
+  }
+  return text;
+}
+
+// "512x96", or "512x96+LEFT+TOP".
+CameraRegion region_of_text(const std::string& text) {
+  const Refusal refusal{"is no region such as 512x96 or 512x96+64+20"};
+  std::vector<int> numbers;
+  std::size_t from = 0;
+  for (const char separator : {'x', '+', '+', '\0'}) {
+    const std::size_t to = std::min(separator == '\0' ? std::string::npos : text.find(separator, from), text.size());
+    const std::optional<int> number = number_of_text<int>(text.substr(from, to - from));
+    if (!number || *number < (numbers.size() < 2 ? 1 : 0) || *number > kLargestSide) {
+      throw refusal;
+    }
+    numbers.push_back(*number);
+    if (to == text.size()) {
+      break;
+    }
+    from = to + 1;
+  }
+  if (numbers.size() != 2 && numbers.size() != 4) {
+    throw refusal;
+  }
+  numbers.resize(4);
+  return {numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
+struct Key {
+  const char* name;
+  const char* value;
+  const char* meaning;
+  void (*set)(CameraUri&, const std::string&);
+};
+
+constexpr std::array<Key, 21> kKeys = {{
+    {"exposure-us", "NUMBER", "exposure time in microseconds",
+     [](CameraUri& uri, const std::string& text) { uri.camera.exposure_us = positive(text); }},
+    {"gain", "NUMBER", "gain, in the camera's unit",
+     [](CameraUri& uri, const std::string& text) { uri.camera.gain = number_in(text, -1e6, 1e6); }},
+    {"rate", "NUMBER", "images a second where nothing triggers the camera",
+     [](CameraUri& uri, const std::string& text) { uri.camera.rate = positive(text); }},
+    {"region", "COLUMNSxROWS[+LEFT+TOP]", "part of the sensor",
+     [](CameraUri& uri, const std::string& text) { uri.camera.region = region_of_text(text); }},
+    {"format", "NAME", "pixel format in GenICam's words; values of more than 8 bits give their upper 8 bits",
+     [](CameraUri& uri, const std::string& text) { uri.camera.format = name_in(text, pixel_format_names()); }},
+    {"channel", "NAME", "red, green, blue or grey, of a colour format; a colour filter halves both sides",
+     [](CameraUri& uri, const std::string& text) {
+       uri.camera.channel = channel_of(name_in(text, {"red", "green", "blue", "grey"}));
+     }},
+    {"trigger", "NAME", "free, software, or an input of the camera such as Line1",
+     [](CameraUri& uri, const std::string& text) { uri.camera.trigger = text; }},
+    {"packet-bytes", "N",
+     "size of the packets of a GigE camera; larger ones cost less work, if the network carries them",
+     [](CameraUri& uri, const std::string& text) {
+       uri.camera.packet_bytes = number_in(text, kLeastPacket, kLargestPacket);
+     }},
+    {"buffers", "N", "images that wait in memory until they are taken",
+     [](CameraUri& uri, const std::string& text) { uri.camera.buffers = number_in(text, 2, kMostBuffers); }},
+    {"mode", "NAME", "binary, grey or grey-over",
+     [](CameraUri& uri, const std::string& text) { uri.board.mode = mode_of(name_in(text, mode_names())); }},
+    {"threshold", "N", "a pixel is lit if it is greater",
+     [](CameraUri& uri, const std::string& text) { uri.board.threshold = number_in(text, 0, UINT8_MAX); }},
+    {"select", "NAME", "all, or strongest for the strongest run of each column",
+     [](CameraUri& uri, const std::string& text) { uri.board.select = select_of(name_in(text, select_names())); }},
+    {"gap", "N", "dark rows within a run",
+     [](CameraUri& uri, const std::string& text) { uri.board.gap = number_in(text, 0, kMaxGap); }},
+    {"rows", "A..B", "rows that count, from 1",
+     [](CameraUri& uri, const std::string& text) { uri.board.window = rows_of_text("rows", text); }},
+    {"codes", "BITS", "decode Gray codes of so many bits",
+     [](CameraUri& uri, const std::string& text) { uri.board.code_bits = number_in(text, 1, GrayDecoder::kMaxBits); }},
+    {"code-threshold", "N", "difference below which a pair is ambiguous",
+     [](CameraUri& uri, const std::string& text) { uri.board.code_threshold = number_in(text, 0, UINT8_MAX); }},
+    {"patterns", "N", "patterns that follow each other with the images",
+     [](CameraUri& uri, const std::string& text) { uri.board.patterns = number_in(text, 1, kMostPatterns); }},
+    {"stream", "N", "number of the stream in the packets",
+     [](CameraUri& uri, const std::string& text) { uri.board.stream = number_in(text, 0, UINT8_MAX); }},
+    {"pixel-clock-hz", "NUMBER", "clock in which time stamps count",
+     [](CameraUri& uri, const std::string& text) {
+       uri.board.pixel_clock_hz = number_in(text, kLeastPixelClockHz, kMostPixelClockHz);
+     }},
+    {"median", "yes|no", "codes pass through the 3 x 3 median",
+     [](CameraUri& uri, const std::string& text) { uri.board.median = yes(text); }},
+    {"image", "yes|no", "send raw images, too",
+     [](CameraUri& uri, const std::string& text) { uri.board.image = yes(text); }},
+}};
+
+}  // namespace
+
+bool is_camera_uri(const std::string& text) { return text.starts_with("camera:"); }
+
+CameraUri parse_camera_uri(const std::string& text) {
+  if (!is_camera_uri(text)) {
+    throw UserError(text, "is no camera; use camera:NAME, as `selfproj devices` lists them");
+  }
+  const std::size_t question = text.find('?');
+  CameraUri uri;
+  uri.uri = text.substr(0, question);
+  uri.name = uri.uri.substr(std::string_view("camera:").size());
+  std::set<std::string> seen;
+  std::size_t from = question == std::string::npos ? text.size() : question + 1;
+  while (from < text.size()) {
+    const std::size_t to = std::min(text.find('&', from), text.size());
+    const std::string part = text.substr(from, to - from);
+    const std::size_t equals = std::min(part.find('='), part.size());
+    const std::string name = part.substr(0, equals);
+    const std::string value = equals < part.size() ? part.substr(equals + 1) : "";
+    const auto* const key = std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& one) { return one.name == name; });
+    if (key == kKeys.end()) {
+      std::vector<std::string> names;
+      std::transform(kKeys.begin(), kKeys.end(), std::back_inserter(names), [](const Key& one) { return one.name; });
+      throw UserError(text, fmt::format("'{}' is no setting of a camera; there are {}", name, fmt::join(names, ", ")));
+    }
+    if (value.empty() || !seen.insert(name).second) {
+      throw UserError(text, fmt::format("{} {}", name, value.empty() ? "has no value" : "comes twice"));
+    }
+    try {
+      key->set(uri, value);
+    } catch (const Refusal& refusal) {
+      throw UserError(text, fmt::format("{}: '{}' {}", name, value, refusal.reason));
+    }
+    from = to + 1;
+  }
+  const std::string format = uri.camera.format.empty() ? "Mono8" : uri.camera.format;
+  if (needs_channel(*pixel_format(format)) != uri.camera.channel.has_value()) {
+    throw UserError(text, fmt::format("format {} {}", format,
+                                      uri.camera.channel ? "has no colours, so that channel is wrong"
+                                                         : "has colours; say which with channel"));
+  }
+  return uri;
+}
+
+std::vector<std::string> camera_uri_help() {
+  std::vector<std::string> lines;
+  std::transform(kKeys.begin(), kKeys.end(), std::back_inserter(lines),
+                 [](const Key& key) { return fmt::format("{}={}: {}", key.name, key.value, key.meaning); });
+  return lines;
+}
+
+}  // namespace selfproj

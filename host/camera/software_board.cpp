@@ -1,0 +1,199 @@
+#include "host/camera/software_board.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <vector>
+
+#include "host/light_section/fast_runs.h"
+#include "model/packet_payload.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+namespace {
+
+PacketHeader header_of(const BoardSettings& settings) {
+  PacketHeader header;
+  header.stream = static_cast<std::uint8_t>(settings.stream);
+  header.columns = static_cast<std::uint16_t>(settings.columns);
+  header.rows = static_cast<std::uint16_t>(settings.rows);
+  header.mode = static_cast<std::uint8_t>(settings.mode);
+  header.threshold = static_cast<std::uint8_t>(settings.threshold);
+  header.select = static_cast<std::uint8_t>(settings.select);
+  header.gap = static_cast<std::uint8_t>(settings.gap);
+  header.first_row = static_cast<std::uint16_t>(settings.window.first);
+  header.last_row = static_cast<std::uint16_t>(settings.window.last);
+  return header;
+}
+
+bool within(int value, int least, int most) { return value >= least && value <= most; }
+
+void check_settings(const BoardSettings& settings) {
+  const bool good = within(settings.columns, spec::kPixelsPerBeat, spec::kMaxColumns) &&
+                    settings.columns % spec::kPixelsPerBeat == 0 && within(settings.rows, 1, spec::kMaxRows) &&
+                    is_known(settings.mode) && is_known(settings.select) && within(settings.threshold, 0, UINT8_MAX) &&
+                    within(settings.gap, 0, kMaxGap) && within(settings.stream, 0, UINT8_MAX) &&
+                    within(settings.window.first, 0, spec::kMaxRows) && within(settings.window.last, 0, spec::kMaxRows);
+  if (!good) {
+    throw std::invalid_argument("software board: a setting is out of range");
+  }
+}
+
+}  // namespace
+
+SoftwareBoard::SoftwareBoard(const BoardSettings& settings)
+    : settings_(settings),
+      measure_{.mode = settings.mode,
+               .threshold = settings.threshold,
+               .select = settings.select,
+               .gap = settings.gap,
+               .window = settings.window},
+      header_(header_of(settings)) {
+  check_settings(settings);
+  runs_.resize(settings.select, settings.columns);
+  const auto rows = static_cast<std::size_t>(settings.rows);
+  const std::size_t pixels = rows * static_cast<std::size_t>(settings.columns);
+  const std::size_t moments_bytes = moments_payload_bytes(settings.mode, settings.columns);
+  std::size_t packets = 1;
+  std::size_t bytes = packet_bytes(moments_bytes);
+  payload_.resize(moments_bytes);
+  if (settings.image) {
+    const std::size_t line = image_line_payload_bytes(settings.columns);
+    packets += rows;
+    bytes += rows * packet_bytes(line);
+    payload_.resize(std::max(payload_.size(), line));
+  }
+  if (settings.codes) {
+    const std::size_t line = codes_line_payload_bytes(settings.columns);
+    packets += rows;
+    bytes += rows * packet_bytes(line);
+    payload_.resize(std::max(payload_.size(), line));
+    decoder_.emplace(GraySettings{.rows = settings.rows,
+                                  .columns = settings.columns,
+                                  .bits = settings.code_bits,
+                                  .threshold = settings.code_threshold});
+    if (settings.median) {
+      median_.emplace(settings.columns);
+    }
+    positive_.resize(pixels);
+    codes_.resize(pixels);
+  }
+  places_.reserve(packets);
+  bytes_.reserve(bytes);
+}
+
+void SoftwareBoard::take(const ImageView& image, bool complete, std::uint64_t sequence, const BoardInputs& inputs) {
+  if (complete && (image.rows != settings_.rows || image.columns != settings_.columns || image.pixels == nullptr)) {
+    throw std::invalid_argument("software board: the image has another size");
+  }
+  places_.clear();
+  bytes_.clear();
+  given_ = 0;
+  PacketHeader header = header_;
+  header.sequence = sequence;
+  header.time_stamp = inputs.clock;
+  header.encoder = inputs.encoder;
+  header.pattern = inputs.pattern;
+  const bool codes = decode(image, complete, inputs.pattern);
+  if (!complete) {
+    header.kind = spec::kKindMoments;
+    header.first_line = 1;
+    header.lines = header.rows;
+    send(header, 0, spec::kStatusIncomplete);
+    return;
+  }
+  send_moments(image, header);
+  if (settings_.image) {
+    send_image(image, header);
+  }
+  if (codes) {
+    send_codes(header);
+  }
+}
+
+bool SoftwareBoard::next(PacketView& packet) {
+  if (given_ == places_.size()) {
+    return false;
+  }
+  const Place& place = places_[given_++];
+  packet.header = place.header;
+  packet.payload = {bytes_.data() + place.begin + spec::kHeaderBytes, place.header.payload_size};
+  packet.status = place.status;
+  packet.size = place.size;
+  return true;
+}
+
+void SoftwareBoard::send(PacketHeader header, std::size_t payload_bytes, std::uint32_t status) {
+  header.payload_size = static_cast<std::uint32_t>(payload_bytes);
+  const std::size_t begin = bytes_.size();
+  append_packet(header, {payload_.data(), payload_bytes}, status, bytes_);
+  places_.push_back({.header = header, .begin = begin, .size = bytes_.size() - begin, .status = status});
+}
+
+void SoftwareBoard::send_moments(const ImageView& image, const PacketHeader& header) {
+  const RunsView view = runs_.view();
+  fast_measure_columns(image, measure_, view);
+  pack_columns(measure_.select, measure_.mode, image.columns, view, payload_.data());
+  PacketHeader moments = header;
+  moments.kind = spec::kKindMoments;
+  moments.first_line = 1;
+  moments.lines = moments.rows;
+  send(moments, moments_payload_bytes(measure_.mode, image.columns), 0);
+}
+
+void SoftwareBoard::send_image(const ImageView& image, PacketHeader header) {
+  header.kind = spec::kKindImage;
+  header.lines = 1;
+  const std::size_t bytes = image_line_payload_bytes(image.columns);
+  for (int row = 0; row < image.rows; ++row) {
+    header.first_line = static_cast<std::uint16_t>(row + 1);
+    std::uint8_t* const end = std::copy_n(image.pixels + row * image.stride, image.columns, payload_.data());
+    std::fill(end, payload_.data() + bytes, std::uint8_t{0});
+    send(header, bytes, 0);
+  }
+}
+
+// Returns whether codes are due, which are then in codes_.
+bool SoftwareBoard::decode(const ImageView& image, bool complete, int pattern) {
+  if (!decoder_) {
+    return false;
+  }
+  if (!complete) {
+    decoder_->restart();
+    return false;
+  }
+  ImageView kept = image;
+  if (pattern % 2 == 0) {
+    kept = {positive_.data(), image.rows, image.columns, image.columns};
+    for (int row = 0; row < image.rows; ++row) {
+      std::copy_n(image.pixels + row * image.stride, image.columns,
+                  positive_.data() + static_cast<std::ptrdiff_t>(row) * image.columns);
+    }
+  }
+  if (!decoder_->take(kept, pattern)) {
+    return false;
+  }
+  if (median_) {
+    median_->filter(decoder_->codes(), codes_.data());
+  } else {
+    code_words(decoder_->codes(), codes_.data());
+  }
+  return true;
+}
+
+void SoftwareBoard::send_codes(PacketHeader header) {
+  header.kind = spec::kKindCodes;
+  header.lines = 1;
+  const std::size_t bytes = codes_line_payload_bytes(settings_.columns);
+  std::fill(payload_.begin(), payload_.end(), std::uint8_t{0});
+  for (int row = 0; row < settings_.rows; ++row) {
+    header.first_line = static_cast<std::uint16_t>(row + 1);
+    pack_codes(settings_.columns, codes_.data() + static_cast<std::ptrdiff_t>(row) * settings_.columns,
+               payload_.data());
+    send(header, bytes, 0);
+  }
+}
+
+}  // namespace selfproj

@@ -1,0 +1,76 @@
+#include "host/camera/video_port.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/file_descriptor.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+class KernelVideoPort final : public VideoPort {
+ public:
+  explicit KernelVideoPort(const std::string& path) : file_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {
+    if (file_.number() < 0) {
+      throw UserError("camera:" + path, error_text(errno));
+    }
+  }
+
+  ~KernelVideoPort() override {
+    for (const auto& [bytes, size] : mapped_) {
+      munmap(bytes, size);
+    }
+  }
+
+  int control(unsigned long request, void* argument) override {
+    for (;;) {
+      if (::ioctl(file_.number(), request, argument) == 0) {
+        return 0;
+      }
+      if (errno != EINTR) {
+        return errno;
+      }
+    }
+  }
+
+  const std::uint8_t* map(std::size_t bytes, std::int64_t offset) override {
+    void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file_.number(), offset);
+    if (memory == MAP_FAILED) {
+      return nullptr;
+    }
+    mapped_.emplace_back(memory, bytes);
+    return static_cast<const std::uint8_t*>(memory);
+  }
+
+  bool wait(std::chrono::nanoseconds timeout) override {
+    constexpr std::int64_t kSecond = 1'000'000'000;
+    const std::int64_t rest = std::max<std::int64_t>(timeout.count(), 0);
+    const timespec limit{static_cast<std::time_t>(rest / kSecond), static_cast<long>(rest % kSecond)};
+    pollfd watched{file_.number(), POLLIN, 0};
+    return ppoll(&watched, 1, &limit, nullptr) > 0;
+  }
+
+ private:
+  FileDescriptor file_;
+  std::vector<std::pair<void*, std::size_t>> mapped_;
+};
+
+}  // namespace
+
+std::unique_ptr<VideoPort> open_video_port(const std::string& path) { return std::make_unique<KernelVideoPort>(path); }
+
+}  // namespace selfproj

@@ -1,0 +1,203 @@
+// Tests the parts of cameras: numbers that wrap, pixel formats, URIs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/camera/camera_uri.h"
+#include "host/camera/frame_numbers.h"
+#include "host/camera/pixel_format.h"
+#include "host/io/user_error.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// Images are lost, doubled and late at random; the camera's true count is known.
+TEST(FrameNumbers, CountThroughTheWrap) {
+  struct Kind {
+    std::uint64_t first;
+    std::uint64_t period;
+    std::uint64_t start;
+  };
+  for (const Kind& kind : {Kind{1, 65535, 65400}, Kind{0, std::uint64_t{1} << 32U, 0xFFFF'FF80U}, Kind{0, 0, 17}}) {
+    for (const std::uint64_t seed : seeds(20)) {
+      SCOPED_TRACE(how_to_repeat(seed));
+      Random random(seed);
+      FrameNumbers numbers(kind.first, kind.period);
+      std::uint64_t truth = kind.start;  // without the wrap
+      std::uint64_t begin = 0;
+      std::uint64_t given = 0;
+      std::uint64_t newest = 0;
+      for (int i = 0; i < 5000; ++i) {
+        truth += random.chance(3) ? static_cast<std::uint64_t>(random.between(2, 10'000)) : 1;
+        const bool late = i > 0 && random.chance(2) && truth - newest < 10'000;
+        const std::uint64_t shown = late ? newest - static_cast<std::uint64_t>(random.between(0, 40)) : truth;
+        const std::uint64_t number = kind.period == 0 ? shown : kind.first + (shown - kind.first) % kind.period;
+        const std::optional<std::uint64_t> count = numbers.accept(number);
+        ASSERT_EQ(count.has_value(), !late);
+        if (count) {
+          begin = i == 0 ? truth : begin;
+          ASSERT_EQ(*count, truth - begin);
+          newest = truth;
+          ++given;
+        }
+      }
+      EXPECT_EQ(given + numbers.dropped(), newest - begin + 1) << "every number is given or dropped";
+    }
+  }
+}
+
+TEST(FrameNumbers, GigeLeavesOutZero) {
+  FrameNumbers numbers(1, 65535);
+  EXPECT_EQ(numbers.accept(65534), 0U);
+  EXPECT_EQ(numbers.accept(65535), 1U);
+  EXPECT_EQ(numbers.accept(1), 2U);
+  EXPECT_EQ(numbers.accept(1), std::nullopt);
+  EXPECT_EQ(numbers.accept(65535), std::nullopt);
+  EXPECT_EQ(numbers.dropped(), 0U);
+}
+
+// Packs values bit by bit, as the standards draw them.
+Bytes packed(const PixelFormat& format, const std::vector<unsigned>& values) {
+  Bytes raw(line_bytes(format, static_cast<int>(values.size())));
+  const auto bits = static_cast<std::size_t>(format.bits);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (format.layout == Layout::packed_gige) {
+      const unsigned high = values[i] >> (bits - 8);
+      const unsigned low = values[i] & ((1U << (bits - 8)) - 1);
+      raw[i / 2 * 3 + (i % 2) * 2] = static_cast<std::uint8_t>(high);
+      raw[i / 2 * 3 + 1] |= static_cast<std::uint8_t>(low << (i % 2 * 4));
+      continue;
+    }
+    const std::size_t place = format.layout == Layout::words   ? 16 * i
+                              : format.layout == Layout::bytes ? 8 * i
+                                                               : bits * i;
+    for (std::size_t bit = 0; bit < bits; ++bit) {
+      raw[(place + bit) / 8] |= static_cast<std::uint8_t>((values[i] >> bit & 1U) << ((place + bit) % 8));
+    }
+  }
+  return raw;
+}
+
+TEST(PixelFormat, ValuesBecomeTheirUpperEightBits) {
+  for (const char* name :
+       {"Mono8", "Mono10", "Mono12", "Mono16", "Mono10p", "Mono12p", "Mono10Packed", "Mono12Packed"}) {
+    SCOPED_TRACE(name);
+    const PixelFormat format = pixel_format(name).value();
+    Random random(3);
+    std::vector<unsigned> values(64);
+    for (unsigned& value : values) {
+      value = static_cast<unsigned>(random.between(0, (1 << format.bits) - 1));
+    }
+    values[0] = (1U << static_cast<unsigned>(format.bits)) - 1;
+    const Bytes raw = packed(format, values);
+    const std::size_t half = values.size() / 2;
+    Bytes out(values.size());
+    to_grey8(format, std::nullopt, raw, 2, static_cast<int>(half), raw.size() / 2, out.data());
+    EXPECT_EQ(out[0], 255);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      ASSERT_EQ(out[i], values[i] / static_cast<unsigned>(std::pow(2, format.bits - 8))) << i;
+    }
+    EXPECT_THROW(to_grey8(format, std::nullopt, {raw.data(), raw.size() - 1}, 2, static_cast<int>(half), raw.size() / 2,
+                          out.data()),
+                 std::invalid_argument);
+  }
+}
+
+TEST(PixelFormat, ColourFiltersByCell) {
+  const Bytes raw = {10, 21, 11, 20,  //
+                     30, 40, 33, 41};
+  const auto plane = [&](const char* name, Channel channel) {
+    Bytes out(2);
+    to_grey8(pixel_format(name).value(), channel, raw, 2, 4, 4, out.data());
+    return out;
+  };
+  EXPECT_EQ(plane("BayerRG8", Channel::red), (Bytes{10, 11}));
+  EXPECT_EQ(plane("BayerRG8", Channel::blue), (Bytes{40, 41}));
+  EXPECT_EQ(plane("BayerRG8", Channel::green), (Bytes{26, 27})) << "25.5 and 26.5, halves up";
+  EXPECT_EQ(plane("BayerRG8", Channel::grey), (Bytes{25, 26})) << "25.25 and 26.25";
+  EXPECT_EQ(plane("BayerBG8", Channel::red), (Bytes{40, 41}));
+  EXPECT_EQ(plane("BayerGR8", Channel::red), (Bytes{21, 20}));
+  EXPECT_EQ(plane("BayerGR8", Channel::green), (Bytes{25, 26}));
+  EXPECT_EQ(plane("BayerGB8", Channel::red), (Bytes{30, 33}));
+  EXPECT_EQ(plane("BayerGB8", Channel::blue), (Bytes{21, 20}));
+  EXPECT_EQ(rows_of(*pixel_format("BayerRG8"), 96), 48);
+}
+
+TEST(PixelFormat, ColoursAndLuminance) {
+  const Bytes raw = {200, 100, 50, 0, 255, 3};
+  const auto plane = [&](const char* name, std::optional<Channel> channel, int columns) {
+    Bytes out(static_cast<std::size_t>(columns));
+    to_grey8(pixel_format(name).value(), channel, raw, 1, columns, raw.size(), out.data());
+    return out;
+  };
+  EXPECT_EQ(plane("RGB8", Channel::red, 2), (Bytes{200, 0}));
+  EXPECT_EQ(plane("BGR8", Channel::red, 2), (Bytes{50, 3}));
+  EXPECT_EQ(plane("RGB8", Channel::grey, 2), (Bytes{124, 150})) << "0.299 R + 0.587 G + 0.114 B";
+  EXPECT_EQ(plane("YUV422_8", std::nullopt, 3), (Bytes{200, 50, 255}));
+  EXPECT_EQ(plane("YUV422_8_UYVY", std::nullopt, 3), (Bytes{100, 0, 3}));
+  EXPECT_THROW(plane("RGB8", std::nullopt, 2), std::invalid_argument);
+}
+
+TEST(CameraUri, EverySetting) {
+  const CameraUri uri = parse_camera_uri(
+      "camera:Maker-1?exposure-us=12.5&gain=-2&region=512x96+64+20&format=BayerRG12&channel=green&trigger=Line1&"
+      "packet-bytes=9000&buffers=8&mode=grey&threshold=60&select=strongest&gap=1&rows=10..80&codes=6&code-threshold=4&"
+      "patterns=12&stream=3&pixel-clock-hz=1e6&median=yes&image=no");
+  EXPECT_EQ(uri.uri, "camera:Maker-1");
+  EXPECT_EQ(uri.name, "Maker-1");
+  EXPECT_EQ(uri.camera.exposure_us, 12.5);
+  EXPECT_EQ(uri.camera.gain, -2);
+  EXPECT_EQ(uri.camera.region, (CameraRegion{512, 96, 64, 20}));
+  EXPECT_EQ(uri.camera.channel, Channel::green);
+  EXPECT_EQ(uri.camera.trigger, "Line1");
+  EXPECT_EQ(uri.camera.packet_bytes, 9000);
+  EXPECT_EQ(uri.camera.buffers, 8);
+  EXPECT_EQ(uri.board.mode, Mode::grey);
+  EXPECT_EQ(uri.board.select, Select::strongest);
+  EXPECT_EQ(uri.board.window, (RowWindow{10, 80}));
+  EXPECT_EQ(uri.board.code_bits, 6);
+  EXPECT_EQ(uri.board.patterns, 12);
+  EXPECT_TRUE(uri.board.median);
+  EXPECT_FALSE(uri.board.image);
+}
+
+TEST(CameraUri, Refusals) {
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      parse_camera_uri(text);
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal("ring:a"), "ring:a: is no camera; use camera:NAME, as `selfproj devices` lists them");
+  EXPECT_EQ(refusal("camera:a?gain"), "camera:a?gain: gain has no value");
+  EXPECT_EQ(refusal("camera:a?gain=1&gain=1"), "camera:a?gain=1&gain=1: gain comes twice");
+  EXPECT_EQ(refusal("camera:a?threshold=256"),
+            "camera:a?threshold=256: threshold: '256' is no whole number from 0 to 255");
+  EXPECT_EQ(refusal("camera:a?region=512x"),
+            "camera:a?region=512x: region: '512x' is no region such as 512x96 or 512x96+64+20");
+  EXPECT_NE(refusal("camera:a?region=512x96+1"), "");
+  EXPECT_NE(refusal("camera:a?region=0x96"), "");
+  EXPECT_NE(refusal("camera:a?region=4x4+0+0+0"), "");
+  EXPECT_NE(refusal("camera:a?median=maybe"), "");
+  EXPECT_NE(refusal("camera:a?exposure-us=0"), "");
+  EXPECT_NE(refusal("camera:a?format=Mono9").find("is none of Mono8, Mono10"), std::string::npos);
+  EXPECT_NE(refusal("camera:a?format=BayerRG8").find("has colours; say which with channel"), std::string::npos);
+  EXPECT_NE(refusal("camera:a?channel=red").find("format Mono8 has no colours"), std::string::npos);
+  EXPECT_NE(refusal("camera:a?shutter=1").find("'shutter' is no setting of a camera; there are exposure-us"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace selfproj::test
