@@ -59,7 +59,7 @@ int bits_of(const CosimOptions& options, int cells_below) {
   return bits;
 }
 
-std::unique_ptr<MatchEngine> match_engine_of(const CosimOptions& options, const MatchTable& table) {
+std::unique_ptr<MatchEngine> match_engine_of([[maybe_unused]] const CosimOptions& options, const MatchTable& table) {
 #ifdef SELFPROJ_HAS_RTL_ENGINE
   if (options.engine != "model") {  // the block has no kernel in HLS
     return make_match_rtl_engine(table.by_pixels(), table.bits());
