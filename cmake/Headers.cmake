@@ -22,10 +22,24 @@ function(selfproj_precompile name)
 endfunction()
 
 function(selfproj_use_precompiled name)
+  get_target_property(shared ${name} POSITION_INDEPENDENT_CODE)
   foreach(target IN LISTS ARGN)
+    if(shared)
+      selfproj_for_shared_libraries(${target})
+    endif()
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # for ccache
     target_precompile_headers(${target} REUSE_FROM ${name})
   endforeach()
+endfunction()
+
+# selfproj_for_shared_libraries(TARGET...)
+#
+# Compiles the targets such that shared libraries can contain them. Their names are hidden, so that the code is as fast
+# as that of a program, and a shared library exports only what it marks. What uses a precompiled header of this kind
+# is compiled in the same way; g++ does not accept it otherwise.
+function(selfproj_for_shared_libraries)
+  set_target_properties(${ARGN} PROPERTIES
+    POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
 # selfproj_compile_as_one(TARGET...)

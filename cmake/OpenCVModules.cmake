@@ -1,11 +1,14 @@
-# Targets opencv::core, opencv::imgproc, opencv::imgcodecs and opencv::calib3d.
+# Targets opencv::core, opencv::imgproc and opencv::calib3d, or those that selfproj_opencv_modules lists.
 #
 # Debian ships OpenCVConfig.cmake only with the package of all modules (libopencv-dev, several hundred MB with its
 # dependencies). Headers and libraries come module by module, so this file looks them up one by one.
 find_path(SELFPROJ_OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 mark_as_advanced(SELFPROJ_OPENCV_INCLUDE_DIR)
 
-foreach(module core imgproc calib3d)
+if(NOT DEFINED selfproj_opencv_modules)
+  set(selfproj_opencv_modules core imgproc calib3d)
+endif()
+foreach(module IN LISTS selfproj_opencv_modules)
   if(TARGET opencv::${module})
     continue()
   endif()
@@ -17,22 +20,8 @@ foreach(module core imgproc calib3d)
     INTERFACE_INCLUDE_DIRECTORIES "${SELFPROJ_OPENCV_INCLUDE_DIR}")
 endforeach()
 set_property(TARGET opencv::imgproc APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::core)
-set_property(TARGET opencv::calib3d APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::imgproc)
-
-# The image codecs, and the hundred libraries that they need, are loaded when an image is first read or written.
-find_library(SELFPROJ_OPENCV_imgcodecs opencv_imgcodecs REQUIRED)
-mark_as_advanced(SELFPROJ_OPENCV_imgcodecs)
-if(NOT TARGET opencv::imgcodecs)
-  execute_process(COMMAND "${CMAKE_OBJDUMP}" -p "${SELFPROJ_OPENCV_imgcodecs}" OUTPUT_VARIABLE header
-    COMMAND_ERROR_IS_FATAL ANY)
-  if(NOT header MATCHES "SONAME +([^ \n]+)")
-    message(FATAL_ERROR "${SELFPROJ_OPENCV_imgcodecs}: not a shared library")
-  endif()
-  add_library(selfproj_image_codecs STATIC "${PROJECT_SOURCE_DIR}/host/io/image_codecs.cpp")
-  target_include_directories(selfproj_image_codecs PRIVATE "${PROJECT_SOURCE_DIR}")
-  target_compile_definitions(selfproj_image_codecs PRIVATE SELFPROJ_IMAGE_CODECS="${CMAKE_MATCH_1}")
-  target_link_libraries(selfproj_image_codecs PUBLIC opencv::imgproc ${CMAKE_DL_LIBS} PRIVATE selfproj_warnings)
-  add_library(opencv::imgcodecs ALIAS selfproj_image_codecs)
+if(TARGET opencv::calib3d)
+  set_property(TARGET opencv::calib3d APPEND PROPERTY INTERFACE_LINK_LIBRARIES opencv::imgproc)
 endif()
 
 # selfproj_find_opencv_structured_light(FOUND): the module with which decoding is compared. It comes with

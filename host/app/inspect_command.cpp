@@ -125,12 +125,6 @@ std::vector<Fact> facts_of(const Work& work, const Counters& counters) {
 
 std::string json_text(const std::vector<Fact>& facts) { return facts_json(facts).dump(2) + "\n"; }
 
-// The rig's empty table or conveyor.
-ReferenceProfile plane_reference(const Rig& rig) {
-  const std::vector<double> heights(static_cast<std::size_t>(rig.camera.columns), 0.0);
-  return reference_of_curve(rig, curve_of_heights(rig, heights));
-}
-
 // The rig of the options, with their pixel clock.
 Rig rig_of(const InspectOptions& options) {
   Rig rig = load_any_rig(options.rig);
@@ -326,7 +320,7 @@ void run_inspect(const InspectOptions& options) {
     json.emplace(options.json);
   }
   const ReferenceProfile reference =
-      options.reference.empty() ? plane_reference(rig) : load_reference(rig, options.reference);
+      options.reference.empty() ? reference_of_plane(rig) : load_reference(rig, options.reference);
   const DifferentialProfiler profiler(rig, reference);
   std::optional<Inspection> inspection;
   if (folder) {

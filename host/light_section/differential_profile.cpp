@@ -207,6 +207,16 @@ void DifferentialProfiler::profile(Select select, Mode mode, const std::uint8_t*
   }
 }
 
+bool DifferentialProfiler::profile(const PacketView& packet, const ProfileView& out) const {
+  const PacketHeader& header = packet.header;
+  if (header.kind != spec::kKindMoments || packet.status != 0 || header.columns != columns_ ||
+      static_cast<float>(header.rows) != rules_.rows) {
+    return false;
+  }
+  profile(static_cast<Select>(header.select), static_cast<Mode>(header.mode), packet.payload.data(), out);
+  return true;
+}
+
 void DifferentialProfiler::profile(const RunsView& runs, const ProfileView& out) const {
   if (curves_) {
     profile_by_curves(*curves_, rules_, runs, out);

@@ -13,6 +13,7 @@
 #include "host/rig/rig.h"
 #include "model/column_moments.h"
 #include "model/column_runs.h"
+#include "model/packet.h"
 
 namespace selfproj {
 
@@ -56,6 +57,10 @@ class DifferentialProfiler {
   // The same for a payload with the strongest run of each column. A column is ambiguous if its second run has at least
   // the share of the strongest one's M0 that the rig calls ambiguous. Unknown selects count as `all`.
   void profile(Select select, Mode mode, const std::uint8_t* payload, const ProfileView& out) const;
+
+  // The same from a packet. Returns false, and writes nothing, unless it has the moments of a good frame of the size of
+  // the rig's camera.
+  [[nodiscard]] bool profile(const PacketView& packet, const ProfileView& out) const;
 
   // The same from moments, which are only read, and are as column_moments gives them (below 2^31).
   void profile(const MomentsView& moments, const ProfileView& out) const { profile({moments, nullptr, nullptr}, out); }

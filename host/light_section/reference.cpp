@@ -103,6 +103,11 @@ ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve)
   return reference;
 }
 
+ReferenceProfile reference_of_plane(const Rig& rig) {
+  const std::vector<double> heights(static_cast<std::size_t>(rig.camera.columns), 0.0);
+  return reference_of_curve(rig, curve_of_heights(rig, heights));
+}
+
 ReferenceProfile reference_of_straight_line(const Rig& rig, double line, std::span<const double> centroid) {
   expect_columns(rig, centroid.size());
   if (!rig.is_pinholes()) {

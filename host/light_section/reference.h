@@ -28,6 +28,9 @@ ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& refere
 // max_z_per_line_mm.
 ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve);
 
+// The reference of the rig's empty table or conveyor.
+ReferenceProfile reference_of_plane(const Rig& rig);
+
 // The reference of the conventional method, a straight line at the projector line `line`. tan θ is the same for every
 // column. The line meets the reference at `centroid` (C, rows from 1, one for each camera column, NaN if there is
 // none), and z follows by (3.4). Throws std::invalid_argument if the number of centroids is wrong.
