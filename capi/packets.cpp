@@ -1,0 +1,152 @@
+// Payloads and packets.
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "capi/convert.h"
+#include "capi/errors.h"
+#include "model/packet.h"
+#include "model/packet_payload.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::size_t kMostPayloadBytes = std::size_t{1} << 24U;
+
+int checked_columns(std::int32_t columns) {
+  require(columns >= 0 && columns <= 0xFFFF, "columns are not in 0..65535");
+  return columns;
+}
+
+// Hands a packet to the caller.
+void write_bytes(const std::vector<std::uint8_t>& packet, std::uint8_t* out, std::size_t capacity,
+                 std::size_t* written) {
+  *written = packet.size();
+  require(out != nullptr && capacity >= packet.size(), "capacity is less than the bytes of the packet");
+  std::memcpy(out, packet.data(), packet.size());
+}
+
+}  // namespace
+}  // namespace selfproj
+
+std::int32_t selfproj_payload_bytes(std::uint32_t kind, std::int32_t mode, std::int32_t columns, std::size_t* bytes) {
+  using namespace selfproj;
+  return guarded([&] {
+    require(bytes != nullptr, "null pointer");
+    require(kind >= SELFPROJ_KIND_MOMENTS && kind <= SELFPROJ_KIND_IMAGE, "unknown kind");
+    const int count = checked_columns(columns);
+    *bytes = kind == SELFPROJ_KIND_MOMENTS ? moments_payload_bytes(mode_of(mode), count)
+             : kind == SELFPROJ_KIND_CODES ? codes_line_payload_bytes(count)
+                                           : image_line_payload_bytes(count);
+    return SELFPROJ_OK;
+  });
+}
+
+std::int32_t selfproj_pack_moments(std::int32_t select, std::int32_t mode, std::int32_t columns,
+                                   const std::uint32_t* m0, const std::uint32_t* m1, const std::uint32_t* n,
+                                   const std::uint8_t* runs, const std::uint8_t* second, std::uint8_t* payload,
+                                   std::size_t payload_bytes) {
+  using namespace selfproj;
+  return guarded([&] {
+    require(payload != nullptr, "null pointer");
+    const int count = checked_columns(columns);
+    require(payload_bytes == moments_payload_bytes(mode_of(mode), count), "payload_bytes are not those of the columns");
+    // The view is one of arrays that may be written; pack_columns only reads them.
+    const MomentsView moments{const_cast<std::uint32_t*>(m0), const_cast<std::uint32_t*>(m1),
+                              const_cast<std::uint32_t*>(n)};
+    const Select what = select_of(select);
+    pack_columns(what, mode_of(mode), count,
+                 runs_of(what, moments, const_cast<std::uint8_t*>(runs), const_cast<std::uint8_t*>(second)), payload);
+    return SELFPROJ_OK;
+  });
+}
+
+std::int32_t selfproj_unpack_moments(std::int32_t select, std::int32_t mode, std::int32_t columns,
+                                     const std::uint8_t* payload, std::size_t payload_bytes, std::uint32_t* m0,
+                                     std::uint32_t* m1, std::uint32_t* n, std::uint8_t* runs, std::uint8_t* second) {
+  using namespace selfproj;
+  return guarded([&] {
+    require(payload != nullptr, "null pointer");
+    const int count = checked_columns(columns);
+    require(payload_bytes >= moments_payload_bytes(mode_of(mode), count), "payload_bytes are too few for the columns");
+    const Select what = select_of(select);
+    unpack_columns(what, mode_of(mode), count, payload, runs_of(what, {m0, m1, n}, runs, second));
+    return SELFPROJ_OK;
+  });
+}
+
+std::int32_t selfproj_unpack_codes(std::int32_t columns, const std::uint8_t* payload, std::size_t payload_bytes,
+                                   std::uint16_t* codes) {
+  using namespace selfproj;
+  return guarded([&] {
+    require(payload != nullptr && codes != nullptr, "null pointer");
+    const int count = checked_columns(columns);
+    require(payload_bytes >= codes_line_payload_bytes(count), "payload_bytes are too few for the columns");
+    unpack_codes(count, payload, codes);
+    return SELFPROJ_OK;
+  });
+}
+
+std::int32_t selfproj_build_packet(const selfproj_header* header, const std::uint8_t* payload,
+                                   std::size_t payload_bytes, std::uint32_t status, std::uint8_t* out,
+                                   std::size_t capacity, std::size_t* written) {
+  using namespace selfproj;
+  return guarded([&] {
+    require(written != nullptr && (payload != nullptr || payload_bytes == 0), "null pointer");
+    require(payload_bytes <= kMostPayloadBytes, "more than 16 MiB of payload");
+    std::vector<std::uint8_t> packet;
+    append_packet(header_of(header), {payload, payload_bytes}, status, packet);
+    write_bytes(packet, out, capacity, written);
+    return SELFPROJ_OK;
+  });
+}
+
+std::int32_t selfproj_moments_packet(const selfproj_image* image, const selfproj_measure* measure,
+                                     const selfproj_header* header, std::uint8_t* out, std::size_t capacity,
+                                     std::size_t* written) {
+  using namespace selfproj;
+  return guarded([&] {
+    require(written != nullptr, "null pointer");
+    const Measure how = measure_of(measure);
+    const ImageView view = image_of(image);
+    require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kMaxColumns,
+            "image: columns are not a multiple of 4 up to 2048");
+    PacketHeader fields = header_of(header);
+    Runs runs;
+    runs.resize(how.select, view.columns);
+    measure_columns(view, how, runs.view());
+    std::vector<std::uint8_t> payload(moments_payload_bytes(how.mode, view.columns));
+    pack_columns(how.select, how.mode, view.columns, runs.view(), payload.data());
+    fields.kind = spec::kKindMoments;
+    fields.mode = static_cast<std::uint8_t>(how.mode);
+    fields.threshold = static_cast<std::uint8_t>(how.threshold);
+    fields.select = static_cast<std::uint8_t>(how.select);
+    fields.gap = static_cast<std::uint8_t>(how.gap);
+    fields.first_row = static_cast<std::uint16_t>(how.window.first);
+    fields.last_row = static_cast<std::uint16_t>(how.window.last);
+    fields.columns = static_cast<std::uint16_t>(view.columns);
+    fields.rows = static_cast<std::uint16_t>(view.rows);
+    fields.first_line = fields.lines = fields.flags = 0;
+    std::vector<std::uint8_t> packet;
+    append_packet(fields, payload, 0, packet);
+    write_bytes(packet, out, capacity, written);
+    return SELFPROJ_OK;
+  });
+}
+
+std::int32_t selfproj_parse_packet(const std::uint8_t* bytes, std::size_t count, selfproj_packet* packet) {
+  using namespace selfproj;
+  return guarded([&] {
+    check_packet(packet);
+    require(bytes != nullptr || count == 0, "null pointer");
+    PacketView view;
+    const PacketError fault = parse_packet({bytes, count}, view);
+    if (fault != PacketError::none) {
+      return failed(SELFPROJ_BAD_INPUT, to_string(fault));
+    }
+    write_packet(view, packet);
+    return SELFPROJ_OK;
+  });
+}

@@ -1,0 +1,130 @@
+// Profiles of a light section.
+#include "host/light_section/profile.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "capi/convert.h"
+#include "capi/errors.h"
+#include "host/io/user_error.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/reference.h"
+#include "host/light_section/reference_file.h"
+#include "host/rig/rig.h"
+#include "model/packet_payload.h"
+
+struct selfproj_profiler {  // NOLINT(readability-identifier-naming): a name of C
+  selfproj::Rig rig;
+  selfproj::DifferentialProfiler profiler;
+  selfproj::Profile profile;  // room for one
+};
+
+namespace selfproj {
+namespace {
+
+constexpr std::size_t kOldestProfile = offsetof(selfproj_profile, validity) + sizeof(std::uint8_t*);
+
+selfproj_profile profile_of(const selfproj_profiler* profiler, const selfproj_profile* out) {
+  require(profiler != nullptr, "null pointer");
+  const selfproj_profile wanted = copy_of(out, kOldestProfile, "profile: null pointer, or size is not set");
+  require(wanted.columns == static_cast<std::uint32_t>(profiler->profiler.columns()),
+          "profile: columns are not those of the profiler");
+  return wanted;
+}
+
+// Copies the arrays that are wanted.
+void hand_out(const Profile& from, const selfproj_profile& to) {
+  const std::array<std::pair<const std::vector<float>*, float*>, 7> arrays{{{&from.centroid, to.centroid},
+                                                                            {&from.x, to.x},
+                                                                            {&from.y, to.y},
+                                                                            {&from.z, to.z},
+                                                                            {&from.dx, to.dx},
+                                                                            {&from.dy, to.dy},
+                                                                            {&from.dz, to.dz}}};
+  for (const auto& [values, target] : arrays) {
+    if (target != nullptr) {
+      std::copy(values->begin(), values->end(), target);
+    }
+  }
+  if (to.validity != nullptr) {
+    std::copy(from.validity.begin(), from.validity.end(), to.validity);
+  }
+}
+
+}  // namespace
+}  // namespace selfproj
+
+std::int32_t selfproj_profiler_create(const char* rig, const char* reference, selfproj_profiler** out) {
+  using namespace selfproj;
+  return guarded([&] {
+    require(rig != nullptr && out != nullptr, "null pointer");
+    const Rig loaded = load_any_rig(rig);
+    if (loaded.kind != RigKind::light_section) {
+      throw UserError(rig, "is not a rig of kind light-section");
+    }
+    const ReferenceProfile curve =
+        reference != nullptr ? load_reference(loaded, reference) : reference_of_plane(loaded);
+    auto made =
+        std::make_unique<selfproj_profiler>(selfproj_profiler{loaded, DifferentialProfiler(loaded, curve), Profile{}});
+    made->profile.resize(loaded.camera.columns);
+    *out = made.release();
+    return SELFPROJ_OK;
+  });
+}
+
+void selfproj_profiler_destroy(selfproj_profiler* profiler) { delete profiler; }
+
+std::int32_t selfproj_profiler_size(const selfproj_profiler* profiler, std::int32_t* rows, std::int32_t* columns) {
+  using namespace selfproj;
+  return guarded([&] {
+    require(profiler != nullptr && rows != nullptr && columns != nullptr, "null pointer");
+    *rows = profiler->rig.camera.rows;
+    *columns = profiler->rig.camera.columns;
+    return SELFPROJ_OK;
+  });
+}
+
+std::int32_t selfproj_profile_of_packet(selfproj_profiler* profiler, const selfproj_packet* packet,
+                                        const selfproj_profile* out) {
+  using namespace selfproj;
+  return guarded([&] {
+    const selfproj_profile wanted = profile_of(profiler, out);
+    check_packet(packet);
+    require(packet->payload != nullptr, "packet: null pointer");
+    const selfproj_header& header = packet->header;
+    if (header.kind != SELFPROJ_KIND_MOMENTS || packet->status != 0) {
+      return failed(SELFPROJ_BAD_INPUT, "the packet has no moments of a good frame");
+    }
+    const RigCamera& camera = profiler->rig.camera;
+    if (header.columns != static_cast<std::uint32_t>(camera.columns) ||
+        header.rows != static_cast<std::uint32_t>(camera.rows)) {
+      return failed(SELFPROJ_BAD_INPUT, "the packet is of a frame of another size than the rig's camera");
+    }
+    const Mode mode = mode_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.mode, SELFPROJ_GREY_OVER + 1)));
+    require(packet->payload_bytes >= moments_payload_bytes(mode, camera.columns), "packet: the payload is too short");
+    const Select select = select_of(static_cast<std::int32_t>(std::min<std::uint32_t>(header.select, 2)));
+    profiler->profiler.profile(select, mode, packet->payload, profiler->profile.view());
+    hand_out(profiler->profile, wanted);
+    return SELFPROJ_OK;
+  });
+}
+
+std::int32_t selfproj_profile_of_moments(selfproj_profiler* profiler, const std::uint32_t* m0, const std::uint32_t* m1,
+                                         const std::uint32_t* n, const selfproj_profile* out) {
+  using namespace selfproj;
+  return guarded([&] {
+    const selfproj_profile wanted = profile_of(profiler, out);
+    require(m0 != nullptr && m1 != nullptr && n != nullptr, "null pointer");
+    // The view is one of arrays that may be written; profile only reads them.
+    profiler->profiler.profile(
+        MomentsView{const_cast<std::uint32_t*>(m0), const_cast<std::uint32_t*>(m1), const_cast<std::uint32_t*>(n)},
+        profiler->profile.view());
+    hand_out(profiler->profile, wanted);
+    return SELFPROJ_OK;
+  });
+}

@@ -1,0 +1,298 @@
+// The C interface gives what the C++ functions give, and says what is wrong.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "capi/selfproj.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/reference.h"
+#include "model/column_runs.h"
+#include "model/gray_decoder.h"
+#include "model/gray_match.h"
+#include "model/median3x3.h"
+#include "model/packet.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+template <typename Struct>
+Struct sized() {
+  Struct value{};
+  value.size = sizeof value;
+  return value;
+}
+
+selfproj_measure measure_of(int mode, int threshold) {
+  selfproj_measure measure = sized<selfproj_measure>();
+  measure.mode = mode;
+  measure.threshold = threshold;
+  return measure;
+}
+
+// A file with packets of random frames of the built-in light section, and the packets.
+struct Recording {
+  std::filesystem::path path;
+  std::vector<std::vector<std::uint8_t>> packets;
+
+  Recording(Random& random, int frames)
+      : path(std::filesystem::temp_directory_path() / ("c_interface_" + std::to_string(random.bits()) + ".slfp")) {
+    std::ofstream file(path, std::ios::binary);
+    for (int frame = 0; frame < frames; ++frame) {
+      const std::vector<std::uint8_t> pixels = random.bytes(96 * 512);
+      const selfproj_image image{pixels.data(), 96, 512, 512};
+      selfproj_measure measure = measure_of(random.between(0, 2), random.between(200, 255));
+      measure.select = random.between(0, 1);
+      selfproj_header header = sized<selfproj_header>();
+      header.sequence = static_cast<std::uint64_t>(frame);
+      header.time_stamp = 15120 * header.sequence;
+      std::vector<std::uint8_t> packet(5000);
+      std::size_t written = 0;
+      EXPECT_EQ(selfproj_moments_packet(&image, &measure, &header, packet.data(), packet.size(), &written),
+                SELFPROJ_OK);
+      packet.resize(written);
+      file.write(reinterpret_cast<const char*>(packet.data()), static_cast<std::streamsize>(written));
+      packets.push_back(packet);
+    }
+  }
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+  ~Recording() { std::filesystem::remove(path); }
+};
+
+// The packet of an image with these results, by the functions of the model.
+std::vector<std::uint8_t> packet_of(const selfproj_image& image, const selfproj_measure& measure,
+                                    const selfproj_header& header, Runs results) {
+  PacketHeader fields;
+  fields.kind = spec::kKindMoments;
+  fields.mode = static_cast<std::uint8_t>(measure.mode);
+  fields.threshold = static_cast<std::uint8_t>(measure.threshold);
+  fields.select = static_cast<std::uint8_t>(measure.select);
+  fields.gap = static_cast<std::uint8_t>(measure.gap);
+  fields.first_row = static_cast<std::uint16_t>(measure.first_row);
+  fields.last_row = static_cast<std::uint16_t>(measure.last_row);
+  fields.columns = static_cast<std::uint16_t>(image.columns);
+  fields.rows = static_cast<std::uint16_t>(image.rows);
+  fields.sequence = header.sequence;
+  fields.lost = header.lost;
+  const auto mode = static_cast<Mode>(measure.mode);
+  std::vector<std::uint8_t> payload(moments_payload_bytes(mode, image.columns));
+  pack_columns(static_cast<Select>(measure.select), mode, image.columns, results.view(), payload.data());
+  std::vector<std::uint8_t> packet;
+  append_packet(fields, payload, 0, packet);
+  return packet;
+}
+
+TEST(CInterface, MomentsAndPackets) {
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const int rows = random.between(1, 60);
+    const int columns = 4 * random.between(1, 20);
+    const int stride = columns + random.between(0, 5);
+    const std::vector<std::uint8_t> pixels =
+        random.bytes(static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride));
+    const selfproj_image image{pixels.data(), rows, columns, stride};
+    const int mode = random.between(0, 2);
+    const int threshold = random.between(0, 255);
+    const auto select = static_cast<Select>(random.between(0, 1));
+    selfproj_measure measure = measure_of(mode, threshold);
+    measure.select = static_cast<std::int32_t>(select);
+    measure.gap = random.between(0, 3);
+    measure.first_row = random.between(0, 4);
+    measure.last_row = random.between(0, rows + 3);
+    Runs ours;
+    ours.resize(select, columns);
+    measure_columns({pixels.data(), rows, columns, stride},
+                    {.mode = static_cast<Mode>(mode),
+                     .threshold = threshold,
+                     .select = select,
+                     .gap = measure.gap,
+                     .window = {measure.first_row, measure.last_row}},
+                    ours.view());
+    Runs theirs;
+    theirs.resize(select, columns);
+    ASSERT_EQ(selfproj_moments(&image, &measure, theirs.moments.m0.data(), theirs.moments.m1.data(),
+                               theirs.moments.n.data(), theirs.runs.data(), theirs.second.data()),
+              SELFPROJ_OK);
+    EXPECT_EQ(theirs, ours);
+
+    // The packet that a board would send, by the C++ functions and by the interface.
+    selfproj_header header = sized<selfproj_header>();
+    header.sequence = random.bits();
+    header.lost = static_cast<std::uint32_t>(random.bits());
+    const std::vector<std::uint8_t> expected = packet_of(image, measure, header, ours);
+    std::vector<std::uint8_t> packet(expected.size());
+    std::size_t written = 0;
+    ASSERT_EQ(selfproj_moments_packet(&image, &measure, &header, packet.data(), packet.size(), &written), SELFPROJ_OK);
+    EXPECT_EQ(packet, expected);
+    EXPECT_EQ(selfproj_moments_packet(&image, &measure, &header, packet.data(), packet.size() - 1, &written),
+              SELFPROJ_BAD_ARGUMENT);
+    EXPECT_EQ(written, expected.size());
+
+    selfproj_packet found = sized<selfproj_packet>();
+    ASSERT_EQ(selfproj_parse_packet(packet.data(), packet.size(), &found), SELFPROJ_OK);
+    EXPECT_EQ(found.header.lost, header.lost);
+    EXPECT_EQ(found.payload, packet.data() + spec::kHeaderBytes);
+    EXPECT_EQ(found.header.last_row, static_cast<std::uint32_t>(measure.last_row));
+    Runs back;
+    back.resize(select, columns);
+    ASSERT_EQ(selfproj_unpack_moments(measure.select, mode, columns, found.payload, found.payload_bytes,
+                                      back.moments.m0.data(), back.moments.m1.data(), back.moments.n.data(),
+                                      back.runs.data(), back.second.data()),
+              SELFPROJ_OK);
+    EXPECT_EQ(back.moments, ours.moments);
+    EXPECT_EQ(back.runs, ours.runs);
+    std::vector<std::uint8_t> packed(found.payload_bytes);
+    ASSERT_EQ(selfproj_pack_moments(measure.select, mode, columns, back.moments.m0.data(), back.moments.m1.data(),
+                                    back.moments.n.data(), back.runs.data(), back.second.data(), packed.data(),
+                                    packed.size()),
+              SELFPROJ_OK);
+    EXPECT_TRUE(std::equal(packed.begin(), packed.end(), found.payload));
+    packet[static_cast<std::size_t>(random.between(0, static_cast<int>(written) - 1))] ^= 1U;
+    EXPECT_EQ(selfproj_parse_packet(packet.data(), packet.size(), &found), SELFPROJ_BAD_INPUT);
+  }
+}
+
+TEST(CInterface, CodesMedianAndMatches) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const int rows = random.between(1, 12);
+    const int columns = random.between(1, 12);
+    const int bits = random.between(1, 4);
+    const auto pixels = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+    GrayDecoder decoder({.rows = rows, .columns = columns, .bits = bits, .threshold = 20});
+    selfproj_gray* gray = nullptr;
+    ASSERT_EQ(selfproj_gray_create(rows, columns, bits, 20, &gray), SELFPROJ_OK);
+    std::vector<std::uint16_t> ours(pixels, 0);
+    std::vector<std::uint16_t> theirs(pixels, 0);
+    for (int frame = 0; frame < 6 * bits; ++frame) {
+      const std::vector<std::uint8_t> image = random.bytes(pixels);
+      const int pattern = random.chance(5) ? random.between(-1, 2 * bits) : frame % (2 * bits);
+      const bool good = !random.chance(5);
+      const selfproj_image view{image.data(), rows, columns, columns};
+      std::int32_t due = -1;
+      ASSERT_EQ(selfproj_gray_take(gray, &view, pattern, good ? 1 : 0, theirs.data(), &due), SELFPROJ_OK);
+      EXPECT_EQ(due != 0, decoder.take({image.data(), rows, columns, columns}, pattern, good, ours.data()));
+      ASSERT_EQ(theirs, ours);
+    }
+    selfproj_gray_destroy(gray);
+    std::vector<std::uint16_t> filtered(pixels);
+    std::vector<std::uint16_t> wanted(pixels);
+    median3x3(ours.data(), rows, columns, wanted.data());
+    ASSERT_EQ(selfproj_median3x3(ours.data(), rows, columns, filtered.data()), SELFPROJ_OK);
+    EXPECT_EQ(filtered, wanted);
+    std::vector<std::uint16_t> table(pixels << static_cast<unsigned>(bits));
+    std::generate(table.begin(), table.end(), [&] { return static_cast<std::uint16_t>(random.bits()); });
+    GrayMatch::look_up(ours.data(), pixels, bits, table.data(), wanted.data());
+    ASSERT_EQ(selfproj_match(ours.data(), pixels, bits, table.data(), filtered.data()), SELFPROJ_OK);
+    EXPECT_EQ(filtered, wanted);
+  }
+}
+
+TEST(CInterface, DeviceAndProfiles) {
+  Random random(1);
+  const Recording recording(random, 5);
+  selfproj_device* device = nullptr;
+  ASSERT_EQ(selfproj_device_open(("file:" + recording.path.string()).c_str(), nullptr, &device), SELFPROJ_OK);
+  selfproj_profiler* profiler = nullptr;
+  ASSERT_EQ(selfproj_profiler_create("light-section", nullptr, &profiler), SELFPROJ_OK);
+  std::int32_t rows = 0;
+  std::int32_t columns = 0;
+  ASSERT_EQ(selfproj_profiler_size(profiler, &rows, &columns), SELFPROJ_OK);
+  EXPECT_EQ(rows, 96);
+  const Rig rig = load_rig("light-section");
+  const DifferentialProfiler ours(rig, reference_of_plane(rig));
+  ASSERT_EQ(columns, ours.columns());
+  Profile expected;
+  expected.resize(columns);
+  Profile given;
+  given.resize(columns);
+  selfproj_packet packet = sized<selfproj_packet>();
+  for (const std::vector<std::uint8_t>& sent : recording.packets) {
+    ASSERT_EQ(selfproj_device_next(device, 1'000'000'000, &packet), SELFPROJ_OK);
+    ASSERT_EQ(packet.byte_count, sent.size());
+    EXPECT_EQ(std::memcmp(packet.bytes, sent.data(), sent.size()), 0);
+    const ProfileView view = given.view();
+    const selfproj_profile out{
+        sizeof(selfproj_profile), 512, view.centroid, view.x, view.y, view.z, view.dx, view.dy, view.dz, view.validity};
+    ASSERT_EQ(selfproj_profile_of_packet(profiler, &packet, &out), SELFPROJ_OK);
+    ours.profile(static_cast<Select>(packet.header.select), static_cast<Mode>(packet.header.mode), packet.payload,
+                 expected.view());
+    EXPECT_EQ(std::memcmp(given.z.data(), expected.z.data(), 512 * sizeof(float)), 0);
+    EXPECT_EQ(std::memcmp(given.dx.data(), expected.dx.data(), 512 * sizeof(float)), 0);
+    EXPECT_EQ(given.validity, expected.validity);
+    ASSERT_EQ(selfproj_device_release(device), SELFPROJ_OK);
+  }
+  EXPECT_EQ(selfproj_device_next(device, 0, &packet), SELFPROJ_END);
+  selfproj_counters counters = sized<selfproj_counters>();
+  ASSERT_EQ(selfproj_device_counters(device, &counters), SELFPROJ_OK);
+  EXPECT_EQ(counters.delivered, 5U);
+  EXPECT_EQ(counters.bad, 0U);
+  selfproj_device_close(device);
+
+  // A packet of another size, and one that was handed over by hand and says more than it has.
+  packet = sized<selfproj_packet>();
+  ASSERT_EQ(selfproj_parse_packet(recording.packets[0].data(), recording.packets[0].size(), &packet), SELFPROJ_OK);
+  const selfproj_profile none{sizeof(selfproj_profile), 512, {}, {}, {}, {}, {}, {}, {}, {}};
+  EXPECT_EQ(selfproj_profile_of_packet(profiler, &packet, &none), SELFPROJ_OK);
+  packet.header.select = 2;
+  EXPECT_EQ(selfproj_profile_of_packet(profiler, &packet, &none), SELFPROJ_BAD_ARGUMENT);
+  packet.header.select = SELFPROJ_ALL;
+  packet.payload_bytes -= 16;
+  EXPECT_EQ(selfproj_profile_of_packet(profiler, &packet, &none), SELFPROJ_BAD_ARGUMENT);
+  packet.payload_bytes += 16;
+  packet.header.columns = 508;
+  EXPECT_EQ(selfproj_profile_of_packet(profiler, &packet, &none), SELFPROJ_BAD_INPUT);
+  selfproj_profiler_destroy(profiler);
+}
+
+TEST(CInterface, ErrorsNameTheReasonAndWriteNothing) {
+  EXPECT_EQ(selfproj_abi_version(), static_cast<std::uint32_t>(SELFPROJ_ABI_VERSION));
+  EXPECT_EQ(selfproj_spec_hash(), spec::kHash);
+  selfproj_device* device = nullptr;
+  EXPECT_EQ(selfproj_device_open("file:/no/such/file", nullptr, &device), SELFPROJ_BAD_INPUT);
+  EXPECT_NE(std::strstr(selfproj_last_error(), "/no/such/file"), nullptr) << selfproj_last_error();
+  EXPECT_EQ(selfproj_device_open("nonsense", nullptr, &device), SELFPROJ_BAD_INPUT);
+  EXPECT_EQ(selfproj_device_open(nullptr, nullptr, &device), SELFPROJ_BAD_ARGUMENT);
+  EXPECT_EQ(device, nullptr);
+  selfproj_profiler* profiler = nullptr;
+  EXPECT_EQ(selfproj_profiler_create("no-such-rig", nullptr, &profiler), SELFPROJ_BAD_INPUT);
+  EXPECT_EQ(selfproj_profiler_create("scanner", nullptr, &profiler), SELFPROJ_BAD_INPUT);
+  EXPECT_EQ(profiler, nullptr);
+  std::uint32_t words[3] = {7, 7, 7};
+  const std::uint8_t pixel[4] = {1, 2, 3, 4};
+  const selfproj_measure good = measure_of(0, 0);
+  for (const selfproj_image& image :
+       {selfproj_image{nullptr, 1, 4, 4}, selfproj_image{pixel, 0, 4, 4}, selfproj_image{pixel, 1, 0, 4},
+        selfproj_image{pixel, 1, 4, 3}, selfproj_image{pixel, 1, -4, 4}, selfproj_image{pixel, 1 << 20, 4, 4}}) {
+    EXPECT_EQ(selfproj_moments(&image, &good, words, words + 1, words + 2, nullptr, nullptr), SELFPROJ_BAD_ARGUMENT);
+  }
+  const selfproj_image image{pixel, 1, 1, 1};
+  for (const selfproj_measure& bad : {measure_of(3, 0), measure_of(-1, 0), measure_of(0, 256), selfproj_measure{},
+                                      selfproj_measure{sizeof(selfproj_measure), 0, 0, 2, 0, 0, 0},
+                                      selfproj_measure{sizeof(selfproj_measure), 0, 0, 1, 4, 0, 0},
+                                      selfproj_measure{sizeof(selfproj_measure), 0, 0, 0, 0, 0, 1024}}) {
+    EXPECT_EQ(selfproj_moments(&image, &bad, words, words + 1, words + 2, nullptr, nullptr), SELFPROJ_BAD_ARGUMENT);
+  }
+  EXPECT_EQ(words[0] + words[1] + words[2], 21U);
+  // A caller of a later version, whose structure is longer, is served with the fields that are known here.
+  struct {
+    selfproj_measure measure;
+    int later;
+  } later{measure_of(0, 0), 1};
+  later.measure.size = sizeof later;
+  EXPECT_EQ(selfproj_moments(&image, &later.measure, words, words + 1, words + 2, nullptr, nullptr), SELFPROJ_OK);
+}
+
+}  // namespace
+}  // namespace selfproj::test
