@@ -22,6 +22,7 @@ for_tests=(
   clang-format-14 clang-tidy-14 shellcheck   # checks of the sources
   clang-14 libclang-rt-14-dev                # fuzzing
   tcl                                        # check of the scripts for HLS tools
+  pkg-config dpkg-dev                        # what is installed and packaged is tried
 )
 
 fail() {

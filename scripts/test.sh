@@ -71,7 +71,7 @@ build_all() { scripts/build.sh release all; }
 # Tests and benchmarks are left out; run scripts/tidy.sh for them by hand.
 tidy() {
   local files
-  mapfile -t files < <(sources 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' | grep -v '/generated/')
+  mapfile -t files < <(sources 'capi/*.cpp' 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' | grep -v '/generated/')
   scripts/tidy.sh "${files[@]}"
 }
 
@@ -89,7 +89,7 @@ declare -A does=(
   [build_sanitized]="build with the address and undefined-behaviour sanitizers"
   [test_sanitized]="tests with the sanitizers"
   [build_all]="build for speed: programs, tests, benchmarks"
-  [tidy]="clang-tidy on host, model and sim"
+  [tidy]="clang-tidy on capi, host, model and sim"
   [test_all]="all tests"
 )
 # The CPU time of the longer ones in seconds, from scratch, estimated from a run on a busy PC (2026).

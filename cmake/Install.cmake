@@ -1,0 +1,112 @@
+# What `cmake --install` and `cpack` put where: component `programs`, and component `development` with headers,
+# libraries and the files by which CMake and pkg-config find them. docs/from-outside.md says what of it is stable.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# The headers that a user may include; those that they include come along. They are installed below
+# include/selfproj/ by the paths that they have here: "model/packet.h" becomes "selfproj/model/packet.h".
+set(selfproj_headers_for_users
+  model/board.h
+  model/column_moments.h
+  model/column_runs.h
+  model/gray_decoder.h
+  model/gray_match.h
+  model/median3x3.h
+  model/moments_words.h
+  model/packet.h
+  model/packet_payload.h
+  model/pixel_clock.h
+  host/driver/counters.h
+  host/driver/device.h
+  host/driver/image_assembler.h
+  host/driver/open_device.h
+  host/driver/packet_reader.h
+  host/io/user_error.h
+  host/light_section/differential_profile.h
+  host/light_section/fast_moments.h
+  host/light_section/inspection.h
+  host/light_section/profile.h
+  host/light_section/reference.h
+  host/light_section/reference_file.h
+  host/rig/calibration_file.h
+  host/rig/rig.h
+  host/rig/rig_calibration.h
+  host/structured_light/depth_geometry.h
+  host/structured_light/fast_decoder.h
+  host/structured_light/gray_sequence.h
+  host/structured_light/point_cloud.h
+  host/structured_light/rig_triangulation.h
+  host/structured_light/scanner.h
+  host/structured_light/triangulation.h)
+
+# The libraries, in two sets, so that model and driver need nothing else.
+set(selfproj_core selfproj_warnings selfproj_model selfproj_files selfproj_driver selfproj_c)
+set(selfproj_vision selfproj_image_codecs selfproj_io selfproj_rig selfproj_light_section selfproj_structured_light)
+foreach(target selfproj_model selfproj_files)
+  target_compile_features(${target} INTERFACE cxx_std_20)  # of whoever includes the headers
+endforeach()
+set(selfproj_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/selfproj)
+foreach(set core vision)
+  foreach(target IN LISTS selfproj_${set})
+    string(REPLACE "selfproj_" "" name ${target})
+    set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  endforeach()
+  install(TARGETS ${selfproj_${set}} EXPORT selfproj_${set}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+    INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(EXPORT selfproj_${set} NAMESPACE selfproj:: FILE selfproj_${set}.cmake
+    DESTINATION ${selfproj_cmake_dir} COMPONENT development)
+endforeach()
+
+install(FILES capi/dpi/selfproj_dpi_pkg.sv capi/dpi/selfproj_dpi.c DESTINATION ${CMAKE_INSTALL_DATADIR}/selfproj/dpi
+  COMPONENT development)
+install(FILES capi/selfproj.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(CODE "
+  set(headers \"${selfproj_headers_for_users}\")
+  set(source \"${PROJECT_SOURCE_DIR}\")
+  set(staged \"${PROJECT_BINARY_DIR}/installed_headers\")
+  set(include \"${CMAKE_INSTALL_INCLUDEDIR}\")
+  include(\"${PROJECT_SOURCE_DIR}/cmake/install/headers.cmake\")" COMPONENT development)
+
+configure_package_config_file(cmake/install/selfprojConfig.cmake.in "${PROJECT_BINARY_DIR}/selfprojConfig.cmake"
+  INSTALL_DESTINATION ${selfproj_cmake_dir} NO_SET_AND_CHECK_MACRO)
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/selfprojConfigVersion.cmake" COMPATIBILITY SameMajorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/selfprojConfig.cmake" "${PROJECT_BINARY_DIR}/selfprojConfigVersion.cmake"
+  cmake/OpenCVModules.cmake DESTINATION ${selfproj_cmake_dir} COMPONENT development)
+file(RELATIVE_PATH selfproj_back "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")  # from there to the prefix
+foreach(name selfproj selfproj-driver)
+  configure_file(cmake/install/${name}.pc.in "${PROJECT_BINARY_DIR}/${name}.pc" @ONLY)
+  install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+endforeach()
+
+install(TARGETS selfproj selfproj-sim RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
+
+# Packages of Debian: cpack --config build/release/CPackConfig.cmake.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME selfproj)
+set(CPACK_PACKAGE_CONTACT "the authors of selfproj")
+set(CPACK_PACKAGE_HOMEPAGE_URL "")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGE_DIRECTORY "${PROJECT_BINARY_DIR}/packages")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_COMPONENTS_ALL programs development)
+set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION "The programs selfproj and selfproj-sim.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers and libraries of the model, the driver and the measurements.")
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME selfproj)
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
+get_property(selfproj_codecs GLOBAL PROPERTY SELFPROJ_IMAGE_CODECS)
+string(REGEX REPLACE "^libopencv_imgcodecs[.]so[.]" "libopencv-imgcodecs" selfproj_codecs "${selfproj_codecs}")
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "${selfproj_codecs}")  # is loaded, not linked
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libselfproj-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
+  "libopencv-core-dev, libopencv-imgproc-dev, ${selfproj_codecs}, libfmt-dev, libyaml-cpp-dev")
+set(CPACK_DEBIAN_COMPRESSION_TYPE gzip)  # a second; xz takes twenty for a tenth less
+set(CPACK_STRIP_FILES ON)
+include(CPack)
