@@ -105,6 +105,7 @@ module sp_column_runs #(
   logic [GroupBits-1:0]    add_group, drain_group;
   logic [RowBits-1:0]      add_row, drain_row;
   logic [4*WeightBits-1:0] add_weights, drain1_weights;
+  logic [3:0]              drain1_lit;
   logic                    best_valid;
   logic [4*BestBits-1:0]   best;
 
@@ -132,6 +133,7 @@ module sp_column_runs #(
     .drain_group_i   (drain_group),
     .drain_row_i     (drain_row),
     .drain1_weights_i(drain1_weights),
+    .drain1_lit_i    (drain1_lit),
     .best_valid_o    (best_valid),
     .best_o          (best)
   );
@@ -143,6 +145,7 @@ module sp_column_runs #(
     logic [GroupBits-1:0]    s5_group_q;
     logic [RowBits-1:0]      s5_row_q, row_number_q;
     logic [4*WeightBits-1:0] s5_weights_q;
+    logic [3:0]              s4_lit;
     logic                    drain_break;
     logic                    out_grey_q, out_strongest_q;  // of the row that is drained
     always_ff @(posedge clk_i) begin
@@ -159,19 +162,26 @@ module sp_column_runs #(
     assign {add_group, add_row, add_weights}        = {s5_group_q, s5_row_q, s5_weights_q};
     assign drain_row                                = row_number_q;
 
+    // Which weights are not 0 waits beside them: nothing comes late out of a block RAM and is still
+    // compared with 0.
+    for (genvar lane = 0; lane < 4; lane++) begin : gen_lit
+      assign s4_lit[lane] = s4_weights_q[lane*WeightBits+:WeightBits] != '0;
+    end
+
     sp_drain_order #(
-      .GroupBits(GroupBits)
+      .GroupBits(GroupBits),
+      .Width    (4 + 4 * WeightBits)
     ) u_order (
       .clk_i         (clk_i),
       .rst_i         (rst_i),
       .push_i        (s4_push),
       .push_end_i    (s4_line_end),
       .push_group_i  (s4_group),
-      .push_weights_i(s4_weights_q),
+      .push_weights_i({s4_lit, s4_weights_q}),
       .break_i       (s4_break),
       .drain_o       (drain),
       .drain_group_o (drain_group),
-      .weights_o     (drain1_weights),
+      .weights_o     ({drain1_lit, drain1_weights}),
       .active_o      (draining),
       .break_o       (drain_break)
     );
@@ -223,7 +233,7 @@ module sp_column_runs #(
     assign {add, add_first, add_strongest, add_gap} = {s4_add, s4_first_row, s4_strongest, s4_gap};
     assign {add_group, add_row, add_weights}        = {s4_group, s4_row, s4_weights_q};
     assign {drain, drain_group, drain_row}          = {push_q[5], s5_group_q, s5_row_q};
-    assign drain1_weights                           = s6_weights_q;
+    assign {drain1_lit, drain1_weights}             = {s6_weights_q, s6_weights_q};
     assign draining                                 = 1'b0;
     assign spoiled_o                                = 1'b0;
 

@@ -20,7 +20,8 @@
 `default_nettype none
 
 module sp_drain_order #(
-  parameter int GroupBits = 9
+  parameter int GroupBits = 9,
+  parameter int Width = 32  // of what waits for each group: its weights
 ) (
   input  wire logic                 clk_i,
   input  wire logic                 rst_i,
@@ -29,13 +30,13 @@ module sp_drain_order #(
   input  wire logic                 push_i,
   input  wire logic                 push_end_i,  // the last group of the row
   input  wire logic [GroupBits-1:0] push_group_i,
-  input  wire logic [31:0]          push_weights_i,
+  input  wire logic [Width-1:0]     push_weights_i,
   // the frame ends here, after push_i of the same clock
   input  wire logic                 break_i,
 
   output logic                      drain_o,
   output logic      [GroupBits-1:0] drain_group_o,
-  output logic      [31:0]          weights_o,
+  output logic      [Width-1:0]     weights_o,
   output logic                      active_o,
   output logic                      break_o
 );
@@ -95,7 +96,7 @@ module sp_drain_order #(
   end
 
   sp_ram #(
-    .Width   (32),
+    .Width   (Width),
     .LogDepth(GroupBits)
   ) u_line (
     .wr_clk_i (clk_i),

@@ -23,46 +23,46 @@ module sp_pixel_weights #(
   output logic      [4*WeightBits-1:0] weights_o
 );
 
+  // The threshold comes from a comparison of rows, so nothing but a register takes it.
   logic [31:0] s1_pixels_q;
   logic [7:0]  s1_room_q;     // 255 minus the threshold
-  logic [1:0]  s1_mode_q;
   always_ff @(posedge clk_i) begin
     s1_pixels_q <= beat_pixels_i;
     s1_room_q   <= ~threshold_i;
-    s1_mode_q   <= mode_i;
+  end
+
+  logic s1_binary_q, s1_grey_q, s2_binary_q, s2_grey_q;  // the modes
+  always_ff @(posedge clk_i) begin
+    s1_binary_q <= mode_i == sp_spec_pkg::ModeBinary;
+    s1_grey_q   <= mode_i == sp_spec_pkg::ModeGrey;
+    {s2_binary_q, s2_grey_q} <= {s1_binary_q, s1_grey_q};
   end
 
   for (genvar lane = 0; lane < 4; lane++) begin : gen_weight
     // A pixel is lit where pixel + (255 - threshold) exceeds 255. The carry is taken as a bit of
     // the sum, so that it stays at the end of its chain. It does not matter in reset.
-    logic       lit;
+    logic       lit, lit2_q;
     logic [7:0] unused_sum;
     assign {lit, unused_sum} = {rst_i, s1_pixels_q[8*lane+:8]} + {1'b0, s1_room_q};
+    always_ff @(posedge clk_i) lit2_q <= lit;
+
     if (Grey) begin : gen_grey
-      logic [7:0] over1_q, value2_q;
-      logic       lit2_q;
+      logic [7:0] pixel2_q, over2_q;
       always_ff @(posedge clk_i) begin
-        over1_q <= beat_pixels_i[8*lane+:8] - threshold_i;
-        case (s1_mode_q)
-          sp_spec_pkg::ModeBinary: value2_q <= 8'd1;
-          sp_spec_pkg::ModeGrey:   value2_q <= s1_pixels_q[8*lane+:8];
-          default:                 value2_q <= over1_q;
-        endcase
-        lit2_q               <= lit;
-        weights_o[8*lane+:8] <= lit2_q ? value2_q : 8'd0;
+        pixel2_q <= s1_pixels_q[8*lane+:8];
+        over2_q  <= s1_pixels_q[8*lane+:8] + s1_room_q + 8'd1;  // less the threshold
+        if (!lit2_q) weights_o[8*lane+:8] <= 8'd0;
+        else if (s2_binary_q) weights_o[8*lane+:8] <= 8'd1;
+        else weights_o[8*lane+:8] <= s2_grey_q ? pixel2_q : over2_q;
       end
     end else begin : gen_binary
-      logic lit2_q;
-      always_ff @(posedge clk_i) begin
-        lit2_q          <= lit;
-        weights_o[lane] <= lit2_q;
-      end
+      always_ff @(posedge clk_i) weights_o[lane] <= lit2_q;
     end
   end
 
   if (!Grey) begin : gen_no_mode
     logic unused;
-    assign unused = ^s1_mode_q;
+    assign unused = s2_binary_q ^ s2_grey_q;
   end
 
 endmodule

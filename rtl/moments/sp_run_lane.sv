@@ -41,6 +41,7 @@ module sp_run_lane #(
 ) (
   input  wire logic                  clk_i,
   input  wire logic [WeightBits-1:0] s1_weight_i,
+  input  wire logic                  s1_lit_i,     // the weight is not 0
   input  wire logic                  s1_alone_i,   // there is no earlier row
   input  wire logic                  s1_onto_new_i,   // the value of one clock ago is of the column
   input  wire logic                  s1_onto_last_i,  // that of two clocks ago is
@@ -53,6 +54,7 @@ module sp_run_lane #(
   input  wire logic [RowBits-1:0]    s3_row_i,
   input  wire logic                  s3_second_row_i,
   input  wire logic [WeightBits-1:0] w1_weight_i,
+  input  wire logic                  w1_lit_i,
   input  wire logic                  w2_first_i,   // the write of D is of a first beat
   input  wire logic                  w3_first_i,
 
@@ -74,7 +76,7 @@ module sp_run_lane #(
   logic                  w2_lit_q, w3_lit_q;
   always_ff @(posedge clk_i) begin
     w2_weight_q <= w1_weight_i;
-    w2_lit_q    <= w1_weight_i != '0;
+    w2_lit_q    <= w1_lit_i;
     w3_weight_q <= w2_weight_q;
     w3_lit_q    <= w2_lit_q;
   end
@@ -91,7 +93,7 @@ module sp_run_lane #(
     {s2_open_q, s2_dark_q} <= s1_alone_i ? '0 : s1_onto_new_i ? wr_d_o :
                               s1_onto_last_i ? wr_d_q : raw_d_i;
     s2_weight_q <= s1_weight_i;
-    s2_lit_q    <= s1_weight_i != '0;
+    s2_lit_q    <= s1_lit_i;
     wr_d_q      <= wr_d_o;
   end
 

@@ -50,6 +50,7 @@ module sp_run_sums #(
   input  wire logic [GroupBits-1:0]    drain_group_i,
   input  wire logic [RowBits-1:0]      drain_row_i,
   input  wire logic [4*WeightBits-1:0] drain1_weights_i,  // one clock later
+  input  wire logic [3:0]              drain1_lit_i,      // likewise: the weight is not 0
 
   output logic                         best_valid_o,
   output logic      [4*BestBits-1:0]   best_o
@@ -76,12 +77,13 @@ module sp_run_sums #(
   logic [GroupBits-1:0]    w1_group_q, w2_group_q, w3_group_q, w4_group_q, w5_group_q;
   logic [3:1]              onto_new_q, onto_last_q;  // the adds one and two clocks before are ...
   logic [4*WeightBits-1:0] s1_weights, w1_weights_q;
+  logic [3:0]              w1_lit_q;      // these weights are not 0
   logic [RowBits-1:0]      s1_row_q, s2_row_q, s3_row_q, s4_row_q, s5_row_q;
   logic                    s1_strongest_q, s2_strongest_q;
   logic [1:0]              s1_gap_q, s2_gap_q;
   logic                    s1_alone_q;
   logic                    s2_none_q, s3_none_q;     // no run of the column has ended before
-  logic                    s2_second_row_q, s3_second_row_q, s4_second_row_q, s5_second_row_q;
+  logic                    s2_second_row_q, s3_second_row_q, s4_second_row_q;
   logic                    s3_after_new_q, s3_after_last_q;
 
   always_ff @(posedge clk_i) begin
@@ -121,8 +123,7 @@ module sp_run_sums #(
     s2_none_q      <= s1_row_q <= RowBits'(2) || s1_row_q == RowBits'(3) && !drain_q[1];
     s3_none_q      <= s2_none_q;
     s2_second_row_q    <= s1_row_q == RowBits'(2);
-    {s3_second_row_q, s4_second_row_q, s5_second_row_q} <=
-        {s2_second_row_q, s3_second_row_q, s4_second_row_q};
+    {s3_second_row_q, s4_second_row_q} <= {s2_second_row_q, s3_second_row_q};
     s3_after_new_q  <= keep_q[4] && w4_group_q == s2_group_q;
     s3_after_last_q <= keep_q[5] && w5_group_q == s2_group_q;
   end
@@ -177,7 +178,7 @@ module sp_run_sums #(
   );
 
   for (genvar lane = 0; lane < 4; lane++) begin : gen_lane
-    logic                s3_ends, s3_has_run, s4_ends_q, s5_ends_q, s4_run_q;
+    logic                s3_ends, s3_has_run, s4_ends_q, s4_run_q, s5_keep_q;
     logic [MBits-1:0]    s4_m;
     logic [ABits-1:0]    s5_a;
     logic [RestBits-1:0] s5_rest;
@@ -188,6 +189,7 @@ module sp_run_sums #(
     ) u_lane (
       .clk_i          (clk_i),
       .s1_weight_i    (s1_weights[lane*WeightBits+:WeightBits]),
+      .s1_lit_i       (drain_q[1] ? drain1_lit_i[lane] : w1_lit_q[lane]),
       .s1_alone_i     (s1_alone_q),
       .s1_onto_new_i  (onto_new_q[1]),
       .s1_onto_last_i (onto_last_q[1]),
@@ -200,6 +202,7 @@ module sp_run_sums #(
       .s3_row_i       (s3_row_q),
       .s3_second_row_i(s3_second_row_q),
       .w1_weight_i    (w1_weights_q[lane*WeightBits+:WeightBits]),
+      .w1_lit_i       (w1_lit_q[lane]),
       .w2_first_i     (first_q[2]),
       .w3_first_i     (first_q[3]),
       .raw_d_i        (raw_d[lane*3+:3]),
@@ -215,8 +218,9 @@ module sp_run_sums #(
     );
 
     always_ff @(posedge clk_i) begin
+      w1_lit_q[lane] <= add_weights_i[lane*WeightBits+:WeightBits] != '0;
       s4_ends_q <= s3_ends;
-      s5_ends_q <= s4_ends_q;
+      s5_keep_q <= keep_q[4] && (s4_ends_q || s4_second_row_q);
       s4_run_q  <= s3_ends || s3_has_run && drain_q[3];
     end
     if (Grey) begin : gen_grey
@@ -240,7 +244,7 @@ module sp_run_sums #(
       .s3_after_last_i(s3_after_last_q),
       .s4_run_i       (s4_run_q),
       .s4_m0_i        (s4_m[M0Bits-1:0]),
-      .s5_keep_i      (keep_q[5] && (s5_ends_q || s5_second_row_q)),
+      .s5_keep_i      (s5_keep_q),
       .s5_group_i     (w5_group_q),
       .s5_rest_i      (s5_rest),
       .best_o         (best_o[lane*BestBits+:BestBits])

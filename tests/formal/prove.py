@@ -159,7 +159,7 @@ FAULTS = [
           "s1_onto_last_q   <= s2_add_q && (s1_add_q ? two_groups_i : one_group_i);",
           "s1_onto_last_q   <= s2_add_q && !s1_add_q && one_group_i;", 14),
     Fault("column_moments_values/threshold_kept", "column_moments_values", "moments/sp_pixel_weights.sv",
-          "over1_q <= beat_pixels_i[8*lane+:8] - threshold_i;", "over1_q <= beat_pixels_i[8*lane+:8];", 20),
+          "+ s1_room_q + 8'd1;", ";", 20),
     Fault("column_moments_frames/unwanted_drains", "column_moments_frames", "moments/sp_column_moments.sv",
           "valid_q[4] && s4_drain_row && accept_i", "valid_q[4] && s4_drain_row", 24),
 ]
