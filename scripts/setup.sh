@@ -12,6 +12,7 @@ for_programs=(
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   nlohmann-json3-dev                         # summaries
   pkg-config libaravis-dev libusb-1.0-0-dev  # GigE and USB3 cameras
+  libsdl2-dev                                # projectors
 )
 for_tests=(
   git python3 python3-pip                    # lists of sources, checks, headers of HLS tools
@@ -21,6 +22,7 @@ for_tests=(
   libopencv-contrib-dev                      # compared with the Gray decoder and the calibration
   clang-format-14 clang-tidy-14 shellcheck   # checks of the sources
   clang-14 libclang-rt-14-dev                # fuzzing
+  xvfb                                       # a display for the tests of projectors
   tcl                                        # check of the scripts for HLS tools
   pkg-config dpkg-dev                        # what is installed and packaged is tried
 )

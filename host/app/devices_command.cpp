@@ -14,6 +14,7 @@
 #include "host/driver/ring_list.h"
 #include "host/io/command_line.h"
 #include "host/io/user_error.h"
+#include "host/projector/projector.h"
 
 namespace selfproj {
 namespace {
@@ -46,6 +47,19 @@ void print_cameras() {
   }
 }
 
+void print_displays() {
+  const std::vector<DisplayEntry> displays = list_displays();
+  if (displays.empty()) {
+    fmt::print("no display\n");
+    return;
+  }
+  fmt::print("{:14} {:14} {:>8} {}\n", "display", "pixels", "rate, Hz", "name");
+  for (const DisplayEntry& display : displays) {
+    fmt::print("{:14} {:14} {:8g} {}\n", fmt::format("--display {}", display.number),
+               fmt::format("{} x {}", display.columns, display.rows), display.rate_hz, display.name);
+  }
+}
+
 void print_rings() {
   const std::vector<RingInfo> rings = list_rings();
   if (rings.empty()) {
@@ -72,7 +86,8 @@ void add_devices_command(CLI::App& app) {
   CLI::App* command = add_command(
       app,
       {.name = "devices",
-       .purpose = "Lists the shared-memory rings of this machine, who writes and reads them, and its cameras.",
+       .purpose = "Lists the shared-memory rings of this machine, who writes and reads them, its cameras and "
+                  "displays.",
        .details = "A ring's line shows its URI for --device, the processes of board and reader and how often each has "
                   "crashed, the packets written, lost because the ring was full, and not yet read, and the slots of "
                   "the ring.\n\n"
@@ -100,6 +115,7 @@ selfproj record --device "camera:Fake_1?region=512x96&mode=grey&threshold=100" -
     if (remove->empty()) {
       print_rings();
       print_cameras();
+      print_displays();
     } else if (!remove_ring(*remove)) {
       throw UserError("ring:" + *remove, "there is no such ring");
     }

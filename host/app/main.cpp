@@ -9,6 +9,7 @@
 #include "host/app/inspect_command.h"
 #include "host/app/lines_command.h"
 #include "host/app/pattern_command.h"
+#include "host/app/project_command.h"
 #include "host/app/record_command.h"
 #include "host/app/rig_command.h"
 #include "host/app/stripes_command.h"
@@ -38,6 +39,7 @@ selfproj rig light-section
         selfproj::add_accuracy_command(app);
         selfproj::add_board_command(app);
         selfproj::add_devices_command(app);
+        selfproj::add_project_command(app);
         selfproj::add_record_command(app);
         selfproj::add_images_command(app);
         selfproj::add_inspect_command(app);
