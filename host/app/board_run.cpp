@@ -22,7 +22,8 @@ std::string control_of(const std::string& device) {
 
 }  // namespace
 
-BoardRun::BoardRun(const std::string& device, const std::string& control, const Rig& rig) {
+BoardRun::BoardRun(const std::string& device, const std::string& control, const RigCamera& camera,
+                   const Measure& measure) {
   const std::string uri = control == "none" ? "" : control.empty() ? control_of(device) : control;
   if (uri.empty()) {
     return;
@@ -30,10 +31,17 @@ BoardRun::BoardRun(const std::string& device, const std::string& control, const 
   control_ = open_control(uri);
   ran_ = control_->read("control.run") != 0;
   const auto number = [](int value) { return static_cast<std::uint32_t>(value); };
-  control_->write_together({{register_part("size.columns"), number(rig.camera.columns)},
-                            {register_part("size.rows"), number(rig.camera.rows)},
-                            {register_part("measure.mode"), number(static_cast<int>(rig.measure.mode))},
-                            {register_part("measure.threshold"), number(rig.measure.threshold)},
+  if (measure.select == Select::strongest && !control_->build().runs) {
+    throw UserError(uri, "this board is built without the strongest run; select all lit pixels");
+  }
+  control_->write_together({{register_part("size.columns"), number(camera.columns)},
+                            {register_part("size.rows"), number(camera.rows)},
+                            {register_part("measure.mode"), number(static_cast<int>(measure.mode))},
+                            {register_part("measure.threshold"), number(measure.threshold)},
+                            {register_part("measure.select"), number(static_cast<int>(measure.select))},
+                            {register_part("measure.gap"), number(measure.gap)},
+                            {register_part("window.first"), number(measure.window.first)},
+                            {register_part("window.last"), number(measure.window.last)},
                             {register_part("control.run"), 1}});
 }
 

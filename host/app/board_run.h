@@ -6,6 +6,7 @@
 
 #include "host/driver/control.h"
 #include "host/rig/rig.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 
@@ -14,8 +15,9 @@ namespace selfproj {
 class BoardRun {
  public:
   // `control` is the URI of the board's control, "none", or empty for the one that belongs to `device`, if there is
-  // one. Throws UserError.
-  BoardRun(const std::string& device, const std::string& control, const Rig& rig);
+  // one. The board then measures `measure` in images of the rig's camera. Throws UserError, also if the board was built
+  // without what is to be measured.
+  BoardRun(const std::string& device, const std::string& control, const RigCamera& camera, const Measure& measure);
   BoardRun(const BoardRun&) = delete;
   BoardRun& operator=(const BoardRun&) = delete;
   ~BoardRun();

@@ -137,14 +137,21 @@ Rig rig_of(const InspectOptions& options) {
   return rig;
 }
 
+// What the board is told to measure: as the rig says, except for what an option says.
+Measure measure_of(const InspectOptions& options, const Rig& rig) {
+  Measure measure = rig.measure.of_board();
+  if (!options.select.empty()) {
+    measure.select = select_of(options.select);
+    measure.gap = measure.select == Select::all ? 0 : measure.gap;
+  }
+  return measure;
+}
+
 std::unique_ptr<Device> open(const InspectOptions& options, const Rig& rig) {
   const Wait wait = std::find_if(kWaits.begin(), kWaits.end(), [&](const auto& entry) {
                       return entry.first == options.wait;
                     })->second;
-  Measure measure = rig.measure.of_board();
-  if (!options.select.empty()) {
-    measure.select = select_of(options.select);
-  }
+  const Measure measure = measure_of(options, rig);
   return open_any_device(options.device,
                          {.wait = wait, .wait_for_board = options.wait_for_board, .discard_backlog = options.newest},
                          {.region = CameraRegion{.columns = rig.camera.columns, .rows = rig.camera.rows},
@@ -333,7 +340,7 @@ void run_inspect(const InspectOptions& options) {
 
   InspectionLoop loop(options, rig, profiler, kept);
   const std::unique_ptr<Device> device = open(options, rig);
-  const BoardRun board(options.device, options.control, rig);
+  const BoardRun board(options.device, options.control, rig.camera, measure_of(options, rig));
   const StopSignal stop;
   loop.run(*device);
 

@@ -83,6 +83,27 @@ TEST_F(BoardCommand, InspectAppliesTheRig) {
   EXPECT_NE(status.find("columns=512  rows=96"), std::string::npos) << status;
   EXPECT_NE(status.find("mode=2"), std::string::npos) << status;
   EXPECT_NE(status.find("run=0  hold=0"), std::string::npos) << status;
+  // So are the strongest run and the rows that count. A board that was built without runs is refused.
+  std::string rig = run({"rig", "light-section"}).out;
+  rig.replace(rig.find("  mode: grey-over\n"), 18,
+              "  mode: grey-over\n  runs: {gap_rows: 2, ambiguous_from: 0.5}\n"
+              "  window: {first_row: 3, last_row: 90}\n");
+  write_text(folder_ / "runs.yaml", rig);
+  const Words inspect{"inspect", "--rig", "runs.yaml", "--device", "file:line.slfp", "--count", "5", "--control"};
+  const auto with = [&](const std::string& control) {
+    Words words = inspect;
+    words.push_back(control);
+    return run(words);
+  };
+  EXPECT_EQ(with("bar:bar").err,
+            "selfproj: bar:bar: this board is built without the strongest run; select all lit pixels\n");
+  BoardBuild build;
+  build.runs = true;
+  write_text(folder_ / "runs", register_bytes(build));
+  EXPECT_EQ(with("bar:runs").err, "");
+  const std::string told = run({"board", "status", "--device", "bar:runs"}).out;
+  EXPECT_NE(told.find("select=1  gap=2"), std::string::npos) << told;
+  EXPECT_NE(told.find("first=3  last=90"), std::string::npos) << told;
   // The input is no output, and the registers' file is no input that an output may replace.
   EXPECT_EQ(run({"inspect", "--device", "file:line.slfp", "--control", "bar:bar", "--json", "bar"}).status, 2);
 }
