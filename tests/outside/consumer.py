@@ -3,6 +3,7 @@
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -25,8 +26,8 @@ def require(holds, text):
 
 
 def blocks(language):
-    """The blocks of code in this language in the page for users."""
-    page = (ROOT / "docs/from-outside.md").read_text(encoding="utf-8")
+    """The blocks of code in this language on the front page, then those of the page for users."""
+    page = "".join((ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "docs/from-outside.md"))
     return re.findall(rf"^```{language}\n(.*?)^```$", page, flags=re.DOTALL | re.MULTILINE)
 
 
@@ -36,13 +37,14 @@ def record(simulation, file):
 
 
 def build_cmake_example(prefix, folder, packets):
-    """The lines of CMake and C++ of the page: builds them against `prefix`, and returns what they print."""
+    """The lines of CMake and C++ of the front page: builds them against `prefix`, and returns what they print."""
     folder.mkdir()
     (folder / "CMakeLists.txt").write_text(blocks("cmake")[0], encoding="utf-8")
     (folder / "profiles.cpp").write_text(blocks("cpp")[0], encoding="utf-8")
     run("cmake", "-S", folder, "-B", folder / "build", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}")
     run("cmake", "--build", folder / "build")
-    return run(folder / "build/profiles", f"file:{packets}")
+    shutil.copy(packets, folder / "line.slfp")
+    return run(folder / "build/profiles", cwd=folder)
 
 
 def build_c_example(prefix, folder):

@@ -1,0 +1,157 @@
+// NumPy arrays for the bindings: images on the way in, without a copy; new arrays on the way out, which own their
+// memory; and kernels, which run without the GIL.
+#ifndef SELFPROJ_PYTHON_BINDINGS_ARRAYS_H
+#define SELFPROJ_PYTHON_BINDINGS_ARRAYS_H
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "model/column_moments.h"
+
+namespace selfproj::python {
+
+namespace nb = nanobind;
+
+// What functions take: arrays of any layout that NumPy reads without a conversion.
+template <typename T, typename... Rest>
+using In = nb::ndarray<const T, nb::device::cpu, Rest...>;
+
+// What functions give.
+template <typename T, typename... Rest>
+using Out = nb::ndarray<nb::numpy, T, Rest...>;
+
+// Throws ValueError in Python unless `good`.
+inline void require(bool good, const char* text) {
+  if (!good) {
+    throw std::invalid_argument(text);
+  }
+}
+
+// A new array whose entries are not set; Python frees it.
+template <typename T, typename... Rest>
+Out<T, Rest...> new_array(const std::vector<std::size_t>& shape) {
+  std::size_t count = 1;
+  for (const std::size_t side : shape) {
+    count *= side;
+  }
+  std::unique_ptr<T[]> values(new T[count > 0 ? count : 1]);
+  T* const data = values.get();
+  const nb::capsule owner(data, [](void* memory) noexcept { delete[] static_cast<T*>(memory); });
+  static_cast<void>(values.release());
+  return Out<T, Rest...>(data, shape.size(), shape.data(), owner);
+}
+
+// The memory of a vector as an array, without a copy.
+template <typename T>
+Out<T> array_of(std::vector<T> values, const std::vector<std::size_t>& shape) {
+  auto kept = std::make_unique<std::vector<T>>(std::move(values));
+  T* const data = kept->data();
+  const nb::capsule owner(kept.get(), [](void* memory) noexcept { delete static_cast<std::vector<T>*>(memory); });
+  static_cast<void>(kept.release());
+  return Out<T>(data, shape.size(), shape.data(), owner);
+}
+
+// Images as arrays of 2 dimensions, or of 3: one image after another. The pixels of a row lie side by side; rows and
+// images may have any distance, also a negative one. Throws ValueError otherwise.
+class Images {
+ public:
+  explicit Images(const In<std::uint8_t>& array) : array_(array) {
+    require(array.ndim() == 2 || array.ndim() == 3, "image: an array of 2 dimensions is needed, or of 3 for several");
+    const std::size_t last = array.ndim() - 1;
+    for (std::size_t i = 0; i <= last; ++i) {
+      require(array.shape(i) <= kMostSide, "image: too large");
+    }
+    require(array.stride(last) == 1 || array.shape(last) <= 1,
+            "image: the pixels of a row must lie side by side; numpy.ascontiguousarray makes such an image");
+  }
+
+  [[nodiscard]] bool several() const { return array_.ndim() == 3; }
+  [[nodiscard]] std::size_t count() const { return several() ? array_.shape(0) : 1; }
+  [[nodiscard]] std::size_t rows() const { return array_.shape(array_.ndim() - 2); }
+  [[nodiscard]] std::size_t columns() const { return array_.shape(array_.ndim() - 1); }
+  [[nodiscard]] ImageView view(std::size_t i) const {
+    const std::ptrdiff_t from = several() ? static_cast<std::ptrdiff_t>(i) * array_.stride(0) : 0;
+    return {array_.data() + from, static_cast<int>(rows()), static_cast<int>(columns()),
+            static_cast<std::ptrdiff_t>(array_.stride(array_.ndim() - 2))};
+  }
+  // The shape of results that have one entry for each column.
+  [[nodiscard]] std::vector<std::size_t> shape_of_columns() const {
+    return several() ? std::vector<std::size_t>{count(), columns()} : std::vector<std::size_t>{columns()};
+  }
+
+ private:
+  static constexpr std::size_t kMostSide = std::size_t{1} << 30U;
+  In<std::uint8_t> array_;
+};
+
+// One image.
+inline ImageView image_of(const In<std::uint8_t>& array) {
+  require(array.ndim() == 2, "image: an array of 2 dimensions is needed");
+  return Images(array).view(0);
+}
+
+// Nanoseconds that kernels have run in this process; the benchmark compares them with the time that passed.
+inline std::atomic<std::int64_t>& kernel_ns() {
+  static std::atomic<std::int64_t> sum{0};
+  return sum;
+}
+
+// Runs `work` without the GIL. No object of Python may be touched in it.
+template <typename Work>
+auto without_gil(const Work& work) {
+  struct Clock {
+    std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+    ~Clock() {
+      kernel_ns() +=
+          std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begin).count();
+    }
+  };
+  const nb::gil_scoped_release released;
+  const Clock clock;
+  return work();
+}
+
+// An object that keeps state is for one thread at a time. Without this, a second thread could enter it while the first
+// one runs without the GIL.
+class Busy {
+ public:
+  class Entered {
+   public:
+    explicit Entered(Busy& busy) : busy_(&busy) {
+      if (busy.busy_) {
+        throw std::runtime_error("another thread is using this object");
+      }
+      busy.busy_ = true;
+    }
+    Entered(const Entered&) = delete;
+    Entered& operator=(const Entered&) = delete;
+    ~Entered() { busy_->busy_ = false; }
+
+   private:
+    Busy* busy_;
+  };
+
+ private:
+  bool busy_ = false;  // read and written with the GIL
+};
+
+// The parts of the module.
+void bind_model(nb::module_& module);
+void bind_packets(nb::module_& module);
+void bind_driver(nb::module_& module);
+void bind_light_section(nb::module_& module);
+void bind_structured_light(nb::module_& module);
+void bind_calibration(nb::module_& module);
+
+}  // namespace selfproj::python
+
+#endif  // SELFPROJ_PYTHON_BINDINGS_ARRAYS_H

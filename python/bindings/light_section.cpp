@@ -1,0 +1,249 @@
+// selfproj.light_section: fast moments, rigs, profiles, height maps.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/fast_runs.h"
+#include "host/light_section/inspection.h"
+#include "host/light_section/profile.h"
+#include "host/light_section/reference.h"
+#include "host/light_section/reference_file.h"
+#include "host/rig/rig.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/float_array.h"
+#include "python/bindings/moments_result.h"
+#include "python/bindings/packet_view.h"
+
+namespace selfproj::python {
+namespace {
+
+using Column = In<std::uint32_t, nb::c_contig>;
+
+// New arrays for one or several profiles.
+struct ProfileResult {
+  explicit ProfileResult(const std::vector<std::size_t>& shape)
+      : centroid(new_array<float>(shape)),
+        x(new_array<float>(shape)),
+        y(new_array<float>(shape)),
+        z(new_array<float>(shape)),
+        dx(new_array<float>(shape)),
+        dy(new_array<float>(shape)),
+        dz(new_array<float>(shape)),
+        validity(new_array<std::uint8_t>(shape)) {}
+
+  [[nodiscard]] ProfileView view(std::size_t first) const {
+    return from_column(
+        {centroid.data(), x.data(), y.data(), z.data(), dx.data(), dy.data(), dz.data(), validity.data()},
+        static_cast<int>(first));
+  }
+
+  Out<float> centroid, x, y, z, dx, dy, dz;
+  Out<std::uint8_t> validity;
+};
+
+class Profiler {
+ public:
+  Profiler(const Rig& rig, const std::optional<std::string>& reference)
+      : rig_(rig), profiler_(rig, reference ? load_reference(rig, *reference) : reference_of_plane(rig)) {}
+
+  [[nodiscard]] const Rig& rig() const { return rig_; }
+
+  [[nodiscard]] ProfileResult of_packet(const PacketHandle& packet) const {
+    const PacketView& view = packet.view();
+    ProfileResult result({static_cast<std::size_t>(profiler_.columns())});
+    const PacketHandle::Use use(packet);
+    require(without_gil([&] { return profiler_.profile(view, result.view(0)); }),
+            "the packet has no moments of a good frame of the size of the rig's camera");
+    return result;
+  }
+
+  [[nodiscard]] ProfileResult of_moments(const Column& m0, const Column& m1, const Column& n) const {
+    const auto columns = static_cast<std::size_t>(profiler_.columns());
+    require(m0.ndim() == 1 || m0.ndim() == 2, "m0: an array of 1 dimension is needed, or of 2 for several frames");
+    for (const Column* other : {&m1, &n}) {
+      bool same = other->ndim() == m0.ndim();
+      for (std::size_t i = 0; same && i < m0.ndim(); ++i) {
+        same = other->shape(i) == m0.shape(i);
+      }
+      require(same, "m0, m1, n: their shapes differ");
+    }
+    require(m0.shape(m0.ndim() - 1) == columns, "m0: its columns are not those of the rig's camera");
+    const std::size_t frames = m0.ndim() == 2 ? m0.shape(0) : 1;
+    constexpr std::size_t kMostValues = std::size_t{1} << 31U;
+    require(frames * columns < kMostValues, "m0: too many frames at once");
+    ProfileResult result(m0.ndim() == 2 ? std::vector<std::size_t>{frames, columns}
+                                        : std::vector<std::size_t>{columns});
+    without_gil([&] {
+      for (std::size_t i = 0; i < frames * columns; i += columns) {
+        // The view is one of arrays that may be written; profile only reads them.
+        profiler_.profile(
+            MomentsView{const_cast<std::uint32_t*>(m0.data()) + i, const_cast<std::uint32_t*>(m1.data()) + i,
+                        const_cast<std::uint32_t*>(n.data()) + i},
+            result.view(i));
+      }
+    });
+    return result;
+  }
+
+  [[nodiscard]] const DifferentialProfiler& profiler() const { return profiler_; }
+
+ private:
+  Rig rig_;
+  DifferentialProfiler profiler_;
+};
+
+// Collects the frames of an inspection, for one thread at a time.
+class Collected {
+ public:
+  Collected(const Profiler& profiler, std::size_t max_frames)
+      : profiler_(profiler.profiler()),
+        inspection_(profiler.rig(), profiler_.columns(), {.expected_frames = 0, .max_frames = max_frames}) {
+    profile_.resize(profiler_.columns());
+  }
+
+  bool add(const PacketHandle& packet) {
+    const Busy::Entered entered(busy_);
+    const PacketView& view = packet.view();
+    const PacketHandle::Use use(packet);
+    return without_gil([&] {
+      if (!profiler_.profile(view, profile_.view())) {
+        return false;
+      }
+      inspection_.add(view.header, view.payload, profile_.view());
+      return true;
+    });
+  }
+
+  template <typename Get>
+  auto get(const Get& member) {
+    const Busy::Entered entered(busy_);
+    return without_gil([&] { return (inspection_.*member)(); });
+  }
+
+ private:
+  DifferentialProfiler profiler_;
+  Inspection inspection_;
+  Profile profile_;
+  Busy busy_;
+};
+
+void save_tiff(const std::string& file, const In<float, nb::ndim<2>, nb::c_contig>& image) {
+  require(image.shape(0) > 0 && image.shape(1) > 0 && image.shape(0) <= 65535 && image.shape(1) <= 65535,
+          "image: both sides must be in 1..65535");
+  without_gil([&] {
+    FloatImage copy(static_cast<int>(image.shape(0)), static_cast<int>(image.shape(1)));
+    copy.values.assign(image.data(), image.data() + image.size());
+    write_float_tiff(file, copy);
+  });
+}
+
+void bind_rig(nb::module_& module) {
+  nb::class_<Rig>(module, "Rig", "Camera, projector and conveyor (docs/rigs.md).")
+      .def_ro("name", &Rig::name)
+      .def_prop_ro("kind",
+                   [](const Rig& rig) { return rig.kind == RigKind::light_section ? "light-section" : "scanner"; })
+      .def_prop_ro(
+          "rows", [](const Rig& rig) { return rig.camera.rows; }, "Rows of the camera.")
+      .def_prop_ro(
+          "columns", [](const Rig& rig) { return rig.camera.columns; }, "Columns of the camera.")
+      .def_ro("plane_z_mm", &Rig::plane_z_mm, "z of the conveyor or table; height = plane_z_mm - z.")
+      .def_prop_ro(
+          "mode", [](const Rig& rig) { return rig.measure.mode; }, "How the board is told to weigh pixels.")
+      .def_prop_ro(
+          "threshold", [](const Rig& rig) { return rig.measure.threshold; }, "From where pixels are lit.")
+      .def("to_yaml", &to_yaml, "The rig as the text of a rig file.");
+  module.def("load_rig", &load_any_rig, nb::arg("name_or_file"),
+             "A built-in rig (light-section, scanner), or that of a YAML file. InputError with file, line and reason.");
+}
+
+void bind_profiles(nb::module_& module) {
+  nb::enum_<Validity>(module, "Validity", "Why a column has no point.")
+      .value("VALID", Validity::valid)
+      .value("UNLIT", Validity::unlit)
+      .value("TOO_FEW", Validity::too_few)
+      .value("TOO_WIDE", Validity::too_wide)
+      .value("CUT_OFF", Validity::cut_off)
+      .value("NO_REFERENCE", Validity::no_reference)
+      .value("OUT_OF_RANGE", Validity::out_of_range)
+      .value("AMBIGUOUS", Validity::ambiguous);
+  nb::class_<ProfileResult>(module, "Profile",
+                            "Profiles: float32 arrays of shape (columns,) or (frames, columns), mm in the camera's\n"
+                            "frame, NaN where a column has no point.")
+      .def_ro("centroid", &ProfileResult::centroid, nb::rv_policy::reference, "M1 / M0, rows from 1.")
+      .def_ro("x", &ProfileResult::x, nb::rv_policy::reference)
+      .def_ro("y", &ProfileResult::y, nb::rv_policy::reference)
+      .def_ro("z", &ProfileResult::z, nb::rv_policy::reference)
+      .def_ro("dx", &ProfileResult::dx, nb::rv_policy::reference, "Difference from the reference.")
+      .def_ro("dy", &ProfileResult::dy, nb::rv_policy::reference)
+      .def_ro("dz", &ProfileResult::dz, nb::rv_policy::reference, "Less than 0 is nearer to the camera.")
+      .def_ro("validity", &ProfileResult::validity, nb::rv_policy::reference, "Values of Validity, uint8.");
+  nb::class_<Profiler>(module, "Profiler", "Computes profiles; any number of threads may use it at once.")
+      .def(nb::init<const Rig&, const std::optional<std::string>&>(), nb::arg("rig"), nb::arg("reference") = nb::none(),
+           "reference: a folder that `selfproj pattern` wrote, or its reference.csv; None: the empty plane.")
+      .def_prop_ro(
+          "rig", [](const Profiler& profiler) { return profiler.rig(); }, "A copy of its rig.")
+      .def("profile", &Profiler::of_packet, nb::arg("packet"),
+           "The profile of a packet of moments. ValueError if it is another packet, or of a broken frame.")
+      .def("profile_of_moments", &Profiler::of_moments, nb::arg("m0").noconvert(), nb::arg("m1").noconvert(),
+           nb::arg("n").noconvert(),
+           "Profiles of moments of all lit pixels: uint32 arrays of shape (columns,) or (frames, columns), values\n"
+           "below 2^31.");
+}
+
+}  // namespace
+
+void bind_light_section(nb::module_& module) {
+  module.def(
+      "moments",
+      [](const In<std::uint8_t>& image, int threshold, Mode mode, Select select, int gap, int first_row, int last_row) {
+        return measure_images(image,
+                              {.mode = mode,
+                               .threshold = threshold,
+                               .select = select,
+                               .gap = gap,
+                               .window = {.first = first_row, .last = last_row}},
+                              fast_measure_columns);
+      },
+      nb::arg("image").noconvert(), nb::arg("threshold"), nb::arg("mode") = Mode::grey_over,
+      nb::arg("select") = Select::all, nb::arg("gap") = 0, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
+      "The same as selfproj.model.moments, at the speed of memory.");
+  bind_rig(module);
+  bind_profiles(module);
+  nb::class_<Collected>(module, "Inspection", "Collects frames, for one thread at a time.")
+      .def(nb::init<const Profiler&, std::size_t>(), nb::arg("profiler"), nb::arg("max_frames") = 20000,
+           "Frames after max_frames are only counted.")
+      .def("add", &Collected::add, nb::arg("packet"),
+           "Adds the profile of a packet. Returns False, and adds nothing, if it gives none.")
+      .def("__len__", [](Collected& self) { return self.get(&Inspection::frames); })
+      .def(
+          "height", [](Collected& self) { return array_of_image(self.get(&Inspection::height)); },
+          "Heights over the plane in mm, float32, (frames, columns), NaN where there is no point.")
+      .def(
+          "difference", [](Collected& self) { return array_of_image(self.get(&Inspection::difference)); },
+          "Differences from the reference in mm, positive towards the camera.")
+      .def(
+          "belt_mm",
+          [](Collected& self) {
+            std::vector<double> moved = self.get(&Inspection::belt_mm);
+            const std::size_t frames = moved.size();
+            return array_of(std::move(moved), {frames});
+          },
+          "How far the belt has moved since the first frame, mm, float64.");
+  module.def("save_tiff", &save_tiff, nb::arg("file"), nb::arg("image").noconvert(),
+             "Writes a TIFF of 32-bit numbers, whole or not at all. InputError if it cannot be written.");
+  module.def(
+      "load_tiff", [](const std::string& file) { return array_of_image(read_float_tiff(file)); }, nb::arg("file"),
+      "Reads such a file: float32, (rows, columns).");
+}
+
+}  // namespace selfproj::python

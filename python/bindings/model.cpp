@@ -1,0 +1,139 @@
+// selfproj.model: the definitions of model/, on arrays.
+#include <nanobind/stl/optional.h>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "model/column_runs.h"
+#include "model/gray_decoder.h"
+#include "model/gray_match.h"
+#include "model/median3x3.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/moments_result.h"
+
+namespace selfproj::python {
+namespace {
+
+using ModelCodes = In<std::uint16_t, nb::c_contig>;
+
+std::vector<std::size_t> shape_of(const ModelCodes& array) {
+  std::vector<std::size_t> shape;
+  for (std::size_t i = 0; i < array.ndim(); ++i) {
+    shape.push_back(array.shape(i));
+  }
+  return shape;
+}
+
+// The decoder of the model, for one thread at a time.
+class Decoder {
+ public:
+  Decoder(int rows, int columns, int bits, int threshold)
+      : decoder_({.rows = rows, .columns = columns, .bits = bits, .threshold = threshold}) {}
+
+  std::optional<Out<std::uint16_t>> take(const In<std::uint8_t>& image, int pattern, bool good) {
+    const Busy::Entered entered(busy_);
+    const ImageView view = image_of(image);
+    if (!spare_) {
+      spare_ = new_array<std::uint16_t>(
+          {static_cast<std::size_t>(decoder_.settings().rows), static_cast<std::size_t>(decoder_.settings().columns)});
+    }
+    if (!without_gil([&] { return decoder_.take(view, pattern, good, spare_->data()); })) {
+      return std::nullopt;
+    }
+    std::optional<Out<std::uint16_t>> codes;
+    codes.swap(spare_);
+    return codes;
+  }
+
+  void restart() {
+    const Busy::Entered entered(busy_);
+    decoder_.restart();
+  }
+
+ private:
+  GrayDecoder decoder_;
+  std::optional<Out<std::uint16_t>> spare_;  // where the next code image goes
+  Busy busy_;
+};
+
+Out<std::uint16_t> median(const ModelCodes& codes) {
+  require(codes.ndim() == 2, "codes: an array of 2 dimensions is needed");
+  constexpr std::size_t kMostSide = 32768;
+  require(codes.shape(0) <= kMostSide && codes.shape(1) <= kMostSide, "codes: too large");
+  auto filtered = new_array<std::uint16_t>(shape_of(codes));
+  without_gil([&] {
+    median3x3(codes.data(), static_cast<int>(codes.shape(0)), static_cast<int>(codes.shape(1)), filtered.data());
+  });
+  return filtered;
+}
+
+Out<std::uint16_t> match(const ModelCodes& codes, const ModelCodes& table) {
+  const std::size_t dimensions = codes.ndim();
+  bool fits = table.ndim() == dimensions + 1;
+  for (std::size_t i = 0; fits && i < dimensions; ++i) {
+    fits = table.shape(i) == codes.shape(i);
+  }
+  require(fits, "table: its shape must be that of the codes, and 2^bits behind");
+  const std::size_t words = table.shape(dimensions);
+  require(std::has_single_bit(words), "table: its last side must be a power of two, 2^bits");
+  auto lines = new_array<std::uint16_t>(shape_of(codes));
+  without_gil(
+      [&] { GrayMatch::look_up(codes.data(), codes.size(), std::countr_zero(words), table.data(), lines.data()); });
+  return lines;
+}
+
+}  // namespace
+
+void bind_model(nb::module_& module) {
+  nb::enum_<Mode>(module, "Mode", "How much a lit pixel p > T weighs.")
+      .value("BINARY", Mode::binary, "1")
+      .value("GREY", Mode::grey, "p")
+      .value("GREY_OVER", Mode::grey_over, "p - T");
+  nb::enum_<Select>(module, "Select", "What of a column is measured.")
+      .value("ALL", Select::all, "All lit pixels.")
+      .value("STRONGEST", Select::strongest, "Its strongest run of lit pixels.");
+  nb::class_<MomentsResult>(module, "Moments",
+                            "Moments of every column: arrays of shape (columns,) or (images, columns).")
+      .def_ro("m0", &MomentsResult::m0, nb::rv_policy::reference, "Sum of the weights w, uint32.")
+      .def_ro("m1", &MomentsResult::m1, nb::rv_policy::reference, "Sum of row * w, rows from 1, uint32.")
+      .def_ro("n", &MomentsResult::n, nb::rv_policy::reference, "Number of lit pixels, uint32.")
+      .def_ro("runs", &MomentsResult::runs, nb::rv_policy::reference,
+              "Select.STRONGEST: number of runs, 3 for three or more, uint8. Else None.")
+      .def_ro("second", &MomentsResult::second, nb::rv_policy::reference,
+              "Select.STRONGEST: sixteenths of M0 that the second run has, uint8. Else None.");
+  module.def(
+      "moments",
+      [](const In<std::uint8_t>& image, int threshold, Mode mode, Select select, int gap, int first_row, int last_row) {
+        return measure_images(image,
+                              {.mode = mode,
+                               .threshold = threshold,
+                               .select = select,
+                               .gap = gap,
+                               .window = {.first = first_row, .last = last_row}},
+                              measure_columns);
+      },
+      nb::arg("image").noconvert(), nb::arg("threshold"), nb::arg("mode") = Mode::grey_over,
+      nb::arg("select") = Select::all, nb::arg("gap") = 0, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
+      "Column moments of an image, as sp_column_moments gives them, to the last bit.\n\n"
+      "image: uint8, (rows, columns), or (images, rows, columns). Rows 1..1023. It is not copied.\n"
+      "threshold: T, 0..255. gap: dark rows between two lit pixels of one run, 0..3. first_row, last_row: rows that\n"
+      "count, from 1; 0 stands for the first and the last. ValueError if something is out of range.");
+  nb::class_<Decoder>(module, "GrayDecoder", "The Gray-code decoder of the board, for one thread at a time.")
+      .def(nb::init<int, int, int, int>(), nb::arg("rows"), nb::arg("columns"), nb::arg("bits"),
+           nb::arg("threshold") = 5, "Images of rows x columns, 1..12 bits (pairs in a cycle), threshold 0..255.")
+      .def("take", &Decoder::take, nb::arg("image").noconvert(), nb::arg("pattern"), nb::arg("good") = true,
+           "Takes a frame, uint8, with its pattern index: 2p is the positive of bit p, 2p + 1 its negative. Returns\n"
+           "a new code image (uint16, code in bits 11..0, bit 15 measurable) if one is due, else None.")
+      .def("restart", &Decoder::restart, "Waits for pattern 0.");
+  module.def("median3x3", &median, nb::arg("codes").noconvert(),
+             "3 x 3 median of a code image, uint16 (rows, columns), as sp_median3x3 gives it.");
+  module.def("match", &match, nb::arg("codes").noconvert(), nb::arg("table").noconvert(),
+             "The projector line of each code word in 1/64 line, 0xFFFF where there is none. codes: uint16 of any\n"
+             "shape; table: uint16, the same shape and 2^bits behind, 1..8 bits.");
+}
+
+}  // namespace selfproj::python

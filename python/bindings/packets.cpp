@@ -1,0 +1,182 @@
+// selfproj.packets: packets as boards send them.
+#include <nanobind/stl/string.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/packet.h"
+#include "model/packet_payload.h"
+#include "python/bindings/arrays.h"
+#include "python/bindings/moments_result.h"
+#include "python/bindings/packet_view.h"
+
+namespace selfproj::python {
+namespace {
+
+using Bytes = In<std::uint8_t, nb::ndim<1>, nb::c_contig>;
+
+// A packet, or the reason why there is none.
+PacketHandle parse(const nb::object& owner, const std::uint8_t* data, std::size_t count) {
+  PacketView view;
+  const PacketError fault = without_gil([&] { return parse_packet({data, count}, view); });
+  if (fault != PacketError::none) {
+    throw std::invalid_argument(std::string("no packet: ") + to_string(fault));
+  }
+  return {view, owner, std::make_shared<Place>()};
+}
+
+PacketHandle parse_bytes(const Bytes& data, std::size_t offset) {
+  require(offset <= data.size(), "offset: beyond the end of the bytes");
+  return parse(nb::cast(data), data.data() + offset, data.size() - offset);
+}
+
+Out<std::uint8_t> array_of_packet(const std::vector<std::uint8_t>& packet) {
+  auto array = new_array<std::uint8_t>({packet.size()});
+  std::memcpy(array.data(), packet.data(), packet.size());
+  return array;
+}
+
+PacketHandle copy(const PacketHandle& packet) {
+  auto array = new_array<std::uint8_t>({packet.size()});
+  std::memcpy(array.data(), packet.view().bytes().data(), packet.size());
+  return parse(nb::cast(array), array.data(), packet.size());
+}
+
+Out<std::uint8_t> build(const PacketHeader& header, const Bytes& payload, std::uint32_t status) {
+  std::vector<std::uint8_t> packet;
+  without_gil([&] { append_packet(header, {payload.data(), payload.size()}, status, packet); });
+  return array_of_packet(packet);
+}
+
+// The header of the packet of an image that is measured so.
+PacketHeader header_of(PacketHeader header, const ImageView& image, const Measure& measure) {
+  header.kind = spec::kKindMoments;
+  header.mode = static_cast<std::uint8_t>(measure.mode);
+  header.threshold = static_cast<std::uint8_t>(measure.threshold);
+  header.select = static_cast<std::uint8_t>(measure.select);
+  header.gap = static_cast<std::uint8_t>(measure.gap);
+  header.first_row = static_cast<std::uint16_t>(measure.window.first);
+  header.last_row = static_cast<std::uint16_t>(measure.window.last);
+  header.columns = static_cast<std::uint16_t>(image.columns);
+  header.rows = static_cast<std::uint16_t>(image.rows);
+  header.first_line = header.lines = header.flags = 0;
+  return header;
+}
+
+Out<std::uint8_t> moments_packet(const In<std::uint8_t>& image, int threshold, Mode mode, Select select, int gap,
+                                 int first_row, int last_row, const PacketHeader& header) {
+  const ImageView view = image_of(image);
+  require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kMaxColumns,
+          "image: a board takes multiples of 4 columns up to 2048");
+  require(first_row >= 0 && first_row <= spec::kMaxRows && last_row >= 0 && last_row <= spec::kMaxRows,
+          "first_row, last_row: must be in 0..1023");
+  const Measure measure{.mode = mode,
+                        .threshold = threshold,
+                        .select = select,
+                        .gap = gap,
+                        .window = {.first = first_row, .last = last_row}};
+  std::vector<std::uint8_t> packet;
+  without_gil([&] {
+    Runs runs;
+    runs.resize(select, view.columns);
+    measure_columns(view, measure, runs.view());
+    std::vector<std::uint8_t> payload(moments_payload_bytes(mode, view.columns));
+    pack_columns(select, mode, view.columns, runs.view(), payload.data());
+    append_packet(header_of(header, view, measure), payload, 0, packet);
+  });
+  return array_of_packet(packet);
+}
+
+MomentsResult moments_of(const PacketHandle& packet) {
+  const PacketView& view = packet.view();
+  require(view.header.kind == spec::kKindMoments && !view.payload.empty(), "the packet has no moments");
+  const auto select = static_cast<Select>(view.header.select);
+  MomentsResult result(select, {view.header.columns});
+  const PacketHandle::Use use(packet);
+  without_gil([&] {
+    unpack_columns(select, static_cast<Mode>(view.header.mode), view.header.columns, view.payload.data(),
+                   result.view(0));
+  });
+  return result;
+}
+
+Out<std::uint16_t> codes_of(const PacketHandle& packet) {
+  const PacketView& view = packet.view();
+  require(view.header.kind == spec::kKindCodes && !view.payload.empty(), "the packet has no codes");
+  auto codes = new_array<std::uint16_t>({view.header.columns});
+  unpack_codes(view.header.columns, view.payload.data(), codes.data());
+  return codes;
+}
+
+std::string text_of(const PacketHandle& packet) {
+  const PacketHeader& header = packet.header();
+  return "Packet(kind=" + std::to_string(header.kind) + ", sequence=" + std::to_string(header.sequence) +
+         ", columns=" + std::to_string(header.columns) + ", rows=" + std::to_string(header.rows) +
+         ", status=" + std::to_string(packet.status()) + ")";
+}
+
+void bind_header(nb::module_& module) {
+  nb::class_<PacketHeader>(module, "Header", "The fields of a packet's header; docs/packet-reference.md explains them.")
+      .def(nb::init<>())
+      .def_rw("kind", &PacketHeader::kind)
+      .def_rw("stream", &PacketHeader::stream)
+      .def_rw("lost", &PacketHeader::lost)
+      .def_rw("sequence", &PacketHeader::sequence)
+      .def_rw("time_stamp", &PacketHeader::time_stamp)
+      .def_rw("encoder", &PacketHeader::encoder)
+      .def_ro("payload_size", &PacketHeader::payload_size)
+      .def_rw("columns", &PacketHeader::columns)
+      .def_rw("rows", &PacketHeader::rows)
+      .def_rw("pattern", &PacketHeader::pattern)
+      .def_rw("mode", &PacketHeader::mode)
+      .def_rw("threshold", &PacketHeader::threshold)
+      .def_rw("first_line", &PacketHeader::first_line)
+      .def_rw("lines", &PacketHeader::lines)
+      .def_rw("flags", &PacketHeader::flags)
+      .def_rw("select", &PacketHeader::select)
+      .def_rw("first_row", &PacketHeader::first_row)
+      .def_rw("last_row", &PacketHeader::last_row)
+      .def_rw("gap", &PacketHeader::gap)
+      .def("__eq__", [](const PacketHeader& one, const PacketHeader& other) { return one == other; })
+      .def("__copy__", [](const PacketHeader& header) { return header; });
+}
+
+}  // namespace
+
+void bind_packets(nb::module_& module) {
+  module.attr("KIND_MOMENTS") = spec::kKindMoments;
+  module.attr("KIND_CODES") = spec::kKindCodes;
+  module.attr("KIND_IMAGE") = spec::kKindImage;
+  bind_header(module);
+  nb::class_<PacketHandle>(module, "Packet", "A packet that was found right. Its arrays lead to where its bytes are.")
+      .def_prop_ro(
+          "header", [](const PacketHandle& packet) { return packet.header(); }, "A copy of its header.")
+      .def_prop_ro("status", &PacketHandle::status, "0 = good; otherwise what was wrong with the frame.")
+      .def_prop_ro("size", &PacketHandle::size, "Bytes of the whole packet.")
+      .def_prop_ro("bytes", &PacketHandle::bytes, nb::rv_policy::reference,
+                   "The whole packet, uint8, in place and read-only.")
+      .def_prop_ro("payload", &PacketHandle::payload, nb::rv_policy::reference,
+                   "Its payload, uint8, in place and read-only.")
+      .def("moments", &moments_of, "Its moments as arrays. ValueError if it has none.")
+      .def("codes", &codes_of, "Its line of code words, uint16. ValueError if it has none.")
+      .def("copy", &copy, "The same packet in memory of its own.")
+      .def("__repr__", &text_of);
+  module.def(
+      "parse", &parse_bytes, nb::arg("data").noconvert(), nb::arg("offset") = 0,
+      "The packet that begins at `offset` of the bytes (uint8, or bytes). They are not copied, and live as long\n"
+      "as the packet. ValueError with the fault if there is none.");
+  module.def("build", &build, nb::arg("header"), nb::arg("payload").noconvert(), nb::arg("status") = 0,
+             "A whole packet, uint8: header, payload (uint8, a multiple of 16), trailer. The header is not checked.");
+  module.def("moments_packet", &moments_packet, nb::arg("image").noconvert(), nb::arg("threshold"),
+             nb::arg("mode") = Mode::grey_over, nb::arg("select") = Select::all, nb::arg("gap") = 0,
+             nb::arg("first_row") = 0, nb::arg("last_row") = 0, nb::arg("header") = PacketHeader{},
+             "The packet that a board sends for a good frame, uint8. Of the header it takes stream, lost, sequence,\n"
+             "time_stamp, encoder and pattern. Other arguments as those of selfproj.model.moments.");
+}
+
+}  // namespace selfproj::python

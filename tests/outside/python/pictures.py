@@ -1,0 +1,54 @@
+"""Pictures for the tests, made by NumPy alone: bits of Gray codes, and a chessboard seen under patterns."""
+
+import numpy
+
+
+def gray_bits(columns, rows):
+    """The bit of every projector pixel under each positive, columns first, most significant bit first."""
+    planes = []
+    for axis, side in ((1, columns), (0, rows)):
+        count = max(1, (side - 1).bit_length())
+        code = numpy.arange(side) ^ numpy.arange(side) >> 1
+        for bit in reversed(range(count)):
+            line = code >> bit & 1
+            planes.append(numpy.broadcast_to(line[None, :] if axis == 1 else line[:, None], (rows, columns)))
+    return planes
+
+
+def turned(x, y):
+    """A rotation about x, then y, in radians."""
+    about_x = numpy.array([[1, 0, 0], [0, numpy.cos(x), -numpy.sin(x)], [0, numpy.sin(x), numpy.cos(x)]])
+    about_y = numpy.array([[numpy.cos(y), 0, numpy.sin(y)], [0, 1, 0], [-numpy.sin(y), 0, numpy.cos(y)]])
+    return about_y @ about_x
+
+
+def write_chessboard_poses(folder, sequence):
+    """Writes the images of a 7 x 5 chessboard, squares of 40 mm, in five poses under a sequence of 96 x 80 patterns.
+    Returns the folders."""
+    rows, columns, fine = 240, 320, 3  # fine: places along a side of a pixel
+    camera = numpy.array([[400, 0, 159.5], [0, 400, 119.5], [0, 0, 1.0]])
+    projector = numpy.array([[130, 0, 47.5], [0, 130, 39.5], [0, 0, 1.0]])
+    rotation, translation = turned(0, 0.25), numpy.array([-220, 0, 40.0])
+    y, x = numpy.mgrid[0:rows * fine, 0:columns * fine]
+    rays = numpy.stack([(x + 0.5) / fine - 0.5, (y + 0.5) / fine - 0.5, numpy.ones(x.shape)], -1)
+    rays = rays @ numpy.linalg.inv(camera).T
+    folders = []
+    for pose, angles in enumerate([(0.0, 0.0), (0.35, 0.1), (-0.3, 0.25), (0.1, -0.4), (-0.2, -0.2)]):
+        board, corner = turned(*angles), numpy.array([-120, -80, 780.0])
+        points = rays * ((board[:, 2] @ corner) / (rays @ board[:, 2]))[..., None]
+        place = (points - corner) @ board / 40
+        dark = (numpy.floor(place[..., 0]) + numpy.floor(place[..., 1])) % 2 == 0
+        on_board = (abs(place[..., 0] - 3) < 4) & (abs(place[..., 1] - 2) < 3)
+        white = numpy.where(on_board & dark, 60.0, 200.0)
+        lit = (points @ rotation.T + translation) @ projector.T
+        column, row = (numpy.rint(lit[..., i] / lit[..., 2]).astype(int) for i in (0, 1))
+        inside = (column >= 0) & (column < 96) & (row >= 0) & (row < 80)
+        column, row = numpy.clip(column, 0, 95), numpy.clip(row, 0, 79)
+        path = folder / f"pose_{pose}"
+        path.mkdir()
+        for index in range(sequence.count):
+            light = 20 + white * inside * (sequence.image(index)[row, column] / 255.0)
+            image = light.reshape(rows, fine, columns, fine).mean((1, 3)).astype("uint8")
+            (path / f"image_{index:02}.pgm").write_bytes(b"P5\n%d %d\n255\n" % (columns, rows) + image.tobytes())
+        folders.append(path)
+    return folders

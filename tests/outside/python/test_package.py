@@ -1,0 +1,379 @@
+"""The Python package against the C interface and the programs: equal on random input of every function.
+
+Run by run.py, which names the library and the programs in the environment. SELFPROJ_SEED draws other cases.
+"""
+
+import gc
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import c_interface as c
+import numpy
+import pictures
+import selfproj
+from selfproj import calibration, driver, light_section, model, packets, structured_light
+
+SEED = int(os.environ.get("SELFPROJ_SEED", "1"))
+SELFPROJ, SIMULATION = os.environ["SELFPROJ_PROGRAM"], os.environ["SELFPROJ_SIMULATION"]
+
+
+def run(*words):
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{words}: {done.stdout}{done.stderr}"
+
+
+def same(one, other):
+    numpy.testing.assert_array_equal(one, other)
+    assert one.dtype == other.dtype, (one.dtype, other.dtype)
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.random = numpy.random.default_rng(SEED)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def between(self, low, high):
+        return int(self.random.integers(low, high + 1))
+
+    def pixels(self, *shape):
+        return self.random.integers(0, 256, shape, dtype="uint8")
+
+    def measure(self):
+        return {"threshold": self.between(0, 255), "mode": model.Mode(self.between(0, 2)),
+                "select": model.Select(self.between(0, 1)), "gap": self.between(0, 3),
+                "first_row": self.between(0, 4), "last_row": self.between(0, 60)}
+
+
+class Model(Case):
+    def test_moments(self):
+        for _ in range(60):
+            rows, columns = self.between(1, 60), self.between(1, 70)
+            store = self.pixels(3, rows, columns + self.between(0, 5))
+            images, how = store[::-1, :, :columns], self.measure()
+            if self.between(0, 1):
+                images = images[:, ::-1]
+            for function in (model.moments, light_section.moments):
+                several = function(images, **how)
+                for number, image in enumerate(images):
+                    one, wanted = function(image, **how), c.moments(image, how)
+                    for name, values in zip(("m0", "m1", "n", "runs", "second"), wanted):
+                        if name in ("runs", "second") and how["select"] == model.Select.ALL:
+                            self.assertIsNone(getattr(one, name))
+                            continue
+                        same(getattr(one, name), values)
+                        same(getattr(several, name)[number], values)
+
+    def test_decoders_and_median(self):
+        for _ in range(12):
+            rows, columns, bits, threshold = (self.between(1, 12), self.between(1, 40), self.between(1, 12),
+                                              self.between(0, 60))
+            shape = (rows, columns, bits, threshold)
+            decoders = [model.GrayDecoder(*shape), structured_light.GrayDecoder(*shape)]
+            medians, wanted = structured_light.GrayDecoder(*shape, median=True), c.Gray(*shape)
+            for frame in range(6 * bits):
+                image, good = self.pixels(rows, columns), self.between(0, 30) > 0
+                pattern = self.between(-1, 2 * bits) if self.between(0, 30) == 0 else frame % (2 * bits)
+                codes = wanted.take(image, pattern, good)
+                given = [decoder.take(image, pattern, good) for decoder in (*decoders, medians)]
+                if codes is None:
+                    self.assertEqual(given, [None] * 3)
+                    continue
+                same(given[0], codes)
+                same(given[1], codes)
+                same(given[2], c.median3x3(codes))
+                same(model.median3x3(codes), given[2])
+            for decoder in (*decoders, medians):
+                decoder.restart()
+                self.assertIsNone(decoder.take(image, 1))
+
+    def test_match(self):
+        for _ in range(10):
+            bits = self.between(1, 8)
+            codes = (self.pixels(7, self.between(1, 9)).astype("uint16") % (1 << bits + 1) |
+                     self.random.choice([0, 0x8000], 1).astype("uint16"))
+            table = self.random.integers(0, 1 << 16, (*codes.shape, 1 << bits), dtype="uint16")
+            same(model.match(codes, table), c.match(codes, table))
+
+
+class Packets(Case):
+    def test_equal_those_of_the_c_interface(self):
+        for _ in range(40):
+            image, how = self.pixels(self.between(1, 60), 4 * self.between(1, 30)), self.measure()
+            fields = {"stream": self.between(0, 255), "lost": self.between(0, 2**32 - 1), "pattern": 7,
+                      "sequence": self.between(0, 2**62), "time_stamp": self.between(0, 2**62), "encoder": 9}
+            header = packets.Header()
+            for name, value in fields.items():
+                setattr(header, name, value)
+            data = packets.moments_packet(image, header=header, **how)
+            same(data, c.packet(image, how, **fields))
+            packet = packets.parse(data)
+            self.assertEqual({name: getattr(packet.header, name) for name in fields}, fields)
+            given, wanted = packet.moments(), c.moments(image, how)
+            for name, values in zip(("m0", "m1", "n"), wanted):
+                same(getattr(given, name), values)
+            if how["select"] == model.Select.STRONGEST:
+                same(given.runs, wanted[3])
+            same(packets.build(packet.header, packet.payload, 5), c.built(packet.payload, 5, **{
+                name: getattr(packet.header, name) for name, _ in c.Header._fields_
+                if name not in ("size", "reserved")}))
+            damaged = data.copy()
+            damaged[self.between(0, data.size - 1)] ^= 1
+            with self.assertRaisesRegex(ValueError, "no packet: "):
+                packets.parse(damaged)
+
+    def test_bytes_are_not_copied_and_live_as_long_as_needed(self):
+        data = packets.moments_packet(self.pixels(9, 16), 20)
+        both = numpy.concatenate([data, data])
+        first, second = packets.split(both)
+        self.assertTrue(numpy.shares_memory(second.payload, both))
+        self.assertTrue(numpy.shares_memory(first.bytes, both))
+        self.assertFalse(numpy.shares_memory(first.copy().bytes, both))
+        payload, wanted = packets.parse(data.tobytes()).payload, data[64:-16].copy()
+        del both, first, second
+        gc.collect()
+        self.pixels(200, 200)  # whoever frees memory too early gets other bytes
+        same(payload, wanted)
+        self.assertFalse(payload.flags.writeable)
+
+    def test_lines_become_images(self):
+        for kind, dtype in ((packets.KIND_IMAGE, "uint8"), (packets.KIND_CODES, "uint16")):
+            image = (self.random.integers(0, 1 << 12, (5, 20)) % 256).astype(dtype)
+            assembler, given = driver.ImageAssembler(kind), None
+            for row in range(5):
+                header = packets.Header()
+                header.kind, header.columns, header.rows, header.first_line, header.lines = kind, 20, 5, row + 1, 1
+                line = numpy.zeros((image[row].nbytes + 15) // 16 * 16, "uint8")
+                line[:image[row].nbytes] = image[row].view("uint8")
+                packet = packets.parse(packets.build(header, line))
+                self.assertIsNone(given)
+                given = assembler.add(packet)
+                if dtype == "uint16":
+                    same(packet.codes(), image[row])
+            same(given, image)
+            self.assertEqual((assembler.complete, assembler.incomplete), (1, 0))
+
+
+class LightSection(Case):
+    def test_devices_profiles_and_maps_equal_those_of_inspect(self):
+        file, out = self.folder / "line.slfp", self.folder / "out"
+        run(SIMULATION, "board", "--line", "512x96", "--record", file)
+        run(SELFPROJ, "inspect", "--device", f"file:{file}", "--out", out)
+        rig = light_section.load_rig("light-section")
+        profiler = light_section.Profiler(rig)
+        inspection = light_section.Inspection(profiler)
+        heights = []
+        with driver.open(f"file:{file}") as device:
+            for packet in device:
+                self.assertTrue(inspection.add(packet))
+                profile, moments = profiler.profile(packet), packet.moments()
+                heights.append(rig.plane_z_mm - profile.z)
+                for name, values in c.profile("light-section", moments.m0, moments.m1, moments.n).items():
+                    same(getattr(profile, name), values)
+                    same(getattr(profiler.profile_of_moments(moments.m0, moments.m1, moments.n), name), values)
+            self.assertTrue(device.ended)
+            self.assertEqual(device.counters()["delivered"], len(inspection))
+        same(inspection.height(), light_section.load_tiff(str(out / "height.tiff")))
+        same(inspection.difference(), light_section.load_tiff(str(out / "difference.tiff")))
+        numpy.testing.assert_allclose(numpy.stack(heights), inspection.height(), atol=1e-4)
+        self.assertEqual(inspection.belt_mm().shape, (len(inspection),))
+        light_section.save_tiff(str(out / "again.tiff"), inspection.height())
+        self.assertEqual((out / "again.tiff").read_bytes(), (out / "height.tiff").read_bytes())
+        several = profiler.profile_of_moments(*(numpy.stack([values] * 3) for values in
+                                                (moments.m0, moments.m1, moments.n)))
+        same(several.z[2], profile.z)
+        self.assertEqual((rig.name, rig.kind, rig.rows, rig.columns), ("light-section", "light-section", 96, 512))
+
+    def test_a_device_does_not_move_on_while_arrays_lead_to_its_packet(self):
+        file = self.folder / "two.slfp"
+        header = packets.Header()
+        first = packets.moments_packet(self.pixels(9, 16), 20, header=header)
+        header.sequence, header.time_stamp = 1, 1000
+        numpy.concatenate([first, packets.moments_packet(self.pixels(9, 16), 20, header=header)]).tofile(file)
+        device = driver.open(f"file:{file}")
+        packet = device.next(timeout=1)
+        payload = packet.payload
+        kept = packet.copy()
+        for move in (device.next, device.release, device.close):
+            with self.assertRaises(BufferError):
+                move()
+        wanted = payload.copy()
+        del payload
+        device.release()
+        with self.assertRaisesRegex(ValueError, "moved on"):
+            packet.moments()
+        same(kept.payload, wanted)
+        held = device.next()
+        del device
+        gc.collect()
+        self.assertEqual(held.moments().m0.size, 16)
+
+
+class StructuredLight(Case):
+    def test_patterns(self):
+        sequence = structured_light.GraySequence(24, 10)
+        self.assertEqual((sequence.count, sequence.column_bits, sequence.row_bits), (20, 5, 4))
+        bits = pictures.gray_bits(24, 10)
+        for index in range(18):
+            same(sequence.image(index), numpy.where(bits[index // 2] ^ index % 2, 255, 0).astype("uint8"))
+        self.assertEqual((sequence.image(18).min(), sequence.image(19).max()), (255, 0))
+        with self.assertRaises(IndexError):
+            sequence.image(20)
+
+    def test_scans_equal_those_of_depth(self):
+        recorded, out = self.folder / "recorded", self.folder / "out"
+        run(SIMULATION, "scene", "render", "desk", "--bits", "4", "--count", "8", "--out", recorded)
+        run(SELFPROJ, "depth", "--rig", "scanner", "--bits", "4", "--median", "--out", out, recorded)
+        scan = structured_light.scan([str(recorded)], rig="scanner", bits=4, median=True)
+        same(scan.depth, light_section.load_tiff(str(out / "depth.tiff")))
+        points = structured_light.load_ply(str(out / "cloud.ply"))
+        same(scan.points(), points)
+        # The same by hand.
+        decoder = structured_light.GrayDecoder(512, 512, 4, median=True)
+        for index, file in enumerate(sorted(recorded.iterdir())):
+            codes = decoder.take(selfproj.read_image(str(file)), index)
+        triangulation = structured_light.triangulation(light_section.load_rig("scanner"), 4)
+        same(triangulation.depth(codes), scan.depth)
+        same(triangulation.points(scan.depth), points)
+        colours = self.pixels(*points.shape)
+        structured_light.save_ply(str(out / "again.ply"), points, colours)
+        same(structured_light.load_ply(str(out / "again.ply")), points)
+
+
+class Calibration(Case):
+    def test_equals_that_of_calibrate(self):
+        folders = pictures.write_chessboard_poses(self.folder, structured_light.GraySequence(96, 80))
+        out = self.folder / "out"
+        run(SELFPROJ, "calibrate", "--chessboard", "7x5", "--square", "40", "--projector", "96x80", "--out", out,
+            *folders)
+        captures = [calibration.decode_capture([str(folder)], projector=(96, 80)) for folder in folders]
+        result = calibration.calibrate(captures, corners=(7, 5), square_mm=40, projector=(96, 80))
+        self.assertEqual(result.refusal, "")
+        result.save(str(self.folder / "again.yaml"))
+        self.assertEqual((self.folder / "again.yaml").read_bytes(), (out / "calibration.yaml").read_bytes())
+        report, wanted = json.loads(result.json()), json.loads((out / "report.json").read_text(encoding="utf-8"))
+        wanted["warnings"] = [text for text in wanted["warnings"] if not text.startswith("no rig.yaml")]
+        self.assertEqual(report, wanted)
+        found = calibration.read_calibration(str(out / "calibration.yaml"))
+        same(found.camera_matrix[2], numpy.array([0.0, 0.0, 1.0]))
+        numpy.testing.assert_allclose(found.rotation @ found.rotation.T, numpy.eye(3), atol=1e-9)
+        self.assertEqual((found.projector_size, found.translation.shape, found.camera_distortion.shape),
+                         ((96, 80), (3,), (8,)))
+        numpy.testing.assert_allclose(found.camera_matrix, result.calibration.camera_matrix, rtol=1e-9)
+        corners = calibration.find_chessboard(captures[0].mean, (7, 5))
+        self.assertEqual(corners.shape, (35, 2))
+        self.assertIsNone(calibration.find_chessboard(self.pixels(50, 50), (7, 5)))
+        column = captures[0].projector_column
+        self.assertTrue((column.max() < 96) and (column >= 0).mean() > 0.1 and column.dtype == numpy.int16)
+
+
+class Refusals(Case):
+    def test_wrong_types_and_shapes(self):
+        image, codes = self.pixels(8, 12), numpy.zeros((8, 12), "uint16")
+        table, words = numpy.zeros((8, 12, 4), "uint16"), numpy.zeros(512, "uint32")
+        profiler = light_section.Profiler(light_section.load_rig("light-section"))
+        decoder = model.GrayDecoder(8, 12, 3)
+        scanner = structured_light.triangulation(light_section.load_rig("scanner"), 8)
+        calls = {
+            lambda bad: model.moments(bad, 20): image,
+            lambda bad: light_section.moments(bad, 20): image,
+            lambda bad: packets.moments_packet(bad, 20): image,
+            lambda bad: decoder.take(bad, 0): image,
+            lambda bad: structured_light.GrayDecoder(8, 12, 3).take(bad, 0): image,
+            lambda bad: calibration.find_chessboard(bad, (7, 5)): image,
+            model.median3x3: codes,
+            lambda bad: model.match(codes, bad): table,
+            lambda bad: profiler.profile_of_moments(bad, words, words): words,
+            scanner.depth: numpy.zeros((512, 512), "uint16"),
+            scanner.points: numpy.zeros((512, 512), "float32"),
+            packets.parse: numpy.zeros(64, "uint8"),
+            lambda bad: light_section.save_tiff("/dev/null", bad): numpy.zeros((3, 4), "float32"),
+            lambda bad: structured_light.save_ply("/dev/null", bad): numpy.zeros((5, 3), "float32"),
+        }
+        for function, right in calls.items():
+            strided = numpy.zeros((*right.shape[:-1], 2 * right.shape[-1]), right.dtype)[..., ::2]
+            for bad in (right.astype("float64"), right.astype("int8"), right[None, None], right[..., :0], strided,
+                        right.tolist(), "text", None, 7):
+                with self.assertRaises((TypeError, ValueError), msg=f"{function}: {bad!r}"):
+                    function(bad)
+
+    def test_values_out_of_range(self):
+        image = self.pixels(8, 12)
+        for bad in ({"threshold": 256}, {"threshold": -1}, {"threshold": 1, "gap": 4, "select": model.Select.STRONGEST},
+                    {"threshold": 2**40}, {"threshold": 1.5}, {"threshold": 1, "mode": 3}):
+            with self.assertRaises((TypeError, ValueError), msg=str(bad)):
+                model.moments(image, **bad)
+        for bad in ((0, 4, 3), (4, 0, 3), (4, 4, 0), (4, 4, 13), (4, 4, 3, 300)):
+            for kind in (model.GrayDecoder, structured_light.GrayDecoder):
+                with self.assertRaises(ValueError, msg=str(bad)):
+                    kind(*bad)
+        with self.assertRaises(TypeError):
+            packets.Header().columns = 1 << 16
+        for function, name in ((light_section.load_rig, "no-such-rig"), (driver.open, "file:/no/such/file"),
+                               (selfproj.read_image, "/no/such/file"), (calibration.read_calibration, "/no/such/file")):
+            with self.assertRaisesRegex(selfproj.InputError, name.removeprefix("file:")):
+                function(name)
+
+
+class Threads(Case):
+    def test_others_run_while_a_kernel_runs(self):
+        images = self.pixels(60, 200, 2000)
+        done, switches = threading.Event(), [0]
+        sys.setswitchinterval(10)  # only a kernel that releases the GIL lets another thread run
+        self.addCleanup(sys.setswitchinterval, 0.005)
+
+        def work():
+            model.moments(images, 20)
+            done.set()
+
+        worker = threading.Thread(target=work)
+        worker.start()
+        while not done.wait(0.0005):
+            switches[0] += 1
+        worker.join()
+        self.assertGreater(switches[0], 2)
+
+    def test_an_object_with_a_state_is_for_one_thread_at_a_time(self):
+        decoder = model.GrayDecoder(1000, 2000, 8)
+        image, refused = self.pixels(1000, 2000), []
+
+        def work():
+            for index in range(16):
+                try:
+                    decoder.take(image, index)
+                except RuntimeError as error:
+                    refused.append(str(error))
+
+        workers = [threading.Thread(target=work) for _ in range(3)]
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            worker.join()
+        self.assertIn("another thread is using this object", refused)
+
+
+class Documentation(unittest.TestCase):
+    def test_everything_has_a_text_and_a_type(self):
+        types = pathlib.Path(selfproj.__file__).parent / "_core"
+        for module in (model, packets, driver, light_section, structured_light, calibration):
+            name = module.__name__.split(".")[-1]
+            self.assertTrue(module.__doc__)
+            known = (types / f"{name}.pyi").read_text(encoding="utf-8")
+            compiled = {word for word in dir(getattr(selfproj._core, name)) if not word.startswith("_")}
+            self.assertLessEqual(compiled, set(module.__all__) | {"Select", "Mode"}, name)
+            for word in module.__all__:
+                thing = getattr(module, word)
+                self.assertTrue(isinstance(thing, int) or thing.__doc__, word)
+                if word != "split":
+                    self.assertRegex(known, rf"(?m)^(def|class) {word}\b|^{word}: ", word)
+
+
+if __name__ == "__main__":
+    unittest.main()
