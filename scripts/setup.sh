@@ -11,6 +11,7 @@ for_programs=(
   libopencv-calib3d-dev libceres-dev libeigen3-dev  # calibration
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   nlohmann-json3-dev                         # summaries
+  libmodbus-dev                              # results for controllers
   pkg-config libaravis-dev libusb-1.0-0-dev  # GigE and USB3 cameras
   libsdl2-dev                                # projectors
 )

@@ -13,6 +13,7 @@
 #include "host/app/record_command.h"
 #include "host/app/rig_command.h"
 #include "host/app/stripes_command.h"
+#include "host/app/tolerance_command.h"
 #include "host/io/program_main.h"
 
 int main(int argc, char** argv) {
@@ -43,6 +44,7 @@ selfproj rig light-section
         selfproj::add_record_command(app);
         selfproj::add_images_command(app);
         selfproj::add_inspect_command(app);
+        selfproj::add_tolerance_command(app);
         selfproj::add_lines_command(app);
       },
       argc, argv);

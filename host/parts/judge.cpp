@@ -67,7 +67,7 @@ void add_defects(const cv::Mat1b& beyond, const cv::Mat1f& levels, bool low, int
                        .size_along_mm = box.height * grid.pitch_mm,
                        .size_across_mm = box.width * grid.pitch_mm,
                        .area_mm2 = area * grid.pitch_mm * grid.pitch_mm,
-                       .depth_mm = low ? least : greatest});
+                       .depth_mm = (low ? least : greatest) - 0.5 * (region.low_mm + region.high_mm)});
   }
 }
 

@@ -27,7 +27,7 @@ struct Defect {
   double size_along_mm = 0;
   double size_across_mm = 0;
   double area_mm2 = 0;
-  double depth_mm = 0;  // difference that at least the smallest area reaches; below 0: too low
+  double depth_mm = 0;  // how far at least the smallest area is from the middle of the band; below 0: too low
 };
 
 // What a region looks like.

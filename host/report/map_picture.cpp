@@ -197,7 +197,7 @@ std::string map_png(const FloatImage& map, const MapScale& scale, const MapSize&
 }
 
 std::string labelled_map_png(const FloatImage& map, const MapScale& scale, const MapPitch& pitch,
-                             const std::string& title) {
+                             const std::string& title, const std::vector<MapMark>& marks) {
   if (map.values.empty()) {
     throw UserError("inspection", "there is nothing to draw");
   }
@@ -210,6 +210,16 @@ std::string labelled_map_png(const FloatImage& map, const MapScale& scale, const
   cv::Mat picture(size.height + kTop + kBottom, size.width + kLeft + kRight, CV_8UC3, cv::Scalar(255, 255, 255));
   const cv::Rect place(kLeft, kTop, size.width, size.height);
   draw_map(map, scale, size).copyTo(picture(place));
+  for (const MapMark& mark : marks) {
+    constexpr int kAway = 4;  // pixels between a mark and what it marks
+    const double wide = static_cast<double>(size.width) / map.columns;
+    const double high = static_cast<double>(size.height) / map.rows;
+    const int left = static_cast<int>(std::lround((mark.column + 0.5 - 0.5 * mark.columns) * wide)) - kAway;
+    const int top = static_cast<int>(std::lround((mark.row + 0.5 - 0.5 * mark.rows) * high)) - kAway;
+    const int width = static_cast<int>(std::lround(mark.columns * wide)) + 2 * kAway;
+    const int height = static_cast<int>(std::lround(mark.rows * high)) + 2 * kAway;
+    cv::rectangle(picture, cv::Rect(place.x + left, place.y + top, width, height), kInk, 2);
+  }
   put_text(picture, title, {kLeft, kTop / 2});
 
   draw_colour_bar(picture, scale, {place.x + place.width + 20, place.y, 24, place.height});

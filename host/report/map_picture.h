@@ -52,9 +52,17 @@ MapSize map_size(int rows, int columns, const MapPitch& pitch, int longest);
 // which is the colour of no value. Throws UserError if the map is empty.
 std::string map_png(const FloatImage& map, const MapScale& scale, const MapSize& size);
 
-// The map as PNG on white, with a title, a colour bar in mm, and a scale bar in mm for each direction.
+// A frame around a place of a map, in rows and columns from 0; its middle and its size.
+struct MapMark {
+  double row = 0;
+  double column = 0;
+  double rows = 0;
+  double columns = 0;
+};
+
+// The map as PNG on white, with a title, a colour bar in mm, a scale bar in mm for each direction, and the marks.
 std::string labelled_map_png(const FloatImage& map, const MapScale& scale, const MapPitch& pitch,
-                             const std::string& title);
+                             const std::string& title, const std::vector<MapMark>& marks = {});
 
 }  // namespace selfproj
 

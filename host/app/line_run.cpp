@@ -1,0 +1,113 @@
+#include "host/app/line_run.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/driver/clock.h"
+#include "host/io/command_line.h"
+#include "host/io/user_error.h"
+#include "host/line/endpoint.h"
+#include "host/parts/part_cutter.h"
+#include "host/parts/section_reference.h"
+#include "host/parts/tolerance.h"
+#include "host/report/counter_facts.h"
+
+namespace selfproj {
+
+void add_line_options(CLI::App& command, LineOptions& options) {
+  begin_group(command, "Parts");
+  command
+      .add_option("--tolerance", options.tolerance,
+                  "Judge parts by this file, which `selfproj tolerance learn` writes. The rig's section `parts` says "
+                  "how they are cut.")
+      ->type_name("FILE");
+  command
+      .add_option("--parts", options.folder,
+                  "New folder for the results of parts: parts.jsonl, parts.csv, and a folder for each that is not OK.")
+      ->type_name("DIR");
+  command.add_option("--keep-parts", options.keep, "Folders of parts that are kept. Later ones are only counted.")
+      ->transform(whole_number(0, 1'000'000))
+      ->type_name("N")
+      ->capture_default_str();
+  command
+      .add_option(
+          "--modbus", options.modbus,
+          "Answer Modbus TCP at this port of this machine, or at ADDRESS:PORT, with counters and the last result.")
+      ->type_name("PORT");
+}
+
+LineRun::LineRun(const LineOptions& options, const Rig& rig, const ReferenceProfile& reference,
+                 const DifferentialProfiler& profiler)
+    : options_(options) {
+  if (options.tolerance.empty()) {
+    throw UserError(options.folder.empty() ? "--modbus" : "--parts", "needs --tolerance, by which parts are judged");
+  }
+  if (!rig.parts) {
+    throw UserError(rig.name, "has no section `parts`, which says how the stream is cut into parts");
+  }
+  judge_.emplace(rig, section_of(rig, reference, profiler), load_tolerance(options.tolerance), options.tolerance);
+  line_.emplace(rig, &*judge_, PartLine::Listeners{.part = [this](const PartResult& result, const PlacedMaps& maps) {
+                  take(result, maps);
+                }});
+  if (!options.modbus.empty()) {
+    modbus_.emplace(endpoint_of_text("--modbus", options.modbus),
+                    [this] { return modbus_registers(line_->state(), lost_, line_->heartbeat(), now_ns()); });
+  }
+  if (!options.folder.empty()) {
+    files_.emplace(options.folder, options.keep);
+  }
+}
+
+void LineRun::take(const PartResult& result, const PlacedMaps& maps) {
+  if (files_) {
+    files_->add(result, maps);
+  }
+}
+
+void LineRun::seen(const InspectionWork& /*work*/, const Counters& counters) {
+  lost_ = counters.lost_board + counters.lost_ring + counters.lost_network;
+}
+
+std::string LineRun::text() const {
+  const LineState state = line_->state();
+  return fmt::format(", {} parts: {} OK, {} not OK, {} cannot tell", state.parts(), state.verdicts[0],
+                     state.verdicts[1], state.verdicts[2]);
+}
+
+void LineRun::finish() {
+  line_->finish();
+  if (files_) {
+    files_->finish(line_->statistics());
+  }
+}
+
+std::vector<Fact> LineRun::facts() const {
+  const LineState state = line_->state();
+  const DurationHistogram delays = line_->delays();
+  const auto ms = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-6; };
+  std::vector<Fact> facts = {
+      {"parts", "parts", fact_number(state.parts())},
+      {"parts_ok", "parts that are OK", fact_number(state.verdicts[0])},
+      {"parts_not_ok", "parts that are not OK", fact_number(state.verdicts[1])},
+      {"parts_cannot_tell", "parts that cannot be told", fact_number(state.verdicts[2])},
+      {"specks", "things shorter than a part", fact_number(state.specks)},
+      {"result_delay_p50_ms", "a part's last frame to its result, median", ms(delays.percentile_ns(0.5)), "ms"},
+      {"result_delay_p99_ms", "a part's last frame to its result, 99 %", ms(delays.percentile_ns(0.99)), "ms"}};
+  if (files_) {
+    facts.push_back({"part_folders", "folders of parts", fact_number(files_->folders())});
+    facts.push_back({"part_folders_left_out", "folders left out", fact_number(files_->folders_left_out())});
+  }
+  return facts;
+}
+
+void LineRun::print() const {
+  const DurationHistogram delays = line_->delays();
+  fmt::print("{}; result after the last frame p50 {}, p99 {}{}\n", text().substr(2),
+             time_text(delays.percentile_ns(0.5)), time_text(delays.percentile_ns(0.99)),
+             files_ ? " → " + options_.folder : std::string());
+}
+
+}  // namespace selfproj

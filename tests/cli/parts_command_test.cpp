@@ -1,0 +1,223 @@
+// Tests `selfproj tolerance learn` and `selfproj inspect --parts` from the command line, and Modbus.
+#include <gtest/gtest.h>
+#include <modbus/modbus-tcp.h>
+#include <modbus/modbus.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/line/modbus_server.h"
+#include "tests/cli/program.h"
+#include "tests/host/parts/made_packets.h"
+
+namespace selfproj::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+// A rig, a tolerance learned from eight good parts, and a run of six parts, the third and the fifth with a dent.
+class PartsCommand : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new ScratchFolder;
+    const Rig rig = rig_of_made_packets();
+    write_text(*folder_ / "rig.yaml", to_yaml(rig));
+    MadePackets good(rig, 3);
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> any(-1, 1);
+    for (int i = 0; i < 8; ++i) {
+      good.pass(made_part(false, any(random), any(random)), 5);
+    }
+    write_text(*folder_ / "good.packets", good.text());
+    MadePackets run(rig, 4);
+    for (int i = 0; i < 6; ++i) {
+      run.pass(made_part(i == 2 || i == 4, any(random), any(random)), 5);
+    }
+    write_text(*folder_ / "run.packets", run.text());
+    learned_ = new Outcome(
+        host({"tolerance", "learn", "--rig", "rig.yaml", "--device", "file:good.packets", "--out", "tolerance.yaml"}));
+  }
+  static void TearDownTestSuite() {
+    delete learned_;
+    delete folder_;
+  }
+
+  static Outcome host(const Words& words) { return run_program(SELFPROJ_PROGRAM, words, folder_->path()); }
+  static Outcome inspect(Words more) {
+    more.insert(more.begin(), {"inspect", "--rig", "rig.yaml", "--device", "file:run.packets"});
+    return host(more);
+  }
+
+  static ScratchFolder* folder_;
+  static Outcome* learned_;
+};
+ScratchFolder* PartsCommand::folder_ = nullptr;
+Outcome* PartsCommand::learned_ = nullptr;
+
+TEST_F(PartsCommand, LearnsAndJudges) {
+  ASSERT_EQ(learned_->status, 0) << learned_->err;
+  EXPECT_EQ(learned_->out.rfind("8 good parts, 0 specks; ", 0), 0U) << learned_->out;
+  const Outcome run = inspect({"--tolerance", "tolerance.yaml", "--parts", "run", "--json", "counts.json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("6 parts: 4 OK, 2 not OK, 0 cannot tell; result after the last frame p50 "), std::string::npos)
+      << run.out;
+  const auto counts = nlohmann::json::parse(read_text(*folder_ / "counts.json"));
+  EXPECT_EQ(counts.at("parts"), 6);
+  EXPECT_EQ(counts.at("parts_not_ok"), 2);
+  EXPECT_EQ(counts.at("part_folders"), 2);
+  EXPECT_GT(counts.at("result_delay_p99_ms"), 0);
+
+  std::istringstream lines(read_text(*folder_ / "run/parts.jsonl"));
+  std::istringstream table(read_text(*folder_ / "run/parts.csv"));
+  std::string line;
+  std::string row;
+  std::getline(table, row);
+  EXPECT_EQ(row.rfind("part,verdict,begin_mm,", 0), 0U);
+  int number = 0;
+  while (std::getline(lines, line)) {
+    ++number;
+    const auto part = nlohmann::json::parse(line);
+    const bool dent = number == 3 || number == 5;
+    EXPECT_EQ(part.at("part"), number);
+    EXPECT_EQ(part.at("verdict"), dent ? "not OK" : "OK") << line;
+    EXPECT_NEAR(part.at("placement").at("length_mm").get<double>(), 20, 0.4);
+    ASSERT_TRUE(std::getline(table, row));
+    EXPECT_EQ(row.rfind(std::to_string(number) + (dent ? ",not OK," : ",OK,"), 0), 0U) << row;
+    const std::string folder = "run/part_00000" + std::to_string(number);
+    EXPECT_EQ(std::filesystem::exists(*folder_ / folder), dent);
+    if (dent) {
+      ASSERT_EQ(part.at("defects").size(), 1U) << line;
+      const auto& defect = part.at("defects")[0];
+      EXPECT_NEAR(defect.at("along_mm").get<double>(), 12, 0.4);
+      EXPECT_NEAR(defect.at("across_mm").get<double>(), 5, 0.4);
+      EXPECT_NEAR(defect.at("depth_mm").get<double>(), -0.5, 0.08);
+      EXPECT_EQ(nlohmann::json::parse(read_text(*folder_ / (folder + "/result.json"))), part);
+      const FloatImage difference = read_float_tiff(*folder_ / (folder + "/difference.tiff"));  // from the plane
+      EXPECT_NEAR(difference.row((12 + 2) * 4)[(5 + 20 + 2) * 4], 7.5, 0.1);
+      EXPECT_GT(std::filesystem::file_size(*folder_ / (folder + "/difference.png")), 1000U);
+    }
+  }
+  EXPECT_EQ(number, 6);
+  const auto statistics = nlohmann::json::parse(read_text(*folder_ / "run/statistics.json"));
+  EXPECT_EQ(statistics.at("length_mm").at("parts"), 6);
+  EXPECT_NEAR(statistics.at("length_mm").at("mean").get<double>(), 20, 0.4);
+}
+
+TEST_F(PartsCommand, KeepsNoMoreFoldersThanTold) {
+  const Outcome run =
+      inspect({"--tolerance", "tolerance.yaml", "--parts", "few", "--keep-parts", "1", "--json", "few.json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_TRUE(std::filesystem::exists(*folder_ / "few/part_000003"));
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "few/part_000005"));
+  EXPECT_EQ(nlohmann::json::parse(read_text(*folder_ / "few.json")).at("part_folders_left_out"), 1);
+}
+
+TEST_F(PartsCommand, BadInputIsOneLine) {
+  const auto error = [](const Outcome& outcome) {
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    return outcome.err;
+  };
+  EXPECT_NE(error(inspect({"--parts", "x"})).find("--parts: needs --tolerance"), std::string::npos);
+  EXPECT_NE(error(inspect({"--tolerance", "none.yaml"})).find("none.yaml: "), std::string::npos);
+  EXPECT_NE(error(inspect({"--tolerance", "tolerance.yaml", "--modbus", "0"})).find("--modbus 0: is neither a port"),
+            std::string::npos);
+  std::filesystem::create_directory(*folder_ / "full");
+  write_text(*folder_ / "full/file", "");
+  EXPECT_NE(error(inspect({"--tolerance", "tolerance.yaml", "--parts", "full"})).find("full: is not empty"),
+            std::string::npos);
+  EXPECT_NE(error(host({"inspect", "--device", "file:run.packets", "--tolerance", "tolerance.yaml"}))
+                .find("light-section: has no section `parts`"),
+            std::string::npos);
+  EXPECT_NE(error(host({"tolerance", "learn", "--rig", "rig.yaml", "--device", "file:good.packets", "--out", "t.yaml",
+                        "--count", "900"}))
+                .find("good parts came; at least 5 are needed"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "t.yaml"));
+
+  // Of another part.
+  std::string other = read_text(*folder_ / "tolerance.yaml");
+  const std::size_t at = other.find("heights_mm: [") + 13;
+  other.insert(at, "7");
+  write_text(*folder_ / "other.yaml", other);
+  EXPECT_NE(error(inspect({"--tolerance", "other.yaml"})).find("other.yaml: is for another part: at "),
+            std::string::npos);
+
+  // A port that is taken.
+  const ModbusServer taken({.port = 15020}, [] { return std::array<std::uint16_t, kModbusRegisters>{}; });
+  EXPECT_NE(error(inspect({"--tolerance", "tolerance.yaml", "--modbus", "15020"}))
+                .find("--modbus 127.0.0.1:15020: Address already in use"),
+            std::string::npos);
+}
+
+using Client = std::unique_ptr<modbus_t, void (*)(modbus_t*)>;
+Client client_of(int port) {
+  Client client(modbus_new_tcp("127.0.0.1", port), [](modbus_t* context) {
+    modbus_close(context);
+    modbus_free(context);
+  });
+  EXPECT_EQ(modbus_connect(client.get()), 0) << modbus_strerror(errno);
+  return client;
+}
+
+TEST(Modbus, TellsWhatIsThereAndTakesNothing) {
+  LineState state;
+  state.verdicts = {70'000, 3, 2};
+  state.specks = 5;
+  state.last_part = 70'005;
+  state.last_verdict = Verdict::not_ok;
+  state.last_defects = 2;
+  state.last_depth_mm = -0.3;
+  state.last_delay_ns = 4'500'000;
+  state.last_ns = 1'000'000'000;
+  const ModbusServer server({.port = 15021}, [&] { return modbus_registers(state, 9, 17, 1'250'000'000); });
+  const std::array<std::uint16_t, kModbusRegisters> expected = {1, 17,  2, 1,     4469, 1,    4464, 0, 3, 0, 2,
+                                                                0, 250, 2, 65236, 0,    4500, 0,    9, 0, 5};
+  const Client client = client_of(15021);
+  std::array<std::uint16_t, kModbusRegisters> values{};
+  ASSERT_EQ(modbus_read_input_registers(client.get(), 0, kModbusRegisters, values.data()), int{kModbusRegisters});
+  EXPECT_EQ(values, expected);
+  ASSERT_EQ(modbus_read_registers(client.get(), 2, 3, values.data()), 3);
+  EXPECT_EQ(values[0], 2);
+  EXPECT_EQ(modbus_write_register(client.get(), 2, 1), -1);
+  EXPECT_EQ(errno, EMBXILFUN);
+  EXPECT_EQ(modbus_read_registers(client.get(), 20, 2, values.data()), -1);
+  EXPECT_EQ(errno, EMBXILADD);
+
+  // Requests that are none, beside a client that goes on being served.
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 300; ++i) {
+    const Client rude = client_of(15021);
+    std::vector<std::uint8_t> bytes(1 + random() % 300);
+    std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<std::uint8_t>(random()); });
+    if (i % 2 == 0 && bytes.size() > 8) {  // a head that promises a request
+      bytes[2] = bytes[3] = bytes[4] = 0;
+      bytes[5] = static_cast<std::uint8_t>(bytes.size() - 6);
+    }
+    ASSERT_GT(send(modbus_get_socket(rude.get()), bytes.data(), bytes.size(), MSG_NOSIGNAL), 0);
+    if (i % 50 == 0) {
+      ASSERT_EQ(modbus_read_input_registers(client.get(), 0, kModbusRegisters, values.data()), int{kModbusRegisters})
+          << modbus_strerror(errno);
+      EXPECT_EQ(values, expected);
+    }
+  }
+  ASSERT_EQ(modbus_read_input_registers(client.get(), 0, kModbusRegisters, values.data()), int{kModbusRegisters});
+  EXPECT_EQ(values, expected);
+}
+
+}  // namespace
+}  // namespace selfproj::test
