@@ -57,6 +57,7 @@ struct CalibrateOptions {
   std::string plates;
   std::string moves;
   PlateTolerance tolerance;
+  DrawnScale scale;
   std::vector<std::string> poses;
   std::vector<std::string> checks;
 };
@@ -90,6 +91,18 @@ std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report)
     report.warnings.push_back(fmt::format("no rig.yaml: {}", error.what()));
     return {};
   }
+}
+
+// What a rig says of distance and focal length. A camera that the rig only draws may have the focal length that is
+// printed on its lens; focused on the belt, the image lies a little further behind the lens than that.
+DrawnScale scale_of(const Rig& rig, double focal_px, DrawnScale scale) {
+  const double focal_mm = rig.camera.focal_length_mm;
+  scale.distance_mm = rig.plane_z_mm;
+  scale.least_focal_px = scale.most_focal_px = focal_px;
+  if (!rig.calibration && rig.plane_z_mm > 2 * focal_mm) {
+    scale.most_focal_px *= rig.plane_z_mm / (rig.plane_z_mm - focal_mm);
+  }
+  return scale;
 }
 
 // Heights and moves of plates, with the drawings of the rig as the place to start from.
@@ -129,6 +142,7 @@ void apply_plates(const CalibrateOptions& options, CalibrateSettings& settings) 
   settings.plates->projector = lens_of(drawn.projector);
   cv::Rodrigues(drawn.rotation, settings.plates->stereo.rotation);
   settings.plates->stereo.translation = drawn.translation;
+  settings.plates->scale = scale_of(rig, drawn.camera.fx, options.scale);
 }
 
 // Checks the options and puts them into options.calibrate.
@@ -246,6 +260,19 @@ void add_plate_options(CLI::App& command, CalibrateOptions& options) {
                   "fence that stands square to the belt.")
       ->transform(number_above_zero(1000))
       ->type_name("MM")
+      ->capture_default_str();
+  command
+      .add_option("--distance-tolerance", options.scale.distance_tolerance,
+                  "How far the belt's distance may be from plane_z_mm of --rig, as a share. Only this and the focal "
+                  "length tell of heights that are all wrong by one factor.")
+      ->transform(number_above_zero(10))
+      ->type_name("SHARE")
+      ->capture_default_str();
+  command
+      .add_option("--focal-tolerance", options.scale.focal_tolerance,
+                  "How far the camera's focal length may be from that of --rig, as a share.")
+      ->transform(number_above_zero(10))
+      ->type_name("SHARE")
       ->capture_default_str();
 }
 

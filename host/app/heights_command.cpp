@@ -197,6 +197,14 @@ void add_heights_options(CLI::App& command, HeightsOptions& options) {
       ->transform(real_number(0, 10))
       ->type_name("MM")
       ->capture_default_str();
+  command
+      .add_option("--scale-tolerance", options.settings.scale_tolerance,
+                  "How far the rig's own scale of heights may be off, as a share. A greater difference means that all "
+                  "heights are wrong by one factor.")
+      ->transform(number_above_zero(10))
+      ->type_name("SHARE")
+      ->default_str(fmt::format("{:g}, for a calibrated rig {:g}", HeightSettings::kDrawnScale,
+                                HeightSettings::kCalibratedScale));
   begin_group(command, "Input");
   command.add_option("--rig", options.rig, "Built-in rig or YAML file of kind light-section, with a projector.")
       ->type_name("RIG")

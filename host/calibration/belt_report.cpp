@@ -147,6 +147,30 @@ std::string fault_of_plates(const std::vector<View>& views, const Plates& plates
   return {};
 }
 
+std::string fault_of_scale(const DrawnScale& drawn, double distance_mm, double focal_px) {
+  // 0 within the tolerance, else the direction.
+  const auto off = [](double value, double least, double most, double tolerance) {
+    return value > most * (1 + tolerance) ? 1 : !(value >= least * (1 - tolerance)) ? -1 : 0;
+  };
+  const int distance = off(distance_mm, drawn.distance_mm, drawn.distance_mm, drawn.distance_tolerance);
+  const int focal = off(focal_px, drawn.least_focal_px, drawn.most_focal_px, drawn.focal_tolerance);
+  if (distance == 0 && focal == 0) {
+    return {};
+  }
+  // With right squares a wrong factor of the heights changes both alike; wrong squares change the focal length alone.
+  const double times = distance_mm / drawn.distance_mm;
+  const std::string reason = distance == 0 ? "--square or the focal length of --rig is likely wrong"
+                             : distance * focal < 0
+                                 ? "--square or --rig is likely wrong"
+                                 : fmt::format("the heights of --plates are likely all {:.2f} times the true ones{}",
+                                               times, focal == 0 ? ", or plane_z_mm of --rig is" : "");
+  return fmt::format(
+      "the plates put the belt {:.0f} mm away and the camera's focal length at {:.0f} px; --rig draws {:.0f} mm ± {:g} "
+      "% and {:.0f} px ± {:g} %: {}",
+      distance_mm, focal_px, drawn.distance_mm, 100 * drawn.distance_tolerance, drawn.least_focal_px,
+      100 * drawn.focal_tolerance, reason);
+}
+
 BeltReport belt_report(const Plates& plates, BundleResult& result) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   Bundle& found = result.bundle;

@@ -16,6 +16,10 @@ namespace selfproj {
 // itself a wrong height looks like noise, so that the camera alone is asked, with the lens found.
 std::string fault_of_plates(const std::vector<View>& views, const Plates& plates, const Bundle& found);
 
+// What the drawings say against the distance of the belt, mm, and the focal length of the camera, px, that a fit has
+// found, and the likely reason; empty if both are within their tolerances.
+std::string fault_of_scale(const DrawnScale& drawn, double distance_mm, double focal_px);
+
 // Puts all lengths of the result into mm of the plates' heights, and tells of the belt.
 BeltReport belt_report(const Plates& plates, BundleResult& result);
 

@@ -28,6 +28,15 @@ struct PlateTolerance {
   double square = 1e-4;       // of the side of the chessboard's squares, as a share
 };
 
+// What the drawings of a rig say of its scale. Heights that are all wrong by one factor give a fit as good as right
+// ones: the focal length and the distance take up the factor. Only these numbers tell.
+struct DrawnScale {
+  double distance_mm = 0;                        // of the belt from the camera's centre
+  double distance_tolerance = 0.03;              // as a share
+  double least_focal_px = 0, most_focal_px = 0;  // of the camera, without tolerance
+  double focal_tolerance = 0.03;                 // as a share
+};
+
 struct Plates {
   // Of plates at ascending heights, each with the belt at each of these places (one place: it does not move); `side_mm`
   // is the chessboard's longer side. A view for each of them, height by height, is to come first.
@@ -48,6 +57,7 @@ struct Plates {
   // Lenses and pose between them by the drawings, where the least squares start.
   LensParameters camera{}, projector{};
   Pose stereo;
+  DrawnScale scale;
 };
 
 // Belt and way of the views' poses in `bundle`, to start from.

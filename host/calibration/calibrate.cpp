@@ -112,6 +112,7 @@ class Calibrator {
     report_.bundle = report_.model.result;
     fit_alone(index);
     finish(index);
+    refuse_scale(index);
     report_.warnings = warnings_of(report_);
     return std::move(report_);
   }
@@ -193,6 +194,19 @@ class Calibrator {
       if (!fault.empty()) {
         throw UserError("--plates", fault);
       }
+    }
+  }
+
+  // A calibration whose scale contradicts the drawings must not be used. Where the starts disagree as well, a wrong
+  // scale is the likely reason: lenses so far from the drawings are hard to find.
+  void refuse_scale(const Index& index) {
+    if (!report_.belt) {
+      return;
+    }
+    const std::string fault =
+        fault_of_scale(index.plates->scale, report_.belt->plane_z_mm, report_.bundle.bundle.camera[0]);
+    if (!fault.empty()) {
+      report_.model.refusal = fault;
     }
   }
 

@@ -105,8 +105,8 @@ void expect_order(const std::vector<HeightLevel>& levels) {
   }
 }
 
-// The rig with its belt where the plates lie. Least squares of z = a x + b y + c - s height.
-Rig with_belt(const Rig& rig, const std::vector<HeightSample>& samples) {
+// a, b, c and s of z = a x + b y + c - s height, by least squares.
+cv::Vec4d plane_of(const std::vector<HeightSample>& samples) {
   cv::Matx44d matrix = cv::Matx44d::zeros();
   cv::Vec4d right(0, 0, 0, 0);
   for (const HeightSample& s : samples) {
@@ -114,7 +114,24 @@ Rig with_belt(const Rig& rig, const std::vector<HeightSample>& samples) {
     matrix += terms * terms.t();
     right += s.z * terms;
   }
-  const cv::Vec4d found = matrix.inv(cv::DECOMP_SVD) * right;
+  return matrix.inv(cv::DECOMP_SVD) * right;
+}
+
+// Heights that are all wrong by one factor fit as well as right ones. What the rig makes of them tells.
+void expect_scale(const Rig& rig, double seen, const HeightSettings& settings) {
+  const double allowed = settings.scale_tolerance.value_or(rig.calibration ? HeightSettings::kCalibratedScale
+                                                                           : HeightSettings::kDrawnScale);
+  if (!(std::abs(seen - 1) <= allowed)) {
+    throw CheckFailed(
+        fmt::format("heights: the rig sees {:.3f} mm for each mm of the given heights; {:g} % more or less are allowed "
+                    "(--scale-tolerance): all are likely wrong by one factor, or this is not the rig that took the "
+                    "images",
+                    seen, 100 * allowed));
+  }
+}
+
+// The rig with its belt where the plates lie, by plane_of.
+Rig with_belt(const Rig& rig, const cv::Vec4d& found) {
   Rig result = rig;
   if (rig.belt_pose || !rig.calibration) {  // known better than from a strip of the plate, or not to be known at all
     result.plane_z_mm = found[2];
@@ -185,7 +202,9 @@ HeightFit fit_heights(const Rig& given, const std::vector<HeightPosition>& posit
       fit.levels);
   expect_samples(fit.levels);
   expect_order(fit.levels);
-  rig = with_belt(rig, samples);
+  const cv::Vec4d plane = plane_of(samples);
+  expect_scale(rig, plane[3], settings);
+  rig = with_belt(rig, plane);
   place_samples(RigOptics(rig), samples);
   const auto geometric = [&](std::size_t i) { return rig.plane_z_mm - samples[i].z; };
   set_errors(

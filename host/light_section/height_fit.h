@@ -34,7 +34,8 @@ struct HeightFit {
 
 // Fits plane, belt and corrections. Throws UserError if there are fewer than three heights, one has too few samples,
 // the heights are not in the order in which the rig sees them, a plate is not flat within its tolerance, or the
-// positions do not determine the heights of the whole image.
+// positions do not determine the heights of the whole image. Throws CheckFailed if the rig sees all heights larger or
+// smaller by one factor beyond its tolerance: the corrections would take it up.
 HeightFit fit_heights(const Rig& given, const std::vector<HeightPosition>& positions, const HeightSettings& settings);
 
 // The same levels measured with the rig as it is.

@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_HEIGHT_FIT_TYPES_H
 #define SELFPROJ_HOST_LIGHT_SECTION_HEIGHT_FIT_TYPES_H
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,11 @@ struct HeightSettings {
   std::vector<double> steps_mm;  // heights of the treads of a block, ascending; empty: plates
   double tolerance_mm = 0.005;   // of a height
   double flatness_mm = 0.01;     // of a plate or tread: how far it may be from a plane
+  // How far a mm of height by the rig may be from a true one, as a share; nothing: kDrawnScale or kCalibratedScale.
+  std::optional<double> scale_tolerance{};
+
+  static constexpr double kDrawnScale = 0.1;        // a rig as drawn
+  static constexpr double kCalibratedScale = 0.02;  // a rig with a calibration
 };
 
 }  // namespace selfproj

@@ -85,6 +85,8 @@ TEST(HeightsCommand, CorrectsARigAndChecksIt) {
   expect_refused(folder, heights(folder, {"--out", "out", "at0"}), "--heights, --steps: give one of them, not both");
   expect_refused(folder, heights(folder, {"--heights", "0,5,20", "--out", "out", "at0", "at10", "at20"}),
                  "at10: is given as 5 mm above at0, but the rig sees it");
+  expect_refused(folder, heights(folder, {"--heights", "0,13.4,26.8", "--out", "out", "at0", "at10", "at20"}),
+                 "heights: the rig sees 0.7", 1);
   std::filesystem::remove(folder / "at20" / "line_64.png");
   expect_refused(folder, heights(folder, {"--heights", "0,10,20", "--out", "out", "at0", "at10", "at20"}),
                  "at20: has 30 images; a sweep of this rig with --every 16 has 31");

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/calibration/belt_report.h"
 #include "host/calibration/bundle_plates.h"
 #include "host/calibration/calibrate.h"
 #include "host/io/user_error.h"
@@ -102,6 +103,7 @@ class NarrowWorld {
     settings.plates->camera = {5000, 5000, 255.5, 47.5};
     settings.plates->projector = {2849, 3257, 255.5, 876};
     settings.plates->stereo = {{-0.349, 0, 0}, {0, -529, -424}};
+    settings.plates->scale = {.distance_mm = 1167, .least_focal_px = 5000, .most_focal_px = 5220};
     return settings;
   }
 
@@ -203,6 +205,43 @@ TEST(Plates, WrongPlacesAreRefused) {
   EXPECT_NE(reason(put_down(), too_far).find("a millimetre of the belt moves the chessboard by 0.909"),
             std::string::npos)
       << reason(put_down(), too_far);
+}
+
+// The fit takes such heights as well as right ones: the focal length and the distance take up the factor.
+TEST(Plates, HeightsAllWrongByOneFactorAreRefused) {
+  const NarrowWorld narrow;
+  const auto refusal = [&](double factor) {
+    CalibrateSettings settings = narrow.settings();
+    settings.free = {1, 0};
+    for (PlatePlace& place : settings.plates->places) {
+      place.height_mm *= factor;
+    }
+    for (double& height : settings.plates->heights_mm) {
+      height *= factor;
+    }
+    return calibrate(narrow.observed(put_down()), settings).model.refusal;
+  };
+  EXPECT_EQ(refusal(1), "");
+  for (const auto& [factor, times] : {std::pair(1.34, "1.34"), std::pair(0.93, "0.93")}) {
+    const std::string reason = refusal(factor);
+    EXPECT_NE(reason.find("the heights of --plates are likely all " + std::string(times) + " times the true ones"),
+              std::string::npos)
+        << reason;
+  }
+}
+
+TEST(Plates, ScaleIsHeldAgainstTheDrawings) {
+  const DrawnScale drawn{.distance_mm = 1000, .least_focal_px = 5000, .most_focal_px = 5200};
+  EXPECT_EQ(fault_of_scale(drawn, 1029, 5355), "");
+  EXPECT_EQ(fault_of_scale(drawn, 971, 4851), "");
+  const auto names = [&](double distance, double focal, const std::string& reason) {
+    return fault_of_scale(drawn, distance, focal).find(reason) != std::string::npos;
+  };
+  EXPECT_TRUE(names(1100, 5600, "are likely all 1.10 times the true ones"));
+  EXPECT_TRUE(names(1040, 5200, "are likely all 1.04 times the true ones, or plane_z_mm of --rig is"));
+  EXPECT_TRUE(names(1000, 4500, "--square or the focal length of --rig is likely wrong"));
+  EXPECT_TRUE(names(1100, 4500, "--square or --rig is likely wrong"));
+  EXPECT_TRUE(names(1000, std::nan(""), "--square or the focal length of --rig is likely wrong"));
 }
 
 }  // namespace

@@ -96,6 +96,8 @@ std::string error_of(const Rig& rig, const std::vector<HeightPosition>& position
     return "none";
   } catch (const UserError& error) {
     return error.what();
+  } catch (const CheckFailed& error) {
+    return std::string("check: ") + error.what();
   }
 }
 
@@ -143,6 +145,26 @@ TEST(HeightFit, FindsTheBeltOfACalibratedRig) {
   for (const double height : {0.0, 25.0, 40.0}) {
     EXPECT_LT(greatest_error(hidden, fit.rig, height), 0.01) << height;
   }
+}
+
+// The corrections would take up a factor that all heights have in common.
+TEST(HeightFit, HeightsAllWrongByOneFactorAreRefused) {
+  const HiddenRig hidden(kCase[0]);
+  const Rig calibrated = rig_of(test::distorted_calibration(hidden.believed, kCase[0]), hidden.believed);
+  const auto error = [&](const Rig& rig, double factor) {
+    std::vector<HeightPosition> positions;
+    for (const double height : {0.0, 20.0, 40.0}) {
+      positions.push_back(hidden.position(height));
+      positions.back().height_mm *= factor;
+    }
+    return error_of(rig, positions, {});
+  };
+  EXPECT_EQ(error(hidden.believed, 1), "none");
+  EXPECT_EQ(error(hidden.believed, 1.34).rfind("check: heights: the rig sees 0.7", 0), 0U)
+      << error(hidden.believed, 1.34);
+  EXPECT_EQ(error(calibrated, 1), "none");
+  EXPECT_EQ(error(calibrated, 1.03).rfind("check: heights: the rig sees 0.971 mm for each mm", 0), 0U)
+      << error(calibrated, 1.03);
 }
 
 // A block with treads side by side, moved across the columns.
