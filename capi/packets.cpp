@@ -128,7 +128,8 @@ std::int32_t selfproj_moments_packet(const selfproj_image* image, const selfproj
     fields.last_row = static_cast<std::uint16_t>(how.window.last);
     fields.columns = static_cast<std::uint16_t>(view.columns);
     fields.rows = static_cast<std::uint16_t>(view.rows);
-    fields.first_line = fields.lines = fields.flags = 0;
+    fields.first_line = 1;
+    fields.lines = fields.rows;
     std::vector<std::uint8_t> packet;
     append_packet(fields, payload, 0, packet);
     write_bytes(packet, out, capacity, written);

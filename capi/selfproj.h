@@ -167,8 +167,8 @@ int32_t selfproj_build_packet(const selfproj_header* header, const uint8_t* payl
                               uint32_t status, uint8_t* out, size_t capacity, size_t* written);
 
 /* The whole way of one frame, from the image to the packet that a board sends: moments by `measure`, and a header with
- * it, the image's size and the fields stream, lost, sequence, time_stamp, encoder and pattern of `header`. The image
- * must be one that a board takes. *written and `capacity` as above. */
+ * it, the image's size and the fields stream, lost, sequence, time_stamp, encoder, pattern and flags of `header`. The
+ * image must be one that a board takes. *written and `capacity` as above. */
 int32_t selfproj_moments_packet(const selfproj_image* image, const selfproj_measure* measure,
                                 const selfproj_header* header, uint8_t* out, size_t capacity, size_t* written);
 

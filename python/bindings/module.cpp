@@ -13,6 +13,7 @@
 
 NB_MODULE(_core, module) {
   using namespace selfproj::python;
+  nb::set_leak_warnings(false);  // simulators end their Python without freeing what it holds
   module.doc() = "The compiled part of selfproj. Use selfproj.model and the others.";
   nb::exception<selfproj::UserError>(module, "InputError", PyExc_ValueError).doc() =
       "A file, a device or a setting is wrong. The text names it and says the reason.";

@@ -64,7 +64,8 @@ PacketHeader header_of(PacketHeader header, const ImageView& image, const Measur
   header.last_row = static_cast<std::uint16_t>(measure.window.last);
   header.columns = static_cast<std::uint16_t>(image.columns);
   header.rows = static_cast<std::uint16_t>(image.rows);
-  header.first_line = header.lines = header.flags = 0;
+  header.first_line = 1;
+  header.lines = header.rows;
   return header;
 }
 
@@ -176,7 +177,7 @@ void bind_packets(nb::module_& module) {
              nb::arg("mode") = Mode::grey_over, nb::arg("select") = Select::all, nb::arg("gap") = 0,
              nb::arg("first_row") = 0, nb::arg("last_row") = 0, nb::arg("header") = PacketHeader{},
              "The packet that a board sends for a good frame, uint8. Of the header it takes stream, lost, sequence,\n"
-             "time_stamp, encoder and pattern. Other arguments as those of selfproj.model.moments.");
+             "time_stamp, encoder, pattern and flags. Other arguments as those of selfproj.model.moments.");
 }
 
 }  // namespace selfproj::python

@@ -9,11 +9,13 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "capi/selfproj.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/reference.h"
+#include "model/board.h"
 #include "model/column_runs.h"
 #include "model/gray_decoder.h"
 #include "model/gray_match.h"
@@ -68,26 +70,32 @@ struct Recording {
   ~Recording() { std::filesystem::remove(path); }
 };
 
-// The packet of an image with these results, by the functions of the model.
+// The packet of an image that the model of the whole board sends, with sequence and losses of `header`.
 std::vector<std::uint8_t> packet_of(const selfproj_image& image, const selfproj_measure& measure,
-                                    const selfproj_header& header, Runs results) {
-  PacketHeader fields;
-  fields.kind = spec::kKindMoments;
-  fields.mode = static_cast<std::uint8_t>(measure.mode);
-  fields.threshold = static_cast<std::uint8_t>(measure.threshold);
-  fields.select = static_cast<std::uint8_t>(measure.select);
-  fields.gap = static_cast<std::uint8_t>(measure.gap);
-  fields.first_row = static_cast<std::uint16_t>(measure.first_row);
-  fields.last_row = static_cast<std::uint16_t>(measure.last_row);
-  fields.columns = static_cast<std::uint16_t>(image.columns);
-  fields.rows = static_cast<std::uint16_t>(image.rows);
-  fields.sequence = header.sequence;
-  fields.lost = header.lost;
-  const auto mode = static_cast<Mode>(measure.mode);
-  std::vector<std::uint8_t> payload(moments_payload_bytes(mode, image.columns));
-  pack_columns(static_cast<Select>(measure.select), mode, image.columns, results.view(), payload.data());
+                                    const selfproj_header& header) {
+  BoardPacket sent;
+  BoardModel board([&](BoardPacket&& packet) { sent = std::move(packet); });
+  board.write({.columns = image.columns,
+               .rows = image.rows,
+               .mode = static_cast<Mode>(measure.mode),
+               .threshold = measure.threshold,
+               .select = static_cast<Select>(measure.select),
+               .gap = measure.gap,
+               .window = {measure.first_row, measure.last_row}});
+  BoardInputs inputs{.clock = 100};
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; column += 4) {
+      VideoBeat beat{.start = row == 0 && column == 0, .line_end = column + 4 == image.columns};
+      std::copy_n(image.pixels + row * image.stride + column, 4, beat.pixels.begin());
+      board.beat(inputs, beat);
+      ++inputs.clock;
+    }
+  }
+  sent.header.sequence = header.sequence;
+  sent.header.lost = header.lost;
+  sent.header.time_stamp = header.time_stamp;
   std::vector<std::uint8_t> packet;
-  append_packet(fields, payload, 0, packet);
+  append_packet(sent.header, sent.payload, sent.status, packet);
   return packet;
 }
 
@@ -125,11 +133,11 @@ TEST(CInterface, MomentsAndPackets) {
               SELFPROJ_OK);
     EXPECT_EQ(theirs, ours);
 
-    // The packet that a board would send, by the C++ functions and by the interface.
+    // The packet that a board would send, by the model of the board and by the interface.
     selfproj_header header = sized<selfproj_header>();
     header.sequence = random.bits();
     header.lost = static_cast<std::uint32_t>(random.bits());
-    const std::vector<std::uint8_t> expected = packet_of(image, measure, header, ours);
+    const std::vector<std::uint8_t> expected = packet_of(image, measure, header);
     std::vector<std::uint8_t> packet(expected.size());
     std::size_t written = 0;
     ASSERT_EQ(selfproj_moments_packet(&image, &measure, &header, packet.data(), packet.size(), &written), SELFPROJ_OK);
