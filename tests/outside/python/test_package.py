@@ -325,20 +325,25 @@ class Refusals(Case):
 class Threads(Case):
     def test_others_run_while_a_kernel_runs(self):
         images = self.pixels(60, 200, 2000)
-        done, switches = threading.Event(), [0]
         sys.setswitchinterval(10)  # only a kernel that releases the GIL lets another thread run
         self.addCleanup(sys.setswitchinterval, 0.005)
 
-        def work():
-            model.moments(images, 20)
-            done.set()
+        def times_that_this_thread_ran():
+            done, times = threading.Event(), 0
 
-        worker = threading.Thread(target=work)
-        worker.start()
-        while not done.wait(0.0005):
-            switches[0] += 1
-        worker.join()
-        self.assertGreater(switches[0], 2)
+            def work():
+                model.moments(images, 20)
+                done.set()
+
+            worker = threading.Thread(target=work)
+            worker.start()
+            while not done.wait(0.0005):
+                times += 1
+            worker.join()
+            return times
+
+        # On a busy machine a kernel may end before this thread gets a processor.
+        self.assertTrue(any(times_that_this_thread_ran() > 2 for _ in range(10)))
 
     def test_an_object_with_a_state_is_for_one_thread_at_a_time(self):
         decoder = model.GrayDecoder(1000, 2000, 8)
