@@ -5,6 +5,7 @@
 #include <string>
 
 #include "Vboard.h"
+#include "Vboard_runs.h"
 #include "model/packet.h"
 #include "sim/board/board_device.h"
 #include "sim/board/moments_engine.h"
@@ -17,8 +18,18 @@ class RtlEngine final : public MomentsEngine {
   [[nodiscard]] std::string name() const override { return "rtl"; }
 
   void process(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) override {
+    if (settings.measure.select == Select::strongest) {
+      process_on<Vboard_runs>(frames, settings, out);
+    } else {
+      process_on<Vboard>(frames, settings, out);
+    }
+  }
+
+ private:
+  template <class Model>
+  void process_on(std::span<const ImageView> frames, const MomentsSettings& settings, std::span<Runs> out) {
     const Measure& measure = settings.measure;
-    BoardDevice<Vboard> board;
+    BoardDevice<Model> board;
     std::size_t received = 0;
     std::string problem;
     board.on_packet([&](std::span<const std::uint8_t> bytes) {

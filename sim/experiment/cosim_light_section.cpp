@@ -71,8 +71,11 @@ Rig rig_of(const CosimOptions& options) {
   Measure measure = rig.measure.of_board();
   options.select.apply(measure);
   rig.measure.take(measure);
-  if (measure.select == Select::strongest && options.engine != "model") {
-    throw UserError("--select strongest", "the board of this build has no runs; --engine model has them");
+  if (measure.select == Select::strongest && options.engine == "hls") {
+    throw UserError("--select strongest", "the SystemC shell has no runs; --engine rtl and model have them");
+  }
+  if (measure.select == Select::strongest && !options.trace.empty()) {
+    throw UserError("--select strongest", "the board with waveforms has no runs; leave out --trace");
   }
   rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
   return rig;

@@ -11,6 +11,7 @@
 
 #include "Vboard.h"
 #include "Vboard_hls.h"
+#include "Vboard_runs.h"
 #include "Vboard_scanner.h"
 #include "Vboard_scanner_hls.h"
 #include "Vboard_traced.h"
@@ -151,6 +152,9 @@ class HlsScannerCore final : private DecoderShells, public RtlCore<Vboard_scanne
 std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
   if (options.codes) {
     return std::make_unique<RtlCore<Vboard_scanner>>(options);
+  }
+  if (options.runs) {
+    return std::make_unique<RtlCore<Vboard_runs>>(options);
   }
   if (options.trace_file.empty()) {
     return std::make_unique<RtlCore<Vboard>>(options);

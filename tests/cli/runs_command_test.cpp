@@ -50,8 +50,8 @@ std::string expected_csv(const cv::Mat& image, const Measure& measure) {
 
 class RunsCommand : public ::testing::Test {
  protected:
-  Outcome moments(const std::vector<std::string>& arguments) const {
-    std::vector<std::string> all{"moments", "--out", "out.csv", "--engine", "model"};
+  Outcome moments(const std::vector<std::string>& arguments, const std::string& engine = "model") const {
+    std::vector<std::string> all{"moments", "--out", "out.csv", "--engine", engine};
     all.insert(all.end(), arguments.begin(), arguments.end());
     return run_program(SELFPROJ_SIM_PROGRAM, all, folder_.path());
   }
@@ -82,11 +82,14 @@ TEST_F(RunsCommand, StrongestRunWithGapAndRows) {
        {std::pair{"binary", Mode::binary}, {"grey", Mode::grey}, {"grey-over", Mode::grey_over}}) {
     const Measure measure{
         .mode = mode, .threshold = 170, .select = Select::strongest, .gap = 2, .window = {.first = 4, .last = 27}};
-    const Outcome outcome = moments(
-        {"--select", "strongest", "--gap", "2", "--rows", "4..27", "--mode", name, "--threshold", "170", "a.png"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("strongest, gap 2, rows 4..27"), std::string::npos) << outcome.out;
-    EXPECT_EQ(table(), expected_csv(image, measure));
+    for (const char* engine : {"rtl", "hls", "model"}) {
+      const Outcome outcome = moments(
+          {"--select", "strongest", "--gap", "2", "--rows", "4..27", "--mode", name, "--threshold", "170", "a.png"},
+          engine);
+      EXPECT_EQ(outcome.status, 0) << outcome.err;
+      EXPECT_NE(outcome.out.find("strongest, gap 2, rows 4..27"), std::string::npos) << outcome.out;
+      EXPECT_EQ(table(), expected_csv(image, measure)) << engine;
+    }
   }
   EXPECT_EQ(moments({"--rows", "4..27", "a.png"}).status, 0);
   EXPECT_EQ(table(), expected_csv(image, {.window = {.first = 4, .last = 27}}));
@@ -172,12 +175,12 @@ TEST_F(RunsCommand, LinesLeaveOutAHotPixelAndMarkWhatIsAmbiguous) {
   EXPECT_NE(read_text(folder_ / "all/moments.csv").find("1,8,645,"), std::string::npos);
 }
 
-// The whole way: scene, board model, packets, driver, profiles. A stream of another select is refused.
+// The whole way: scene, board, packets, driver, profiles. A stream of another select is refused.
 TEST_F(RunsCommand, PacketsOfTheStrongestRunAreInspected) {
   const auto run = [&](const std::string& program, const std::vector<std::string>& arguments) {
     return run_program(program, arguments, folder_.path());
   };
-  const Outcome sent = run(SELFPROJ_SIM_PROGRAM, {"cosim", "--engine", "model", "--count", "3", "--select", "strongest",
+  const Outcome sent = run(SELFPROJ_SIM_PROGRAM, {"cosim", "--engine", "rtl", "--count", "3", "--select", "strongest",
                                                   "--gap", "1", "--packets", "p", "--out", "sim"});
   ASSERT_EQ(sent.status, 0) << sent.err;
   EXPECT_NE(sent.out.find("matched 1536 columns in 3 frames, 0 mismatches"), std::string::npos) << sent.out;

@@ -298,6 +298,8 @@ TEST_F(Cosim, WhatIsWrongIsSaidInOneLine) {
   expect_refused({"--packets", "file/packets"}, "file");
   expect_refused({"--count", "2", "--picture-frame", "3", "--out", "out"}, "--picture-frame");
   expect_refused({"--engine", "model", "--trace", "a.fst"}, "--trace");
+  expect_refused({"--select", "strongest", "--engine", "hls"}, "--select strongest");
+  expect_refused({"--select", "strongest", "--trace", "a.fst"}, "--select strongest");
   expect_refused({"--bus-stall", "96"}, "--bus-stall");
 }
 
