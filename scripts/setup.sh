@@ -12,6 +12,7 @@ for_programs=(
   libcli11-dev libfmt-dev libyaml-cpp-dev    # command line, text, rigs
   nlohmann-json3-dev                         # summaries
   libmodbus-dev                              # results for controllers
+  libcpp-httplib-dev libjs-three             # the live page
   pkg-config libaravis-dev libusb-1.0-0-dev  # GigE and USB3 cameras
   libsdl2-dev                                # projectors
 )
@@ -26,6 +27,7 @@ for_tests=(
   clang-14 libclang-rt-14-dev                # fuzzing
   xvfb                                       # a display for the tests of projectors
   tcl                                        # check of the scripts for HLS tools
+  chromium-driver                            # the live page in a browser
   pkg-config dpkg-dev                        # what is installed and packaged is tried
 )
 

@@ -145,9 +145,10 @@ void run_inspect(const InspectOptions& options) {
                                          .max_frames = static_cast<std::size_t>(options.keep)});
   }
   Inspection* const kept = inspection ? &*inspection : nullptr;
+  const StopSignal stop;  // before the line can be seen
   std::optional<LineRun> line;
   if (options.line.any()) {
-    line.emplace(options.line, rig, reference, profiler);
+    line.emplace(options.line, rig, reference, profiler, fmt::format("{}: {}", rig.name, options.device));
   }
 
   InspectionTarget target{.select = options.select.empty() ? std::nullopt : std::optional(select_of(options.select)),
@@ -157,18 +158,19 @@ void run_inspect(const InspectOptions& options) {
   if (line) {
     target.line = &line->line();
     target.more = [&] { return line->text(); };
-    target.seen = [&](const InspectionWork& work, const Counters& counters) { line->seen(work, counters); };
+    target.seen = [&](const InspectionWork& work, const Counters& counters) {
+      line->seen(counters, facts_of(work, counters));
+    };
   }
   InspectionLoop loop(target, rig, profiler);
   const std::unique_ptr<Device> device = open(options, rig);
   const BoardRun board(options.device, options.control, rig.camera, measure_of_rig(rig, options.select));
-  const StopSignal stop;
   loop.run(*device);
 
   const Counters counters = device->counters();
   std::vector<Fact> facts = facts_of(loop.work(), counters);
   if (line) {
-    line->seen(loop.work(), counters);
+    line->seen(counters, facts);
     line->finish();
     const std::vector<Fact> more = line->facts();
     facts.insert(facts.end(), more.begin(), more.end());

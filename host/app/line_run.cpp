@@ -37,21 +37,34 @@ void add_line_options(CLI::App& command, LineOptions& options) {
           "--modbus", options.modbus,
           "Answer Modbus TCP at this port of this machine, or at ADDRESS:PORT, with counters and the last result.")
       ->type_name("PORT");
+  command
+      .add_option("--live", options.live,
+                  "Show the line in a browser at this port of this machine, or at ADDRESS:PORT, which then needs the "
+                  "token that is printed.")
+      ->type_name("PORT");
 }
 
 LineRun::LineRun(const LineOptions& options, const Rig& rig, const ReferenceProfile& reference,
-                 const DifferentialProfiler& profiler)
+                 const DifferentialProfiler& profiler, const std::string& title)
     : options_(options) {
-  if (options.tolerance.empty()) {
+  const bool judges = !options.folder.empty() || !options.modbus.empty();
+  if (options.tolerance.empty() && judges) {
     throw UserError(options.folder.empty() ? "--modbus" : "--parts", "needs --tolerance, by which parts are judged");
   }
-  if (!rig.parts) {
-    throw UserError(rig.name, "has no section `parts`, which says how the stream is cut into parts");
+  if (!options.tolerance.empty()) {
+    if (!rig.parts) {
+      throw UserError(rig.name, "has no section `parts`, which says how the stream is cut into parts");
+    }
+    judge_.emplace(rig, section_of(rig, reference, profiler), load_tolerance(options.tolerance), options.tolerance);
   }
-  judge_.emplace(rig, section_of(rig, reference, profiler), load_tolerance(options.tolerance), options.tolerance);
-  line_.emplace(rig, &*judge_, PartLine::Listeners{.part = [this](const PartResult& result, const PlacedMaps& maps) {
-                  take(result, maps);
-                }});
+  PartLine::Listeners listeners;
+  listeners.part = [this](const PartResult& result, const PlacedMaps& maps) { take(result, maps); };
+  if (!options.live.empty()) {
+    live_.emplace(endpoint_of_text("--live", options.live), rig, title);
+    listeners.profile = [this](const PacketHeader&, const ProfileView& profile) { live_->profile(profile); };
+    fmt::print(stderr, "live page: {}\n", live_->url());
+  }
+  line_.emplace(rig, judge_ ? &*judge_ : nullptr, listeners);
   if (!options.modbus.empty()) {
     modbus_.emplace(endpoint_of_text("--modbus", options.modbus),
                     [this] { return modbus_registers(line_->state(), lost_, line_->heartbeat(), now_ns()); });
@@ -65,13 +78,24 @@ void LineRun::take(const PartResult& result, const PlacedMaps& maps) {
   if (files_) {
     files_->add(result, maps);
   }
+  if (live_) {
+    live_->part(result, maps);
+  }
 }
 
-void LineRun::seen(const InspectionWork& /*work*/, const Counters& counters) {
+void LineRun::seen(const Counters& counters, std::vector<Fact> figures) {
   lost_ = counters.lost_board + counters.lost_ring + counters.lost_network;
+  if (live_) {
+    const std::vector<Fact> more = facts();
+    figures.insert(figures.end(), more.begin(), more.end());
+    live_->seen(figures);
+  }
 }
 
 std::string LineRun::text() const {
+  if (!judge_) {
+    return "";
+  }
   const LineState state = line_->state();
   return fmt::format(", {} parts: {} OK, {} not OK, {} cannot tell", state.parts(), state.verdicts[0],
                      state.verdicts[1], state.verdicts[2]);
@@ -88,7 +112,14 @@ std::vector<Fact> LineRun::facts() const {
   const LineState state = line_->state();
   const DurationHistogram delays = line_->delays();
   const auto ms = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-6; };
-  std::vector<Fact> facts = {
+  std::vector<Fact> facts;
+  if (live_) {
+    facts.push_back({"live_dropped", "pictures dropped for slow browsers", fact_number(live_->dropped())});
+  }
+  if (!judge_) {
+    return facts;
+  }
+  const std::vector<Fact> of_parts = {
       {"parts", "parts", fact_number(state.parts())},
       {"parts_ok", "parts that are OK", fact_number(state.verdicts[0])},
       {"parts_not_ok", "parts that are not OK", fact_number(state.verdicts[1])},
@@ -96,6 +127,7 @@ std::vector<Fact> LineRun::facts() const {
       {"specks", "things shorter than a part", fact_number(state.specks)},
       {"result_delay_p50_ms", "a part's last frame to its result, median", ms(delays.percentile_ns(0.5)), "ms"},
       {"result_delay_p99_ms", "a part's last frame to its result, 99 %", ms(delays.percentile_ns(0.99)), "ms"}};
+  facts.insert(facts.end(), of_parts.begin(), of_parts.end());
   if (files_) {
     facts.push_back({"part_folders", "folders of parts", fact_number(files_->folders())});
     facts.push_back({"part_folders_left_out", "folders left out", fact_number(files_->folders_left_out())});
@@ -104,6 +136,9 @@ std::vector<Fact> LineRun::facts() const {
 }
 
 void LineRun::print() const {
+  if (!judge_) {
+    return;
+  }
   const DurationHistogram delays = line_->delays();
   fmt::print("{}; result after the last frame p50 {}, p99 {}{}\n", text().substr(2),
              time_text(delays.percentile_ns(0.5)), time_text(delays.percentile_ns(0.99)),

@@ -14,6 +14,7 @@
 #include "host/driver/counters.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/reference_profile.h"
+#include "host/line/live_page.h"
 #include "host/line/modbus_server.h"
 #include "host/line/part_files.h"
 #include "host/line/part_line.h"
@@ -28,24 +29,25 @@ struct LineOptions {
   std::string tolerance;  // empty: no parts
   std::uint64_t keep = 1000;
   std::string modbus;
+  std::string live;
 
-  [[nodiscard]] bool any() const { return !folder.empty() || !tolerance.empty() || !modbus.empty(); }
+  [[nodiscard]] bool any() const { return !folder.empty() || !tolerance.empty() || !modbus.empty() || !live.empty(); }
 };
 
-// Adds --tolerance, --parts, --keep-parts and --modbus.
+// Adds --tolerance, --parts, --keep-parts, --modbus and --live.
 void add_line_options(CLI::App& command, LineOptions& options);
 
 class LineRun {
  public:
   // Throws UserError about options, rig, tolerance and ports.
   LineRun(const LineOptions& options, const Rig& rig, const ReferenceProfile& reference,
-          const DifferentialProfiler& profiler);
+          const DifferentialProfiler& profiler, const std::string& title);
 
   // Where the profiles go.
   [[nodiscard]] PartLine& line() { return *line_; }
 
-  // Takes what has been counted so far.
-  void seen(const InspectionWork& work, const Counters& counters);
+  // Takes what has been counted so far, and the figures that stand for it.
+  void seen(const Counters& counters, std::vector<Fact> figures);
 
   // For the line on a terminal: ", 12 parts: 10 OK, ...".
   [[nodiscard]] std::string text() const;
@@ -64,6 +66,7 @@ class LineRun {
   std::atomic<std::uint64_t> lost_{0};
   std::optional<Judge> judge_;
   std::optional<PartFiles> files_;
+  std::optional<LivePage> live_;
   std::optional<PartLine> line_;  // before what asks it
   std::optional<ModbusServer> modbus_;
 };

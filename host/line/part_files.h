@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_HOST_LINE_PART_FILES_H
 #define SELFPROJ_HOST_LINE_PART_FILES_H
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -57,8 +58,8 @@ class PartFiles {
   std::uint64_t most_folders_;
   FileDescriptor lines_;
   FileDescriptor table_;
-  std::uint64_t folders_ = 0;
-  std::uint64_t left_out_ = 0;
+  std::atomic<std::uint64_t> folders_{0};
+  std::atomic<std::uint64_t> left_out_{0};
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Waiting> waiting_;
