@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """run.py [--faults] FOLDER: runs the tests of board_bench.py with cocotb and Icarus. What they make is in FOLDER.
 run.py --golden BUILD FOLDER: runs those of golden_bench.py, which compare with the Python package selfproj; it takes
-its libraries from BUILD. sp_column_moments runs in Icarus and Verilator, sp_board in Icarus: cocotbext-axi sees no
-reset and moves no channel of it in Verilator 5.006.
+its libraries from BUILD. sp_column_moments runs in Icarus and Verilator, sp_board in Icarus alone: in Verilator
+5.006 what cocotb writes to the ports of its buses does not arrive.
 
 With --faults it plants faults in copies of rtl/, one after another, and the test that it names must find each.
 
