@@ -3,6 +3,7 @@
 #include "host/app/accuracy_command.h"
 #include "host/app/board_command.h"
 #include "host/app/calibrate_command.h"
+#include "host/app/capture_command.h"
 #include "host/app/depth_command.h"
 #include "host/app/devices_command.h"
 #include "host/app/images_command.h"
@@ -41,6 +42,7 @@ selfproj rig light-section
         selfproj::add_board_command(app);
         selfproj::add_devices_command(app);
         selfproj::add_project_command(app);
+        selfproj::add_capture_command(app);
         selfproj::add_record_command(app);
         selfproj::add_images_command(app);
         selfproj::add_inspect_command(app);

@@ -110,7 +110,7 @@ class AravisCamera final : public Camera {
  public:
   explicit AravisCamera(const CameraUri& uri)
       : uri_(uri.uri),
-        settings_(with_format(uri.camera)),
+        settings_(with_defaults(uri.camera)),
         format_(*pixel_format(settings_.format)),
         camera_(open_by_name(uri)),
         before_(camera_.get()) {
@@ -200,10 +200,9 @@ class AravisCamera final : public Camera {
   [[nodiscard]] const std::string& uri() const override { return uri_; }
 
  private:
-  static CameraParameters with_format(CameraParameters settings) {
-    if (settings.format.empty()) {
-      settings.format = "Mono8";
-    }
+  static CameraParameters with_defaults(CameraParameters settings) {
+    settings.format = settings.format.empty() ? "Mono8" : settings.format;
+    settings.trigger = settings.trigger.empty() ? "free" : settings.trigger;
     return settings;
   }
 
@@ -344,7 +343,10 @@ class AravisCamera final : public Camera {
     if (status == ARV_BUFFER_STATUS_CLEARED || status == ARV_BUFFER_STATUS_ABORTED) {
       return false;
     }
-    const std::optional<std::uint64_t> number = numbers_.accept(arv_buffer_get_frame_id(held_));
+    // Of an image whose first packet was lost the buffer has the number of an earlier one, or none.
+    const std::optional<std::uint64_t> number = status == ARV_BUFFER_STATUS_SUCCESS
+                                                    ? numbers_.accept(arv_buffer_get_frame_id(held_))
+                                                    : std::optional(numbers_.guess());
     counters_.dropped = numbers_.dropped();
     if (!number) {
       ++counters_.late;
@@ -364,9 +366,11 @@ class AravisCamera final : public Camera {
     image.view = {is_plain(format_) ? raw : pixels_.data(), rows(), columns(), columns()};
     const auto system = static_cast<std::int64_t>(arv_buffer_get_system_timestamp(held_));
     const auto camera = static_cast<std::int64_t>(arv_buffer_get_timestamp(held_));
-    last_time_ = std::max(last_time_, camera != 0 ? camera : system);
+    if (status == ARV_BUFFER_STATUS_SUCCESS) {  // otherwise its times may be old, too
+      last_time_ = std::max(last_time_, camera != 0 ? camera : system);
+    }
     image.time_ns = last_time_;
-    const std::int64_t age = std::max<std::int64_t>(g_get_real_time() * 1000 - system, 0);
+    const std::int64_t age = image.complete ? std::max<std::int64_t>(g_get_real_time() * 1000 - system, 0) : 0;
     image.arrival_ns = now_ns() - age;
     return true;
   }

@@ -35,7 +35,7 @@ struct CameraParameters {
   std::optional<CameraRegion> region;
   std::string format;               // pixel_format.h; empty: Mono8, or for V4L2 the luminance of what it has
   std::optional<Channel> channel;   // where the format has colours
-  std::string trigger = "free";     // free, software, or the name of the camera's input, such as Line1
+  std::string trigger;              // free, software, or the name of the camera's input, such as Line1; empty: free
   std::optional<int> packet_bytes;  // GigE; as the camera has it unless given
   int buffers = 64;                 // images that wait in memory until they are taken
 };

@@ -18,20 +18,29 @@ class FrameNumbers {
   // Returns the count of the image with this number: 0 for the first one. Returns nothing if it is not later than the
   // one before. Adds the numbers left out to dropped().
   std::optional<std::uint64_t> accept(std::uint64_t number) {
-    if (!known_) {
-      known_ = true;
-      newest_ = number;
-      return count_;
+    std::uint64_t left_out = 0;
+    if (known_) {
+      const std::uint64_t step = distance(number);
+      const std::uint64_t half = period_ == 0 ? std::uint64_t{1} << 63U : (period_ + 1) / 2;
+      if (step == 0 || step >= half) {
+        return std::nullopt;
+      }
+      left_out = step > guesses_ + 1 ? step - 1 - guesses_ : 0;
     }
-    const std::uint64_t step = distance(number);
-    const std::uint64_t half = period_ == 0 ? std::uint64_t{1} << 63U : (period_ + 1) / 2;
-    if (step == 0 || step >= half) {
-      return std::nullopt;
-    }
-    dropped_ += step - 1;
-    count_ += step;
+    known_ = true;
     newest_ = number;
-    return count_;
+    guesses_ = 0;
+    dropped_ += left_out;
+    const std::uint64_t count = next_ + left_out;
+    next_ = count + 1;
+    return count;
+  }
+
+  // Returns a count for an image whose number did not come: the next one. The next number that does come tells how many
+  // were left out before and after it.
+  std::uint64_t guess() {
+    ++guesses_;
+    return next_++;
   }
 
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
@@ -50,7 +59,8 @@ class FrameNumbers {
   std::uint64_t first_;
   std::uint64_t period_;
   std::uint64_t newest_ = 0;
-  std::uint64_t count_ = 0;
+  std::uint64_t next_ = 0;     // the next count
+  std::uint64_t guesses_ = 0;  // since the newest number
   std::uint64_t dropped_ = 0;
   bool known_ = false;
 };

@@ -75,7 +75,7 @@ class V4l2Camera final : public Camera {
     if (!capability_of(*port_)) {
       throw UserError(uri_, "gives no images through the interface V4L2");
     }
-    if (settings_.trigger != "free") {
+    if (!settings_.trigger.empty() && settings_.trigger != "free") {
       throw UserError(uri_, "trigger: cameras of V4L2 run free");
     }
     if (settings_.packet_bytes) {

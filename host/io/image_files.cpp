@@ -140,7 +140,8 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   }
   std::vector<std::string> files;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (!entry->path().filename().string().starts_with('.')) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with('.') && name != "capture.json") {
       files.push_back(entry->path().string());
     }
   }

@@ -38,7 +38,8 @@ void check_image_file(const std::string& file);
 // channel.
 Image read_image(const std::string& file, std::optional<Channel> channel);
 
-// The files of a folder in natural order (img2 before img10), without those that begin with a dot. Throws UserError if
+// The files of a folder in natural order (img2 before img10), without those that begin with a dot and without
+// capture.json, the record of a capture. Throws UserError if
 // the folder cannot be read or has no files.
 std::vector<std::string> files_of_folder(const std::string& folder);
 

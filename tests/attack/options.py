@@ -52,6 +52,7 @@ def commands_of(made):
         ("selfproj", "accuracy"): ["--out", "o"],
         ("selfproj", "devices"): [],
         ("selfproj", "project"): ["--seconds", "0.1", frames[0]],
+        ("selfproj", "capture"): ["--camera", "camera:Fake_1", "--patterns", m / "gray", "--out", "o"],
         ("selfproj", "record"): ["--device", f"file:{m}/packets.bin", "--out", "o"],
         ("selfproj", "images"): ["--device", f"file:{m}/codes.bin", "--out", "o"],
         ("selfproj", "board", "info"): ["--device", "bar:bar.bin"],

@@ -66,14 +66,31 @@ TEST(FrameNumbers, GigeLeavesOutZero) {
   EXPECT_EQ(numbers.dropped(), 0U);
 }
 
+// Of incomplete images the number may be lost, too.
+TEST(FrameNumbers, ImagesWithoutANumberAreTheNext) {
+  FrameNumbers numbers(1, 65535);
+  EXPECT_EQ(numbers.guess(), 0U);
+  EXPECT_EQ(numbers.accept(65533), 1U);
+  EXPECT_EQ(numbers.guess(), 2U);
+  EXPECT_EQ(numbers.accept(65535), 3U) << "it was 65534";
+  EXPECT_EQ(numbers.dropped(), 0U);
+  EXPECT_EQ(numbers.guess(), 4U);
+  EXPECT_EQ(numbers.accept(4), 7U) << "of 1 to 3 it was one";
+  EXPECT_EQ(numbers.dropped(), 2U);
+  EXPECT_EQ(numbers.guess(), 8U);
+  EXPECT_EQ(numbers.accept(5), 9U) << "it was none, and the image after it is not held back";
+  EXPECT_EQ(numbers.dropped(), 2U);
+}
+
 // Packs values bit by bit, as the standards draw them.
 Bytes packed(const PixelFormat& format, const std::vector<unsigned>& values) {
   Bytes raw(line_bytes(format, static_cast<int>(values.size())));
   const auto bits = static_cast<std::size_t>(format.bits);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (format.layout == Layout::packed_gige) {
-      const unsigned high = values[i] >> (bits - 8);
-      const unsigned low = values[i] & ((1U << (bits - 8)) - 1);
+      const auto step = static_cast<unsigned>(std::pow(2, format.bits - 8));
+      const unsigned high = values[i] / step;
+      const unsigned low = values[i] % step;
       raw[i / 2 * 3 + (i % 2) * 2] = static_cast<std::uint8_t>(high);
       raw[i / 2 * 3 + 1] |= static_cast<std::uint8_t>(low << (i % 2 * 4));
       continue;

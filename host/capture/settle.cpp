@@ -1,0 +1,144 @@
+#include "host/capture/settle.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/driver/clock.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+constexpr int kFlashes = 16;
+constexpr double kMarginMs = 2;
+constexpr double kJitterMs = 5;    // of the times themselves
+constexpr double kArrived = 0.97;  // of the way from the old grey to the new one
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kFirstWait = 700 * kMillisecond;  // before anything is known
+constexpr std::int64_t kMostDelay = 3000 * kMillisecond;
+constexpr double kLeastContrast = 3;
+
+double milliseconds(std::int64_t ns) { return static_cast<double>(ns) / static_cast<double>(kMillisecond); }
+
+}  // namespace
+
+Settle settle_of(const std::vector<FlashTimes>& flashes) {
+  if (flashes.empty()) {
+    throw std::invalid_argument("settle: no flashes");
+  }
+  double latest_old = 0;
+  double earliest_new = std::numeric_limits<double>::max();
+  double latest_new = 0;
+  for (const FlashTimes& flash : flashes) {
+    latest_old = std::max(latest_old, flash.old_ms);
+    earliest_new = std::min(earliest_new, flash.new_ms);
+    latest_new = std::max(latest_new, flash.new_ms);
+  }
+  const double overlap = std::max(latest_old - earliest_new, 0.0);
+  const bool one_delay = overlap <= kJitterMs;
+  Settle settle{.least_ms = one_delay ? std::min(latest_old, earliest_new) : earliest_new,
+                .most_ms = one_delay ? std::max(latest_old, earliest_new) : latest_new};
+  const double more = one_delay ? 0.1 * settle.most_ms + overlap : settle.most_ms - settle.least_ms;
+  settle.settle_ms = settle.most_ms + std::max(more, kMarginMs);
+  return settle;
+}
+
+WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera) {
+  WhiteAndBlack levels;
+  levels.black = shots.take_after(shots.show(std::uint8_t{0}) + kFirstWait);
+  levels.white = shots.take_after(shots.show(std::uint8_t{255}) + kFirstWait);
+  const double black = mean_grey(levels.black);
+  const double white = mean_grey(levels.white);
+  if (white - black < kLeastContrast) {
+    throw UserError(camera,
+                    fmt::format("sees no light of the projector: its mean grey is {:.1f} under black and {:.1f} "
+                                "under white",
+                                black, white));
+  }
+  return levels;
+}
+
+Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::string& camera) {
+  const double black = mean_grey(levels.black);
+  const double white = mean_grey(levels.white);
+  std::vector<FlashTimes> flashes;
+  std::int64_t interval = 0;  // between two images
+  std::int64_t last = 0;      // when the one before was taken, after its flash
+  for (int i = 0; i < kFlashes; ++i) {
+    const bool to_white = i % 2 == 1;  // white was shown last
+    const double from = to_white ? black : white;
+    const double way = to_white ? white - black : black - white;
+    // Images fall at another part of their interval after each flash, in an order that fills it evenly: triggered ones
+    // by the first trigger, those of a camera that runs free by the flash.
+    const std::int64_t shift = interval * (i * 7 % kFlashes) / kFlashes;
+    shots.wait_until(now_ns() + shift);
+    const std::int64_t shown = shots.show(static_cast<std::uint8_t>(to_white ? 255 : 0));
+    FlashTimes times;
+    std::int64_t next = shown + shift;
+    for (;;) {
+      const double share = (mean_grey(shots.take_after(next)) - from) / way;
+      const std::int64_t after = shots.taken_ns() - shown;
+      if (share >= kArrived) {
+        times.new_ms = milliseconds(after);
+        break;
+      }
+      interval = times.old_ms > 0 && interval == 0 ? after - last : interval;
+      last = after;
+      times.old_ms = milliseconds(after);
+      if (after > kMostDelay) {
+        throw UserError(camera, "the light of the projector does not follow within 3 s; does it show this display?");
+      }
+      next = shots.taken_ns() + 1;
+    }
+    flashes.push_back(times);
+  }
+  return settle_of(flashes);
+}
+
+ExposureCheck check_exposure(const WhiteAndBlack& levels) {
+  constexpr int kLit = 10;
+  constexpr double kMostSaturated = 0.005;
+  constexpr int kShort = 150;
+  constexpr double kWanted = 220;
+  std::array<std::size_t, 256> lit{};
+  std::size_t lit_count = 0;
+  std::size_t saturated = 0;
+  const std::size_t pixels = levels.white.pixels.size();
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const int white = levels.white.pixels[i];
+    saturated += white == 255 ? 1 : 0;
+    if (white - levels.black.pixels[i] >= kLit) {
+      ++lit[static_cast<std::size_t>(white)];
+      ++lit_count;
+    }
+  }
+  const auto share = [&](std::size_t count) { return static_cast<double>(count) / static_cast<double>(pixels); };
+  ExposureCheck check{.saturated = share(saturated), .dark = share(pixels - lit_count)};
+  std::size_t above = 0;
+  int brightest = 255;  // 0.5 % of the lit pixels are above it
+  for (; brightest > 0 && above + lit[static_cast<std::size_t>(brightest)] <= lit_count / 200; --brightest) {
+    above += lit[static_cast<std::size_t>(brightest)];
+  }
+  if (check.saturated > kMostSaturated) {
+    check.factor = 0.5;
+  } else if (lit_count > 0 && brightest < kShort) {
+    check.factor = kWanted / brightest;
+  }
+  return check;
+}
+
+std::string exposure_text(const ExposureCheck& check) {
+  return fmt::format("{:.1f} % of the pixels are saturated under white, {:.1f} % are dark{}", 100 * check.saturated,
+                     100 * check.dark,
+                     !check.factor ? "" : fmt::format("; try {:.2g} times the exposure", *check.factor));
+}
+
+}  // namespace selfproj

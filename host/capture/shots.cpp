@@ -1,0 +1,114 @@
+#include "host/capture/shots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <string>
+#include <thread>
+
+#include "host/driver/clock.h"
+#include "host/io/stop_signal.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr int kMostTries = 20;
+constexpr std::int64_t kPatience = 3000 * kMillisecond;  // for an image; exposures of a camera are shorter
+constexpr std::chrono::milliseconds kLook(20);           // so that Esc and Ctrl-C are noticed
+
+}  // namespace
+
+std::int64_t Shots::show(const Image& pattern, const std::string& name) {
+  projector_.show(pattern, name);
+  return now_ns();
+}
+
+std::int64_t Shots::show(std::uint8_t grey) {
+  projector_.show(grey);
+  return now_ns();
+}
+
+void Shots::check_stopped() {
+  if (projector_.stopped() || StopSignal::came()) {
+    throw Stopped();
+  }
+}
+
+void Shots::wait_until(std::int64_t time_ns) {
+  for (;;) {
+    check_stopped();
+    const std::int64_t rest = time_ns - now_ns();
+    if (rest <= 0) {
+      return;
+    }
+    std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(std::chrono::nanoseconds(rest), kLook));
+  }
+}
+
+// The next image, or false after kPatience.
+bool Shots::next(CameraImage& image) {
+  const std::int64_t end = now_ns() + kPatience;
+  while (now_ns() < end) {
+    check_stopped();
+    if (camera_.next(image, kLook)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool Shots::try_once(std::int64_t time_ns) {
+  CameraImage image;
+  if (triggered_) {
+    wait_until(time_ns);
+    taken_ns_ = now_ns();
+    camera_.trigger();
+    if (!next(image)) {
+      camera_.forget_trigger();
+      ++counters_.missing;
+      return false;
+    }
+  } else {
+    do {
+      if (!next(image)) {
+        throw UserError(camera_.uri(), "gives no images");
+      }
+    } while (image.arrival_ns < time_ns);
+    taken_ns_ = image.arrival_ns;
+  }
+  if (!image.complete) {
+    ++counters_.incomplete;
+    return false;
+  }
+  image_.rows = image.view.rows;
+  image_.columns = image.view.columns;
+  const auto columns = static_cast<std::size_t>(image.view.columns);
+  image_.pixels.resize(static_cast<std::size_t>(image.view.rows) * columns);
+  for (int row = 0; row < image.view.rows; ++row) {
+    std::copy_n(image.view.pixels + row * image.view.stride, columns,
+                image_.pixels.data() + static_cast<std::size_t>(row) * columns);
+  }
+  return true;
+}
+
+const Image& Shots::take_after(std::int64_t time_ns) {
+  for (int i = 0; i < kMostTries; ++i) {
+    if (try_once(time_ns)) {
+      return image_;
+    }
+  }
+  throw UserError(camera_.uri(), fmt::format("{} images in a row did not come whole", kMostTries));
+}
+
+double mean_grey(const Image& image) {
+  const auto sum = std::accumulate(image.pixels.begin(), image.pixels.end(), std::uint64_t{0});
+  return static_cast<double>(sum) / static_cast<double>(image.pixels.size());
+}
+
+}  // namespace selfproj

@@ -1,0 +1,184 @@
+// Tests captures live: a GigE camera of Aravis looks at a scene that a virtual display lights.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/rig/rig.h"
+#include "sim/scene/pattern_set.h"
+#include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
+#include "tests/cli/program.h"
+#include "tests/host/camera/gige_camera.h"
+#include "tests/host/capture/live_world.h"
+#include "tests/support/virtual_screen.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr int kBits = 7;  // of 96 lines
+
+class LiveCapture : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!VirtualScreen::installed()) {
+      GTEST_SKIP() << "Xvfb is not installed";
+    }
+    if (!enter_own_network()) {
+      GTEST_SKIP() << "this system allows no network of one's own";
+    }
+    screen_ = std::make_unique<VirtualScreen>(rig_.projector.columns, rig_.projector.lines, screen_folder_.path());
+    scene_ = make_scene("desk", rig_);
+    write_text(folder_ / "small.yaml", to_yaml(rig_));
+    std::filesystem::create_directory(folder_ / "gray");
+    patterns_ = gray_patterns(rig_.projector, kBits);
+    for (std::size_t i = 0; i < patterns_.size(); ++i) {
+      write_text(folder_ / "gray" / ("pattern_" + std::to_string(i) + ".png"), encode_png(patterns_[i]));
+    }
+  }
+
+  void look(const WorldFaults& faults) { world_ = std::make_unique<LiveWorld>(rig_, *scene_, *screen_, faults); }
+
+  Outcome run(const std::vector<std::string>& arguments) {
+    return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
+  }
+
+  Outcome capture(const std::string& settings = "") {
+    return run(
+        {"capture", "--camera", "camera:127.0.0.1?region=64x64" + settings, "--patterns", "gray", "--out", "seen"});
+  }
+
+  Rig rig_ = small_scanner();
+  std::unique_ptr<Scene> scene_;
+  std::vector<Image> patterns_;
+  ScratchFolder screen_folder_;
+  ScratchFolder folder_;
+  std::unique_ptr<VirtualScreen> screen_;
+  std::unique_ptr<LiveWorld> world_;
+};
+
+// How far depths are from the truth.
+struct Errors {
+  std::size_t pixels = 0;
+  double median_mm = 0;
+};
+
+Errors errors_of(const std::filesystem::path& file, const std::vector<float>& truth) {
+  const FloatImage z = read_float_tiff(file.string());
+  std::vector<double> off;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (!std::isnan(z.values[i]) && !std::isnan(truth[i])) {
+      off.push_back(std::abs(static_cast<double>(z.values[i]) - static_cast<double>(truth[i])));
+    }
+  }
+  std::sort(off.begin(), off.end());
+  return {off.size(), off.empty() ? 0 : off[off.size() / 2]};
+}
+
+double mean_difference(const Image& a, const Image& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    sum += std::abs(a.pixels[i] - b.pixels[i]);
+  }
+  return sum / static_cast<double>(a.pixels.size());
+}
+
+TEST_F(LiveCapture, DepthThroughRandomDelaysAndLostPackets) {
+  look({.least_delay_ms = 0, .most_delay_ms = 120, .lost = 0.005});
+  const Outcome captured = capture();
+  ASSERT_EQ(captured.status, 0) << captured.err;
+  const auto record = nlohmann::json::parse(read_text(folder_ / "seen" / "capture.json"));
+  EXPECT_EQ(record["trigger"], "software");
+  EXPECT_GE(record["settle_ms"], 120.0) << captured.out;
+  ASSERT_EQ(record["images"].size(), patterns_.size());
+  EXPECT_EQ(record["images"][13]["image"], "image_0014.png");
+  EXPECT_EQ(record["images"][13]["pattern"], "pattern_13.png");
+  // The recorded route: the same images by the renderer, without display, camera and network.
+  std::filesystem::create_directory(folder_ / "recorded");
+  std::vector<Image> recorded;
+  for (std::size_t i = 0; i < patterns_.size(); ++i) {
+    recorded.push_back(world_->image_under(patterns_[i]));
+    write_text(folder_ / "recorded" / ("image_" + std::to_string(i) + ".png"), encode_png(recorded.back()));
+  }
+  for (std::size_t i = 0; i < recorded.size(); ++i) {
+    const Image seen =
+        read_image((folder_ / "seen" / record["images"][i]["image"].get<std::string>()).string(), std::nullopt);
+    for (std::size_t k = 0; k < recorded.size(); ++k) {
+      const double off = mean_difference(seen, recorded[k]);
+      EXPECT_EQ(off < 4, k == i) << "image " << i << " under pattern " << k << ": " << off;
+    }
+  }
+  const std::string bits = std::to_string(kBits);
+  ASSERT_EQ(run({"depth", "--rig", "small.yaml", "--bits", bits, "--out", "live", "seen"}).status, 0);
+  ASSERT_EQ(run({"depth", "--rig", "small.yaml", "--bits", bits, "--out", "known", "recorded"}).status, 0);
+  const Errors live = errors_of(folder_ / "live" / "depth.tiff", world_->truth());
+  const Errors known = errors_of(folder_ / "known" / "depth.tiff", world_->truth());
+  EXPECT_GT(known.pixels, 2000U);
+  EXPECT_NEAR(static_cast<double>(live.pixels), static_cast<double>(known.pixels), 40);
+  EXPECT_NEAR(live.median_mm, known.median_mm, 0.02 * known.median_mm);
+}
+
+// The camera runs free: the fake one takes a triggered image up to 40 ms after the trigger, so that there the truth is
+// not known.
+TEST_F(LiveCapture, SettleTimeIsFoundWithinTenMilliseconds) {
+  look({.least_delay_ms = 70, .most_delay_ms = 70, .gain = 3});
+  const Outcome captured = capture("&trigger=free&rate=100&exposure-us=1000");
+  ASSERT_EQ(captured.status, 0) << captured.err;
+  const auto record = nlohmann::json::parse(read_text(folder_ / "seen" / "capture.json"));
+  const double truth = 70 + world_->look_ms();  // at most
+  EXPECT_LE(record["delay_least_ms"], truth + 10);
+  EXPECT_GE(record["delay_most_ms"], 70.0);
+  EXPECT_LE(record["delay_most_ms"], truth + 10);
+  EXPECT_NE(captured.out.find("; try 0.5 times the exposure\n"), std::string::npos) << captured.out;
+}
+
+// Whatever ends a capture, there is one line, nothing is written, and the display is black again.
+TEST_F(LiveCapture, CtrlCAndADisplayThatGoesLeaveNothing) {
+  look({});
+  const std::vector<std::string> before = folder_.names();
+  const std::vector<std::string> words = {"capture",    "--camera", "camera:127.0.0.1?region=64x64",
+                                          "--patterns", "gray",     "--settle-ms",
+                                          "300",        "--out",    "seen"};
+  std::vector<std::string> timed = {"--preserve-status", "-s", "INT", "3", SELFPROJ_PROGRAM};
+  timed.insert(timed.end(), words.begin(), words.end());
+  const Outcome stopped = run_program("/usr/bin/timeout", timed, folder_.path());
+  EXPECT_EQ(stopped.status, 1);
+  EXPECT_EQ(stopped.err, "selfproj: seen: stopped before the end, and nothing is written\n");
+  EXPECT_EQ(folder_.names(), before);
+  const std::vector<std::uint8_t> shown = screen_->picture();
+  EXPECT_EQ(std::count(shown.begin(), shown.end(), 0), static_cast<std::ptrdiff_t>(shown.size()));
+
+  std::thread unplug([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+    screen_->end();
+  });
+  const Outcome unplugged = run(words);
+  unplug.join();
+  EXPECT_NE(unplugged.status, 0);
+  EXPECT_EQ(std::count(unplugged.err.begin(), unplugged.err.end(), '\n'), 1) << unplugged.err;
+  EXPECT_EQ(folder_.names(), before);
+}
+
+TEST_F(LiveCapture, ACameraThatDoesNotSeeTheProjector) {
+  look({.gain = 0});
+  const Outcome blind = capture();
+  EXPECT_EQ(blind.status, 2);
+  EXPECT_EQ(blind.err,
+            "selfproj: camera:127.0.0.1: sees no light of the projector: its mean grey is 0.0 under black and 0.0 "
+            "under white\n");
+}
+
+}  // namespace
+}  // namespace selfproj::test

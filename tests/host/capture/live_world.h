@@ -1,0 +1,165 @@
+// A world for live captures: a GigE camera of Aravis looks at a scene that the pattern of a virtual display lights.
+// Nothing here knows the code under test: the camera is on a network, and the pattern is read from the frame buffer.
+#ifndef SELFPROJ_TESTS_HOST_CAPTURE_LIVE_WORLD_H
+#define SELFPROJ_TESTS_HOST_CAPTURE_LIVE_WORLD_H
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host/io/image_files.h"
+#include "host/rig/rig.h"
+#include "sim/scene/pattern_renderer.h"
+#include "sim/scene/projected_light.h"
+#include "sim/scene/real_rig.h"
+#include "sim/scene/scene.h"
+#include "tests/host/camera/gige_camera.h"
+#include "tests/support/random_cases.h"
+#include "tests/support/virtual_screen.h"
+
+namespace selfproj::test {
+
+// Rig B with an eighth of the pixels along each side.
+inline Rig small_scanner() {
+  Rig rig = load_rig("scanner");
+  rig.camera.rows = 64;
+  rig.camera.columns = 64;
+  rig.camera.pixel_pitch_mm *= 8;
+  rig.projector.lines = 96;
+  rig.projector.columns = 128;
+  rig.projector.line_pitch_mm *= 8;
+  rig.projector.column_pitch_mm *= 8;
+  rig.measure.max_z_per_line_mm *= 8;
+  return rig;
+}
+
+// How the projector and the network behave.
+struct WorldFaults {
+  int least_delay_ms = 0;  // from the frame buffer to the light, at random for each picture
+  int most_delay_ms = 0;
+  double lost = 0;  // share of network packets
+  double gain = 1;  // of the camera
+  std::uint64_t seed = 1;
+};
+
+class LiveWorld {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  LiveWorld(const Rig& rig, const Scene& scene, const VirtualScreen& screen, const WorldFaults& faults)
+      : rig_(rig),
+        real_(rig),
+        renderer_(real_, scene, {}, 1),
+        screen_(screen),
+        faults_(faults),
+        random_(faults.seed),
+        look_([this] { look(); }),
+        camera_([this](const Picture& picture) { draw(picture); }, faults.lost) {}
+  LiveWorld(const LiveWorld&) = delete;
+  LiveWorld& operator=(const LiveWorld&) = delete;
+  ~LiveWorld() {
+    done_ = true;
+    look_.join();
+  }
+
+  // z in mm of what each pixel sees.
+  [[nodiscard]] std::vector<float> truth() const {
+    std::vector<float> z(rig_.camera.pixels());
+    renderer_.depth(0, z);
+    return z;
+  }
+
+  // How late this world noticed a picture at most, by the longest time between two looks.
+  [[nodiscard]] double look_ms() const { return look_ms_; }
+
+  // The image under a pattern, without display, camera and network.
+  [[nodiscard]] Image image_under(const Image& pattern) const {
+    Image image{rig_.camera.rows, rig_.camera.columns, std::vector<std::uint8_t>(rig_.camera.pixels())};
+    renderer_.render(0, project_image(rig_, pattern, renderer_.options()), std::span(image.pixels));
+    return image;
+  }
+
+ private:
+  struct Shown {
+    Clock::time_point lit;
+    std::vector<std::uint8_t> pixels;
+  };
+
+  // Notes every new picture on the display, and when it will be light.
+  void look() {
+    std::vector<std::uint8_t> last;
+    Clock::time_point newest = Clock::now();
+    Clock::time_point before = Clock::now();
+    while (!done_) {
+      const std::chrono::duration<double, std::milli> since = Clock::now() - std::exchange(before, Clock::now());
+      look_ms_ = std::max(look_ms_.load(), since.count());
+      std::vector<std::uint8_t> now = screen_.picture();
+      if (now != last && now == screen_.picture()) {  // no picture that is just being drawn
+        const std::chrono::milliseconds delay(random_.between(faults_.least_delay_ms, faults_.most_delay_ms));
+        newest = std::max(newest, Clock::now() + delay);
+        last = now;
+        const std::lock_guard lock(mutex_);
+        shown_.push_back({newest, std::move(now)});
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
+  void draw(const Picture& picture) {
+    if (picture.rows != rig_.camera.rows || picture.columns != rig_.camera.columns) {
+      std::fill_n(picture.pixels, picture.rows * picture.columns, std::uint8_t{0});
+      return;
+    }
+    bool changed = false;
+    {
+      const std::lock_guard lock(mutex_);
+      while (shown_.size() > 1 && shown_[1].lit <= Clock::now()) {
+        shown_.pop_front();
+      }
+      changed = !shown_.empty() && light_pixels_ != shown_.front().pixels && shown_.front().lit <= Clock::now();
+      if (changed) {
+        light_pixels_ = shown_.front().pixels;
+      }
+    }
+    if (changed || !light_) {
+      Image pattern{rig_.projector.lines, rig_.projector.columns, light_pixels_};
+      pattern.pixels.resize(static_cast<std::size_t>(pattern.rows) * static_cast<std::size_t>(pattern.columns));
+      light_ = std::make_unique<ProjectedLight>(project_image(rig_, pattern, renderer_.options()));
+    }
+    const std::span<std::uint8_t> pixels(picture.pixels, rig_.camera.pixels());
+    renderer_.render(static_cast<int>(picture.number % 100'000), *light_, pixels);
+    if (faults_.gain != 1) {
+      for (std::uint8_t& pixel : pixels) {
+        pixel = static_cast<std::uint8_t>(std::min(255.0, pixel * faults_.gain));
+      }
+    }
+  }
+
+  Rig rig_;
+  RealRig real_;
+  PatternRenderer renderer_;
+  const VirtualScreen& screen_;
+  WorldFaults faults_;
+  Random random_;
+  std::mutex mutex_;
+  std::deque<Shown> shown_;
+  std::vector<std::uint8_t> light_pixels_;  // only the camera's thread
+  std::unique_ptr<ProjectedLight> light_;
+  std::atomic<bool> done_ = false;
+  std::atomic<double> look_ms_ = 0;
+  std::thread look_;
+  GigeCamera camera_;
+};
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_HOST_CAPTURE_LIVE_WORLD_H
