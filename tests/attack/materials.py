@@ -20,6 +20,20 @@ JPEG = base64.b64decode(
 EXIF_TURNED = b"\xff\xe1\0\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
 
 
+# How a light section is cut into parts.
+PARTS = """parts:
+  cut: trigger
+  belt: clock
+  grid_mm: 5
+  above_mm: 0
+  min_width_mm: 0
+  gap_mm: 1
+  pause_ms: 5
+  min_length_mm: 0
+  length_mm: 100
+"""
+
+
 def line_rows(columns=64, rows=16, shift=0.0):
     """A line of light, row by row."""
     image = []
@@ -221,6 +235,7 @@ def make(attacker, folder):
     (folder / "curve.csv").write_text("y_mm,z_mm\n-200,1167\n-2,1166\n2,1166\n200,1167\n")
     (folder / "calibration.yaml").write_text(CALIBRATION)
     (folder / "rig.yaml").write_text(with_values(run("selfproj", "rig", "light-section"), SMALL))
+    (folder / "parts.yaml").write_text((folder / "rig.yaml").read_text() + PARTS)
     (folder / "quarter.yaml").write_text(quarter(run("selfproj", "rig", "scanner")))
     (folder / "scanner.yaml").write_text(with_values(run("selfproj", "rig", "scanner"), SMALL_SCANNER))
     run("selfproj-sim", "board", "--line", "64x16", "--line-frames", "20", "--record", "packets.bin")

@@ -29,6 +29,9 @@ def commands_of(made):
     return {
         ("selfproj", "rig"): [m / "rig.yaml"],
         ("selfproj", "inspect"): ["--device", f"file:{m}/packets.bin", "--rig", m / "rig.yaml", "--out", "o"],
+        ("selfproj", "tolerance", "learn"): [
+            "--device", f"file:{m}/packets.bin", "--rig", m / "parts.yaml", "--out", "o"
+        ],
         ("selfproj", "depth"): ["--rig", m / "scanner.yaml", "--bits", "2", "--out", "o", *seen],
         ("selfproj", "match"): ["--rig", m / "scanner.yaml", "--reference", m / "stripes", "--out", "o", *seen],
         ("selfproj", "pattern"): ["--rig", m / "rig.yaml", "--reference", m / "curve.csv", "--out", "o"],
