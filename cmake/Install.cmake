@@ -105,7 +105,7 @@ set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
 get_property(selfproj_codecs GLOBAL PROPERTY SELFPROJ_IMAGE_CODECS)
 string(REGEX REPLACE "^libopencv_imgcodecs[.]so[.]" "libopencv-imgcodecs" selfproj_codecs "${selfproj_codecs}")
-set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "${selfproj_codecs}")  # is loaded, not linked
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "${selfproj_codecs}, libsdl2-2.0-0")  # are loaded, not linked
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libselfproj-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS ON)
