@@ -253,6 +253,10 @@ def make(attacker, folder):
     run("selfproj", "pattern", "gray", "--rig", "quarter.yaml", "--out", "quarter")
     run("selfproj-sim", "capture", "--rig", "quarter.yaml", "--patterns", "quarter", "--chessboard", "6x5", "--square",
         "30", "--poses", "2", "--out", "chess")
+    (folder / "white").mkdir()
+    (folder / "white" / "pattern.png").write_bytes((folder / "quarter" / "pattern_32.png").read_bytes())
+    run("selfproj-sim", "capture", "--rig", "quarter.yaml", "--patterns", "white", "--chessboard", "6x5", "--square",
+        "30", "--poses", "4", "--out", "views")
     plate = run("selfproj", "rig", "light-section").replace("  columns: 512\n", "  columns: 64\n", 1)
     (folder / "plate.yaml").write_text(plate)
     for height in (0, 10, 20):

@@ -45,7 +45,7 @@ def commands_of(made):
         ],
         ("selfproj", "calibrate", "camera"): [
             "--chessboard", "6x5", "--square", "30", "--out", "o", *(sorted(pose.iterdir())[0] for pose in
-                                                                    sorted((m / "chess").glob("pose_*")))
+                                                                    sorted((m / "views").glob("pose_*")))
         ],
         ("selfproj", "lines"): ["--threshold", "60", "--out", "o", *frames],
         ("selfproj", "calibrate", "heights"): [
