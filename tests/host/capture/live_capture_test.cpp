@@ -151,7 +151,8 @@ TEST_F(LiveCapture, CtrlCAndADisplayThatGoesLeaveNothing) {
   const std::vector<std::string> words = {"capture",    "--camera", "camera:127.0.0.1?region=64x64",
                                           "--patterns", "gray",     "--settle-ms",
                                           "300",        "--out",    "seen"};
-  std::vector<std::string> timed = {"--preserve-status", "-s", "INT", "3", SELFPROJ_PROGRAM};
+  // Without --foreground the signal goes to the group, too, and the program gets it twice.
+  std::vector<std::string> timed = {"--foreground", "--preserve-status", "-s", "INT", "3", SELFPROJ_PROGRAM};
   timed.insert(timed.end(), words.begin(), words.end());
   const Outcome stopped = run_program("/usr/bin/timeout", timed, folder_.path());
   EXPECT_EQ(stopped.status, 1);
