@@ -47,10 +47,10 @@ def message_of(read):
 class Line:
     """A board that repeats the parts, and `selfproj inspect` with the page."""
 
-    def __init__(self, folder, out, port, address="127.0.0.1", more=()):
+    def __init__(self, folder, out, port, address="127.0.0.1", more=(), rate=1500):
         self.port = port
         self.board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--replay", "run.packets", "--ring", RING,
-                                       "--rate", "1500", "--loop"], cwd=folder, stdout=subprocess.DEVNULL)
+                                       "--rate", str(rate), "--loop"], cwd=folder, stdout=subprocess.DEVNULL)
         self.host = subprocess.Popen([PROGRAMS / "selfproj", "inspect", "--rig", "rig.yaml", "--device",
                                       "ring:" + RING, "--wait-for-board", "--tolerance", "tolerance.yaml", "--parts",
                                       out, "--json", out + ".json", "--live", f"{address}:{port}", *more],
@@ -242,11 +242,11 @@ class Browser(Made):
             self.assertEqual(row[2:5], [f"{part['placement'][k] + 0.0:.3f}" for k in ("length_mm", "across_mm",
                                                                                       "turn_deg")])
             self.assertEqual(row[5], str(len(part["defects"])))
-        again = Line(self.folder, "again", line.port)
+        again = Line(self.folder, "again", line.port, rate=150)  # its parts stay few until the page is back
         self.addCleanup(lambda: again.host.poll() is None and again.stop())
         self.wait_for("const r = document.querySelector('#parts tbody tr td');"
                       "return document.getElementById('connection').textContent === 'connected'"
-                      f" && r && Number(r.textContent) < {min(int(r[0]) for r in shown) + 3}", "not connected again")
+                      f" && r && Number(r.textContent) < {max(int(r[0]) for r in shown)}", "not connected again")
         again.stop()
         # No error but that of the time without a program, and nothing from elsewhere.
         errors = [entry for entry in self.in_session("POST", "/se/log", {"type": "browser"})
