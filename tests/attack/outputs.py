@@ -59,8 +59,8 @@ def outputs_onto_inputs(made):
     ], ["heights.tiff"])
 
 
-# Good calls of these need a screen, which is not everywhere.
-OF_A_BENCH = {("selfproj", "project"), ("selfproj", "capture")}
+# Their calls do not end well with the materials: a screen is not everywhere, and the materials have no good parts.
+NO_GOOD_CALL = {("selfproj", "project"), ("selfproj", "capture"), ("selfproj", "tolerance", "learn")}
 
 
 class Outputs:
@@ -81,7 +81,7 @@ class Outputs:
                 continue
             self.attacker.case("output onto input", f"case {number}: {' '.join(map(str, case[1][:3]))}",
                                self.onto_input, *case)
-        known = [(command, name) for command in self.commands if command not in OF_A_BENCH
+        known = [(command, name) for command in self.commands if command not in NO_GOOD_CALL
                  for name in self.inputs_of(command)]
         for command, name in known if pairs >= len(known) else self.random.sample(known, pairs):
             self.attacker.case("output onto input", f"{' '.join(command)}: {name}", self.onto_any, command, name)
