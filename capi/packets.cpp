@@ -7,6 +7,7 @@
 
 #include "capi/convert.h"
 #include "capi/errors.h"
+#include "model/board.h"
 #include "model/packet.h"
 #include "model/packet_payload.h"
 
@@ -113,25 +114,8 @@ std::int32_t selfproj_moments_packet(const selfproj_image* image, const selfproj
     const ImageView view = image_of(image);
     require(view.columns % spec::kPixelsPerBeat == 0 && view.columns <= spec::kMaxColumns,
             "image: columns are not a multiple of 4 up to 2048");
-    PacketHeader fields = header_of(header);
-    Runs runs;
-    runs.resize(how.select, view.columns);
-    measure_columns(view, how, runs.view());
-    std::vector<std::uint8_t> payload(moments_payload_bytes(how.mode, view.columns));
-    pack_columns(how.select, how.mode, view.columns, runs.view(), payload.data());
-    fields.kind = spec::kKindMoments;
-    fields.mode = static_cast<std::uint8_t>(how.mode);
-    fields.threshold = static_cast<std::uint8_t>(how.threshold);
-    fields.select = static_cast<std::uint8_t>(how.select);
-    fields.gap = static_cast<std::uint8_t>(how.gap);
-    fields.first_row = static_cast<std::uint16_t>(how.window.first);
-    fields.last_row = static_cast<std::uint16_t>(how.window.last);
-    fields.columns = static_cast<std::uint16_t>(view.columns);
-    fields.rows = static_cast<std::uint16_t>(view.rows);
-    fields.first_line = 1;
-    fields.lines = fields.rows;
     std::vector<std::uint8_t> packet;
-    append_packet(fields, payload, 0, packet);
+    append_moments_packet(view, how, header_of(header), packet);
     write_bytes(packet, out, capacity, written);
     return SELFPROJ_OK;
   });

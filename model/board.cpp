@@ -87,17 +87,8 @@ PacketHeader BoardModel::header(std::uint8_t kind) const {
   header.sequence = next_sequence_ - 1;
   header.time_stamp = inputs_.clock;
   header.encoder = inputs_.encoder;
-  header.columns = static_cast<std::uint16_t>(settings_.columns);
-  header.rows = static_cast<std::uint16_t>(settings_.rows);
   header.pattern = inputs_.pattern;
-  header.mode = static_cast<std::uint8_t>(settings_.mode);
-  header.threshold = static_cast<std::uint8_t>(settings_.threshold);
-  header.select = static_cast<std::uint8_t>(settings_.select);
-  header.gap = static_cast<std::uint8_t>(settings_.gap);
-  header.first_row = static_cast<std::uint16_t>(settings_.window.first);
-  header.last_row = static_cast<std::uint16_t>(settings_.window.last);
-  header.first_line = 1;
-  header.lines = header.rows;
+  describe_frame(header, settings_.rows, settings_.columns, settings_.measure());
   header.flags = stray_before_ ? spec::kFlagStrayBefore : 0;
   return header;
 }
@@ -212,17 +203,24 @@ void BoardModel::end_frame(std::uint32_t status) {
     const RunsView view = runs.view();
     const ImageView image{
         .pixels = pixels_.data(), .rows = settings_.rows, .columns = complete, .stride = settings_.columns};
-    const Measure measure{.mode = settings_.mode,
-                          .threshold = settings_.threshold,
-                          .select = settings_.select,
-                          .gap = settings_.gap,
-                          .window = settings_.window};
-    measure_columns(image, measure, view);  // the other columns are 0
+    measure_columns(image, settings_.measure(), view);  // the other columns are 0
     packet.payload.resize(moments_payload_bytes(settings_.mode, settings_.columns));
     pack_columns(settings_.select, settings_.mode, settings_.columns, view, packet.payload.data());
   }
   packet.header.payload_size = static_cast<std::uint32_t>(packet.payload.size());
   sink_(std::move(packet));
+}
+
+void append_moments_packet(const ImageView& image, const Measure& measure, PacketHeader header,
+                           std::vector<std::uint8_t>& out) {
+  Runs runs;
+  runs.resize(measure.select, image.columns);
+  measure_columns(image, measure, runs.view());
+  std::vector<std::uint8_t> payload(moments_payload_bytes(measure.mode, image.columns));
+  pack_columns(measure.select, measure.mode, image.columns, runs.view(), payload.data());
+  header.kind = spec::kKindMoments;
+  describe_frame(header, image.rows, image.columns, measure);
+  append_packet(header, payload, 0, out);
 }
 
 }  // namespace selfproj

@@ -37,6 +37,11 @@ struct BoardSettings {
   int code_threshold = 5;  // 0..255
   // Clocks without a beat after which an open frame ends; 0 = never. A new value counts at once.
   int timeout = 0;
+
+  // What the moments measure.
+  [[nodiscard]] Measure measure() const {
+    return {.mode = mode, .threshold = threshold, .select = select, .gap = gap, .window = window};
+  }
 };
 
 // One beat of the camera: four pixels, leftmost first.
@@ -136,6 +141,11 @@ class BoardModel {
   int last_codes_columns_ = -1;        // columns of that frame; -1 = there was none
   std::uint64_t abandoned_ = 0;
 };
+
+// Appends the good packet of the moments of `image`, as the board sends it. Its columns are a multiple of 4. Of
+// `header` counts what describe_frame, kind and payload_size do not say.
+void append_moments_packet(const ImageView& image, const Measure& measure, PacketHeader header,
+                           std::vector<std::uint8_t>& out);
 
 }  // namespace selfproj
 

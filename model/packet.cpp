@@ -277,6 +277,19 @@ void append_packet(const PacketHeader& header, std::span<const std::uint8_t> pay
   store_little_endian(trailer + spec::kTrailerCheck, check_of(packet, size));
 }
 
+void describe_frame(PacketHeader& header, int rows, int columns, const Measure& measure) {
+  header.rows = static_cast<std::uint16_t>(rows);
+  header.columns = static_cast<std::uint16_t>(columns);
+  header.mode = static_cast<std::uint8_t>(measure.mode);
+  header.threshold = static_cast<std::uint8_t>(measure.threshold);
+  header.select = static_cast<std::uint8_t>(measure.select);
+  header.gap = static_cast<std::uint8_t>(measure.gap);
+  header.first_row = static_cast<std::uint16_t>(measure.window.first);
+  header.last_row = static_cast<std::uint16_t>(measure.window.last);
+  header.first_line = 1;
+  header.lines = header.rows;
+}
+
 PacketError parse_packet(std::span<const std::uint8_t> bytes, PacketView& out) {
   if (bytes.size() < spec::kHeaderBytes) {
     return PacketError::too_short;

@@ -109,6 +109,9 @@ std::uint32_t check_word(std::span<const std::uint8_t> packet);
 void append_packet(const PacketHeader& header, std::span<const std::uint8_t> payload, std::uint32_t status,
                    std::vector<std::uint8_t>& out);
 
+// Writes into `header` the size of a frame, how its columns are measured, and that the packet has all its lines.
+void describe_frame(PacketHeader& header, int rows, int columns, const Measure& measure);
+
 // Looks for a packet at the beginning of `bytes`, which may hold more. Never reads beyond them; allocates nothing and
 // throws nothing. Writes `out` only if it returns PacketError::none.
 PacketError parse_packet(std::span<const std::uint8_t> bytes, PacketView& out);

@@ -17,14 +17,7 @@ namespace {
 PacketHeader header_of(const BoardSettings& settings) {
   PacketHeader header;
   header.stream = static_cast<std::uint8_t>(settings.stream);
-  header.columns = static_cast<std::uint16_t>(settings.columns);
-  header.rows = static_cast<std::uint16_t>(settings.rows);
-  header.mode = static_cast<std::uint8_t>(settings.mode);
-  header.threshold = static_cast<std::uint8_t>(settings.threshold);
-  header.select = static_cast<std::uint8_t>(settings.select);
-  header.gap = static_cast<std::uint8_t>(settings.gap);
-  header.first_row = static_cast<std::uint16_t>(settings.window.first);
-  header.last_row = static_cast<std::uint16_t>(settings.window.last);
+  describe_frame(header, settings.rows, settings.columns, settings.measure());
   return header;
 }
 
@@ -44,13 +37,7 @@ void check_settings(const BoardSettings& settings) {
 }  // namespace
 
 SoftwareBoard::SoftwareBoard(const BoardSettings& settings)
-    : settings_(settings),
-      measure_{.mode = settings.mode,
-               .threshold = settings.threshold,
-               .select = settings.select,
-               .gap = settings.gap,
-               .window = settings.window},
-      header_(header_of(settings)) {
+    : settings_(settings), measure_(settings.measure()), header_(header_of(settings)) {
   check_settings(settings);
   runs_.resize(settings.select, settings.columns);
   const auto rows = static_cast<std::size_t>(settings.rows);
@@ -99,8 +86,6 @@ void SoftwareBoard::take(const ImageView& image, bool complete, std::uint64_t se
   const bool codes = decode(image, complete, inputs.pattern);
   if (!complete) {
     header.kind = spec::kKindMoments;
-    header.first_line = 1;
-    header.lines = header.rows;
     send(header, 0, spec::kStatusIncomplete);
     return;
   }
@@ -138,8 +123,6 @@ void SoftwareBoard::send_moments(const ImageView& image, const PacketHeader& hea
   pack_columns(measure_.select, measure_.mode, image.columns, view, payload_.data());
   PacketHeader moments = header;
   moments.kind = spec::kKindMoments;
-  moments.first_line = 1;
-  moments.lines = moments.rows;
   send(moments, moments_payload_bytes(measure_.mode, image.columns), 0);
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "model/board.h"
 #include "model/packet.h"
 #include "model/packet_payload.h"
 #include "python/bindings/arrays.h"
@@ -53,22 +54,6 @@ Out<std::uint8_t> build(const PacketHeader& header, const Bytes& payload, std::u
   return array_of_packet(packet);
 }
 
-// The header of the packet of an image that is measured so.
-PacketHeader header_of(PacketHeader header, const ImageView& image, const Measure& measure) {
-  header.kind = spec::kKindMoments;
-  header.mode = static_cast<std::uint8_t>(measure.mode);
-  header.threshold = static_cast<std::uint8_t>(measure.threshold);
-  header.select = static_cast<std::uint8_t>(measure.select);
-  header.gap = static_cast<std::uint8_t>(measure.gap);
-  header.first_row = static_cast<std::uint16_t>(measure.window.first);
-  header.last_row = static_cast<std::uint16_t>(measure.window.last);
-  header.columns = static_cast<std::uint16_t>(image.columns);
-  header.rows = static_cast<std::uint16_t>(image.rows);
-  header.first_line = 1;
-  header.lines = header.rows;
-  return header;
-}
-
 Out<std::uint8_t> moments_packet(const In<std::uint8_t>& image, int threshold, Mode mode, Select select, int gap,
                                  int first_row, int last_row, const PacketHeader& header) {
   const ImageView view = image_of(image);
@@ -82,14 +67,7 @@ Out<std::uint8_t> moments_packet(const In<std::uint8_t>& image, int threshold, M
                         .gap = gap,
                         .window = {.first = first_row, .last = last_row}};
   std::vector<std::uint8_t> packet;
-  without_gil([&] {
-    Runs runs;
-    runs.resize(select, view.columns);
-    measure_columns(view, measure, runs.view());
-    std::vector<std::uint8_t> payload(moments_payload_bytes(mode, view.columns));
-    pack_columns(select, mode, view.columns, runs.view(), payload.data());
-    append_packet(header_of(header, view, measure), payload, 0, packet);
-  });
+  without_gil([&] { append_moments_packet(view, measure, header, packet); });
   return array_of_packet(packet);
 }
 
