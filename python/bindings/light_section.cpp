@@ -203,20 +203,7 @@ void bind_profiles(nb::module_& module) {
 }  // namespace
 
 void bind_light_section(nb::module_& module) {
-  module.def(
-      "moments",
-      [](const In<std::uint8_t>& image, int threshold, Mode mode, Select select, int gap, int first_row, int last_row) {
-        return measure_images(image,
-                              {.mode = mode,
-                               .threshold = threshold,
-                               .select = select,
-                               .gap = gap,
-                               .window = {.first = first_row, .last = last_row}},
-                              fast_measure_columns);
-      },
-      nb::arg("image").noconvert(), nb::arg("threshold"), nb::arg("mode") = Mode::grey_over,
-      nb::arg("select") = Select::all, nb::arg("gap") = 0, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
-      "The same as selfproj.model.moments, at the speed of memory.");
+  def_moments(module, fast_measure_columns, "The same as selfproj.model.moments, at the speed of memory.");
   bind_rig(module);
   bind_profiles(module);
   nb::class_<Collected>(module, "Inspection", "Collects frames, for one thread at a time.")

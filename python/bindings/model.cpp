@@ -105,19 +105,8 @@ void bind_model(nb::module_& module) {
               "Select.STRONGEST: number of runs, 3 for three or more, uint8. Else None.")
       .def_ro("second", &MomentsResult::second, nb::rv_policy::reference,
               "Select.STRONGEST: sixteenths of M0 that the second run has, uint8. Else None.");
-  module.def(
-      "moments",
-      [](const In<std::uint8_t>& image, int threshold, Mode mode, Select select, int gap, int first_row, int last_row) {
-        return measure_images(image,
-                              {.mode = mode,
-                               .threshold = threshold,
-                               .select = select,
-                               .gap = gap,
-                               .window = {.first = first_row, .last = last_row}},
-                              measure_columns);
-      },
-      nb::arg("image").noconvert(), nb::arg("threshold"), nb::arg("mode") = Mode::grey_over,
-      nb::arg("select") = Select::all, nb::arg("gap") = 0, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
+  def_moments(
+      module, measure_columns,
       "Column moments of an image, as sp_column_moments gives them, to the last bit.\n\n"
       "image: uint8, (rows, columns), or (images, rows, columns). Rows 1..1023. It is not copied.\n"
       "threshold: T, 0..255. gap: dark rows between two lit pixels of one run, 0..3. first_row, last_row: rows that\n"

@@ -46,6 +46,26 @@ MomentsResult measure_images(const In<std::uint8_t>& array, const Measure& measu
   return result;
 }
 
+// Defines `moments` in the module: images measured by `kernel`.
+template <typename Kernel>
+void def_moments(nb::module_& module, const Kernel& kernel, const char* documentation) {
+  module.def(
+      "moments",
+      [kernel](const In<std::uint8_t>& image, int threshold, Mode mode, Select select, int gap, int first_row,
+               int last_row) {
+        return measure_images(image,
+                              {.mode = mode,
+                               .threshold = threshold,
+                               .select = select,
+                               .gap = gap,
+                               .window = {.first = first_row, .last = last_row}},
+                              kernel);
+      },
+      nb::arg("image").noconvert(), nb::arg("threshold"), nb::arg("mode") = Mode::grey_over,
+      nb::arg("select") = Select::all, nb::arg("gap") = 0, nb::arg("first_row") = 0, nb::arg("last_row") = 0,
+      documentation);
+}
+
 }  // namespace selfproj::python
 
 #endif  // SELFPROJ_PYTHON_BINDINGS_MOMENTS_RESULT_H
