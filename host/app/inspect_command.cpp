@@ -17,6 +17,7 @@
 #include "host/app/board_run.h"
 #include "host/app/inspection_loop.h"
 #include "host/app/line_run.h"
+#include "host/app/packet_run.h"
 #include "host/app/section_options.h"
 #include "host/camera/camera_device.h"
 #include "host/driver/counters.h"
@@ -226,9 +227,10 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
       ->type_name("URI")
       ->required();
   command
-      ->add_option("--control", options->control,
-                   "The board's registers, which get the rig's image size, mode and threshold: bar:PATH[+OFFSET], or "
-                   "none.")
+      ->add_option(
+          "--control", options->control,
+          "The board's registers, which get the rig's image size and all that it measures: bar:PATH[+OFFSET], or "
+          "none.")
       ->type_name("URI")
       ->default_str("those beside the device, if it has any");
   add_section_options(*command, options->section);
@@ -249,13 +251,7 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
   command->add_flag("--newest", options->newest,
                     "Begin with the newest packet of the ring, not the oldest unread one.");
   add_line_options(*command, options->line);
-  begin_group(*command, "End of the run");
-  command->add_option("--count", options->count, "End after this many profiles.")
-      ->transform(whole_number(1))
-      ->type_name("N");
-  command->add_option("--seconds", options->seconds, "End this many seconds after the first packet.")
-      ->transform(number_above_zero(1e9))
-      ->type_name("S");
+  add_end_of_run(*command, options->count, options->seconds, "profiles");
   command->add_flag("--check", options->check,
                     "Exit with status 1 unless every frame became a profile and nothing was lost, bad or missing.");
   begin_group(*command, "Output");

@@ -18,6 +18,16 @@
 
 namespace selfproj {
 
+void add_end_of_run(CLI::App& command, std::uint64_t& count, double& seconds, const std::string& what) {
+  begin_group(command, "End of the run");
+  command.add_option("--count", count, fmt::format("End after this many {}.", what))
+      ->transform(whole_number(1))
+      ->type_name("N");
+  command.add_option("--seconds", seconds, "End this many seconds after the first packet.")
+      ->transform(number_above_zero(1e9))
+      ->type_name("S");
+}
+
 void add_packet_run_options(CLI::App& command, PacketRunOptions& options, const std::string& what) {
   begin_group(command, "Input");
   command
@@ -30,13 +40,7 @@ void add_packet_run_options(CLI::App& command, PacketRunOptions& options, const 
   command.add_flag("--wait-for-board", options.wait_for_board,
                    "Wait until a ring and a board exist, also after the board has gone. Ctrl-C ends the run.");
   command.add_flag("--newest", options.newest, "Begin with the newest packet of the ring, not the oldest unread one.");
-  begin_group(command, "End of the run");
-  command.add_option("--count", options.count, fmt::format("End after this many {}.", what))
-      ->transform(whole_number(1))
-      ->type_name("N");
-  command.add_option("--seconds", options.seconds, "End this many seconds after the first packet.")
-      ->transform(number_above_zero(1e9))
-      ->type_name("S");
+  add_end_of_run(command, options.count, options.seconds, what);
   command.add_flag("--check", options.check, "Exit with status 1 if anything was lost, bad or missing.");
 }
 

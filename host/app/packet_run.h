@@ -26,6 +26,9 @@ struct PacketRunOptions {
 // Adds --device, --wait-for-board, --newest, --count, --seconds and --check, whose help says that `what` are counted.
 void add_packet_run_options(CLI::App& command, PacketRunOptions& options, const std::string& what);
 
+// Adds --count and --seconds alone.
+void add_end_of_run(CLI::App& command, std::uint64_t& count, double& seconds, const std::string& what);
+
 std::unique_ptr<Device> open_device(const PacketRunOptions& options);
 
 // Gives every packet to `take`, which returns how many of the things that --count counts there are so far. Ends at

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host/app/inspection_loop.h"
+#include "host/app/packet_run.h"
 #include "host/app/section_options.h"
 #include "host/camera/camera_device.h"
 #include "host/driver/counters.h"
@@ -113,13 +114,7 @@ selfproj inspect --rig mine.yaml --reference good-part --device ring:line1 \
       ->transform(real_number(0, 45))
       ->type_name("DEG")
       ->capture_default_str();
-  begin_group(*command, "End of the run");
-  command->add_option("--count", options->count, "End after this many profiles.")
-      ->transform(whole_number(1))
-      ->type_name("N");
-  command->add_option("--seconds", options->seconds, "End this many seconds after the first packet.")
-      ->transform(number_above_zero(1e9))
-      ->type_name("S");
+  add_end_of_run(*command, options->count, options->seconds, "profiles");
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "File for the tolerance.")->type_name("FILE")->required();
   command->callback([options] { run_learn(*options); });
