@@ -8,11 +8,13 @@
 #include <numbers>
 #include <string>
 
+#include "host/io/rounded.h"
+
 namespace selfproj {
 namespace {
 
 // Four decimals of a millimetre, and of shares and degrees, are more than any of them is exact to.
-double short_number(double value) { return 1e-4 * std::round(1e4 * value); }
+double short_number(double value) { return rounded(value, 4); }
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/rounded.h"
 #include "host/io/user_error.h"
 #include "host/parts/judge.h"
 #include "host/parts/placement.h"
@@ -113,13 +114,12 @@ std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const S
     const double first = edge_mm;
     const double last = outline.length_mm - edge_mm;
     if (high > low + edge_mm && last > first + edge_mm) {
-      const auto round = [](double mm) { return 0.01 * std::round(100 * mm); };
       ToleranceRegion region;
       region.name = fmt::format("surface {}", regions.size() + 1);
       for (const auto& [along, across] :
            {std::pair(first, low), std::pair(last, low), std::pair(last, high), std::pair(first, high)}) {
-        region.corners_mm.push_back(round(along));
-        region.corners_mm.push_back(round(across));
+        region.corners_mm.push_back(rounded(along, 2));
+        region.corners_mm.push_back(rounded(across, 2));
       }
       region.low_mm = -1e6;
       region.high_mm = 1e6;
@@ -166,15 +166,14 @@ Tolerance Learner::learn(const std::string& source) const {
   const auto far = [&](const RunningFigures& figures, double least) {
     return std::max(least, options_.spreads * figures.spread());
   };
-  const auto round = [](double value, double unit) { return unit * std::round(value / unit); };
   for (std::size_t i = 0; i < seen.size(); ++i) {
     ToleranceRegion& region = tolerance.regions[i];
-    region.low_mm = round(seen[i].low.mean() - far(seen[i].low, options_.least_band_mm), 1e-4);
-    region.high_mm = round(seen[i].high.mean() + far(seen[i].high, options_.least_band_mm), 1e-4);
-    region.most_missing = round(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kLeastMissing)), 1e-4);
+    region.low_mm = rounded(seen[i].low.mean() - far(seen[i].low, options_.least_band_mm), 4);
+    region.high_mm = rounded(seen[i].high.mean() + far(seen[i].high, options_.least_band_mm), 4);
+    region.most_missing = rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kLeastMissing)), 4);
   }
-  tolerance.most_residual_mm = round(residual.mean() + far(residual, kLeastResidual), 1e-3);
-  const auto round_mm = [&](double& mm) { mm = round(mm, 1e-3); };
+  tolerance.most_residual_mm = rounded(residual.mean() + far(residual, kLeastResidual), 3);
+  const auto round_mm = [&](double& mm) { mm = rounded(mm, 3); };
   round_mm(tolerance.length_mm);
   round_mm(tolerance.left_mm);
   round_mm(tolerance.right_mm);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/io/input_file.h"
+#include "host/io/rounded.h"
 #include "host/io/user_error.h"
 #include "host/rig/geometry.h"
 #include "host/rig/yaml_document.h"
@@ -187,7 +188,7 @@ std::vector<double> sampled_section(const SectionReference& section, double left
   std::vector<double> result;
   for (double across = left_mm; across <= right_mm; across += step_mm) {
     const double height = section.at(across, widest_mm);
-    result.push_back(std::isnan(height) ? height : 1e-3 * std::round(1e3 * height));
+    result.push_back(rounded(height, 3));
   }
   return result;
 }

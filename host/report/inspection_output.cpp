@@ -17,6 +17,7 @@
 
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
+#include "host/io/rounded.h"
 #include "host/io/user_error.h"
 #include "host/light_section/profile.h"
 #include "host/report/colour_map.h"
@@ -116,7 +117,7 @@ Statistics statistics(const FloatImage& image) {
 }
 
 // Rounds to four decimals: tenths of a micrometre.
-double rounded(double millimetres) { return std::round(millimetres * 1e4) / 1e4; }
+double rounded(double millimetres) { return selfproj::rounded(millimetres, 4); }
 
 nlohmann::ordered_json to_json(const Statistics& s) {
   if (s.count == 0) {
