@@ -25,8 +25,8 @@
 #include "host/calibration/corner_codes.h"
 #include "host/calibration/model_choice.h"
 #include "host/io/frame_options.h"
+#include "host/io/median.h"
 #include "host/io/user_error.h"
-#include "host/structured_light/median.h"
 
 namespace selfproj {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "host/structured_light/median.h"
+#include "host/io/median.h"
 
 namespace selfproj {
 namespace {

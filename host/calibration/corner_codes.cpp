@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "host/structured_light/median.h"
+#include "host/io/median.h"
 
 namespace selfproj {
 namespace {

@@ -19,9 +19,9 @@
 
 #include "host/calibration/bundle.h"
 #include "host/io/frame_options.h"
+#include "host/io/median.h"
 #include "host/io/user_error.h"
 #include "host/rig/lens.h"
-#include "host/structured_light/median.h"
 
 namespace selfproj {
 namespace {

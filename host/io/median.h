@@ -1,5 +1,5 @@
-#ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_MEDIAN_H
-#define SELFPROJ_HOST_STRUCTURED_LIGHT_MEDIAN_H
+#ifndef SELFPROJ_HOST_IO_MEDIAN_H
+#define SELFPROJ_HOST_IO_MEDIAN_H
 
 #include <algorithm>
 #include <cstddef>
@@ -17,4 +17,4 @@ T median_of(std::vector<T> values) {
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_MEDIAN_H
+#endif  // SELFPROJ_HOST_IO_MEDIAN_H

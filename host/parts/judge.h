@@ -37,12 +37,10 @@ class Judge {
 
   // The result of the part but for its number and delay, and its maps.
   //
-  // A part cannot be told if the board was restarted in it, it is too long, it could not be placed or lies outside of
-  // what the tolerance allows, or a region misses too many points; but a defect that is there makes it not OK.
+  // The verdict is `cannot tell` if the board was restarted in the part, it is too long, it could not be placed or lies
+  // outside of what the tolerance allows; then no defect of it counts. Otherwise a defect makes it `not OK`, and
+  // without one a region that misses too many points makes it `cannot tell`.
   PartResult judge(const CutPart& part, PlacedMaps& maps) const;
-
-  [[nodiscard]] const MapGrid& grid() const { return grid_; }
-  [[nodiscard]] const Tolerance& tolerance() const { return tolerance_; }
 
   // Heights on the grid, less those of the reference.
   [[nodiscard]] FloatImage difference(const FloatImage& heights) const;

@@ -79,7 +79,7 @@ void PartCutter::begin(double belt, const PacketHeader& header) {
   kept_ = 0;
 }
 
-void PartCutter::put(double belt, const PacketHeader& header, const ProfileView& profile, std::int64_t arrival_ns) {
+void PartCutter::put(double belt, const PacketHeader& header, const ProfileView& profile) {
   const bool first = present_to_ == present_from_ && part_.first == header.sequence;
   if (!first) {
     part_.missing += header.sequence > last_sequence_ ? header.sequence - last_sequence_ - 1 : 0;
@@ -87,7 +87,6 @@ void PartCutter::put(double belt, const PacketHeader& header, const ProfileView&
   }
   grid_.add(belt, profile);
   ++part_.frames;
-  part_.known_ns = arrival_ns;
 }
 
 void PartCutter::extend(double belt, const PacketHeader& header, std::int64_t arrival_ns) {
@@ -96,10 +95,9 @@ void PartCutter::extend(double belt, const PacketHeader& header, std::int64_t ar
   part_.last_ns = arrival_ns;
 }
 
-void PartCutter::end(std::int64_t known_ns) {
+void PartCutter::end() {
   in_part_ = false;
   part_.length_mm = present_to_ - present_from_;
-  part_.known_ns = known_ns;
   if (rule_.cut != PartCut::distance && part_.length_mm < rule_.min_length_mm) {
     ++specks_;
     return;
@@ -118,16 +116,16 @@ void PartCutter::add(const PacketHeader& header, const ProfileView& profile, std
       const double width = grid_.width_above(profile);
       const bool present = width > 0 && width >= rule_.min_width_mm;
       if (in_part_ && !present && belt - present_to_ > rule_.gap_mm) {
-        end(arrival_ns);
+        end();
       } else if (in_part_ && belt - present_from_ > rule_.length_mm) {
         part_.too_long = true;
-        end(arrival_ns);
+        end();
       }
       if (!in_part_ && present) {
         begin(belt, header);
       }
       if (in_part_) {
-        put(belt, header, profile, arrival_ns);
+        put(belt, header, profile);
         if (present) {
           extend(belt, header, arrival_ns);
         }
@@ -140,21 +138,20 @@ void PartCutter::add(const PacketHeader& header, const ProfileView& profile, std
     case PartCut::trigger: {
       const bool by_distance = rule_.cut == PartCut::distance;
       if (in_part_ && !by_distance && pause) {
-        end(arrival_ns);
+        end();
       } else if (in_part_ && std::abs(belt - present_from_) >= rule_.length_mm) {
         part_.too_long = !by_distance;
-        end(arrival_ns);
+        end();
       }
       if (!in_part_) {
         begin(belt, header);
       }
-      put(belt, header, profile, arrival_ns);
+      put(belt, header, profile);
       extend(belt, header, arrival_ns);
       break;
     }
   }
   last_sequence_ = header.sequence;
-  last_arrival_ns_ = arrival_ns;
 }
 
 void PartCutter::finish() {
@@ -165,7 +162,7 @@ void PartCutter::finish() {
     in_part_ = false;
     ++specks_;
   } else {
-    end(last_arrival_ns_);
+    end();
   }
 }
 

@@ -19,7 +19,7 @@ namespace selfproj {
 // A part as it was cut out of the stream.
 struct CutPart {
   HeightCells cells;          // along counts from begin_mm
-  double begin_mm = 0;        // where the belt was at the first frame, since the start
+  double begin_mm = 0;        // where the belt was, since the start, at the first frame in the map
   double length_mm = 0;       // belt from the first frame that made it a part to the last
   std::uint64_t first = 0;    // sequence numbers of these frames
   std::uint64_t last = 0;     //
@@ -28,7 +28,6 @@ struct CutPart {
   bool too_long = false;      // cut at length_mm, although it goes on
   bool restarted = false;     // the board was restarted meanwhile: where the belt went is not known
   std::int64_t last_ns = 0;   // when its last frame came in, as `arrival_ns` of add()
-  std::int64_t known_ns = 0;  // when the frame came in by which its end was known
 };
 
 // By the rules of the rig's section `parts`. Keeps one part's map, and of what comes before a part the frames of
@@ -62,9 +61,9 @@ class PartCutter {
 
   void keep(double belt, const ProfileView& profile);
   void begin(double belt, const PacketHeader& header);
-  void put(double belt, const PacketHeader& header, const ProfileView& profile, std::int64_t arrival_ns);
+  void put(double belt, const PacketHeader& header, const ProfileView& profile);
   void extend(double belt, const PacketHeader& header, std::int64_t arrival_ns);
-  void end(std::int64_t known_ns);
+  void end();
 
   Rig rig_;
   RigParts rule_;
@@ -77,7 +76,6 @@ class PartCutter {
   double present_to_ = 0;
   double last_kept_ = 0;
   std::uint64_t last_sequence_ = 0;
-  std::int64_t last_arrival_ns_ = 0;
   std::uint64_t specks_ = 0;
   CutPart part_;
   std::vector<Kept> before_;  // a ring

@@ -12,23 +12,24 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/median.h"
 #include "host/parts/map_grid.h"
 
 namespace selfproj {
 namespace {
 
-constexpr int kInto = 4;       // cells behind an edge that may be partly filled
-constexpr int kFull = 8;       // cells behind these that say what a full cell has
-constexpr int kBorder = 2;     // an edge in so many cells from the border of the view is the view's
+constexpr int kInto = 4;       // cells inside an edge that may be only partly filled
+constexpr int kFull = 8;       // the next cells, from which a full cell's weight is taken
+constexpr int kBorder = 2;     // a side edge within so many cells of the view's border is the view's own
 constexpr double kTrim = 0.6;  // cells: places nearer to the line than this always count
 
-// A place of an edge, in cells: `at` along the axis that crosses it, `beside` along it.
+// One point of an edge, in cells: `at` across the edge, `beside` along it.
 struct Place {
   double beside = 0;
   double at = 0;
 };
 
-// The cells of the largest thing higher than above_mm: not 0.
+// A mask of the largest connected thing that is higher than above_mm: nonzero inside.
 cv::Mat1b largest_thing(const HeightCells& cells, double above_mm) {
   cv::Mat1b mask(cells.grid.rows, cells.grid.columns, std::uint8_t{0});
   for (int r = 0; r < mask.rows; ++r) {
@@ -36,7 +37,7 @@ cv::Mat1b largest_thing(const HeightCells& cells, double above_mm) {
       mask(r, c) = static_cast<double>(cells.height.row(r)[c]) > above_mm ? UINT8_MAX : 0;
     }
   }
-  // Cells that no light reached inside the part do not tear it apart.
+  // Cells inside the part that no light reached must not split it.
   cv::Mat1b joined;
   cv::morphologyEx(mask, joined, cv::MORPH_CLOSE, cv::Mat1b(5, 5, std::uint8_t{1}));
   cv::Mat1i labels;
@@ -54,14 +55,15 @@ cv::Mat1b largest_thing(const HeightCells& cells, double above_mm) {
   return mask;
 }
 
-// A line of cells that is looked at from its begin: its cells, and how full they are.
+// One row or column of cells, read inwards from the edge that is looked for: weights, and 1 inside the thing.
 struct Line {
   std::vector<float> weights;
   std::vector<std::uint8_t> inside;
 };
 
-// Where the thing begins in the line, in cells; the middle of cell 0 is 0. With points even along the line, the sum of
-// the weights up to a cell says how far before it they begin.
+// Where the thing begins in the line, in cells; the middle of cell 0 is 0. If the points are evenly spread along the
+// line, the summed weight up to a cell, divided by a full cell's weight, says how many cells before it the thing
+// begins.
 std::optional<double> begin_of(const Line& line) {
   const auto size = static_cast<std::ptrdiff_t>(line.inside.size());
   const auto first = std::find(line.inside.begin(), line.inside.end(), 1) - line.inside.begin();
@@ -94,12 +96,6 @@ struct Fit {
   std::size_t count = 0;
 };
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Begins with the medians of the first and the last third; then least squares, without what is far off.
 std::optional<Fit> fit_line(const std::vector<Place>& places) {
   if (places.size() < kLeastPlaces) {
@@ -115,16 +111,16 @@ std::optional<Fit> fit_line(const std::vector<Place>& places) {
     beside[1].push_back(places[places.size() - 1 - i].beside);
   }
   Fit fit;
-  const double way = median(beside[1]) - median(beside[0]);
-  fit.b = way > 0 ? (median(at[1]) - median(at[0])) / way : 0;
-  fit.a = median(at[0]) - fit.b * median(beside[0]);
-  for (int turn = 0; turn < 5; ++turn) {
+  const double way = median_of(beside[1]) - median_of(beside[0]);
+  fit.b = way > 0 ? (median_of(at[1]) - median_of(at[0])) / way : 0;
+  fit.a = median_of(at[0]) - fit.b * median_of(beside[0]);
+  for (int pass = 0; pass < 5; ++pass) {
     std::vector<double> off;
     off.reserve(places.size());
     for (const Place& place : places) {
       off.push_back(std::abs(place.at - fit.a - fit.b * place.beside));
     }
-    const double limit = std::max(kTrim, 3 * 1.5 * median(off));
+    const double limit = std::max(kTrim, 3 * 1.5 * median_of(off));  // 1.5 medians: about a standard deviation
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (off[i] <= limit) {
@@ -145,7 +141,7 @@ std::optional<Fit> fit_line(const std::vector<Place>& places) {
   return fit;
 }
 
-// The cells of row or column `number`, from its begin or from its end.
+// The cells of row or column `number`, from its beginning or from its end.
 Line line_of(const HeightCells& cells, const cv::Mat1b& thing, Edge edge, int number) {
   const bool along = edge == Edge::leading || edge == Edge::trailing;  // the line of cells runs along
   const int size = along ? thing.rows : thing.cols;
@@ -173,7 +169,7 @@ std::optional<EdgeLine> edge_line(const HeightCells& cells, const cv::Mat1b& thi
       places.push_back({static_cast<double>(number), back ? size - 1 - *begin : *begin});
     }
   }
-  // The first and the last tenth may belong to the edges beside.
+  // The first and the last tenth may belong to the neighbouring edges.
   const auto tenth = static_cast<std::ptrdiff_t>(places.size() / 10);
   places = {places.begin() + tenth, places.end() - tenth};
   const std::optional<Fit> fit = fit_line(places);
@@ -189,11 +185,11 @@ std::optional<EdgeLine> edge_line(const HeightCells& cells, const cv::Mat1b& thi
                   fit->rms * std::cos(turn) * cells.grid.pitch_mm, fit->count};
 }
 
-// The places of two opposite edges that the outline wants, and what the part has.
+// How far two opposite edges lie from where the outline has them, and their distance.
 struct Shift {
   double offset = 0;
   std::optional<double> size = {};
-  double remains = 0;  // of each of two edges
+  double remains = 0;  // what each of two edges is still off after the shift
 };
 
 Shift shift_of(std::optional<double> low, std::optional<double> high, std::optional<double> want_low,
@@ -255,7 +251,7 @@ std::optional<Placement> place_by_edges(const EdgeLines& edges, const Outline& o
     return std::nullopt;
   }
   result.turn_rad /= weights;
-  // The edges in the turned axes.
+  // Where the edges lie, in axes that are turned with the part.
   std::array<std::optional<double>, kEdges> at;
   for (std::size_t i = 0; i < kEdges; ++i) {
     if (edges[i]) {

@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/median.h"
 #include "host/report/colour_map.h"
 #include "host/report/map_picture.h"
-#include "host/structured_light/median.h"
 #include "host/structured_light/point_cloud.h"
 
 namespace selfproj {

@@ -17,12 +17,12 @@
 #include "host/driver/image_assembler.h"
 #include "host/driver/open_device.h"
 #include "host/io/frame_options.h"
+#include "host/io/median.h"
 #include "host/io/progress.h"
 #include "host/io/stop_signal.h"
 #include "host/io/user_error.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/lens_triangulation.h"
-#include "host/structured_light/median.h"
 
 namespace selfproj {
 namespace {

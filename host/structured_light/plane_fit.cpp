@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/io/float_image.h"
-#include "host/structured_light/median.h"
+#include "host/io/median.h"
 #include "host/structured_light/triangulation.h"
 
 namespace selfproj {
