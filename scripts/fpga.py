@@ -7,7 +7,7 @@
     fpga.py update [--seeds N]  into README.md of constraints/, between its markers, and into results/: the tables, and
                                 the clocks, each only if it is stale or seeds are missing
     fpga.py stale               exit status 1 and one line where tables or clocks are of other circuits than rtl/ has
-                                (names, lines and order of the sources are no part of a circuit)
+                                (names, lines and order of the sources are not part of a circuit)
 
 Standard library only; called by scripts/fpga.sh, which sees to the tools.
 """

@@ -29,7 +29,7 @@ def predict(kind, left, up, corner):
 def read(data):
     """(width, rows of bytes) of a picture; raises ValueError."""
     if not data.startswith(SIGNATURE):
-        raise ValueError("is no PNG file")
+        raise ValueError("is not a PNG file")
     at, packed, width, height = len(SIGNATURE), b"", 0, 0
     while at < len(data):
         size, kind = struct.unpack_from(">I4s", data, at)

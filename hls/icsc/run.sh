@@ -15,7 +15,7 @@ if [[ -z ${ICSC_HOME:-} ]]; then
   echo "icsc/run.sh: skipped: ICSC_HOME is not set"
   exit 0
 fi
-[[ -d $ICSC_HOME ]] || { echo "icsc/run.sh: ICSC_HOME: $ICSC_HOME is no folder" >&2; exit 2; }
+[[ -d $ICSC_HOME ]] || { echo "icsc/run.sh: ICSC_HOME: $ICSC_HOME is not a folder" >&2; exit 2; }
 
 shells=(column_moments gray_decoder median3x3)
 mkdir -p "$to"

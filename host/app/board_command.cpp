@@ -69,7 +69,7 @@ void print_status(Control& control) {
 std::pair<RegisterPart, std::uint32_t> assignment(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) {
-    throw UserError(text, "is no assignment such as size.columns=512");
+    throw UserError(text, "is not an assignment such as size.columns=512");
   }
   const std::string name = text.substr(0, equals);
   const std::string value = text.substr(equals + 1);
@@ -80,7 +80,7 @@ std::pair<RegisterPart, std::uint32_t> assignment(const std::string& text) {
   }
   const std::optional<std::uint32_t> number = number_of_text<std::uint32_t>(value);
   if (!number) {
-    throw UserError(text, fmt::format("'{}' is no whole number from 0 to 4294967295", value));
+    throw UserError(text, fmt::format("'{}' is not a whole number from 0 to 4294967295", value));
   }
   return {part, *number};
 }

@@ -7,7 +7,7 @@
 
 namespace selfproj {
 
-// Numbers of mm with commas between them, ascending. Throws UserError, naming the option, if one is no number, not
+// Numbers of mm with commas between them, ascending. Throws UserError, naming the option, if one is not a number, not
 // within 1e5 of 0, or not greater than the one before.
 std::vector<double> ascending_lengths(const char* option, const std::string& text);
 

@@ -41,7 +41,7 @@ T number_in(const std::string& text, T least, T most) {
   const std::optional<T> value = number_of_text<T>(text);
   if (!value || *value < least || *value > most) {
     throw Refusal{
-        fmt::format("is no {} from {} to {}", std::is_integral_v<T> ? "whole number" : "number", least, most)};
+        fmt::format("is not a {} from {} to {}", std::is_integral_v<T> ? "whole number" : "number", least, most)};
   }
   return *value;
 }
@@ -49,7 +49,7 @@ T number_in(const std::string& text, T least, T most) {
 double positive(const std::string& text) {
   const std::optional<double> value = number_of_text<double>(text);
   if (!value || *value <= 0 || *value > 1e9) {
-    throw Refusal{"is no number above 0, up to 1e9"};
+    throw Refusal{"is not a number above 0, up to 1e9"};
   }
   return *value;
 }
@@ -70,7 +70,7 @@ std::string name_in(const std::string& text, const std::vector<std::string>& nam
 
 // "512x96", or "512x96+LEFT+TOP".
 CameraRegion region_of_text(const std::string& text) {
-  const Refusal refusal{"is no region such as 512x96 or 512x96+64+20"};
+  const Refusal refusal{"is not a region such as 512x96 or 512x96+64+20"};
   std::vector<int> numbers;
   std::size_t from = 0;
   for (const char separator : {'x', '+', '+', '\0'}) {
@@ -157,7 +157,7 @@ bool is_camera_uri(const std::string& text) { return text.starts_with("camera:")
 
 CameraUri parse_camera_uri(const std::string& text) {
   if (!is_camera_uri(text)) {
-    throw UserError(text, "is no camera; use camera:NAME, as `selfproj devices` lists them");
+    throw UserError(text, "is not a camera; use camera:NAME, as `selfproj devices` lists them");
   }
   const std::size_t question = text.find('?');
   CameraUri uri;
@@ -175,7 +175,8 @@ CameraUri parse_camera_uri(const std::string& text) {
     if (key == kKeys.end()) {
       std::vector<std::string> names;
       std::transform(kKeys.begin(), kKeys.end(), std::back_inserter(names), [](const Key& one) { return one.name; });
-      throw UserError(text, fmt::format("'{}' is no setting of a camera; there are {}", name, fmt::join(names, ", ")));
+      throw UserError(
+          text, fmt::format("'{}' is not a setting of a camera; the settings are {}", name, fmt::join(names, ", ")));
     }
     if (value.empty() || !seen.insert(name).second) {
       throw UserError(text, fmt::format("{} {}", name, value.empty() ? "has no value" : "comes twice"));

@@ -45,7 +45,7 @@ UdpPlace udp_place(const std::string& name, const std::string& text, std::uint16
     const std::string_view digits = std::string_view(text).substr(place.host.size() + 1);
     const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), place.port);
     if (error != std::errc() || stop != digits.data() + digits.size() || place.port == 0) {
-      throw UserError(name, "'" + std::string(digits) + "' is no port, 1 to 65535");
+      throw UserError(name, "'" + std::string(digits) + "' is not a port, 1 to 65535");
     }
   }
   if (place.host.empty()) {

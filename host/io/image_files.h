@@ -39,8 +39,7 @@ void check_image_file(const std::string& file);
 Image read_image(const std::string& file, std::optional<Channel> channel);
 
 // The files of a folder in natural order (img2 before img10), without those that begin with a dot and without
-// capture.json, the record of a capture. Throws UserError if
-// the folder cannot be read or has no files.
+// capture.json, the record of a capture. Throws UserError if the folder cannot be read or has no files.
 std::vector<std::string> files_of_folder(const std::string& folder);
 
 // The image files that a command is given: the files themselves, or those of the folder if it is given a single one.

@@ -29,8 +29,8 @@
 namespace selfproj {
 
 // A curve from CSV text: a line `y_mm,z_mm`, then points with y not falling; an empty z is a gap. Errors name `source`.
-// Throws UserError if the first line differs, there are fewer than two points, a field is no number, y falls, or z is
-// not positive.
+// Throws UserError if the first line differs, there are fewer than two points, a field is not a number, y falls, or z
+// is not positive.
 ReferenceCurve parse_curve_csv(const std::string& text, const std::string& source);
 
 // The curve from a file. *.tif and *.tiff are heights (plane_z - z, mm; rows are frames, columns those of the camera,

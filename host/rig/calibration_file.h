@@ -10,9 +10,9 @@ namespace selfproj {
 
 // Reads cam_K, cam_kc, pro_K, pro_kc, R, T and, if present, cam_size and pro_size (width, height) from a file of
 // cv::FileStorage (YAML, XML or JSON). Throws UserError with file, key and reason if the file is unreadable, a key is
-// missing, a matrix has another size or is no camera matrix (it has skew, the camera's focal length or the projector's
-// fx is not > 0, or the projector's fy is 0), the distortion coefficients are not 4, 5 or 8, R is not a rotation, or T
-// has length 0.
+// missing, a matrix has another size or is not a camera matrix (it has skew, the camera's focal length or the
+// projector's fx is not > 0, or the projector's fy is 0), the distortion coefficients are not 4, 5 or 8, R is not a
+// rotation, or T has length 0.
 Calibration read_calibration(const std::string& file);
 
 // The text of such a file: the keys above, T_C, T_P and T_P_rows of (4.7) without distortion (depth_matrices.h), and

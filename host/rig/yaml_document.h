@@ -9,7 +9,7 @@
 
 namespace selfproj {
 
-// The document of the text. Throws UserError, naming `source` and the line: it is no YAML, has none or more than one
+// The document of the text. Throws UserError, naming `source` and the line: it is not YAML, has none or more than one
 // document, aliases (which could name each other without an end), or is nested deeper than any file of ours.
 YAML::Node parse_yaml(const std::string& text, const std::string& source);
 

@@ -92,8 +92,8 @@ class FieldReader {
     for (const auto& entry : node) {
       const auto given = entry.IsScalar() ? number_of_text<double>(entry.Scalar()) : std::nullopt;
       if (!given || *given < range.low || *given > range.high) {
-        fail(key, fmt::format("has an entry, number {}, that is no number from {} to {}", values.size() + 1, range.low,
-                              range.high));
+        fail(key, fmt::format("has an entry, number {}, that is not a number from {} to {}", values.size() + 1,
+                              range.low, range.high));
       }
       values.push_back(*given * unit);
     }

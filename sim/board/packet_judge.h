@@ -35,7 +35,7 @@ class PacketJudge {
   // A packet of the model, with `lost` 0. Must come before the board's own.
   void expect(BoardPacket&& packet);
 
-  // A packet of the board, no byte more or less. Returns false if it is no packet, was not expected, or differs.
+  // A packet of the board, no byte more or less. Returns false if it is not a packet, was not expected, or differs.
   bool judge(std::span<const std::uint8_t> bytes);
 
   // Says that no more packets will come.

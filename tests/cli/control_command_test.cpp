@@ -60,8 +60,8 @@ TEST_F(BoardCommand, Errors) {
     EXPECT_EQ(outcome.status, 2);
     return outcome.err;
   };
-  EXPECT_EQ(error({"set", "size=x"}), "selfproj: size=x: 'x' is no whole number from 0 to 4294967295\n");
-  EXPECT_EQ(error({"set", "size"}), "selfproj: size: is no assignment such as size.columns=512\n");
+  EXPECT_EQ(error({"set", "size=x"}), "selfproj: size=x: 'x' is not a whole number from 0 to 4294967295\n");
+  EXPECT_EQ(error({"set", "size"}), "selfproj: size: is not an assignment such as size.columns=512\n");
   EXPECT_EQ(error({"set", "frames=1"}), "selfproj: bar:bar: register frames can only be read\n");
   EXPECT_EQ(error({"set", "decode.bits=1"}),
             "selfproj: bar:bar: this board has no register decode: it has no Gray-code decoder\n");

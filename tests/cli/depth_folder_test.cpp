@@ -124,7 +124,7 @@ TEST(DepthFolder, ARigTakesBothAxes) {
   ASSERT_GT(count, 300);
   EXPECT_NEAR(sum / count, rig.plane_z_mm, 3);  // a line is worth up to 60 mm here
 
-  // What does not belong there is refused by name, and an odd number is no sequence of pairs.
+  // What does not belong there is refused by name, and an odd number is not a sequence of pairs.
   std::filesystem::remove_all(folder / "out");
   const auto expect_refused = [&](const std::string& begin) {
     const Outcome refused = run_program(SELFPROJ_PROGRAM, usual, folder.path());

@@ -32,7 +32,7 @@ class ShrinkPicture(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "a.png"
             grey = shrink_picture.write(1, [bytes(3)]).replace(b"\x08\x02\0\0\0", b"\x08\0\0\0\0", 1)
-            for content, reason in [(b"text", "is no PNG file"), (grey, "three channels"),
+            for content, reason in [(b"text", "is not a PNG file"), (grey, "three channels"),
                                     (shrink_picture.SIGNATURE, "incomplete")]:
                 file.write_bytes(content)
                 done = subprocess.run([sys.executable, "-B", SCRIPT, "2", file, file.with_name("b.png")],

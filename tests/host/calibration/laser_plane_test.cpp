@@ -124,7 +124,7 @@ TEST(LaserPlane, WhatDoesNotTellIsRefused) {
     image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 8);
   }
   EXPECT_THROW(laser_plane(camera, dark), UserError);
-  // Parallel poses tell no focal length.
+  // Parallel poses do not determine the focal length.
   const CameraReport parallel = calibrate_camera(
       seen(world,
            {world.pose(0, 0, 560, test::turn(0.2, 0, 0)), world.pose(20, 5, 580, test::turn(0, 0.2, 4)),

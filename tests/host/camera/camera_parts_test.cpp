@@ -197,13 +197,13 @@ TEST(CameraUri, Refusals) {
     }
     return "";
   };
-  EXPECT_EQ(refusal("ring:a"), "ring:a: is no camera; use camera:NAME, as `selfproj devices` lists them");
+  EXPECT_EQ(refusal("ring:a"), "ring:a: is not a camera; use camera:NAME, as `selfproj devices` lists them");
   EXPECT_EQ(refusal("camera:a?gain"), "camera:a?gain: gain has no value");
   EXPECT_EQ(refusal("camera:a?gain=1&gain=1"), "camera:a?gain=1&gain=1: gain comes twice");
   EXPECT_EQ(refusal("camera:a?threshold=256"),
-            "camera:a?threshold=256: threshold: '256' is no whole number from 0 to 255");
+            "camera:a?threshold=256: threshold: '256' is not a whole number from 0 to 255");
   EXPECT_EQ(refusal("camera:a?region=512x"),
-            "camera:a?region=512x: region: '512x' is no region such as 512x96 or 512x96+64+20");
+            "camera:a?region=512x: region: '512x' is not a region such as 512x96 or 512x96+64+20");
   EXPECT_NE(refusal("camera:a?region=512x96+1"), "");
   EXPECT_NE(refusal("camera:a?region=0x96"), "");
   EXPECT_NE(refusal("camera:a?region=4x4+0+0+0"), "");
@@ -212,7 +212,7 @@ TEST(CameraUri, Refusals) {
   EXPECT_NE(refusal("camera:a?format=Mono9").find("is none of Mono8, Mono10"), std::string::npos);
   EXPECT_NE(refusal("camera:a?format=BayerRG8").find("has colours; say which with channel"), std::string::npos);
   EXPECT_NE(refusal("camera:a?channel=red").find("format Mono8 has no colours"), std::string::npos);
-  EXPECT_NE(refusal("camera:a?shutter=1").find("'shutter' is no setting of a camera; there are exposure-us"),
+  EXPECT_NE(refusal("camera:a?shutter=1").find("'shutter' is not a setting of a camera; the settings are exposure-us"),
             std::string::npos);
 }
 

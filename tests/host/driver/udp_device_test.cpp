@@ -299,8 +299,8 @@ TEST(UdpPlace, WhatIsNoPlace) {
     return std::string();
   };
   EXPECT_EQ(error("udp:"), "udp:: the name of the host is missing");
-  EXPECT_EQ(error("udp:127.0.0.2:0"), "udp:127.0.0.2:0: '0' is no port, 1 to 65535");
-  EXPECT_EQ(error("udp:127.0.0.2:1x"), "udp:127.0.0.2:1x: '1x' is no port, 1 to 65535");
+  EXPECT_EQ(error("udp:127.0.0.2:0"), "udp:127.0.0.2:0: '0' is not a port, 1 to 65535");
+  EXPECT_EQ(error("udp:127.0.0.2:1x"), "udp:127.0.0.2:1x: '1x' is not a port, 1 to 65535");
   EXPECT_NE(error("udp:no.such.host.invalid").find("is not known"), std::string::npos);
 }
 

@@ -185,7 +185,7 @@ TEST(Rig, HeightsAreReadBackAndChecked) {
   EXPECT_EQ(changed("order: 1", "order: 2"), "rig.yaml: heights.corrections_mm has 4 numbers; orders 2 and 1 have 9");
   EXPECT_EQ(changed("highest_mm: 41", "highest_mm: -1"),
             "rig.yaml: heights.lowest_mm is -1, heights.highest_mm -1; it must be greater");
-  EXPECT_NE(changed("[0.5, ", "[half, ").find("has an entry, number 1, that is no number"), std::string::npos);
+  EXPECT_NE(changed("[0.5, ", "[half, ").find("has an entry, number 1, that is not a number"), std::string::npos);
 }
 
 }  // namespace
