@@ -26,6 +26,7 @@ for_tests=(
   clang-format-14 clang-tidy-14 shellcheck   # checks of the sources
   clang-14 libclang-rt-14-dev                # fuzzing
   xvfb                                       # a display for the tests of projectors
+  librsvg2-bin                               # the printed chessboard as an image
   tcl                                        # check of the scripts for HLS tools
   chromium-driver                            # the live page in a browser
   pkg-config dpkg-dev                        # what is installed and packaged is tried

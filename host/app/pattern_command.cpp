@@ -13,6 +13,7 @@
 #include <system_error>
 #include <vector>
 
+#include "host/app/chessboard_command.h"
 #include "host/app/stripes_command.h"
 #include "host/io/command_line.h"
 #include "host/io/float_image.h"
@@ -282,7 +283,8 @@ void add_pattern_command(CLI::App& app) {
                   "and --scan takes the camera images of them. The output folder gets pattern.png and pattern.tiff for "
                   "the projector, preview.png, and reference.csv; `selfproj inspect --reference` takes this "
                   "folder.\n\n"
-                  "The commands gray and stripes make patterns for structured light.",
+                  "The commands gray and stripes make patterns for structured light; chessboard draws a target for "
+                  "calibration.",
        .examples = R"(
 # The pattern for a part whose section is known: a roof 20 mm high on the plane at z = 1167 mm.
 printf 'y_mm,z_mm\n-50,1167\n0,1147\n50,1167\n' > roof.csv
@@ -301,18 +303,20 @@ selfproj pattern --scan captures --every 4 --out part
       ->capture_default_str();
   command->add_option("--out", options->out, "Folder for the results. Required.")->type_name("DIR");
   add_source_options(*command, *options);
+  const CLI::App* chessboard = add_chessboard_command(*command);
   const CLI::App* gray = add_gray(*command);
   const CLI::App* stripes = add_stripes_command(*command);
   // Options that are required without a subcommand. CLI11 would require them with a subcommand too.
   command->callback([=] {
-    if (gray->parsed() || stripes->parsed()) {
+    if (chessboard->parsed() || gray->parsed() || stripes->parsed()) {
       return;
     }
     if (options->out.empty()) {
       throw UserError("--out", "is required");
     }
     if (options->reference.empty() && options->scan.empty() && !options->line && !options->sweep) {
-      throw UserError("--reference, --scan, --line, --sweep", "one of them is required, or a command: gray, stripes");
+      throw UserError("--reference, --scan, --line, --sweep",
+                      "one of them is required, or a command: chessboard, gray, stripes");
     }
     run_pattern(*options);
   });

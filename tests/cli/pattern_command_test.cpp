@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "host/calibration/chessboard.h"
 #include "host/io/float_image.h"
 #include "host/io/image_files.h"
 #include "host/light_section/reference_file.h"
@@ -85,6 +87,68 @@ TEST(PatternCommand, GraySequence) {
   expect_refused(folder, pattern(folder, {"gray", "--projector", "0x5", "--out", "out"}), "--projector: is '0x5'");
   expect_refused(folder, pattern(folder, {"gray", "--out", "out"}), "--projector, --rig: give one of them, not both");
   expect_refused(folder, pattern(folder, {"gray", "--projector", "4x4"}), "--out");
+}
+
+// The print as an image of 60 dots an inch, the whole sheet.
+Image printed(const ScratchFolder& folder, const std::string& file) {
+  const Outcome outcome = run_program("/usr/bin/rsvg-convert",
+                                      {"--dpi-x", "60", "--dpi-y", "60", "--output", "print.png", file}, folder.path());
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  return read_image((folder / "print.png").string(), Channel::grey);
+}
+
+// Calibration finds the board in its print, with squares of the size that is written on it, in the middle of the paper.
+TEST(PatternCommand, ChessboardIsFoundInItsPrint) {
+  if (!std::filesystem::exists("/usr/bin/rsvg-convert")) {
+    GTEST_SKIP() << "librsvg2-bin is not installed";
+  }
+  struct Case {
+    std::vector<std::string> arguments;
+    Chessboard board;
+    double width_mm, height_mm;
+    std::string text;
+  };
+  const std::vector<Case> cases = {
+      {{}, {9, 6, 25}, 297, 210, "9 x 6 inner corners, squares of 25 mm, 250 x 175 mm in all"},
+      {{"--paper", "A3", "--chessboard", "11x14", "--square", "12.5"},
+       {14, 11, 12.5},
+       420,
+       297,
+       "14 x 11 inner corners, squares of 12.5 mm, 187.5 x 150 mm in all"},
+  };
+  for (const Case& one : cases) {
+    const ScratchFolder folder;
+    std::vector<std::string> arguments = {"chessboard", "--out", "board.svg"};
+    arguments.insert(arguments.end(), one.arguments.begin(), one.arguments.end());
+    const Outcome outcome = pattern(folder, arguments);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(read_text(folder / "board.svg").find(one.text), std::string::npos);
+    const Image sheet = printed(folder, "board.svg");
+    constexpr double kDotsPerMm = 60 / 25.4;
+    EXPECT_NEAR(sheet.columns, one.width_mm * kDotsPerMm, 1);
+    EXPECT_NEAR(sheet.rows, one.height_mm * kDotsPerMm, 1);
+    const FoundChessboard found = find_chessboard(sheet, one.board);
+    ASSERT_EQ(found.corners.size(), static_cast<std::size_t>(one.board.corners())) << found.reason;
+    const cv::Point2d along = found.corners.back() - found.corners.front();
+    const double diagonal = one.board.square_mm * std::hypot(one.board.columns - 1, one.board.rows - 1);
+    EXPECT_NEAR(std::hypot(along.x, along.y) / diagonal, kDotsPerMm, 1e-3 * kDotsPerMm);
+    const cv::Point2d middle = 0.5 * (found.corners.back() + found.corners.front());
+    EXPECT_NEAR(middle.x, 0.5 * (sheet.columns - 1), 1);
+    EXPECT_NEAR(middle.y, 0.5 * (sheet.rows - 1), 1);
+  }
+}
+
+TEST(PatternCommand, ChessboardThatDoesNotFit) {
+  const ScratchFolder folder;
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& begin) {
+    std::vector<std::string> words = {"chessboard", "--out", "out"};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    expect_refused(folder, pattern(folder, words), begin);
+  };
+  refused({"--square", "26"}, "--square: 26 mm is too large; on A4 the squares of 9x6 can have 25 mm");
+  refused({"--chessboard", "9x2"}, "--chessboard: is 9x2; calibration needs 3 inner corners along both sides");
+  refused({"--chessboard", "200x200"}, "--chessboard: 200x200 is too many corners for A4");
+  refused({"--paper", "B5"}, "--paper: ");
 }
 
 TEST(PatternCommand, WrongInputIsOneLine) {
