@@ -7,15 +7,19 @@ more than ten times its usual time. The tests run one by one, the quickest first
 to Yosys: a mutant does not count if every output is proved equal to the original's. Mutants without such a proof then
 meet all tests with all seeds. With --sample only the first N mutants of each model run, without proofs: a quick check
 that the tools still work. The exit status is 1 if fewer than 95 % of the mutants that are not proved equal are killed.
-Standard library only.
+
+Where SELFPROJ_RESULTS names a folder, all models are written into its mutation.json, or those named are put in place of
+their earlier entries there; each entry has the commit of its own run. Standard library only.
 """
 
 import argparse
 import collections
 import concurrent.futures
 import dataclasses
+import datetime
 import functools
 import itertools
+import json
 import os
 import pathlib
 import re
@@ -258,33 +262,63 @@ def collect(folder, names, sample):
     return mutants
 
 
-def report(mutants):
+def score_of(figures):
+    real = figures["mutants"] - figures["equal"]
+    return figures["killed"] / real if real else None
+
+
+def summed(models):
+    """Returns the figures of all models together."""
+    total = {key: sum(figures[key] for figures in models.values())
+             for key in ("mutants", "killed", "by_time", "equal", "survive")}
+    return total | {"score": score_of(total)}
+
+
+def figures_of(mutants):
+    """Returns the figures of each model."""
     by_model = collections.defaultdict(collections.Counter)
     for mutant in mutants:
         by_model[mutant.model][mutant.fate] += 1
-    by_model["**all**"] = sum(by_model.values(), collections.Counter())
+    figures = {model: {"mutants": fates.total(), "killed": fates["killed"] + fates["hangs"], "by_time": fates["hangs"],
+                       "equal": fates["equal"], "survive": fates["survives"]} for model, fates in by_model.items()}
+    return {model: of | {"score": score_of(of)} for model, of in figures.items()}
+
+
+def table_of(figures):
     lines = ["| model | mutants | killed | of them by time | proved equal | survive | score |",
              "|---|---:|---:|---:|---:|---:|---:|"]
-    figures = {}
-    for model, fates in by_model.items():
-        total = sum(fates.values())
-        dead = fates["killed"] + fates["hangs"]
-        real = total - fates["equal"]
-        score = f"{100 * dead / real:.1f} %" if real else "–"
-        figures[model.strip("*")] = {
-            "mutants": total,
-            "killed": dead,
-            "by_time": fates["hangs"],
-            "equal": fates["equal"],
-            "survive": fates["survives"],
-            "score": dead / real if real else None,
-        }
-        lines.append(
-            f"| {model} | {total} | {dead} | {fates['hangs']} | {fates['equal']} | {fates['survives']} | {score} |"
-        )
-    survivors = [f"{mutant.model} {mutant.number}: {mutant.text()}" for mutant in mutants if mutant.fate == "survives"]
-    fates = by_model["**all**"]
-    return lines, survivors, (fates["killed"] + fates["hangs"]) / max(1, len(mutants) - fates["equal"]), figures
+    for model, of in [*figures.items(), ("**all**", summed(figures))]:
+        score = "–" if of["score"] is None else f"{100 * of['score']:.1f} %"
+        lines.append(f"| {model} | {of['mutants']} | {of['killed']} | {of['by_time']} | {of['equal']} | "
+                     f"{of['survive']} | {score} |")
+    return lines
+
+
+def merged(earlier, figures, survivors, stamp):
+    """Returns the results of `earlier` (a file of results/, or none) with the models of this run in their places.
+
+    An entry that has no commit of its own has that of its file.
+    """
+    models = {}
+    if earlier:
+        of_file = {key: earlier[key] for key in ("date", "commit")}
+        models = {name: of_file | entry for name, entry in earlier["results"]["models"].items()}
+    for name, entry in figures.items():
+        own = [text for text in survivors if text.startswith(name + " ")]
+        models[name] = entry | stamp | {"survivors": own}
+    return {"all": summed(models), "models": models}
+
+
+def record(figures, survivors, names):
+    """Writes the figures of the models into the folder for results: of all, or of those named among the others."""
+    folder = os.environ.get(results.VARIABLE)
+    if not folder:
+        return
+    path = pathlib.Path(folder) / "mutation.json"
+    earlier = json.loads(path.read_text()) if names and path.exists() else None
+    stamp = {"date": datetime.datetime.now(datetime.timezone.utc).date().isoformat(), "commit": results.commit(ROOT)}
+    results.write("mutation", "Mutants of the blocks and the board under the tests of the RTL", "scripts/mutation.sh",
+                  merged(earlier, figures, survivors, stamp))
 
 
 def main():
@@ -307,17 +341,14 @@ def main():
                 print(
                     f"{number}/{len(mutants)} {mutant.model} {mutant.number} {mutant.fate}", file=sys.stderr, flush=True
                 )
-    table, survivors, score, figures = report(mutants)
-    if not args.sample and not args.names:
-        results.write(
-            "mutation",
-            "Mutants of the blocks and the board under the tests of the RTL",
-            "scripts/mutation.sh",
-            {"all": figures.pop("all"), "models": figures, "seconds": round(time.monotonic() - started)},
-        )
+    figures = figures_of(mutants)
+    survivors = [f"{mutant.model} {mutant.number}: {mutant.text()}" for mutant in mutants if mutant.fate == "survives"]
+    score = summed(figures)["score"] or 0
+    if not args.sample:
+        record(figures, survivors, args.names)
     text = "\n".join(
         [
-            *table,
+            *table_of(figures),
             "",
             *survivors,
             "",
