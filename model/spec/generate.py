@@ -114,7 +114,9 @@ class Spec:
                       "pixel": (1 << self.sizes["pixel_bits"]) - 1}
         self.header = self._lay_out(self.raw["packet"]["header"])
         self.trailer = self._lay_out(self.raw["packet"]["trailer"])
-        self._bytes(self._lay_out(self.raw["datagram"]["header"]))
+        self.datagram_magic = int.from_bytes(self.raw["datagram"]["magic"].encode(), "little")
+        self.datagram_header = self._lay_out(self.raw["datagram"]["header"])
+        self.datagram_header_bytes = self._bytes(self.datagram_header)
         self.header_bytes = self._bytes(self.header)
         self.trailer_bytes = self._bytes(self.trailer)
         self._prove_formats()
@@ -331,6 +333,12 @@ def sv_package(spec):
     emit("")
     emit(f"  localparam logic [31:0] CheckInit = 32'h{int(spec.raw['packet']['check']['init'], 16):08X};")
     emit(f"  localparam logic [31:0] CheckPolynomial = 32'h{int(spec.raw['packet']['check']['polynomial'], 16):08X};")
+    emit("")
+    emit(f"  localparam logic [15:0] DatagramMagic = 16'h{spec.datagram_magic:04X};")
+    emit(f"  localparam int DatagramHeaderBytes = {spec.datagram_header_bytes};")
+    for field in spec.datagram_header:
+        emit(f"  localparam int Datagram{camel(field['name'])}Lsb = {field['lsb']};")
+        emit(f"  localparam int Datagram{camel(field['name'])}Bits = {field['bits']};")
     emit("")
     for reg in spec.raw["registers"]:
         emit(f"  localparam logic [7:0] Reg{camel(reg['name'])} = 8'h{reg['offset']:02X};")

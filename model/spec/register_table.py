@@ -71,8 +71,6 @@ def cpp_register_table(spec):
 
 def cpp_datagram(spec):
     datagram = spec.raw["datagram"]
-    magic = int.from_bytes(datagram["magic"].encode(), "little")
-    size = sum(field["bits"] for field in datagram["header"]) // 8
     out = ["// Generated from model/spec/selfproj.json by model/spec/generate.py; do not edit.",
            "#ifndef SELFPROJ_SPEC_GENERATED_DATAGRAM_FORMAT_H",
            "#define SELFPROJ_SPEC_GENERATED_DATAGRAM_FORMAT_H",
@@ -83,9 +81,9 @@ def cpp_datagram(spec):
            "namespace selfproj::spec {",
            "",
            "// Byte offsets in the header of a datagram; docs/packet-reference.md says what the fields mean.",
-           f'inline constexpr std::uint16_t kDatagramMagic = 0x{magic:04X};  // "{datagram["magic"]}"',
-           f"inline constexpr std::size_t kDatagramHeaderBytes = {size};"]
-    for field in datagram["header"]:
+           f'inline constexpr std::uint16_t kDatagramMagic = 0x{spec.datagram_magic:04X};  // "{datagram["magic"]}"',
+           f"inline constexpr std::size_t kDatagramHeaderBytes = {spec.datagram_header_bytes};"]
+    for field in spec.datagram_header:
         name = "MagicAt" if field["name"] == "magic" else camel(field["name"])
         out.append(f"inline constexpr std::size_t kDatagram{name} = {field['lsb'] // 8};"
                    f"  // {field['bits']} bits")

@@ -131,6 +131,21 @@ package sp_spec_pkg;
   localparam logic [31:0] CheckInit = 32'hFFFFFFFF;
   localparam logic [31:0] CheckPolynomial = 32'h04C11DB7;
 
+  localparam logic [15:0] DatagramMagic = 16'h4C53;
+  localparam int DatagramHeaderBytes = 16;
+  localparam int DatagramMagicLsb = 0;
+  localparam int DatagramMagicBits = 16;
+  localparam int DatagramSessionLsb = 16;
+  localparam int DatagramSessionBits = 16;
+  localparam int DatagramSequenceLsb = 32;
+  localparam int DatagramSequenceBits = 32;
+  localparam int DatagramPacketLsb = 64;
+  localparam int DatagramPacketBits = 32;
+  localparam int DatagramOffsetLsb = 96;
+  localparam int DatagramOffsetBits = 16;
+  localparam int DatagramLengthLsb = 112;
+  localparam int DatagramLengthBits = 16;
+
   localparam logic [7:0] RegId = 8'h00;
   localparam int RegIdIdLsb = 0;
   localparam int RegIdIdBits = 32;

@@ -6,38 +6,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "model/datagram.h"
+#include "model/datagram_cutter.h"
 
 namespace selfproj {
-
-// Cuts packets into datagrams and numbers them.
-class DatagramCutter {
- public:
-  // Receives a whole datagram.
-  using Sink = std::function<void(std::span<const std::uint8_t> datagram)>;
-
-  explicit DatagramCutter(std::uint16_t session, std::size_t datagram_bytes = kDatagramBytes)
-      : session_(session), piece_(datagram_piece(datagram_bytes)), datagram_(datagram_bytes) {}
-
-  void packet(std::span<const std::uint8_t> packet, const Sink& sink);
-
-  // The datagram of an idle sender.
-  void idle(const Sink& sink);
-
-  [[nodiscard]] std::uint32_t datagrams() const { return sequence_; }
-
- private:
-  std::uint16_t session_;
-  std::size_t piece_;
-  std::uint32_t sequence_ = 0;
-  std::uint32_t packet_ = 0;
-  std::vector<std::uint8_t> datagram_;
-};
 
 // A socket that sends packets to one host.
 class UdpSender {
