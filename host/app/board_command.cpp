@@ -27,8 +27,8 @@
 namespace selfproj {
 namespace {
 
-void print_boards() {
-  const std::vector<BoardPlace> boards = list_boards();
+void print_boards(const std::vector<std::string>& hosts) {
+  const std::vector<BoardPlace> boards = list_boards("/dev", hosts);
   if (boards.empty()) {
     fmt::print("no file of board registers in /dev\n");
   }
@@ -137,8 +137,8 @@ CLI::App* add_on_board(CLI::App& parent, const CommandText& text, const std::fun
   const auto device = std::make_shared<std::string>();
   command
       ->add_option("--device", *device,
-                   "The board: bar:PATH[+OFFSET] for registers in a file mapped into memory, or file:/dev/xdma0_c2h_0 "
-                   "for those beside this device.")
+                   "The board: udp:HOST on the network; bar:PATH[+OFFSET] for registers in a file mapped into memory; "
+                   "or file:/dev/xdma0_c2h_0 for those beside this device.")
       ->type_name("URI")
       ->required();
   command->callback([device, act] { act(*open_control(*device)); });
@@ -206,20 +206,23 @@ void add_board_command(CLI::App& app) {
   CLI::App* board = add_command(
       app, {.name = "board",
             .purpose = "Controls a board: its registers, settings and state.",
-            .details = "The commands reach the board's registers through a file that the system maps into memory.",
+            .details = "The commands reach the board's registers over the network, or through a file that the system "
+                       "maps into memory.",
             .examples = R"(
 # List the boards of this machine.
 selfproj board list
 )"});
   board->require_subcommand(1);
   CLI::App* list = add_command(*board, {.name = "list",
-                                        .purpose = "Lists the files in /dev through which boards can be controlled.",
-                                        .details = "Looks at /dev/xdma*_user and /dev/uio*.",
+                                        .purpose = "Lists the boards of this machine and of hosts on the network.",
+                                        .details = "Looks at /dev/xdma*_user and /dev/uio*, and asks every HOST given.",
                                         .examples = R"(
 # List the boards of this machine.
 selfproj board list
 )"});
-  list->callback(print_boards);
+  const auto hosts = std::make_shared<std::vector<std::string>>();
+  list->add_option("HOST", *hosts, "Hosts on the network to ask.")->type_name("NAME");
+  list->callback([hosts] { print_boards(*hosts); });
   add_on_board(*board, {.name = "info", .purpose = "Says what a board can do.", .details = "", .examples = R"(
 # The board behind the Xilinx DMA driver (needs hardware)
 selfproj board info --device bar:/dev/xdma0_user

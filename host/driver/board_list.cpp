@@ -11,7 +11,7 @@
 
 namespace selfproj {
 
-std::vector<BoardPlace> list_boards(const std::filesystem::path& devices) {
+std::vector<BoardPlace> list_boards(const std::filesystem::path& devices, const std::vector<std::string>& hosts) {
   std::vector<BoardPlace> boards;
   std::error_code error;
   for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(devices, error)) {
@@ -21,6 +21,9 @@ std::vector<BoardPlace> list_boards(const std::filesystem::path& devices) {
     }
   }
   std::sort(boards.begin(), boards.end(), [](const auto& one, const auto& other) { return one.uri < other.uri; });
+  for (const std::string& host : hosts) {
+    boards.push_back({.uri = "udp:" + host, .problem = ""});
+  }
   for (BoardPlace& board : boards) {
     try {
       static_cast<void>(open_control(board.uri));

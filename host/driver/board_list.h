@@ -12,8 +12,10 @@ struct BoardPlace {
   std::string problem;  // why no board can be controlled there; empty if one can
 };
 
-// The files in `devices` that may hold registers of boards, xdma*_user and uio*, in the order of their names.
-std::vector<BoardPlace> list_boards(const std::filesystem::path& devices = "/dev");
+// The files in `devices` that may hold registers of boards, xdma*_user and uio*, in the order of their names, and after
+// them these hosts on the network.
+std::vector<BoardPlace> list_boards(const std::filesystem::path& devices = "/dev",
+                                    const std::vector<std::string>& hosts = {});
 
 }  // namespace selfproj
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/driver/bar_port.h"
+#include "host/driver/etherbone_port.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
@@ -20,7 +21,7 @@ std::string registers_beside(const std::string& path) {
 }  // namespace
 
 std::string control_uri(const std::string& uri) {
-  if (uri.starts_with("bar:")) {
+  if (uri.starts_with("bar:") || uri.starts_with("udp:")) {
     return uri;
   }
   if (uri.starts_with("file:")) {
@@ -35,12 +36,17 @@ std::unique_ptr<Control> open_control(const std::string& uri) {
   if (control.starts_with("bar:") && control.size() > 4) {
     return std::make_unique<Control>(make_bar_port(control.substr(4)));
   }
+  if (uri.starts_with("udp:")) {
+    // A device's port is that of its packets.
+    const std::string place = uri.substr(4);
+    return std::make_unique<Control>(make_etherbone_port(place.substr(0, place.find(':'))));
+  }
   if (uri == "bar:") {
     throw UserError(uri, "the path of the file is missing");
   }
   const bool device = uri.starts_with("ring:") || uri.starts_with("file:");
-  throw UserError(uri, device ? "has no control of a board beside it; use bar:PATH"
-                              : "is not the control of a board; use bar:PATH");
+  throw UserError(uri, device ? "has no control of a board beside it; use bar:PATH or udp:HOST"
+                              : "is not the control of a board; use bar:PATH or udp:HOST");
 }
 
 }  // namespace selfproj

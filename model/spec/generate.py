@@ -32,7 +32,7 @@ PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
 TABLES = {
     ROOT / "docs" / "packet-reference.md": ["formats", "header", "versions", "trailer", "values", "check",
                                                 "reader", "datagram"],
-    ROOT / "docs" / "register-reference.md": ["registers", "fields"],
+    ROOT / "docs" / "register-reference.md": ["registers", "fields", "link"],
     ROOT / "docs" / "circuits" / "gray.md": ["gray_memory"],
 }
 
@@ -43,6 +43,7 @@ FRAME_FIELDS = [("stream", "HeaderStreamBits"), ("pattern", "HeaderPatternBits")
                 ("rows", "row_bits"), ("lines", "row_bits"), ("flags", "FlagBits"), ("select", "SelectBits"),
                 ("first_row", "row_bits"), ("last_row", "row_bits"), ("gap", "RegMeasureGapBits")]
 PROSE = ("description", "effect", "after_reset")  # keys that are for readers only and do not concern programs
+LINK_BASE = 0x100  # first address of the registers of the link
 REGISTER_WORDS = 32  # addresses of the register file, four bytes each
 
 
@@ -72,9 +73,9 @@ def with_whole_descriptions(node):
 def spec_hash(spec):
     """First 32 bits of the SHA-256 of the specification without its prose, keys sorted.
 
-    Datagrams only carry packets, and have their own magic number; they do not count.
+    Datagrams and the link only carry packets and accesses, and have their own magic numbers; they do not count.
     """
-    agreed = {key: value for key, value in spec.items() if key != "datagram"}
+    agreed = {key: value for key, value in spec.items() if key not in ("datagram", "link")}
     canonical = json.dumps(without_descriptions(agreed), sort_keys=True, separators=(",", ":"))
     return int.from_bytes(hashlib.sha256(canonical.encode()).digest()[:4], "big")
 
@@ -163,10 +164,14 @@ class Spec:
                                 "within a field")
 
     def _check_registers(self):
+        self._check_block(self.raw["registers"], 0)
+        self._check_block(self.raw["link"]["registers"], LINK_BASE)
+
+    def _check_block(self, registers, base):
         used = set()
-        for reg in self.raw["registers"]:
+        for reg in registers:
             reg["offset"] = int(reg["address"], 16)
-            if reg["offset"] % 4 or reg["offset"] in used or reg["offset"] >= 4 * REGISTER_WORDS:
+            if reg["offset"] % 4 or reg["offset"] in used or not 0 <= reg["offset"] - base < 4 * REGISTER_WORDS:
                 raise SpecError(f"register {reg['name']}: address {reg['address']} is taken or not aligned")
             used.add(reg["offset"])
             symbolic = {"magic": self.magic, "version": self.version, "hash": self.hash}

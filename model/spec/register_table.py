@@ -65,7 +65,16 @@ def cpp_register_table(spec):
         flags = ", ".join("true" if flag else "false" for flag in (reg["access"] == "rw", reg.get("setting", False)))
         out.append(f"    {{{text(reg['name'])}, 0x{reg['offset']:02X}, {flags}, 0x{reg['reset_value']:08X}U,"
                    f" {text(reg['description'])}, kFieldsOf{camel(reg['name'])}}},")
-    out += ["}};", "", "}  // namespace selfproj::spec", "", "#endif  // SELFPROJ_SPEC_GENERATED_REGISTER_TABLE_H"]
+    out += ["}};", "", "// The registers of the link, for boards on the network."]
+    for reg in spec.raw["link"]["registers"]:
+        name = f"kLink{camel(reg['name'])}"
+        out.append(f"inline constexpr std::uint32_t {name} = 0x{reg['offset']:X};  // {reg['access']}")
+        if reg["access"] == "ro":
+            out.append(f"inline constexpr std::uint32_t {name}Reset = 0x{reg['reset_value']:08X}U;")
+        for field in reg["fields"]:
+            out.append(f"inline constexpr int {name}{camel(field['name'])}Lsb = {field['lsb']};")
+            out.append(f"inline constexpr int {name}{camel(field['name'])}Bits = {field['bits']};")
+    out += ["", "}  // namespace selfproj::spec", "", "#endif  // SELFPROJ_SPEC_GENERATED_REGISTER_TABLE_H"]
     return "\n".join(out) + "\n"
 
 

@@ -166,10 +166,19 @@ def gray_memory(spec):
     return out
 
 
+def link(spec):
+    out = ["| address | register | access | bits | meaning |", "|---|---|---|---|---|"]
+    for reg in spec.raw["link"]["registers"]:
+        for field in reg["fields"]:
+            out.append(f"| 0x{reg['offset']:03X} | {reg['name']} | {reg['access']} | "
+                       f"{bit_range(field['lsb'], field['bits'])} | {field['description']} |")
+    return out
+
+
 def datagram(spec):
     return fields_by_byte(spec.raw["datagram"]["header"])
 
 
 MAKERS = {"formats": formats, "header": header, "versions": versions, "trailer": trailer, "values": values,
-          "check": check, "reader": reader, "datagram": datagram, "registers": registers, "fields": fields,
-          "gray_memory": gray_memory}
+          "check": check, "reader": reader, "datagram": datagram, "link": link, "registers": registers,
+          "fields": fields, "gray_memory": gray_memory}

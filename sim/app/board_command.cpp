@@ -31,7 +31,9 @@
 #include "model/column_moments.h"
 #include "model/packet.h"
 #include "model/pixel_clock.h"
+#include "sim/board/etherbone_board.h"
 #include "sim/board/packet_recording.h"
+#include "sim/board/played_registers.h"
 #include "sim/board/udp_sender.h"
 
 namespace selfproj {
@@ -50,6 +52,7 @@ struct BoardOptions {
   std::string udp;
   std::string from;  // empty: any address and port
   bool jumbo = false;
+  std::string control;
   std::string record;
   double rate = kDefaultRate;
   double pixel_clock_hz = kDefaultPixelClockHz;
@@ -191,7 +194,7 @@ class UdpOutput {
 // A board in real time. Frames are due at fixed times from the start, not from each other, so that the rate is kept
 // exactly; a late one follows immediately. The summary says how late the latest was.
 template <class Output>
-void play(const BoardOptions& options, const PacketRecording& source, Output& output) {
+void play(const BoardOptions& options, const PacketRecording& source, PlayedRegisters& registers, Output& output) {
   const StopSignal stop;
   StatusLine status;
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // sleep to the point, not up to 50 µs longer
@@ -227,6 +230,7 @@ void play(const BoardOptions& options, const PacketRecording& source, Output& ou
       ++packets;
       output.packet(size, stamp);
     });
+    registers.set_frames(frame + 1);
     if (due >= next_glance || (period == 0 && frame % 1024 == 0 && now_ns() >= next_glance)) {
       const std::int64_t now = now_ns();
       next_glance = std::max(now, due) + kGlanceNs;
@@ -259,12 +263,21 @@ void run_board(const BoardOptions& options) {
   const PacketRecording source = source_of(options);
   if (!options.record.empty()) {
     record(options, source);
-  } else if (!options.udp.empty()) {
+    return;
+  }
+  PlayedRegisters registers(options.pixel_clock_hz);
+  std::optional<EtherboneServer> server;
+  if (!options.control.empty()) {
+    server.emplace(
+        "--control " + options.control, options.control,
+        [&](bool write, std::uint32_t address, std::uint32_t data) { return registers.access(write, address, data); });
+  }
+  if (!options.udp.empty()) {
     UdpOutput output(options);
-    play(options, source, output);
+    play(options, source, registers, output);
   } else {
     RingOutput output(options);
-    play(options, source, output);
+    play(options, source, registers, output);
   }
 }
 
@@ -332,6 +345,11 @@ selfproj inspect --device ring:line1 --wait-for-board --seconds 3
       ->type_name("ADDRESS")
       ->needs(udp);
   command->add_flag("--jumbo", options->jumbo, "Send datagrams for frames of 9,000 bytes, not 1,500.")->needs(udp);
+  command
+      ->add_option("--control", options->control,
+                   "Address of this machine, or ADDRESS:PORT, port 1234 unless given, where the board's registers "
+                   "answer to Etherbone. `selfproj board` takes udp:ADDRESS. Settings change no packet.")
+      ->type_name("ADDRESS");
   command->add_option("--record", options->record, "File for the same packets, written as fast as possible.")
       ->type_name("FILE");
   begin_group(*command, "Timing");

@@ -1,11 +1,14 @@
 // Tests selfproj board, and that inspect sets up the board, from the command line.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "model/register_file.h"
+#include "sim/board/etherbone_board.h"
+#include "sim/board/played_registers.h"
 #include "tests/cli/program.h"
 #include "tests/support/board_registers.h"
 
@@ -68,7 +71,35 @@ TEST_F(BoardCommand, Errors) {
   write_text(folder_ / "bar", std::string(4096, '\xFF'));
   EXPECT_EQ(error({"info"}), "selfproj: bar:bar: no selfproj board is there: its first register is 0xFFFFFFFF\n");
   EXPECT_EQ(run({"board", "info", "--device", "ring:a"}).err,
-            "selfproj: ring:a: has no control of a board beside it; use bar:PATH\n");
+            "selfproj: ring:a: has no control of a board beside it; use bar:PATH or udp:HOST\n");
+}
+
+// The same commands over the network, to a board at an address of its own.
+TEST_F(BoardCommand, OverTheNetwork) {
+  const int process = getpid();
+  const std::string host = "127.77." + std::to_string(process / 250 % 250) + "." + std::to_string(process % 250 + 1);
+  PlayedRegisters registers(1e8);
+  const EtherboneServer server(host, host, [&](bool write, std::uint32_t address, std::uint32_t data) {
+    return registers.access(write, address, data);
+  });
+  const auto remote = [&](Words words) {
+    words.insert(words.begin(), "board");
+    words.insert(words.begin() + 2, {"--device", "udp:" + host});
+    return run(words);
+  };
+  EXPECT_NE(run({"board", "list", host}).out.find("udp:" + host + "            a board"), std::string::npos);
+  EXPECT_NE(remote({"info"}).out.find("largest image    2048 x 1023 pixels"), std::string::npos);
+  EXPECT_EQ(remote({"set", "size.columns=640", "size.rows=48"}).err, "");
+  EXPECT_EQ(remote({"set", "size.columns=6"}).err,
+            "selfproj: udp:" + host + ": the board refuses 0x00300006 in register size\n");
+  EXPECT_EQ(remote({"selftest"}).status, 0);
+  registers.set_frames(77);
+  const std::string status = remote({"status"}).out;
+  EXPECT_NE(status.find("columns=640  rows=48\n"), std::string::npos) << status;
+  EXPECT_NE(status.find("count=77"), std::string::npos) << status;
+  const Outcome nobody = run({"board", "info", "--device", "udp:127.0.0.9"});
+  EXPECT_EQ(nobody.status, 2);
+  EXPECT_EQ(nobody.err, "selfproj: udp:127.0.0.9: no board answers\n");
 }
 
 // inspect gives the board the rig's settings, and leaves it stopped as it was.

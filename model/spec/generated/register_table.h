@@ -170,6 +170,25 @@ inline constexpr std::array<Register, 26> kRegisters{{
     {"window", 0x64, true, true, 0x00000000U, "rows that count for the moments; pixels of other rows are dark for them; codes and images do not change; where no row of the frame counts, all columns are dark; a row above the build's max_rows is refused", kFieldsOfWindow},
 }};
 
+// The registers of the link, for boards on the network.
+inline constexpr std::uint32_t kLinkId = 0x100;  // ro
+inline constexpr std::uint32_t kLinkIdReset = 0x4B4E4C53U;
+inline constexpr int kLinkIdIdLsb = 0;
+inline constexpr int kLinkIdIdBits = 32;
+inline constexpr std::uint32_t kLinkTicket = 0x104;  // rw
+inline constexpr int kLinkTicketNumberLsb = 0;
+inline constexpr int kLinkTicketNumberBits = 32;
+inline constexpr std::uint32_t kLinkAddress = 0x108;  // rw
+inline constexpr int kLinkAddressBytesLsb = 0;
+inline constexpr int kLinkAddressBytesBits = 8;
+inline constexpr std::uint32_t kLinkValue = 0x10C;  // rw
+inline constexpr int kLinkValueWordLsb = 0;
+inline constexpr int kLinkValueWordBits = 32;
+inline constexpr std::uint32_t kLinkAnswer = 0x110;  // ro
+inline constexpr std::uint32_t kLinkAnswerReset = 0x00000000U;
+inline constexpr int kLinkAnswerRefusedLsb = 0;
+inline constexpr int kLinkAnswerRefusedBits = 1;
+
 }  // namespace selfproj::spec
 
 #endif  // SELFPROJ_SPEC_GENERATED_REGISTER_TABLE_H

@@ -1,0 +1,52 @@
+// A board on the network as Etherbone sees it.
+#ifndef SELFPROJ_SIM_BOARD_ETHERBONE_BOARD_H
+#define SELFPROJ_SIM_BOARD_ETHERBONE_BOARD_H
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "host/driver/etherbone.h"
+#include "host/io/file_descriptor.h"
+#include "model/write_mailbox.h"
+
+namespace selfproj {
+
+// The registers of a board behind its link.
+class EtherboneBoard {
+ public:
+  // `mailbox`: whether the link has the mailbox for writes.
+  explicit EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox = true);
+
+  // Does what a record asks for. Returns the answer, if one belongs to it.
+  std::optional<EtherboneRecord> answer(const EtherboneRecord& question);
+
+ private:
+  WriteMailbox::Access registers_;
+  std::optional<WriteMailbox> mailbox_;
+};
+
+// A thread that answers in the place of a board.
+class EtherboneServer {
+ public:
+  // At `place`, ADDRESS or ADDRESS:PORT of this machine, port kEtherbonePort unless given. `name` is what the user
+  // gave, for errors. `registers` is called by the thread. Throws UserError.
+  EtherboneServer(const std::string& name, const std::string& place, const WriteMailbox::Access& registers);
+  EtherboneServer(const EtherboneServer&) = delete;
+  EtherboneServer& operator=(const EtherboneServer&) = delete;
+  ~EtherboneServer();
+
+ private:
+  void run();
+
+  EtherboneBoard board_;
+  FileDescriptor socket_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_BOARD_ETHERBONE_BOARD_H
