@@ -36,6 +36,7 @@ def commands_of(made):
         ("selfproj", "match"): ["--rig", m / "scanner.yaml", "--reference", m / "stripes", "--out", "o", *seen],
         ("selfproj", "pattern"): ["--rig", m / "rig.yaml", "--reference", m / "curve.csv", "--out", "o"],
         ("selfproj", "pattern", "gray"): ["--rig", m / "scanner.yaml", "--out", "o"],
+        ("selfproj", "pattern", "chessboard"): ["--out", "o.svg"],
         ("selfproj", "pattern", "stripes"): [
             "--rig", m / "scanner.yaml", "--scan", m / "seen", "--gray-code", "--bits", "2", "--out", "o"
         ],
