@@ -2,81 +2,109 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "host/light_section/fast_moments.h"
 #include "model/cpu_clones.h"
 
-// The compiler vectorizes the loops over columns below for each instruction set of SELFPROJ_CLONES.
-
 namespace selfproj {
 namespace {
 
-// Columns that are processed at a time. What is kept of such a strip stays in the registers and the first-level cache.
+// Columns that are processed at a time. What is kept of such a strip stays in the first-level cache.
 constexpr int kRunColumns = 256;
-constexpr int kRunRows = 32;  // after which the numbers of runs are limited, so that they fit in 8 bits
+// Rows that are processed at a time, so that the counts are loaded and stored once for all of them. A run starts in the
+// first of them or later, and the last of them decide where one may start in the next.
+constexpr int kRunRows = kMaxGap + 1;
+constexpr int kLimitRows = 128;  // after which the numbers of runs are limited, so that they fit in 8 bits
 
 using RunStrip = std::array<std::uint8_t, kRunColumns>;
 
 inline std::uint8_t narrow_run(int value) { return static_cast<std::uint8_t>(value); }
 
+[[gnu::always_inline]] inline void limit_to_two(RunStrip& count, int columns) {
+  for (int i = 0; i < columns; ++i) {
+    count[i] = std::min<std::uint8_t>(count[i], 2);
+  }
+}
+
 // Counts the runs of at most kRunColumns columns: 0, 1, or 2 where there are two or more. A run starts at a lit pixel
-// above which there are more than `gap` dark rows. Without a gap, that is a lit pixel below a dark one. `columns` is
-// strip.columns; if it is a constant, the loops need no remainder.
-[[gnu::always_inline]] inline void count_without_gap(const ImageView& strip, int columns, std::uint8_t threshold,
-                                                     RunStrip& runs) {
-  alignas(64) RunStrip above{};  // 1: the pixel above is lit
-  alignas(64) RunStrip count{};
-  for (int row = 0; row < strip.rows; ++row) {
-    const std::uint8_t* pixels = strip.pixels + row * strip.stride;
+// above which there are more than kGap dark rows. `columns` is strip.columns; if it is a constant, the loops need no
+// remainder.
+template <int kGap>
+[[gnu::always_inline]] inline void count_strip(const ImageView& strip, int columns, std::uint8_t threshold,
+                                               RunStrip& count) {
+  static constexpr RunStrip kDark{};
+  alignas(64) std::array<RunStrip, kRunRows> above{};  // the rows above, the nearest first. 1: lit
+  count.fill(0);
+  for (int row = 0; row < strip.rows; row += kRunRows) {
+    const auto pixels_of = [&](int k) {
+      return row + k < strip.rows ? strip.pixels + (row + k) * strip.stride : kDark.data();
+    };
+    const std::array<const std::uint8_t*, kRunRows> pixels = {pixels_of(0), pixels_of(1), pixels_of(2), pixels_of(3)};
     for (int i = 0; i < columns; ++i) {
-      const std::uint8_t lit = pixels[i] > threshold ? 1 : 0;
-      count[i] = narrow_run(count[i] + (lit & ~above[i]));
-      above[i] = lit;
-    }
-    if (row % kRunRows == kRunRows - 1) {
-      for (int i = 0; i < columns; ++i) {
-        count[i] = std::min<std::uint8_t>(count[i], 2);
+      // The rows from the top: those above, then these.
+      std::array<std::uint8_t, 2 * kRunRows> lit;
+      for (int k = 0; k <= kGap; ++k) {
+        lit[kRunRows - 1 - k] = above[k][i];
+      }
+      for (int k = 0; k < kRunRows; ++k) {
+        std::uint8_t near = 0;
+        for (int back = 1; back <= kGap + 1; ++back) {
+          near |= lit[kRunRows + k - back];
+        }
+        lit[kRunRows + k] = pixels[k][i] > threshold ? 1 : 0;
+        count[i] = narrow_run(count[i] + (lit[kRunRows + k] & ~near));
+      }
+      for (int k = 0; k <= kGap; ++k) {
+        above[k][i] = lit[2 * kRunRows - 1 - k];
       }
     }
-  }
-  for (int i = 0; i < columns; ++i) {
-    runs[i] = std::min<std::uint8_t>(count[i], 2);
-  }
-}
-
-[[gnu::always_inline]] inline void count_with_gap(const ImageView& strip, int columns, std::uint8_t threshold,
-                                                  std::uint8_t gap, RunStrip& runs) {
-  alignas(64) RunStrip dark;  // rows since the last lit pixel, kMaxGap + 1 at most
-  alignas(64) RunStrip count{};
-  dark.fill(kMaxGap + 1);
-  for (int row = 0; row < strip.rows; ++row) {
-    const std::uint8_t* pixels = strip.pixels + row * strip.stride;
-    for (int i = 0; i < columns; ++i) {
-      const bool lit = pixels[i] > threshold;
-      const std::uint8_t start = dark[i] > gap ? 1 : 0;
-      count[i] = narrow_run(count[i] + (lit ? start : 0));
-      dark[i] = lit ? narrow_run(0) : std::min(narrow_run(dark[i] + 1), narrow_run(kMaxGap + 1));
-    }
-    if (row % kRunRows == kRunRows - 1) {
-      for (int i = 0; i < columns; ++i) {
-        count[i] = std::min<std::uint8_t>(count[i], 2);
-      }
+    if (row % kLimitRows == kLimitRows - kRunRows) {
+      limit_to_two(count, columns);
     }
   }
-  for (int i = 0; i < columns; ++i) {
-    runs[i] = std::min<std::uint8_t>(count[i], 2);
-  }
+  limit_to_two(count, columns);
 }
 
-SELFPROJ_CLONES void count_runs(const ImageView& strip, std::uint8_t threshold, std::uint8_t gap, RunStrip& runs) {
-  if (gap > 0) {
-    count_with_gap(strip, strip.columns, threshold, gap, runs);
-  } else if (strip.columns == kRunColumns) {
-    count_without_gap(strip, kRunColumns, threshold, runs);
+template <int kGap>
+[[gnu::always_inline]] inline void count_either(const ImageView& strip, std::uint8_t threshold, RunStrip& count) {
+  if (strip.columns == kRunColumns) {
+    count_strip<kGap>(strip, kRunColumns, threshold, count);
   } else {
-    count_without_gap(strip, strip.columns, threshold, runs);
+    count_strip<kGap>(strip, strip.columns, threshold, count);
   }
+}
+
+SELFPROJ_CLONES void count_runs(const ImageView& strip, std::uint8_t threshold, int gap, RunStrip& count) {
+  static_assert(kMaxGap == 3);
+  switch (gap) {
+    case 0:
+      return count_either<0>(strip, threshold, count);
+    case 1:
+      return count_either<1>(strip, threshold, count);
+    case 2:
+      return count_either<2>(strip, threshold, count);
+    default:
+      return count_either<3>(strip, threshold, count);
+  }
+}
+
+// The first column from `from` on with two runs or more, or `columns`. Looks at eight columns at once.
+int next_several(const std::uint8_t* runs, int from, int columns) {
+  constexpr std::uint64_t kTwo = 0x0202020202020202;
+  int i = from;
+  for (std::uint64_t eight = 0; i + 8 <= columns; i += 8) {
+    std::memcpy(&eight, runs + i, sizeof eight);
+    if ((eight & kTwo) != 0) {
+      break;
+    }
+  }
+  while (i < columns && runs[i] < 2) {
+    ++i;
+  }
+  return i;
 }
 
 RunsView from_column(const RunsView& view, int first) {
@@ -102,17 +130,16 @@ void fast_column_runs(const ImageView& image, const Measure& measure, const Runs
     out.moments.m1[i] += static_cast<std::uint32_t>(above) * out.moments.m0[i];
   }
   std::fill_n(out.second, image.columns, std::uint8_t{0});
-  alignas(64) RunStrip runs;
+  alignas(64) RunStrip count;
   for (int first = 0; first < image.columns; first += kRunColumns) {
     const int columns = std::min(kRunColumns, image.columns - first);
-    count_runs({part.pixels + first, part.rows, columns, part.stride}, narrow_run(measure.threshold),
-               narrow_run(measure.gap), runs);
-    for (int i = 0; i < columns; ++i) {
-      out.runs[first + i] = runs[static_cast<std::size_t>(i)];
-      if (runs[static_cast<std::size_t>(i)] > 1) {
-        column_runs({image.pixels + first + i, image.rows, 1, image.stride}, measure, from_column(out, first + i));
-      }
-    }
+    count_runs({part.pixels + first, part.rows, columns, part.stride}, narrow_run(measure.threshold), measure.gap,
+               count);
+    std::copy_n(count.data(), columns, out.runs + first);
+  }
+  for (int i = next_several(out.runs, 0, image.columns); i < image.columns;
+       i = next_several(out.runs, i + 1, image.columns)) {
+    column_runs({image.pixels + i, image.rows, 1, image.stride}, measure, from_column(out, i));
   }
 }
 
