@@ -7,10 +7,12 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,23 +51,51 @@ cv::Vec3d middle_of(const View& view, const Lens& lens, const cv::Point3d& middl
   return {at.real(), at.imag(), 1 / std::abs(turn)};
 }
 
-// Takes out the straight line over the heights that fits the values best: what a free focal length or a free lean adds.
-void straighten(const std::vector<double>& heights, std::vector<double>& values) {
-  const auto count = static_cast<double>(heights.size());
-  const double mean_height = std::accumulate(heights.begin(), heights.end(), 0.0) / count;
-  const double mean_value = std::accumulate(values.begin(), values.end(), 0.0) / count;
+// What is left of the values when the straight line over the heights that fits all of them best, or all but `left_out`,
+// is taken out: a free focal length or a free lean adds such a line.
+std::vector<double> off_line(const std::vector<double>& heights, const std::vector<double>& values,
+                             std::optional<std::size_t> left_out = {}) {
+  double count = 0;
+  double height = 0;
+  double value = 0;
+  for (std::size_t k = 0; k < heights.size(); ++k) {
+    if (k != left_out) {
+      count += 1;
+      height += heights[k];
+      value += values[k];
+    }
+  }
+  height /= count;
+  value /= count;
   double squares = 0;
   double products = 0;
   for (std::size_t k = 0; k < heights.size(); ++k) {
-    squares += (heights[k] - mean_height) * (heights[k] - mean_height);
-    products += (heights[k] - mean_height) * values[k];
+    if (k != left_out) {
+      squares += (heights[k] - height) * (heights[k] - height);
+      products += (heights[k] - height) * (values[k] - value);
+    }
   }
+  std::vector<double> off;
   for (std::size_t k = 0; k < heights.size(); ++k) {
-    values[k] -= mean_value + products / squares * (heights[k] - mean_height);
+    off.push_back(values[k] - value - products / squares * (heights[k] - height));
   }
+  return off;
 }
 
-// How far the plates are from where they are said to be, along x, y and z, by the camera alone, but for straight lines.
+// The same for several axes together: lengths.
+std::vector<double> lengths_off_line(const std::vector<double>& heights, const std::vector<std::vector<double>>& axes,
+                                     std::optional<std::size_t> left_out = {}) {
+  std::vector<double> lengths(heights.size(), 0);
+  for (const std::vector<double>& values : axes) {
+    const std::vector<double> off = off_line(heights, values, left_out);
+    std::transform(off.begin(), off.end(), lengths.begin(), lengths.begin(),
+                   [](double x, double length) { return std::hypot(x, length); });
+  }
+  return lengths;
+}
+
+// How far the plates are from where they are said to be, along x, y and z, by the camera alone, but for straight lines
+// over the heights.
 std::array<std::vector<double>, 3> shifts_of(const std::vector<View>& views, const Plates& plates,
                                              const Bundle& found) {
   const LensParameters& p = found.camera;
@@ -79,7 +109,6 @@ std::array<std::vector<double>, 3> shifts_of(const std::vector<View>& views, con
   cv::Matx33d turn;
   cv::Rodrigues(found.belt.pose.rotation, turn);
   std::array<std::vector<double>, 3> shifts;
-  std::vector<double> heights;
   for (std::size_t k = 0; k < plates.count(); ++k) {
     cv::Vec3d sum;
     double count = 0;
@@ -92,44 +121,84 @@ std::array<std::vector<double>, 3> shifts_of(const std::vector<View>& views, con
       }
     }
     if (count > 0) {
-      heights.push_back(plates.heights_mm[k]);
       for (std::size_t axis = 0; axis < shifts.size(); ++axis) {
         shifts.at(axis).push_back(sum[static_cast<int>(axis)] / count);
       }
     }
   }
-  for (std::vector<double>& values : shifts) {
-    straighten(heights, values);
-  }
   return shifts;
 }
 
-// The plate that is farthest off, if one is off by more than its tolerance.
+// One plate that is off bends the line through all of them, and may leave a greater rest at its neighbour than at
+// itself. So each plate in turn is left out: that one is off without which the others fit. Returns the plates without
+// which no other is off by more than the limit; none if more than one is off.
+std::vector<std::size_t> suspects_of(const std::vector<double>& heights, const std::vector<std::vector<double>>& axes,
+                                     double limit) {
+  constexpr double kAsGood = 2;    // rests that differ by less do not tell one plate from the other,
+  constexpr double kNothing = 10;  // nor do rests of less than this part of the limit
+  std::vector<double> rests;
+  for (std::size_t k = 0; k < heights.size(); ++k) {
+    std::vector<double> rest = lengths_off_line(heights, axes, k);
+    rest[k] = 0;
+    rests.push_back(*std::max_element(rest.begin(), rest.end()));
+  }
+  const double least = *std::min_element(rests.begin(), rests.end());
+  std::vector<std::size_t> suspects;
+  for (std::size_t k = 0; k < heights.size(); ++k) {
+    if (rests[k] <= limit && rests[k] <= std::max(kAsGood * least, limit / kNothing)) {
+      suspects.push_back(k);
+    }
+  }
+  return suspects;
+}
+
+// The plate that is off by more than its tolerance, if there is one.
 std::string fault_of_places(const std::vector<View>& views, const Plates& plates, const Bundle& found) {
   constexpr double kMostOff = 5;    // standard deviations
   constexpr double kUnseen = 2e-4;  // of the distance: what a camera of narrow view does not see of a height
   const double unseen = kUnseen * cv::norm(found.belt.pose.translation);
   const std::array<std::vector<double>, 3> shifts = shifts_of(views, plates, found);
-  std::string fault;
-  double greatest = 0;
-  // Poses may have been left out, but no plate loses both.
-  for (std::size_t k = 0; k < shifts[2].size() && shifts[2].size() == plates.count(); ++k) {
-    const double higher = -shifts[2][k];
-    const double beside = std::hypot(shifts[0][k], shifts[1][k]);
-    if (std::abs(higher) > std::max(greatest, kMostOff * plates.deviations[5] + unseen)) {
-      greatest = std::abs(higher);
-      fault = fmt::format(
-          "the plate at {:g} mm lies {:.2f} mm {} than said; its height or the order of the poses is "
-          "wrong",
-          plates.heights_mm[k], greatest, higher > 0 ? "higher" : "lower");
-    }
-    if (beside > std::max(greatest, kMostOff * plates.deviations[3] + unseen)) {
-      greatest = beside;
-      fault = fmt::format("the plate at {:g} mm lies {:.2f} mm beside the others; push it against the fence",
-                          plates.heights_mm[k], beside);
-    }
+  if (shifts[2].size() != plates.count()) {  // poses may have been left out, but no plate loses both
+    return {};
   }
-  return fault;
+  const std::vector<double>& heights = plates.heights_mm;
+  const std::vector<std::vector<double>> level{shifts[2]};
+  const std::vector<std::vector<double>> place{shifts[0], shifts[1]};
+  const auto share = [&](const std::vector<std::vector<double>>& axes, double limit) {
+    const std::vector<double> off = lengths_off_line(heights, axes);
+    return *std::max_element(off.begin(), off.end()) / limit;
+  };
+  const double level_limit = kMostOff * plates.deviations[5] + unseen;
+  const double place_limit = kMostOff * plates.deviations[3] + unseen;
+  const double off_level = share(level, level_limit);
+  const double off_place = share(place, place_limit);
+  if (!(std::max(off_level, off_place) > 1)) {
+    return {};
+  }
+  const bool higher = off_level > off_place;
+  const std::vector<std::size_t> suspects =
+      higher ? suspects_of(heights, level, level_limit) : suspects_of(heights, place, place_limit);
+  if (suspects.empty()) {
+    return higher
+               ? "more than one plate lies higher or lower than said; the order of the poses or the heights are wrong"
+               : "more than one plate lies beside the others; push them against the fence";
+  }
+  std::vector<double> suspected;
+  std::transform(suspects.begin(), suspects.end(), std::back_inserter(suspected),
+                 [&](std::size_t k) { return heights[k]; });
+  const std::string which = fmt::format("{:g}", fmt::join(suspected, " or "));
+  if (suspects.size() > 1) {
+    return higher ? fmt::format("one of the plates at {} mm lies higher or lower than said, or is not flat", which)
+                  : fmt::format("one of the plates at {} mm lies beside the others; push it against the fence", which);
+  }
+  const std::size_t k = suspects.front();
+  if (higher) {
+    const double down = off_line(heights, shifts[2], k)[k];
+    return fmt::format("the plate at {} mm lies {:.2f} mm {} than said; its height is wrong, or it is not flat", which,
+                       std::abs(down), down < 0 ? "higher" : "lower");
+  }
+  return fmt::format("the plate at {} mm lies {:.2f} mm beside the others; push it against the fence", which,
+                     lengths_off_line(heights, place, k)[k]);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -144,49 +145,145 @@ Rig with_belt(const Rig& rig, const cv::Vec4d& found) {
   return result;
 }
 
-// The heights by the geometry, but for a thousandth at either end.
-void set_range(const Rig& rig, const std::vector<HeightSample>& samples, RigHeights& heights) {
+// The heights by the geometry of the samples used, but for a thousandth at either end.
+void set_range(const Rig& rig, const std::vector<HeightSample>& samples, const std::vector<char>& used,
+               RigHeights& heights) {
   std::vector<double> all;
-  for (const HeightSample& s : samples) {
-    all.push_back(rig.plane_z_mm - s.z);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (used[i] != 0) {
+      all.push_back(rig.plane_z_mm - samples[i].z);
+    }
   }
   std::sort(all.begin(), all.end());
   heights.lowest_mm = all[all.size() / 1000];
   heights.highest_mm = all[all.size() - 1 - all.size() / 1000];
 }
 
-// Samples whose error is far beyond the rest are left out.
-std::vector<char> without_outliers(const std::vector<HeightSample>& samples, const Rig& rig,
-                                   const RigHeights& heights) {
+// Leaves out of the samples used those whose error is far beyond the rest.
+std::vector<char> without_outliers(const std::vector<HeightSample>& samples, const std::vector<char>& used,
+                                   const Rig& rig, const RigHeights& heights) {
   constexpr double kFar = 6;
   const HeightCorrection correction(rig.camera, heights);
-  std::vector<double> off;
-  for (const HeightSample& s : samples) {
-    const double geometric = rig.plane_z_mm - s.z;
-    off.push_back(std::abs(geometric + correction.at(s.row, s.column, geometric) - s.height_mm));
+  std::vector<double> off(samples.size(), kUnknown);
+  std::vector<double> sorted;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const HeightSample& s = samples[i];
+    if (used[i] != 0) {
+      const double geometric = rig.plane_z_mm - s.z;
+      off[i] = std::abs(geometric + correction.at(s.row, s.column, geometric) - s.height_mm);
+      sorted.push_back(off[i]);
+    }
   }
-  std::vector<double> sorted = off;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
   const double limit = kFar * 1.4826 * *middle;  // of a normal distribution's standard deviation
-  std::vector<char> used;
+  std::vector<char> kept;
   for (const double error : off) {
-    used.push_back(error <= limit ? 1 : 0);
+    kept.push_back(error <= limit ? 1 : 0);  // an unknown one is not
   }
-  return used;
+  return kept;
 }
 
-// The mean of a part of the columns says more than single centroids, whose noise it averages.
-void expect_flat(const std::vector<HeightLevel>& levels, const HeightSettings& settings, double rms) {
+// A correction fitted to all levels, or to all but one.
+struct Corrected {
+  HeightModel model;
+  FittedHeights fit;
+  std::vector<HeightLevel> levels;  // with what is left of their errors
+};
+
+Corrected correct(const Rig& rig, const std::vector<HeightSample>& samples, std::vector<HeightLevel> levels,
+                  std::optional<std::size_t> left_out = {}) {
+  std::vector<char> used;
+  for (const HeightSample& s : samples) {
+    used.push_back(s.level == left_out ? 0 : 1);
+  }
+  const std::size_t count = levels.size() - (left_out ? 1 : 0);
+  RigHeights range;
+  range.order = kMostFittedOrder;
+  range.order_heights = std::min(kMostHeightOrder, static_cast<int>(count) - 2);
+  set_range(rig, samples, used, range);
+  const auto model = [&] { return HeightModel(rig.camera, range, rig.plane_z_mm, samples, used, levels.size()); };
+  const FittedHeights first = choose(model(), rig, range);
+  used = without_outliers(samples, used, rig, first.heights);
+  HeightModel last_model = model();
+  FittedHeights last = choose(last_model, rig, range);
+  const HeightCorrection correction(rig.camera, last.heights);
+  set_errors(
+      samples, rig.camera.columns,
+      [&](std::size_t i) {
+        const HeightSample& s = samples[i];
+        const double geometric = rig.plane_z_mm - s.z;
+        return used[i] != 0 ? geometric + correction.at(s.row, s.column, geometric) - s.height_mm : kUnknown;
+      },
+      levels);
+  return {std::move(last_model), std::move(last), std::move(levels)};
+}
+
+// How far a level is uneven, as a share of what is allowed. The mean of a part of the columns says more than single
+// centroids, whose noise it averages.
+double share_of(const HeightLevel& level, const HeightSettings& settings, double rms) {
+  const double noise = 4 * rms / std::sqrt(static_cast<double>(level.samples) / kParts);
+  return level.uneven_mm / (settings.flatness_mm + settings.tolerance_mm + noise);
+}
+
+double greatest_share(const Corrected& all, const HeightSettings& settings) {
+  double greatest = 0;
+  for (const HeightLevel& level : all.levels) {
+    greatest = std::max(greatest, share_of(level, settings, all.fit.rms));
+  }
+  return greatest;
+}
+
+double greatest_uneven(const std::vector<HeightLevel>& levels) {
+  double greatest = 0;
   for (const HeightLevel& level : levels) {
-    const double noise = 4 * rms / std::sqrt(static_cast<double>(level.samples) / kParts);
-    if (level.uneven_mm > settings.flatness_mm + settings.tolerance_mm + noise) {
-      throw UserError(level.name,
-                      fmt::format("is not flat, or not at its height: {:.3f} mm off where the others fit; {} mm of "
-                                  "flatness and {} mm of tolerance are allowed",
-                                  level.uneven_mm, settings.flatness_mm, settings.tolerance_mm));
+    greatest = std::max(greatest, level.uneven_mm);
+  }
+  return greatest;
+}
+
+// Refuses levels of which one is not flat or not at its height. The corrections follow such a level in part, so that
+// the greatest error may be at another one. So each level in turn is left out: that one is off without which the others
+// fit. Three levels do not tell.
+void expect_flat(const Corrected& all, const Rig& rig, const std::vector<HeightSample>& samples,
+                 const HeightSettings& settings) {
+  constexpr double kAsGood = 2;     // shares that differ by less do not tell one level from the other,
+  constexpr double kNothing = 0.2;  // nor do shares of less than this
+  if (greatest_share(all, settings) <= 1) {
+    return;
+  }
+  const std::string allowed =
+      fmt::format("{} mm of flatness and {} mm of tolerance are allowed", settings.flatness_mm, settings.tolerance_mm);
+  std::vector<double> shares;
+  std::vector<double> rests;
+  for (std::size_t k = 0; k < all.levels.size() && all.levels.size() > kLeastLevels; ++k) {
+    const Corrected others = correct(rig, samples, all.levels, k);
+    shares.push_back(greatest_share(others, settings));
+    rests.push_back(greatest_uneven(others.levels));
+  }
+  const double least = shares.empty() ? 0 : *std::min_element(shares.begin(), shares.end());
+  std::vector<std::size_t> suspects;
+  for (std::size_t k = 0; k < all.levels.size(); ++k) {
+    if (shares.empty() || shares[k] <= std::min(1.0, std::max(kAsGood * least, kNothing))) {
+      suspects.push_back(k);
     }
   }
+  if (suspects.empty()) {
+    throw UserError("heights", fmt::format("more than one position is not flat, or not at its height; {}", allowed));
+  }
+  if (suspects.size() > 1) {
+    std::vector<std::string> names;
+    std::transform(suspects.begin(), suspects.end(), std::back_inserter(names),
+                   [&](std::size_t k) { return all.levels[k].name; });
+    throw UserError("heights", fmt::format("one position is not flat, or not at its height: {}; {}",
+                                           fmt::join(names, " or "), allowed));
+  }
+  const std::size_t k = suspects.front();
+  throw UserError(
+      all.levels[k].name,
+      fmt::format(
+          "is not flat, or not at its height: with it heights are up to {:.3f} mm off, without it {:.3f} mm; {}",
+          greatest_uneven(all.levels), rests[k], allowed));
 }
 
 }  // namespace
@@ -213,36 +310,18 @@ HeightFit fit_heights(const Rig& given, const std::vector<HeightPosition>& posit
     level.before_mean_mm = level.mean_mm;
     level.before_rms_mm = level.rms_mm;
   }
-  RigHeights range;
-  range.order = kMostFittedOrder;
-  range.order_heights = std::min(kMostHeightOrder, static_cast<int>(fit.levels.size()) - 2);
-  set_range(rig, samples, range);
-  const auto model_of = [&](const std::vector<char>& used) {
-    return HeightModel(rig.camera, range, rig.plane_z_mm, samples, used, fit.levels.size());
-  };
-  const FittedHeights first = choose(model_of(std::vector<char>(samples.size(), 1)), rig, range);
-  const std::vector<char> used = without_outliers(samples, rig, first.heights);
-  const HeightModel last_model = model_of(used);
-  const FittedHeights last = choose(last_model, rig, range);
-  const HeightCorrection correction(rig.camera, last.heights);
-  std::vector<HeightLevel> corrected = fit.levels;
-  set_errors(
-      samples, rig.camera.columns,
-      [&](std::size_t i) {
-        const double height = geometric(i) + correction.at(samples[i].row, samples[i].column, geometric(i));
-        return used[i] != 0 ? height - samples[i].height_mm : kUnknown;
-      },
-      corrected);
-  fit.levels = corrected;
-  fit.rms_mm = last.rms;
-  expect_flat(fit.levels, settings, last.rms);
-  for (const auto& [row, column, height] : grid_of(rig, last.heights)) {
+  const Corrected all = correct(rig, samples, fit.levels);
+  fit.levels = all.levels;
+  fit.rms_mm = all.fit.rms;
+  expect_flat(all, rig, samples, settings);
+  const HeightCorrection correction(rig.camera, all.fit.heights);
+  for (const auto& [row, column, height] : grid_of(rig, all.fit.heights)) {
     fit.correction_mm = std::max(fit.correction_mm, std::abs(correction.at(row, column, height)));
   }
-  fit.open_by_tolerance_mm = open_by_levels(last_model, last, rig, settings.tolerance_mm);
+  fit.open_by_tolerance_mm = open_by_levels(all.model, all.fit, rig, settings.tolerance_mm);
   fit.open_by_flatness_mm = settings.flatness_mm;
-  fit.open_by_noise_mm = last.uncertain;
-  rig.heights = last.heights;
+  fit.open_by_noise_mm = all.fit.uncertain;
+  rig.heights = all.fit.heights;
   fit.rig = rig;
   return fit;
 }

@@ -34,6 +34,7 @@ struct Placing {
   double height = 0;
   double x = 0, y = 0;
   double turn_deg = 0, lean_deg = 0;
+  double bulge = 0;  // of the chessboard's middle over its ends
 };
 
 // A light section much like rig A, leaning over its belt.
@@ -70,8 +71,10 @@ class NarrowWorld {
         report.columns = world.camera_columns;
         const cv::Vec3d middle(0.5 * world.square * (world.chessboard_columns - 1), world.square, 0);
         for (int i = 0; i < world.chessboard_columns * world.chessboard_rows; ++i) {
+          cv::Vec3d on_plate = world.on_chessboard(i) - middle;
+          on_plate[2] = -plate.bulge * (1 - std::pow(on_plate[0] / middle[0], 2));
           const cv::Vec3d lying =
-              test::turn(0, plate.lean_deg, plate.turn_deg) * (world.on_chessboard(i) - middle) +
+              test::turn(0, plate.lean_deg, plate.turn_deg) * on_plate +
               cv::Vec3d(plate.x + way[0] * (move - 3), plate.y + way[1] * (move - 3), -plate.height);
           const cv::Vec3d at = in_camera_axes(lying);
           const auto noisy = [&](const cv::Vec2d& seen, double noise) {
@@ -177,34 +180,76 @@ TEST(Plates, TellRaysLightAndBelt) {
   }
 }
 
-TEST(Plates, WrongPlacesAreRefused) {
+// What is said of these plates, the belt and its places said to be as `change` leaves them.
+std::string said_of(const std::vector<Placing>& plates, const std::function<void(Plates&)>& change = {}) {
   const NarrowWorld narrow;
-  const auto reason = [&](std::vector<Placing> plates, const std::function<void(Plates&)>& change) {
-    CalibrateSettings settings = narrow.settings();
-    settings.free = {0, 0};
+  CalibrateSettings settings = narrow.settings();
+  settings.free = {0, 0};
+  if (plates.size() < kHeights.size()) {
+    const std::vector<double> heights(kHeights.begin(), kHeights.begin() + static_cast<std::ptrdiff_t>(plates.size()));
+    const Plates all = *settings.plates;
+    settings.plates.emplace(heights, std::vector<double>(kMoves.begin(), kMoves.end()), PlateTolerance{}, 79.2);
+    settings.plates->camera = all.camera;
+    settings.plates->projector = all.projector;
+    settings.plates->stereo = all.stereo;
+    settings.plates->scale = all.scale;
+  }
+  if (change) {
     change(*settings.plates);
-    try {
-      static_cast<void>(calibrate(narrow.observed(plates), settings));
-    } catch (const UserError& error) {
-      return std::string(error.what());
-    }
-    return std::string("taken");
-  };
-  const auto as_it_is = [](Plates& /*plates*/) {};
+  }
+  try {
+    static_cast<void>(calibrate(narrow.observed(plates), settings));
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+void expect_said(const std::string& said, const std::string& what) {
+  EXPECT_NE(said.find(what), std::string::npos) << said << "\ninstead of: " << what;
+}
+
+TEST(Plates, WrongPlacesAreRefused) {
   std::vector<Placing> plates = put_down();
   std::swap(plates[1], plates[2]);
-  EXPECT_NE(reason(plates, as_it_is).find("--plates: the plate at "), std::string::npos) << reason(plates, as_it_is);
+  expect_said(said_of(plates), "--plates: more than one plate lies higher or lower than said; the order of the poses");
   plates = put_down();
   plates[2].y += 1;
-  EXPECT_NE(reason(plates, as_it_is).find("beside the others"), std::string::npos) << reason(plates, as_it_is);
+  const std::string beside = said_of(plates);
+  expect_said(beside, "--plates: the plate at 40 mm lies 1.");
+  expect_said(beside, "mm beside the others");
   const auto too_far = [](Plates& all) {
     for (PlatePlace& place : all.places) {
       place.belt_mm *= 1.1;
     }
   };
-  EXPECT_NE(reason(put_down(), too_far).find("a millimetre of the belt moves the chessboard by 0.909"),
-            std::string::npos)
-      << reason(put_down(), too_far);
+  expect_said(said_of(put_down(), too_far), "a millimetre of the belt moves the chessboard by 0.909");
+}
+
+// A plate that is off bends the line through all of them, most of all at its neighbour if it is the first or the last.
+TEST(Plates, ThePlateThatIsOffIsNamed) {
+  for (const std::size_t k : {0U, 1U, 3U}) {
+    std::vector<Placing> plates = put_down();
+    plates[k].height += 1;
+    const std::string at = "--plates: the plate at " + std::to_string(static_cast<int>(kHeights.at(k))) + " mm lies ";
+    expect_said(said_of(plates), at);
+    plates = put_down();
+    plates[k].bulge = -2;
+    const std::string bent = said_of(plates);
+    expect_said(bent, at);
+    expect_said(bent, "mm lower than said; its height is wrong, or it is not flat");
+  }
+}
+
+TEST(Plates, ThreeDoNotTellWhichOfThemIsOff) {
+  std::vector<Placing> plates = put_down();
+  plates.pop_back();
+  EXPECT_EQ(said_of(plates), "taken");
+  plates[0].height += 2;
+  expect_said(said_of(plates), "--plates: one of the plates at 0 or 20 or 40 mm lies higher or lower than said");
+  plates[0].height -= 2;
+  plates[1].x += 1;
+  expect_said(said_of(plates), "--plates: one of the plates at 0 or 20 or 40 mm lies beside the others");
 }
 
 // The fit takes such heights as well as right ones: the focal length and the distance take up the factor.
