@@ -305,7 +305,10 @@ selfproj calibrate --chessboard 9x7 --square 20 --projector 1024x768 \
   command->add_option("--chessboard", options->chessboard, "Inner corners along the two sides of the chessboard.")
       ->type_name("NxM")
       ->required();
-  command->add_option("--square", settings.chessboard.square_mm, "Side of a square in mm.")
+  command
+      ->add_option("--square", settings.chessboard.square_mm,
+                   "Side of a square in mm. Measure it: without --plates nothing shows that it is wrong, and all "
+                   "lengths of the result are wrong by the same factor.")
       ->transform(number_above_zero())
       ->type_name("MM")
       ->required();

@@ -200,7 +200,10 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
   command.add_option("--chessboard", options.chessboard, "Inner corners along the two sides of the chessboard.")
       ->type_name("NxM")
       ->required();
-  command.add_option("--square", options.settings.chessboard.square_mm, "Side of a square in mm.")
+  command
+      .add_option("--square", options.settings.chessboard.square_mm,
+                  "Side of a square in mm. Measure it: nothing shows that it is wrong, and all lengths are wrong by "
+                  "the same factor.")
       ->transform(number_above_zero())
       ->type_name("MM")
       ->required();
