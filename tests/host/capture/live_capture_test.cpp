@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -142,6 +143,20 @@ TEST_F(LiveCapture, SettleTimeIsFoundWithinTenMilliseconds) {
   EXPECT_GE(record["delay_most_ms"], 70.0);
   EXPECT_LE(record["delay_most_ms"], truth + 10);
   EXPECT_NE(captured.out.find("; try 0.5 times the exposure\n"), std::string::npos) << captured.out;
+}
+
+TEST_F(LiveCapture, PatternsAreNotOverwritten) {
+  look({});
+  std::filesystem::create_directory(folder_ / "shown");
+  const std::string pattern = encode_png(patterns_[0]);
+  write_text(folder_ / "shown" / "image_0001.png", pattern);
+  const Outcome onto = run({"capture", "--camera", "camera:127.0.0.1?region=64x64", "--patterns", "shown",
+                            "--settle-ms", "50", "--out", "shown"});
+  EXPECT_EQ(onto.status, 2);
+  EXPECT_NE(onto.err.find("is an input of this command"), std::string::npos) << onto.err;
+  EXPECT_EQ(read_text(folder_ / "shown" / "image_0001.png"), pattern);
+  const std::filesystem::directory_iterator shown(folder_ / "shown");
+  EXPECT_EQ(std::distance(begin(shown), end(shown)), 1);
 }
 
 // Whatever ends a capture, there is one line, nothing is written, and the display is black again.
