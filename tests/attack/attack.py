@@ -16,6 +16,7 @@ from options import Options
 from outputs import Outputs
 from programs import Attacker
 from rings import Rings
+from screen import own_screen
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Cases of each part: a short run, which is a test, and a long one.
@@ -72,11 +73,11 @@ def main():
     }
     begin = time.monotonic()
     figures = {}
-    with tempfile.TemporaryDirectory(prefix="selfproj-attack-") as work:
-        attacker = Attacker(options.programs, work, options.seed)
+    with own_screen() as screen, tempfile.TemporaryDirectory(prefix="selfproj-attack-") as work:
+        attacker = Attacker(options.programs, work, options.seed, screen)
         folder = pathlib.Path(work) / "materials"
         folder.mkdir()
-        made = materials.make(attacker, folder)
+        made = materials.make(attacker, folder, options.short)
         parts = parts_of(attacker, made, counts, options.short)
         for name, part in parts.items():
             if (options.only and name not in options.only) or (options.short and name == "limits"):

@@ -154,6 +154,7 @@ class Files:
         self.frames = frames_of(made / "inspection" / "moments.csv")
         m = made
         inspect = ("selfproj", "inspect", "--device", f"file:{m}/packets.bin", "--json", "o.json", "--out", "o")
+        judge = ("selfproj", "inspect", "--device", f"file:{m}/parts.bin", "--json", "o.json", "--parts", "p")
         self.readers = [
             # kind, file to mutate, mutations, command with {} for the file, check
             ("png", "frame_1.png", BINARY, None, self.image),
@@ -176,6 +177,23 @@ class Files:
                                                   m / "rig.yaml", "--json", "o.json", "--out", "o"), self.recording),
             ("recording", "packets.bin", BINARY, ("selfproj-sim", "board", "--replay", "{}", "--record", "o.bin"),
              self.tables),
+            ("recording", "packets.bin", BINARY, ("selfproj", "record", "--device", "file:{}", "--out", "o.bin"),
+             self.tables),
+            ("parts", "parts.bin", BINARY, ("selfproj", "tolerance", "learn", "--device", "file:{}", "--rig",
+                                            m / "parts.yaml", "--out", "o.yaml"), self.tables),
+            ("rig of parts", "parts.yaml", TEXT, ("selfproj", "rig", "{}"), self.rig),
+            ("rig of parts", "parts.yaml", TEXT, judge + ("--tolerance", m / "tolerance.yaml", "--rig", "{}"),
+             self.tables),
+            ("tolerance", "tolerance.yaml", TEXT, judge + ("--rig", m / "parts.yaml", "--tolerance", "{}"),
+             self.tables),
+            ("calibrated rig", "calibrated/rig.yaml", TEXT, ("selfproj", "rig", "{}"), self.rig),
+            ("rig with heights", "tied/rig.yaml", TEXT, ("selfproj", "rig", "{}"), self.rig),
+            ("world", "world.yaml", TEXT, ("selfproj-sim", "scene", "render", "plane", "--rig", m / "rig.yaml",
+                                           "--count", "1", "--disturb", "gloss", "--world", "{}", "--out", "o"),
+             self.tables),
+            ("gamma", "gamma.csv", TEXT, ("selfproj", "project", "--seconds", "0.01", "--gamma", "{}",
+                                          m / "frame_1.png"), self.tables),
+            ("codes", "codes.bin", BINARY, ("selfproj", "images", "--device", "file:{}", "--out", "o"), self.tables),
             ("codes", "codes.bin", BINARY, ("selfproj", "depth", "--rig", m / "scanner.yaml", "--bits", "2",
                                               "--device", "file:{}", "--out", "o"), self.tables),
             ("calibration", "calibration.yaml", TEXT, ("selfproj", "depth", "--calibration", "{}", "--bits", "2",
@@ -191,6 +209,8 @@ class Files:
                 ("stripes", f"stripes/{name}", TEXT if name.endswith("yaml") else BINARY,
                  ("selfproj", "match", "--rig", m / "scanner.yaml", "--reference", "{folder}", "--out", "o", *sorted(
                      (m / "seen").iterdir())[:4]), self.tables))
+        self.readers = [reader for reader in self.readers
+                        if (m / reader[1]).exists() and (reader[0] != "gamma" or attacker.screen)]
 
     def run(self, count):
         for reader in self.readers:  # whole files are read: else what is done to them would show nothing

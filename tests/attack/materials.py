@@ -6,6 +6,8 @@ import re
 import struct
 import zlib
 
+import screen
+
 # A line of light of 64 x 16 pixels, written by libjpeg with restart markers.
 JPEG = base64.b64decode(
     "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAoHBwgHBgoICAgLCgoLDhgQDg0NDh0VFhEYIx8lJCIfIiEmKzcvJik0KSEiMEExNDk7Pj4+JS5ESU"
@@ -20,17 +22,19 @@ JPEG = base64.b64decode(
 EXIF_TURNED = b"\xff\xe1\0\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
 
 
+WORLD = pathlib.Path(__file__).resolve().parents[2] / "sim" / "scene" / "world.yaml"
+
 # How a light section is cut into parts.
 PARTS = """parts:
-  cut: trigger
+  cut: profile
   belt: clock
-  grid_mm: 5
-  above_mm: 0
-  min_width_mm: 0
+  grid_mm: 0.25
+  above_mm: 0.4
+  min_width_mm: 1
   gap_mm: 1
   pause_ms: 5
-  min_length_mm: 0
-  length_mm: 100
+  min_length_mm: 2
+  length_mm: 12
 """
 
 
@@ -207,6 +211,17 @@ def sweep(rig, every, height):
             [bytes([int(220 * math.exp(-(r - row)**2 / 5))]) * columns for r in range(rows)])
 
 
+def blocks(count, cell):
+    """The heights of so many parts on a belt, which lie a little beside each other, in cells of `cell` mm."""
+    length, width, gap = round(5 / cell), round(8 / cell), round(3 / cell)
+    rows = []
+    for part in range(count):
+        first = width + part % 3
+        rows += [[0.0] * 3 * width] * gap
+        rows += [[0.8 if first <= c < first + width else 0.0 for c in range(3 * width)]] * length
+    return rows + [[0.0] * 3 * width] * gap
+
+
 def registers(version, spec_hash):
     """The registers of a board that can do 2048 x 1023 pixels, grey moments and raw images, as a file."""
     capability = 2048 | 1023 << 12 | 3 << 22
@@ -220,8 +235,31 @@ def must(attacker, folder, *arguments):
     return outcome.out
 
 
-def make(attacker, folder):
-    """Fills `folder`; its files are never changed afterwards."""
+def make_parts(folder, run):
+    """Packets of parts with edges, a rig that cuts them, and the tolerance that they teach."""
+    rig = re.sub(r"frame_rate_hz: \d+", "frame_rate_hz: 5000", (folder / "rig.yaml").read_text())
+    (folder / "parts.yaml").write_text(rig + PARTS)
+    (folder / "blocks.tiff").write_bytes(tiff(blocks(6, 0.25), floats=True))
+    run("selfproj-sim", "scene", "render", "--height-map", "blocks.tiff", "--mm-per-pixel", "0.25", "--rig",
+        "parts.yaml", "--out", "passing")
+    run("selfproj-sim", "cosim", "--engine", "model", "--frames", "passing/frame_*.png", "--rig", "parts.yaml",
+        "--packets", "parts.bin")
+    run("selfproj", "tolerance", "learn", "--device", "file:parts.bin", "--rig", "parts.yaml", "--out",
+        "tolerance.yaml")
+    (folder / "world.yaml").write_text(WORLD.read_text())
+    (folder / "gamma.csv").write_text("grey,light\n0,3\n128,60\n255,250\n")
+
+
+def make_calibrations(folder, run):
+    """Rigs as the calibrations write them. This takes seconds."""
+    run("selfproj", "calibrate", "--chessboard", "6x5", "--square", "30", "--projector", "256x192", "--rig",
+        "quarter.yaml", "--out", "calibrated", "chess/pose_01", "chess/pose_02")
+    run("selfproj", "calibrate", "heights", "--rig", "plate.yaml", "--every", "16", "--heights", "0,10,20", "--out",
+        "tied", "at0", "at10", "at20")
+
+
+def make(attacker, folder, short):
+    """Fills `folder`; its files are never changed afterwards. `short`: without those of long runs only."""
     folder = pathlib.Path(folder)
     run = lambda *arguments: must(attacker, folder, *arguments)  # noqa: E731
     frames = [line_rows(shift=0.2 * i) for i in range(4)]
@@ -235,16 +273,17 @@ def make(attacker, folder):
     (folder / "curve.csv").write_text("y_mm,z_mm\n-200,1167\n-2,1166\n2,1166\n200,1167\n")
     (folder / "calibration.yaml").write_text(CALIBRATION)
     (folder / "rig.yaml").write_text(with_values(run("selfproj", "rig", "light-section"), SMALL))
-    (folder / "parts.yaml").write_text((folder / "rig.yaml").read_text() + PARTS)
     (folder / "quarter.yaml").write_text(quarter(run("selfproj", "rig", "scanner")))
     (folder / "scanner.yaml").write_text(with_values(run("selfproj", "rig", "scanner"), SMALL_SCANNER))
     run("selfproj-sim", "board", "--line", "64x16", "--line-frames", "20", "--record", "packets.bin")
     version = re.search(r"specification (\d+)\.(\d+), hash 0x(\w+)", run("selfproj", "--version"))
     (folder / "bar.bin").write_bytes(
         registers(int(version[1]) << 8 | int(version[2]), int(version[3], 16)))
+    make_parts(folder, run)
     run("selfproj", "pattern", "--rig", "rig.yaml", "--reference", "curve.csv", "--out", "reference")
     run("selfproj", "inspect", "--device", "file:packets.bin", "--rig", "rig.yaml", "--out", "inspection")
     run("selfproj", "pattern", "gray", "--rig", "scanner.yaml", "--out", "gray")
+    run("selfproj", "pattern", "gray", "--projector", f"{screen.COLUMNS}x{screen.ROWS}", "--out", "shown")
     run("selfproj-sim", "capture", "--rig", "scanner.yaml", "--patterns", "gray", "--scene", "desk", "--out", "seen")
     run("selfproj-sim", "cosim", "--engine", "model", "--scene", "fist", "--rig", "scanner.yaml", "--bits", "2",
         "--count", "6", "--packets", "codes.bin")
@@ -263,4 +302,6 @@ def make(attacker, folder):
         (folder / f"at{height}").mkdir()
         for name, image in sweep(plate, 16, height):
             (folder / f"at{height}" / name).write_bytes(image)
+    if not short:
+        make_calibrations(folder, run)
     return folder

@@ -59,8 +59,18 @@ def outputs_onto_inputs(made):
     ], ["heights.tiff"])
 
 
-# Their calls do not end well with the materials: a screen is not everywhere, and the materials have no good parts.
-NO_GOOD_CALL = {("selfproj", "project"), ("selfproj", "capture"), ("selfproj", "tolerance", "learn")}
+# Commands that are killed over an older run of their own, with their good calls: what they write is a folder or a file
+# `o`.
+KILLED = [("selfproj", "depth"), ("selfproj", "match"), ("selfproj", "pattern", "stripes"), ("selfproj", "calibrate"),
+          ("selfproj", "calibrate", "camera"), ("selfproj", "calibrate", "heights"), ("selfproj", "lines"),
+          ("selfproj", "images"), ("selfproj-sim", "decode"), ("selfproj-sim", "capture"),
+          ("selfproj", "tolerance", "learn"), ("selfproj", "accuracy")]
+
+
+def without_good_call(attacker):
+    """Commands whose calls do not end well here. The fake camera of Aravis does not see what a display shows; the test
+    LiveCapture has one that does."""
+    return {("selfproj", "capture"), *([] if attacker.screen else [("selfproj", "project")])}
 
 
 class Outputs:
@@ -81,7 +91,8 @@ class Outputs:
                 continue
             self.attacker.case("output onto input", f"case {number}: {' '.join(map(str, case[1][:3]))}",
                                self.onto_input, *case)
-        known = [(command, name) for command in self.commands if command not in NO_GOOD_CALL
+        left_out = without_good_call(self.attacker)
+        known = [(command, name) for command in self.commands if command not in left_out
                  for name in self.inputs_of(command)]
         for command, name in known if pairs >= len(known) else self.random.sample(known, pairs):
             self.attacker.case("output onto input", f"{' '.join(command)}: {name}", self.onto_any, command, name)
@@ -120,7 +131,7 @@ class Outputs:
             outputs = [str(path.relative_to(folder)) for path in sorted(folder.rglob("*")) if path.is_file()]
         if os.path.isdir(name):
             outputs = ["o"]
-        for output in outputs[:12]:
+        for output in outputs[:24]:
             with self.attacker.scratch() as folder:
                 place = folder / output
                 place.parent.mkdir(parents=True, exist_ok=True)
@@ -189,7 +200,8 @@ class Outputs:
             ["selfproj", "pattern", "--rig", m / "rig.yaml", "--sweep", "--every", "64", "--out", "o"],
             ["selfproj", "inspect", "--device", f"file:{m}/packets.bin", "--rig", m / "rig.yaml", "--out", "o"],
             ["selfproj-sim", "scene", "render", "plane", "--rig", m / "rig.yaml", "--count", "8", "--out", "o"],
-            ["selfproj", "pattern", "gray", "--rig", m / "scanner.yaml", "--out", "o"]
+            ["selfproj", "pattern", "gray", "--rig", m / "scanner.yaml", "--out", "o"],
+            *[[*command, *self.commands[command]] for command in KILLED]
         ]
         for i in range(count):
             command = commands[i % len(commands)]
@@ -202,10 +214,12 @@ class Outputs:
             self.attacker.attack(command, folder)
             whole = time.monotonic() - begin
             first = fingerprint(folder / "o")
-            names = sorted(p.name for p in (folder / "o").iterdir())
-            for path in (folder / "o").iterdir():  # an older run, in which every file differs
+            many = (folder / "o").is_dir()
+            names = sorted(p.name for p in (folder / "o").iterdir()) if many else []
+            for path in (folder / "o").iterdir() if many else [folder / "o"]:  # an older run: every file differs
                 path.write_bytes(b"old")
-            (folder / "o" / "mine").write_bytes(b"mine")
+            if many:
+                (folder / "o" / "mine").write_bytes(b"mine")
             old = fingerprint(folder / "o")
             number = self.random.choice(
                 (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL, signal.SIGKILL))
@@ -221,8 +235,9 @@ class Outputs:
             process.communicate(timeout=20)
             now = fingerprint(folder / "o")
             if now != old:
-                (folder / "o" / "mine").unlink()
-                if fingerprint(folder / "o") != first and not self.same_names(folder / "o", names):
+                if many:
+                    (folder / "o" / "mine").unlink()
+                if fingerprint(folder / "o") != first and not (many and self.same_names(folder / "o", names)):
                     raise Fault(f"signal {number} left old and new files mixed")
             left = temporaries(folder)
             if left and number != signal.SIGKILL:

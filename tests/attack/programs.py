@@ -47,13 +47,14 @@ def temporaries(folder):
 
 
 class Attacker:
-    """The programs are in `folder`; all files are below `work`."""
+    """The programs are in `programs`; all files are below `work`. `screen`: there is a display."""
 
-    def __init__(self, programs, work, seed):
+    def __init__(self, programs, work, seed, screen):
         self.programs = pathlib.Path(programs)
         self.work = pathlib.Path(work)
         self.random = random.Random(seed)
         self.seed = seed
+        self.screen = screen
         self.runs = 0
         self.faults = []
         self.cases = {}
