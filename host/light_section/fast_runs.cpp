@@ -30,9 +30,9 @@ inline std::uint8_t narrow_run(int value) { return static_cast<std::uint8_t>(val
 }
 
 // Counts the runs of at most kRunColumns columns: 0, 1, or 2 where there are two or more. A run starts at a lit pixel
-// above which there are more than kGap dark rows. `columns` is strip.columns; if it is a constant, the loops need no
+// above which there are more than Gap dark rows. `columns` is strip.columns; if it is a constant, the loops need no
 // remainder.
-template <int kGap>
+template <int Gap>
 [[gnu::always_inline]] inline void count_strip(const ImageView& strip, int columns, std::uint8_t threshold,
                                                RunStrip& count) {
   static constexpr RunStrip kDark{};
@@ -46,18 +46,18 @@ template <int kGap>
     for (int i = 0; i < columns; ++i) {
       // The rows from the top: those above, then these.
       std::array<std::uint8_t, 2 * kRunRows> lit;
-      for (int k = 0; k <= kGap; ++k) {
+      for (int k = 0; k <= Gap; ++k) {
         lit[kRunRows - 1 - k] = above[k][i];
       }
       for (int k = 0; k < kRunRows; ++k) {
         std::uint8_t near = 0;
-        for (int back = 1; back <= kGap + 1; ++back) {
+        for (int back = 1; back <= Gap + 1; ++back) {
           near |= lit[kRunRows + k - back];
         }
         lit[kRunRows + k] = pixels[k][i] > threshold ? 1 : 0;
         count[i] = narrow_run(count[i] + (lit[kRunRows + k] & ~near));
       }
-      for (int k = 0; k <= kGap; ++k) {
+      for (int k = 0; k <= Gap; ++k) {
         above[k][i] = lit[2 * kRunRows - 1 - k];
       }
     }
@@ -68,12 +68,12 @@ template <int kGap>
   limit_to_two(count, columns);
 }
 
-template <int kGap>
+template <int Gap>
 [[gnu::always_inline]] inline void count_either(const ImageView& strip, std::uint8_t threshold, RunStrip& count) {
   if (strip.columns == kRunColumns) {
-    count_strip<kGap>(strip, kRunColumns, threshold, count);
+    count_strip<Gap>(strip, kRunColumns, threshold, count);
   } else {
-    count_strip<kGap>(strip, strip.columns, threshold, count);
+    count_strip<Gap>(strip, strip.columns, threshold, count);
   }
 }
 
