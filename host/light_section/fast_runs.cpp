@@ -14,10 +14,8 @@ namespace {
 
 // Columns that are processed at a time. What is kept of such a strip stays in the first-level cache.
 constexpr int kRunColumns = 256;
-// Rows that are processed at a time, so that the counts are loaded and stored once for all of them. A run starts in the
-// first of them or later, and the last of them decide where one may start in the next.
-constexpr int kRunRows = kMaxGap + 1;
-constexpr int kLimitRows = 128;  // after which the numbers of runs are limited, so that they fit in 8 bits
+// Rows after which the numbers of runs are limited, so that they fit in 8 bits.
+constexpr int kLimitRows = 128;
 
 using RunStrip = std::array<std::uint8_t, kRunColumns>;
 
@@ -29,40 +27,55 @@ inline std::uint8_t narrow_run(int value) { return static_cast<std::uint8_t>(val
   }
 }
 
-// Counts the runs of at most kRunColumns columns: 0, 1, or 2 where there are two or more. A run starts at a lit pixel
-// above which there are more than Gap dark rows. `columns` is strip.columns; if it is a constant, the loops need no
-// remainder.
+// Whether a run starts in a block of Gap + 1 rows. Bit k of `lit` is row k of the block, from the top, and `before` is
+// the same of the block above it. At most one run can start, at the first lit row, and only if the Gap + 1 rows above
+// that are dark: those of this block are, and those of the block above are the bits of `before` from that of the row
+// on.
+template <int Gap>
+[[gnu::always_inline]] inline std::uint8_t starts_in(std::uint8_t before, std::uint8_t lit) {
+  if constexpr (Gap == 0) {
+    return narrow_run(lit & ~before);
+  } else {
+    const std::uint8_t first = narrow_run(lit & -lit);
+    return before < first ? 1 : 0;
+  }
+}
+
+// Counts the runs of at most kRunColumns columns: 0, 1, or 2 where there are two or more. `columns` is strip.columns;
+// if it is a constant, the loops need no remainder.
 template <int Gap>
 [[gnu::always_inline]] inline void count_strip(const ImageView& strip, int columns, std::uint8_t threshold,
                                                RunStrip& count) {
+  constexpr int kRows = Gap + 1;  // of a block
+  constexpr int kBlocks = Gap == 0 ? 4 : Gap == 3 ? 1 : 2;  // that are processed at a time
+  constexpr int kAllRows = kBlocks * kRows;
   static constexpr RunStrip kDark{};
-  alignas(64) std::array<RunStrip, kRunRows> above{};  // the rows above, the nearest first. 1: lit
+  alignas(64) RunStrip above{};  // the last block of the rows above
   count.fill(0);
-  for (int row = 0; row < strip.rows; row += kRunRows) {
-    const auto pixels_of = [&](int k) {
-      return row + k < strip.rows ? strip.pixels + (row + k) * strip.stride : kDark.data();
-    };
-    const std::array<const std::uint8_t*, kRunRows> pixels = {pixels_of(0), pixels_of(1), pixels_of(2), pixels_of(3)};
-    for (int i = 0; i < columns; ++i) {
-      // The rows from the top: those above, then these.
-      std::array<std::uint8_t, 2 * kRunRows> lit;
-      for (int k = 0; k <= Gap; ++k) {
-        lit[kRunRows - 1 - k] = above[k][i];
-      }
-      for (int k = 0; k < kRunRows; ++k) {
-        std::uint8_t near = 0;
-        for (int back = 1; back <= Gap + 1; ++back) {
-          near |= lit[kRunRows + k - back];
-        }
-        lit[kRunRows + k] = pixels[k][i] > threshold ? 1 : 0;
-        count[i] = narrow_run(count[i] + (lit[kRunRows + k] & ~near));
-      }
-      for (int k = 0; k <= Gap; ++k) {
-        above[k][i] = lit[2 * kRunRows - 1 - k];
-      }
+  int rows_to_limit = kLimitRows;
+  for (int row = 0; row < strip.rows; row += kAllRows) {
+    std::array<const std::uint8_t*, kAllRows> pixels{};
+    for (int k = 0; k < kAllRows; ++k) {
+      pixels[k] = row + k < strip.rows ? strip.pixels + (row + k) * strip.stride : kDark.data();
     }
-    if (row % kLimitRows == kLimitRows - kRunRows) {
+    for (int i = 0; i < columns; ++i) {
+      std::uint8_t before = above[i];
+      std::uint8_t starts = 0;
+      for (int block = 0; block < kBlocks; ++block) {
+        std::uint8_t lit = 0;
+        for (int k = 0; k < kRows; ++k) {
+          lit |= pixels[block * kRows + k][i] > threshold ? narrow_run(1 << k) : narrow_run(0);
+        }
+        starts = narrow_run(starts + starts_in<Gap>(before, lit));
+        before = lit;
+      }
+      count[i] = narrow_run(count[i] + starts);
+      above[i] = before;
+    }
+    rows_to_limit -= kAllRows;
+    if (rows_to_limit < kAllRows) {
       limit_to_two(count, columns);
+      rows_to_limit = kLimitRows;
     }
   }
   limit_to_two(count, columns);

@@ -5,7 +5,9 @@
 //
 // Frames of 96 x 512 pixels lie one after another in a buffer far larger than the caches (N of them, 8000 by default:
 // 393 MB). One thread computes the moments of all frames in each mode. It also reads all frames as fast as it can, in
-// two ways; the faster one is the ceiling. The measurements are repeated 7 times in random order, and their medians are
+// two ways; the faster one is the ceiling. A second buffer of N frames has a line in each: one run in every column.
+// There the strongest runs, with gap 0 and 3, are compared with the moments of all lit pixels; and once more with a
+// second run in every 16th column. The measurements are repeated 7 times in random order, and their medians are
 // compared. Before the first measurement the results are compared with the model; a difference ends the program with
 // exit status 1.
 #include <benchmark/benchmark.h>
@@ -14,12 +16,16 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <random>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "host/light_section/fast_moments.h"
+#include "host/light_section/fast_runs.h"
 #include "model/column_moments.h"
+#include "model/column_runs.h"
 #include "model/packet.h"
 #include "tests/bench/collector.h"
 #include "tests/bench/read_ceiling.h"
@@ -46,6 +52,31 @@ class FrameBuffer {
   }
   std::span<const std::uint8_t> bytes() const { return {bytes_.data(), bytes_.size()}; }
 
+  // Draws a line into every frame, 3 to 9 rows wide, and darkness elsewhere; every `second`th column has a second run.
+  void draw_lines(int second) {
+    std::mt19937 engine(1);
+    const auto below = [&](unsigned limit) { return static_cast<std::size_t>(engine() % limit); };
+    for (std::size_t at = 0; at < bytes_.size(); ++at) {  // the random pixels, none of them lit
+      bytes_.data()[at] %= kThreshold + 1;
+    }
+    for (int i = 0; i < frames_; ++i) {
+      std::uint8_t* frame = bytes_.data() + static_cast<std::size_t>(i) * kFrameBytes;
+      std::size_t top = 40;
+      for (std::size_t column = 0; column < kColumns; ++column) {
+        const auto light = [&](std::size_t first, std::size_t rows) {
+          for (std::size_t row = first; row < first + rows; ++row) {
+            frame[row * kColumns + column] = static_cast<std::uint8_t>(kThreshold + 1 + below(255 - kThreshold));
+          }
+        };
+        top = std::clamp<std::size_t>(top + below(3), 11, 81) - 1;
+        light(top, 3 + below(7));
+        if (second != 0 && column % static_cast<std::size_t>(second) == 0) {
+          light(0, 2);
+        }
+      }
+    }
+  }
+
  private:
   int frames_;
   bench::RandomBuffer bytes_;
@@ -68,6 +99,40 @@ bool results_are_right(const FrameBuffer& buffer) {
   return true;
 }
 
+// What is compared on frames with lines.
+struct RunsCase {
+  const char* name;
+  Measure measure;
+};
+
+std::vector<RunsCase> runs_cases() {
+  std::vector<RunsCase> cases;
+  for (const auto& [mode, all, gap0, gap3] : {std::tuple{Mode::binary, "binary/all", "binary/gap_0", "binary/gap_3"},
+                                              {Mode::grey, "grey/all", "grey/gap_0", "grey/gap_3"}}) {
+    cases.push_back({all, {.mode = mode, .threshold = kThreshold, .select = Select::all}});
+    cases.push_back({gap0, {.mode = mode, .threshold = kThreshold, .select = Select::strongest, .gap = 0}});
+    cases.push_back({gap3, {.mode = mode, .threshold = kThreshold, .select = Select::strongest, .gap = 3}});
+  }
+  return cases;
+}
+
+bool runs_are_right(const FrameBuffer& buffer) {
+  for (const auto& [name, measure] : runs_cases()) {
+    Runs runs;
+    Runs right;
+    runs.resize(measure.select, kColumns);
+    right.resize(measure.select, kColumns);
+    for (int i = 0; i < std::min(buffer.frames(), 16); ++i) {
+      measure_columns(buffer.frame(i), measure, right.view());
+      fast_measure_columns(buffer.frame(i), measure, runs.view());
+      if (!(runs == right)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 void set_counters(benchmark::State& state, std::int64_t items, std::size_t bytes_of_one) {
   state.SetItemsProcessed(state.iterations() * items);
   state.SetBytesProcessed(state.iterations() * items * static_cast<std::int64_t>(bytes_of_one));
@@ -80,6 +145,19 @@ void take_moments(benchmark::State& state, const FrameBuffer& buffer, Mode mode,
   for (auto _ : state) {
     for (int i = 0; i < frames; ++i) {
       fast_column_moments(buffer.frame(i), mode, kThreshold, out);
+      benchmark::ClobberMemory();
+    }
+  }
+  set_counters(state, frames, kFrameBytes);
+}
+
+void take_runs(benchmark::State& state, const FrameBuffer& buffer, const Measure& measure, int frames) {
+  Runs runs;
+  runs.resize(measure.select, kColumns);
+  const RunsView out = runs.view();
+  for (auto _ : state) {
+    for (int i = 0; i < frames; ++i) {
+      fast_measure_columns(buffer.frame(i), measure, out);
       benchmark::ClobberMemory();
     }
   }
@@ -130,6 +208,28 @@ void parse_and_unpack(benchmark::State& state, const std::vector<std::uint8_t>& 
   set_counters(state, 1, packet.size());
 }
 
+// The speed of the strongest runs beside that of all lit pixels of the same frames.
+void print_runs(const Collector& collector, nlohmann::ordered_json& results) {
+  for (const std::string lines : {"lines", "reflections"}) {
+    for (const std::string mode : {"binary", "grey"}) {
+      for (const std::string place : {"memory", "cache"}) {
+        const std::string name = lines + "/" + place + "/" + mode;
+        const double all = collector.median(name + "/all");
+        for (const std::string gap : {"gap_0", "gap_3"}) {
+          const double strongest = collector.median(name + "/" + gap);
+          if (all > 0 && strongest > 0) {
+            std::printf("strongest run, %-11s %-6s %-6s %s: %7.0f frames/s, %3.0f %% of all lit pixels\n",
+                        lines.c_str(), mode.c_str(), place.c_str(), gap.c_str(), strongest / kFrameBytes,
+                        100 * strongest / all);
+            results["strongest_run"][lines][mode][place][gap] = {{"per_s", strongest / kFrameBytes},
+                                                                 {"share_of_all", strongest / all}};
+          }
+        }
+      }
+    }
+  }
+}
+
 nlohmann::ordered_json print_ratios(const Collector& collector) {
   nlohmann::ordered_json results;
   const double ceiling = bench::read_ceiling(collector);
@@ -145,7 +245,19 @@ nlohmann::ordered_json print_ratios(const Collector& collector) {
                        {"cache_per_s", cache / kFrameBytes}};
     }
   }
+  print_runs(collector, results);
   return results;
+}
+
+void add_runs(const std::string& lines, const FrameBuffer& buffer) {
+  for (const auto& [name, measure] : runs_cases()) {
+    for (const auto& [place, some] : {std::pair{"memory", buffer.frames()}, {"cache", kFramesInCache}}) {
+      benchmark::RegisterBenchmark((lines + "/" + place + "/" + name).c_str(),
+                                   [&buffer, measure = measure, some = some](benchmark::State& state) {
+                                     take_runs(state, buffer, measure, some);
+                                   });
+    }
+  }
 }
 
 int run(int argc, char** argv) {
@@ -171,7 +283,11 @@ int run(int argc, char** argv) {
   }
 
   const FrameBuffer buffer(frames);
-  if (!results_are_right(buffer)) {
+  FrameBuffer lines(frames);
+  FrameBuffer reflections(frames);
+  lines.draw_lines(0);
+  reflections.draw_lines(16);
+  if (!results_are_right(buffer) || !runs_are_right(lines) || !runs_are_right(reflections)) {
     std::fprintf(stderr, "bench_model: the moments are wrong\n");
     return 1;
   }
@@ -187,6 +303,8 @@ int run(int argc, char** argv) {
           [&buffer, mode = mode, some = some](benchmark::State& state) { take_moments(state, buffer, mode, some); });
     }
   }
+  add_runs("lines", lines);
+  add_runs("reflections", reflections);
   benchmark::RegisterBenchmark("packet/parse/binary", [&](benchmark::State& state) { parse(state, binary); });
   benchmark::RegisterBenchmark("packet/parse_and_unpack/binary",
                                [&](benchmark::State& state) { parse_and_unpack(state, binary); });
