@@ -49,6 +49,18 @@ inline TestImage random_image(Random& random, int rows, int columns) {
   return image;
 }
 
+// An image for the strongest runs: pixels of few values, so that columns have several runs and equal ones.
+inline TestImage random_runs_image(Random& random, int rows, int columns, int threshold) {
+  TestImage image = constant_image(rows, columns, 0);
+  const int dark_percent = random.between(10, 90);
+  const int values = random.chance(50) ? random.between(1, 3) : 255;
+  for (std::uint8_t& pixel : image.pixels) {
+    const int lit = std::min(threshold + random.between(1, values), 255);
+    pixel = static_cast<std::uint8_t>(random.chance(dark_percent) ? random.between(0, threshold) : lit);
+  }
+  return image;
+}
+
 // The frame as beats, line by line.
 using Lines = std::vector<std::vector<VideoBeat>>;
 inline Lines lines_of(const TestImage& image) {

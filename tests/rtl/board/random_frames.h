@@ -3,6 +3,7 @@
 #define SELFPROJ_TESTS_RTL_BOARD_RANDOM_FRAMES_H
 
 #include <cstdint>
+#include <functional>
 #include <map>
 
 #include "tests/rtl/board/frames.h"
@@ -20,6 +21,8 @@ struct RandomFrames {
   bool runs = false;      // the strongest run of a column
   int fault_percent = 0;  // share of frames with faults
   int changes = 100;      // number of changes of the settings, each followed by 1 to 12 frames
+  // gets every image that is sent, without its faults
+  std::function<void(const TestImage&, const BoardSettings&)> also = nullptr;
 };
 
 // Counts over many runs.
@@ -65,7 +68,12 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
     const int burst = random.between(1, 12);
     const bool spaced = random.chance(60);
     for (int i = 0; i < burst; ++i) {
-      const TestImage image = random_image(random, settings.rows, settings.columns);
+      const TestImage image = limits.runs && random.chance(75)
+                                  ? random_runs_image(random, settings.rows, settings.columns, settings.threshold)
+                                  : random_image(random, settings.rows, settings.columns);
+      if (limits.also) {
+        limits.also(image, settings);
+      }
       const Fault fault =
           random.chance(limits.fault_percent) ? static_cast<Fault>(random.between(0, kFaults - 1)) : Fault::none;
       for (const VideoBeat& beat : with_fault(lines_of(image), fault, random.between(0, settings.rows - 1),
