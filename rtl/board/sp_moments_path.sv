@@ -169,6 +169,22 @@ module sp_moments_path #(
     .m_data_o       (m_data_o)
   );
 
+`ifdef FORMAL
+  // Any one pixel of any beat
+  (* anyseq *) logic [1:0] f_lane;
+  logic [7:0] f_pixel;
+  logic       f_above, f_below;  // the row is above the first one that counts, below the last one
+  assign f_pixel = beat_pixels_i[8*f_lane+:8];
+  assign f_above = first_row != '0 && beat_row_i < first_row;
+  assign f_below = last_row != '0 && beat_row_i > last_row;
+  // Rule 1: a pixel is lit where it is greater than the threshold and its row counts.
+  always_comb begin
+    assert ((f_pixel > threshold) == (f_pixel > threshold_i && !f_above && !f_below));
+    cover (f_pixel > threshold && beat_row_i == last_row && beat_row_i == first_row);
+    cover (f_pixel > threshold_i && threshold == 8'hFF);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -79,6 +79,14 @@ PROOFS = [
           lemmas=False),
     Proof("column_moments_frames", "sp_column_moments", ("MaxColumns=8", "MaxRows=2", "Grey=1'b1", "ValueBits=8'h01"),
           "bounded", 28, 28, lemmas=False),
+    Proof("column_runs_binary", "sp_column_runs", ("MaxColumns=8", "MaxRows=5", "Grey=1'b0"), "bounded", 20, 22,
+          lemmas=False),
+    Proof("column_runs_frames", "sp_column_runs", ("MaxColumns=8", "MaxRows=3", "Grey=1'b0"), "bounded", 24, 26,
+          lemmas=False),
+    Proof("column_runs_values", "sp_column_runs", ("MaxColumns=8", "MaxRows=3", "Grey=1'b1", "ValueBits=8'h03"),
+          "bounded", 26, 36, lemmas=False),
+    Proof("moments_window", "sp_moments_path", ("MaxColumns=16", "MaxRows=15", "LogDepth=4"), "induction", 1, 2,
+          lemmas=False),
 ]
 
 FAULTS = [
@@ -162,6 +170,20 @@ FAULTS = [
           "+ s1_room_q + 8'd1;", ";", 20),
     Fault("column_moments_frames/unwanted_drains", "column_moments_frames", "moments/sp_column_moments.sv",
           "valid_q[4] && s4_drain_row && accept_i", "valid_q[4] && s4_drain_row", 24),
+    Fault("column_runs_binary/ties_to_the_later", "column_runs_binary", "moments/sp_run_best.sv",
+          "s5_beats_best_q <= s4_run_i && s4_m0_i > s4_best;", "s5_beats_best_q <= s4_run_i && s4_m0_i >= s4_best;"),
+    Fault("column_runs_binary/gap_one_less", "column_runs_binary", "moments/sp_run_lane.sv",
+          "&& s2_strongest_i && s2_dark_q == s2_gap_i;", "&& s2_strongest_i && s2_dark_q + 2'd1 == s2_gap_i;"),
+    Fault("column_runs_binary/second_not_kept", "column_runs_binary", "moments/sp_run_best.sv",
+          "s5_beats_best_q ? s5_best_q :", "s5_beats_best_q ? s5_second_q :"),
+    Fault("column_runs_binary/best_not_forwarded", "column_runs_binary", "moments/sp_run_best.sv",
+          "s3_after_new_i && s5_keep_i ? new_word :", "1'b0 ? new_word :"),
+    Fault("column_runs_values/count_not_cleared", "column_runs_values", "moments/sp_run_lane.sv",
+          "s3_m_q <= !s2_open_q ? '0 :", "s3_m_q <= !s2_open_q ? {raw_m_i[MBits-1:M0Bits], M0Bits'(0)} :"),
+    Fault("column_runs_values/second_of_one_run", "column_runs_values", "moments/sp_run_finish.sv",
+          "second_o = runs_o[1] ?", "second_o = runs_o[0] ?"),
+    Fault("moments_window/last_row_left_out", "moments_window", "board/sp_moments_path.sv",
+          "beat_row_i <= last_row ||", "beat_row_i < last_row ||"),
 ]
 
 
