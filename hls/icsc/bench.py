@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""bench.py SHELL...: prints a SystemC program that holds the shells (column_moments, gray_decoder, median3x3).
+"""bench.py SHELL...: prints a SystemC program that holds the shells.
+
+The shells are column_moments, column_runs, gray_decoder and median3x3.
 
 Each is in a module that binds every port to a signal of its own: SystemC elaborates no module with an open port.
 

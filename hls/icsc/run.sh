@@ -17,7 +17,7 @@ if [[ -z ${ICSC_HOME:-} ]]; then
 fi
 [[ -d $ICSC_HOME ]] || { echo "icsc/run.sh: ICSC_HOME: $ICSC_HOME is not a folder" >&2; exit 2; }
 
-shells=(column_moments gray_decoder median3x3)
+shells=(column_moments column_runs gray_decoder median3x3)
 mkdir -p "$to"
 for name in "${shells[@]}"; do
   python3 hls/icsc/bench.py "$name" >"$to/$name.cpp"
@@ -32,4 +32,4 @@ done
 
 [[ -x $benches ]] || scripts/build.sh release rtl_blocks
 SELFPROJ_RTL_BLOCKS=$benches python3 hls/icsc/replay.py "$to/sv_out" "$to/replay"
-echo "icsc/run.sh: three shells translated, linted and replayed → $to/sv_out"
+echo "icsc/run.sh: four shells translated, linted and replayed → $to/sv_out"

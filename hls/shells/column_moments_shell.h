@@ -155,7 +155,7 @@ class ColumnMomentsShell : public sc_core::sc_module {
       draining_.step(drain_, push, broken, beat_[3]);
       if (valid && beat_[3].first_row) {
         spoiled_ = false;
-      } else if (valid && !s4_drain_row && draining_.was_active) {
+      } else if (valid && !s4_drain_row && draining_.order.was_active) {
         spoiled_ = true;
       }
       if (valid && beat_[3].last_row) {
@@ -228,24 +228,24 @@ class ColumnMomentsShell : public sc_core::sc_module {
     bool s4_drain_row = beat_[3].drains();
     // A first row needs no read and may pass a drain. Any other row meets a drain only after a change of size: see
     // spoiled_o.
-    add_ = beat_[3].valid && !s4_drain_row && (beat_[3].first_row || !draining_.active);
-    drain_ = draining_.waiting != 0 && !draining_.odd;
+    add_ = beat_[3].valid && !s4_drain_row && (beat_[3].first_row || !draining_.order.active);
+    drain_ = draining_.order.drains();
     s4_drain_row_.write(s4_drain_row);
     line_wr_addr_o.write(beat_[3].group);
     line_wr_data_o.write(beat_[3].weights);
     line_rd_en_o.write(drain_);
-    line_rd_addr_o.write(draining_.drain_group);
+    line_rd_addr_o.write(draining_.order.group);
     Group m_address = beat_[3].group;
     if (drain_) {
-      m_address = draining_.drain_group;
+      m_address = draining_.order.group;
     }
     m_rd_en_o.write(add_ || drain_);
     m_rd_addr_o.write(m_address);
     Group a_address = sums_.s1_group;
-    if (draining_.s1_drain) {
-      a_address = draining_.s1_drain_group;
+    if (draining_.order.odd) {
+      a_address = draining_.order.s1_group;
     }
-    a_rd_en_o.write(sums_.s1_add || draining_.s1_drain);
+    a_rd_en_o.write(sums_.s1_add || draining_.order.odd);
     a_rd_addr_o.write(a_address);
 
     sums_.add();

@@ -3,6 +3,7 @@
 #ifndef SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
 #define SELFPROJ_HLS_SHELLS_MOMENTS_DRAIN_H
 
+#include "hls/shells/drain_order.h"
 #include "hls/shells/moments_sums.h"
 
 // clang-tidy, in this file:
@@ -12,17 +13,11 @@ namespace selfproj {
 namespace hls {
 
 struct MomentsDrain {
-  // The contents of the line buffer
-  Uint<bits_for(spec::kMaxColumns / kLanes)> waiting;  // groups
-  bool ended, break_wait, odd;
-  bool active, was_active;  // in this clock, and in the previous one
-  Group drain_group;
+  DrainOrder order;
   Row rows;
   bool one_row, one_group;
-  bool s1_drain;
-  Group s1_drain_group;
-  // Stages 1 to 3
-  bool d1_break, d2_break, d2_first, d2_valid, d3_pick;
+  // Stages 2 and 3
+  bool d2_break, d2_first, d2_valid, d3_pick;
   Sum0 d2_m0[kLanes];
   Row d2_n[kLanes];
   Pixels d2_weights;
@@ -36,19 +31,10 @@ struct MomentsDrain {
   Uint<64> d_word[8][2];
 
   void reset() {
-    waiting = 0;
-    ended = false;
-    break_wait = false;
-    odd = false;
-    active = false;
-    was_active = false;
-    drain_group = 0;
+    order.reset();
     rows = 0;
     one_row = false;
     one_group = false;
-    s1_drain = false;
-    s1_drain_group = 0;
-    d1_break = false;
     d2_break = false;
     d2_first = false;
     d2_valid = false;
@@ -111,7 +97,7 @@ struct MomentsDrain {
     }
     d_valid[0] = d2_valid;
     d_break[0] = d2_break;
-    d2_break = d1_break;
+    d2_break = order.broke;
     d3_pick = d2_first;
     for (int lane = 0; lane < kLanes; ++lane) {
       if (d2_first) {
@@ -122,7 +108,7 @@ struct MomentsDrain {
           d3_a[lane] = sums.sum_a[lane];
         }
       }
-      if (odd) {
+      if (order.odd) {
         d2_m0[lane] = read.m0[lane];
         d2_n[lane] = read.n[lane];
         if (one_row) {
@@ -134,53 +120,21 @@ struct MomentsDrain {
         }
       }
     }
-    if (odd) {
+    if (order.odd) {
       d2_weights = line;
     }
-    d2_valid = odd || d2_first;
-    d2_first = odd;
+    d2_valid = order.odd || d2_first;
+    d2_first = order.odd;
   }
 
   // Updates the line buffer and its reads at the end of a clock, after finish_words. `drain`: a group was requested.
   // `push`: `beat` goes into the line buffer. `broken`: the frame of `beat` breaks.
   void step(bool drain, bool push, bool broken, const MomentsBeat& beat) {
-    was_active = active;
-    const bool last_read = drain && ended && waiting == 1;
-    const bool break_now = break_wait && waiting == 0 && !odd;
-    const bool over = last_read || break_now;
-    d1_break = break_now;
-    odd = drain;
-    if (push && !drain) {
-      waiting = waiting + 1;
-    } else if (!push && drain) {
-      waiting = waiting - 1;
-    }
-    if ((push && beat.line_end) || broken) {
-      ended = true;
-    } else if (over) {
-      ended = false;
-    }
-    if (broken) {
-      break_wait = true;
-    } else if (break_now) {
-      break_wait = false;
-    }
+    order.step(drain, push, beat.line_end, broken);
     if (push) {
-      active = true;
       rows = beat.row;
       one_row = beat.first_row;
       one_group = beat.one_group;
-    } else if (over) {
-      active = false;
-    }
-    s1_drain = drain;
-    if (drain) {
-      s1_drain_group = drain_group;
-    }
-    if (over) {
-      drain_group = 0;
-    } else if (drain) {
-      drain_group = drain_group + 1;
     }
   }
 };

@@ -1,5 +1,5 @@
-# A kernel through Vitis HLS: C simulation, synthesis, co-simulation, export as an IP. column_moments.tcl and
-# gray_decoder.tcl call it.
+# A kernel through Vitis HLS: C simulation, synthesis, co-simulation, export as an IP. column_moments.tcl,
+# column_runs.tcl and gray_decoder.tcl call it.
 #
 # It has not been run yet, because the tool is not free. It is written for Vitis HLS 2022.2 and later. The tests compile
 # and run the C++ that it names with the open headers of the tool's integers (tests/hls).

@@ -131,6 +131,91 @@ void ColumnMomentsBlock::clock(ColumnMomentsPins& pins) {
   pins.spoiled_o = spoiled_o_.read();
 }
 
+ColumnRunsBlock::ColumnRunsBlock(const sc_core::sc_module_name& name) : ShellBlock(name) {
+  shell_.clk_i(clk_);
+  shell_.rst_i(rst_);
+  shell_.beat_valid_i(beat_valid_);
+  shell_.beat_pixels_i(pixels_);
+  shell_.beat_group_i(group_);
+  shell_.beat_row_i(row_);
+  shell_.beat_first_row_i(first_row_);
+  shell_.beat_last_row_i(last_row_);
+  shell_.beat_line_end_i(line_end_);
+  shell_.mode_i(mode_);
+  shell_.threshold_i(threshold_);
+  shell_.strongest_i(strongest_);
+  shell_.gap_i(gap_);
+  shell_.break_i(break_);
+  shell_.accept_i(accept_);
+  shell_.moments_valid_o(valid_o_);
+  shell_.moments_data_o(data_o_);
+  shell_.moments_break_o(break_o_);
+  shell_.spoiled_o(spoiled_o_);
+  shell_.rd_en_o(rd_);
+  shell_.rd_addr_o(rd_at_);
+  shell_.wr_en_o(wr_);
+  shell_.wr_addr_o(wr_at_);
+  shell_.open_rd0_i(open_in_[0]);
+  shell_.open_rd1_i(open_in_[1]);
+  shell_.open_rd2_i(open_in_[2]);
+  shell_.open_rd3_i(open_in_[3]);
+  shell_.open_wr0_o(open_out_[0]);
+  shell_.open_wr1_o(open_out_[1]);
+  shell_.open_wr2_o(open_out_[2]);
+  shell_.open_wr3_o(open_out_[3]);
+  shell_.best_rd0_i(best_in_[0]);
+  shell_.best_rd1_i(best_in_[1]);
+  shell_.best_rd2_i(best_in_[2]);
+  shell_.best_rd3_i(best_in_[3]);
+  shell_.best_wr0_o(best_out_[0]);
+  shell_.best_wr1_o(best_out_[1]);
+  shell_.best_wr2_o(best_out_[2]);
+  shell_.best_wr3_o(best_out_[3]);
+  shell_.rest_rd0_i(rest_in_[0]);
+  shell_.rest_rd1_i(rest_in_[1]);
+  shell_.rest_rd2_i(rest_in_[2]);
+  shell_.rest_rd3_i(rest_in_[3]);
+  shell_.rest_wr0_o(rest_out_[0]);
+  shell_.rest_wr1_o(rest_out_[1]);
+  shell_.rest_wr2_o(rest_out_[2]);
+  shell_.rest_wr3_o(rest_out_[3]);
+  shell_.line_rd_en_o(line_rd_);
+  shell_.line_rd_addr_o(line_rd_at_);
+  shell_.line_rd_data_i(line_in_);
+  shell_.line_wr_en_o(line_wr_);
+  shell_.line_wr_addr_o(line_wr_at_);
+  shell_.line_wr_data_o(line_out_);
+  for (std::size_t lane = 0; lane < hls::kLanes; ++lane) {
+    connect(open_[lane], clk_, rd_, rd_at_, open_in_[lane], wr_, wr_at_, open_out_[lane]);
+    connect(best_[lane], clk_, rd_, rd_at_, best_in_[lane], wr_, wr_at_, best_out_[lane]);
+    connect(rest_[lane], clk_, rd_, rd_at_, rest_in_[lane], wr_, wr_at_, rest_out_[lane]);
+  }
+  connect(line_, clk_, line_rd_, line_rd_at_, line_in_, line_wr_, line_wr_at_, line_out_);
+}
+
+void ColumnRunsBlock::clock(ColumnRunsPins& pins) {
+  beat_valid_.write(pins.beat_valid_i != 0);
+  pixels_.write(pins.beat_pixels_i);
+  group_.write(pins.beat_group_i);
+  row_.write(pins.beat_row_i);
+  first_row_.write(pins.beat_first_row_i != 0);
+  last_row_.write(pins.beat_last_row_i != 0);
+  line_end_.write(pins.beat_line_end_i != 0);
+  mode_.write(pins.mode_i);
+  threshold_.write(pins.threshold_i);
+  strongest_.write(pins.strongest_i != 0);
+  gap_.write(pins.gap_i);
+  break_.write(pins.break_i != 0);
+  accept_.write(pins.accept_i != 0);
+  pass_clock(pins.rst_i != 0);
+  pins.moments_valid_o = valid_o_.read();
+  if (valid_o_.read()) {
+    pins.moments_data_o = words_of(data_o_.read());
+  }
+  pins.moments_break_o = break_o_.read();
+  pins.spoiled_o = spoiled_o_.read();
+}
+
 GrayDecoderBlock::GrayDecoderBlock(const sc_core::sc_module_name& name) : ShellBlock(name) {
   shell_.clk_i(clk_);
   shell_.rst_i(rst_);

@@ -18,6 +18,7 @@
 #include <systemc>
 
 #include "hls/shells/column_moments_shell.h"
+#include "hls/shells/column_runs_shell.h"
 #include "hls/shells/gray_decoder_shell.h"
 #include "hls/shells/median3x3_shell.h"
 #include "sim/board/shell_ram.h"
@@ -39,6 +40,28 @@ struct ColumnMomentsPins {
   std::uint8_t two_groups_i = 0;
   std::uint8_t mode_i = 0;
   std::uint8_t threshold_i = 0;
+  std::uint8_t break_i = 0;
+  std::uint8_t accept_i = 0;
+
+  std::uint8_t moments_valid_o = 0;
+  Wide128 moments_data_o{};
+  std::uint8_t moments_break_o = 0;
+  std::uint8_t spoiled_o = 0;
+};
+
+struct ColumnRunsPins {
+  std::uint8_t rst_i = 0;
+  std::uint8_t beat_valid_i = 0;
+  std::uint32_t beat_pixels_i = 0;
+  std::uint16_t beat_group_i = 0;
+  std::uint16_t beat_row_i = 0;
+  std::uint8_t beat_first_row_i = 0;
+  std::uint8_t beat_last_row_i = 0;
+  std::uint8_t beat_line_end_i = 0;
+  std::uint8_t mode_i = 0;
+  std::uint8_t threshold_i = 0;
+  std::uint8_t strongest_i = 0;
+  std::uint8_t gap_i = 0;
   std::uint8_t break_i = 0;
   std::uint8_t accept_i = 0;
 
@@ -157,6 +180,44 @@ class ColumnMomentsBlock : public ShellBlock {
   Signal<hls::Uint<hls::kMBits>> m_high_in_{"m_high_in"};
   Signal<hls::Uint<hls::kABits>> a_low_out_{"a_low_out"}, a_high_out_{"a_high_out"}, a_low_in_{"a_low_in"};
   Signal<hls::Uint<hls::kABits>> a_high_in_{"a_high_in"};
+  Signal<hls::Pixels> line_out_{"line_out"}, line_in_{"line_in"};
+};
+
+class ColumnRunsBlock : public ShellBlock {
+ public:
+  explicit ColumnRunsBlock(const sc_core::sc_module_name& name);
+  void clock(ColumnRunsPins& pins);
+
+ private:
+  using Group = hls::Group;
+  static constexpr int kGroupBits = hls::bits_for(spec::kMaxColumns / hls::kLanes - 1);
+  // Of each lane
+  template <typename T>
+  using OfLanes = sc_core::sc_vector<T>;
+  template <int Bits>
+  using Words = OfLanes<Signal<hls::Uint<Bits>>>;
+
+  hls::ColumnRunsShell shell_{"shell"};
+  OfLanes<ShellRam<hls::kOpenBits, kGroupBits>> open_{"open", hls::kLanes};
+  OfLanes<ShellRam<hls::kBestBits, kGroupBits>> best_{"best", hls::kLanes};
+  OfLanes<ShellRam<hls::kRestBits, kGroupBits>> rest_{"rest", hls::kLanes};
+  ShellRam<32, kGroupBits> line_{"line"};
+
+  Signal<bool> beat_valid_{"beat_valid"}, first_row_{"first_row"}, last_row_{"last_row"}, line_end_{"line_end"};
+  Signal<bool> strongest_{"strongest"}, break_{"break_in"}, accept_{"accept"};
+  Signal<hls::Pixels> pixels_{"pixels"};
+  Signal<Group> group_{"group"};
+  Signal<hls::Row> row_{"row"};
+  Signal<hls::ModeBits> mode_{"mode"};
+  Signal<hls::Uint<2>> gap_{"gap"};
+  Signal<hls::Pixel> threshold_{"threshold"};
+  Signal<bool> valid_o_{"valid_o"}, break_o_{"break_o"}, spoiled_o_{"spoiled_o"};
+  Signal<hls::WideUint<128>> data_o_{"data_o"};
+  Signal<bool> rd_{"rd"}, wr_{"wr"}, line_rd_{"line_rd"}, line_wr_{"line_wr"};
+  Signal<Group> rd_at_{"rd_at"}, wr_at_{"wr_at"}, line_rd_at_{"line_rd_at"}, line_wr_at_{"line_wr_at"};
+  Words<hls::kOpenBits> open_in_{"open_in", hls::kLanes}, open_out_{"open_out", hls::kLanes};
+  Words<hls::kBestBits> best_in_{"best_in", hls::kLanes}, best_out_{"best_out", hls::kLanes};
+  Words<hls::kRestBits> rest_in_{"rest_in", hls::kLanes}, rest_out_{"rest_out", hls::kLanes};
   Signal<hls::Pixels> line_out_{"line_out"}, line_in_{"line_in"};
 };
 

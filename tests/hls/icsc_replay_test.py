@@ -2,7 +2,7 @@
 recorded benches of the RTL.
 
 ICSC is not here, so the RTL of the decoder stands in the place of its translation, whole and with a planted fault. The
-decoder is the one of the three whose memory is outside in both.
+decoder is the one of the four whose memory is outside in both.
 """
 import os
 import pathlib

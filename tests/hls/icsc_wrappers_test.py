@@ -20,6 +20,10 @@ BITS = {
     "WideUint<128>": 128,
     "Uint<kMBits>": 56,
     "Uint<kABits>": 54,
+    "Uint<kOpenBits>": 58,
+    "Uint<kBestBits>": 38,
+    "Uint<kRestBits>": 47,
+    "Uint<2>": 2,
     "Uint<64>": 64,
     "CodeStatus": 5,
     "CodeGroup": 9,
@@ -49,6 +53,7 @@ def outer_ports(file, parameters):
 def main():
     failed = 0
     for name, shell, rtl in (("sp_column_moments_hls", "column_moments_shell.h", "moments/sp_column_moments.sv"),
+                             ("sp_column_runs_hls", "column_runs_shell.h", "moments/sp_column_runs.sv"),
                              ("sp_median3x3_hls", "median3x3_shell.h", "gray/sp_median3x3.sv")):
         wrapper = ROOT / "hls" / "icsc" / f"{name}.sv"
         module = re.search(r"hls_\w+Shell", wrapper.read_text()).group()

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "Vsp_column_moments_ports.h"
+#include "Vsp_column_runs_ports.h"
 #include "Vsp_gray_decoder_ports.h"
 #include "Vsp_median3x3_ports.h"
 #include "sim/board/shell_blocks.h"
@@ -26,6 +27,7 @@ namespace {
 // whatever the previous one left behind.
 struct Shells {
   ColumnMomentsBlock moments{"moments"};
+  ColumnRunsBlock runs{"runs"};
   GrayDecoderBlock decoder{"decoder"};
   Median3x3Block median{"median"};
 };
@@ -103,6 +105,36 @@ class Moments final : public Beside<ColumnMomentsPins, Vsp_column_moments, Momen
     set(rtl.accept_i, accept_i);
   }
   void compare(Vsp_column_moments& rtl) const {
+    EXPECT_EQ(moments_valid_o, rtl.moments_valid_o);
+    if (rtl.moments_valid_o != 0) {
+      EXPECT_EQ(word128(moments_data_o), word128(rtl.moments_data_o));
+    }
+    EXPECT_EQ(moments_break_o, rtl.moments_break_o);
+    EXPECT_EQ(spoiled_o, rtl.spoiled_o);
+  }
+};
+
+class StrongestRuns final : public Beside<ColumnRunsPins, Vsp_column_runs, StrongestRuns> {
+ public:
+  using Beside::Beside;
+  static ColumnRunsBlock& block() { return shells().runs; }
+  void inputs(Vsp_column_runs& rtl) const {
+    set(rtl.rst_i, rst_i);
+    set(rtl.beat_valid_i, beat_valid_i);
+    set(rtl.beat_pixels_i, beat_pixels_i);
+    set(rtl.beat_group_i, beat_group_i);
+    set(rtl.beat_row_i, beat_row_i);
+    set(rtl.beat_first_row_i, beat_first_row_i);
+    set(rtl.beat_last_row_i, beat_last_row_i);
+    set(rtl.beat_line_end_i, beat_line_end_i);
+    set(rtl.mode_i, mode_i);
+    set(rtl.threshold_i, threshold_i);
+    set(rtl.strongest_i, strongest_i);
+    set(rtl.gap_i, gap_i);
+    set(rtl.break_i, break_i);
+    set(rtl.accept_i, accept_i);
+  }
+  void compare(Vsp_column_runs& rtl) const {
     EXPECT_EQ(moments_valid_o, rtl.moments_valid_o);
     if (rtl.moments_valid_o != 0) {
       EXPECT_EQ(word128(moments_data_o), word128(rtl.moments_data_o));
@@ -205,6 +237,14 @@ void expect_clocks(std::uint64_t least) {
   }
 }
 
+}  // namespace
+
+// As in column_runs_test.cpp.
+template <>
+constexpr bool moments::kBinaryDrains<StrongestRuns> = true;
+
+namespace {
+
 TEST(ColumnMomentsShell, SmallSizes) {
   moments::small_sizes<Moments>({Mode::binary, Mode::grey, Mode::grey_over});
   expect_clocks(30'000);
@@ -231,6 +271,32 @@ TEST(ColumnMomentsShell, RandomFrames) {
     moments::random_frames<Moments>(one_size, modes, 64, 9, false);
     Random changing(seed);
     moments::random_frames<Moments>(changing, modes, changing.chance(50) ? 64 : 400, 9, true);
+    ASSERT_FALSE(HasFailure());
+  }
+  expect_clocks(200'000);
+}
+
+TEST(ColumnRunsShell, SmallSizes) {
+  moments::small_sizes<StrongestRuns>({Mode::binary, Mode::grey, Mode::grey_over});
+  expect_clocks(30'000);
+}
+
+// Every sum at its largest, one and two groups a line.
+TEST(ColumnRunsShell, TallestImages) {
+  for (const int columns : {4, 8}) {
+    moments::large_size<StrongestRuns>(columns, 1023, {Mode::binary, Mode::grey, Mode::grey_over});
+  }
+  expect_clocks(15'000);
+}
+
+TEST(ColumnRunsShell, RandomFrames) {
+  for (const std::uint64_t seed : seeds(60)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    const std::vector<Mode> modes{Mode::binary, Mode::grey, Mode::grey_over};
+    Random one_size(seed);
+    moments::random_frames<StrongestRuns>(one_size, modes, 64, 9, false);
+    Random changing(seed);
+    moments::random_frames<StrongestRuns>(changing, modes, changing.chance(50) ? 64 : 400, 9, true);
     ASSERT_FALSE(HasFailure());
   }
   expect_clocks(200'000);

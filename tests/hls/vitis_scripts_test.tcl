@@ -9,7 +9,7 @@ foreach command {open_project set_top add_files open_solution set_part create_cl
 rename exit tcl_exit
 proc exit {args} {}
 
-foreach name {column_moments gray_decoder} {
+foreach name {column_moments column_runs gray_decoder} {
   set ::asked {}
   set argv {}
   source [file join $folder $name.tcl]
@@ -32,5 +32,5 @@ foreach name {column_moments gray_decoder} {
     tcl_exit 1
   }
 }
-puts "both scripts ask for [llength $steps] steps"
+puts "three scripts ask for [llength $steps] steps"
 tcl_exit 0

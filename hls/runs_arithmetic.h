@@ -1,0 +1,101 @@
+// Pure functions of the strongest runs: operations on one run and on the runs of one column. The kernel (column_runs.h)
+// and the SystemC shell (hls/shells/column_runs_shell.h) use them.
+//
+// Each column has an open run, the strongest of the runs that have ended, and M0 of the second. A run ends in the row
+// in which it has had more dark rows than the gap allows. A run has M0, N, and A, the sum over the rows of M0 before
+// each; in row R, in which it ends,
+//
+//     M1 = R M0 - A        with A of the rows before R.
+#ifndef SELFPROJ_HLS_RUNS_ARITHMETIC_H
+#define SELFPROJ_HLS_RUNS_ARITHMETIC_H
+
+#include "hls/moments_arithmetic.h"
+
+// clang-tidy, in this file:
+//   unnecessary-value-param: small integers are passed by value, which suits hardware compilers best
+// NOLINTBEGIN(performance-unnecessary-value-param)
+namespace selfproj {
+namespace hls {
+
+// The open run of a column.
+struct OpenRun {
+  bool open = false;
+  Uint<2> dark = 0;  // dark rows since the last lit one
+  Sum0 m0 = 0;
+  Sum1 a = 0;  // of the rows before the present one
+  Row n = 0;
+};
+
+// The runs of a column that have ended.
+struct EndedRuns {
+  Uint<2> runs = 0;  // 3: three or more
+  Sum0 second = 0;   // M0 of the second
+  Sum0 m0 = 0;       // the strongest, and so on
+  Sum1 a = 0;
+  Row n = 0;
+  Row row = 0;  // the row in which it ended
+};
+
+// A row is added to the open run; `ends` tells that the row, which is dark, ended it.
+inline OpenRun next_run(const OpenRun& old, Pixel weight, bool strongest, Uint<2> gap, bool& ends) {
+#pragma HLS inline
+  OpenRun next;
+  ends = false;
+  if (old.open) {
+    next = old;
+    next.a = old.a + old.m0;
+  }
+  if (weight != 0) {
+    next.open = true;
+    next.dark = 0;
+    next.m0 = next_m0(next.m0, weight);
+    next.n = next_n(next.n, weight);
+  } else if (old.open) {
+    ends = strongest && old.dark == gap;
+    next.dark = old.dark + 1;
+    next.open = !ends;
+  }
+  return next;
+}
+
+// `run` meets the strongest of the runs that ended before it, and the second.
+inline EndedRuns next_ended(const EndedRuns& old, const OpenRun& run, Row row) {
+#pragma HLS inline
+  EndedRuns next = old;
+  if (old.runs != 3) {
+    next.runs = old.runs + 1;
+  }
+  if (run.m0 > old.m0) {
+    next.second = old.m0;
+    next.m0 = run.m0;
+    next.a = run.a;
+    next.n = run.n;
+    next.row = row;
+  } else if (run.m0 > old.second) {
+    next.second = run.m0;
+  }
+  return next;
+}
+
+// floor(16 second / m0) of second <= m0; 0 where both are 0.
+inline Uint<5> ratio_of(Sum0 second, Sum0 m0) {
+#pragma HLS inline
+  Uint<5> ratio = 0;
+  Uint<spec::kGreyM0Bits + 1> rest = second;
+  for (int bit = 4; bit >= 0; --bit) {
+#pragma HLS unroll
+    ratio = ratio << 1;
+    if (m0 != 0 && rest >= m0) {
+      rest = rest - m0;
+      ratio = ratio | 1;
+    }
+    rest = rest << 1;
+  }
+  return ratio;
+}
+
+}  // namespace hls
+}  // namespace selfproj
+// NOLINTEND(performance-unnecessary-value-param)
+
+#endif  // SELFPROJ_HLS_RUNS_ARITHMETIC_H
