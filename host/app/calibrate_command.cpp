@@ -16,6 +16,8 @@
 #include <vector>
 
 #include "host/app/camera_command.h"
+#include "host/app/capture_options.h"
+#include "host/app/guided_poses.h"
 #include "host/app/heights_command.h"
 #include "host/app/length_list.h"
 #include "host/calibration/bundle_plates.h"
@@ -60,6 +62,7 @@ struct CalibrateOptions {
   DrawnScale scale;
   std::vector<std::string> poses;
   std::vector<std::string> checks;
+  CaptureOptions capture;  // with a camera the poses are taken now
 };
 
 int free_of(const std::string& option) { return option == kAuto ? FreeDistortion::kByData : std::stoi(option); }
@@ -153,7 +156,20 @@ void apply(CalibrateOptions& options) {
     throw UserError("--chessboard",
                     fmt::format("is {}; at least 3 inner corners are needed along both sides", options.chessboard));
   }
-  const FrameSize projector = size_of_text("--projector", options.projector, 1 << GrayDecoder::kMaxBits);
+  const bool guided = !options.capture.camera.empty();
+  if (guided
+          ? !options.poses.empty() || !options.checks.empty() || !options.plates.empty() || !options.projector.empty()
+          : options.poses.empty()) {
+    throw guided ? UserError("--camera",
+                             "takes the poses itself, in the pixels of the display; POSE, --check, --plates "
+                             "and --projector go without it")
+                 : UserError("POSE", "is required, or --camera");
+  }
+  if (!guided && options.projector.empty()) {
+    throw UserError("--projector", "is required");
+  }
+  const FrameSize projector =
+      guided ? FrameSize{} : size_of_text("--projector", options.projector, 1 << GrayDecoder::kMaxBits);
   std::set<std::string> folders(options.poses.begin(), options.poses.end());
   if (folders.size() != options.poses.size()) {
     throw UserError("POSE", "a folder is given twice");
@@ -186,7 +202,8 @@ std::vector<PoseReport> observe(const std::vector<std::string>& folders, const C
   std::vector<PoseReport> poses;
   Progress progress("pose", folders.size());
   for (std::size_t i = 0; i < folders.size(); ++i) {
-    const Capture capture = decode_capture(folders[i], files[i], sequence, options.decode, channel_of(options.channel));
+    ImageSequence images(files[i], channel_of(options.channel));
+    const Capture capture = decode_capture(folders[i], images, sequence, options.decode);
     poses.push_back(observe_pose(folders[i], capture, settings));
     progress.update(i + 1);
   }
@@ -196,12 +213,17 @@ std::vector<PoseReport> observe(const std::vector<std::string>& folders, const C
 void run_calibrate(CalibrateOptions options) {
   apply(options);
   OutputFolder folder(options.out);
+  std::vector<PoseReport> taken;
+  if (!options.capture.camera.empty()) {
+    taken = take_guided_poses(options.capture, options.decode, options.calibrate, folder);
+  }
   const std::size_t parts = options.poses.size();
   std::vector<std::string> folders = options.poses;
   folders.insert(folders.end(), options.checks.begin(), options.checks.end());
   std::vector<PoseReport> poses = observe(folders, options);
   const std::vector<PoseReport> checks(poses.begin() + static_cast<std::ptrdiff_t>(parts), poses.end());
   poses.resize(parts);
+  poses.insert(poses.end(), taken.begin(), taken.end());
   CalibrationReport report = calibrate(std::move(poses), options.calibrate);
   if (!report.model.refusal.empty()) {
     throw CheckFailed(fmt::format("calibrate: no rig: {}", report.model.refusal));
@@ -283,14 +305,16 @@ void add_calibrate_command(CLI::App& app) {
       app,
       {.name = "calibrate",
        .purpose = "Calibrates camera and projector from captures of a chessboard under Gray-code patterns.",
-       .details = "Project the patterns of `selfproj pattern gray` on a flat chessboard and capture one image of each. "
-                  "Repeat that for several poses of the chessboard, each in a folder of its own. Two poses are "
-                  "needed; use 5 or more that lean in different directions.\n\n"
-                  "The output folder gets\n"
-                  "- calibration.yaml: camera, projector and the pose between them, as OpenCV YAML\n"
-                  "- rig.yaml: the same as a rig, unless a rig cannot describe it\n"
-                  "- report.json, corners.csv, coverage.png, residuals.png: how good it is, and what was left out\n\n"
-                  "Where the poses do not determine the result, nothing is written and the exit status is 1.",
+       .details =
+           "Project the patterns of `selfproj pattern gray` on a flat chessboard and capture one image of each. "
+           "Repeat that for several poses of the chessboard, each in a folder of its own. Two poses are "
+           "needed; use 5 or more that lean in different directions. With --camera the command takes them itself: it "
+           "says which pose to take, waits for Enter, shows the patterns, and says what the poses cover.\n\n"
+           "The output folder gets\n"
+           "- calibration.yaml: camera, projector and the pose between them, as OpenCV YAML\n"
+           "- rig.yaml: the same as a rig, unless a rig cannot describe it\n"
+           "- report.json, corners.csv, coverage.png, residuals.png: how good it is, and what was left out\n\n"
+           "Where the poses do not determine the result, nothing is written and the exit status is 1.",
        .examples = R"(
 # Capture a simulated chessboard in 4 poses, and calibrate from the captures.
 selfproj pattern gray --projector 1024x768 --out patterns
@@ -298,6 +322,10 @@ selfproj-sim capture --rig scanner --patterns patterns --chessboard 9x7 --square
   --out captures
 selfproj calibrate --chessboard 9x7 --square 20 --projector 1024x768 \
   --out calibration captures/pose_*
+
+# Take the poses now (needs hardware)
+selfproj calibrate --camera camera:192.168.1.20 --display 1 --chessboard 9x6 --square 25 \
+  --out calibration
 )"});
   const auto options = std::make_shared<CalibrateOptions>();
   CalibrateSettings& settings = options->calibrate;
@@ -312,15 +340,23 @@ selfproj calibrate --chessboard 9x7 --square 20 --projector 1024x768 \
       ->transform(number_above_zero())
       ->type_name("MM")
       ->required();
-  command->add_option("--projector", options->projector, "Columns and rows of the projector in pixels.")
-      ->type_name("WxH")
-      ->required();
+  command
+      ->add_option("--projector", options->projector,
+                   "Columns and rows of the projector in pixels. Required without --camera.")
+      ->type_name("WxH");
   command
       ->add_option("--rig", options->rig,
                    "Rig whose pixel pitches, rates, conveyor and measuring are copied to rig.yaml.")
       ->type_name("RIG")
       ->capture_default_str();
   add_plate_options(*command, *options);
+  begin_group(*command, "Live: the poses are taken now");
+  command
+      ->add_option("--camera", options->capture.camera,
+                   "Camera and its settings, as `selfproj devices` lists them. The command says which pose to take, "
+                   "waits for Enter, captures it, and says what is covered and what is missing.")
+      ->type_name("URI");
+  add_projector_options(*command, options->capture);
   begin_group(*command, "Decoding");
   command
       ->add_option("--threshold", options->decode.threshold,
@@ -399,9 +435,6 @@ selfproj calibrate --chessboard 9x7 --square 20 --projector 1024x768 \
   command->callback([options, command] {
     if (!command->get_subcommands().empty()) {
       return;
-    }
-    if (options->poses.empty()) {  // CLI11 would take the name of a subcommand for a required one
-      throw UserError("POSE", "is required");
     }
     run_calibrate(*options);
   });

@@ -4,61 +4,40 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "host/app/project_command.h"
+#include "host/app/capture_options.h"
 #include "host/capture/sequence_capture.h"
 #include "host/io/command_line.h"
 #include "host/io/image_files.h"
 #include "host/io/image_sequence.h"
 #include "host/io/output_folder.h"
-#include "host/io/progress.h"
-#include "host/io/stop_signal.h"
-#include "host/io/user_error.h"
 
 namespace selfproj {
 namespace {
 
 struct SequenceOptions {
-  std::string camera;
-  DisplayOptions display;
+  CaptureOptions capture;
   std::string patterns;
-  std::optional<double> settle_ms;
   std::string out;
 };
 
-void print_beginning(const CaptureRecord& record) {
-  fmt::print("{}, {} x {} pixels, {}\n", record.camera, record.columns, record.rows,
-             record.triggered ? "software trigger" : "running free");
-  fmt::print("exposure: {}\n", exposure_text(record.exposure));
-  if (record.settle_measured) {
-    fmt::print("settle time: {:.1f} ms; the light follows after {:.1f} to {:.1f} ms\n", record.settle.settle_ms,
-               record.settle.least_ms, record.settle.most_ms);
-  }
-  static_cast<void>(std::fflush(stdout));  // before the sequence, on a pipe too
-}
-
 void run_sequence(const SequenceOptions& options) {
   OutputFolder out(options.out);
-  ImageSequence patterns(files_of_folder(options.patterns), std::nullopt);
-  const CaptureSetup setup{.camera = options.camera,
-                           .display = options.display.display,
-                           .greys = greys_of(options.display),
-                           .settle_ms = options.settle_ms};
-  const StopSignal stop;
-  Progress progress("pattern", patterns.count());
-  try {
-    const CaptureRecord record =
-        capture_sequence(setup, patterns, out, print_beginning, [&](std::size_t done) { progress.update(done); });
-    out.commit();
-    fmt::print("{} images → {}; taken again: {} incomplete, {} that did not come\n", record.shots.size(), out.name(),
-               record.retaken.incomplete, record.retaken.missing);
-  } catch (const Stopped& stopped) {
-    throw CheckFailed(options.out + ": " + stopped.what());
+  const ImageSequence patterns(files_of_folder(options.patterns), std::nullopt);
+  std::vector<std::string> images;  // as PNG; written at the end, so that a capture that fails leaves nothing
+  const CaptureRecord record = run_capture(
+      options.capture, options.out, [&](const CaptureSizes& /*sizes*/) { return ImageSequence(patterns); },
+      [&](std::size_t /*i*/, std::size_t /*count*/, const Image& image) { images.push_back(encode_png(image)); });
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    out.append(record.shots[i].image, images[i]);
   }
+  out.append("capture.json", capture_json(record));
+  out.commit();
+  fmt::print("{} images → {}; {}\n", images.size(), out.name(), retaken_text(record));
 }
 
 }  // namespace
@@ -89,22 +68,11 @@ selfproj capture --camera "camera:192.168.1.20?exposure-us=20000" --display 1 --
 )"});
   const auto options = std::make_shared<SequenceOptions>();
   begin_group(*command, "Input");
-  command
-      ->add_option("--camera", options->camera,
-                   "Camera and its settings, camera:NAME[?KEY=VALUE&...], as `selfproj devices` lists them.")
-      ->type_name("URI")
-      ->required();
+  add_camera_option(*command, options->capture);
   command->add_option("--patterns", options->patterns, "Folder of the patterns, in natural order.")
       ->type_name("DIR")
       ->required();
-  begin_group(*command, "Display");
-  add_display_options(*command, options->display);
-  command
-      ->add_option("--settle-ms", options->settle_ms,
-                   "Wait so long after showing a pattern, in ms, instead of measuring it.")
-      ->transform(real_number(0, 60'000))
-      ->type_name("MS")
-      ->default_str("measured");
+  add_projector_options(*command, options->capture);
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for the images.")->type_name("DIR")->required();
   command->callback([options] { run_sequence(*options); });

@@ -5,12 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/app/depth_options.h"
+#include "host/camera/camera_device.h"
 #include "host/io/command_line.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
@@ -143,6 +144,13 @@ DepthRun depth_of_files(const DepthOptions& options, OutputFolder& folder) {
   });
 }
 
+// Code images of a board, or of a camera whose images are decoded here.
+DepthRun depth_of_board(const DepthOptions& options) {
+  const DepthSetup& setup = options.setup;
+  const CameraBoardSettings decoder{.code_bits = setup.geometry.bits, .code_threshold = setup.scanner.threshold};
+  return depth_of_device(setup, options.device, open_any_device(options.device, {}, {.board = decoder}), options.count);
+}
+
 // How far the points lie from those of the file.
 CloudComparison compare_with_file(const DepthOptions& options, const DepthRun& run) {
   constexpr double kWithin = 1;  // mm
@@ -158,8 +166,7 @@ CloudComparison compare_with_file(const DepthOptions& options, const DepthRun& r
 void run_depth(const DepthOptions& options) {
   check_options(options);
   OutputFolder folder(options.out);
-  const DepthRun run = options.device.empty() ? depth_of_files(options, folder)
-                                              : depth_of_device(options.setup, options.device, options.count);
+  const DepthRun run = options.device.empty() ? depth_of_files(options, folder) : depth_of_board(options);
   DepthReport report{.setup = options.setup,
                      .device = options.device,
                      .images = options.device.empty() ? files_of(options).size() : 0,
@@ -207,12 +214,7 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   DepthGeometry& geometry = options->setup.geometry;
   ScannerSettings& scanner = options->setup.scanner;
   begin_group(*command, "Geometry");
-  command->add_option("--rig", geometry.rig, "Built-in rig or YAML file. This or --calibration is needed.")
-      ->type_name("RIG");
-  command
-      ->add_option("--calibration", geometry.calibration,
-                   "Calibration as OpenCV YAML with cam_K, cam_kc, pro_K, pro_kc, R and T.")
-      ->type_name("FILE.yaml");
+  add_geometry_options(*command, geometry);
   command->add_option("--lines", geometry.lines, "With --calibration: projector columns that the 2^M codes cover.")
       ->transform(number_above_zero())
       ->type_name("N")
@@ -229,39 +231,11 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   command->add_option("--row-bits", geometry.row_bits, "Bits of a second code, along the projector's rows.")
       ->transform(whole_number(1, GrayDecoder::kMaxBits))
       ->type_name("N");
-  command
-      ->add_option("--threshold", scanner.threshold,
-                   "A pair of images that differs by at most this many grey levels is ambiguous.")
-      ->transform(whole_number(0, 255))
-      ->type_name("T")
-      ->capture_default_str();
+  add_threshold_option(*command, scanner);
   command->add_flag("--median", scanner.median, "Apply a 3 x 3 median to the code image.");
-  command->add_flag(
-      "--strict", scanner.strict,
-      "Leave out pixels with one ambiguous pair. Without it, two or more ambiguous pairs leave a pixel out.");
+  add_strict_option(*command, scanner);
   add_channel_option(*command, options->channel);
-  begin_group(*command, "Limits");
-  command->add_option("--min-z", geometry.limits.min_z_mm, "Smallest depth in mm.")
-      ->transform(real_number(-1e6, 1e6))
-      ->type_name("MM")
-      ->capture_default_str();
-  command->add_option("--max-z", geometry.limits.max_z_mm, "Largest depth in mm.")
-      ->transform(real_number(-1e6, 1e6))
-      ->type_name("MM")
-      ->default_str("none");
-  command
-      ->add_option("--max-z-per-line", geometry.limits.max_z_per_line_mm,
-                   "Leave out pixels where one projector line is worth more than this many mm of z.")
-      ->transform(number_above_zero())
-      ->type_name("MM")
-      ->default_str("the rig's; none for a calibration");
-  command
-      ->add_option("--max-residual", geometry.max_residual_px,
-                   "With --row-bits: leave out pixels whose ray passes the point of their codes at more than this many "
-                   "projector pixels.")
-      ->transform(number_above_zero())
-      ->type_name("PX")
-      ->capture_default_str();
+  add_limit_options(*command, geometry);
   begin_group(*command, "What moved");
   command
       ->add_option("--background", options->setup.background,
@@ -300,8 +274,9 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   begin_group(*command, "Input and output");
   command
       ->add_option("--device", options->device,
-                   "Instead of images, a board that decodes: ring:NAME or file:PATH. The run ends with the device, "
-                   "--count or Ctrl-C.")
+                   "Instead of images, a board that decodes: ring:NAME, udp:HOST[:PORT] or file:PATH. Or a camera that "
+                   "the projector triggers, camera:NAME: image k, by the camera's own number, shows pattern k modulo "
+                   "2M. The run ends with the device, --count or Ctrl-C.")
       ->type_name("URI");
   command->add_option("--count", options->count, "With --device: number of code images to take.")
       ->transform(whole_number(1))

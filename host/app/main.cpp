@@ -9,11 +9,13 @@
 #include "host/app/images_command.h"
 #include "host/app/inspect_command.h"
 #include "host/app/lines_command.h"
+#include "host/app/match_command.h"
+#include "host/app/measure_command.h"
 #include "host/app/pattern_command.h"
 #include "host/app/project_command.h"
 #include "host/app/record_command.h"
 #include "host/app/rig_command.h"
-#include "host/app/stripes_command.h"
+#include "host/app/scan_command.h"
 #include "host/app/tolerance_command.h"
 #include "host/io/program_main.h"
 
@@ -43,6 +45,8 @@ selfproj rig light-section
         selfproj::add_devices_command(app);
         selfproj::add_project_command(app);
         selfproj::add_capture_command(app);
+        selfproj::add_scan_command(app);
+        selfproj::add_measure_command(app);
         selfproj::add_record_command(app);
         selfproj::add_images_command(app);
         selfproj::add_inspect_command(app);

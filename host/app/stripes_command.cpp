@@ -4,16 +4,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "host/app/match_run.h"
 #include "host/io/command_line.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
@@ -23,37 +20,13 @@
 #include "host/io/user_error.h"
 #include "host/light_section/pattern.h"
 #include "host/report/map_picture.h"
-#include "host/report/match_output.h"
 #include "host/rig/rig.h"
-#include "host/structured_light/depth_run.h"
-#include "host/structured_light/depth_shares.h"
-#include "host/structured_light/match_table.h"
 #include "host/structured_light/point_scan.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_reference_file.h"
-#include "host/structured_light/self_scanner.h"
 
 namespace selfproj {
 namespace {
-
-Rig scanner_rig(const std::string& name) {
-  Rig rig = load_rig(name);
-  if (rig.kind != RigKind::scanner) {
-    throw UserError("--rig", fmt::format("{} is not a rig of kind scanner", name));
-  }
-  return rig;
-}
-
-Image camera_image(const Rig& rig, const std::string& file, const std::string& channel) {
-  Image image = read_image(file, channel_of(channel));
-  if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
-    throw UserError(file, fmt::format("is {}; the rig's camera has {}", size_text(image.rows, image.columns),
-                                      size_text(rig.camera.rows, rig.camera.columns)));
-  }
-  return image;
-}
-
-// --- selfproj pattern stripes ---
 
 struct StripesOptions {
   std::string rig = "scanner";
@@ -79,7 +52,9 @@ template <class Scan>
 void take_folder(const Rig& rig, const StripesOptions& options, const std::vector<std::string>& files, Scan& scan) {
   Progress progress("image", files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
-    scan.add(camera_image(rig, files[i], options.channel).view());
+    const Image image = read_image(files[i], channel_of(options.channel));
+    check_camera_size(rig, files[i], image);
+    scan.add(image.view());
     progress.update(i + 1);
   }
 }
@@ -148,87 +123,6 @@ void run_stripes(const StripesOptions& options) {
       100 * seen / static_cast<double>(reference.seen.size()));
 }
 
-// --- selfproj match ---
-
-struct MatchOptions {
-  std::string rig = "scanner";
-  std::string reference;
-  MatchSettings settings;
-  int threshold = -1;
-  std::string channel;
-  std::string out;
-  std::vector<std::string> images;
-};
-
-void check_options(const MatchOptions& options, const Rig& rig, int bits) {
-  const int codes = 1 << bits;
-  if (options.settings.e < 0 || options.settings.e >= codes) {
-    throw UserError("--e",
-                    fmt::format("is {}; a reference of {} bits allows 0 to {}", options.settings.e, bits, codes - 1));
-  }
-  if (!(options.settings.line_width > 0) || options.settings.line_width > rig.projector.lines) {
-    throw UserError("--line-width", fmt::format("is {}; it must be above 0, and at most the {} lines of the projector",
-                                                options.settings.line_width, rig.projector.lines));
-  }
-  const auto patterns = static_cast<std::size_t>(2 * bits);
-  if (options.images.size() < patterns || options.images.size() % 2 != 0) {
-    throw UserError("IMAGE", fmt::format("{} images are {}; {} or more are needed, a positive and its negative in turn",
-                                         options.images.size(),
-                                         options.images.size() < patterns ? "too few" : "an odd number", patterns));
-  }
-  for (const std::string& file : options.images) {
-    check_image_file(file);
-  }
-}
-
-// Passes all images to the scanner, and returns the shares of each depth image. If there are several, depth and
-// difference of each are written into the folder.
-std::vector<OfImage<DepthShares>> match_images(const MatchOptions& options, const Rig& rig, int bits,
-                                               SelfScanner& scanner, OutputFolder& folder) {
-  const auto patterns = static_cast<std::size_t>(2 * bits);
-  std::array<Image, 2> pair;  // the scanner reads the positive when its negative comes
-  std::vector<PointState> states;
-  std::vector<OfImage<DepthShares>> all_shares;
-  Progress progress("image", options.images.size());
-  for (std::size_t i = 0; i < options.images.size(); ++i) {
-    Image& image = pair.at(i % 2);
-    image = camera_image(rig, options.images[i], options.channel);
-    if (scanner.take(image.view(), static_cast<int>(i % patterns))) {
-      scanner.explain(states);
-      all_shares.push_back({i / 2, count_states(states)});
-      if (options.images.size() > patterns) {
-        for (const auto& [name, map] : {std::pair{"depth", &scanner.depth()}, {"difference", &scanner.difference()}}) {
-          const std::string file = fmt::format("{}_{:04}.tiff", name, i / 2);
-          folder.append(file, encode_float_tiff(file, *map));
-        }
-      }
-    }
-    progress.update(i + 1);
-  }
-  return all_shares;
-}
-
-void run_match(const MatchOptions& options) {
-  const Rig rig = scanner_rig(options.rig);
-  const SelfReference reference = read_self_reference(rig, options.reference);
-  const int bits = reference.stripes.bits;
-  check_options(options, rig, bits);
-  OutputFolder folder(options.out);
-  const MatchTable table(rig, reference, options.settings);
-  const int threshold = options.threshold >= 0 ? options.threshold : rig.measure.code_threshold;
-  SelfScanner scanner(rig, reference, table, threshold);
-  const MatchReport report{options.rig,
-                           options.reference,
-                           bits,
-                           options.settings,
-                           threshold,
-                           options.images.size(),
-                           match_images(options, rig, bits, scanner, folder)};
-  write_match(rig, table, scanner, report, folder);
-  folder.commit();
-  fmt::print("{}", match_text(table, report, options.out));
-}
-
 }  // namespace
 
 CLI::App* add_stripes_command(CLI::App& pattern) {
@@ -279,67 +173,6 @@ selfproj pattern stripes --sweep --out lines
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   command->callback([options] { run_stripes(*options); });
   return command;
-}
-
-void add_match_command(CLI::App& app) {
-  CLI::App* command = add_command(
-      app,
-      {.name = "match",
-       .purpose = "Measures depth, and its difference from a reference, from images under self-projected patterns.",
-       .details = "The images are the positive and the negative of each bit in turn, as `selfproj pattern stripes` "
-                  "numbers its patterns. From pair m on, every pair completes a depth image.\n\n"
-                  "The output folder gets depth.tiff (z in mm), difference.tiff (in mm, positive towards the camera), "
-                  "pictures, cloud.ply, shares.csv, summary.json, and depth_KKKK.tiff and difference_KKKK.tiff of each "
-                  "pair K where there are several. Numbers in parentheses are those of the equations in the thesis.",
-       .examples = R"(
-# Scan the empty plane of a simulated scanner, and make its patterns.
-selfproj pattern gray --rig scanner --out codes
-selfproj-sim capture --rig scanner --scene plane --patterns codes --out captures
-selfproj pattern stripes --scan captures --gray-code --out reference
-
-# Capture a block under these patterns, and measure it.
-mkdir -p stripes
-cp reference/pattern_*.png stripes
-selfproj-sim capture --rig scanner --scene block --patterns stripes --out block
-selfproj match --reference reference --e 8 --out depth block/image_*.png
-)"});
-  const auto options = std::make_shared<MatchOptions>();
-  begin_group(*command, "Rig and reference");
-  command->add_option("--rig", options->rig, "Built-in rig or YAML file of kind scanner.")
-      ->type_name("RIG")
-      ->capture_default_str();
-  command->add_option("--reference", options->reference, "Folder that `selfproj pattern stripes` wrote.")
-      ->type_name("DIR")
-      ->required();
-  begin_group(*command, "Decoding");
-  command
-      ->add_option("--threshold", options->threshold,
-                   "A pair of images that differs by at most this many grey levels is ambiguous.")
-      ->transform(whole_number(0, 255))
-      ->type_name("T")
-      ->default_str("the rig's");
-  add_channel_option(*command, options->channel);
-  begin_group(*command, "Search");
-  command
-      ->add_option(
-          "--e", options->settings.e,
-          "Codes that are searched below the reference, less than 2^m. The other 2^m - e are searched above it.")
-      ->transform(whole_number(0, (1 << Stripes::kMaxBits) - 1))
-      ->type_name("E")
-      ->capture_default_str();
-  command->add_flag("--printed-direction", options->settings.printed_direction,
-                    "Search along Xp at constant Yp, as printed in (4.19), instead of along the epipolar line.");
-  command->add_flag("--printed-window", options->settings.printed_window,
-                    "Search a window of projector lines, as printed in (4.20), instead of one of codes.");
-  command
-      ->add_option("--line-width", options->settings.line_width, "Projector lines of a code in the printed window, a'.")
-      ->transform(number_above_zero())
-      ->type_name("LINES")
-      ->capture_default_str();
-  begin_group(*command, "Output");
-  command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
-  add_files(*command, "IMAGE", options->images, "8-bit images of the camera's size.")->required();
-  command->callback([options] { run_match(*options); });
 }
 
 }  // namespace selfproj

@@ -1,4 +1,3 @@
-// The commands of self-projected structured light.
 #ifndef SELFPROJ_HOST_APP_STRIPES_COMMAND_H
 #define SELFPROJ_HOST_APP_STRIPES_COMMAND_H
 
@@ -11,9 +10,6 @@ namespace selfproj {
 // Adds `selfproj pattern stripes` below the command `pattern`. It makes the patterns for scanning a reference, and the
 // reference folder from the recordings.
 CLI::App* add_stripes_command(CLI::App& pattern);
-
-// Adds `selfproj match`: computes depth and difference from images under a reference's patterns.
-void add_match_command(CLI::App& app);
 
 }  // namespace selfproj
 

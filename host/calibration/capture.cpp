@@ -21,22 +21,22 @@ namespace {
 // Reads images of one size in turn and keeps their sum.
 class Images {
  public:
-  Images(const std::vector<std::string>& files, std::optional<Channel> channel) : files_(files), channel_(channel) {}
+  explicit Images(ImageSequence& images) : images_(images) {}
 
   // The next image, valid until the one after its successor is read.
   const Image& next() {
     Image& image = pair_[next_ % 2];
-    image = read_image(files_[next_], channel_);
+    image = images_.read(next_);
     if (next_ == 0) {
       if (std::max(image.rows, image.columns) > FastGrayDecoder::kMaxSide) {
-        throw UserError(files_[0], fmt::format("is {}; at most {} rows and columns are taken",
-                                               size_text(image.rows, image.columns), FastGrayDecoder::kMaxSide));
+        throw UserError(images_.files()[0],
+                        fmt::format("is {}; at most {} rows and columns are taken",
+                                    size_text(image.rows, image.columns), FastGrayDecoder::kMaxSide));
       }
       sum_.resize(image.pixels.size());
       rows_ = image.rows;
       columns_ = image.columns;
     }
-    check_same_size(files_[next_], image, files_.front(), rows_, columns_);
     std::transform(sum_.begin(), sum_.end(), image.pixels.begin(), sum_.begin(),
                    [](std::uint32_t sum, std::uint8_t pixel) { return sum + pixel; });
     ++next_;
@@ -55,8 +55,7 @@ class Images {
   }
 
  private:
-  const std::vector<std::string>& files_;
-  std::optional<Channel> channel_;
+  ImageSequence& images_;
   std::array<Image, 2> pair_;
   std::vector<std::uint32_t> sum_;
   std::size_t next_ = 0;
@@ -94,23 +93,20 @@ std::size_t Capture::decoded() const {
          static_cast<std::size_t>(std::count(projector_column.begin(), projector_column.end(), kNone));
 }
 
-Capture decode_capture(const std::string& name, const std::vector<std::string>& files, const GraySequence& sequence,
-                       const DecodeSettings& settings, std::optional<Channel> channel) {
+Capture decode_capture(const std::string& name, ImageSequence& captured, const GraySequence& sequence,
+                       const DecodeSettings& settings) {
   constexpr int kMostBits = GrayDecoder::kMaxBits;
   if (sequence.column_bits() > kMostBits || sequence.row_bits() > kMostBits) {
     throw UserError("--projector", fmt::format("has a side of more than {} pixels", 1 << kMostBits));
   }
-  if (files.size() != static_cast<std::size_t>(sequence.count())) {
+  if (captured.count() != static_cast<std::size_t>(sequence.count())) {
     throw UserError(name,
                     fmt::format("has {} images; {} are expected for a projector of {}: {} pairs for columns, {} for "
                                 "rows, white, black",
-                                files.size(), sequence.count(), size_text(sequence.rows(), sequence.columns()),
+                                captured.count(), sequence.count(), size_text(sequence.rows(), sequence.columns()),
                                 sequence.column_bits(), sequence.row_bits()));
   }
-  for (const std::string& file : files) {
-    check_image_file(file);
-  }
-  Images images(files, channel);
+  Images images(captured);
   Capture capture;
   capture.projector_column = decode_axis(images, sequence.column_bits(), sequence.columns(), settings.threshold);
   capture.projector_row = decode_axis(images, sequence.row_bits(), sequence.rows(), settings.threshold);

@@ -4,11 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/io/image_files.h"
+#include "host/io/image_sequence.h"
 #include "host/structured_light/gray_sequence.h"
 
 namespace selfproj {
@@ -31,11 +31,11 @@ struct Capture {
   [[nodiscard]] std::size_t decoded() const;
 };
 
-// Decodes the images, which are read in the order of the sequence. Throws UserError with the file as read_image does,
-// for an image of another size than the first, and for more columns or rows than a decoder takes. Throws it with `name`
-// if there are more or fewer images than the sequence has.
-Capture decode_capture(const std::string& name, const std::vector<std::string>& files, const GraySequence& sequence,
-                       const DecodeSettings& settings, std::optional<Channel> channel);
+// Decodes the images, which are those of the sequence in its order. Throws UserError as ImageSequence::read does, and
+// for more columns or rows than a decoder takes. Throws it with `name` if there are more or fewer images than the
+// sequence has.
+Capture decode_capture(const std::string& name, ImageSequence& captured, const GraySequence& sequence,
+                       const DecodeSettings& settings);
 
 }  // namespace selfproj
 

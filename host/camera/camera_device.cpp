@@ -143,6 +143,8 @@ std::unique_ptr<Device> open_any_device(const std::string& uri, const DeviceOpti
   fill(board.gap, defaults.board.gap);
   fill(board.window, defaults.board.window);
   fill(board.pixel_clock_hz, defaults.board.pixel_clock_hz);
+  fill(board.code_bits, defaults.board.code_bits);
+  fill(board.code_threshold, defaults.board.code_threshold);
   return make_camera_device(open_camera(camera), board, options);
 }
 

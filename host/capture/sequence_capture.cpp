@@ -9,7 +9,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/camera/camera.h"
@@ -39,10 +38,12 @@ std::unique_ptr<Camera> open_for_capture(const std::string& text, bool& triggere
   return open_camera(uri);
 }
 
-std::string json_of(const CaptureRecord& record, int display) {
+}  // namespace
+
+std::string capture_json(const CaptureRecord& record) {
   using Json = nlohmann::ordered_json;
   Json json = {{"camera", record.camera},
-               {"display", display},
+               {"display", record.display},
                {"columns", record.columns},
                {"rows", record.rows},
                {"trigger", record.triggered ? "software" : "free"},
@@ -61,47 +62,39 @@ std::string json_of(const CaptureRecord& record, int display) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace
-
-CaptureRecord capture_sequence(const CaptureSetup& setup, ImageSequence& patterns, OutputFolder& out,
-                               const std::function<void(const CaptureRecord&)>& begin,
-                               const std::function<void(std::size_t)>& done) {
+CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& patterns_for,
+                               const std::function<void(const CaptureRecord&)>& begin, const TakeShot& take) {
   CaptureRecord record;
+  record.display = setup.display;
   const std::unique_ptr<Camera> camera = open_for_capture(setup.camera, record.triggered);
   record.camera = camera->uri();
   record.rows = camera->rows();
   record.columns = camera->columns();
-  std::vector<std::string> images;  // as PNG; written at the end
-  {
-    Projector projector(setup.display, setup.greys);
-    if (const Image& first = patterns.first(); first.rows != projector.rows() || first.columns != projector.columns()) {
-      projector.show(first, patterns.files()[0]);  // says so before anything is measured
-    }
-    camera->start();
-    Shots shots(projector, *camera, record.triggered);
-    const WhiteAndBlack levels = take_white_and_black(shots, record.camera);
-    record.exposure = check_exposure(levels);
-    record.settle_measured = !setup.settle_ms;
-    record.settle =
-        setup.settle_ms ? Settle{.settle_ms = *setup.settle_ms} : measure_settle(shots, levels, record.camera);
-    begin(record);
-    const auto wait = static_cast<std::int64_t>(record.settle.settle_ms * 1e6);
-    for (std::size_t i = 0; i < patterns.count(); ++i) {
-      const std::string& file = patterns.files()[i];
-      const std::int64_t shown = shots.show(patterns.read(i), file);
-      images.push_back(encode_png(shots.take_after(shown + wait)));
-      record.shots.push_back({.pattern = std::filesystem::path(file).filename().string(),
-                              .image = fmt::format("image_{:04}.png", i + 1),
-                              .delay_ms = static_cast<double>(shots.taken_ns() - shown) * 1e-6});
-      done(i + 1);
-    }
-    record.retaken = shots.counters();
-    camera->stop();
+  Projector projector(setup.display, setup.greys);
+  ImageSequence patterns = patterns_for({record.rows, record.columns, projector.rows(), projector.columns()});
+  if (const Image& first = patterns.first(); first.rows != projector.rows() || first.columns != projector.columns()) {
+    projector.show(first, patterns.files()[0]);  // says so before anything is measured
   }
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    out.append(record.shots[i].image, images[i]);
+  camera->start();
+  Shots shots(projector, *camera, record.triggered);
+  const WhiteAndBlack levels = take_white_and_black(shots, record.camera);
+  record.exposure = check_exposure(levels);
+  record.white = levels.white;
+  record.settle_measured = !setup.settle_ms;
+  record.settle =
+      setup.settle_ms ? Settle{.settle_ms = *setup.settle_ms} : measure_settle(shots, levels, record.camera);
+  begin(record);
+  const auto wait = static_cast<std::int64_t>(record.settle.settle_ms * 1e6);
+  for (std::size_t i = 0; i < patterns.count(); ++i) {
+    const std::string& file = patterns.files()[i];
+    const std::int64_t shown = shots.show(patterns.read(i), file);
+    take(i, patterns.count(), shots.take_after(shown + wait));
+    record.shots.push_back({.pattern = std::filesystem::path(file).filename().string(),
+                            .image = fmt::format("image_{:04}.png", i + 1),
+                            .delay_ms = static_cast<double>(shots.taken_ns() - shown) * 1e-6});
   }
-  out.append("capture.json", json_of(record, setup.display));
+  record.retaken = shots.counters();
+  camera->stop();
   return record;
 }
 

@@ -14,7 +14,6 @@
 #include "host/capture/shots.h"
 #include "host/io/image_files.h"
 #include "host/io/image_sequence.h"
-#include "host/io/output_folder.h"
 #include "host/projector/projector.h"
 
 namespace selfproj {
@@ -34,23 +33,40 @@ struct CaptureRecord {
     double delay_ms = 0;  // from showing the pattern to the trigger, or to the image of a camera that runs free
   };
   std::string camera;
+  int display = 0;
   bool triggered = false;
   int rows = 0;
   int columns = 0;
   Settle settle;
   bool settle_measured = false;
   ExposureCheck exposure;
+  Image white;  // all of the projector white
   ShotCounters retaken;
   std::vector<Shot> shots;
 };
 
-// Opens camera and projector, checks the exposure, measures the settle time, and takes an image of every pattern into
-// `out`: image_0001.png and so on, and capture.json. Before the sequence it calls `begin` with what is known by then,
-// then `done` after each image. Leaves camera and display as they were found. Nothing is written before the last image
-// came. Throws UserError, and Stopped at Esc or Ctrl-C.
-CaptureRecord capture_sequence(const CaptureSetup& setup, ImageSequence& patterns, OutputFolder& out,
-                               const std::function<void(const CaptureRecord&)>& begin,
-                               const std::function<void(std::size_t)>& done);
+// Of camera and projector, in pixels.
+struct CaptureSizes {
+  int camera_rows = 0;
+  int camera_columns = 0;
+  int projector_rows = 0;
+  int projector_columns = 0;
+};
+
+// The patterns for these sizes. May throw UserError if they do not fit the task; nothing has been shown by then.
+using PatternsFor = std::function<ImageSequence(const CaptureSizes& sizes)>;
+
+// Receives image i, from 0, of the sequence of `count`; it is valid during the call.
+using TakeShot = std::function<void(std::size_t i, std::size_t count, const Image& image)>;
+
+// Opens camera and projector, checks the exposure, measures the settle time, and takes an image of every pattern.
+// Before the sequence it calls `begin` with what is known by then, then `take` with each image. Leaves camera and
+// display as they were found. Throws UserError, and Stopped at Esc or Ctrl-C.
+CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& patterns_for,
+                               const std::function<void(const CaptureRecord&)>& begin, const TakeShot& take);
+
+// What was done, as capture.json.
+std::string capture_json(const CaptureRecord& record);
 
 }  // namespace selfproj
 

@@ -1,6 +1,7 @@
 #include "host/io/image_sequence.h"
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,6 +18,9 @@ ImageSequence::ImageSequence(std::vector<std::string> files, std::optional<Chann
   }
 }
 
+ImageSequence::ImageSequence(std::vector<std::string> names, std::function<Image(std::size_t)> make)
+    : files_(std::move(names)), make_(std::move(make)) {}
+
 const Image& ImageSequence::first() {
   first_ = read(0);
   return *first_;
@@ -28,7 +32,7 @@ Image ImageSequence::read(std::size_t i) {
     first_.reset();
     return image;
   }
-  Image image = read_image(files_[i], channel_);
+  Image image = make_ ? make_(i) : read_image(files_[i], channel_);
   if (rows_ == 0) {
     rows_ = image.rows;
     columns_ = image.columns;

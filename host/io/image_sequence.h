@@ -1,8 +1,9 @@
-// Image files of one size, read in turn.
+// Images of one size, read in turn: of files, or made as they are asked for.
 #ifndef SELFPROJ_HOST_IO_IMAGE_SEQUENCE_H
 #define SELFPROJ_HOST_IO_IMAGE_SEQUENCE_H
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,9 @@ class ImageSequence {
   // check_image_file.
   ImageSequence(std::vector<std::string> files, std::optional<Channel> channel);
 
+  // Images that are in no files. `names` are for messages, one for each image; make(i) gives image i, from 0.
+  ImageSequence(std::vector<std::string> names, std::function<Image(std::size_t)> make);
+
   [[nodiscard]] std::size_t count() const { return files_.size(); }
   [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
 
@@ -30,6 +34,7 @@ class ImageSequence {
  private:
   std::vector<std::string> files_;
   std::optional<Channel> channel_;
+  std::function<Image(std::size_t)> make_;  // empty: the images are read from files_
   std::optional<Image> first_;
   int rows_ = 0;
   int columns_ = 0;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/float_image.h"
 #include "host/io/output_folder.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/depth_run.h"
@@ -25,6 +26,9 @@ struct MatchReport {
   std::size_t images = 0;                        // number of recorded images
   std::vector<OfImage<DepthShares>> all_shares;  // shares of all depth images, at least one
 };
+
+// The difference from the reference in colours with colour bar and scale bars, as PNG.
+std::string difference_picture(const Rig& rig, const FloatImage& difference);
 
 // Writes pictures, cloud, tables and summary of the scanner's newest depth image. Does not commit the folder. Throws
 // UserError as OutputFolder does.

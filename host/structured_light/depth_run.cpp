@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "host/driver/image_assembler.h"
-#include "host/driver/open_device.h"
 #include "host/io/frame_options.h"
 #include "host/io/median.h"
 #include "host/io/progress.h"
@@ -96,8 +95,8 @@ class AxisDecoder {
 // The code images of a device as they come.
 class DeviceScan {
  public:
-  DeviceScan(const DepthSetup& setup, const std::string& uri)
-      : setup_(setup), uri_(uri), device_(open_device(uri)), assembler_(spec::kKindCodes, 0) {}
+  DeviceScan(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device)
+      : setup_(setup), uri_(uri), device_(std::move(device)), assembler_(spec::kKindCodes, 0) {}
 
   void run(std::size_t count) {
     using namespace std::chrono_literals;
@@ -233,8 +232,9 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images) {
   return run;
 }
 
-DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::size_t count) {
-  DeviceScan scan(setup, uri);
+DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device,
+                         std::size_t count) {
+  DeviceScan scan(setup, uri, std::move(device));
   scan.run(count);
   return scan.result();
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/driver/counters.h"
+#include "host/driver/device.h"
 #include "host/io/float_image.h"
 #include "host/io/image_sequence.h"
 #include "host/structured_light/depth_geometry.h"
@@ -66,10 +67,10 @@ DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const T
 // Shows progress. Throws UserError as make_lens_triangulation and ImageSequence do.
 DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images);
 
-// Code images from the device `uri`, until it ends, `count` have come (0: any number), or Ctrl-C. Shows progress.
-// Throws UserError as depth_of_images does, and if the device cannot be opened, its images change size, or none is
-// complete.
-DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::size_t count);
+// Code images from the device, until it ends, `count` have come (0: any number), or Ctrl-C. Shows progress. `uri` is
+// its name for messages. Throws UserError as depth_of_images does, and if the images change size, or none is complete.
+DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device,
+                         std::size_t count);
 
 }  // namespace selfproj
 

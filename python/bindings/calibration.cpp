@@ -20,6 +20,7 @@
 #include "host/calibration/chessboard.h"
 #include "host/io/frame_options.h"
 #include "host/io/image_files.h"
+#include "host/io/image_sequence.h"
 #include "host/io/output_file.h"
 #include "host/rig/calibration_file.h"
 #include "python/bindings/arrays.h"
@@ -64,8 +65,8 @@ CaptureResult decode(const std::vector<std::string>& images, const Size& project
           "threshold, contrast: must be in 0..255");
   require(!images.empty(), "images: none are given");
   Capture capture = without_gil([&] {
-    return decode_capture(images.front(), image_arguments(images), sequence,
-                          {.threshold = threshold, .contrast = contrast}, channel_of(channel));
+    ImageSequence captured(image_arguments(images), channel_of(channel));
+    return decode_capture(images.front(), captured, sequence, {.threshold = threshold, .contrast = contrast});
   });
   const std::vector<std::size_t> shape{static_cast<std::size_t>(capture.rows),
                                        static_cast<std::size_t>(capture.columns)};

@@ -40,7 +40,6 @@ def commands_of(made):
         ("selfproj", "pattern"): ["--rig", m / "rig.yaml", "--reference", m / "curve.csv", "--out", "o"],
         ("selfproj", "pattern", "chessboard"): ["--out", "o.svg"],
         ("selfproj", "pattern", "gray"): ["--rig", m / "scanner.yaml", "--out", "o"],
-        ("selfproj", "pattern", "chessboard"): ["--out", "o.svg"],
         ("selfproj", "pattern", "stripes"): [
             "--rig", m / "scanner.yaml", "--scan", m / "seen", "--gray-code", "--bits", "2", "--out", "o"
         ],
@@ -61,6 +60,8 @@ def commands_of(made):
         ("selfproj", "devices"): [],
         ("selfproj", "project"): ["--seconds", "0.1", "--gamma", m / "gamma.csv", frames[0]],
         ("selfproj", "capture"): ["--camera", "camera:Fake_1", "--patterns", m / "shown", "--out", "o"],
+        ("selfproj", "scan"): ["--camera", "camera:Fake_1", "--rig", m / "scanner.yaml", "--out", "o"],
+        ("selfproj", "measure", "gamma"): ["--camera", "camera:Fake_1", "--out", "o.csv"],
         ("selfproj", "record"): ["--device", f"file:{m}/packets.bin", "--out", "o"],
         ("selfproj", "images"): ["--device", f"file:{m}/codes.bin", "--out", "o"],
         ("selfproj", "board", "info"): ["--device", "bar:bar.bin"],

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "host/calibration/calibration_check.h"
 #include "host/calibration/capture.h"
 #include "host/io/image_files.h"
+#include "host/io/image_sequence.h"
 #include "host/io/results_file.h"
 #include "host/structured_light/gray_sequence.h"
 
@@ -39,7 +41,8 @@ std::string folder_of(int pose) {
 
 Capture capture_of(int pose, const DecodeSettings& settings) {
   const std::string folder = folder_of(pose);
-  return decode_capture(folder, files_of_folder(folder), kSequence, settings, {});
+  ImageSequence images(files_of_folder(folder), std::nullopt);
+  return decode_capture(folder, images, kSequence, settings);
 }
 
 // The chessboard in its three poses, found with both kinds of corners.

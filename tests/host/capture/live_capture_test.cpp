@@ -1,4 +1,5 @@
 // Tests captures live: a GigE camera of Aravis looks at a scene that a virtual display lights.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,13 +12,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "host/io/float_image.h"
 #include "host/io/image_files.h"
+#include "host/projector/grey_curve.h"
 #include "host/rig/rig.h"
+#include "host/structured_light/gray_sequence.h"
 #include "sim/scene/pattern_set.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_list.h"
@@ -61,7 +65,7 @@ class LiveCapture : public testing::Test {
         {"capture", "--camera", "camera:127.0.0.1?region=64x64" + settings, "--patterns", "gray", "--out", "seen"});
   }
 
-  Rig rig_ = small_scanner();
+  Rig rig_ = small_scanner(8, 8);
   std::unique_ptr<Scene> scene_;
   std::vector<Image> patterns_;
   ScratchFolder screen_folder_;
@@ -129,6 +133,138 @@ TEST_F(LiveCapture, DepthThroughRandomDelaysAndLostPackets) {
   EXPECT_GT(known.pixels, 2000U);
   EXPECT_NEAR(static_cast<double>(live.pixels), static_cast<double>(known.pixels), 40);
   EXPECT_NEAR(live.median_mm, known.median_mm, 0.02 * known.median_mm);
+}
+
+// Projects, captures and measures in one run, through random delays and lost packets. Each image is the one of its
+// pattern, and the depth that of the recorded route: the same images by the renderer.
+TEST_F(LiveCapture, ScanByGrayCodes) {
+  look({.least_delay_ms = 0, .most_delay_ms = 120, .lost = 0.005});
+  const Outcome scan =
+      run({"scan", "--camera", "camera:127.0.0.1?region=64x64", "--rig", "small.yaml", "--images", "--out", "scan"});
+  ASSERT_EQ(scan.status, 0) << scan.err;
+  const GraySequence gray(rig_.projector.columns, rig_.projector.lines);
+  std::vector<std::string> recorded = {"depth",
+                                       "--rig",
+                                       "small.yaml",
+                                       "--bits",
+                                       std::to_string(gray.column_bits()),
+                                       "--row-bits",
+                                       std::to_string(gray.row_bits()),
+                                       "--out",
+                                       "known"};
+  for (int i = 0; i < gray.white(); ++i) {
+    const Image image = world_->image_under({gray.rows(), gray.columns(), gray.image(i)});
+    recorded.push_back("recorded_" + std::to_string(i) + ".png");
+    write_text(folder_ / recorded.back(), encode_png(image));
+    const std::string seen = (folder_ / "scan" / fmt::format("image_{:04}.png", i + 1)).string();
+    EXPECT_LT(mean_difference(read_image(seen, std::nullopt), image), 4) << "image " << i + 1;
+  }
+  ASSERT_EQ(run(recorded).status, 0);
+  const Errors live = errors_of(folder_ / "scan" / "depth.tiff", world_->truth());
+  const Errors known = errors_of(folder_ / "known" / "depth.tiff", world_->truth());
+  EXPECT_GT(known.pixels, 2000U);
+  EXPECT_NEAR(static_cast<double>(live.pixels), static_cast<double>(known.pixels), 40);
+  EXPECT_NEAR(live.median_mm, known.median_mm, 0.02 * known.median_mm);
+  EXPECT_NE(read_text(folder_ / "scan" / "report.html").find("The camera under white light"), std::string::npos);
+  EXPECT_FALSE(read_text(folder_ / "scan" / "cloud.ply").empty());
+}
+
+// The reference is scanned by the same display and camera, then measured itself: no difference.
+TEST_F(LiveCapture, ScanWithTheReferencesOwnPatterns) {
+  look({.least_delay_ms = 0, .most_delay_ms = 20});
+  const std::vector<std::string> camera = {"--camera", "camera:127.0.0.1?region=64x64"};
+  ASSERT_EQ(run({"pattern", "gray", "--rig", "small.yaml", "--out", "codes"}).status, 0);
+  ASSERT_EQ(run({"capture", camera[0], camera[1], "--patterns", "codes", "--out", "reference_seen"}).status, 0);
+  const Outcome stripes = run(
+      {"pattern", "stripes", "--rig", "small.yaml", "--scan", "reference_seen", "--gray-code", "--out", "reference"});
+  ASSERT_EQ(stripes.status, 0) << stripes.err;
+  const Outcome scan = run({"scan", camera[0], camera[1], "--rig", "small.yaml", "--self-projected", "reference", "--e",
+                            "8", "--out", "scan"});
+  ASSERT_EQ(scan.status, 0) << scan.err;
+  const FloatImage difference = read_float_tiff((folder_ / "scan" / "difference.tiff").string());
+  std::vector<float> off;
+  std::copy_if(difference.values.begin(), difference.values.end(), std::back_inserter(off),
+               [](float value) { return !std::isnan(value); });
+  ASSERT_GT(off.size(), 1500U);
+  for (float& value : off) {
+    value = std::abs(value);
+  }
+  std::sort(off.begin(), off.end());
+  // A projector line of this rig is worth 16 mm of depth; a code is three lines wide on the reference.
+  EXPECT_LT(off[off.size() / 2], 16);
+}
+
+TEST_F(LiveCapture, ScansOfAnotherRigAreRefusedBeforeAnythingIsShown) {
+  look({});
+  const std::vector<std::string> before = folder_.names();
+  const Outcome other = run({"scan", "--camera", "camera:127.0.0.1?region=64x64", "--rig", "scanner", "--out", "scan"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_EQ(other.err, "selfproj: --rig scanner: its projector has 1024 x 768, but display 0 has 128 x 96\n");
+  const Outcome region =
+      run({"scan", "--camera", "camera:127.0.0.1?region=32x32", "--rig", "small.yaml", "--out", "scan"});
+  EXPECT_EQ(region.status, 2);
+  EXPECT_NE(region.err.find("is for images of"), std::string::npos) << region.err;
+  const Outcome both =
+      run({"scan", "--camera", "camera:127.0.0.1", "--rig", "small.yaml", "--calibration", "c.yaml", "--out", "scan"});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_EQ(both.err, "selfproj: --rig, --calibration: give one of them, not both\n");
+  EXPECT_EQ(folder_.names(), before);
+}
+
+TEST_F(LiveCapture, GammaIsMeasuredAndCompensated) {
+  constexpr double kGamma = 2.2;
+  look({.gain = 0.9, .gamma = kGamma});
+  const std::vector<std::string> measure = {"measure",     "gamma", "--camera", "camera:127.0.0.1?region=64x64",
+                                            "--settle-ms", "30",    "--out",    "gamma.csv"};
+  const Outcome measured = run(measure);
+  ASSERT_EQ(measured.status, 0) << measured.err;
+  const GreyCurve curve = load_grey_curve((folder_ / "gamma.csv").string());
+  ASSERT_EQ(curve.points.size(), 18U);
+  for (const GreyCurve::Point& point : curve.points) {
+    EXPECT_NEAR(point.light / curve.points.back().light, std::pow(point.grey / 255, kGamma), 0.02) << point.grey;
+  }
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(measured.out, found, std::regex("gamma ([0-9.]+),"))) << measured.out;
+  EXPECT_NEAR(std::stod(found[1]), kGamma, 0.02 * kGamma);
+  std::vector<std::string> check = measure;
+  check.back() = "check.csv";
+  check.insert(check.end(), {"--gamma", "gamma.csv"});
+  const Outcome checked = run(check);
+  ASSERT_EQ(checked.status, 0) << checked.err;
+  const GreyCurve straight = load_grey_curve((folder_ / "check.csv").string());
+  for (const GreyCurve::Point& point : straight.points) {
+    EXPECT_NEAR(point.light / straight.points.back().light, point.grey / 255, 0.02) << point.grey;
+  }
+}
+
+// A projector that triggers the camera: image k shows pattern k modulo 14. The camera's images are decoded as they
+// come, and the depth is that of the same images as files.
+TEST_F(LiveCapture, DepthOfACameraThatTheProjectorTriggers) {
+  look({});
+  std::vector<Image> images;
+  std::vector<std::string> known = {"depth", "--rig", "small.yaml", "--bits", std::to_string(kBits), "--out", "known"};
+  for (const Image& pattern : patterns_) {
+    images.push_back(world_->image_under(pattern));
+    known.push_back("known_" + std::to_string(images.size()) + ".png");
+    write_text(folder_ / known.back(), encode_png(images.back()));
+  }
+  world_.reset();
+  const GigeCamera camera([&](const Picture& picture) {
+    const Image& image = images[picture.number % images.size()];
+    const std::size_t pixels = static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.columns);
+    std::copy_n(image.pixels.begin(), std::min(pixels, image.pixels.size()), picture.pixels);
+  });
+  const Outcome live = run({"depth", "--rig", "small.yaml", "--bits", std::to_string(kBits), "--device",
+                            "camera:127.0.0.1?region=64x64&rate=100", "--count", "20", "--out", "live"});
+  ASSERT_EQ(live.status, 0) << live.err;
+  ASSERT_EQ(run(known).status, 0);
+  const FloatImage seen = read_float_tiff((folder_ / "live" / "depth.tiff").string());
+  const FloatImage expected = read_float_tiff((folder_ / "known" / "depth.tiff").string());
+  ASSERT_EQ(seen.values.size(), expected.values.size());
+  for (std::size_t i = 0; i < seen.values.size(); ++i) {
+    ASSERT_EQ(std::isnan(seen.values[i]), std::isnan(expected.values[i])) << i;
+    ASSERT_TRUE(std::isnan(seen.values[i]) || seen.values[i] == expected.values[i]) << i;
+  }
 }
 
 // The camera runs free: the fake one takes a triggered image up to 40 ms after the trigger, so that there the truth is

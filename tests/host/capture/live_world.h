@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -28,17 +29,17 @@
 
 namespace selfproj::test {
 
-// Rig B with an eighth of the pixels along each side.
-inline Rig small_scanner() {
+// Rig B with fewer pixels along each side, by these factors.
+inline Rig small_scanner(int camera, int projector) {
   Rig rig = load_rig("scanner");
-  rig.camera.rows = 64;
-  rig.camera.columns = 64;
-  rig.camera.pixel_pitch_mm *= 8;
-  rig.projector.lines = 96;
-  rig.projector.columns = 128;
-  rig.projector.line_pitch_mm *= 8;
-  rig.projector.column_pitch_mm *= 8;
-  rig.measure.max_z_per_line_mm *= 8;
+  rig.camera.rows /= camera;
+  rig.camera.columns /= camera;
+  rig.camera.pixel_pitch_mm *= camera;
+  rig.projector.lines /= projector;
+  rig.projector.columns /= projector;
+  rig.projector.line_pitch_mm *= projector;
+  rig.projector.column_pitch_mm *= projector;
+  rig.measure.max_z_per_line_mm *= projector;
   return rig;
 }
 
@@ -46,8 +47,9 @@ inline Rig small_scanner() {
 struct WorldFaults {
   int least_delay_ms = 0;  // from the frame buffer to the light, at random for each picture
   int most_delay_ms = 0;
-  double lost = 0;  // share of network packets
-  double gain = 1;  // of the camera
+  double lost = 0;   // share of network packets
+  double gain = 1;   // of the camera
+  double gamma = 1;  // of the projector: light = (grey / 255)^gamma
   std::uint64_t seed = 1;
 };
 
@@ -58,7 +60,7 @@ class LiveWorld {
   LiveWorld(const Rig& rig, const Scene& scene, const VirtualScreen& screen, const WorldFaults& faults)
       : rig_(rig),
         real_(rig),
-        renderer_(real_, scene, {}, 1),
+        renderer_(std::make_shared<PatternRenderer>(real_, scene, RenderOptions{}, 1)),
         screen_(screen),
         faults_(faults),
         random_(faults.seed),
@@ -71,10 +73,17 @@ class LiveWorld {
     look_.join();
   }
 
+  // Puts another scene before the camera.
+  void look_at(const Scene& scene) {
+    auto renderer = std::make_shared<PatternRenderer>(real_, scene, RenderOptions{}, 1);
+    const std::lock_guard lock(mutex_);
+    renderer_ = std::move(renderer);
+  }
+
   // z in mm of what each pixel sees.
   [[nodiscard]] std::vector<float> truth() const {
     std::vector<float> z(rig_.camera.pixels());
-    renderer_.depth(0, z);
+    renderer_->depth(0, z);
     return z;
   }
 
@@ -84,7 +93,7 @@ class LiveWorld {
   // The image under a pattern, without display, camera and network.
   [[nodiscard]] Image image_under(const Image& pattern) const {
     Image image{rig_.camera.rows, rig_.camera.columns, std::vector<std::uint8_t>(rig_.camera.pixels())};
-    renderer_.render(0, project_image(rig_, pattern, renderer_.options()), std::span(image.pixels));
+    renderer_->render(0, project_image(rig_, pattern, renderer_->options()), std::span(image.pixels));
     return image;
   }
 
@@ -120,8 +129,10 @@ class LiveWorld {
       return;
     }
     bool changed = false;
+    std::shared_ptr<const PatternRenderer> renderer;
     {
       const std::lock_guard lock(mutex_);
+      renderer = renderer_;
       while (shown_.size() > 1 && shown_[1].lit <= Clock::now()) {
         shown_.pop_front();
       }
@@ -133,10 +144,13 @@ class LiveWorld {
     if (changed || !light_) {
       Image pattern{rig_.projector.lines, rig_.projector.columns, light_pixels_};
       pattern.pixels.resize(static_cast<std::size_t>(pattern.rows) * static_cast<std::size_t>(pattern.columns));
-      light_ = std::make_unique<ProjectedLight>(project_image(rig_, pattern, renderer_.options()));
+      for (std::uint8_t& pixel : pattern.pixels) {
+        pixel = static_cast<std::uint8_t>(std::lround(255 * std::pow(pixel / 255.0, faults_.gamma)));
+      }
+      light_ = std::make_unique<ProjectedLight>(project_image(rig_, pattern, renderer->options()));
     }
     const std::span<std::uint8_t> pixels(picture.pixels, rig_.camera.pixels());
-    renderer_.render(static_cast<int>(picture.number % 100'000), *light_, pixels);
+    renderer->render(static_cast<int>(picture.number % 100'000), *light_, pixels);
     if (faults_.gain != 1) {
       for (std::uint8_t& pixel : pixels) {
         pixel = static_cast<std::uint8_t>(std::min(255.0, pixel * faults_.gain));
@@ -146,7 +160,7 @@ class LiveWorld {
 
   Rig rig_;
   RealRig real_;
-  PatternRenderer renderer_;
+  std::shared_ptr<const PatternRenderer> renderer_;
   const VirtualScreen& screen_;
   WorldFaults faults_;
   Random random_;

@@ -1,0 +1,90 @@
+#include "host/app/capture_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/io/command_line.h"
+#include "host/io/progress.h"
+#include "host/io/stop_signal.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+void print_beginning(const CaptureRecord& record) {
+  fmt::print("{}, {} x {} pixels, {}\n", record.camera, record.columns, record.rows,
+             record.triggered ? "software trigger" : "running free");
+  fmt::print("exposure: {}\n", exposure_text(record.exposure));
+  if (record.settle_measured) {
+    fmt::print("settle time: {:.1f} ms; the light follows after {:.1f} to {:.1f} ms\n", record.settle.settle_ms,
+               record.settle.least_ms, record.settle.most_ms);
+  }
+  static_cast<void>(std::fflush(stdout));  // before the sequence, on a pipe too
+}
+
+}  // namespace
+
+void add_camera_option(CLI::App& command, CaptureOptions& options) {
+  command
+      .add_option("--camera", options.camera,
+                  "Camera and its settings, camera:NAME[?KEY=VALUE&...], as `selfproj devices` lists them.")
+      ->type_name("URI")
+      ->required();
+}
+
+void add_projector_options(CLI::App& command, CaptureOptions& options) {
+  begin_group(command, "Display");
+  add_display_options(command, options.display);
+  command
+      .add_option("--settle-ms", options.settle_ms,
+                  "Wait so long after showing a pattern, in ms, instead of measuring it.")
+      ->transform(real_number(0, 60'000))
+      ->type_name("MS")
+      ->default_str("measured");
+}
+
+CaptureRecord run_capture(const CaptureOptions& options, const std::string& out, const PatternsFor& patterns_for,
+                          const TakeShot& take) {
+  const CaptureSetup setup{.camera = options.camera,
+                           .display = options.display.display,
+                           .greys = greys_of(options.display),
+                           .settle_ms = options.settle_ms};
+  const StopSignal stop;
+  std::optional<Progress> progress;
+  try {
+    return capture_sequence(setup, patterns_for, print_beginning,
+                            [&](std::size_t i, std::size_t count, const Image& image) {
+                              if (!progress) {
+                                progress.emplace("pattern", count);
+                              }
+                              take(i, count, image);
+                              progress->update(i + 1);
+                            });
+  } catch (const Stopped& stopped) {
+    throw CheckFailed(out + ": " + stopped.what());
+  }
+}
+
+ImageSequence gray_patterns(const GraySequence& gray, int count) {
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) {
+    names.push_back(fmt::format("Gray code image {}", i + 1));
+  }
+  return {std::move(names), [gray](std::size_t i) {
+            return Image{gray.rows(), gray.columns(), gray.image(static_cast<int>(i))};
+          }};
+}
+
+std::string retaken_text(const CaptureRecord& record) {
+  return fmt::format("taken again: {} incomplete, {} that did not come", record.retaken.incomplete,
+                     record.retaken.missing);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,42 @@
+// What `selfproj capture` and `selfproj scan` share: camera, projector, and what is said about them.
+#ifndef SELFPROJ_HOST_APP_CAPTURE_OPTIONS_H
+#define SELFPROJ_HOST_APP_CAPTURE_OPTIONS_H
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "host/app/project_command.h"
+#include "host/capture/sequence_capture.h"
+#include "host/io/image_sequence.h"
+#include "host/structured_light/gray_sequence.h"
+
+namespace selfproj {
+
+struct CaptureOptions {
+  std::string camera;
+  DisplayOptions display;
+  std::optional<double> settle_ms;
+};
+
+// Adds --camera to the group that is open. It is required.
+void add_camera_option(CLI::App& command, CaptureOptions& options);
+
+// Adds the group of --display, --gamma and --settle-ms.
+void add_projector_options(CLI::App& command, CaptureOptions& options);
+
+// Takes an image of every pattern (capture_sequence), prints what is known before the sequence, and shows progress.
+// Throws CheckFailed about `out` if Esc or Ctrl-C end it, and UserError.
+CaptureRecord run_capture(const CaptureOptions& options, const std::string& out, const PatternsFor& patterns_for,
+                          const TakeShot& take);
+
+// The first `count` images of a Gray-code sequence as patterns.
+ImageSequence gray_patterns(const GraySequence& gray, int count);
+
+// "taken again: 2 incomplete, 0 that did not come".
+std::string retaken_text(const CaptureRecord& record);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_APP_CAPTURE_OPTIONS_H

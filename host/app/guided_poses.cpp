@@ -1,0 +1,119 @@
+#include "host/app/guided_poses.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdio>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/calibration/calibrate.h"
+#include "host/calibration/pose_advice.h"
+#include "host/capture/sequence_capture.h"
+#include "host/io/image_files.h"
+#include "host/io/image_sequence.h"
+#include "host/io/user_error.h"
+#include "host/structured_light/gray_sequence.h"
+
+namespace selfproj {
+namespace {
+
+struct TakenPose {
+  PoseReport report;
+  std::vector<std::string> images;  // as PNG
+};
+
+void say(const std::string& text) {
+  fmt::print("{}\n", text);
+  static_cast<void>(std::fflush(stdout));  // before waiting, on a pipe too
+}
+
+// Captures the chessboard where it is.
+TakenPose take_pose(CaptureOptions& options, const DecodeSettings& decode, CalibrateSettings& settings,
+                    const std::string& name, const std::string& out) {
+  TakenPose pose;
+  std::vector<Image> images;
+  std::optional<GraySequence> gray;
+  const CaptureRecord record = run_capture(
+      options, out,
+      [&](const CaptureSizes& sizes) {
+        settings.projector_columns = sizes.projector_columns;
+        settings.projector_rows = sizes.projector_rows;
+        gray.emplace(sizes.projector_columns, sizes.projector_rows);
+        return gray_patterns(*gray, gray->count());
+      },
+      [&](std::size_t /*i*/, std::size_t /*count*/, const Image& image) {
+        images.push_back(image);
+        pose.images.push_back(encode_png(image));
+      });
+  options.settle_ms = record.settle.settle_ms;  // the later poses need no flashes
+  std::vector<std::string> names;
+  for (const CaptureRecord::Shot& shot : record.shots) {
+    names.push_back(name + "/" + shot.image);
+  }
+  ImageSequence captured(std::move(names), [&](std::size_t i) { return images[i]; });
+  pose.report = observe_pose(name, decode_capture(name, captured, *gray, decode), settings);
+  return pose;
+}
+
+PoseAdvice advice_on(const std::vector<TakenPose>& taken, const Chessboard& chessboard) {
+  PoseAdvice advice(chessboard);
+  for (const TakenPose& pose : taken) {
+    advice.add(pose.report);
+  }
+  return advice;
+}
+
+}  // namespace
+
+std::vector<PoseReport> take_guided_poses(const CaptureOptions& options, const DecodeSettings& decode,
+                                          CalibrateSettings& settings, OutputFolder& folder) {
+  CaptureOptions capture = options;
+  std::vector<TakenPose> taken;
+  for (;;) {
+    const PoseAdvice advice = advice_on(taken, settings.chessboard);
+    say(fmt::format("pose {}: {}{}", taken.size() + 1, advice.next(),
+                    advice.enough() ? "; or d: these poses are enough" : ""));
+    say("Enter captures it, u takes the last one back, d calibrates:");
+    std::string line;
+    if (!std::getline(std::cin, line) || line == "d") {
+      break;
+    }
+    if (line == "u") {
+      if (!taken.empty()) {
+        taken.pop_back();
+      }
+      continue;
+    }
+    if (!line.empty()) {
+      say(fmt::format("'{}' is none of Enter, u, d", line));
+      continue;
+    }
+    TakenPose pose = take_pose(capture, decode, settings, fmt::format("pose_{:02}", taken.size() + 1), folder.name());
+    if (!pose.report.reason.empty()) {
+      say(fmt::format("not used: {}", pose.report.reason));
+      continue;
+    }
+    say(fmt::format("{} of {} corners found in camera and projector", pose.report.used(),
+                    settings.chessboard.corners()));
+    taken.push_back(std::move(pose));
+    say(advice_on(taken, settings.chessboard).covered());
+  }
+  if (taken.size() < 2) {
+    throw CheckFailed(fmt::format("{}: {} poses were taken; two or more are needed, and nothing is written",
+                                  folder.name(), taken.size()));
+  }
+  std::vector<PoseReport> poses;
+  for (TakenPose& pose : taken) {
+    for (std::size_t i = 0; i < pose.images.size(); ++i) {
+      folder.append(fmt::format("{}/image_{:04}.png", pose.report.name, i + 1), pose.images[i]);
+    }
+    poses.push_back(std::move(pose.report));
+  }
+  return poses;
+}
+
+}  // namespace selfproj

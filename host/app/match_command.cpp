@@ -1,0 +1,87 @@
+#include "host/app/match_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/app/match_run.h"
+#include "host/io/command_line.h"
+#include "host/io/frame_options.h"
+#include "host/io/image_sequence.h"
+#include "host/io/output_folder.h"
+#include "host/io/user_error.h"
+
+namespace selfproj {
+namespace {
+
+struct MatchCommand {
+  MatchCommand() { match.rig = "scanner"; }
+
+  MatchOptions match;
+  std::string channel;
+  std::string out;
+  std::vector<std::string> images;
+};
+
+void run_match(const MatchCommand& options) {
+  const MatchRun run(options.match);
+  const std::size_t count = options.images.size();
+  const auto patterns = static_cast<std::size_t>(run.patterns());
+  if (count < patterns || count % 2 != 0) {
+    throw UserError("IMAGE", fmt::format("{} images are {}; {} or more are needed, a positive and its negative in turn",
+                                         count, count < patterns ? "too few" : "an odd number", patterns));
+  }
+  ImageSequence images(options.images, channel_of(options.channel));
+  OutputFolder folder(options.out);
+  const MatchResult result = run.measure(images, folder);
+  folder.commit();
+  fmt::print("{}", result.text);
+}
+
+}  // namespace
+
+void add_match_command(CLI::App& app) {
+  CLI::App* command = add_command(
+      app,
+      {.name = "match",
+       .purpose = "Measures depth, and its difference from a reference, from images under self-projected patterns.",
+       .details = "The images are the positive and the negative of each bit in turn, as `selfproj pattern stripes` "
+                  "numbers its patterns. From pair m on, every pair completes a depth image.\n\n"
+                  "The output folder gets depth.tiff (z in mm), difference.tiff (in mm, positive towards the camera), "
+                  "pictures, cloud.ply, shares.csv, summary.json, and depth_KKKK.tiff and difference_KKKK.tiff of each "
+                  "pair K where there are several. Numbers in parentheses are those of the equations in the thesis.",
+       .examples = R"(
+# Scan the empty plane of a simulated scanner, and make its patterns.
+selfproj pattern gray --rig scanner --out codes
+selfproj-sim capture --rig scanner --scene plane --patterns codes --out captures
+selfproj pattern stripes --scan captures --gray-code --out reference
+
+# Capture a block under these patterns, and measure it.
+mkdir -p stripes
+cp reference/pattern_*.png stripes
+selfproj-sim capture --rig scanner --scene block --patterns stripes --out block
+selfproj match --reference reference --e 8 --out depth block/image_*.png
+)"});
+  const auto options = std::make_shared<MatchCommand>();
+  begin_group(*command, "Rig and reference");
+  command->add_option("--rig", options->match.rig, "Built-in rig or YAML file of kind scanner.")
+      ->type_name("RIG")
+      ->capture_default_str();
+  command->add_option("--reference", options->match.reference, "Folder that `selfproj pattern stripes` wrote.")
+      ->type_name("DIR")
+      ->required();
+  begin_group(*command, "Decoding");
+  add_match_threshold(*command, options->match);
+  add_channel_option(*command, options->channel);
+  add_search_options(*command, options->match);
+  begin_group(*command, "Output");
+  command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
+  add_files(*command, "IMAGE", options->images, "8-bit images of the camera's size.")->required();
+  command->callback([options] { run_match(*options); });
+}
+
+}  // namespace selfproj

@@ -1,0 +1,63 @@
+// What `selfproj match` and `selfproj scan --self-projected` share: how images under the patterns of a reference become
+// depth images.
+#ifndef SELFPROJ_HOST_APP_MATCH_RUN_H
+#define SELFPROJ_HOST_APP_MATCH_RUN_H
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "host/io/image_files.h"
+#include "host/io/image_sequence.h"
+#include "host/io/output_folder.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/match_table.h"
+#include "host/structured_light/self_reference.h"
+
+namespace selfproj {
+
+struct MatchOptions {
+  std::string rig;        // its name or file
+  std::string reference;  // folder that `selfproj pattern stripes` wrote
+  MatchSettings settings;
+  int threshold = -1;  // the rig's if negative
+};
+
+// Add --threshold to the group that is open, and the group of --e, --printed-direction and so on.
+void add_match_threshold(CLI::App& command, MatchOptions& options);
+void add_search_options(CLI::App& command, MatchOptions& options);
+
+// A rig of kind scanner. Throws UserError.
+Rig scanner_rig(const std::string& name);
+
+// Throws UserError about `name` if the image has not the size of the rig's camera.
+void check_camera_size(const Rig& rig, const std::string& name, const Image& image);
+
+// What a run tells besides its files.
+struct MatchResult {
+  std::string text;            // for the terminal, one line
+  std::string depth_png;       // the newest depth image in colours
+  std::string difference_png;  // its difference from the reference
+};
+
+// Depth images from images under the patterns of a reference, as `selfproj match` writes them.
+class MatchRun {
+ public:
+  // Reads rig and reference. Throws UserError, also about settings that the reference does not allow.
+  explicit MatchRun(const MatchOptions& options);
+
+  [[nodiscard]] const Rig& rig() const { return rig_; }
+  [[nodiscard]] int patterns() const { return 2 * reference_.stripes.bits; }
+
+  // Takes all images, patterns() or more and an even number, positive and negative of each bit in turn. Shows progress,
+  // and writes into the folder without a commit. Throws UserError about an image of another size.
+  MatchResult measure(ImageSequence& images, OutputFolder& folder) const;
+
+ private:
+  MatchOptions options_;
+  Rig rig_;
+  SelfReference reference_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_APP_MATCH_RUN_H

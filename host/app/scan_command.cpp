@@ -1,0 +1,247 @@
+#include "host/app/scan_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/app/capture_options.h"
+#include "host/app/depth_options.h"
+#include "host/app/match_run.h"
+#include "host/capture/sequence_capture.h"
+#include "host/io/command_line.h"
+#include "host/io/frame_options.h"
+#include "host/io/image_files.h"
+#include "host/io/image_sequence.h"
+#include "host/io/output_folder.h"
+#include "host/io/user_error.h"
+#include "host/report/depth_output.h"
+#include "host/report/depth_summary.h"
+#include "host/report/report.h"
+#include "host/structured_light/depth_run.h"
+#include "host/structured_light/gray_sequence.h"
+#include "model/gray_decoder.h"
+
+namespace selfproj {
+namespace {
+
+struct ScanOptions {
+  ScanOptions() { setup.scanner.median = false; }
+
+  CaptureOptions capture;
+  DepthSetup setup;
+  MatchOptions match;
+  bool keep_images = false;
+  std::string out;
+};
+
+void check_options(const ScanOptions& options) {
+  const DepthGeometry& geometry = options.setup.geometry;
+  if (!options.match.reference.empty()) {
+    if (geometry.rig.empty() || !geometry.calibration.empty()) {
+      throw UserError("--self-projected", "needs the --rig of its reference, and no --calibration");
+    }
+    if (options.setup.scanner.strict) {
+      throw UserError("--strict", "goes only without --self-projected");
+    }
+  } else if (geometry.rig.empty() == geometry.calibration.empty()) {
+    throw UserError("--rig, --calibration", "give one of them, not both");
+  }
+}
+
+// Images of a capture, kept in memory for the measurement.
+struct Captured {
+  CaptureRecord record;
+  std::vector<Image> images;
+
+  ImageSequence sequence() {
+    std::vector<std::string> names;
+    for (const CaptureRecord::Shot& shot : record.shots) {
+      names.push_back(shot.image + " of " + record.camera);
+    }
+    return {std::move(names), [this](std::size_t i) { return images[i]; }};
+  }
+};
+
+Captured take(const ScanOptions& options, const PatternsFor& patterns_for) {
+  Captured captured;
+  captured.record = run_capture(
+      options.capture, options.out, patterns_for,
+      [&](std::size_t /*i*/, std::size_t /*count*/, const Image& image) { captured.images.push_back(image); });
+  return captured;
+}
+
+// Throws UserError if a rig's projector has not the size of the display.
+void check_display(const ScanOptions& options, const Rig& rig, const CaptureSizes& sizes) {
+  if (rig.projector.lines != sizes.projector_rows || rig.projector.columns != sizes.projector_columns) {
+    throw UserError("--rig " + options.setup.geometry.rig,
+                    fmt::format("its projector has {}, but display {} has {}",
+                                size_text(rig.projector.lines, rig.projector.columns), options.capture.display.display,
+                                size_text(sizes.projector_rows, sizes.projector_columns)));
+  }
+}
+
+// What both kinds of scan show on the page.
+ReportPage page_of(const ScanOptions& options, const CaptureRecord& record) {
+  ReportPage page;
+  page.title = "Scan";
+  page.subtitle = fmt::format("{}, display {}", record.camera, record.display);
+  page.pictures.push_back({"The camera under white light", encode_png(record.white), exposure_text(record.exposure)});
+  page.counters = {
+      {"retaken_incomplete", "taken again, incomplete", static_cast<std::int64_t>(record.retaken.incomplete)},
+      {"retaken_missing", "taken again, did not come", static_cast<std::int64_t>(record.retaken.missing)}};
+  page.settings = {{"images", "images", static_cast<std::int64_t>(record.shots.size())},
+                   {"settle_ms", "settle time", record.settle.settle_ms, "ms"},
+                   {"trigger", "trigger", std::string(record.triggered ? "software" : "free")}};
+  if (!options.setup.geometry.rig.empty()) {
+    page.settings.push_back({"rig", "rig", options.setup.geometry.rig});
+  }
+  return page;
+}
+
+void write_capture(const ScanOptions& options, const Captured& captured, OutputFolder& folder) {
+  folder.append("capture.json", capture_json(captured.record));
+  if (options.keep_images) {
+    for (std::size_t i = 0; i < captured.images.size(); ++i) {
+      folder.append(captured.record.shots[i].image, encode_png(captured.images[i]));
+    }
+  }
+}
+
+std::string scan_by_gray_codes(const ScanOptions& options, OutputFolder& folder) {
+  DepthSetup setup = options.setup;
+  if (options.match.threshold >= 0) {
+    setup.scanner.threshold = options.match.threshold;
+  }
+  DepthGeometry& geometry = setup.geometry;
+  const std::optional<Rig> rig = geometry.rig.empty() ? std::nullopt : std::optional(scanner_rig(geometry.rig));
+  Captured captured = take(options, [&](const CaptureSizes& sizes) {
+    if (rig) {
+      check_display(options, *rig, sizes);
+    }
+    constexpr int kMostCodes = 1 << GrayDecoder::kMaxBits;
+    if (sizes.projector_rows > kMostCodes || sizes.projector_columns > kMostCodes) {
+      throw UserError("--display", fmt::format("has {}; Gray codes have at most {} lines and columns",
+                                               size_text(sizes.projector_rows, sizes.projector_columns), kMostCodes));
+    }
+    const GraySequence gray(sizes.projector_columns, sizes.projector_rows);
+    geometry.bits = gray.column_bits();
+    geometry.row_bits = gray.row_bits();
+    // Refuses a geometry of another camera before anything is shown.
+    make_lens_triangulation(geometry, {options.capture.camera, sizes.camera_rows, sizes.camera_columns});
+    return gray_patterns(gray, gray.white());
+  });
+  ImageSequence images = captured.sequence();
+  const DepthRun run = depth_of_both_axes(setup, images);
+  const DepthReport report{
+      .setup = setup, .device = {}, .images = captured.images.size(), .cloud = {}, .comparison = {}, .plane = {}};
+  write_depth(run, report, folder);
+  write_capture(options, captured, folder);
+  ReportPage page = page_of(options, captured.record);
+  const std::string title = share_text(run.shares, PointState::valid);
+  page.highlights = {{"valid", "pixels with a depth", static_cast<std::int64_t>(run.shares.of(PointState::valid))},
+                     {"median_residual_px", "median distance of the two codes' rays", run.median_residual_px, "px"}};
+  page.pictures.insert(page.pictures.begin(),
+                       {"Depth", depth_picture(*run.triangulation, run.depth, "depth z"), title});
+  ReportTable shares{.title = "Pixels", .header = {"state", "pixels"}, .rows = {}};
+  for (int i = 0; i < kPointStates; ++i) {
+    const auto state = static_cast<PointState>(i);
+    shares.rows.push_back({name_of(state), std::to_string(run.shares.of(state))});
+  }
+  page.tables.push_back(std::move(shares));
+  folder.append("report.html", page_html(page));
+  return depth_text(run, report, folder.name());
+}
+
+std::string scan_self_projected(const ScanOptions& options, OutputFolder& folder) {
+  MatchOptions match = options.match;
+  match.rig = options.setup.geometry.rig;
+  const MatchRun run(match);
+  std::vector<std::string> files;
+  for (int i = 0; i < run.patterns(); ++i) {
+    files.push_back(fmt::format("{}/pattern_{:02}.png", match.reference, i));
+  }
+  const ImageSequence patterns(std::move(files), std::nullopt);
+  Captured captured = take(options, [&](const CaptureSizes& sizes) {
+    check_display(options, run.rig(), sizes);
+    check_camera_size(run.rig(), options.capture.camera, {sizes.camera_rows, sizes.camera_columns, {}});
+    return ImageSequence(patterns);
+  });
+  ImageSequence images = captured.sequence();
+  const MatchResult result = run.measure(images, folder);
+  write_capture(options, captured, folder);
+  ReportPage page = page_of(options, captured.record);
+  page.settings.push_back({"reference", "reference", match.reference});
+  page.pictures.insert(page.pictures.begin(),
+                       {{"Difference from the reference", result.difference_png, ""}, {"Depth", result.depth_png, ""}});
+  folder.append("report.html", page_html(page));
+  return result.text;
+}
+
+void run_scan(const ScanOptions& options) {
+  check_options(options);
+  OutputFolder folder(options.out);
+  const std::string text =
+      options.match.reference.empty() ? scan_by_gray_codes(options, folder) : scan_self_projected(options, folder);
+  folder.commit();
+  fmt::print("{}", text);
+}
+
+}  // namespace
+
+void add_scan_command(CLI::App& app) {
+  CLI::App* command = add_command(
+      app,
+      {.name = "scan",
+       .purpose = "Projects, captures and measures: from a camera and a projector to a depth image in one run.",
+       .details =
+           "Without --self-projected the patterns are the Gray codes of the display's columns and rows, each positive "
+           "followed by its negative. With it they are those of a reference, 2m of them, and the result has the "
+           "difference from the reference as well. Exposure, settle time and lost images are treated as by `selfproj "
+           "capture`.\n\n"
+           "The output folder gets what `selfproj depth` or `selfproj match` writes (depth.tiff, cloud.ply, pictures, "
+           "shares.csv, summary.json), capture.json, and report.html. Esc and Ctrl-C end the scan; nothing is written "
+           "then, and the exit status is 1.",
+       .examples = R"(
+# A scanner calibrated by `selfproj calibrate`, to a cloud (needs hardware)
+selfproj scan --camera camera:192.168.1.20 --display 1 \
+  --calibration calibration/calibration.yaml --out scan
+
+# How a part differs from the reference, with a few patterns (needs hardware)
+selfproj scan --camera camera:192.168.1.20 --display 1 --rig calibration/rig.yaml \
+  --self-projected reference --out part
+)"});
+  const auto options = std::make_shared<ScanOptions>();
+  begin_group(*command, "Input");
+  add_camera_option(*command, options->capture);
+  begin_group(*command, "Geometry");
+  add_geometry_options(*command, options->setup.geometry);
+  command
+      ->add_option("--self-projected", options->match.reference,
+                   "Folder that `selfproj pattern stripes` wrote. Its patterns are shown, and the result is compared "
+                   "with it.")
+      ->type_name("DIR");
+  add_projector_options(*command, options->capture);
+  begin_group(*command, "Decoding");
+  command
+      ->add_option("--threshold", options->match.threshold,
+                   "A pair of images that differs by at most this many grey levels is ambiguous.")
+      ->transform(whole_number(0, 255))
+      ->type_name("T")
+      ->default_str("5; the rig's with --self-projected");
+  add_strict_option(*command, options->setup.scanner);
+  add_limit_options(*command, options->setup.geometry);
+  add_search_options(*command, options->match);
+  begin_group(*command, "Output");
+  command->add_flag("--images", options->keep_images, "Keep the camera's images as well, image_0001.png and so on.");
+  command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
+  command->callback([options] { run_scan(*options); });
+}
+
+}  // namespace selfproj

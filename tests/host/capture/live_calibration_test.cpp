@@ -1,0 +1,279 @@
+// Tests the way of a newcomer live: calibrate, then scan, with a GigE camera of Aravis that looks at a scene which a
+// virtual display lights. Nothing in the program knows that they are not real.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host/io/float_image.h"
+#include "host/io/image_files.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/gray_sequence.h"
+#include "sim/scene/chessboard.h"
+#include "sim/scene/real_rig.h"
+#include "sim/scene/scene.h"
+#include "sim/scene/scene_list.h"
+#include "tests/cli/program.h"
+#include "tests/host/camera/gige_camera.h"
+#include "tests/host/capture/live_world.h"
+#include "tests/support/virtual_screen.h"
+
+namespace selfproj::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCamera = "camera:127.0.0.1?region=128x128";
+
+// The program with a pipe for its standard input, so that a test can answer what it asks.
+class Dialogue {
+ public:
+  Dialogue(const std::vector<std::string>& arguments, const fs::path& folder) : folder_(folder) {
+    mkfifo((pipes_ / "answers").c_str(), 0600);
+    std::string line = "exec \"$0\" \"$@\" < " + (pipes_ / "answers").string() + " > " + (pipes_ / "said").string();
+    std::vector<std::string> words = {"-c", line, SELFPROJ_PROGRAM};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    program_ = std::thread([this, words] { outcome_ = run_program("/bin/sh", words, folder_); });
+    answers_.open(pipes_ / "answers");
+  }
+  Dialogue(const Dialogue&) = delete;
+  Dialogue& operator=(const Dialogue&) = delete;
+  ~Dialogue() { end(); }
+
+  // Waits until the program has asked `count` times. Returns false after a minute.
+  bool waits(int count) {
+    for (int i = 0; i < 600; ++i) {
+      if (asked() >= count) {
+        return true;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return false;
+  }
+
+  // Waits likewise, and answers.
+  bool answer(int count, const std::string& text) {
+    if (!waits(count)) {
+      return false;
+    }
+    answers_ << text << std::endl;
+    return true;
+  }
+
+  // How it ended, and all that it said.
+  Outcome end() {
+    answers_.close();
+    if (program_.joinable()) {
+      program_.join();
+      outcome_.out = read_text(pipes_ / "said");
+    }
+    return outcome_;
+  }
+
+ private:
+  int asked() {
+    if (!fs::exists(pipes_ / "said")) {
+      return 0;
+    }
+    const std::string said = read_text(pipes_ / "said");
+    int count = 0;
+    for (std::size_t at = said.find("Enter captures it"); at != std::string::npos;
+         at = said.find("Enter captures it", at + 1)) {
+      ++count;
+    }
+    return count;
+  }
+
+  ScratchFolder pipes_;
+  fs::path folder_;
+  std::thread program_;
+  std::ofstream answers_;
+  Outcome outcome_;
+};
+
+class LiveCalibration : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!VirtualScreen::installed()) {
+      GTEST_SKIP() << "Xvfb is not installed";
+    }
+    if (!enter_own_network()) {
+      GTEST_SKIP() << "this system allows no network of one's own";
+    }
+    screen_ = std::make_unique<VirtualScreen>(rig_.projector.columns, rig_.projector.lines, screen_folder_.path());
+    const RealRig real(rig_);
+    const ChessboardShape shape{6, 5, 30};
+    for (const ChessboardPlace& place : chessboard_places(real, shape, 6, 25)) {
+      poses_.push_back(std::make_unique<ChessboardScene>(rig_, shape, place));
+    }
+    plane_ = make_scene("plane", rig_);
+    write_text(folder_ / "small.yaml", to_yaml(rig_));
+    world_ = std::make_unique<LiveWorld>(rig_, *plane_, *screen_, WorldFaults{.most_delay_ms = 20});
+  }
+
+  Outcome run(const std::vector<std::string>& arguments) {
+    return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
+  }
+
+  // What the camera sees under each pattern of the sequence, without display, camera and network.
+  void record(const std::string& name, int count) {
+    fs::create_directory(folder_ / name);
+    for (int i = 0; i < count; ++i) {
+      const Image image = world_->image_under({gray_.rows(), gray_.columns(), gray_.image(i)});
+      write_text(folder_ / name / ("image_" + std::to_string(i) + ".png"), encode_png(image));
+    }
+  }
+
+  // The median distance in mm of depths from the truth.
+  double error_of(const std::string& folder) {
+    const FloatImage z = read_float_tiff((folder_ / folder / "depth.tiff").string());
+    const std::vector<float> truth = world_->truth();
+    std::vector<double> off;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      if (!std::isnan(z.values[i])) {
+        off.push_back(std::abs(static_cast<double>(z.values[i]) - static_cast<double>(truth[i])));
+      }
+    }
+    EXPECT_GT(off.size(), truth.size() / 2) << folder;
+    std::sort(off.begin(), off.end());
+    return off.empty() ? 1e9 : off[off.size() / 2];
+  }
+
+  Rig rig_ = small_scanner(4, 4);
+  GraySequence gray_{rig_.projector.columns, rig_.projector.lines};
+  std::vector<std::unique_ptr<Scene>> poses_;
+  std::unique_ptr<Scene> plane_;
+  ScratchFolder screen_folder_;
+  ScratchFolder folder_;
+  std::unique_ptr<VirtualScreen> screen_;
+  std::unique_ptr<LiveWorld> world_;
+};
+
+// Six poses of a chessboard by dialogue, one of them taken back and taken again; then a plane. The depth is as good as
+// by the recorded route: the same scenes by the renderer, calibrated and measured from files.
+TEST_F(LiveCalibration, FromNothingToDepth) {
+  Dialogue dialogue({"calibrate", "--camera", kCamera, "--chessboard", "6x5", "--square", "30", "--rig", "small.yaml",
+                     "--out", "live"},
+                    folder_.path());
+  int asked = 0;
+  const auto answer = [&](const std::string& text) { return dialogue.answer(++asked, text); };
+  ASSERT_TRUE(answer(""));  // no chessboard is there yet
+  std::vector<std::string> recorded = {"calibrate", "--projector", "256x192",    "--chessboard", "6x5",  "--square",
+                                       "30",        "--rig",       "small.yaml", "--out",        "known"};
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    ASSERT_TRUE(dialogue.waits(asked + 1));  // the capture of the pose before has ended
+    recorded.push_back("pose_" + std::to_string(i));
+    world_->look_at(*poses_[i]);
+    record(recorded.back(), gray_.count());
+    ASSERT_TRUE(answer(""));
+    if (i == 2) {
+      ASSERT_TRUE(answer("what?"));
+      ASSERT_TRUE(answer("u"));
+      ASSERT_TRUE(answer(""));
+    }
+  }
+  ASSERT_TRUE(answer("d"));
+  const Outcome calibrated = dialogue.end();
+  ASSERT_EQ(calibrated.status, 0) << calibrated.err << calibrated.out;
+  EXPECT_NE(calibrated.out.find("not used: "), std::string::npos) << calibrated.out;
+  EXPECT_NE(calibrated.out.find("covered: "), std::string::npos) << calibrated.out;
+  EXPECT_TRUE(fs::exists(folder_ / "live" / "pose_06" / "image_0034.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "live" / "pose_07"));
+  const Outcome known = run(recorded);
+  ASSERT_EQ(known.status, 0) << known.err;
+
+  world_->look_at(*plane_);
+  const Outcome scan = run({"scan", "--camera", kCamera, "--rig", "live/rig.yaml", "--out", "live_depth"});
+  ASSERT_EQ(scan.status, 0) << scan.err;
+  record("plane", gray_.count());
+  const Outcome depth = run({"depth", "--rig", "known/rig.yaml", "--bits", std::to_string(gray_.column_bits()),
+                             "--row-bits", std::to_string(gray_.row_bits()), "--out", "known_depth", "plane"});
+  ASSERT_EQ(depth.status, 0) << depth.err;
+  const double live = error_of("live_depth");
+  const double files = error_of("known_depth");
+  EXPECT_LT(live, 1.5 * files + 0.5) << "mm; files " << files;
+}
+
+// The command lines of the blocks `sh` of a document, each in words, for this rig in place of the document's.
+std::vector<std::vector<std::string>> commands_of(const fs::path& document) {
+  std::string text = read_text(document);
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{" \\\n", " "},
+                                 {"camera:192.168.1.20", kCamera},
+                                 {"--display 1", "--display 0"},
+                                 {"--chessboard 9x6 --square 25", "--chessboard 6x5 --square 30"},
+                                 {"1280x800", "256x192"}}) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+      if (!text.substr(at).starts_with("camera:192.168.1.20?")) {
+        text.replace(at, from.size(), to);
+      }
+    }
+  }
+  std::vector<std::vector<std::string>> commands;
+  std::istringstream lines(text);
+  bool inside = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("```")) {
+      inside = line == "```sh";
+    } else if (inside) {
+      std::istringstream words(line);
+      commands.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
+    }
+  }
+  return commands;
+}
+
+// docs/first-scan.md, command by command, as its reader types them.
+TEST_F(LiveCalibration, TheFirstScanPage) {
+  const std::unique_ptr<Scene> part = make_scene("block", rig_);
+  const auto commands = commands_of(fs::path(SELFPROJ_SOURCE_DIR) / "docs" / "first-scan.md");
+  ASSERT_EQ(commands.size(), 9U);
+  for (const std::vector<std::string>& command : commands) {
+    ASSERT_EQ(command.at(0), "selfproj");
+    const std::vector<std::string> words(command.begin() + 1, command.end());
+    world_->look_at(words.back() == "part" ? *part : *plane_);
+    Outcome outcome;
+    if (words.at(0) == "calibrate") {
+      Dialogue dialogue(words, folder_.path());
+      for (std::size_t i = 0; i < poses_.size(); ++i) {
+        ASSERT_TRUE(dialogue.waits(static_cast<int>(i) + 1));
+        world_->look_at(*poses_[i]);
+        ASSERT_TRUE(dialogue.answer(static_cast<int>(i) + 1, ""));
+      }
+      ASSERT_TRUE(dialogue.answer(static_cast<int>(poses_.size()) + 1, "d"));
+      outcome = dialogue.end();
+    } else {
+      outcome = run(words);
+    }
+    ASSERT_EQ(outcome.status, 0) << words.at(0) << ": " << outcome.err;
+  }
+  for (const char* file : {"chessboard.svg", "gamma.csv", "calibration/rig.yaml", "scan/report.html", "scan/cloud.ply",
+                           "part/difference.png", "part/report.html"}) {
+    EXPECT_TRUE(fs::exists(folder_ / file)) << file;
+  }
+}
+
+TEST_F(LiveCalibration, TwoPosesAreNeeded) {
+  const std::vector<std::string> before = folder_.names();
+  Dialogue dialogue({"calibrate", "--camera", kCamera, "--chessboard", "6x5", "--square", "30", "--out", "live"},
+                    folder_.path());
+  ASSERT_TRUE(dialogue.answer(1, "d"));
+  const Outcome ended = dialogue.end();
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_EQ(ended.err, "selfproj: live: 0 poses were taken; two or more are needed, and nothing is written\n");
+  EXPECT_EQ(folder_.names(), before);
+}
+
+}  // namespace
+}  // namespace selfproj::test
