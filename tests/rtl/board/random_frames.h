@@ -47,6 +47,8 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
                            .bus_phase_ps = static_cast<std::uint64_t>(random.between(0, 5000))});
   board.turn_encoder(random.between(4, 40));
   board.count_patterns_on_frames(random.between(0, 23));
+  int last_rows = 1;
+  int last_columns = 4;
   for (int change = 0; change < limits.changes && !::testing::Test::HasFailure(); ++change) {
     const int rows = random.between(1, random.chance(70) ? 6 : limits.max_rows);
     const bool strongest = limits.runs && random.chance(75);
@@ -63,6 +65,8 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
         .stream = random.between(0, 255),
         .timeout = random.chance(50) ? 0 : random.between(1, 200)};
     board.write(settings);
+    last_rows = rows;
+    last_columns = settings.columns;
     board.device().set_video_gap_percent(random.chance(40) ? 0 : random.between(0, 60));
     board.device().set_bus_stall_percent(random.chance(40) ? 0 : random.between(0, 95));
     const int burst = random.between(1, 12);
@@ -90,11 +94,18 @@ void play_random_frames(std::uint64_t seed, const RandomFrames& limits, FrameCou
     // Packets may still be on their way when the settings change.
     board.play();
   }
+  // The last frame may have been cut in its last row: the board may have counted it as lost, but whether it has ended,
+  // and what its packet would be, only the next start tells.
+  if (board.model().frame_open()) {
+    for (const auto& line : lines_of(constant_image(last_rows, last_columns, 0))) {
+      for (const VideoBeat& beat : line) {
+        board.device().send(beat);
+      }
+    }
+    board.play();
+  }
   board.finish();
-  // A frame that was cut at the very end may still be open.
-  EXPECT_EQ(
-      board.delivered(spec::kKindMoments) + board.lost(spec::kKindMoments) + (board.model().frame_open() ? 1U : 0U),
-      board.model().frames());
+  EXPECT_EQ(board.delivered(spec::kKindMoments) + board.lost(spec::kKindMoments), board.model().frames());
   counts.frames += board.model().frames();
   counts.delivered += board.delivered(spec::kKindMoments);
   counts.lost += board.lost(spec::kKindMoments);
