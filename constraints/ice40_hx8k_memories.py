@@ -2,7 +2,8 @@
 # 32 block RAMs, and a binary build with runs takes all. The placer alone spreads those of the moments over both
 # columns, so that the sums have to cross half of the array and come back in one clock. This file puts the sums and the
 # line buffer into the right column from the bottom up, and the packet FIFO into the left column; the rest of the FIFO
-# goes to the top of the right one.
+# goes to the top of the right one. The packetizer, which feeds the FIFO, stays in the left half of the array, so that
+# it does not spread towards the moments, whose words it takes.
 import re
 
 LEFT, RIGHT = ([f"X{x}/Y{y}/ram" for y in range(1, 32, 2)] for x in (8, 25))
@@ -18,3 +19,8 @@ fifo = [cell for name, cell in memories if ".u_fifo." in name]
 assert len(moments) + len(fifo) == len(memories), "a memory of neither the moments nor the packet FIFO"
 for cell, site in [*zip(moments, RIGHT), *zip(fifo, LEFT + RIGHT[::-1])]:
     cell.setAttr("BEL", site)
+
+ctx.createRectangularRegion("packets", 1, 1, 16, 32)
+for name, cell in ctx.cells:
+    if ".u_packetizer." in name and cell.type == "ICESTORM_LC":
+        ctx.constrainCellToRegion(name, "packets")

@@ -110,8 +110,8 @@ PARTS = {
 ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 # Part, configuration, and how many of the seeds 1, 2, 3, ... are placed: none is left out
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0], 40), ("iCE40 HX8K", CONFIGURATIONS[1], 40),
-          ("LFE5U-85F-8", CONFIGURATIONS[0], 6), ("LFE5U-85F-8", CONFIGURATIONS[1], 6), ("LFE5U-85F-8", SCANNER, 13),
-          ("iCE40 HX8K", CONFIGURATIONS[4], 40), ("LFE5U-85F-8", GREY_RUNS, 10)]
+          ("LFE5U-85F-8", CONFIGURATIONS[0], 20), ("LFE5U-85F-8", CONFIGURATIONS[1], 20), ("LFE5U-85F-8", SCANNER, 20),
+          ("iCE40 HX8K", CONFIGURATIONS[4], 40), ("LFE5U-85F-8", GREY_RUNS, 20)]
 # Constants that a change of the specification moves, even one that the circuits know nothing of. They are measured with
 # the values that these had in version 1.0.
 FIXED = {"SpecHash": "32'h08691C00", "SpecVersion": "16'h0100"}
@@ -145,8 +145,11 @@ def circuit(top, parameters, root=ROOT):
 
 
 def steps_of(place):
-    """Returns the steps that turn the circuit of a place into a placement."""
-    return repr((FAMILIES[PARTS[place[0]].family], PARTS[place[0]].options)).replace(str(ROOT), "")
+    """Returns the steps that turn the circuit of a place into a placement, and the files of constraints/ in them."""
+    part = PARTS[place[0]]
+    texts = [pathlib.Path(word).read_text() for word in [*(part.change or []), *part.options]
+             if word.startswith(str(ROOT / "constraints"))]
+    return repr((FAMILIES[part.family], part.options)).replace(str(ROOT), "") + "".join(texts)
 
 
 def state(name, circuits):

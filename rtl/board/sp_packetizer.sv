@@ -119,19 +119,21 @@ module sp_packetizer #(
   localparam int StateBits = 12;
 
   typedef struct packed {
-    logic [11:0]          asked;     // {start, break first, break later}, one to four clocks ago
+    logic                 asked4;    // a request four clocks ago
+    logic                 asked3;    // three clocks ago
+    logic                 later3;    // and it is a later break
+    logic [5:0]           asked;     // {start, break first, break later}, one and two clocks ago
     logic                 awake;     // a request in the last five clocks, or a packet
     logic                 lost_now;  // a loss, late enough for the header before it
     logic                 valid;     // a beat is at the FIFO
     logic                 last;      // it is the last of the packet
-    logic                 fold;      // the beat at the FIFO goes into the check word
     logic                 numbered;  // the beat being made has the sequence
     logic                 busy;      // a packet is under way
     logic [StateBits-1:0] state;     // then one bit of these is set, see below
   } control_t;
 
-  // Bits of asked, two and three clocks ago
-  localparam int Start2 = 5, BreakFirst2 = 4, BreakLater2 = 3, BreakLater3 = 6;
+  // Bits of asked, two clocks ago
+  localparam int Start2 = 5, BreakFirst2 = 4, BreakLater2 = 3;
 
   control_t               q;
   logic                   asked, awake;
@@ -189,6 +191,10 @@ module sp_packetizer #(
   logic [63:0]            sequence_q;      // kept from the header for the trailer
   logic [StatusBits-1:0]  status_q;        // for the trailer
   logic [31:0]            check_q;         // of the beats before the one at the FIFO
+  // What check_q does. Nothing else reads these two, so they can stand beside its 32 bits, which no
+  // bit of the state has to reach in a clock.
+  logic                   clear_q;         // the packet has ended
+  logic                   fold_q;          // the beat at the FIFO goes into the check word
   logic                   take, take_empty;  // a packet with, without payload begins
   logic                   put_payload;       // the beat being made is payload
   logic                   all_put;           // and the last of it
@@ -200,13 +206,17 @@ module sp_packetizer #(
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      q <= '0;
+      q      <= '0;
+      fold_q <= 1'b0;
     end else if (awake) begin
-      q.asked    <= {q.asked[8:0], start_i, break_i && !break_later_i, break_i && break_later_i};
+      q.asked4   <= q.asked3;
+      q.asked3   <= q.asked[5:3] != '0;
+      q.later3   <= q.asked[BreakLater2];
+      q.asked    <= {q.asked[2:0], start_i, break_i && !break_later_i, break_i && break_later_i};
       q.valid    <= q.state[Header+:4] != '0 || put_payload || q.state[Trailer+2];
       q.last     <= q.state[Trailer+2];
-      q.fold     <= q.state[Header+:4] != '0 || put_payload || q.state[Trailer];
-      q.awake    <= asked || q.asked != '0 || q.busy;
+      fold_q     <= q.state[Header+:4] != '0 || put_payload || q.state[Trailer];
+      q.awake    <= asked || q.asked != '0 || q.asked3 || q.asked4 || q.busy;
       q.lost_now <= q.asked[Start2] && !take || q.asked[BreakFirst2] && !take_empty;
 
       q.busy     <= take || take_empty || q.busy && !q.state[Settle+2];
@@ -219,6 +229,11 @@ module sp_packetizer #(
       q.numbered <= q.state[Header+SequenceBeat-1] || q.state[Header+3] && empty_q || all_put ||
                     q.state[Trailer+:2] != '0;
     end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) clear_q <= 1'b1;
+    else clear_q <= q.state[Settle];
   end
 
   always_ff @(posedge clk_i) begin
@@ -240,7 +255,7 @@ module sp_packetizer #(
           left_q     <= left_q - PayloadBits'(1);
           one_left_q <= left_q == PayloadBits'(2);
         end
-        if (q.asked[BreakLater3] && accept_o) status_q <= status3_q;
+        if (q.later3 && accept_o) status_q <= status3_q;
       end
     end
   end
@@ -270,14 +285,12 @@ module sp_packetizer #(
   endfunction
 
   always_ff @(posedge clk_i) begin
-    if (q.awake) begin
-      if (!q.busy) begin
-        check_q <= sp_spec_pkg::CheckInit;
-      end else if (q.fold) begin
-        check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^
-                   folded(fifo_data_o[31:0], fifo_data_o[63:32],
-                          fifo_data_o[95:64], fifo_data_o[127:96]);
-      end
+    if (clear_q) begin
+      check_q <= sp_spec_pkg::CheckInit;
+    end else if (fold_q) begin
+      check_q <= {check_q[30:0], 1'b0} ^ (check_q[31] ? sp_spec_pkg::CheckPolynomial : 32'd0) ^
+                 folded(fifo_data_o[31:0], fifo_data_o[63:32],
+                        fifo_data_o[95:64], fifo_data_o[127:96]);
     end
   end
 
@@ -348,6 +361,8 @@ module sp_packetizer #(
   // or to the counter.
   logic [3:0] f_asked_q, f_taken_q;  // modulo 16
   logic       f_counting_q;          // a loss that the counter does not show yet
+  logic       f_fresh_q = 1'b0;      // the clock behind the reset
+  always_ff @(posedge clk_i) f_fresh_q <= rst_i;
   always_ff @(posedge clk_i) begin
     if (rst_i) {f_asked_q, f_taken_q, f_counting_q} <= '0;
     else begin
@@ -387,12 +402,19 @@ module sp_packetizer #(
     end
     if (q.asked[Start2:BreakFirst2] != '0) assert (one2_q == (payload2_q == PayloadBits'(1)));
     // A loss on its way to the counter keeps the block awake.
-    if (q.lost_now) assert (q.asked[8] || q.asked[7]);
-    if (f_counting_q) assert (q.asked[11] || q.asked[10]);
+    if (q.lost_now || q.later3) assert (q.asked3);
+    if (f_counting_q) assert (q.asked4);
     // While the block sleeps nothing is asked or under way.
-    if (!q.awake) assert (q.asked == '0 && !q.busy && q.lost_now == '0 && !fifo_valid_o);
+    if (!q.awake) begin
+      assert (q.asked == '0 && !q.asked3 && !q.asked4 && !q.busy && !fifo_valid_o);
+    end
     assert ($countones(q.state) == 32'(q.busy));
-    assert (q.fold == (fifo_valid_o && !fifo_last_o || q.state[Trailer+1]));
+    // A packet's check word begins with its initial value.
+    assert (clear_q == (q.state[Settle+1] || f_fresh_q));
+    if (!q.busy || q.state[Settle+2] || q.state[Header]) begin
+      assert (check_q == sp_spec_pkg::CheckInit || f_fresh_q);
+    end
+    assert (fold_q == (fifo_valid_o && !fifo_last_o || q.state[Trailer+1]));
     assert (q.numbered == (q.state[Header+SequenceBeat] || q.state[Trailer+:3] != '0));
     if (!q.busy) assert (f_left_q == '0 && !fifo_valid_o);
     if (q.state[Header+:4] != '0) begin
