@@ -25,7 +25,8 @@ for_tests=(
   libopencv-contrib-dev                      # compared with the Gray decoder and the calibration
   clang-format-14 clang-tidy-14 shellcheck   # checks of the sources
   clang-14 libclang-rt-14-dev                # fuzzing
-  xvfb                                       # a display for the tests of projectors
+  xvfb                                       # a display for the tests of projectors, and two:
+  xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils x11-apps
   librsvg2-bin                               # the printed chessboard as an image
   tcl                                        # check of the scripts for HLS tools
   chromium-driver                            # the live page in a browser

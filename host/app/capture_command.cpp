@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "host/app/capture_options.h"
+#include "host/app/preview_run.h"
 #include "host/capture/sequence_capture.h"
 #include "host/io/command_line.h"
 #include "host/io/image_files.h"
 #include "host/io/image_sequence.h"
 #include "host/io/output_folder.h"
+#include "host/io/user_error.h"
 
 namespace selfproj {
 namespace {
@@ -22,10 +24,21 @@ namespace {
 struct SequenceOptions {
   CaptureOptions capture;
   std::string patterns;
+  std::string preview;  // where the page is
   std::string out;
 };
 
 void run_sequence(const SequenceOptions& options) {
+  if (!options.preview.empty()) {
+    if (!options.patterns.empty() || !options.out.empty()) {
+      throw UserError("--preview", "captures nothing; --patterns and --out go without it");
+    }
+    run_preview(options.capture, options.preview);
+    return;
+  }
+  if (options.patterns.empty() || options.out.empty()) {
+    throw UserError(options.patterns.empty() ? "--patterns" : "--out", "is required");
+  }
   OutputFolder out(options.out);
   const ImageSequence patterns(files_of_folder(options.patterns), std::nullopt);
   std::vector<std::string> images;  // as PNG; written at the end, so that a capture that fails leaves nothing
@@ -61,6 +74,9 @@ void add_capture_command(CLI::App& app) {
            "`selfproj match` and `selfproj calibrate` take it as it is. Esc and Ctrl-C end the capture; nothing is "
            "written then, and the exit status is 1.",
        .examples = R"(
+# Set up: what the camera sees, in a browser at http://127.0.0.1:8080/ (needs hardware)
+selfproj capture --camera camera:192.168.1.20 --display 1 --preview 8080
+
 # Gray codes of a projector of 1280 x 800 pixels, seen by a GigE camera (needs hardware)
 selfproj pattern gray --projector 1280x800 --out gray
 selfproj capture --camera "camera:192.168.1.20?exposure-us=20000" --display 1 --patterns gray \
@@ -69,12 +85,18 @@ selfproj capture --camera "camera:192.168.1.20?exposure-us=20000" --display 1 --
   const auto options = std::make_shared<SequenceOptions>();
   begin_group(*command, "Input");
   add_camera_option(*command, options->capture);
-  command->add_option("--patterns", options->patterns, "Folder of the patterns, in natural order.")
-      ->type_name("DIR")
-      ->required();
+  command
+      ->add_option("--patterns", options->patterns,
+                   "Folder of the patterns, in natural order. Required without --preview.")
+      ->type_name("DIR");
+  command
+      ->add_option("--preview", options->preview,
+                   "Capture nothing: show white, and the camera's image in a browser at this port of this machine, or "
+                   "at ADDRESS:PORT, which then needs the token that is printed.")
+      ->type_name("PORT");
   add_projector_options(*command, options->capture);
   begin_group(*command, "Output");
-  command->add_option("--out", options->out, "Folder for the images.")->type_name("DIR")->required();
+  command->add_option("--out", options->out, "Folder for the images. Required without --preview.")->type_name("DIR");
   command->callback([options] { run_sequence(*options); });
 }
 

@@ -8,18 +8,21 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/driver/clock.h"
 #include "host/io/float_image.h"
-#include "host/line/live_server.h"
+#include "host/io/input_file.h"
+#include "host/io/user_error.h"
+#include "host/line/live_files.h"
 #include "host/report/facts_json.h"
+#include "host/web/page_server.h"
 
 namespace selfproj {
 namespace {
@@ -61,35 +64,43 @@ FloatImage thinned(const FloatImage& map, int every) {
   return result;
 }
 
-// 128 random bits as text.
-std::string drawn_token() {
-  std::random_device device;
-  std::string token;
-  for (int i = 0; i < 4; ++i) {
-    token += fmt::format("{:08x}", static_cast<std::uint32_t>(device()));
+// three.js of this machine; nothing where it is not installed, and the page says that there is no 3-D view.
+std::string three_js() {
+  try {
+    return read_input(SELFPROJ_THREE_JS, std::size_t{1} << 24U);
+  } catch (const UserError&) {
+    return {};
   }
-  return token;
+}
+
+std::vector<PageServer::File> files_of_page(std::function<PageServer::Text()> part) {
+  constexpr const char* kScript = "text/javascript; charset=utf-8";
+  return {PageServer::fixed("/", "text/html; charset=utf-8", kLiveHtml),
+          PageServer::fixed("/live.js", kScript, kLiveJs),
+          PageServer::fixed("/live.css", "text/css; charset=utf-8", kLiveCss),
+          PageServer::fixed("/three.js", kScript, three_js()),
+          {"/part", "application/octet-stream", std::move(part)}};
 }
 
 }  // namespace
 
 // The server's view of the page.
-class LivePage::Server : public LiveServer {
+class LivePage::Server : public PageServer {
  public:
   Server(LivePage& page, const Endpoint& endpoint, const std::string& token)
-      : LiveServer(endpoint, token,
-                   {.next =
-                        [&page](std::uint64_t& number) {
-                          const Message message = page.next_message(number);
-                          if (message.bytes != nullptr) {
-                            page.dropped_ += number > 0 ? message.number - number - 1 : 0;
-                            number = message.number;
-                          }
-                          return message.bytes;
-                        },
-                    .part = [&page] { return page.last_part(); },
-                    .begin = [&page] { return page.watchers_.fetch_add(1) < kMostWatchers; },
-                    .finish = [&page] { --page.watchers_; }}) {}
+      : PageServer("--live", endpoint, token, files_of_page([&page] { return page.last_part(); }),
+                   Stream{.path = "/stream",
+                          .next =
+                              [&page](std::uint64_t& number) {
+                                const Message message = page.next_message(number);
+                                if (message.bytes != nullptr) {
+                                  page.dropped_ += number > 0 ? message.number - number - 1 : 0;
+                                  number = message.number;
+                                }
+                                return message.bytes;
+                              },
+                          .begin = [&page] { return page.watchers_.fetch_add(1) < kMostWatchers; },
+                          .finish = [&page] { --page.watchers_; }}) {}
 };
 
 LivePage::LivePage(const Endpoint& endpoint, const Rig& rig, const std::string& title)
@@ -97,7 +108,7 @@ LivePage::LivePage(const Endpoint& endpoint, const Rig& rig, const std::string& 
       columns_(rig.camera.columns),
       plane_z_(rig.plane_z_mm),
       title_(title),
-      token_(endpoint.is_loopback() ? std::string() : drawn_token()) {
+      token_(page_token(endpoint)) {
   rows_.reserve(kMostRows * static_cast<std::size_t>(columns_));
   part_ = std::make_shared<const std::string>(message_of("{\"part\": 0}", ""));
   server_ = std::make_unique<Server>(*this, endpoint, token_);
@@ -109,9 +120,7 @@ LivePage::~LivePage() {
   server_.reset();
 }
 
-std::string LivePage::url() const {
-  return fmt::format("http://{}/{}", endpoint_.text(), token_.empty() ? "" : "?token=" + token_);
-}
+std::string LivePage::url() const { return page_url(endpoint_, token_); }
 
 LivePage::Message LivePage::next_message(std::uint64_t number) {
   std::unique_lock lock(mutex_);

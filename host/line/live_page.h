@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "host/light_section/profile.h"
-#include "host/line/endpoint.h"
+#include "host/web/endpoint.h"
 #include "host/line/part_text.h"
 #include "host/parts/part_result.h"
 #include "host/report/facts.h"

@@ -11,7 +11,7 @@
 #include <mutex>
 #include <thread>
 
-#include "host/line/endpoint.h"
+#include "host/web/endpoint.h"
 #include "host/line/line_state.h"
 
 namespace selfproj {

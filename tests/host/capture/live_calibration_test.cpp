@@ -119,12 +119,36 @@ class LiveCalibration : public testing::Test {
       poses_.push_back(std::make_unique<ChessboardScene>(rig_, shape, place));
     }
     plane_ = make_scene("plane", rig_);
-    write_text(folder_ / "small.yaml", to_yaml(rig_));
     world_ = std::make_unique<LiveWorld>(rig_, *plane_, *screen_, WorldFaults{.most_delay_ms = 20});
   }
 
   Outcome run(const std::vector<std::string>& arguments) {
     return run_program(SELFPROJ_PROGRAM, arguments, folder_.path());
+  }
+
+  // Runs a command that has no end, until Ctrl-C after two seconds.
+  Outcome until_ctrl_c(const std::vector<std::string>& words) {
+    std::vector<std::string> timed = {"--foreground", "--preserve-status", "-s", "INT", "2", SELFPROJ_PROGRAM};
+    timed.insert(timed.end(), words.begin(), words.end());
+    return run_program("/usr/bin/timeout", timed, folder_.path());
+  }
+
+  // Takes all poses by dialogue; the first is taken back, and taken again.
+  Outcome calibrate(const std::vector<std::string>& words) {
+    Dialogue dialogue(words, folder_.path());
+    int asked = 0;
+    const auto answer = [&](const std::string& text) { EXPECT_TRUE(dialogue.answer(++asked, text)); };
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      EXPECT_TRUE(dialogue.waits(asked + 1));  // the capture of the pose before has ended
+      world_->look_at(*poses_[i]);
+      answer("");
+      if (i == 0) {
+        answer("u");
+        answer("");
+      }
+    }
+    answer("d");
+    return dialogue.end();
   }
 
   // What the camera sees under each pattern of the sequence, without display, camera and network.
@@ -161,51 +185,6 @@ class LiveCalibration : public testing::Test {
   std::unique_ptr<LiveWorld> world_;
 };
 
-// Six poses of a chessboard by dialogue, one of them taken back and taken again; then a plane. The depth is as good as
-// by the recorded route: the same scenes by the renderer, calibrated and measured from files.
-TEST_F(LiveCalibration, FromNothingToDepth) {
-  Dialogue dialogue({"calibrate", "--camera", kCamera, "--chessboard", "6x5", "--square", "30", "--rig", "small.yaml",
-                     "--out", "live"},
-                    folder_.path());
-  int asked = 0;
-  const auto answer = [&](const std::string& text) { return dialogue.answer(++asked, text); };
-  ASSERT_TRUE(answer(""));  // no chessboard is there yet
-  std::vector<std::string> recorded = {"calibrate", "--projector", "256x192",    "--chessboard", "6x5",  "--square",
-                                       "30",        "--rig",       "small.yaml", "--out",        "known"};
-  for (std::size_t i = 0; i < poses_.size(); ++i) {
-    ASSERT_TRUE(dialogue.waits(asked + 1));  // the capture of the pose before has ended
-    recorded.push_back("pose_" + std::to_string(i));
-    world_->look_at(*poses_[i]);
-    record(recorded.back(), gray_.count());
-    ASSERT_TRUE(answer(""));
-    if (i == 2) {
-      ASSERT_TRUE(answer("what?"));
-      ASSERT_TRUE(answer("u"));
-      ASSERT_TRUE(answer(""));
-    }
-  }
-  ASSERT_TRUE(answer("d"));
-  const Outcome calibrated = dialogue.end();
-  ASSERT_EQ(calibrated.status, 0) << calibrated.err << calibrated.out;
-  EXPECT_NE(calibrated.out.find("not used: "), std::string::npos) << calibrated.out;
-  EXPECT_NE(calibrated.out.find("covered: "), std::string::npos) << calibrated.out;
-  EXPECT_TRUE(fs::exists(folder_ / "live" / "pose_06" / "image_0034.png"));
-  EXPECT_FALSE(fs::exists(folder_ / "live" / "pose_07"));
-  const Outcome known = run(recorded);
-  ASSERT_EQ(known.status, 0) << known.err;
-
-  world_->look_at(*plane_);
-  const Outcome scan = run({"scan", "--camera", kCamera, "--rig", "live/rig.yaml", "--out", "live_depth"});
-  ASSERT_EQ(scan.status, 0) << scan.err;
-  record("plane", gray_.count());
-  const Outcome depth = run({"depth", "--rig", "known/rig.yaml", "--bits", std::to_string(gray_.column_bits()),
-                             "--row-bits", std::to_string(gray_.row_bits()), "--out", "known_depth", "plane"});
-  ASSERT_EQ(depth.status, 0) << depth.err;
-  const double live = error_of("live_depth");
-  const double files = error_of("known_depth");
-  EXPECT_LT(live, 1.5 * files + 0.5) << "mm; files " << files;
-}
-
 // The command lines of the blocks `sh` of a document, each in words, for this rig in place of the document's.
 std::vector<std::vector<std::string>> commands_of(const fs::path& document) {
   std::string text = read_text(document);
@@ -234,44 +213,59 @@ std::vector<std::vector<std::string>> commands_of(const fs::path& document) {
   return commands;
 }
 
-// docs/first-scan.md, command by command, as its reader types them.
+// docs/first-scan.md, command by command, as its reader types them. The depth is as good as by the recorded route: the
+// same scenes by the renderer, calibrated and measured from files.
 TEST_F(LiveCalibration, TheFirstScanPage) {
   const std::unique_ptr<Scene> part = make_scene("block", rig_);
   const auto commands = commands_of(fs::path(SELFPROJ_SOURCE_DIR) / "docs" / "first-scan.md");
-  ASSERT_EQ(commands.size(), 9U);
+  ASSERT_EQ(commands.size(), 10U);
   for (const std::vector<std::string>& command : commands) {
     ASSERT_EQ(command.at(0), "selfproj");
     const std::vector<std::string> words(command.begin() + 1, command.end());
     world_->look_at(words.back() == "part" ? *part : *plane_);
-    Outcome outcome;
-    if (words.at(0) == "calibrate") {
-      Dialogue dialogue(words, folder_.path());
-      for (std::size_t i = 0; i < poses_.size(); ++i) {
-        ASSERT_TRUE(dialogue.waits(static_cast<int>(i) + 1));
-        world_->look_at(*poses_[i]);
-        ASSERT_TRUE(dialogue.answer(static_cast<int>(i) + 1, ""));
-      }
-      ASSERT_TRUE(dialogue.answer(static_cast<int>(poses_.size()) + 1, "d"));
-      outcome = dialogue.end();
-    } else {
-      outcome = run(words);
-    }
-    ASSERT_EQ(outcome.status, 0) << words.at(0) << ": " << outcome.err;
+    const Outcome outcome = words.at(0) == "calibrate"                           ? calibrate(words)
+                            : words.at(0) == "capture" && words.back() == "8080" ? until_ctrl_c(words)
+                                                                                 : run(words);
+    ASSERT_EQ(outcome.status, 0) << words.at(0) << ": " << outcome.err << outcome.out;
   }
-  for (const char* file : {"chessboard.svg", "gamma.csv", "calibration/rig.yaml", "scan/report.html", "scan/cloud.ply",
-                           "part/difference.png", "part/report.html"}) {
+  for (const char* file : {"chessboard.svg", "gamma.csv", "calibration/pose_06/image_0034.png", "scan/report.html",
+                           "scan/cloud.ply", "part/difference.png", "part/report.html"}) {
     EXPECT_TRUE(fs::exists(folder_ / file)) << file;
   }
+  EXPECT_FALSE(fs::exists(folder_ / "calibration" / "pose_07"));
+
+  std::vector<std::string> recorded = {"calibrate", "--projector", "256x192", "--chessboard", "6x5",
+                                       "--square",  "30",          "--out",   "known"};
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    world_->look_at(*poses_[i]);
+    recorded.push_back("pose_" + std::to_string(i));
+    record(recorded.back(), gray_.count());
+  }
+  const Outcome known = run(recorded);
+  ASSERT_EQ(known.status, 0) << known.err;
+  world_->look_at(*plane_);
+  record("plane", gray_.count());
+  const Outcome depth = run({"depth", "--rig", "known/rig.yaml", "--bits", std::to_string(gray_.column_bits()),
+                             "--row-bits", std::to_string(gray_.row_bits()), "--out", "known_depth", "plane"});
+  ASSERT_EQ(depth.status, 0) << depth.err;
+  const double files = error_of("known_depth");
+  EXPECT_LT(error_of("scan"), 1.5 * files + 0.5) << "mm; files " << files;
 }
 
-TEST_F(LiveCalibration, TwoPosesAreNeeded) {
+TEST_F(LiveCalibration, AnswersThatAreNoneAndNoPoses) {
   const std::vector<std::string> before = folder_.names();
   Dialogue dialogue({"calibrate", "--camera", kCamera, "--chessboard", "6x5", "--square", "30", "--out", "live"},
                     folder_.path());
-  ASSERT_TRUE(dialogue.answer(1, "d"));
+  ASSERT_TRUE(dialogue.answer(1, "what?"));
+  ASSERT_TRUE(dialogue.answer(2, "u"));
+  ASSERT_TRUE(dialogue.answer(3, ""));  // there is no chessboard
+  ASSERT_TRUE(dialogue.answer(4, "d"));
   const Outcome ended = dialogue.end();
   EXPECT_EQ(ended.status, 1);
   EXPECT_EQ(ended.err, "selfproj: live: 0 poses were taken; two or more are needed, and nothing is written\n");
+  EXPECT_NE(ended.out.find("'what?' is none of Enter, u, d\n"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("not used: no board of 6 x 5 inner corners is seen as a whole\n"), std::string::npos)
+      << ended.out;
   EXPECT_EQ(folder_.names(), before);
 }
 

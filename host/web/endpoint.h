@@ -1,6 +1,6 @@
 // Where a server listens: [ADDRESS:]PORT.
-#ifndef SELFPROJ_HOST_LINE_ENDPOINT_H
-#define SELFPROJ_HOST_LINE_ENDPOINT_H
+#ifndef SELFPROJ_HOST_WEB_ENDPOINT_H
+#define SELFPROJ_HOST_WEB_ENDPOINT_H
 
 #include <cstdint>
 #include <string>
@@ -20,4 +20,4 @@ Endpoint endpoint_of_text(const std::string& option, const std::string& text);
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_HOST_LINE_ENDPOINT_H
+#endif  // SELFPROJ_HOST_WEB_ENDPOINT_H

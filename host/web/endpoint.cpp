@@ -1,4 +1,4 @@
-#include "host/line/endpoint.h"
+#include "host/web/endpoint.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

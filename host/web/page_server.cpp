@@ -1,5 +1,6 @@
-#include "host/line/live_server.h"
+#include "host/web/page_server.h"
 
+#include <fmt/format.h>
 #include <httplib.h>
 #include <sys/socket.h>
 
@@ -10,15 +11,16 @@
 #include <cstdint>
 #include <exception>
 #include <memory>
+#include <optional>
+#include <random>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "host/io/file_descriptor.h"
-#include "host/io/input_file.h"
 #include "host/io/signals_held.h"
 #include "host/io/user_error.h"
-#include "host/line/live_files.h"
 
 namespace selfproj {
 namespace {
@@ -65,11 +67,11 @@ void refuse(httplib::Response& response, int status, const char* text) {
 
 }  // namespace
 
-struct LiveServer::Implementation {
+struct PageServer::Implementation {
   httplib::Server server;
-  Content content;
+  std::vector<File> files;
+  std::optional<Stream> messages;
   std::string token;
-  std::string three;  // the text of three.js; empty: it is not installed
   std::atomic<bool> end{false};
   std::thread thread;
 
@@ -96,14 +98,9 @@ struct LiveServer::Implementation {
     return true;
   }
 
-  void serve_text(const char* path, const std::string& text, const char* type) {
-    server.Get(
-        path, [text, type](const httplib::Request&, httplib::Response& response) { response.set_content(text, type); });
-  }
-
   void stream(httplib::Response& response) {
-    if (!content.begin()) {
-      content.finish();
+    if (!messages->begin()) {
+      messages->finish();
       refuse(response, 503, "too many watch already\n");
       return;
     }
@@ -114,14 +111,14 @@ struct LiveServer::Implementation {
           if (end) {
             return false;
           }
-          const auto message = content.next(*number);
+          const auto message = messages->next(*number);
           if (message == nullptr) {
             static const std::string nothing(8, '\0');  // an empty message, so that a dead connection is noticed
             return sink.write(nothing.data(), nothing.size());
           }
           return sink.write(message->data(), message->size());
         },
-        [this](bool) { content.finish(); });
+        [this](bool) { messages->finish(); });
   }
 
   void set_up() {
@@ -145,34 +142,49 @@ struct LiveServer::Implementation {
     server.set_exception_handler([](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
       refuse(response, 500, "this went wrong\n");
     });
-    serve_text("/", kLiveHtml, "text/html; charset=utf-8");
-    serve_text("/live.js", kLiveJs, "text/javascript; charset=utf-8");
-    serve_text("/live.css", kLiveCss, "text/css; charset=utf-8");
-    serve_text("/favicon.ico", "", "image/x-icon");
-    server.Get("/three.js", [this](const httplib::Request&, httplib::Response& response) {
-      response.set_content(three, "text/javascript; charset=utf-8");
-    });
-    server.Get("/part", [this](const httplib::Request&, httplib::Response& response) {
-      response.set_content(*content.part(), "application/octet-stream");
-    });
-    server.Get("/stream", [this](const httplib::Request&, httplib::Response& response) { stream(response); });
+    for (const File& file : files) {
+      server.Get(file.path, [&file](const httplib::Request&, httplib::Response& response) {
+        response.set_content(*file.text(), file.type);
+      });
+    }
+    if (messages) {
+      server.Get(messages->path, [this](const httplib::Request&, httplib::Response& response) { stream(response); });
+    }
   }
 };
 
-LiveServer::LiveServer(const Endpoint& endpoint, const std::string& token, Content content)
+std::string page_token(const Endpoint& endpoint) {
+  if (endpoint.is_loopback()) {
+    return {};
+  }
+  std::random_device device;
+  std::string token;
+  for (int i = 0; i < 4; ++i) {
+    token += fmt::format("{:08x}", static_cast<std::uint32_t>(device()));
+  }
+  return token;
+}
+
+std::string page_url(const Endpoint& endpoint, const std::string& token) {
+  return fmt::format("http://{}/{}", endpoint.text(), token.empty() ? "" : "?token=" + token);
+}
+
+PageServer::File PageServer::fixed(const std::string& path, const std::string& type, std::string text) {
+  return {path, type, [kept = std::make_shared<const std::string>(std::move(text))] { return kept; }};
+}
+
+PageServer::PageServer(const std::string& option, const Endpoint& endpoint, const std::string& token,
+                       std::vector<File> files, std::optional<Stream> stream)
     : implementation_(std::make_unique<Implementation>()) {
   Implementation& i = *implementation_;
-  i.content = std::move(content);
+  i.files = std::move(files);
+  i.files.push_back(fixed("/favicon.ico", "image/x-icon", ""));
+  i.messages = std::move(stream);
   i.token = token;
-  try {
-    i.three = read_input(SELFPROJ_THREE_JS, std::size_t{1} << 24U);
-  } catch (const UserError&) {
-    i.three.clear();  // the page says that there is no 3-D view
-  }
   i.set_up();
   errno = 0;
   if (!i.server.bind_to_port(endpoint.address, endpoint.port)) {
-    throw UserError("--live " + endpoint.text(), error_text(errno != 0 ? errno : EADDRINUSE));
+    throw UserError(option + " " + endpoint.text(), error_text(errno != 0 ? errno : EADDRINUSE));
   }
   const SignalsHeld held;
   i.thread = std::thread([&i] { i.server.listen_after_bind(); });
@@ -181,7 +193,7 @@ LiveServer::LiveServer(const Endpoint& endpoint, const std::string& token, Conte
   }
 }
 
-LiveServer::~LiveServer() {
+PageServer::~PageServer() {
   implementation_->end = true;
   implementation_->server.stop();
   implementation_->thread.join();

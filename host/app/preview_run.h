@@ -1,0 +1,17 @@
+// `selfproj capture --preview`: the camera's image as a page while one sets up.
+#ifndef SELFPROJ_HOST_APP_PREVIEW_RUN_H
+#define SELFPROJ_HOST_APP_PREVIEW_RUN_H
+
+#include <string>
+
+#include "host/app/capture_options.h"
+
+namespace selfproj {
+
+// Shows white on the projector, and serves the camera's newest image and figures of its exposure at `endpoint`, until
+// Esc or Ctrl-C. The camera runs free. Throws UserError.
+void run_preview(const CaptureOptions& options, const std::string& endpoint);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_APP_PREVIEW_RUN_H
