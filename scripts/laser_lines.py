@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """laser_lines.py CAPTURES: compares `selfproj lines` with the owner's lines in the captures of a laser line.
 
-CAPTURES is the folder images/ of laser-chrisspen (docs/accuracy.md). Of each sample but the first, whose two images were
-exposed differently, the rows of all lit pixels and of the strongest run are compared with the owner's picture of the
-line, in the columns where both have one. Prints how many columns lie within 2 rows. Needs build/bin/selfproj.
+CAPTURES is the folder images/ of laser-chrisspen (docs/accuracy.md). Of each sample but the first, whose two images
+were exposed differently, the rows of all lit pixels and of the strongest run are compared with the owner's picture of
+the line, in the columns where both have one. Prints how many columns lie within 2 rows. Needs build/bin/selfproj.
 
 Where SELFPROJ_RESULTS names a folder, it writes laser_lines.json there. Standard library only.
 """
