@@ -37,7 +37,7 @@ def netlist(rtl, parameters):
     """The flattened board after `proc` and `memory`, as Yosys's JSON."""
     with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
         path = pathlib.Path(folder) / "board.json"
-        script = (rtl_tree.read_command("sp_board", parameters, rtl)
+        script = (rtl_tree.read_command("sp_board", parameters, files=rtl_tree.sources_of("sp_board", rtl))
                   + "hierarchy -check -top sp_board; proc; flatten; opt -full; memory_dff; memory_collect; opt_clean; "
                   + f"write_json {path}")
         result = subprocess.run(["yosys", "-q", "-p", script], capture_output=True, text=True, check=False)

@@ -44,20 +44,25 @@ verilator_lint() {
 }
 
 iverilog_lint() {
-  local parameters=("${@:2}")
+  local parameters=("${@:2}") needed
+  mapfile -t needed < <(files_of "$1")
   # Icarus 11 says "sorry" if always_comb reads a constant part of a vector. It then waits for the whole vector, which
   # changes no result. It also reports an inherited time scale, which nothing here uses.
-  iverilog -g2012 -Wall -Wno-timescale -t null -s "$1" "${parameters[@]/#/-P$1.}" "$package" "${sources[@]}" 2>&1 |
+  iverilog -g2012 -Wall -Wno-timescale -t null -s "$1" "${parameters[@]/#/-P$1.}" "${needed[@]}" 2>&1 |
     grep -v 'sorry: constant selects in always_\* processes are not currently supported' || [[ ${PIPESTATUS[0]} == 0 ]]
 }
 
 yosys_lint() {
-  local set="" parameter
+  local set="" parameter needed
+  mapfile -t needed < <(files_of "$1")
   for parameter in "${@:2}"; do set+=" -set ${parameter/=/ }"; done
   # Yosys may turn small memories into registers; larger ones are marked in the sp_ blocks.
-  yosys -q -p "read_verilog -sv $package ${sources[*]}; ${set:+chparam$set $1;} hierarchy -check -top $1; proc; flatten
+  yosys -q -p "read_verilog -sv ${needed[*]}; ${set:+chparam$set $1;} hierarchy -check -top $1; proc; flatten
     opt; check -assert" 2>&1 | grep -v 'Replacing memory .* with list of registers' || [[ ${PIPESTATUS[0]} == 0 ]]
 }
+
+# files_of MODULE: the package, and the files of the module and of all modules in it
+files_of() { python3 -B scripts/rtl_tree.py "$1"; }
 
 # file_of MODULE
 file_of() {

@@ -1,12 +1,15 @@
 """Helpers of the Python scripts for rtl/: the command with which Yosys reads it, and copies, plain or with a planted
 fault.
 
+    rtl_tree.py MODULE     prints the files that the module needs, the package first
+
 Standard library only.
 """
 
 import pathlib
 import re
 import shutil
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PACKAGE = pathlib.Path("common") / "sp_spec_pkg.sv"
@@ -22,10 +25,26 @@ def sources(rtl=ROOT / "rtl"):
     return [rtl / PACKAGE, *others]
 
 
-def read_command(top, parameters=(), rtl=ROOT / "rtl", more=(), formal=False, files=()):
-    """Returns Yosys's commands that read rtl and the files `more`, or only `files`, and set parameters ("NAME=VALUE")
-    of the module `top`."""
-    files = " ".join(map(str, files or [*sources(rtl), *more]))
+def needed(top, texts):
+    """Returns those of the files {path: text} that a module needs: the package, its own file, and the files of all
+    modules that it names, directly or not. Yosys takes a second to read all of rtl."""
+    paths = {path.stem: path for path in texts}
+    named = [top]
+    for name in named:
+        text = re.sub(r"//[^\n]*", "", texts[paths[name]])
+        named += {found for found in re.findall(r"\bsp_\w+", text) if found in paths}.difference(named)
+    return [paths[PACKAGE.stem], *sorted(paths[name] for name in named if name != PACKAGE.stem)]
+
+
+def sources_of(top, rtl=ROOT / "rtl", more=()):
+    """Returns the files of rtl, and of the files `more`, that the module `top` needs."""
+    return needed(top, {path: path.read_text() for path in [*sources(rtl), *more]})
+
+
+def read_command(top, parameters=(), formal=False, files=()):
+    """Returns Yosys's commands that read the files, or else all of rtl, and set parameters ("NAME=VALUE") of the module
+    `top`."""
+    files = " ".join(map(str, files or sources()))
     sets = "".join(f" -set {text.replace('=', ' ', 1)}" for text in parameters)
     return f"read_verilog {'-formal ' if formal else ''}-sv {files}; " + (f"chparam{sets} {top}; " if sets else "")
 
@@ -62,3 +81,7 @@ def plant(folder, file, old, new):
         raise PlantError(f"rtl/{file} holds '{old}' {count} times, not once")
     (copy / file).write_text(pattern.sub(lambda _: new, text))
     return copy
+
+
+if __name__ == "__main__":
+    print(*sources_of(sys.argv[1]), sep="\n")

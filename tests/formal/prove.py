@@ -7,15 +7,16 @@
 
 A proof of depth K by induction shows that no trace of K steps from the beginning breaks a rule, and that K steps which
 keep the rules are never followed by one that breaks them. A proof by reachability shows that no trace at all breaks a
-rule. A bounded proof shows that no trace of K steps from the
-beginning breaks a rule. Covers show that traces up to the given depth reach every cover statement, so that the rules do
-not hold merely because no trace exists.
+rule. A bounded proof shows that no trace of K steps from the beginning breaks a rule. Covers show that traces up to the
+given depth reach every cover statement, so that the rules do not hold merely because no trace exists. Induction uses
+z3; ABC does the rest, because it finds traces from the beginning sooner.
 
 Standard library only.
 """
 
 import argparse
 import dataclasses
+import os
 import pathlib
 import re
 import subprocess
@@ -205,30 +206,41 @@ def run(command, limit_s, folder):
         raise ProofError(f"{command[0]}: no answer within {limit_s} s") from error
 
 
-def yosys(proof, rtl, folder, path, commands):
-    """Runs Yosys on the module with its rules: flat, memories as registers, free clocks as data.
+def write_models(proof, rtl, folder, *kinds):
+    """Returns the paths of models of the module with its rules: flat, memories as registers, free clocks as data.
 
-    What a part of the module assumes, the module has to guarantee: it becomes an assertion.
-
-    `commands` write the file `path`.
+    The kinds are smt2 (SMT-LIB), rules (AIGER), and covers (AIGER with the covers in place of the rules). What a part
+    of the module assumes, the module has to guarantee: it becomes an assertion.
     """
     two_clocks = "clk2fflogic; " if proof.clocks == 2 else ""
     helpers = sorted((ROOT / "tests/formal").glob("sp_formal_*.sv"))
-    read = rtl_tree.read_command(proof.module, proof.parameters, rtl, helpers, formal=True)
+    files = rtl_tree.sources_of(proof.module, rtl, helpers)
+    read = rtl_tree.read_command(proof.module, proof.parameters, files=files, formal=True)
     script = (read + f"hierarchy -check -top {proof.module}; proc; chformal -cover -remove A:top %n; "
               f"chformal {'-assume2assert' if proof.lemmas else '-remove'} A:top *sp_formal_* %u %n; "
-              f"prep -nordff -flatten; memory_map; {two_clocks}opt -full; dffunmap; {commands}")
+              f"prep -nordff -flatten; memory_map; {two_clocks}opt -full; dffunmap; design -save model")
+    # a cover is reached if the assertion of its opposite fails
+    contrary = folder / "contrary.v"
+    contrary.write_text("(* techmap_celltype = \"$cover\" *) module contrary(input A, EN); "
+                        "\\$assert _TECHMAP_REPLACE_ (.A(!A), .EN(EN)); endmodule\n")
+    statements = {"rules": "chformal -cover -remove",
+                  "covers": f"chformal -assert -remove; techmap -map {contrary}"}
+    paths = []
+    for kind in kinds:
+        path = folder / (f"{proof.name}.smt2" if kind == "smt2" else f"{proof.name}.{kind}.aig")
+        paths.append(path)
+        script += "; design -load model; "
+        if kind == "smt2":
+            script += f"write_smt2 -wires {path}"
+        else:
+            script += (f"{statements[kind]}; opt -full; setundef -undriven -anyseq; formalff -clk2ff -ff2anyinit; "
+                       f"techmap; simplemap; dffunmap; delete -output; opt_clean; abc -g AND -fast; opt_clean; "
+                       f"write_aiger -B -zinit {path}")
     result = run(["yosys", "-q", "-p", script], proof.limit_s, folder)
-    if result.returncode != 0 or not path.exists():
+    if result.returncode != 0 or not all(path.exists() for path in paths):
         said = [line for line in (result.stdout + result.stderr).splitlines() if not line.startswith(">")]
         raise ProofError(f"Yosys failed on {proof.module}: " + "\n".join(said[-3:]))
-
-
-def write_smt2(proof, rtl, folder):
-    """The module with its rules, as SMT-LIB: the file's path."""
-    path = folder / f"{proof.name}.smt2"
-    yosys(proof, rtl, folder, path, f"write_smt2 -wires {path}")
-    return path
+    return paths
 
 
 def solve(proof, smt2, options, folder):
@@ -242,26 +254,27 @@ def solve(proof, smt2, options, folder):
     raise ProofError(f"yosys-smtbmc gave no verdict on {proof.name}:\n{output[-2000:]}")
 
 
-def write_aiger(proof, rtl, folder, covers=False):
-    """The module with its rules, or with its covers in their place, as AIGER: the file's path."""
-    path = folder / f"{proof.name}{'.covers' * covers}.aig"
-    # a cover is reached if the assertion of its opposite fails
-    contrary = folder / "contrary.v"
-    contrary.write_text("(* techmap_celltype = \"$cover\" *) module contrary(input A, EN); "
-                        "\\$assert _TECHMAP_REPLACE_ (.A(!A), .EN(EN)); endmodule\n")
-    statements = f"chformal -assert -remove; techmap -map {contrary}; " if covers else "chformal -cover -remove; "
-    yosys(proof, rtl, folder, path, f"{statements}opt -full; setundef -undriven -anyseq; formalff -clk2ff -ff2anyinit; "
-          f"techmap; simplemap; dffunmap; delete -output; opt_clean; abc -g AND -fast; opt_clean; "
-          f"write_aiger -B -zinit {path}")
-    return path
+def counts_of(aiger):
+    """Returns how many rules or covers an AIGER file has, and how many assumptions."""
+    # "aig", the largest index, inputs, latches, outputs, gates; then rules and assumptions, if there are any
+    header = [int(word) for word in aiger.read_bytes().split(b"\n", 1)[0].split()[1:]] + [0, 0]
+    return header[5], header[6]
+
+
+def said_by_abc(proof, aiger, search, folder):
+    """Returns what ABC prints about a search for steps in which a rule is broken and no assumption ever was."""
+    # without assumptions, `fold` would take the last rule for one
+    fold = "fold; " if counts_of(aiger)[1] else ""
+    result = run(["yosys-abc", "-c", f"read {aiger.name}; {fold}strash; {search}"], proof.limit_s, folder)
+    return result.stdout + result.stderr
 
 
 def solve_aiger(proof, aiger, depth, folder, every=False):
     """Returns the steps in which ABC breaks a rule: the first one, or one for every rule that can be broken."""
-    command = f"read {aiger.name}; fold; strash; bmc3 -F {depth}{' -a' * every}"
-    result = run(["yosys-abc", "-c", command], proof.limit_s, folder)
-    output = result.stdout + result.stderr
-    broken = re.findall(r"Output +\d+ .*was asserted in frame (\d+)", output)
+    # with two clocks, many registers are equal
+    search = "scorr; dc2; bmc3 -g" if proof.clocks == 2 else "bmc3"
+    output = said_by_abc(proof, aiger, f"{search} -F {depth}{' -a' * every}", folder)
+    broken = re.findall(r"Output +\d+ .*was asserted in frame +(\d+)", output)
     if not broken and f"No output asserted in {depth} frames" not in output:
         raise ProofError(f"ABC gave no verdict on {proof.name}:\n{output[-2000:]}")
     return [int(step) for step in broken]
@@ -269,7 +282,7 @@ def solve_aiger(proof, aiger, depth, folder, every=False):
 
 def proved_by_reachability(proof, aiger, folder):
     """Returns whether ABC finds an invariant from which every rule follows, or a trace that breaks one."""
-    output = run(["yosys-abc", "-c", f"read {aiger.name}; fold; strash; scorr; dc2; pdr"], proof.limit_s, folder).stdout
+    output = said_by_abc(proof, aiger, "scorr; dc2; pdr", folder)
     if "Property proved" not in output and "was asserted in frame" not in output:
         raise ProofError(f"ABC gave no verdict on {proof.name}:\n{output[-2000:]}")
     return "Property proved" in output
@@ -278,63 +291,56 @@ def proved_by_reachability(proof, aiger, folder):
 def wrong(output):
     """Returns the lines that say what failed, without the clock."""
     lines = [re.sub(r"^##\s+\S+\s+", "", line) for line in output.splitlines()]
-    return [line for line in lines if "failed" in line.lower() or "Unreached" in line]
+    return [line for line in lines if "failed" in line.lower()]
 
 
-def check(proof, rtl, folder):
+def check(proof, model, folder):
     """Raises ProofError if a rule does not hold."""
     if proof.kind == "bounded":
-        if broken := solve_aiger(proof, write_aiger(proof, rtl, folder), proof.depth, folder):
+        if broken := solve_aiger(proof, model, proof.depth, folder):
             raise ProofError(f"{proof.name}: a rule is broken in step {broken[0]}")
         return
     if proof.kind == "reachability":
-        if not proved_by_reachability(proof, write_aiger(proof, rtl, folder), folder):
+        if not proved_by_reachability(proof, model, folder):
             raise ProofError(f"{proof.name}: a rule is broken")
         return
-    smt2 = write_smt2(proof, rtl, folder)
     for options in (["-t", str(proof.depth)], ["-i", "-t", str(proof.depth)]):
-        passed, output = solve(proof, smt2, options, folder)
+        passed, output = solve(proof, model, options, folder)
         if not passed:
             raise ProofError(f"{proof.name} ({' '.join(options)}):\n" + "\n".join(wrong(output)))
 
 
-def cover(proof, rtl, folder):
+def cover(proof, aiger, folder):
     """Returns the number of covers; raises ProofError if one is not reached."""
-    if proof.kind != "induction":
-        aiger = write_aiger(proof, rtl, folder, covers=True)
-        covers = int(aiger.read_bytes().split()[6])  # "aig", maximum, inputs, latches, outputs, gates, bad states
-        reached = len(solve_aiger(proof, aiger, proof.cover, folder, every=True))
-        missed = [f"{covers - reached} of {covers}"] * (reached < covers)
-    else:
-        passed, output = solve(proof, write_smt2(proof, rtl, folder), ["-c", "-t", str(proof.cover)], folder)
-        covers = output.count("Reached cover statement")
-        missed = [] if passed else wrong(output)
-    if missed or covers == 0:
-        raise ProofError(f"{proof.name}: covers not reached within {proof.cover} steps:\n" + "\n".join(missed))
+    covers = counts_of(aiger)[0]
+    reached = len(solve_aiger(proof, aiger, proof.cover, folder, every=True))
+    if reached < covers or covers == 0:
+        raise ProofError(f"{proof.name}: {covers - reached} of {covers} covers not reached within {proof.cover} steps")
     return covers
 
 
 def prove(proof, folder):
     """Returns one line of the table; raises ProofError if a rule does not hold or a cover is not reached."""
     begin = time.monotonic()
-    check(proof, ROOT / "rtl", folder)
-    proved_s = time.monotonic() - begin
-    covers = cover(proof, ROOT / "rtl", folder)
+    rules = "smt2" if proof.kind == "induction" else "rules"
+    model, aiger = write_models(proof, ROOT / "rtl", folder, rules, "covers")
+    check(proof, model, folder)
+    covers = cover(proof, aiger, folder)
     parameters = ", ".join(proof.parameters)
     return (f"| `{proof.module}` ({parameters}) | {proof.kind} | {proof.depth} | {proof.clocks} | {covers} | "
-            f"{proved_s:.0f} s |")
+            f"{time.monotonic() - begin:.0f} s |")
 
 
 def expect_failure(fault, folder):
     """Returns one line about the fault; raises ProofError if its proof does not find it."""
     proof = next(proof for proof in PROOFS if proof.name == fault.proof)
     rtl = rtl_tree.plant(folder, fault.file, fault.old, fault.new)
-    if proof.kind != "induction":
-        found = solve_aiger(proof, write_aiger(proof, rtl, folder), fault.bounded or proof.depth, folder)
+    if proof.kind == "induction" and not fault.bounded:
+        model, = write_models(proof, rtl, folder, "smt2")
+        found = not solve(proof, model, ["-i", "-t", str(proof.depth)], folder)[0]
     else:
-        smt2 = write_smt2(proof, rtl, folder)
-        induction = [] if fault.bounded else ["-i"]
-        found = not solve(proof, smt2, [*induction, "-t", str(fault.bounded or proof.depth)], folder)[0]
+        model, = write_models(proof, rtl, folder, "rules")
+        found = solve_aiger(proof, model, fault.bounded or proof.depth, folder)
     if not found:
         raise ProofError(f"{fault.name}: not found by {proof.name}")
     return f"{fault.name}: found"
@@ -371,14 +377,16 @@ def main():
 
 
 def keep(faults):
-    """All proofs, or all planted faults, as results."""
+    """All proofs, or all planted faults, as results, with the time of one core."""
+    times = os.times()
+    cpu = {"cpu_s": round(times.user + times.system + times.children_user + times.children_system)}
     if faults:
         results.write("formal_faults", "Planted faults that the proofs of the RTL's blocks have to find",
-                      "tests/formal/prove.py --faults", {"planted": len(FAULTS), "missed": 0})
+                      "tests/formal/prove.py --faults", {"planted": len(FAULTS), "missed": 0, **cpu})
     else:
         kinds = [proof.kind for proof in PROOFS]
         results.write("formal", "Proofs of the rules inside the RTL's blocks", "tests/formal/prove.py",
-                      {kind: kinds.count(kind) for kind in sorted(set(kinds))})
+                      {**{kind: kinds.count(kind) for kind in sorted(set(kinds))}, **cpu})
 
 
 if __name__ == "__main__":
