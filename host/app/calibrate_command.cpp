@@ -3,12 +3,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <memory>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/core.hpp>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -22,6 +18,7 @@
 #include "host/app/length_list.h"
 #include "host/calibration/bundle_plates.h"
 #include "host/calibration/calibrate.h"
+#include "host/calibration/calibrated_rig.h"
 #include "host/calibration/calibration_check.h"
 #include "host/calibration/calibration_output.h"
 #include "host/calibration/calibration_pictures.h"
@@ -33,9 +30,7 @@
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
 #include "host/rig/calibration_file.h"
-#include "host/rig/optics.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "host/structured_light/gray_sequence.h"
 #include "model/gray_decoder.h"
 
@@ -67,45 +62,14 @@ struct CalibrateOptions {
 
 int free_of(const std::string& option) { return option == kAuto ? FreeDistortion::kByData : std::stoi(option); }
 
-// Twice what a projector line is worth in z in the middle of the camera's image, at this distance.
-double coarse(const Rig& rig, double distance_mm) {
-  const RigOptics optics(rig);
-  const auto ray = optics.ray({0.5 * (rig.camera.rows - 1), 0.5 * (rig.camera.columns - 1)});
-  const double way = ray ? 2 * optics.z_per_line(*ray, distance_mm) : 0;
-  return std::isfinite(way) ? way : 0;
-}
-
 // The rig of the calibration, or the reason why it does not exist.
 std::string rig_yaml(const CalibrateOptions& options, CalibrationReport& report) {
   try {
-    Rig rig = rig_of(report.calibration, load_rig(options.rig));
-    if (report.belt) {
-      if (report.belt->moved) {
-        rig.belt_pose = report.belt->pose;
-      }
-      rig.plane_z_mm = report.belt->plane_z_mm;
-    }
-    if (rig.kind == RigKind::scanner) {
-      // The limit of --rig may be that of a much finer rig.
-      rig.measure.max_z_per_line_mm = std::max(rig.measure.max_z_per_line_mm, coarse(rig, report.mean_distance_mm));
-    }
-    return to_yaml(rig);
+    return to_yaml(calibrated_rig(report, load_rig(options.rig)));
   } catch (const std::invalid_argument& error) {
     report.warnings.push_back(fmt::format("no rig.yaml: {}", error.what()));
     return {};
   }
-}
-
-// What a rig says of distance and focal length. A camera that the rig only draws may have the focal length that is
-// printed on its lens; focused on the belt, the image lies a little further behind the lens than that.
-DrawnScale scale_of(const Rig& rig, double focal_px, DrawnScale scale) {
-  const double focal_mm = rig.camera.focal_length_mm;
-  scale.distance_mm = rig.plane_z_mm;
-  scale.least_focal_px = scale.most_focal_px = focal_px;
-  if (!rig.calibration && rig.plane_z_mm > 2 * focal_mm) {
-    scale.most_focal_px *= rig.plane_z_mm / (rig.plane_z_mm - focal_mm);
-  }
-  return scale;
 }
 
 // Heights and moves of plates, with the drawings of the rig as the place to start from.
@@ -136,16 +100,7 @@ void apply_plates(const CalibrateOptions& options, CalibrateSettings& settings) 
     throw UserError("--rig", fmt::format("its projector has {}, not {}; --plates starts from this rig",
                                          size_text(rig.projector.lines, rig.projector.columns), options.projector));
   }
-  const Chessboard& board = settings.chessboard;
-  const double side = board.square_mm * (std::max(board.columns, board.rows) - 1);
-  settings.plates.emplace(heights, moves, options.tolerance, side);
-  const Calibration drawn = calibration_of(rig);
-  const auto lens_of = [](const Lens& l) { return LensParameters{l.fx, l.fy, l.cx, l.cy}; };
-  settings.plates->camera = lens_of(drawn.camera);
-  settings.plates->projector = lens_of(drawn.projector);
-  cv::Rodrigues(drawn.rotation, settings.plates->stereo.rotation);
-  settings.plates->stereo.translation = drawn.translation;
-  settings.plates->scale = scale_of(rig, drawn.camera.fx, options.scale);
+  settings.plates = plates_over(rig, settings.chessboard, heights, moves, options.tolerance, options.scale);
 }
 
 // Checks the options and puts them into options.calibrate.
