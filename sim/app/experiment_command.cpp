@@ -23,14 +23,20 @@ void add_experiment_command(CLI::App& app) {
             .details = "The experiments are\n"
                        "- A1: light section of a mountain\n"
                        "- A2: light section of stairs with carved marks\n"
+                       "- B1: structured light of a moving fist, and the filter that finds what moved\n"
+                       "- B2: structured light of waves on water\n"
+                       "- B3: structured light of fingers that tap on keys\n"
                        "- B4: structured light on cuboids\n"
                        "- B7: structured light on a moving mouse\n"
                        "- B8: structured light on two moving hands\n"
                        "- robustness: A2 and B4 under each of the disturbances of --disturb, over its strength\n\n"
                        "The exit status is 1 where a figure is not reached.",
             .examples = R"(
-# Experiment A1 on every 50th frame, as a quick look.
-selfproj-sim experiment A1 --every 50 --out mountain
+# A null test of A1 on every 50th frame, as a quick look.
+selfproj-sim experiment A1 --null-test --every 50 --out mountain
+
+# The same the thesis's way: calibrated from images, with a scanned part (takes minutes)
+selfproj-sim experiment A1 --every 50 --out scanned
 
 # All of A2, with a table of what each source of error costs (takes minutes)
 selfproj-sim experiment A2 --sources --out stairs
@@ -40,7 +46,7 @@ selfproj-sim experiment robustness --out robustness
 )"});
   command->add_option("NAME", options->name, "Name of the experiment.")
       ->required()
-      ->check(one_of({"A1", "A2", "B4", "B7", "B8", "robustness"}));
+      ->check(one_of({"A1", "A2", "B1", "B2", "B3", "B4", "B7", "B8", "robustness"}));
   begin_group(*command, "Settings");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file.")
       ->type_name("RIG")
@@ -59,12 +65,23 @@ selfproj-sim experiment robustness --out robustness
       ->transform(whole_number(1, 1000))
       ->type_name("N")
       ->default_str("1; 70 for robustness");
+  command->add_flag("--null-test", options->null_test,
+                    "Only measure with a rig that is known perfectly and a good part whose shape is known. Otherwise "
+                    "the rig is calibrated from images and the good part is scanned, and the null test stands beside.");
+  command->add_option("--real-rig-seed", options->real_rig_seed, "Seed of the rig that takes the images.")
+      ->transform(whole_number(0))
+      ->type_name("N")
+      ->capture_default_str();
   command->add_flag_callback(
       "--no-residual", [options] { options->residual = false; },
       "Do not measure and remove the residual of the reference.");
   command->add_flag("--sources", options->sources,
-                    "Also print the table of error sources: the measurement with each of them off in turn.");
-  begin_group(*command, "Structured light (B4, B7, B8)");
+                    "Also print the table of error sources: the null test with each of them off in turn.");
+  begin_group(*command, "Structured light (B1, B4, B7, B8)");
+  command->add_option("--paths", options->paths, "B1: paths of the fist on which its filter was not chosen.")
+      ->transform(whole_number(1, 1000))
+      ->type_name("N")
+      ->capture_default_str();
   command->add_flag_callback(
       "--gray-scan", [options] { options->scan = ScanMethod::gray_codes; },
       "Scan the reference by Gray codes, not line by line.");

@@ -30,7 +30,9 @@
 #include "sim/experiment/cosim_result.h"
 #include "sim/experiment/depth_cosim.h"
 #include "sim/experiment/depth_findings.h"
+#include "sim/experiment/gray_motion.h"
 #include "sim/experiment/motion_analysis.h"
+#include "sim/experiment/pool_wave.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/scanner_scenes.h"
 #include "sim/scene/scene.h"
@@ -47,8 +49,6 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kBelowPlane = 15;
 
 constexpr int kDefaultBits = 8;
-constexpr double kDefaultMinDifference = 10;  // mm from the background above which a pixel counts as moved
-constexpr SteadySettings kDefaultSteady{10, 6};
 
 // Background less depth, where both exist.
 FloatImage difference_of(const FloatImage& depth, const FloatImage& background) {
@@ -62,9 +62,9 @@ class ScannerCosim final : public DepthCosim {
  public:
   ScannerCosim(const CosimOptions& options, const SceneInfo& info, DepthCosimSetup setup, const PatternSet& patterns)
       : DepthCosim(options, info, std::move(setup), options.no_median ? Median::off : Median::on, patterns),
-        min_difference_(options.min_difference.value_or(kDefaultMinDifference)),
-        steady_{options.max_change.value_or(kDefaultSteady.most_change_mm),
-                options.min_neighbours.value_or(kDefaultSteady.least_neighbours)},
+        min_difference_(options.min_difference.value_or(kMovedMm)),
+        steady_{options.max_change.value_or(kSteady.most_change_mm),
+                options.min_neighbours.value_or(kSteady.least_neighbours)},
         triangulation_(triangulation_of_rig(rig(), bits(), {0, rig().plane_z_mm + kBelowPlane})),
         scanner_(*triangulation_, {.threshold = rig().measure.code_threshold,
                                    .median = median() == Median::on,
@@ -131,10 +131,10 @@ class ScannerCosim final : public DepthCosim {
     }
     if (info().analysis == SceneAnalysis::key_taps) {
       scanner_.difference(moved_);
-      for (const KeyTaps::Pixel pixel : {KeyTaps::kFirst, KeyTaps::kSecond}) {
-        const bool inside = pixel.row < rig().camera.rows && pixel.column < rig().camera.columns;
-        sample.z.push_back(inside ? static_cast<double>(moved_.row(pixel.row)[pixel.column]) : kNan);
-        sample.true_z.push_back(inside ? static_cast<double>(truth().row(pixel.row)[pixel.column]) : kNan);
+      for (const KeyTaps::Pixel key : {KeyTaps::kFirst, KeyTaps::kSecond}) {
+        const KeyTaps::Pixel pixel = key.of(rig().camera);
+        sample.z.push_back(static_cast<double>(moved_.row(pixel.row)[pixel.column]));
+        sample.true_z.push_back(static_cast<double>(truth().row(pixel.row)[pixel.column]));
       }
     }
     samples_.push_back(std::move(sample));
@@ -190,24 +190,12 @@ class ScannerCosim final : public DepthCosim {
     }
   }
 
-  // Uses only the time after the ring has left the splash and before it reaches a wall.
   [[nodiscard]] double front(double t, const FloatImage& depth, const FloatImage& background) const {
-    constexpr double kFrom = 0.08;  // s after the impact
-    constexpr double kTo = 0.17;
-    constexpr double kStep = 3;  // mm
-    constexpr std::size_t kRings = 40;
-    constexpr double kLeast = 0.5;  // mm
-    constexpr double kMost = 10;
-    constexpr double kX = PoolWave::kWidth / 2;
-    constexpr double kY = PoolWave::kLength / 2;
-    if (t - PoolWave::kImpact < kFrom || t - PoolWave::kImpact > kTo) {
+    if (!is_open_wave(t - PoolWave::kImpact)) {
       return kNan;
     }
-    const RingMeans rings(
-        *triangulation_,
-        {PoolWave::kImpactX, PoolWave::kImpactY, PoolWave::kCentreX - kX, PoolWave::kCentreX + kX, -kY, kY}, kStep,
-        kRings);
-    return foremost_crest(rings, rings.means(depth, background, kMost), kLeast);
+    const RingMeans rings = pool_rings(*triangulation_);
+    return foremost_crest(rings, rings.means(depth, background, kMostWave), kLeastWave);
   }
 
   double min_difference_;  // mm

@@ -13,6 +13,7 @@
 
 #include "host/report/report.h"
 #include "sim/experiment/motion_analysis.h"
+#include "sim/experiment/pool_wave.h"
 #include "sim/scene/scanner_scenes.h"
 #include "sim/scene/scene_info.h"
 
@@ -105,18 +106,18 @@ DepthFindings wave_findings(const std::vector<DepthSample>& samples) {
   const std::vector<double> t = times(samples);
   const auto front = column(samples, [](const DepthSample& s) { return s.front; });
   const auto true_front = column(samples, [](const DepthSample& s) { return s.true_front; });
-  const LineFit fit = fit_line(t, front);
-  const LineFit true_fit = fit_line(t, true_front);
+  const double speed = crest_speed(t, front);
+  const double true_speed = crest_speed(t, true_front);
   constexpr double kCmPerMm = 0.1;
-  if (std::isfinite(fit.slope)) {
-    found.facts.push_back({"front_cm_per_s", "wave front", fit.slope * kCmPerMm, "cm/s"});
+  if (std::isfinite(speed)) {
+    found.facts.push_back({"front_cm_per_s", "foremost crest", speed * kCmPerMm, "cm/s"});
   }
-  if (std::isfinite(true_fit.slope)) {
-    found.facts.push_back({"true_front_cm_per_s", "... in the true depths", true_fit.slope * kCmPerMm, "cm/s"});
-    found.facts.push_back({"theory_cm_per_s", "√(g h) at 3 cm", PoolWave::kSpeed * kCmPerMm, "cm/s"});
+  if (std::isfinite(true_speed)) {
+    found.facts.push_back({"true_front_cm_per_s", "... in the true depths", true_speed * kCmPerMm, "cm/s"});
+    found.facts.push_back({"theory_cm_per_s", "long waves, √(g h) at 3 cm", PoolWave::kSpeed * kCmPerMm, "cm/s"});
   }
   // Adds a line with the theory's speed through the middle of the measurement.
-  ReportTrace theory{{}, {}, "b", "54.2 cm/s"};
+  ReportTrace theory{{}, {}, "b", "long waves, 54.2 cm/s"};
   double sum_t = 0;
   double sum_r = 0;
   double count = 0;

@@ -19,6 +19,7 @@
 #include "host/report/report.h"
 #include "host/rig/rig.h"
 #include "sim/experiment/cuboids.h"
+#include "sim/experiment/gray_motion.h"
 #include "sim/experiment/moving_things.h"
 #include "sim/experiment/robustness.h"
 #include "sim/experiment/section_experiment.h"
@@ -67,8 +68,8 @@ nlohmann::ordered_json json_of(const std::vector<ReportTable>& tables) {
 // name.
 void keep_results(const ExperimentOptions& options, const std::vector<ReportTable>& tables,
                   const std::vector<std::string>& not_reached) {
-  write_results("experiment_" + options.name + (options.sources ? "_sources" : "") +
-                    (options.scan == ScanMethod::gray_codes ? "_gray_scan" : ""),
+  write_results("experiment_" + options.name + (options.null_test ? "_null_test" : "") +
+                    (options.sources ? "_sources" : "") + (options.scan == ScanMethod::gray_codes ? "_gray_scan" : ""),
                 "Experiment " + options.name + " in simulation",
                 {{"tables", json_of(tables)}, {"not_reached", not_reached}});
 }
@@ -100,6 +101,10 @@ Options structured_light_options(const ExperimentOptions& options, const Rig& ri
   return experiment;
 }
 
+bool is_gray_motion(const ExperimentOptions& options) {
+  return options.name == "B1" || options.name == "B2" || options.name == "B3";
+}
+
 // Both functions return what was not reached.
 std::vector<std::string> run_structured_light(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
   const Rig rig = load_rig(options.rig.empty() ? "scanner" : options.rig);
@@ -113,7 +118,10 @@ std::vector<std::string> run_structured_light(const ExperimentOptions& options, 
   StructuredLightResult result;
   {
     ShownProgress progress("image");
-    result = options.name == "B4"
+    result = is_gray_motion(options)
+                 ? run_gray_motion(options.name, {.rig = rig, .render = options.render(), .paths = options.paths},
+                                   std::ref(progress))
+             : options.name == "B4"
                  ? run_cuboids(structured_light_options<CuboidsOptions>(options, rig), std::ref(progress))
                  : run_moving(options.name, structured_light_options<MovingOptions>(options, rig), std::ref(progress));
   }
@@ -122,9 +130,11 @@ std::vector<std::string> run_structured_light(const ExperimentOptions& options, 
   }
   keep_results(options, result.tables, result.not_reached);
   if (folder) {
-    folder->append("depth.tiff", encode_float_tiff("depth.tiff", result.depth));
-    folder->append("difference.tiff", encode_float_tiff("difference.tiff", result.difference));
-    folder->append("truth.tiff", encode_float_tiff("truth.tiff", result.truth));
+    if (!result.depth.values.empty()) {
+      folder->append("depth.tiff", encode_float_tiff("depth.tiff", result.depth));
+      folder->append("difference.tiff", encode_float_tiff("difference.tiff", result.difference));
+      folder->append("truth.tiff", encode_float_tiff("truth.tiff", result.truth));
+    }
     if (!result.series.empty()) {
       folder->append("series.csv", result.series);
     }
@@ -137,13 +147,15 @@ std::vector<std::string> run_structured_light(const ExperimentOptions& options, 
 std::vector<std::string> run_light_section(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
   SectionOptions experiment;
   experiment.rig = load_rig(options.rig.empty() ? "light-section" : options.rig);
+  experiment.route = options.null_test ? Route::null_test : Route::learned;
+  experiment.real_rig_seed = options.real_rig_seed;
   experiment.residual = options.residual;
   experiment.every = options.every.value_or(1);
   experiment.sources = options.sources;
   experiment.render = options.render();
   SectionResult result;
   {
-    ShownProgress progress("frame");
+    ShownProgress progress("image");
     result = run_section_experiment(options.name, experiment, std::ref(progress));
   }
   for (const ReportTable& table : result.tables) {
@@ -162,7 +174,18 @@ std::vector<std::string> run_light_section(const ExperimentOptions& options, std
   return result.not_reached;
 }
 
-void run_worlds(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
+// Throws CheckFailed unless nothing was missed.
+void conclude(const std::string& name, const std::vector<std::string>& not_reached) {
+  for (const std::string& line : not_reached) {
+    fmt::print("not reached: {}\n", line);
+  }
+  if (!not_reached.empty()) {
+    throw CheckFailed(fmt::format("{}: {} of the wanted figures are not reached", name, not_reached.size()));
+  }
+  fmt::print("{}: all figures reached\n", name);
+}
+
+std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
   if (options.world.any() || !options.off.empty() || !options.rig.empty()) {
     throw UserError(options.world.any()    ? "--disturb"
                     : !options.off.empty() ? "--off"
@@ -183,39 +206,30 @@ void run_worlds(const ExperimentOptions& options, std::optional<OutputFolder>& f
   for (const ReportTable& table : result.tables) {
     print(table);
   }
-  nlohmann::ordered_json figures = {{"tables", json_of(result.tables)}};
+  nlohmann::ordered_json figures = {{"tables", json_of(result.tables)}, {"not_reached", result.not_reached}};
   figures.update(nlohmann::ordered_json::parse(result.data));
   write_results("robustness", "A2 and B4 under each disturbance of the world", figures);
   if (folder) {
     folder->append("report.html", page_html(result.page));
     folder->commit();
   }
+  return result.not_reached;
 }
 
 }  // namespace
 
 void run_experiment(const ExperimentOptions& options) {
   const bool structured_light = options.name.starts_with('B');
-  if (!structured_light && (options.scan == ScanMethod::gray_codes || options.e)) {
+  if ((!structured_light || is_gray_motion(options)) && (options.scan == ScanMethod::gray_codes || options.e)) {
     throw UserError(options.scan == ScanMethod::gray_codes ? "--gray-scan" : "--e", "goes only with B4, B7 and B8");
   }
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(options.out);
   }
-  if (options.name == "robustness") {
-    run_worlds(options, folder);
-    return;
-  }
-  const std::vector<std::string> not_reached =
-      structured_light ? run_structured_light(options, folder) : run_light_section(options, folder);
-  for (const std::string& line : not_reached) {
-    fmt::print("not reached: {}\n", line);
-  }
-  if (!not_reached.empty()) {
-    throw CheckFailed(fmt::format("{}: {} of the wanted figures are not reached", options.name, not_reached.size()));
-  }
-  fmt::print("{}: all figures reached\n", options.name);
+  conclude(options.name, options.name == "robustness" ? run_worlds(options, folder)
+                         : structured_light           ? run_structured_light(options, folder)
+                                                      : run_light_section(options, folder));
 }
 
 }  // namespace selfproj

@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_SIM_EXPERIMENT_EXPERIMENT_H
 #define SELFPROJ_SIM_EXPERIMENT_EXPERIMENT_H
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ namespace selfproj {
 
 // The options of an experiment.
 struct ExperimentOptions {
-  std::string name;                   // A1, A2, B4, B7, B8, robustness
+  std::string name;                   // A1, A2, B1 to B4, B7, B8, robustness
   std::string rig = {};               // built-in or a file; empty: that of the experiment
   std::string out = {};               // folder for the report and the files behind it; empty: none
   std::vector<std::string> off = {};  // names of kDisturbances
@@ -33,9 +34,14 @@ struct ExperimentOptions {
   int coarser = 1;
 
   // For A1 and A2:
-  bool residual = true;           // measure the reference's own residual and remove it
-  bool sources = false;           // also make the table of error sources
-  std::optional<int> every = {};  // take only every n-th frame; nothing: every one, and every 70th for robustness
+  bool null_test = false;           // Route::null_test
+  std::uint64_t real_rig_seed = 1;  // SectionOptions::real_rig_seed
+  bool residual = true;             // measure the reference's own residual and remove it
+  bool sources = false;             // also make the table of error sources
+  std::optional<int> every = {};    // take only every n-th frame; nothing: every one, and every 70th for robustness
+
+  // For B1:
+  int paths = 10;  // GrayMotionOptions::paths
 
   // For B4, B7 and B8:
   ScanMethod scan = ScanMethod::lines;

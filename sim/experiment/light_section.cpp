@@ -108,10 +108,10 @@ ReferenceCurve curve_of_scene(const Rig& rig, const Scene& scene) {
   return curve;
 }
 
-LightSection self_projection(const Rig& rig, const Rig& real, const Scene& reference, const RenderOptions& options,
+LightSection self_projection(const Rig& rig, const RealRig& real, const Scene& reference, const RenderOptions& options,
                              bool residual) {
   const ReferenceCurve curve = curve_of_scene(rig, reference);
-  LightSection result{rig, draw_pattern(rig, pattern_of_curve(rig, curve)), {}};
+  LightSection result{rig, real, draw_pattern(rig, pattern_of_curve(rig, curve)), {}};
   result.references.fill(reference_of_curve(rig, curve));
   if (residual) {
     const auto centroids = scan_centroids(rig, real, reference, result.pattern, options, kAllModes);
@@ -122,14 +122,25 @@ LightSection self_projection(const Rig& rig, const Rig& real, const Scene& refer
   return result;
 }
 
-LightSection straight_line(const Rig& rig, const Scene& reference, const RenderOptions& options, double middle_height) {
+LightSection straight_line(const Rig& rig, const RealRig& real, const Scene& reference, const RenderOptions& options,
+                           double middle_height) {
   const double line = line_in_middle(rig, rig.plane_z_mm - middle_height);
-  LightSection result{rig, draw_straight_line(rig, line), {}};
-  const auto centroids = scan_centroids(rig, rig, reference, result.pattern, options, kAllModes);
+  LightSection result{rig, real, draw_straight_line(rig, line), {}};
+  const auto centroids = scan_centroids(rig, real, reference, result.pattern, options, kAllModes);
   for (std::size_t m = 0; m < kAllModes.size(); ++m) {
     result.references[m] = reference_of_straight_line(rig, line, centroids[m]);
   }
   return result;
+}
+
+// Fills row `row` of the true maps by frame `number`.
+void add_truth(const Renderer& ideal, int number, int row, Measurement& result) {
+  std::vector<Point3> points(static_cast<std::size_t>(result.truth.columns), {kUnknown, kUnknown, kUnknown});
+  ideal.truth(number, {result.truth.row(row), points.size()}, points);
+  for (std::size_t c = 0; c < points.size(); ++c) {
+    result.true_x.row(row)[c] = static_cast<float>(points[c].x);
+    result.true_y.row(row)[c] = static_cast<float>(points[c].y);
+  }
 }
 
 Measurement measure(const LightSection& setup, const Scene& scene, const RenderOptions& options, int every, int threads,
@@ -147,9 +158,9 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
     profilers.emplace_back(rig, reference);
     result.by_mode.emplace_back(rig, rig.camera.columns, inspection);
   }
-  const Renderer renderer(rig, scene, setup.pattern, options);
-  const Renderer ideal(rig, scene, setup.pattern, options.ideal_world());
-  result.truth = FloatImage(count, rig.camera.columns);
+  const Renderer renderer(setup.real, scene, setup.pattern, options);
+  const Renderer ideal(setup.real, scene, setup.pattern, options.ideal_world());
+  result.truth = result.true_x = result.true_y = FloatImage(count, rig.camera.columns);
 
   constexpr int kBatch = 64;
   std::vector<FrameResult> batch(kBatch);
@@ -170,7 +181,7 @@ Measurement measure(const LightSection& setup, const Scene& scene, const RenderO
         frame.values.resize(frame.pixels.size());
         renderer.render(number, std::span(frame.values));
       }
-      ideal.truth(number, {result.truth.row(begin + i), static_cast<std::size_t>(rig.camera.columns)});
+      add_truth(ideal, number, begin + i, result);
       for (std::size_t m = 0; m < kAllModes.size(); ++m) {
         if (options.quantization) {
           column_moments(view_of(rig, frame.pixels), kAllModes[m], rig.measure.threshold, frame.moments[m].view());

@@ -95,6 +95,24 @@ LineFit fit_line(const std::vector<double>& t, const std::vector<double>& y) {
   return {sy / n - slope * st / n, slope};
 }
 
+double slope_between_jumps(const std::vector<double>& t, const std::vector<double>& y, double least, double most) {
+  const Points points = without_nan(t, y);
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < points.t.size(); ++i) {
+    for (std::size_t j = i + 1; j < points.t.size() && points.t[j] - points.t[i] <= most; ++j) {
+      if (points.t[j] - points.t[i] >= least) {
+        slopes.push_back((points.y[j] - points.y[i]) / (points.t[j] - points.t[i]));
+      }
+    }
+  }
+  if (slopes.empty()) {
+    return kNotFound;
+  }
+  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
+  std::nth_element(slopes.begin(), middle, slopes.end());
+  return *middle;
+}
+
 RingMeans::RingMeans(const Triangulation& triangulation, const Place& place, double step, std::size_t count)
     : triangulation_(triangulation), place_(place), step_(step), count_(count) {}
 

@@ -29,6 +29,10 @@ struct LineFit {
 };
 LineFit fit_line(const std::vector<double>& t, const std::vector<double>& y);
 
+// The median of the slopes between all pairs of values that are `least` to `most` apart in t, NaN without any (Theil
+// and Sen). Where y jumps now and then, from one crest to the next, it is the slope between the jumps.
+double slope_between_jumps(const std::vector<double>& t, const std::vector<double>& y, double least, double most);
+
 // The rise of the surface over a background, in mm towards the camera, averaged over rings around a point.
 class RingMeans {
  public:

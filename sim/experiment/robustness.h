@@ -23,7 +23,8 @@ struct RobustnessOptions {
 
 struct RobustnessResult {
   std::vector<ReportTable> tables;
-  std::string data;  // all figures as numbers, JSON
+  std::vector<std::string> not_reached;  // one line for each bound of the false points that does not hold
+  std::string data;                      // all figures as numbers, JSON
   ReportPage page;
 };
 
@@ -31,6 +32,9 @@ struct RobustnessResult {
 inline constexpr double kFalseMm = 0.3;
 // The same for B4, whose codes are worth 3 to 6 mm.
 inline constexpr double kFalseCodeMm = 10;
+
+// The greatest share of false points that the strongest run may leave on painted metal and on matt plastic.
+inline constexpr double kMostFalse = 1e-4;
 
 // `progress` gets the number of worlds done and of all.
 RobustnessResult run_robustness(const RobustnessOptions& options,

@@ -14,18 +14,34 @@
 #include "host/rig/rig.h"
 #include "sim/scene/marks.h"
 #include "sim/scene/parallel.h"
+#include "sim/scene/pinhole.h"
+#include "sim/scene/real_rig.h"
 
 namespace selfproj {
 namespace {
 
 constexpr double kTreadWidth = 35;   // mm
 constexpr double kHalfLength = 65;   // mm, half the length of the parts
+constexpr double kHighest = 39;      // mm, the greatest height of the parts
 constexpr double kColumnStep = 0.5;  // mm from one column to the next that make a height step
 constexpr double kFrameStep = 0.05;  // the same from one frame to the next (the parts are uniform along x)
 constexpr std::uint8_t kTread = 1;   // labels of regions: tread + kTread, mark + kMark
 constexpr std::uint8_t kMark = 11;
 
 const ConveyedScene& conveyed(const Scene& scene) { return dynamic_cast<const ConveyedScene&>(scene); }
+
+// How far from x = 0 the middle row looks, at the plane and at this height: 0 for a rig that leans nowhere.
+double lean_of(const RealRig& real, double height) {
+  const RigCamera& camera = real.rig.camera;
+  double most = 0;
+  for (const int column : {0, camera.columns / 2, camera.columns - 1}) {
+    for (const double z : {real.rig.plane_z_mm, real.rig.plane_z_mm - height}) {
+      const PixelPoint middle{0.5 * (camera.rows - 1), static_cast<double>(column)};
+      most = std::max(most, std::abs(real.camera.point_at(middle, z).x));
+    }
+  }
+  return most;
+}
 
 // Labels the points on plain parts of the treads, and those in the middle of the marks' strokes, farther from their
 // edges than the line is wide.
@@ -62,8 +78,8 @@ Mask tread_regions(const FloatImage& x, const FloatImage& y, const Measurement& 
 // Adds the points that have a step within `reach` mm along x.
 void add_steps_along_x(Mask& mask, const Measurement& m, const Renderer& renderer, double reach) {
   constexpr int kSamples = 9;  // samples on each side
-  const FloatImage x = m.by_mode[0].x();
-  const FloatImage y = m.by_mode[0].y();
+  const FloatImage& x = m.true_x;
+  const FloatImage& y = m.true_y;
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (mask[i] != 0 || std::isnan(x.values[i])) {
       continue;
@@ -143,10 +159,39 @@ struct FramesOnPart {
   [[nodiscard]] Mask of(const Mask& mask, int columns) const { return rows_of(mask, columns, first, count); }
 };
 
-// Adds the mean heights of the treads and the depths of their marks.
+// How far the points of marks are from their places, as SectionFigures::mark_place says.
+double mark_place(const Inspection& inspection, const Measurement& m, const Mask& regions, std::size_t treads) {
+  const FloatImage x = inspection.x();
+  const FloatImage y = inspection.y();
+  std::vector<std::array<double, 3>> sums(treads);  // of x and y, measured less true, and their number
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    if (regions[i] >= kMark && !std::isnan(x.values[i])) {
+      auto& sum = sums.at(regions[i] - kMark);
+      sum[0] += static_cast<double>(x.values[i]) - static_cast<double>(m.true_x.values[i]);
+      sum[1] += static_cast<double>(y.values[i]) - static_cast<double>(m.true_y.values[i]);
+      sum[2] += 1;
+    }
+  }
+  std::array<double, 2> shift{};
+  for (auto& sum : sums) {
+    for (std::size_t k = 0; k < shift.size(); ++k) {
+      sum.at(k) /= sum[2];
+      shift.at(k) += sum.at(k) / static_cast<double>(treads);
+    }
+  }
+  double worst = 0;
+  for (const auto& sum : sums) {
+    const double off = std::hypot(sum[0] - shift[0], sum[1] - shift[1]);
+    worst = std::isnan(off) ? off : std::max(worst, off);
+  }
+  return worst;
+}
+
+// Adds the mean heights of the treads, and depths and places of their marks.
 void measure_treads(const Measurement& m, const Inspection& inspection, const Rig& rig, const Scene& scene,
                     std::size_t treads, SectionFigures& figures) {
-  const Mask regions = tread_regions(inspection.x(), inspection.y(), m, rig, scene, treads);
+  const Mask regions = tread_regions(m.true_x, m.true_y, m, rig, scene, treads);
+  figures.mark_place = mark_place(inspection, m, regions, treads);
   const FloatImage height = inspection.height();
   const FloatImage difference = inspection.difference();
   for (std::size_t i = 0; i < treads; ++i) {
@@ -161,7 +206,7 @@ void measure_treads(const Measurement& m, const Inspection& inspection, const Ri
 MethodFigures section_figures(const Measurement& m, const LightSection& setup, const Scene& scene, std::size_t treads,
                               const RenderOptions& render) {
   const Rig& rig = setup.rig;
-  const Renderer renderer(rig, scene, setup.pattern, render.ideal_world());  // needed for its truth
+  const Renderer renderer(setup.real, scene, setup.pattern, render.ideal_world());  // needed for its truth
   const double column_mm = m.by_mode[0].column_spacing_mm();
   const double frame_mm = rig.conveyor.speed_mm_per_s / rig.camera.frame_rate_hz;
   const double reach = kStepColumns * column_mm;
@@ -176,14 +221,14 @@ MethodFigures section_figures(const Measurement& m, const LightSection& setup, c
   const Mask within_2 = within(2);
   const Mask within_1 = within(1);
   const Mask across = near_steps(m.truth, kColumnStep, kStepColumns, 0);
-  const FramesOnPart on_part(m, rig, scene, reach);
+  const FramesOnPart on_part(m, rig, scene, reach + lean_of(setup.real, kHighest));
   MethodFigures result;
   result.rows = rig.camera.rows;
   for (std::size_t mode = 0; mode < kAllModes.size(); ++mode) {
     const Inspection& inspection = m.by_mode[mode];
     const FloatImage height = on_part.of(inspection.height());
-    const FloatImage x = on_part.of(inspection.x());
-    const FloatImage y = on_part.of(inspection.y());
+    const FloatImage x = on_part.of(m.true_x);
+    const FloatImage y = on_part.of(m.true_y);
     const auto true_height = [&](int row, double px, double py) {
       return renderer.true_height(m.frames[static_cast<std::size_t>(on_part.first + row)], px, py);
     };

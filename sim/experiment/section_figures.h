@@ -24,6 +24,9 @@ struct SectionFigures {
   CentroidRange range;             // over the frames in which the line lies on the part
   std::vector<double> steps;       // A2: mean heights of the treads, away from marks and edges
   std::vector<double> mark_depth;  // A2: depths of ○ × ▽
+  // A2: how far the points on a mark are from where they truly are, in the worst of the marks, after a common shift of
+  // all of them: a part may lie anywhere on the belt.
+  double mark_place = 0;
 };
 
 // Self-projection or the straight line, in each of kAllModes.
@@ -32,7 +35,9 @@ struct MethodFigures {
   std::array<SectionFigures, kAllModes.size()> modes;
 };
 
-// `scene` must be on the conveyor (ConveyedScene). `treads` is the number of treads side by side, 0..3.
+// Heights are compared with those of the points where the columns' viewing planes, the light sheet and the surface
+// truly meet, by the rig that takes the images. `scene` must be on the conveyor (ConveyedScene). `treads` is the number
+// of treads side by side, 0..3.
 MethodFigures section_figures(const Measurement& measurement, const LightSection& setup, const Scene& scene,
                               std::size_t treads, const RenderOptions& render);
 

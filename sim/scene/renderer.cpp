@@ -305,7 +305,7 @@ void Renderer::render(int frame, std::span<std::uint8_t> pixels) const {
   quantize(values, pixels);
 }
 
-void Renderer::truth(int frame, std::span<float> heights) const {
+void Renderer::truth(int frame, std::span<float> heights, std::span<Point3> points) const {
   const double t = time_of(frame);
   const HeightRange all = surface_.all_heights(t, t);
   for (int column = 0; column < rig_.camera.columns; ++column) {
@@ -336,6 +336,9 @@ void Renderer::truth(int frame, std::span<float> heights) const {
         if (std::abs(miss(low)) < kThere && surface_.lit_share(h, t, all.high) > 0) {
           ++seen;
           height = h.height;
+          if (!points.empty()) {
+            points[static_cast<std::size_t>(column)] = h.point;
+          }
         }
       }
       above = below;

@@ -93,7 +93,10 @@ class Renderer {
   // viewing plane, the light sheet (the middle of the projected line, ProjectedLight::line_centre) and the surface meet
   // at the middle of the exposure. NaN if the camera does not see the line, or sees it more than once. On a belt that
   // swings it swings as well: ask a renderer of the ideal world for the part.
-  void truth(int frame, std::span<float> heights) const;
+  void truth(int frame, std::span<float> heights) const { truth(frame, heights, {}); }
+
+  // The same, and the points themselves, one for each column; without meaning where the height is NaN.
+  void truth(int frame, std::span<float> heights, std::span<Point3> points) const;
 
   // One such row for each of `count` frames from `first` on, with several threads (0: one for each core).
   [[nodiscard]] FloatImage truth(int first, int count, int threads = 0) const;

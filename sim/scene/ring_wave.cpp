@@ -9,8 +9,9 @@
 namespace selfproj {
 namespace {
 
-constexpr double kGravity = 9800;  // mm/s²
-constexpr double kTail = 6;        // extent of the wave beyond its front, in s
+constexpr double kGravity = 9800;             // mm/s²
+constexpr double kTensionByDensity = 7.29e4;  // mm³/s²: of clean water at 20 °C, 72.8 mN/m and 998 kg/m³
+constexpr double kTail = 6;                   // extent of the wave beyond its front, in s
 
 }  // namespace
 
@@ -40,7 +41,7 @@ RingWave::RingWave(double depth_mm, double crater_mm, double s_mm, double longes
     float* to = rise_.data() + t * radii_;
     for (std::size_t i = 0; i < count; ++i) {
       const double k = static_cast<double>(i + 1) * step;
-      const auto phase = static_cast<float>(std::cos(speed_ * k * kTimeStep * static_cast<double>(t)));
+      const auto phase = static_cast<float>(std::cos(omega(k, depth_mm) * kTimeStep * static_cast<double>(t)));
       const float* from = bessel.data() + i * radii_;
       for (std::size_t r = 0; r < radii_; ++r) {
         to[r] += phase * from[r];
@@ -50,6 +51,10 @@ RingWave::RingWave(double depth_mm, double crater_mm, double s_mm, double longes
   for (const float rise : rise_) {
     most_ = std::max(most_, std::abs(static_cast<double>(rise)));
   }
+}
+
+double RingWave::omega(double k, double depth_mm) {
+  return std::sqrt((kGravity * k + kTensionByDensity * k * k * k) * std::tanh(k * depth_mm));
 }
 
 RingWave::Profile RingWave::profile(double t) const {

@@ -1,4 +1,5 @@
-// The wave that a body makes when it falls into shallow water, by the linear theory of long waves.
+// The wave that a body makes when it falls into shallow water, by the linear theory of waves under gravity and surface
+// tension (Airy; Lamb, Hydrodynamics, § 228, § 267).
 #ifndef SELFPROJ_SIM_SCENE_RING_WAVE_H
 #define SELFPROJ_SIM_SCENE_RING_WAVE_H
 
@@ -7,11 +8,12 @@
 
 namespace selfproj {
 
-// The water's rise eta over its level obeys eta_tt = c^2 (eta_xx + eta_yy), c = sqrt(g depth), whatever its wavelength.
-// At t = 0 it rests, with a crater whose rim holds the water that the crater lacks:
+// A wave of wavenumber k turns at omega^2 = (g k + tension/density k^3) tanh(k depth): long waves run at sqrt(g depth),
+// shorter ones more slowly, and ripples of less than 17 mm faster again. At t = 0 the water rests, with a crater whose
+// rim holds the water that the crater lacks:
 //
 //     eta(r, 0) = -crater (1 - r^2/(2 s^2)) exp(-r^2/(2 s^2))
-//     eta(r, t) = -crater s^4/2 . integral over k of k^3 exp(-k^2 s^2/2) J0(k r) cos(c k t)
+//     eta(r, t) = -crater s^4/2 . integral over k of k^3 exp(-k^2 s^2/2) J0(k r) cos(omega t)
 //
 // The integral is computed once for a table of radii and times, and interpolated linearly.
 class RingWave {
@@ -19,7 +21,10 @@ class RingWave {
   // Millimetres and seconds. Throws std::invalid_argument unless all are > 0.
   RingWave(double depth_mm, double crater_mm, double s_mm, double longest_s);
 
-  [[nodiscard]] double speed() const { return speed_; }  // mm/s
+  // omega in rad/s of a wave with k >= 0 in rad/mm.
+  static double omega(double k, double depth_mm);
+
+  [[nodiscard]] double speed() const { return speed_; }  // of long waves, mm/s: the fastest of those in this wave
   // No |eta| is ever greater.
   [[nodiscard]] double most() const { return most_; }
 

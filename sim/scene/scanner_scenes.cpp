@@ -7,11 +7,12 @@
 #include <memory>
 #include <numbers>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "sim/scene/body.h"
+#include "sim/scene/even_numbers.h"
 #include "sim/scene/ring_wave.h"
+#include "sim/scene/table.h"
 
 namespace selfproj {
 namespace {
@@ -19,125 +20,34 @@ namespace {
 constexpr double kBlackSleeve = 0.02;  // albedo too dark for the threshold, so that an arm is not measured
 constexpr double kSkin = 0.8;
 
-// A part of a surface that stands still: its heights over the plane, and their bounds over a rectangle; 0 outside.
-class Part {
- public:
-  Part() = default;
-  Part(const Part&) = delete;
-  Part& operator=(const Part&) = delete;
-  virtual ~Part() = default;
-  [[nodiscard]] virtual double height(double x, double y) const = 0;
-  [[nodiscard]] virtual HeightRange range(const Box& box) const = 0;
-};
-
-class Slab final : public Part {
- public:
-  Slab(const Box& box, double top) : box_(box), top_(top) {}
-  [[nodiscard]] double height(double x, double y) const override {
-    return x >= box_.x0 && x <= box_.x1 && y >= box_.y0 && y <= box_.y1 ? top_ : 0;
-  }
-  [[nodiscard]] HeightRange range(const Box& b) const override {
-    const bool touches = b.x1 >= box_.x0 && b.x0 <= box_.x1 && b.y1 >= box_.y0 && b.y0 <= box_.y1;
-    const bool inside = b.x0 >= box_.x0 && b.x1 <= box_.x1 && b.y0 >= box_.y0 && b.y1 <= box_.y1;
-    return {inside ? top_ : 0, touches ? top_ : 0};
-  }
-
- private:
-  Box box_;
-  double top_;
-};
-
-// Half an ellipsoid on a cylinder.
-class Dome final : public Part {
- public:
-  struct Size {
-    double rx, ry, base, rise;
-  };
-  Dome(double x, double y, const Size& size) : x_(x), y_(y), size_(size) {}
-  [[nodiscard]] double height(double x, double y) const override {
-    const double u = (x - x_) / size_.rx;
-    const double v = (y - y_) / size_.ry;
-    return at(u * u + v * v);
-  }
-  [[nodiscard]] HeightRange range(const Box& b) const override {
-    if (b.x1 < x_ - size_.rx || b.x0 > x_ + size_.rx || b.y1 < y_ - size_.ry || b.y0 > y_ + size_.ry) {
-      return {0, 0};
-    }
-    const auto near = [](double low, double high) { return std::clamp(0.0, low, high); };
-    const auto far = [](double low, double high) { return std::max(-low, high); };
-    const double x0 = b.x0 - x_;
-    const double x1 = b.x1 - x_;
-    const double y0 = b.y0 - y_;
-    const double y1 = b.y1 - y_;
-    return {height(x_ + far(x0, x1), y_ + far(y0, y1)), height(x_ + near(x0, x1), y_ + near(y0, y1))};
-  }
-
- private:
-  [[nodiscard]] double at(double distance_2) const {
-    return distance_2 <= 1 ? size_.base + size_.rise * std::sqrt(1 - distance_2) : 0;
-  }
-  double x_, y_;
-  Size size_;
-};
-
-// A surface whose height is that of its highest part.
-class Table : public Scene {
- public:
-  explicit Table(int frames) : frames_(frames) {}
-  template <class P, class... Arguments>
-  void add(Arguments&&... arguments) {
-    parts_.push_back(std::make_unique<P>(std::forward<Arguments>(arguments)...));
-  }
-  [[nodiscard]] int frames() const override { return frames_; }
-  [[nodiscard]] double height(double x, double y, double /*t*/) const override {
-    double height = 0;
-    for (const auto& part : parts_) {
-      height = std::max(height, part->height(x, y));
-    }
-    return height;
-  }
-  [[nodiscard]] HeightRange range(const Box& box, double /*t0*/, double /*t1*/) const override {
-    HeightRange all{0, 0};
-    for (const auto& part : parts_) {
-      const HeightRange range = part->range(box);
-      all = {std::max(all.low, range.low), std::max(all.high, range.high)};
-    }
-    return all;
-  }
-  [[nodiscard]] double speed() const override { return 0; }
-
- private:
-  int frames_;
-  std::vector<std::unique_ptr<Part>> parts_;
-};
-
 // ------------------------------------------------------------------ B1
 
 // A mouse, two books on top of each other, three balls.
 class Desk : public Table {
  public:
   explicit Desk(int frames) : Table(frames) {
-    add<Dome>(60.0, -130.0, Dome::Size{55, 32, 12, 26});  // the mouse
-    add<Slab>(Box{-190, -40, -120, 40}, 24);
-    add<Slab>(Box{-170, -60, -100, 20}, 45);
-    add<Dome>(-135.0, 130.0, Dome::Size{33, 33, 33, 33});  // balls: upper halves on cylinders of their radius
-    add<Dome>(-5.0, -60.0, Dome::Size{20, 20, 20, 20});
-    add<Dome>(-60.0, 60.0, Dome::Size{20, 20, 20, 20});
+    add<TableDome>(60.0, -130.0, TableDome::Size{55, 32, 12, 26});  // the mouse
+    add<TableSlab>(Box{-190, -40, -120, 40}, 24);
+    add<TableSlab>(Box{-170, -60, -100, 20}, 45);
+    add<TableDome>(-135.0, 130.0, TableDome::Size{33, 33, 33, 33});  // balls: upper halves on cylinders of their radius
+    add<TableDome>(-5.0, -60.0, TableDome::Size{20, 20, 20, 20});
+    add<TableDome>(-60.0, 60.0, TableDome::Size{20, 20, 20, 20});
   }
 };
 
 // A fist at the end of a black sleeve. It moves on a circle so slanted that it rises and falls by 50 mm.
 class Fist final : public Desk {
  public:
-  explicit Fist(const Rig& rig)
-      : Desk(static_cast<int>(std::lround(2 * rig.camera.frame_rate_hz))), plane_z_(rig.plane_z_mm) {}
+  Fist(const Rig& rig, const FistPath& path)
+      : Desk(static_cast<int>(std::lround(2 * rig.camera.frame_rate_hz))), plane_z_(rig.plane_z_mm), path_(path) {}
 
   [[nodiscard]] Bodies bodies(double t) const override {
-    const double phase = 2 * std::numbers::pi * FistMotion::kFrequency * t;
-    constexpr double kRise = 50;
-    const double along_x = std::sqrt(FistMotion::kRadius * FistMotion::kRadius - kRise * kRise);
-    const Point3 c{60 + along_x * std::sin(phase), FistMotion::kRadius * std::cos(phase),
-                   plane_z_ - 130 - kRise * std::sin(phase)};
+    const double phase = 2 * std::numbers::pi * path_.frequency * t + path_.phase;
+    const double up = std::sqrt(path_.radius * path_.radius - path_.rise * path_.rise) * std::sin(phase);
+    const double level = path_.radius * std::cos(phase);
+    const Point3 c{path_.x + up * std::cos(path_.towards) - level * std::sin(path_.towards),
+                   path_.y + up * std::sin(path_.towards) + level * std::cos(path_.towards),
+                   plane_z_ - path_.height - path_.rise * std::sin(phase)};
     Bodies bodies;
     bodies.push_back(std::make_unique<Ellipsoid>(c, std::array<Point3, 3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
                                                  Point3{38, 34, 26}, kSkin));
@@ -149,12 +59,11 @@ class Fist final : public Desk {
         std::make_unique<Capsule>(c + Point3{10, 40, 8}, Point3{60, 420, plane_z_ - 40}, 28, kBlackSleeve));
     return bodies;
   }
-  [[nodiscard]] double body_speed() const override {
-    return 2 * std::numbers::pi * FistMotion::kFrequency * FistMotion::kRadius;
-  }
+  [[nodiscard]] double body_speed() const override { return 2 * std::numbers::pi * path_.frequency * path_.radius; }
 
  private:
   double plane_z_;
+  FistPath path_;
 };
 
 // ------------------------------------------------------------------ B2
@@ -248,10 +157,10 @@ class Pool : public Table {
     constexpr double kX = PoolWave::kWidth / 2;
     constexpr double kY = PoolWave::kLength / 2;
     constexpr double kMiddle = PoolWave::kCentreX;
-    add<Slab>(Box{kMiddle - kX - kWall, kMiddle - kX, -kY - kWall, kY + kWall}, PoolWave::kDepth);
-    add<Slab>(Box{kMiddle + kX, kMiddle + kX + kWall, -kY - kWall, kY + kWall}, PoolWave::kDepth);
-    add<Slab>(Box{kMiddle - kX, kMiddle + kX, -kY - kWall, -kY}, PoolWave::kDepth);
-    add<Slab>(Box{kMiddle - kX, kMiddle + kX, kY, kY + kWall}, PoolWave::kDepth);
+    add<TableSlab>(Box{kMiddle - kX - kWall, kMiddle - kX, -kY - kWall, kY + kWall}, PoolWave::kDepth);
+    add<TableSlab>(Box{kMiddle + kX, kMiddle + kX + kWall, -kY - kWall, kY + kWall}, PoolWave::kDepth);
+    add<TableSlab>(Box{kMiddle - kX, kMiddle + kX, -kY - kWall, -kY}, PoolWave::kDepth);
+    add<TableSlab>(Box{kMiddle - kX, kMiddle + kX, kY, kY + kWall}, PoolWave::kDepth);
   }
   [[nodiscard]] Bodies bodies(double /*t*/) const override {
     Bodies bodies;
@@ -311,7 +220,7 @@ class Keyboard : public Table {
       return Point3{z * scale * (pixel.row - (rig.camera.rows - 1) / 2.0),
                     z * scale * (pixel.column - (rig.camera.columns - 1) / 2.0), z};
     };
-    tips_ = {seen(KeyTaps::kFirst), seen(KeyTaps::kSecond)};
+    tips_ = {seen(KeyTaps::kFirst.of(rig.camera)), seen(KeyTaps::kSecond.of(rig.camera))};
     const Point3 middle = 0.5 * (tips_[0] + tips_[1]);
     keys_ = {Point3{middle.x - kPitch / 2, middle.y + kPitch / 2, 0},
              Point3{middle.x + kPitch / 2, middle.y - kPitch / 2, 0}};
@@ -325,10 +234,10 @@ class Keyboard : public Table {
         if ((row == 2 && column == 6) || (row == 3 && column == 5)) {
           continue;
         }
-        add<Slab>(Box{x - kKey / 2, x + kKey / 2, y - kKey / 2, y + kKey / 2}, kTop);
+        add<TableSlab>(Box{x - kKey / 2, x + kKey / 2, y - kKey / 2, y + kKey / 2}, kTop);
       }
     }
-    add<Slab>(
+    add<TableSlab>(
         Box{keys_[0].x - 2.7 * kPitch, keys_[0].x + 2.7 * kPitch, keys_[0].y - 6.7 * kPitch, keys_[0].y + 5.7 * kPitch},
         kTop - 8);
   }
@@ -365,14 +274,15 @@ class Keyboard : public Table {
 // Two fingers of a hand that tap in turn.
 class Keys final : public Keyboard {
  public:
-  explicit Keys(const Rig& rig) : Keyboard(rig, static_cast<int>(std::lround(3 * rig.camera.frame_rate_hz))) {}
+  Keys(const Rig& rig, const Taps& taps)
+      : Keyboard(rig, static_cast<int>(std::lround(3 * rig.camera.frame_rate_hz))), taps_(taps) {}
 
   [[nodiscard]] Bodies bodies(double t) const override {
     Bodies bodies;
     std::array<double, 2> lift{};
     for (std::size_t i = 0; i < lift.size(); ++i) {
-      const double phase = 2 * std::numbers::pi * KeyTaps::kFrequency * t + (i == 0 ? 0 : std::numbers::pi);
-      lift[i] = KeyTaps::kStroke * (1 - std::cos(phase)) / 2;
+      const double phase = 2 * std::numbers::pi * taps_.frequency[i] * t + taps_.phase[i];
+      lift[i] = taps_.stroke[i] * (1 - std::cos(phase)) / 2;
       bodies.push_back(cap(key(i), std::min(kTop, kTop - kTravel + lift[i])));
     }
     for (std::size_t i = 0; i < lift.size(); ++i) {
@@ -388,10 +298,33 @@ class Keys final : public Keyboard {
     bodies.push_back(std::make_unique<Capsule>(palm + Point3{50, 0, 0}, palm + Point3{250, 30, -10}, 24, kBlackSleeve));
     return bodies;
   }
-  [[nodiscard]] double body_speed() const override { return std::numbers::pi * KeyTaps::kFrequency * KeyTaps::kStroke; }
+  [[nodiscard]] double body_speed() const override {
+    return std::numbers::pi * std::max(taps_.frequency[0] * taps_.stroke[0], taps_.frequency[1] * taps_.stroke[1]);
+  }
+
+ private:
+  Taps taps_;
 };
 
 }  // namespace
+
+FistPath drawn_path(std::uint64_t seed) {
+  EvenNumbers random(seed);
+  FistPath path;
+  path.x = 5 + random.within(15);
+  path.y = random.within(15);
+  path.height = 135 + random.within(10);
+  path.radius = 55 + random.within(10);
+  path.rise = 0.65 * path.radius + random.within(0.2 * path.radius);
+  path.towards = random.within(std::numbers::pi);
+  path.frequency = 3.5 + random.within(1);
+  path.phase = random.within(std::numbers::pi);
+  return path;
+}
+
+std::unique_ptr<Scene> make_fist(const Rig& rig, const FistPath& path) { return std::make_unique<Fist>(rig, path); }
+
+std::unique_ptr<Scene> make_keys(const Rig& rig, const Taps& taps) { return std::make_unique<Keys>(rig, taps); }
 
 const std::vector<SceneInfo>& scanner_scenes() {
   static const std::vector<SceneInfo> all{
@@ -403,13 +336,13 @@ const std::vector<SceneInfo>& scanner_scenes() {
        .description = "B1: a fist on a slanted circle, 3.5 turns a second, over the desk",
        .method = SceneMethod::gray_codes,
        .reference = "desk",
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Fist>(rig); }},
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return make_fist(rig, {}); }},
       {.name = "pool",
        .description = "still water of 3 cm, 34 x 25 cm",
        .method = SceneMethod::gray_codes,
        .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Pool>(rig, 1); }},
       {.name = "waves",
-       .description = "B2: a body falls into the pool at 1.36 s; its wave at 54 cm/s",
+       .description = "B2: a body falls into the pool at 1.36 s, and makes a wave",
        .method = SceneMethod::gray_codes,
        .reference = "pool",
        .analysis = SceneAnalysis::wave_front,
@@ -423,7 +356,7 @@ const std::vector<SceneInfo>& scanner_scenes() {
        .method = SceneMethod::gray_codes,
        .reference = "keyboard",
        .analysis = SceneAnalysis::key_taps,
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Keys>(rig); }},
+       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return make_keys(rig, {}); }},
   };
   return all;
 }

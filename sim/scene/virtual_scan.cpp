@@ -41,12 +41,12 @@ ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOpti
   return points_of(scan, [&](int i) { return pattern_image(scan_pattern(rig, i)); });
 }
 
-std::vector<std::vector<double>> scan_centroids(const Rig& rig, const Rig& real, const Scene& scene,
+std::vector<std::vector<double>> scan_centroids(const Rig& rig, const RealRig& real, const Scene& scene,
                                                 const FloatImage& pattern, const RenderOptions& options,
                                                 std::span<const Mode> modes) {
   constexpr int kFrames = 16;
-  Rig scanned = real;
-  scanned.imaging.seed += 1;
+  RealRig scanned = real;
+  scanned.rig.imaging.seed += 1;
   const Renderer renderer(scanned, scene, pattern, options);
   const int first = std::max(0, scene.frames() / 2 - kFrames / 2);
   std::vector<std::vector<std::uint8_t>> images(kFrames, std::vector<std::uint8_t>(rig.camera.pixels()));

@@ -11,6 +11,7 @@
 #include "host/rig/rig.h"
 #include "host/structured_light/point_scan.h"
 #include "model/column_moments.h"
+#include "sim/scene/real_rig.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 
@@ -32,7 +33,7 @@ ProjectorPoints scan_points(const Rig& rig, const Scene& scene, const RenderOpti
 // Centroids C of the light section in each of the modes, rows from 1, one for each column: means over 16 frames in the
 // middle of the scene's way, NaN if a column is not lit as the rig asks. `real` is the rig that takes the images, and
 // `rig` the one believed to take them; their images have one size.
-std::vector<std::vector<double>> scan_centroids(const Rig& rig, const Rig& real, const Scene& scene,
+std::vector<std::vector<double>> scan_centroids(const Rig& rig, const RealRig& real, const Scene& scene,
                                                 const FloatImage& pattern, const RenderOptions& options,
                                                 std::span<const Mode> modes);
 

@@ -41,6 +41,17 @@ TEST(FitLine, FindsSlope) {
   EXPECT_TRUE(std::isnan(fit_line({1}, {2}).slope));
 }
 
+TEST(SlopeBetweenJumps, JumpsDoNotMatter) {
+  std::vector<double> t;
+  std::vector<double> y;
+  for (int i = 0; i < 45; ++i) {
+    t.push_back(0.002 * i);
+    y.push_back(i == 7 ? std::nan("") : 40 + 350 * t.back() - (i > 20 ? 25 : 0) - (i > 33 ? 25 : 0));
+  }
+  EXPECT_NEAR(slope_between_jumps(t, y, 0.004, 0.01), 350, 1e-6);
+  EXPECT_TRUE(std::isnan(slope_between_jumps({0, 1}, {1, 2}, 2, 3)));
+}
+
 // A crest of known radius on a level surface, and a lower one inside it.
 TEST(RingMeans, ForemostCrestIsWhereItWasPut) {
   const Rig rig = load_rig("scanner");

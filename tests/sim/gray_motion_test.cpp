@@ -1,0 +1,72 @@
+// Runs experiments B1 to B3 with a coarse rig and few frames.
+#include "sim/experiment/gray_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+#include "host/report/report.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+namespace {
+
+// Rig B with so many times fewer pixels along each side.
+Rig small_rig(int factor = 4) {
+  Rig rig = load_rig("scanner");
+  rig.camera.rows /= factor;
+  rig.camera.columns /= factor;
+  rig.camera.pixel_pitch_mm *= factor;
+  rig.projector.lines /= factor;
+  rig.projector.columns /= factor;
+  rig.projector.line_pitch_mm *= factor;
+  rig.projector.column_pitch_mm *= factor;
+  rig.measure.max_z_per_line_mm *= factor;
+  return rig;
+}
+
+ReportTable table_of(const std::string& name, const GrayMotionOptions& options, std::size_t table) {
+  std::size_t done = 0;
+  std::size_t all = 1;
+  const StructuredLightResult result = run_gray_motion(name, options, [&](std::size_t now, std::size_t of) {
+    EXPECT_EQ(now, done + 1);
+    done = now;
+    all = of;
+  });
+  EXPECT_EQ(done, all) << "all images were foreseen";
+  return result.tables.at(table);
+}
+
+// The filter makes the centroid better on a path on which it was not chosen.
+TEST(GrayMotion, FistOnAnotherPath) {
+  const ReportTable others = table_of("B1", {.rig = small_rig(), .render = {}, .paths = 1, .frames = 120}, 1);
+  ASSERT_EQ(others.rows.size(), 2U);
+  EXPECT_LT(std::stod(others.rows[1][3]), std::stod(others.rows[1][8]));
+  EXPECT_LT(std::stod(others.rows[1][3]), 40);
+}
+
+TEST(GrayMotion, WaveIsFollowed) {
+  const ReportTable table = table_of("B2", {.rig = small_rig(), .render = {}, .paths = 0, .frames = 0}, 0);
+  ASSERT_EQ(table.rows.size(), 1U);
+  EXPECT_GT(std::stod(table.rows[0][3]), 23) << "nothing on water is slower";
+  EXPECT_LT(std::stod(table.rows[0][3]), 45) << "crests this short are slower than long waves";
+  EXPECT_NE(table.rows[0][2], "–");
+}
+
+TEST(GrayMotion, BothSetsOfTaps) {
+  const ReportTable table = table_of("B3", {.rig = small_rig(2), .render = {}, .paths = 0, .frames = 320}, 0);
+  ASSERT_EQ(table.rows.size(), 4U);
+  for (const auto& row : table.rows) {
+    EXPECT_NEAR(std::stod(row[2]), std::stod(row[1]), 0.4) << row[0];
+  }
+}
+
+TEST(GrayMotion, FewerFramesThanACycle) {
+  EXPECT_THROW(run_gray_motion("B1", {.rig = small_rig(), .render = {}, .paths = 0, .frames = 8}, {}),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace selfproj
