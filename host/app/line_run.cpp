@@ -9,11 +9,11 @@
 #include "host/driver/clock.h"
 #include "host/io/command_line.h"
 #include "host/io/user_error.h"
-#include "host/web/endpoint.h"
 #include "host/parts/part_cutter.h"
 #include "host/parts/section_reference.h"
 #include "host/parts/tolerance.h"
 #include "host/report/counter_facts.h"
+#include "host/web/endpoint.h"
 
 namespace selfproj {
 

@@ -46,7 +46,7 @@ template <int Gap>
 template <int Gap>
 [[gnu::always_inline]] inline void count_strip(const ImageView& strip, int columns, std::uint8_t threshold,
                                                RunStrip& count) {
-  constexpr int kRows = Gap + 1;  // of a block
+  constexpr int kRows = Gap + 1;                            // of a block
   constexpr int kBlocks = Gap == 0 ? 4 : Gap == 3 ? 1 : 2;  // that are processed at a time
   constexpr int kAllRows = kBlocks * kRows;
   static constexpr RunStrip kDark{};

@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "host/light_section/profile.h"
-#include "host/web/endpoint.h"
 #include "host/line/part_text.h"
 #include "host/parts/part_result.h"
 #include "host/report/facts.h"
 #include "host/rig/rig.h"
+#include "host/web/endpoint.h"
 
 namespace selfproj {
 

@@ -11,8 +11,8 @@
 #include <mutex>
 #include <thread>
 
-#include "host/web/endpoint.h"
 #include "host/line/line_state.h"
+#include "host/web/endpoint.h"
 
 namespace selfproj {
 
