@@ -14,6 +14,7 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "host/io/user_error.h"
@@ -38,8 +39,16 @@ std::string output_of(const std::string& command) {
   return text.substr(0, text.find('\n'));
 }
 
-// The path of this program. Builds lie inside the sources, in build/release/... .
-std::filesystem::path program() { return std::filesystem::read_symlink("/proc/self/exe"); }
+// The path of this program. Builds lie inside the sources, in build/release/... . Linux adds a note where it was built
+// again while it ran.
+std::filesystem::path program() {
+  constexpr std::string_view kReplaced = " (deleted)";
+  std::string path = std::filesystem::read_symlink("/proc/self/exe").string();
+  if (path.ends_with(kReplaced)) {
+    path.resize(path.size() - kReplaced.size());
+  }
+  return path;
+}
 
 std::string git(const std::string& words) {
   return output_of("git -C '" + program().parent_path().string() + "' " + words + " 2>/dev/null");
