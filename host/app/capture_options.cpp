@@ -72,6 +72,22 @@ CaptureRecord run_capture(const CaptureOptions& options, const std::string& out,
   }
 }
 
+ImageSequence Captured::sequence() const {
+  std::vector<std::string> names;
+  for (const CaptureRecord::Shot& shot : record.shots) {
+    names.push_back(shot.image + " of " + record.camera);
+  }
+  return {std::move(names), [this](std::size_t i) { return images[i]; }};
+}
+
+Captured capture_in_memory(const CaptureOptions& options, const std::string& out, const PatternsFor& patterns_for) {
+  Captured captured;
+  captured.record = run_capture(
+      options, out, patterns_for,
+      [&](std::size_t /*i*/, std::size_t /*count*/, const Image& image) { captured.images.push_back(image); });
+  return captured;
+}
+
 ImageSequence gray_patterns(const GraySequence& gray, int count) {
   std::vector<std::string> names;
   for (int i = 0; i < count; ++i) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/app/project_command.h"
 #include "host/capture/sequence_capture.h"
@@ -30,6 +31,18 @@ void add_projector_options(CLI::App& command, CaptureOptions& options);
 // Throws CheckFailed about `out` if Esc or Ctrl-C end it, and UserError.
 CaptureRecord run_capture(const CaptureOptions& options, const std::string& out, const PatternsFor& patterns_for,
                           const TakeShot& take);
+
+// Images of a capture, kept in memory.
+struct Captured {
+  CaptureRecord record;
+  std::vector<Image> images;
+
+  // The images in turn. This object must outlive it.
+  [[nodiscard]] ImageSequence sequence() const;
+};
+
+// The same with all images in memory.
+Captured capture_in_memory(const CaptureOptions& options, const std::string& out, const PatternsFor& patterns_for);
 
 // The first `count` images of a Gray-code sequence as patterns.
 ImageSequence gray_patterns(const GraySequence& gray, int count);

@@ -231,7 +231,7 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   command->add_option("--row-bits", geometry.row_bits, "Bits of a second code, along the projector's rows.")
       ->transform(whole_number(1, GrayDecoder::kMaxBits))
       ->type_name("N");
-  add_threshold_option(*command, scanner);
+  add_threshold_option(*command, scanner.threshold, std::to_string(scanner.threshold));
   command->add_flag("--median", scanner.median, "Apply a 3 x 3 median to the code image.");
   add_strict_option(*command, scanner);
   add_channel_option(*command, options->channel);

@@ -1,6 +1,7 @@
 #include "host/app/depth_options.h"
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 #include "host/io/command_line.h"
 
@@ -15,13 +16,13 @@ void add_geometry_options(CLI::App& command, DepthGeometry& geometry) {
       ->type_name("FILE.yaml");
 }
 
-void add_threshold_option(CLI::App& command, ScannerSettings& scanner) {
+void add_threshold_option(CLI::App& command, int& threshold, const std::string& by_default) {
   command
-      .add_option("--threshold", scanner.threshold,
+      .add_option("--threshold", threshold,
                   "A pair of images that differs by at most this many grey levels is ambiguous.")
       ->transform(whole_number(0, 255))
       ->type_name("T")
-      ->capture_default_str();
+      ->default_str(by_default);
 }
 
 void add_strict_option(CLI::App& command, ScannerSettings& scanner) {

@@ -12,7 +12,6 @@
 
 #include "host/calibration/calibrate.h"
 #include "host/calibration/pose_advice.h"
-#include "host/capture/sequence_capture.h"
 #include "host/io/image_files.h"
 #include "host/io/image_sequence.h"
 #include "host/io/user_error.h"
@@ -34,28 +33,21 @@ void say(const std::string& text) {
 // Captures the chessboard where it is.
 TakenPose take_pose(CaptureOptions& options, const DecodeSettings& decode, CalibrateSettings& settings,
                     const std::string& name, const std::string& out) {
-  TakenPose pose;
-  std::vector<Image> images;
   std::optional<GraySequence> gray;
-  const CaptureRecord record = run_capture(
-      options, out,
-      [&](const CaptureSizes& sizes) {
-        settings.projector_columns = sizes.projector_columns;
-        settings.projector_rows = sizes.projector_rows;
-        gray.emplace(sizes.projector_columns, sizes.projector_rows);
-        return gray_patterns(*gray, gray->count());
-      },
-      [&](std::size_t /*i*/, std::size_t /*count*/, const Image& image) {
-        images.push_back(image);
-        pose.images.push_back(encode_png(image));
-      });
-  options.settle_ms = record.settle.settle_ms;  // the later poses need no flashes
-  std::vector<std::string> names;
-  for (const CaptureRecord::Shot& shot : record.shots) {
-    names.push_back(name + "/" + shot.image);
+  const Captured captured = capture_in_memory(options, out, [&](const CaptureSizes& sizes) {
+    settings.projector_columns = sizes.projector_columns;
+    settings.projector_rows = sizes.projector_rows;
+    gray.emplace(sizes.projector_columns, sizes.projector_rows);
+    return gray_patterns(*gray, gray->count());
+  });
+  options.settle_ms = captured.record.settle.settle_ms;  // the later poses need no flashes
+  ImageSequence images = captured.sequence();
+  TakenPose pose{.report = observe_pose(name, decode_capture(name, images, *gray, decode), settings), .images = {}};
+  if (pose.report.reason.empty()) {
+    for (const Image& image : captured.images) {
+      pose.images.push_back(encode_png(image));
+    }
   }
-  ImageSequence captured(std::move(names), [&](std::size_t i) { return images[i]; });
-  pose.report = observe_pose(name, decode_capture(name, captured, *gray, decode), settings);
   return pose;
 }
 

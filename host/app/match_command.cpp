@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/app/depth_options.h"
 #include "host/app/match_run.h"
 #include "host/io/command_line.h"
 #include "host/io/frame_options.h"
@@ -75,7 +76,7 @@ selfproj match --reference reference --e 8 --out depth block/image_*.png
       ->type_name("DIR")
       ->required();
   begin_group(*command, "Decoding");
-  add_match_threshold(*command, options->match);
+  add_threshold_option(*command, options->match.threshold, "the rig's");
   add_channel_option(*command, options->channel);
   add_search_options(*command, options->match);
   begin_group(*command, "Output");

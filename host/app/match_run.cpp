@@ -14,8 +14,6 @@
 #include "host/io/frame_options.h"
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
-#include "host/report/depth_output.h"
-#include "host/report/match_output.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/depth_shares.h"
 #include "host/structured_light/self_reference_file.h"
@@ -52,15 +50,6 @@ std::vector<OfImage<DepthShares>> match_images(const Rig& rig, std::size_t patte
 }
 
 }  // namespace
-
-void add_match_threshold(CLI::App& command, MatchOptions& options) {
-  command
-      .add_option("--threshold", options.threshold,
-                  "A pair of images that differs by at most this many grey levels is ambiguous.")
-      ->transform(whole_number(0, 255))
-      ->type_name("T")
-      ->default_str("the rig's");
-}
 
 void add_search_options(CLI::App& command, MatchOptions& options) {
   begin_group(command, "Search");
@@ -122,10 +111,8 @@ MatchResult MatchRun::measure(ImageSequence& images, OutputFolder& folder) const
                            threshold,
                            images.count(),
                            match_images(rig_, static_cast<std::size_t>(patterns()), images, scanner, folder)};
-  write_match(rig_, table, scanner, report, folder);
-  return {.text = match_text(table, report, folder.name()),
-          .depth_png = depth_picture(scanner.triangulation(), scanner.depth(), "depth z"),
-          .difference_png = difference_picture(rig_, scanner.difference())};
+  MatchPictures pictures = write_match(rig_, table, scanner, report, folder);
+  return {.text = match_text(table, report, folder.name()), .pictures = std::move(pictures)};
 }
 
 }  // namespace selfproj

@@ -9,6 +9,7 @@
 #include "host/io/image_files.h"
 #include "host/io/image_sequence.h"
 #include "host/io/output_folder.h"
+#include "host/report/match_output.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
@@ -22,8 +23,7 @@ struct MatchOptions {
   int threshold = -1;  // the rig's if negative
 };
 
-// Add --threshold to the group that is open, and the group of --e, --printed-direction and so on.
-void add_match_threshold(CLI::App& command, MatchOptions& options);
+// Adds the group of --e, --printed-direction and so on.
 void add_search_options(CLI::App& command, MatchOptions& options);
 
 // A rig of kind scanner. Throws UserError.
@@ -34,9 +34,8 @@ void check_camera_size(const Rig& rig, const std::string& name, const Image& ima
 
 // What a run tells besides its files.
 struct MatchResult {
-  std::string text;            // for the terminal, one line
-  std::string depth_png;       // the newest depth image in colours
-  std::string difference_png;  // its difference from the reference
+  std::string text;        // for the terminal, one line
+  MatchPictures pictures;  // of the newest depth image, which are among the files
 };
 
 // Depth images from images under the patterns of a reference, as `selfproj match` writes them.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,7 +11,6 @@
 #include "host/capture/grey_response.h"
 #include "host/capture/sequence_capture.h"
 #include "host/io/command_line.h"
-#include "host/io/image_files.h"
 #include "host/io/output_file.h"
 #include "host/projector/grey_curve.h"
 
@@ -28,12 +26,10 @@ struct GammaOptions {
 void run_gamma(const GammaOptions& options) {
   const OutputFile out(options.out);
   const std::vector<int> greys = grey_levels(options.levels);
-  std::vector<Image> images;
-  const CaptureRecord record = run_capture(
-      options.capture, options.out,
-      [&](const CaptureSizes& sizes) { return grey_patterns(greys, sizes.projector_rows, sizes.projector_columns); },
-      [&](std::size_t /*i*/, std::size_t /*count*/, const Image& image) { images.push_back(image); });
-  const GreyResponse response = grey_response(greys, images, record.camera);
+  const Captured captured = capture_in_memory(options.capture, options.out, [&](const CaptureSizes& sizes) {
+    return grey_patterns(greys, sizes.projector_rows, sizes.projector_columns);
+  });
+  const GreyResponse response = grey_response(greys, captured.images, captured.record.camera);
   out.write(grey_curve_text(response.curve));
   fmt::print(
       "gamma {:.3f}, from {} pixels under {} greys; the light is off this law by {:.1f} % of white at most, and off a "

@@ -21,7 +21,6 @@
 #include "host/io/image_sequence.h"
 #include "host/io/output_folder.h"
 #include "host/io/user_error.h"
-#include "host/report/depth_output.h"
 #include "host/report/depth_summary.h"
 #include "host/report/report.h"
 #include "host/structured_light/depth_run.h"
@@ -53,28 +52,6 @@ void check_options(const ScanOptions& options) {
   } else if (geometry.rig.empty() == geometry.calibration.empty()) {
     throw UserError("--rig, --calibration", "give one of them, not both");
   }
-}
-
-// Images of a capture, kept in memory for the measurement.
-struct Captured {
-  CaptureRecord record;
-  std::vector<Image> images;
-
-  ImageSequence sequence() {
-    std::vector<std::string> names;
-    for (const CaptureRecord::Shot& shot : record.shots) {
-      names.push_back(shot.image + " of " + record.camera);
-    }
-    return {std::move(names), [this](std::size_t i) { return images[i]; }};
-  }
-};
-
-Captured take(const ScanOptions& options, const PatternsFor& patterns_for) {
-  Captured captured;
-  captured.record = run_capture(
-      options.capture, options.out, patterns_for,
-      [&](std::size_t /*i*/, std::size_t /*count*/, const Image& image) { captured.images.push_back(image); });
-  return captured;
 }
 
 // Throws UserError if a rig's projector has not the size of the display.
@@ -121,7 +98,7 @@ std::string scan_by_gray_codes(const ScanOptions& options, OutputFolder& folder)
   }
   DepthGeometry& geometry = setup.geometry;
   const std::optional<Rig> rig = geometry.rig.empty() ? std::nullopt : std::optional(scanner_rig(geometry.rig));
-  Captured captured = take(options, [&](const CaptureSizes& sizes) {
+  const Captured captured = capture_in_memory(options.capture, options.out, [&](const CaptureSizes& sizes) {
     if (rig) {
       check_display(options, *rig, sizes);
     }
@@ -141,14 +118,12 @@ std::string scan_by_gray_codes(const ScanOptions& options, OutputFolder& folder)
   const DepthRun run = depth_of_both_axes(setup, images);
   const DepthReport report{
       .setup = setup, .device = {}, .images = captured.images.size(), .cloud = {}, .comparison = {}, .plane = {}};
-  write_depth(run, report, folder);
+  const std::string picture = write_depth(run, report, folder);
   write_capture(options, captured, folder);
   ReportPage page = page_of(options, captured.record);
-  const std::string title = share_text(run.shares, PointState::valid);
   page.highlights = {{"valid", "pixels with a depth", static_cast<std::int64_t>(run.shares.of(PointState::valid))},
                      {"median_residual_px", "median distance of the two codes' rays", run.median_residual_px, "px"}};
-  page.pictures.insert(page.pictures.begin(),
-                       {"Depth", depth_picture(*run.triangulation, run.depth, "depth z"), title});
+  page.pictures.insert(page.pictures.begin(), {"Depth", picture, share_text(run.shares, PointState::valid)});
   ReportTable shares{.title = "Pixels", .header = {"state", "pixels"}, .rows = {}};
   for (int i = 0; i < kPointStates; ++i) {
     const auto state = static_cast<PointState>(i);
@@ -168,7 +143,7 @@ std::string scan_self_projected(const ScanOptions& options, OutputFolder& folder
     files.push_back(fmt::format("{}/pattern_{:02}.png", match.reference, i));
   }
   const ImageSequence patterns(std::move(files), std::nullopt);
-  Captured captured = take(options, [&](const CaptureSizes& sizes) {
+  const Captured captured = capture_in_memory(options.capture, options.out, [&](const CaptureSizes& sizes) {
     check_display(options, run.rig(), sizes);
     check_camera_size(run.rig(), options.capture.camera, {sizes.camera_rows, sizes.camera_columns, {}});
     return ImageSequence(patterns);
@@ -178,8 +153,8 @@ std::string scan_self_projected(const ScanOptions& options, OutputFolder& folder
   write_capture(options, captured, folder);
   ReportPage page = page_of(options, captured.record);
   page.settings.push_back({"reference", "reference", match.reference});
-  page.pictures.insert(page.pictures.begin(),
-                       {{"Difference from the reference", result.difference_png, ""}, {"Depth", result.depth_png, ""}});
+  page.pictures.insert(page.pictures.begin(), {{"Difference from the reference", result.pictures.difference, ""},
+                                               {"Depth", result.pictures.depth, ""}});
   folder.append("report.html", page_html(page));
   return result.text;
 }
@@ -229,12 +204,7 @@ selfproj scan --camera camera:192.168.1.20 --display 1 --rig calibration/rig.yam
       ->type_name("DIR");
   add_projector_options(*command, options->capture);
   begin_group(*command, "Decoding");
-  command
-      ->add_option("--threshold", options->match.threshold,
-                   "A pair of images that differs by at most this many grey levels is ambiguous.")
-      ->transform(whole_number(0, 255))
-      ->type_name("T")
-      ->default_str("5; the rig's with --self-projected");
+  add_threshold_option(*command, options->match.threshold, "5; the rig's with --self-projected");
   add_strict_option(*command, options->setup.scanner);
   add_limit_options(*command, options->setup.geometry);
   add_search_options(*command, options->match);

@@ -134,12 +134,13 @@ std::string moved_csv(const std::vector<OfImage<Moved>>& all) {
 
 }  // namespace
 
-void write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder) {
+std::string write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder) {
   const std::string title =
       fmt::format("depth z, {} of {} pixels", run.shares.of(PointState::valid), run.shares.total());
   folder.append("depth.tiff", encode_float_tiff("depth.tiff", run.depth));
   folder.append("depth.png", depth_png(run.depth));
-  folder.append("depth_colour.png", depth_picture(*run.triangulation, run.depth, title));
+  std::string picture = depth_picture(*run.triangulation, run.depth, title);
+  folder.append("depth_colour.png", picture);
   folder.append("cloud.ply", cloud_ply(*run.triangulation, run.depth));
   folder.append("shares.csv", shares_csv(run.all_shares));
   if (!run.moved.empty()) {
@@ -149,6 +150,7 @@ void write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& f
     folder.append("moved.tiff", encode_float_tiff("moved.tiff", *run.moved_depth));
   }
   folder.append("summary.json", summary(run, report));
+  return picture;
 }
 
 std::string depth_text(const DepthRun& run, const DepthReport& report, const std::string& folder) {

@@ -23,9 +23,9 @@ struct DepthReport {
   std::optional<PlaneFit> plane;
 };
 
-// Writes pictures, cloud, tables and summary of the run, without the single depth images. Does not commit the folder.
-// Throws UserError as OutputFolder does.
-void write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder);
+// Writes pictures, cloud, tables and summary of the run, without the single depth images, and returns the picture of
+// the newest one in colours, as PNG. Does not commit the folder. Throws UserError as OutputFolder does.
+std::string write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder);
 
 // The same for the terminal: one line each on the depth images, on the comparison and on the plane. `folder` is where
 // the files are.

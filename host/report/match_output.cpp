@@ -33,24 +33,23 @@ std::string summary(const MatchTable& table, const MatchReport& report) {
 
 }  // namespace
 
-std::string difference_picture(const Rig& rig, const FloatImage& difference) {
+MatchPictures write_match(const Rig& rig, const MatchTable& table, const SelfScanner& scanner,
+                          const MatchReport& report, OutputFolder& folder) {
   const double pitch = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
-  return labelled_map_png(difference, difference_scale(difference), {pitch, pitch},
-                          "difference from the reference, mm");
-}
-
-void write_match(const Rig& rig, const MatchTable& table, const SelfScanner& scanner, const MatchReport& report,
-                 OutputFolder& folder) {
   const FloatImage& depth = scanner.depth();
   const FloatImage& difference = scanner.difference();
+  MatchPictures pictures{.depth = depth_picture(scanner.triangulation(), depth, "depth z"),
+                         .difference = labelled_map_png(difference, difference_scale(difference), {pitch, pitch},
+                                                        "difference from the reference, mm")};
   folder.append("depth.tiff", encode_float_tiff("depth.tiff", depth));
   folder.append("depth.png", depth_png(depth));
-  folder.append("depth_colour.png", depth_picture(scanner.triangulation(), depth, "depth z"));
+  folder.append("depth_colour.png", pictures.depth);
   folder.append("difference.tiff", encode_float_tiff("difference.tiff", difference));
-  folder.append("difference.png", difference_picture(rig, difference));
+  folder.append("difference.png", pictures.difference);
   folder.append("cloud.ply", cloud_ply(scanner.triangulation(), depth));
   folder.append("shares.csv", shares_csv(report.all_shares));
   folder.append("summary.json", summary(table, report));
+  return pictures;
 }
 
 std::string match_text(const MatchTable& table, const MatchReport& report, const std::string& folder) {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
 #include "host/io/output_folder.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/depth_run.h"
@@ -27,13 +26,16 @@ struct MatchReport {
   std::vector<OfImage<DepthShares>> all_shares;  // shares of all depth images, at least one
 };
 
-// The difference from the reference in colours with colour bar and scale bars, as PNG.
-std::string difference_picture(const Rig& rig, const FloatImage& difference);
+// The newest depth image and its difference from the reference in colours, as PNG.
+struct MatchPictures {
+  std::string depth;
+  std::string difference;
+};
 
-// Writes pictures, cloud, tables and summary of the scanner's newest depth image. Does not commit the folder. Throws
-// UserError as OutputFolder does.
-void write_match(const Rig& rig, const MatchTable& table, const SelfScanner& scanner, const MatchReport& report,
-                 OutputFolder& folder);
+// Writes pictures, cloud, tables and summary of the scanner's newest depth image, and returns the pictures. Does not
+// commit the folder. Throws UserError as OutputFolder does.
+MatchPictures write_match(const Rig& rig, const MatchTable& table, const SelfScanner& scanner,
+                          const MatchReport& report, OutputFolder& folder);
 
 // The same for the terminal, in one line. `folder` is where the files are.
 std::string match_text(const MatchTable& table, const MatchReport& report, const std::string& folder);

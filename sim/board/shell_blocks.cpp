@@ -59,26 +59,59 @@ void ShellBlock::pass_clock(bool reset) {
   settle();
 }
 
-ColumnMomentsBlock::ColumnMomentsBlock(const sc_core::sc_module_name& name) : ShellBlock(name) {
-  shell_.clk_i(clk_);
-  shell_.rst_i(rst_);
-  shell_.beat_valid_i(beat_valid_);
-  shell_.beat_pixels_i(pixels_);
-  shell_.beat_group_i(group_);
-  shell_.beat_row_i(row_);
-  shell_.beat_first_row_i(first_row_);
-  shell_.beat_last_row_i(last_row_);
-  shell_.beat_line_end_i(line_end_);
+template <class Shell>
+void MomentsBlock::connect_common(Shell& shell) {
+  shell.clk_i(clk_);
+  shell.rst_i(rst_);
+  shell.beat_valid_i(beat_valid_);
+  shell.beat_pixels_i(pixels_);
+  shell.beat_group_i(group_);
+  shell.beat_row_i(row_);
+  shell.beat_first_row_i(first_row_);
+  shell.beat_last_row_i(last_row_);
+  shell.beat_line_end_i(line_end_);
+  shell.mode_i(mode_);
+  shell.threshold_i(threshold_);
+  shell.break_i(break_);
+  shell.accept_i(accept_);
+  shell.moments_valid_o(valid_o_);
+  shell.moments_data_o(data_o_);
+  shell.moments_break_o(break_o_);
+  shell.spoiled_o(spoiled_o_);
+  shell.line_rd_en_o(line_rd_);
+  shell.line_rd_addr_o(line_rd_at_);
+  shell.line_rd_data_i(line_in_);
+  shell.line_wr_en_o(line_wr_);
+  shell.line_wr_addr_o(line_wr_at_);
+  shell.line_wr_data_o(line_out_);
+  connect(line_, clk_, line_rd_, line_rd_at_, line_in_, line_wr_, line_wr_at_, line_out_);
+}
+
+void MomentsBlock::pass_clock_with(MomentsPins& pins) {
+  beat_valid_.write(pins.beat_valid_i != 0);
+  pixels_.write(pins.beat_pixels_i);
+  group_.write(pins.beat_group_i);
+  row_.write(pins.beat_row_i);
+  first_row_.write(pins.beat_first_row_i != 0);
+  last_row_.write(pins.beat_last_row_i != 0);
+  line_end_.write(pins.beat_line_end_i != 0);
+  mode_.write(pins.mode_i);
+  threshold_.write(pins.threshold_i);
+  break_.write(pins.break_i != 0);
+  accept_.write(pins.accept_i != 0);
+  pass_clock(pins.rst_i != 0);
+  pins.moments_valid_o = valid_o_.read();
+  if (valid_o_.read()) {
+    pins.moments_data_o = words_of(data_o_.read());
+  }
+  pins.moments_break_o = break_o_.read();
+  pins.spoiled_o = spoiled_o_.read();
+}
+
+ColumnMomentsBlock::ColumnMomentsBlock(const sc_core::sc_module_name& name) : MomentsBlock(name) {
+  connect_common(shell_);
   shell_.one_group_i(one_);
   shell_.two_groups_i(two_);
-  shell_.mode_i(mode_);
-  shell_.threshold_i(threshold_);
-  shell_.break_i(break_);
-  shell_.accept_i(accept_);
-  shell_.moments_valid_o(valid_o_);
-  shell_.moments_data_o(data_o_);
-  shell_.moments_break_o(break_o_);
-  shell_.spoiled_o(spoiled_o_);
   shell_.m_rd_en_o(m_rd_);
   shell_.m_rd_addr_o(m_rd_at_);
   shell_.m_rd_low_i(m_low_in_);
@@ -95,62 +128,22 @@ ColumnMomentsBlock::ColumnMomentsBlock(const sc_core::sc_module_name& name) : Sh
   shell_.a_wr_addr_o(a_wr_at_);
   shell_.a_wr_low_o(a_low_out_);
   shell_.a_wr_high_o(a_high_out_);
-  shell_.line_rd_en_o(line_rd_);
-  shell_.line_rd_addr_o(line_rd_at_);
-  shell_.line_rd_data_i(line_in_);
-  shell_.line_wr_en_o(line_wr_);
-  shell_.line_wr_addr_o(line_wr_at_);
-  shell_.line_wr_data_o(line_out_);
   connect(m_low_, clk_, m_rd_, m_rd_at_, m_low_in_, m_wr_, m_wr_at_, m_low_out_);
   connect(m_high_, clk_, m_rd_, m_rd_at_, m_high_in_, m_wr_, m_wr_at_, m_high_out_);
   connect(a_low_, clk_, a_rd_, a_rd_at_, a_low_in_, a_wr_, a_wr_at_, a_low_out_);
   connect(a_high_, clk_, a_rd_, a_rd_at_, a_high_in_, a_wr_, a_wr_at_, a_high_out_);
-  connect(line_, clk_, line_rd_, line_rd_at_, line_in_, line_wr_, line_wr_at_, line_out_);
 }
 
 void ColumnMomentsBlock::clock(ColumnMomentsPins& pins) {
-  beat_valid_.write(pins.beat_valid_i != 0);
-  pixels_.write(pins.beat_pixels_i);
-  group_.write(pins.beat_group_i);
-  row_.write(pins.beat_row_i);
-  first_row_.write(pins.beat_first_row_i != 0);
-  last_row_.write(pins.beat_last_row_i != 0);
-  line_end_.write(pins.beat_line_end_i != 0);
   one_.write(pins.one_group_i != 0);
   two_.write(pins.two_groups_i != 0);
-  mode_.write(pins.mode_i);
-  threshold_.write(pins.threshold_i);
-  break_.write(pins.break_i != 0);
-  accept_.write(pins.accept_i != 0);
-  pass_clock(pins.rst_i != 0);
-  pins.moments_valid_o = valid_o_.read();
-  if (valid_o_.read()) {
-    pins.moments_data_o = words_of(data_o_.read());
-  }
-  pins.moments_break_o = break_o_.read();
-  pins.spoiled_o = spoiled_o_.read();
+  pass_clock_with(pins);
 }
 
-ColumnRunsBlock::ColumnRunsBlock(const sc_core::sc_module_name& name) : ShellBlock(name) {
-  shell_.clk_i(clk_);
-  shell_.rst_i(rst_);
-  shell_.beat_valid_i(beat_valid_);
-  shell_.beat_pixels_i(pixels_);
-  shell_.beat_group_i(group_);
-  shell_.beat_row_i(row_);
-  shell_.beat_first_row_i(first_row_);
-  shell_.beat_last_row_i(last_row_);
-  shell_.beat_line_end_i(line_end_);
-  shell_.mode_i(mode_);
-  shell_.threshold_i(threshold_);
+ColumnRunsBlock::ColumnRunsBlock(const sc_core::sc_module_name& name) : MomentsBlock(name) {
+  connect_common(shell_);
   shell_.strongest_i(strongest_);
   shell_.gap_i(gap_);
-  shell_.break_i(break_);
-  shell_.accept_i(accept_);
-  shell_.moments_valid_o(valid_o_);
-  shell_.moments_data_o(data_o_);
-  shell_.moments_break_o(break_o_);
-  shell_.spoiled_o(spoiled_o_);
   shell_.rd_en_o(rd_);
   shell_.rd_addr_o(rd_at_);
   shell_.wr_en_o(wr_);
@@ -179,41 +172,17 @@ ColumnRunsBlock::ColumnRunsBlock(const sc_core::sc_module_name& name) : ShellBlo
   shell_.rest_wr1_o(rest_out_[1]);
   shell_.rest_wr2_o(rest_out_[2]);
   shell_.rest_wr3_o(rest_out_[3]);
-  shell_.line_rd_en_o(line_rd_);
-  shell_.line_rd_addr_o(line_rd_at_);
-  shell_.line_rd_data_i(line_in_);
-  shell_.line_wr_en_o(line_wr_);
-  shell_.line_wr_addr_o(line_wr_at_);
-  shell_.line_wr_data_o(line_out_);
   for (std::size_t lane = 0; lane < hls::kLanes; ++lane) {
     connect(open_[lane], clk_, rd_, rd_at_, open_in_[lane], wr_, wr_at_, open_out_[lane]);
     connect(best_[lane], clk_, rd_, rd_at_, best_in_[lane], wr_, wr_at_, best_out_[lane]);
     connect(rest_[lane], clk_, rd_, rd_at_, rest_in_[lane], wr_, wr_at_, rest_out_[lane]);
   }
-  connect(line_, clk_, line_rd_, line_rd_at_, line_in_, line_wr_, line_wr_at_, line_out_);
 }
 
 void ColumnRunsBlock::clock(ColumnRunsPins& pins) {
-  beat_valid_.write(pins.beat_valid_i != 0);
-  pixels_.write(pins.beat_pixels_i);
-  group_.write(pins.beat_group_i);
-  row_.write(pins.beat_row_i);
-  first_row_.write(pins.beat_first_row_i != 0);
-  last_row_.write(pins.beat_last_row_i != 0);
-  line_end_.write(pins.beat_line_end_i != 0);
-  mode_.write(pins.mode_i);
-  threshold_.write(pins.threshold_i);
   strongest_.write(pins.strongest_i != 0);
   gap_.write(pins.gap_i);
-  break_.write(pins.break_i != 0);
-  accept_.write(pins.accept_i != 0);
-  pass_clock(pins.rst_i != 0);
-  pins.moments_valid_o = valid_o_.read();
-  if (valid_o_.read()) {
-    pins.moments_data_o = words_of(data_o_.read());
-  }
-  pins.moments_break_o = break_o_.read();
-  pins.spoiled_o = spoiled_o_.read();
+  pass_clock_with(pins);
 }
 
 GrayDecoderBlock::GrayDecoderBlock(const sc_core::sc_module_name& name) : ShellBlock(name) {

@@ -27,7 +27,8 @@ namespace selfproj {
 
 using Wide128 = std::array<std::uint32_t, 4>;  // lowest word first
 
-struct ColumnMomentsPins {
+// What both circuits of the moments have.
+struct MomentsPins {
   std::uint8_t rst_i = 0;
   std::uint8_t beat_valid_i = 0;
   std::uint32_t beat_pixels_i = 0;
@@ -36,8 +37,6 @@ struct ColumnMomentsPins {
   std::uint8_t beat_first_row_i = 0;
   std::uint8_t beat_last_row_i = 0;
   std::uint8_t beat_line_end_i = 0;
-  std::uint8_t one_group_i = 0;
-  std::uint8_t two_groups_i = 0;
   std::uint8_t mode_i = 0;
   std::uint8_t threshold_i = 0;
   std::uint8_t break_i = 0;
@@ -49,26 +48,14 @@ struct ColumnMomentsPins {
   std::uint8_t spoiled_o = 0;
 };
 
-struct ColumnRunsPins {
-  std::uint8_t rst_i = 0;
-  std::uint8_t beat_valid_i = 0;
-  std::uint32_t beat_pixels_i = 0;
-  std::uint16_t beat_group_i = 0;
-  std::uint16_t beat_row_i = 0;
-  std::uint8_t beat_first_row_i = 0;
-  std::uint8_t beat_last_row_i = 0;
-  std::uint8_t beat_line_end_i = 0;
-  std::uint8_t mode_i = 0;
-  std::uint8_t threshold_i = 0;
+struct ColumnMomentsPins : MomentsPins {
+  std::uint8_t one_group_i = 0;
+  std::uint8_t two_groups_i = 0;
+};
+
+struct ColumnRunsPins : MomentsPins {
   std::uint8_t strongest_i = 0;
   std::uint8_t gap_i = 0;
-  std::uint8_t break_i = 0;
-  std::uint8_t accept_i = 0;
-
-  std::uint8_t moments_valid_o = 0;
-  Wide128 moments_data_o{};
-  std::uint8_t moments_break_o = 0;
-  std::uint8_t spoiled_o = 0;
 };
 
 struct GrayDecoderPins {
@@ -150,22 +137,26 @@ class ShellBlock : public sc_core::sc_module {
   static void settle();
 };
 
-class ColumnMomentsBlock : public ShellBlock {
- public:
-  explicit ColumnMomentsBlock(const sc_core::sc_module_name& name);
-  void clock(ColumnMomentsPins& pins);
-
- private:
+// The common part of both circuits of the moments: their beats and moments, and the line buffer.
+class MomentsBlock : public ShellBlock {
+ protected:
   using Group = hls::Group;
   static constexpr int kGroupBits = hls::bits_for(spec::kMaxColumns / hls::kLanes - 1);
 
-  hls::ColumnMomentsShell shell_{"shell"};
-  ShellRam<hls::kMBits, kGroupBits> m_low_{"m_low"}, m_high_{"m_high"};
-  ShellRam<hls::kABits, kGroupBits> a_low_{"a_low"}, a_high_{"a_high"};
+  using ShellBlock::ShellBlock;
+
+  // Connects the ports that both shells have.
+  template <class Shell>
+  void connect_common(Shell& shell);
+
+  // Writes the inputs that both have, makes the edge, and reads the outputs.
+  void pass_clock_with(MomentsPins& pins);
+
+ private:
   ShellRam<32, kGroupBits> line_{"line"};
 
   Signal<bool> beat_valid_{"beat_valid"}, first_row_{"first_row"}, last_row_{"last_row"}, line_end_{"line_end"};
-  Signal<bool> one_{"one"}, two_{"two"}, break_{"break_in"}, accept_{"accept"};
+  Signal<bool> break_{"break_in"}, accept_{"accept"};
   Signal<hls::Pixels> pixels_{"pixels"};
   Signal<Group> group_{"group"};
   Signal<hls::Row> row_{"row"};
@@ -173,24 +164,36 @@ class ColumnMomentsBlock : public ShellBlock {
   Signal<hls::Pixel> threshold_{"threshold"};
   Signal<bool> valid_o_{"valid_o"}, break_o_{"break_o"}, spoiled_o_{"spoiled_o"};
   Signal<hls::WideUint<128>> data_o_{"data_o"};
-  Signal<bool> m_rd_{"m_rd"}, m_wr_{"m_wr"}, a_rd_{"a_rd"}, a_wr_{"a_wr"}, line_rd_{"line_rd"}, line_wr_{"line_wr"};
-  Signal<Group> m_rd_at_{"m_rd_at"}, m_wr_at_{"m_wr_at"}, a_rd_at_{"a_rd_at"}, a_wr_at_{"a_wr_at"};
+  Signal<bool> line_rd_{"line_rd"}, line_wr_{"line_wr"};
   Signal<Group> line_rd_at_{"line_rd_at"}, line_wr_at_{"line_wr_at"};
+  Signal<hls::Pixels> line_out_{"line_out"}, line_in_{"line_in"};
+};
+
+class ColumnMomentsBlock : public MomentsBlock {
+ public:
+  explicit ColumnMomentsBlock(const sc_core::sc_module_name& name);
+  void clock(ColumnMomentsPins& pins);
+
+ private:
+  hls::ColumnMomentsShell shell_{"shell"};
+  ShellRam<hls::kMBits, kGroupBits> m_low_{"m_low"}, m_high_{"m_high"};
+  ShellRam<hls::kABits, kGroupBits> a_low_{"a_low"}, a_high_{"a_high"};
+
+  Signal<bool> one_{"one"}, two_{"two"};
+  Signal<bool> m_rd_{"m_rd"}, m_wr_{"m_wr"}, a_rd_{"a_rd"}, a_wr_{"a_wr"};
+  Signal<Group> m_rd_at_{"m_rd_at"}, m_wr_at_{"m_wr_at"}, a_rd_at_{"a_rd_at"}, a_wr_at_{"a_wr_at"};
   Signal<hls::Uint<hls::kMBits>> m_low_out_{"m_low_out"}, m_high_out_{"m_high_out"}, m_low_in_{"m_low_in"};
   Signal<hls::Uint<hls::kMBits>> m_high_in_{"m_high_in"};
   Signal<hls::Uint<hls::kABits>> a_low_out_{"a_low_out"}, a_high_out_{"a_high_out"}, a_low_in_{"a_low_in"};
   Signal<hls::Uint<hls::kABits>> a_high_in_{"a_high_in"};
-  Signal<hls::Pixels> line_out_{"line_out"}, line_in_{"line_in"};
 };
 
-class ColumnRunsBlock : public ShellBlock {
+class ColumnRunsBlock : public MomentsBlock {
  public:
   explicit ColumnRunsBlock(const sc_core::sc_module_name& name);
   void clock(ColumnRunsPins& pins);
 
  private:
-  using Group = hls::Group;
-  static constexpr int kGroupBits = hls::bits_for(spec::kMaxColumns / hls::kLanes - 1);
   // Of each lane
   template <typename T>
   using OfLanes = sc_core::sc_vector<T>;
@@ -201,24 +204,14 @@ class ColumnRunsBlock : public ShellBlock {
   OfLanes<ShellRam<hls::kOpenBits, kGroupBits>> open_{"open", hls::kLanes};
   OfLanes<ShellRam<hls::kBestBits, kGroupBits>> best_{"best", hls::kLanes};
   OfLanes<ShellRam<hls::kRestBits, kGroupBits>> rest_{"rest", hls::kLanes};
-  ShellRam<32, kGroupBits> line_{"line"};
 
-  Signal<bool> beat_valid_{"beat_valid"}, first_row_{"first_row"}, last_row_{"last_row"}, line_end_{"line_end"};
-  Signal<bool> strongest_{"strongest"}, break_{"break_in"}, accept_{"accept"};
-  Signal<hls::Pixels> pixels_{"pixels"};
-  Signal<Group> group_{"group"};
-  Signal<hls::Row> row_{"row"};
-  Signal<hls::ModeBits> mode_{"mode"};
+  Signal<bool> strongest_{"strongest"};
   Signal<hls::Uint<2>> gap_{"gap"};
-  Signal<hls::Pixel> threshold_{"threshold"};
-  Signal<bool> valid_o_{"valid_o"}, break_o_{"break_o"}, spoiled_o_{"spoiled_o"};
-  Signal<hls::WideUint<128>> data_o_{"data_o"};
-  Signal<bool> rd_{"rd"}, wr_{"wr"}, line_rd_{"line_rd"}, line_wr_{"line_wr"};
-  Signal<Group> rd_at_{"rd_at"}, wr_at_{"wr_at"}, line_rd_at_{"line_rd_at"}, line_wr_at_{"line_wr_at"};
+  Signal<bool> rd_{"rd"}, wr_{"wr"};
+  Signal<Group> rd_at_{"rd_at"}, wr_at_{"wr_at"};
   Words<hls::kOpenBits> open_in_{"open_in", hls::kLanes}, open_out_{"open_out", hls::kLanes};
   Words<hls::kBestBits> best_in_{"best_in", hls::kLanes}, best_out_{"best_out", hls::kLanes};
   Words<hls::kRestBits> rest_in_{"rest_in", hls::kLanes}, rest_out_{"rest_out", hls::kLanes};
-  Signal<hls::Pixels> line_out_{"line_out"}, line_in_{"line_in"};
 };
 
 // The memory of the states is behind the pins.

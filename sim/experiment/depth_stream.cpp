@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "host/io/image_files.h"
@@ -25,16 +27,20 @@ int coded_lines(const Rig& rig) { return std::min(kCodedLines, rig.projector.lin
 SelfProjectedStream::SelfProjectedStream(const Rig& rig, const SelfReference& reference, const MatchTable& table)
     : reference_(reference), scanner_(rig, reference, table, rig.measure.code_threshold) {}
 
-ConventionalStream::ConventionalStream(const Rig& rig, int bits)
+GrayStream::GrayStream(const Rig& rig, std::unique_ptr<Triangulation> triangulation, int bits, int lines)
     : rig_(rig),
-      triangulation_(rig, bits, {}, coded_lines(rig)),
-      scanner_(triangulation_, {.threshold = rig.measure.code_threshold}) {}
+      triangulation_(std::move(triangulation)),
+      bits_(bits),
+      lines_(lines),
+      scanner_(*triangulation_, {.threshold = rig.measure.code_threshold}) {}
 
-FloatImage ConventionalStream::difference() const { return minus(reference_, scanner_.depth()); }
+FloatImage GrayStream::difference() const { return minus(reference_, scanner_.depth()); }
 
-FloatImage ConventionalStream::pattern(int index) const {
-  return gray_pattern(rig_, triangulation_.bits(), coded_lines(rig_), index);
-}
+FloatImage GrayStream::pattern(int index) const { return gray_pattern(rig_, bits_, lines_, index); }
+
+ConventionalStream::ConventionalStream(const Rig& rig, int bits)
+    : GrayStream(rig, std::make_unique<PlaneTriangulation>(rig, bits, DepthLimits{}, coded_lines(rig)), bits,
+                 coded_lines(rig)) {}
 
 void play(const PatternRenderer& renderer, DepthStream& stream, int first, int count,
           const std::function<void(int frame)>& see, const std::function<void()>& done) {

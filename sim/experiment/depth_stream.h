@@ -3,6 +3,7 @@
 #define SELFPROJ_SIM_EXPERIMENT_DEPTH_STREAM_H
 
 #include <functional>
+#include <memory>
 
 #include "host/io/float_image.h"
 #include "host/rig/rig.h"
@@ -51,24 +52,33 @@ class SelfProjectedStream final : public DepthStream {
   SelfScanner scanner_;
 };
 
-// Gray codes over the central lines, with the median.
-class ConventionalStream final : public DepthStream {
+// Gray codes of `bits` bits over so many central lines, with the median.
+class GrayStream : public DepthStream {
  public:
-  ConventionalStream(const Rig& rig, int bits);
+  GrayStream(const Rig& rig, std::unique_ptr<Triangulation> triangulation, int bits, int lines);
   bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
   [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
   [[nodiscard]] FloatImage difference() const override;
-  [[nodiscard]] int bits() const override { return triangulation_.bits(); }
+  [[nodiscard]] int bits() const override { return bits_; }
   [[nodiscard]] FloatImage pattern(int index) const override;
+
+  [[nodiscard]] const Triangulation& triangulation() const { return *triangulation_; }
 
   // Sets the depth from which `difference` is computed; must be called before that.
   void set_reference(const FloatImage& depth) { reference_ = depth; }
 
  private:
   const Rig& rig_;
-  PlaneTriangulation triangulation_;
+  std::unique_ptr<Triangulation> triangulation_;
+  int bits_, lines_;
   Scanner scanner_;
   FloatImage reference_;
+};
+
+// Over kCodedLines lines, or all of a coarse rig.
+class ConventionalStream final : public GrayStream {
+ public:
+  ConventionalStream(const Rig& rig, int bits);
 };
 
 // Plays frames first .. first + count - 1 (`count` even) under the stream's patterns, the first one under pattern 0.

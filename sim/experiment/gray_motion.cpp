@@ -36,27 +36,11 @@ constexpr double kWrongMm = 15;     // a depth that is more than this off is wro
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // Gray codes over all of the projector's lines.
-class GrayStream final : public DepthStream {
+class WholeStream final : public GrayStream {
  public:
-  explicit GrayStream(const Rig& rig)
-      : rig_(rig),
-        triangulation_(triangulation_of_rig(rig, kBits, {0, rig.plane_z_mm + kBelowPlane})),
-        scanner_(*triangulation_, {.threshold = rig.measure.code_threshold}) {}
-  bool take(const ImageView& image, int pattern) override { return scanner_.take(image, pattern); }
-  [[nodiscard]] const FloatImage& depth() const override { return scanner_.depth(); }
-  [[nodiscard]] FloatImage difference() const override { return minus(background_, scanner_.depth()); }
-  [[nodiscard]] int bits() const override { return kBits; }
-  [[nodiscard]] FloatImage pattern(int index) const override {
-    return gray_pattern(rig_, kBits, rig_.projector.lines, index);
-  }
-  [[nodiscard]] const Triangulation& triangulation() const { return *triangulation_; }
-  void set_background(const FloatImage& depth) { background_ = depth; }
-
- private:
-  const Rig& rig_;
-  std::unique_ptr<Triangulation> triangulation_;
-  Scanner scanner_;
-  FloatImage background_;
+  explicit WholeStream(const Rig& rig)
+      : GrayStream(rig, triangulation_of_rig(rig, kBits, {0, rig.plane_z_mm + kBelowPlane}), kBits,
+                   rig.projector.lines) {}
 };
 
 // A depth image and its truth, in the middle of its cycle.
@@ -84,19 +68,19 @@ void observe(const GrayMotionOptions& options, const Shot& shot, const std::func
   rig.imaging.seed = shot.noise_seed;
   Rig still_rig = rig;
   ++still_rig.imaging.seed;
-  GrayStream stream(rig);
+  WholeStream stream(rig);
   FloatImage background;
   FloatImage true_background(rig.camera.rows, rig.camera.columns);
   const auto least = static_cast<float>(rig.measure.code_threshold);
   {
     const PatternRenderer still(still_rig, shot.background, options.render);
-    GrayStream before(still_rig);
+    WholeStream before(still_rig);
     play(
         still, before, 0, kCycle, [](int /*frame*/) {}, done);
     background = before.depth();
     still.lit_depth(0, true_background.values, least);
   }
-  stream.set_background(background);
+  stream.set_reference(background);
   for (std::size_t i = 0; i < background.values.size(); ++i) {
     if (std::isnan(background.values[i])) {
       true_background.values[i] = background.values[i];

@@ -84,63 +84,53 @@ class Beside : public Pins {
   bool known_ = false;  // there has been a reset
 };
 
-class Moments final : public Beside<ColumnMomentsPins, Vsp_column_moments, Moments> {
+// What both circuits of the moments have.
+template <typename Pins, typename Rtl, typename Derived>
+class MomentsBeside : public Beside<Pins, Rtl, Derived> {
  public:
-  using Beside::Beside;
-  static ColumnMomentsBlock& block() { return shells().moments; }
-  void inputs(Vsp_column_moments& rtl) const {
-    set(rtl.rst_i, rst_i);
-    set(rtl.beat_valid_i, beat_valid_i);
-    set(rtl.beat_pixels_i, beat_pixels_i);
-    set(rtl.beat_group_i, beat_group_i);
-    set(rtl.beat_row_i, beat_row_i);
-    set(rtl.beat_first_row_i, beat_first_row_i);
-    set(rtl.beat_last_row_i, beat_last_row_i);
-    set(rtl.beat_line_end_i, beat_line_end_i);
-    set(rtl.one_group_i, one_group_i);
-    set(rtl.two_groups_i, two_groups_i);
-    set(rtl.mode_i, mode_i);
-    set(rtl.threshold_i, threshold_i);
-    set(rtl.break_i, break_i);
-    set(rtl.accept_i, accept_i);
+  using Beside<Pins, Rtl, Derived>::Beside;
+  void inputs(Rtl& rtl) const {
+    set(rtl.rst_i, this->rst_i);
+    set(rtl.beat_valid_i, this->beat_valid_i);
+    set(rtl.beat_pixels_i, this->beat_pixels_i);
+    set(rtl.beat_group_i, this->beat_group_i);
+    set(rtl.beat_row_i, this->beat_row_i);
+    set(rtl.beat_first_row_i, this->beat_first_row_i);
+    set(rtl.beat_last_row_i, this->beat_last_row_i);
+    set(rtl.beat_line_end_i, this->beat_line_end_i);
+    set(rtl.mode_i, this->mode_i);
+    set(rtl.threshold_i, this->threshold_i);
+    set(rtl.break_i, this->break_i);
+    set(rtl.accept_i, this->accept_i);
+    static_cast<const Derived*>(this)->own_inputs(rtl);
   }
-  void compare(Vsp_column_moments& rtl) const {
-    EXPECT_EQ(moments_valid_o, rtl.moments_valid_o);
+  void compare(Rtl& rtl) const {
+    EXPECT_EQ(this->moments_valid_o, rtl.moments_valid_o);
     if (rtl.moments_valid_o != 0) {
-      EXPECT_EQ(word128(moments_data_o), word128(rtl.moments_data_o));
+      EXPECT_EQ(word128(this->moments_data_o), word128(rtl.moments_data_o));
     }
-    EXPECT_EQ(moments_break_o, rtl.moments_break_o);
-    EXPECT_EQ(spoiled_o, rtl.spoiled_o);
+    EXPECT_EQ(this->moments_break_o, rtl.moments_break_o);
+    EXPECT_EQ(this->spoiled_o, rtl.spoiled_o);
   }
 };
 
-class StrongestRuns final : public Beside<ColumnRunsPins, Vsp_column_runs, StrongestRuns> {
+class Moments final : public MomentsBeside<ColumnMomentsPins, Vsp_column_moments, Moments> {
  public:
-  using Beside::Beside;
+  using MomentsBeside::MomentsBeside;
+  static ColumnMomentsBlock& block() { return shells().moments; }
+  void own_inputs(Vsp_column_moments& rtl) const {
+    set(rtl.one_group_i, one_group_i);
+    set(rtl.two_groups_i, two_groups_i);
+  }
+};
+
+class StrongestRuns final : public MomentsBeside<ColumnRunsPins, Vsp_column_runs, StrongestRuns> {
+ public:
+  using MomentsBeside::MomentsBeside;
   static ColumnRunsBlock& block() { return shells().runs; }
-  void inputs(Vsp_column_runs& rtl) const {
-    set(rtl.rst_i, rst_i);
-    set(rtl.beat_valid_i, beat_valid_i);
-    set(rtl.beat_pixels_i, beat_pixels_i);
-    set(rtl.beat_group_i, beat_group_i);
-    set(rtl.beat_row_i, beat_row_i);
-    set(rtl.beat_first_row_i, beat_first_row_i);
-    set(rtl.beat_last_row_i, beat_last_row_i);
-    set(rtl.beat_line_end_i, beat_line_end_i);
-    set(rtl.mode_i, mode_i);
-    set(rtl.threshold_i, threshold_i);
+  void own_inputs(Vsp_column_runs& rtl) const {
     set(rtl.strongest_i, strongest_i);
     set(rtl.gap_i, gap_i);
-    set(rtl.break_i, break_i);
-    set(rtl.accept_i, accept_i);
-  }
-  void compare(Vsp_column_runs& rtl) const {
-    EXPECT_EQ(moments_valid_o, rtl.moments_valid_o);
-    if (rtl.moments_valid_o != 0) {
-      EXPECT_EQ(word128(moments_data_o), word128(rtl.moments_data_o));
-    }
-    EXPECT_EQ(moments_break_o, rtl.moments_break_o);
-    EXPECT_EQ(spoiled_o, rtl.spoiled_o);
   }
 };
 
@@ -245,62 +235,48 @@ constexpr bool moments::kBinaryDrains<StrongestRuns> = true;
 
 namespace {
 
-TEST(ColumnMomentsShell, SmallSizes) {
-  moments::small_sizes<Moments>({Mode::binary, Mode::grey, Mode::grey_over});
-  expect_clocks(30'000);
-}
+const std::vector<Mode> kModes{Mode::binary, Mode::grey, Mode::grey_over};
 
-TEST(ColumnMomentsShell, OriginalImage) {
-  moments::large_size<Moments>(512, 96, {Mode::binary, Mode::grey, Mode::grey_over});
-  expect_clocks(70'000);
+template <typename Circuit>
+void small_sizes() {
+  moments::small_sizes<Circuit>(kModes);
+  expect_clocks(30'000);
 }
 
 // 255 in every pixel of the tallest image: every sum at its largest, one and two groups a line.
-TEST(ColumnMomentsShell, TallestImages) {
+template <typename Circuit>
+void tallest_images() {
   for (const int columns : {4, 8}) {
-    moments::large_size<Moments>(columns, 1023, {Mode::binary, Mode::grey, Mode::grey_over});
+    moments::large_size<Circuit>(columns, 1023, kModes);
   }
   expect_clocks(15'000);
 }
 
-TEST(ColumnMomentsShell, RandomFrames) {
+template <typename Circuit>
+void random_frames() {
   for (const std::uint64_t seed : seeds(60)) {
     SCOPED_TRACE(how_to_repeat(seed));
-    const std::vector<Mode> modes{Mode::binary, Mode::grey, Mode::grey_over};
     Random one_size(seed);
-    moments::random_frames<Moments>(one_size, modes, 64, 9, false);
+    moments::random_frames<Circuit>(one_size, kModes, 64, 9, false);
     Random changing(seed);
-    moments::random_frames<Moments>(changing, modes, changing.chance(50) ? 64 : 400, 9, true);
-    ASSERT_FALSE(HasFailure());
+    moments::random_frames<Circuit>(changing, kModes, changing.chance(50) ? 64 : 400, 9, true);
+    ASSERT_FALSE(::testing::Test::HasFailure());
   }
   expect_clocks(200'000);
 }
 
-TEST(ColumnRunsShell, SmallSizes) {
-  moments::small_sizes<StrongestRuns>({Mode::binary, Mode::grey, Mode::grey_over});
-  expect_clocks(30'000);
+TEST(ColumnMomentsShell, SmallSizes) { small_sizes<Moments>(); }
+TEST(ColumnMomentsShell, TallestImages) { tallest_images<Moments>(); }
+TEST(ColumnMomentsShell, RandomFrames) { random_frames<Moments>(); }
+
+TEST(ColumnMomentsShell, OriginalImage) {
+  moments::large_size<Moments>(512, 96, kModes);
+  expect_clocks(70'000);
 }
 
-// Every sum at its largest, one and two groups a line.
-TEST(ColumnRunsShell, TallestImages) {
-  for (const int columns : {4, 8}) {
-    moments::large_size<StrongestRuns>(columns, 1023, {Mode::binary, Mode::grey, Mode::grey_over});
-  }
-  expect_clocks(15'000);
-}
-
-TEST(ColumnRunsShell, RandomFrames) {
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    const std::vector<Mode> modes{Mode::binary, Mode::grey, Mode::grey_over};
-    Random one_size(seed);
-    moments::random_frames<StrongestRuns>(one_size, modes, 64, 9, false);
-    Random changing(seed);
-    moments::random_frames<StrongestRuns>(changing, modes, changing.chance(50) ? 64 : 400, 9, true);
-    ASSERT_FALSE(HasFailure());
-  }
-  expect_clocks(200'000);
-}
+TEST(ColumnRunsShell, SmallSizes) { small_sizes<StrongestRuns>(); }
+TEST(ColumnRunsShell, TallestImages) { tallest_images<StrongestRuns>(); }
+TEST(ColumnRunsShell, RandomFrames) { random_frames<StrongestRuns>(); }
 
 TEST(GrayDecoderShell, RandomSequences) {
   std::uint64_t pixels = 0;
