@@ -27,10 +27,11 @@ struct TakenPose {
 
 void say(const std::string& text) {
   fmt::print("{}\n", text);
-  static_cast<void>(std::fflush(stdout));  // before waiting, on a pipe too
+  static_cast<void>(std::fflush(stdout));  // a pipe would hold it back while the command waits
 }
 
-// Captures the chessboard where it is.
+// Captures the chessboard under all patterns. Sets the size of the projector in `settings`, and keeps the settle time
+// in `options`.
 TakenPose take_pose(CaptureOptions& options, const DecodeSettings& decode, CalibrateSettings& settings,
                     const std::string& name, const std::string& out) {
   std::optional<GraySequence> gray;
@@ -40,7 +41,7 @@ TakenPose take_pose(CaptureOptions& options, const DecodeSettings& decode, Calib
     gray.emplace(sizes.projector_columns, sizes.projector_rows);
     return gray_patterns(*gray, gray->count());
   });
-  options.settle_ms = captured.record.settle.settle_ms;  // the later poses need no flashes
+  options.settle_ms = captured.record.settle.settle_ms;  // so that only the first capture measures it
   ImageSequence images = captured.sequence();
   TakenPose pose{.report = observe_pose(name, decode_capture(name, images, *gray, decode), settings), .images = {}};
   if (pose.report.reason.empty()) {
@@ -63,6 +64,7 @@ PoseAdvice advice_on(const std::vector<TakenPose>& taken, const Chessboard& ches
 
 std::vector<PoseReport> take_guided_poses(const CaptureOptions& options, const DecodeSettings& decode,
                                           CalibrateSettings& settings, OutputFolder& folder) {
+  folder.check("pose_01/image_0001.png");  // before the poses, which nobody wants to take twice
   CaptureOptions capture = options;
   std::vector<TakenPose> taken;
   for (;;) {

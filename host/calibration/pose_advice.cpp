@@ -100,7 +100,7 @@ std::string PoseAdvice::covered() const {
                      leans_[index(Lean::lower)], leans_[index(Lean::none)]);
 }
 
-// The part with the fewest poses; among equals the one furthest from the parts that have most, beginning in the middle.
+// Distances to other parts count as often as these have poses.
 std::size_t PoseAdvice::next_part() const {
   constexpr std::size_t kMiddle = kSide * kSide / 2;
   if (poses_ == 0) {

@@ -10,16 +10,17 @@
 
 namespace selfproj {
 
-// Which side of a chessboard is further from the camera than the opposite one, in the image.
+// Which side of a chessboard, as seen in the image, is further from the camera than the opposite side.
 enum class Lean { none, left, right, upper, lower };
 inline constexpr std::size_t kLeans = 5;
 
-// How a chessboard leans, from the homography of its corners: the direction in which they recede, and `none` where the
-// far side is less than 3 % further away than the near one, or the pose has no corners.
+// The side towards which the corners recede, by their homography. `none` if the depth differs by less than 3 % across
+// the board, or there is no homography.
 Lean lean_of(const PoseReport& pose, const Chessboard& chessboard);
 
-// Counts what usable poses cover. A calibration wants corners in every part of the image, and chessboards that lean to
-// every side, for focal length and distance change a chessboard that stands square in the same way.
+// Counts which parts of the camera's image have corners, and to which sides the chessboards lean. The image of a
+// chessboard that faces the camera cannot tell the focal length from the distance, because both only scale it. So
+// chessboards must lean, to every side. Only poses that are used should be added.
 class PoseAdvice {
  public:
   static constexpr int kSide = 3;    // the image has kSide x kSide parts
@@ -31,14 +32,16 @@ class PoseAdvice {
 
   [[nodiscard]] int poses() const { return poses_; }
 
-  // Whether there are kEnough poses, each side was once the far one, and no more than one part of the image is empty.
+  // Whether there are kEnough poses or more, each side was the far one at least once, and at most one part of the image
+  // is empty.
   [[nodiscard]] bool enough() const;
 
   // "covered: 5 of 9 parts of the image (missing: upper left, left, lower left, lower middle); far side: left 1, ...".
   [[nodiscard]] std::string covered() const;
 
-  // "put it into the upper left of the image, with its right side further away than its left": the empty part that is
-  // furthest from the others that are covered, and the far side that was least often.
+  // "put it into the upper left of the image, with its right side further away than its left": the part with the
+  // fewest poses, and among equals the one furthest from where corners were seen; first the middle. The far side is the
+  // one that poses had least often.
   [[nodiscard]] std::string next() const;
 
  private:

@@ -92,22 +92,24 @@ void OutputFolder::create_staging() {
   }
 }
 
-void OutputFolder::check(const std::string& file) const { check_output(target_ / file, target_ / file); }
+void OutputFolder::check(const std::string& file) const {
+  if (exists_ && fs::path(file).has_parent_path()) {
+    throw UserError(name_, "exists already; a new folder is needed for results in folders");
+  }
+  check_output(target_ / file, target_ / file);
+}
 
 void OutputFolder::append(const std::string& file, std::string_view text) {
+  const bool first = std::find(files_.begin(), files_.end(), file) == files_.end();
+  if (first) {
+    check(file);
+  }
   if (staging_ == nullptr) {
     create_staging();
   }
   if (const fs::path inner = fs::path(file).parent_path(); !inner.empty()) {
-    if (exists_) {
-      throw UserError(name_, "exists already; a new folder is needed for results in folders");
-    }
     std::error_code error;
     fs::create_directories(staging_->path() / inner, error);  // if this fails, opening the file fails too
-  }
-  const bool first = std::find(files_.begin(), files_.end(), file) == files_.end();
-  if (first) {
-    check(file);
   }
   FileDescriptor output(open((staging_->path() / file).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   if (output.number() < 0 || !write_all(output.number(), text) || !output.close()) {

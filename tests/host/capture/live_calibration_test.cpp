@@ -269,5 +269,15 @@ TEST_F(LiveCalibration, AnswersThatAreNoneAndNoPoses) {
   EXPECT_EQ(folder_.names(), before);
 }
 
+// A folder that cannot take the poses is refused before the first one.
+TEST_F(LiveCalibration, AFolderThatIsThereIsRefusedAtOnce) {
+  fs::create_directory(folder_ / "live");
+  const Outcome refused =
+      run({"calibrate", "--camera", kCamera, "--chessboard", "6x5", "--square", "30", "--out", "live"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_EQ(refused.err, "selfproj: live: exists already; a new folder is needed for results in folders\n");
+  EXPECT_EQ(refused.out, "");
+}
+
 }  // namespace
 }  // namespace selfproj::test
