@@ -26,6 +26,7 @@
 #include "host/structured_light/triangulation.h"
 #include "model/column_moments.h"
 #include "model/column_runs.h"
+#include "model/packet_payload.h"
 #include "sim/experiment/cuboid_faces.h"
 #include "sim/experiment/light_section.h"
 #include "sim/experiment/pattern_scan.h"
@@ -69,11 +70,13 @@ std::string name_of(const Measure& measure) {
   return std::string(name->first) + (measure.select == Select::strongest ? ", strongest run" : "");
 }
 
-// A rendered frame, and what is measured in it.
+// A rendered frame, and what is measured in it: by way of a packet's payload, as the host gets it. So what is invalid
+// to the host is invalid here, columns with two runs of like strength among it.
 class ColumnsOfFrame {
  public:
   explicit ColumnsOfFrame(const Rig& rig) : camera_(rig.camera), pixels_(rig.camera.pixels()) {
     runs_.resize(Select::strongest, rig.camera.columns);
+    payload_.resize(moments_payload_bytes(Mode::grey, rig.camera.columns));
     profile_.resize(rig.camera.columns);
   }
   void take(const Renderer& renderer, int frame) { renderer.render(frame, std::span(pixels_)); }
@@ -81,7 +84,12 @@ class ColumnsOfFrame {
   // Valid until the next call.
   const Profile& measured(const Measure& measure, const DifferentialProfiler& profiler) {
     measure_columns({pixels_.data(), camera_.rows, camera_.columns, camera_.columns}, measure, runs_.view());
-    profiler.profile(runs_.moments.view(), profile_.view());
+    if (measure.select == Select::strongest) {
+      pack_runs(measure.mode, camera_.columns, runs_.view(), payload_.data());
+    } else {
+      pack_moments(measure.mode, camera_.columns, runs_.moments.view(), payload_.data());
+    }
+    profiler.profile(measure.select, measure.mode, payload_.data(), profile_.view());
     return profile_;
   }
 
@@ -89,6 +97,7 @@ class ColumnsOfFrame {
   RigCamera camera_;
   std::vector<std::uint8_t> pixels_;
   Runs runs_;
+  std::vector<std::uint8_t> payload_;
   Profile profile_;
 };
 
@@ -193,6 +202,21 @@ std::vector<WayOfMeasuring> DisturbedStairs::measure(const World& world, std::in
     }
   }
   return ways;
+}
+
+int DisturbedStairs::half_of_the_line(const World& world) const {
+  RenderOptions options;
+  options.world = world;
+  std::vector<std::uint8_t> pixels(rig_.camera.pixels());
+  Renderer(rig_, *good_, pattern_, options).render(good_->frames() / 2, std::span(pixels));
+  const auto columns = static_cast<std::size_t>(rig_.camera.columns);
+  std::vector<std::uint8_t> brightest(columns, 0);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    brightest[i % columns] = std::max(brightest[i % columns], pixels[i]);
+  }
+  const auto middle = brightest.begin() + static_cast<std::ptrdiff_t>(columns / 2);
+  std::nth_element(brightest.begin(), middle, brightest.end());
+  return *middle / 2;
 }
 
 DisturbedCuboids::DisturbedCuboids(const Rig& rig)

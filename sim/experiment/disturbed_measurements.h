@@ -32,6 +32,10 @@ class DisturbedStairs {
   // noise.
   [[nodiscard]] std::vector<WayOfMeasuring> measure(const World& world, std::int64_t noise_seed = 1) const;
 
+  // Half of the grey value that the line has at its brightest, in the median over the columns of a frame of the good
+  // part: a threshold above a reflection that is less than half as bright.
+  [[nodiscard]] int half_of_the_line(const World& world) const;
+
   [[nodiscard]] const Rig& rig() const { return rig_; }
 
  private:

@@ -4,11 +4,12 @@
 //     bench_rtl [GOOGLE_BENCHMARK_OPTION...]
 //
 // The program first compares both with the model. It ends with the rates, and with the board's rate as a share of the
-// core's: for the clocks of both domains, and for the video clocks alone. Core and board take turns, a frame each, and
-// the share is the median over the pairs of frames: on a shared machine rates change by half from second to second, but
-// little from one millisecond to the next. The fastest tenth of the frames shows the rates on an idle processor core:
+// core's: for the clocks of both domains, and for the video clocks alone. The peer of the core is the model, the
+// definition in C++, which sums the same frame. Core, board and model take turns, a frame each, and each share is the
+// median over the turns: on a shared machine rates change by half from second to second, but little from one
+// millisecond to the next. The fastest tenth of the frames shows the rates on an idle processor core:
 // if its sibling thread is busy, the board loses more than the moments core, because it has more code and state.
-// items_per_second counts the video clocks of both frames of a pair.
+// items_per_second counts the video clocks of the three frames of a turn.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -147,6 +148,15 @@ class Board {
 // The output of a circuit for a frame.
 enum class Gives : std::uint8_t { payloads, packets };
 
+// The model of the moments, the definition in C++.
+void sum_frame(const std::vector<std::uint32_t>& beats, selfproj::Moments& moments) {
+  selfproj::column_moments({.pixels = reinterpret_cast<const std::uint8_t*>(beats.data()),
+                            .rows = kRows,
+                            .columns = kColumns,
+                            .stride = kColumns},
+                           selfproj::Mode::binary, kThreshold, moments.view());
+}
+
 // Compares the circuit's payload of two frames with the model.
 template <class Circuit>
 bool is_right(const std::vector<std::uint32_t>& beats, Gives gives) {
@@ -162,11 +172,7 @@ bool is_right(const std::vector<std::uint32_t>& beats, Gives gives) {
   }
   selfproj::Moments moments;
   moments.resize(kColumns);
-  selfproj::column_moments({.pixels = reinterpret_cast<const std::uint8_t*>(beats.data()),
-                            .rows = kRows,
-                            .columns = kColumns,
-                            .stride = kColumns},
-                           selfproj::Mode::binary, kThreshold, moments.view());
+  sum_frame(beats, moments);
   std::vector<std::uint8_t> want(selfproj::moments_payload_bytes(selfproj::Mode::binary, kColumns));
   selfproj::pack_moments(selfproj::Mode::binary, kColumns, moments.view(), want.data());
   const std::size_t size = gives == Gives::packets ? selfproj::packet_bytes(want.size()) : want.size();
@@ -183,30 +189,36 @@ bool is_right(const std::vector<std::uint32_t>& beats, Gives gives) {
   return true;
 }
 
-// For pairs of frames: the seconds that the core took for its frame, and the board for its own.
-struct Pairs {
+// The seconds of each turn that the core, the board and the model took for their frame.
+struct Turns {
   std::vector<double> core;
   std::vector<double> board;
+  std::vector<double> model;
 };
 
-template <class Circuit>
-double seconds_of_frame(Circuit& circuit, const std::vector<std::uint32_t>& beats, std::uint64_t& words) {
+template <class Work>
+double seconds_of(Work work) {
   const auto start = std::chrono::steady_clock::now();
-  circuit.frame(beats, [&](const auto&) { ++words; });
+  work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 template <class CoreModel, class BoardModel>
-void take_turns(benchmark::State& state, const std::vector<std::uint32_t>& beats, Pairs& pairs) {
+void take_turns(benchmark::State& state, const std::vector<std::uint32_t>& beats, Turns& turns) {
   Core<CoreModel> core;
   Board<BoardModel> board;
+  selfproj::Moments moments;
+  moments.resize(kColumns);
   std::uint64_t words = 0;
+  const auto count = [&](const auto&) { ++words; };
   for (auto _ : state) {
-    pairs.core.push_back(seconds_of_frame(core, beats, words));
-    pairs.board.push_back(seconds_of_frame(board, beats, words));
+    turns.core.push_back(seconds_of([&] { core.frame(beats, count); }));
+    turns.board.push_back(seconds_of([&] { board.frame(beats, count); }));
+    turns.model.push_back(seconds_of([&] { sum_frame(beats, moments); }));
+    benchmark::ClobberMemory();
   }
   benchmark::DoNotOptimize(words);
-  state.SetItemsProcessed(2 * state.iterations() * kFrameClocks);
+  state.SetItemsProcessed(3 * state.iterations() * kFrameClocks);
 }
 
 // The value below which `share` of the values lie.
@@ -215,28 +227,36 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-nlohmann::ordered_json print_share(const Pairs& pairs, const char* build) {
-  if (pairs.core.empty()) {
+// The median over the turns of one time divided by another.
+double median_ratio(const std::vector<double>& of, const std::vector<double>& to) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    ratios.push_back(of[i] / to[i]);
+  }
+  return quantile(ratios, 0.5);
+}
+
+nlohmann::ordered_json print_share(const Turns& turns, const char* build) {
+  if (turns.core.empty()) {
     return {};  // left out by --benchmark_filter
   }
-  std::vector<double> shares;
-  for (std::size_t i = 0; i < pairs.core.size(); ++i) {
-    shares.push_back(pairs.core[i] / pairs.board[i]);
-  }
   const double both = 1 + static_cast<double>(kVideoPeriodPs) / static_cast<double>(kBusPeriodPs);
-  const double video = quantile(shares, 0.5);
+  const double video = median_ratio(turns.core, turns.board);
+  const double beside_model = median_ratio(turns.model, turns.core);
   const auto rate = [](const std::vector<double>& seconds, double share) {
     return kFrameClocks / quantile(seconds, share) * 1e-6;
   };
   std::printf(
       "%-8s: core %.1f M clocks/s; board %.1f M in both domains: %.0f %% of the core's, video clocks alone %.0f %%\n",
-      build, rate(pairs.core, 0.5), both * rate(pairs.board, 0.5), 100 * both * video, 100 * video);
-  const double core = rate(pairs.core, 0.1);
-  const double board = rate(pairs.board, 0.1);
+      build, rate(turns.core, 0.5), both * rate(turns.board, 0.5), 100 * both * video, 100 * video);
+  std::printf("          core beside the model: %.3f of its frames\n", beside_model);
+  const double core = rate(turns.core, 0.1);
+  const double board = rate(turns.board, 0.1);
   std::printf("          fastest tenth of the frames: core %.1f M; board %.1f M, %.0f %%, %.0f %%\n", core,
               both * board, 100 * both * board / core, 100 * board / core);
-  return {{"core_clocks_per_s", 1e6 * rate(pairs.core, 0.5)},
-          {"board_clocks_per_s", 1e6 * both * rate(pairs.board, 0.5)},
+  return {{"core_clocks_per_s", 1e6 * rate(turns.core, 0.5)},
+          {"core_share_of_model", beside_model},
+          {"board_clocks_per_s", 1e6 * both * rate(turns.board, 0.5)},
           {"share", both * video},
           {"share_of_video_clocks", video},
           {"fastest_tenth",
@@ -257,8 +277,8 @@ int run(int argc, char** argv) {
     return 1;
   }
 
-  Pairs original;
-  Pairs standard;
+  Turns original;
+  Turns standard;
   benchmark::RegisterBenchmark(
       "turns/original", [&](benchmark::State& s) { take_turns<Vcore_original, Vboard_original>(s, beats, original); });
   benchmark::RegisterBenchmark("turns/default",
@@ -271,8 +291,8 @@ int run(int argc, char** argv) {
         "\noriginal: 512 columns, 127 rows, binary build; default: 2048 columns, 1023 rows, grey and raw images; "
         "both run mode binary\n");
     nlohmann::ordered_json results;
-    for (const auto& [build, pairs] : {std::pair{"original", &original}, {"default", &standard}}) {
-      if (const nlohmann::ordered_json share = print_share(*pairs, build); !share.empty()) {
+    for (const auto& [build, turns] : {std::pair{"original", &original}, {"default", &standard}}) {
+      if (const nlohmann::ordered_json share = print_share(*turns, build); !share.empty()) {
         results[build] = share;
       }
     }
