@@ -244,7 +244,8 @@ class Tables:
         return [HEADS[key] for key in definition["columns"]], [self.plain(row, definition["columns"]) for row in rows]
 
     def plain(self, row, columns):
-        row = {"brief": row.get("what", "–"), "brief_result": row.get("result", "–"), **row}
+        row = {"brief": row.get("what", "–"), "brief_goal": row.get("goal", "–"), "brief_result": row.get("result", "–"),
+               **row}
         cells = {key: self.cells.fill(row.get(key, "–")) for key in columns if key not in ("met", "command")}
         if "met" in columns:
             cells["met"] = self.cells.met(row.get("goal", ""))
