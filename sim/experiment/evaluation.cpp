@@ -75,6 +75,18 @@ Mask near_steps(const FloatImage& truth, double min_step, int columns, int rows)
   return result;
 }
 
+Mask around_steps(const FloatImage& truth, double min_step, int columns, int rows) {
+  Mask result = near_steps(truth, min_step, 1, 1);
+  const auto width = static_cast<std::size_t>(truth.columns);
+  for (int r = 0; r < truth.rows; ++r) {
+    spread(result, static_cast<std::size_t>(r) * width, truth.columns, 1, columns - 1);
+  }
+  for (int c = 0; c < truth.columns; ++c) {
+    spread(result, static_cast<std::size_t>(c), truth.rows, width, rows - 1);
+  }
+  return result;
+}
+
 HeightErrors height_errors(const FloatImage& height, const FloatImage& x, const FloatImage& y, const Mask& left_out,
                            const TrueHeight& truth) {
   const std::size_t size = height.values.size();

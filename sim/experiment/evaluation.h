@@ -22,6 +22,10 @@ using TrueHeight = std::function<double(int frame, double x, double y)>;
 // 1 of it.
 Mask near_steps(const FloatImage& truth, double min_step, int columns, int rows);
 
+// The same within a rectangle: 1 for the entries that are within `columns` >= 1 columns and `rows` >= 1 rows of a step,
+// those beside its corners as well. Hidden rigs are judged like this (scripts/hidden_rig_figures.py).
+Mask around_steps(const FloatImage& truth, double min_step, int columns, int rows);
+
 struct HeightErrors {
   std::int64_t points = 0;    // points compared
   std::int64_t left_out = 0;  // points left out near steps

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -126,19 +127,20 @@ FloatImage truth_around(const Measurement& m, const Renderer& renderer, int fram
   return truth;
 }
 
-// The points near an edge along x, as `near_steps` finds those near an edge across it: within `reach` mm of a height
-// step of the surface, or of a jump from frame to frame in the surface that the light sheet meets (`truth`), such as
-// the end of a shadow.
-Mask near_steps_along_x(const Measurement& m, const Renderer& renderer, const FloatImage& truth, double frame_mm,
-                        double reach) {
+// The points near a height step. First, as hidden rigs are judged: a step from one column or frame to the next in the
+// surface that the light sheet meets (`truth`), within so many columns, and within `reach` mm along x. Besides, along
+// x: smaller jumps from frame to frame, such as the end of a shadow, and steps of the surface itself.
+Mask points_near_steps(const Measurement& m, const Renderer& renderer, const FloatImage& truth, double frame_mm,
+                       int columns, double reach) {
   const int frames = static_cast<int>(std::ceil(reach / frame_mm));
   Mask mask;
   for (const int frame : m.frames) {
     const int first = std::max(0, frame - frames);
     const int count = std::min(truth.rows, frame + frames + 1) - first;
-    const Mask around = near_steps(rows_of(truth, first, count), kFrameStep, 0, frames);
-    const Mask row = rows_of(around, truth.columns, frame - first, 1);
-    mask.insert(mask.end(), row.begin(), row.end());
+    const FloatImage rows = rows_of(truth, first, count);
+    const Mask jumps = rows_of(near_steps(rows, kFrameStep, 0, frames), truth.columns, frame - first, 1);
+    const Mask around = rows_of(around_steps(rows, kColumnStep, columns, frames), truth.columns, frame - first, 1);
+    std::transform(jumps.begin(), jumps.end(), around.begin(), std::back_inserter(mask), std::bit_or<>());
   }
   add_steps_along_x(mask, m, renderer, reach);
   return mask;
@@ -215,10 +217,7 @@ MethodFigures section_figures(const Measurement& m, const LightSection& setup, c
   const double reach = kStepColumns * column_mm;
   const FloatImage truth = truth_around(m, renderer, scene.frames(), static_cast<int>(std::ceil(reach / frame_mm)));
   const auto within = [&](int columns) {
-    const Mask across = near_steps(m.truth, kColumnStep, columns, 0);
-    Mask mask = near_steps_along_x(m, renderer, truth, frame_mm, columns * column_mm);
-    std::transform(mask.begin(), mask.end(), across.begin(), mask.begin(), std::bit_or<>());
-    return mask;
+    return points_near_steps(m, renderer, truth, frame_mm, columns, columns * column_mm);
   };
   const Mask steps = within(kStepColumns);
   const Mask within_2 = within(2);

@@ -36,6 +36,18 @@ TEST(Evaluation, StepsFromFrameToFrameAreLeftOutToo) {
   EXPECT_EQ(near_steps(truth, 0.5, 0, 2), (Mask{0, 0, 0, 1, 0, 1, 0, 1, 0, 1, 0, 0}));
 }
 
+TEST(Evaluation, AroundStepsIsARectangle) {
+  FloatImage truth(6, 8, 0.0F);
+  truth.row(2)[3] = 1;  // it and its four neighbours lie beside a step
+  EXPECT_EQ(around_steps(truth, 0.5, 3, 2), (Mask{0, 1, 1, 1, 1, 1, 0, 0,  //
+                                                  1, 1, 1, 1, 1, 1, 1, 0,  //
+                                                  1, 1, 1, 1, 1, 1, 1, 0,  //
+                                                  1, 1, 1, 1, 1, 1, 1, 0,  //
+                                                  0, 1, 1, 1, 1, 1, 0, 0,  //
+                                                  0, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(around_steps(truth, 1.5, 3, 2), Mask(48, 0));
+}
+
 // Compares with the definition, entry by entry, on random maps.
 TEST(Evaluation, NearStepsIsItsDefinition) {
   for (const std::uint64_t seed : test::seeds(50)) {
