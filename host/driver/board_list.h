@@ -7,13 +7,14 @@
 
 namespace selfproj {
 
+// A place where a board may be.
 struct BoardPlace {
   std::string uri;
-  std::string problem;  // why no board can be controlled there; empty if one can
+  std::string problem;  // why no board can be opened there; empty if one was
 };
 
-// The files in `devices` that may hold registers of boards, xdma*_user and uio*, in the order of their names, and after
-// them these hosts on the network.
+// Looks for boards, and tries to open the registers of each. First come the files xdma*_user and uio* in `devices`, as
+// bar:FILE, sorted as text; then `hosts`, as udp:HOST. A folder that cannot be read counts as empty.
 std::vector<BoardPlace> list_boards(const std::filesystem::path& devices = "/dev",
                                     const std::vector<std::string>& hosts = {});
 

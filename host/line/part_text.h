@@ -11,20 +11,23 @@
 
 namespace selfproj {
 
-// The result as one object; docs/parts.md lists the keys. It holds nothing that depends on when it was computed.
+// The result as one JSON object; docs/parts.md lists the keys. It leaves out `delay_ns`, so it does not depend on when
+// it was computed.
 nlohmann::ordered_json part_json(const PartResult& result);
 
-// The head of the table of parts, and the line of a part; both end with a newline.
+// The header line of parts.csv, and the line of one part. Both end with a newline.
 std::string part_csv_head();
 std::string part_csv(const PartResult& result);
 
-// Statistics over the parts: of each part's figures, by name. The number of names is that of the regions and some.
+// Statistics over all placed parts, by the name of the figure. The map stays small: it has at most five figures of the
+// placement, and four of each region.
 using PartStatistics = std::map<std::string, RunningFigures>;
 
-// Adds the figures of a part that was placed; others have none that say something.
+// Adds the figures of a part that was placed. Other parts are left out, because their figures have no meaning.
 void add_figures(const PartResult& result, PartStatistics& statistics);
 
-// For each name: count, mean, spread, least, greatest, and how much it rises in 1000 parts.
+// For each name: number of parts, mean, standard deviation, least, greatest, and the rise of the fitted straight line
+// over 1000 parts.
 nlohmann::ordered_json statistics_json(const PartStatistics& statistics);
 
 }  // namespace selfproj

@@ -64,7 +64,8 @@ std::unique_ptr<CosimMeasurement> make_measurement(const CosimOptions& options) 
   return make_light_section_cosim(options, scene);
 }
 
-// A waveform file that the simulator writes itself. It has another name until it is complete.
+// A waveform file, written by the simulator. It is named NAME.part until commit(), and is removed if the run fails
+// before that.
 class TraceFile {
  public:
   TraceFile(std::string name, const std::string& part) : name_(std::move(name)) {
@@ -106,7 +107,7 @@ PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measu
   platform.bus.stall_percent = options.bus_stall;
   if (!options.trace.empty()) {
     if (platform.engine != PlatformEngine::rtl) {
-      throw UserError("--trace " + options.trace, "goes only with --engine rtl");
+      throw UserError("--trace " + options.trace, "needs --engine rtl");
     }
     const std::size_t total = measurement.source().total();
     if (options.trace_from > total) {
@@ -118,7 +119,12 @@ PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measu
   return platform;
 }
 
-// Checks that the counters are consistent, too.
+// Packets of all kinds.
+std::uint64_t counted_as_lost(const BoardCounters& board) {
+  return board.lost_moments + board.lost_image + board.lost_codes;
+}
+
+// Adds a mismatch for each counter that does not have the value that this run must give.
 void judge_counters(CosimResult& result, std::uint64_t misframed) {
   const auto must_be = [&](std::uint64_t got, std::uint64_t want, const char* what) {
     if (got != want) {
@@ -129,7 +135,7 @@ void judge_counters(CosimResult& result, std::uint64_t misframed) {
   must_be(board.frames, result.platform.frames, "frames accepted by the board");
   must_be(board.broken, 0, "broken frames");
   must_be(board.stray, 0, "beats outside any frame");
-  must_be(board.lost_moments + board.lost_image + board.lost_codes, result.lost, "packets lost by the board's count");
+  must_be(counted_as_lost(board), result.lost, "packets that the board counted as lost");
   must_be(board.abandoned, 0, "frames abandoned by the decoder");
   must_be(result.driver.bad, 0, "packets refused by the driver");
   must_be(result.driver.bytes_discarded, 0, "bytes discarded by the driver");
@@ -137,7 +143,8 @@ void judge_counters(CosimResult& result, std::uint64_t misframed) {
   must_be(result.driver.delivered, result.platform.packets, "packets delivered by the driver");
 }
 
-// One run: the platform drives it, and the driver's packets go to judge, stream and measurement.
+// One run. The platform feeds the frames to the board. Each packet that the driver delivers is compared with the model,
+// appended to `stream`, and given to the measurement.
 class Run {
  public:
   // `stream` and `folder` may be null.
@@ -221,7 +228,8 @@ std::vector<Fact> counters_of(const CosimMeasurement& measurement, const CosimRe
   add("matched_frames", "frames equal to the model's", result.frames);
   add("mismatches", "mismatches with the model", result.mismatches);
   facts.push_back(counter_fact(&Counters::delivered, result.driver.delivered));
-  facts.push_back(counter_fact(&Counters::lost_board, result.lost));  // includes those at the end
+  // Also those after the last packet that came, which the driver cannot know of.
+  facts.push_back(counter_fact(&Counters::lost_board, result.lost));
   facts.push_back(counter_fact(&Counters::lost_ring, result.driver.lost_ring));
   facts.push_back(counter_fact(&Counters::bad, result.driver.bad));
   facts.push_back(counter_fact(&Counters::resynchronized, result.driver.resynchronized));
@@ -258,7 +266,9 @@ void print_outcome(const CosimOptions& options, const CosimMeasurement& measurem
   fmt::print("{:.2f} M pixel clocks in {:.1f} s: {:.2f} M clocks/s, 1/{:.0f} of real time\n", clocks * 1e-6, seconds,
              clocks / seconds * 1e-6, seconds / result.platform.seconds);
   if (result.lost != 0) {
-    fmt::print("{} packets lost on the board, all of them counted by it\n", result.lost);
+    const bool counted = counted_as_lost(result.platform.board) == result.lost;
+    fmt::print("{} expected packets did not arrive{}\n", result.lost,
+               counted ? ", and the board counted all of them" : "");
   }
   for (const std::string& written : {options.out, options.packets, options.trace}) {
     if (!written.empty()) {

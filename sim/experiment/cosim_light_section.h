@@ -11,12 +11,12 @@
 
 namespace selfproj {
 
-// For a scene under the simulated camera, with its reference's pattern. Both functions throw UserError about bad
-// options or input.
+// For a scene under the simulated camera. The pattern is computed from the scene's reference. Both functions throw
+// UserError about bad options or input.
 std::unique_ptr<CosimMeasurement> make_light_section_cosim(const CosimOptions& options, const SceneInfo& scene);
 
-// For recorded images. With a rig they are measured from the straight line that lies on the middle row where it meets
-// the plane. Without one the result is moments and centroids.
+// For recorded images. With --rig, profiles are measured from the empty plane under a straight line, which is assumed
+// to lie on the middle row where it meets the plane. Without --rig, the result is moments and centroids.
 std::unique_ptr<CosimMeasurement> make_recorded_cosim(const CosimOptions& options);
 
 }  // namespace selfproj

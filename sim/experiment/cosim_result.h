@@ -15,7 +15,7 @@ struct CosimResult {
   std::uint64_t codes = 0;       // pixels whose code matched
   std::uint64_t frames = 0;      // frames whose packets of moments matched
   std::uint64_t mismatches = 0;  // packets that did not match, and counters that disagree
-  std::uint64_t lost = 0;        // packets lost on the board, which counted them all
+  std::uint64_t lost = 0;        // expected packets that did not arrive
   std::string first_mismatch;
   PlatformReport platform;
   Counters driver;

@@ -14,12 +14,14 @@
 
 namespace selfproj {
 
+// The exposure is sampled at kSubPixels (lens_kernel.h) * passes instants, each sub-pixel at `passes` of them. Without
+// bodies, `instants` and the masks are empty.
 struct BodyMotion {
-  int passes = 1;                // how many instants each sub-pixel is sampled at
+  int passes = 1;
   std::array<Bodies, 3> ends;    // at the beginning, middle and end of the exposure
-  std::vector<Bodies> instants;  // at each of the kSubPixels * passes instants
-  // For each block a mask of the bodies that may be seen in it, and a mask of those whose shadows may fall on what is
-  // seen in it. Empty if the scene has no bodies.
+  std::vector<Bodies> instants;  // the bodies at each of these instants
+  // For each block, bit i of `seen` is set if body i may be seen in it, and bit i of `shaded` if the shadow of body i
+  // may fall on what is seen in it.
   std::vector<std::uint32_t> seen;
   std::vector<std::uint32_t> shaded;
 

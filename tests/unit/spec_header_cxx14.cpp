@@ -1,5 +1,7 @@
-// Compiled as C++14, with all warnings: the generated header must be fit for HLS tools.
+// This file is compiled as C++14 with all warnings, because HLS tools read the generated header as C++14.
 #include "model/spec/generated/selfproj_spec.h"
 
-static_assert(selfproj::spec::kHeaderBytes % selfproj::spec::kPacketBeatBytes == 0, "header is not whole beats");
-static_assert(selfproj::spec::kTrailerBytes % selfproj::spec::kPacketBeatBytes == 0, "trailer is not whole beats");
+static_assert(selfproj::spec::kHeaderBytes % selfproj::spec::kPacketBeatBytes == 0,
+              "the packet header is not a whole number of beats");
+static_assert(selfproj::spec::kTrailerBytes % selfproj::spec::kPacketBeatBytes == 0,
+              "the packet trailer is not a whole number of beats");

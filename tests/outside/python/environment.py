@@ -1,4 +1,4 @@
-"""An environment with the Python package, built from this project, and what it needs from PyPI."""
+"""A virtual environment for the tests of the Python package: it holds the package and what it needs from PyPI."""
 
 import os
 import pathlib
@@ -8,7 +8,7 @@ import venv
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 HOME = ROOT / "build" / "python-tests"
 PYTHON = HOME / "bin" / "python3"
-READY = HOME / "ready"  # holds the packages that are there
+READY = HOME / "ready"  # written after a successful installation; lists the packages
 PACKAGES = ["nanobind==3.1.0", "numpy==2.4.6", "scikit-build-core==1.1.2"]
 
 
@@ -18,7 +18,7 @@ def pip(*words):
 
 
 def get():
-    """Brings the packages, and returns whether they are there."""
+    """Creates the environment with PACKAGES, unless it exists with just these. Returns False if PyPI or venv fails."""
     if READY.exists() and READY.read_text(encoding="utf-8") == "\n".join(PACKAGES):
         return True
     try:
@@ -32,13 +32,13 @@ def get():
 
 
 def install(build):
-    """Installs the package, with the libraries of a build. Returns what went wrong, or nothing."""
+    """Installs selfproj with the libraries of a build. Returns pip's output if it failed, otherwise an empty string."""
     done = pip("--no-build-isolation", "--no-deps", "--no-index", "--config-settings",
                f"cmake.define.SELFPROJ_BUILT={build}", ROOT)
     return done.stdout + done.stderr if done.returncode else ""
 
 
 def variables(build, programs):
-    """What the tests are told by the environment."""
+    """Returns the environment variables for the tests."""
     return {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "SELFPROJ_C_LIBRARY": str(build / "capi" / "libselfproj.so"),
             "SELFPROJ_PROGRAM": str(programs / "selfproj"), "SELFPROJ_SIMULATION": str(programs / "selfproj-sim")}

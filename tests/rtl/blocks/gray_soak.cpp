@@ -59,7 +59,7 @@ TEST(Soak, EveryCodeEqualsTheModel) {
   }
   std::printf(
       "matched %llu pixels, 0 mismatches: %llu with on-chip memory, %llu where %llu words came too late, %llu with an "
-      "external memory that abandoned %llu of %llu frames\n",
+      "external memory, where the decoder abandoned %llu of %llu frames\n",
       static_cast<unsigned long long>(on_chip + flagged + external.pixels), static_cast<unsigned long long>(on_chip),
       static_cast<unsigned long long>(flagged), static_cast<unsigned long long>(late),
       static_cast<unsigned long long>(external.pixels), static_cast<unsigned long long>(external.lates),

@@ -23,7 +23,7 @@ std::uint64_t g_seed = 1;
 namespace selfproj::test {
 namespace {
 
-TEST(Soak, EveryFrameTakesTheSettingsOfItsClock) {
+TEST(Soak, EveryFrameTakesTheSettingsInForceWhenItStarts) {
   RaceCounts counts;
   std::uint64_t next_report = 100'000;
   for (std::uint64_t seed = g_seed; counts.racing < g_frames; ++seed) {
