@@ -107,7 +107,7 @@ PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measu
   platform.bus.stall_percent = options.bus_stall;
   if (!options.trace.empty()) {
     if (platform.engine != PlatformEngine::rtl) {
-      throw UserError("--trace " + options.trace, "needs --engine rtl");
+      throw UserError("--trace " + options.trace, "goes only with --engine rtl");
     }
     const std::size_t total = measurement.source().total();
     if (options.trace_from > total) {
