@@ -99,8 +99,8 @@ ImageSequence gray_patterns(const GraySequence& gray, int count) {
 }
 
 std::string retaken_text(const CaptureRecord& record) {
-  return fmt::format("taken again: {} incomplete, {} that did not come", record.retaken.incomplete,
-                     record.retaken.missing);
+  return fmt::format("taken again: {} incomplete, {} that did not come, {} that did not show one pattern alone",
+                     record.retaken.incomplete, record.retaken.missing, record.retaken.mixed);
 }
 
 }  // namespace selfproj

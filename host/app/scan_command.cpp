@@ -72,7 +72,8 @@ ReportPage page_of(const ScanOptions& options, const CaptureRecord& record) {
   page.pictures.push_back({"The camera under white light", encode_png(record.white), exposure_text(record.exposure)});
   page.counters = {
       {"retaken_incomplete", "taken again, incomplete", static_cast<std::int64_t>(record.retaken.incomplete)},
-      {"retaken_missing", "taken again, did not come", static_cast<std::int64_t>(record.retaken.missing)}};
+      {"retaken_missing", "taken again, did not come", static_cast<std::int64_t>(record.retaken.missing)},
+      {"retaken_mixed", "taken again, not one pattern alone", static_cast<std::int64_t>(record.retaken.mixed)}};
   page.settings = {{"images", "images", static_cast<std::int64_t>(record.shots.size())},
                    {"settle_ms", "settle time", record.settle.settle_ms, "ms"},
                    {"trigger", "trigger", std::string(record.triggered ? "software" : "free")}};

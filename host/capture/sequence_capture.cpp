@@ -9,10 +9,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/camera/camera.h"
 #include "host/camera/open_camera.h"
+#include "host/capture/light_check.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
@@ -38,6 +40,86 @@ std::unique_ptr<Camera> open_for_capture(const std::string& text, bool& triggere
   return open_camera(uri);
 }
 
+// Takes the images of a sequence, in its order.
+class SequenceTaker {
+ public:
+  SequenceTaker(Shots& shots, ImageSequence& patterns, const WhiteAndBlack& levels, CaptureRecord& record)
+      : shots_(shots),
+        patterns_(patterns),
+        levels_(levels),
+        record_(record),
+        wait_ns_(static_cast<std::int64_t>(record.settle.settle_ms * 1e6)) {}
+
+  void run(const TakeShot& take) {
+    for (std::size_t i = 0; i < patterns_.count();) {
+      Image pattern = patterns_.read(i);
+      const Image next = i + 1 < patterns_.count() ? patterns_.read(i + 1) : Image{};
+      if (is_negative(pattern, next)) {
+        const Pair images = pair(i, pattern, next);
+        deliver(i, images.pattern, take);
+        deliver(i + 1, images.negative, take);
+        i += 2;
+      } else {
+        deliver(i, one(i, pattern, wait_ns_), take);
+        ++i;
+      }
+    }
+  }
+
+ private:
+  struct Taken {
+    Image image;
+    double delay_ms = 0;
+  };
+  struct Pair {
+    Taken pattern;
+    Taken negative;
+  };
+
+  Taken one(std::size_t i, const Image& pattern, std::int64_t wait_ns) {
+    const std::int64_t shown = shots_.show(pattern, patterns_.files()[i]);
+    Taken taken{.image = shots_.take_after(shown + wait_ns), .delay_ms = 0};
+    taken.delay_ms = static_cast<double>(shots_.taken_ns() - shown) * 1e-6;
+    return taken;
+  }
+
+  // Takes a pattern and its negative until they add up. If they do not although nothing changes any more, a bent curve
+  // of the camera or an iris of the projector is the reason, and they count.
+  Pair pair(std::size_t i, const Image& pattern, const Image& negative) {
+    constexpr int kMostTries = 8;
+    constexpr std::int64_t kLonger = 200'000'000;
+    Pair last;
+    for (int tries = 0; tries < kMostTries; ++tries) {
+      const std::int64_t wait = tries == 0 ? wait_ns_ : 2 * wait_ns_ + kLonger;
+      Pair now{.pattern = one(i, pattern, wait), .negative = one(i + 1, negative, wait)};
+      const bool same = tries > 1 && same_light(now.pattern.image, last.pattern.image, levels_) &&
+                        same_light(now.negative.image, last.negative.image, levels_);
+      if (same || adds_up(now.pattern.image, now.negative.image, levels_)) {
+        return now;
+      }
+      shots_.count_mixed(2);
+      last = std::move(now);
+    }
+    throw UserError(record_.camera,
+                    fmt::format("the images of {} and of its negative differ from one time to the next; does something "
+                                "move, or does the light change?",
+                                patterns_.files()[i]));
+  }
+
+  void deliver(std::size_t i, const Taken& taken, const TakeShot& take) {
+    take(i, patterns_.count(), taken.image);
+    record_.shots.push_back({.pattern = std::filesystem::path(patterns_.files()[i]).filename().string(),
+                             .image = fmt::format("image_{:04}.png", i + 1),
+                             .delay_ms = taken.delay_ms});
+  }
+
+  Shots& shots_;
+  ImageSequence& patterns_;
+  const WhiteAndBlack& levels_;
+  CaptureRecord& record_;
+  std::int64_t wait_ns_;
+};
+
 }  // namespace
 
 std::string capture_json(const CaptureRecord& record) {
@@ -56,6 +138,7 @@ std::string capture_json(const CaptureRecord& record) {
   json["dark"] = record.exposure.dark;
   json["retaken_incomplete"] = record.retaken.incomplete;
   json["retaken_missing"] = record.retaken.missing;
+  json["retaken_mixed"] = record.retaken.mixed;
   for (const CaptureRecord::Shot& shot : record.shots) {
     json["images"].push_back({{"image", shot.image}, {"pattern", shot.pattern}, {"delay_ms", shot.delay_ms}});
   }
@@ -84,15 +167,7 @@ CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& pat
   record.settle =
       setup.settle_ms ? Settle{.settle_ms = *setup.settle_ms} : measure_settle(shots, levels, record.camera);
   begin(record);
-  const auto wait = static_cast<std::int64_t>(record.settle.settle_ms * 1e6);
-  for (std::size_t i = 0; i < patterns.count(); ++i) {
-    const std::string& file = patterns.files()[i];
-    const std::int64_t shown = shots.show(patterns.read(i), file);
-    take(i, patterns.count(), shots.take_after(shown + wait));
-    record.shots.push_back({.pattern = std::filesystem::path(file).filename().string(),
-                            .image = fmt::format("image_{:04}.png", i + 1),
-                            .delay_ms = static_cast<double>(shots.taken_ns() - shown) * 1e-6});
-  }
+  SequenceTaker(shots, patterns, levels, record).run(take);
   record.retaken = shots.counters();
   camera->stop();
   return record;

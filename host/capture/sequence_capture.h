@@ -62,6 +62,11 @@ using TakeShot = std::function<void(std::size_t i, std::size_t count, const Imag
 // Opens camera and projector, checks the exposure, measures the settle time, and takes an image of every pattern.
 // Before the sequence it calls `begin` with what is known by then, then `take` with each image. Leaves camera and
 // display as they were found. Throws UserError, and Stopped at Esc or Ctrl-C.
+//
+// The settle time keeps patterns apart. Where a pattern is followed by its negative, their images are checked as well
+// (light_check.h): if one shows another pattern or two at once, because the display was late, tore its picture or
+// changed it during the exposure, both are taken again after more than twice the wait, and counted. They count when they
+// add up, or when two times in a row were the same.
 CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& patterns_for,
                                const std::function<void(const CaptureRecord&)>& begin, const TakeShot& take);
 

@@ -20,13 +20,23 @@ namespace {
 constexpr int kFlashes = 16;
 constexpr double kMarginMs = 2;
 constexpr double kJitterMs = 5;    // of the times themselves
-constexpr double kArrived = 0.97;  // of the way from the old grey to the new one
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kFirstWait = 700 * kMillisecond;  // before anything is known
 constexpr std::int64_t kMostDelay = 3000 * kMillisecond;
 constexpr double kLeastContrast = 3;
 
 double milliseconds(std::int64_t ns) { return static_cast<double>(ns) / static_cast<double>(kMillisecond); }
+
+// The time from one image to the next, where nothing waits.
+std::int64_t interval_of(Shots& shots) {
+  constexpr int kImages = 4;
+  shots.take_after(now_ns());
+  const std::int64_t first = shots.arrived_ns();
+  for (int i = 0; i < kImages; ++i) {
+    shots.take_after(shots.arrived_ns() + 1);
+  }
+  return (shots.arrived_ns() - first) / kImages;
+}
 
 }  // namespace
 
@@ -67,36 +77,28 @@ WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera) {
 }
 
 Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::string& camera) {
-  const double black = mean_grey(levels.black);
-  const double white = mean_grey(levels.white);
   std::vector<FlashTimes> flashes;
-  std::int64_t interval = 0;  // between two images
-  std::int64_t last = 0;      // when the one before was taken, after its flash
+  const std::int64_t interval = interval_of(shots);
   for (int i = 0; i < kFlashes; ++i) {
     const bool to_white = i % 2 == 1;  // white was shown last
-    const double from = to_white ? black : white;
-    const double way = to_white ? white - black : black - white;
-    // Images fall at another part of their interval after each flash, in an order that fills it evenly: triggered ones
-    // by the first trigger, those of a camera that runs free by the flash.
-    const std::int64_t shift = interval * (i * 7 % kFlashes) / kFlashes;
-    shots.wait_until(now_ns() + shift);
+    // Flash and trigger fall at another part of the interval each time, in orders that fill it evenly: some cameras
+    // have a clock of their own, others begin with the trigger.
+    shots.wait_until(now_ns() + interval * (i * 5 % kFlashes) / kFlashes);
     const std::int64_t shown = shots.show(static_cast<std::uint8_t>(to_white ? 255 : 0));
     FlashTimes times;
-    std::int64_t next = shown + shift;
+    std::int64_t next = shown + interval * (i * 7 % kFlashes) / kFlashes;
     for (;;) {
-      const double share = (mean_grey(shots.take_after(next)) - from) / way;
-      const std::int64_t after = shots.taken_ns() - shown;
-      if (share >= kArrived) {
+      const Image& image = shots.take_after(next);
+      const std::int64_t after = shots.arrived_ns() - shown;
+      if (to_white ? all_white(image, levels) : all_black(image, levels)) {
         times.new_ms = milliseconds(after);
         break;
       }
-      interval = times.old_ms > 0 && interval == 0 ? after - last : interval;
-      last = after;
       times.old_ms = milliseconds(after);
       if (after > kMostDelay) {
         throw UserError(camera, "the light of the projector does not follow within 3 s; does it show this display?");
       }
-      next = shots.taken_ns() + 1;
+      next = shots.arrived_ns() + 1;
     }
     flashes.push_back(times);
   }

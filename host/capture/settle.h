@@ -7,20 +7,23 @@
 #include <string>
 #include <vector>
 
+#include "host/capture/light_check.h"
 #include "host/capture/shots.h"
 #include "host/io/image_files.h"
 
 namespace selfproj {
 
-// The delays from Shots::show() to the trigger of the first image that shows the new light, or of a camera that runs
-// free to that image.
+// The delays from Shots::show() until the first image that shows the new light has come in. A wait of this length before
+// the trigger is enough for any camera: some take a triggered image at once, others at the next tick of a clock of their
+// own, so that only the arrival of an image says that it was taken by then.
 struct Settle {
   double least_ms = 0;   // the shortest delay seen
   double most_ms = 0;    // the longest
   double settle_ms = 0;  // how long to wait
 };
 
-// What one flash tells: the last image with the old light and the first with the new, in ms after it was shown.
+// What one flash tells: when the last image with the old light and the first with the new came in, in ms after it was
+// shown.
 struct FlashTimes {
   double old_ms = 0;
   double new_ms = 0;
@@ -32,16 +35,11 @@ struct FlashTimes {
 // at least 2 ms are added. Throws std::invalid_argument without flashes.
 Settle settle_of(const std::vector<FlashTimes>& flashes);
 
-// White and black, as the camera sees them 0.7 s after they were shown.
-struct WhiteAndBlack {
-  Image white;
-  Image black;
-};
-
-// Throws UserError about the camera if it does not see the projector: their means are less than 3 grey values apart.
+// White and black, as the camera sees them 0.7 s after they were shown. Throws UserError about the camera if it does not
+// see the projector: their means are less than 3 grey values apart.
 WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera);
 
-// Flashes 16 times. Ends with black. Throws UserError if the light does not follow within 3 s.
+// Flashes 16 times. An image has the new light when all of it has followed (light_check.h). Ends with black. Throws UserError if the light does not follow within 3 s.
 Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::string& camera);
 
 // The exposure of the white image.

@@ -86,6 +86,7 @@ bool Shots::try_once(std::int64_t time_ns) {
     ++counters_.incomplete;
     return false;
   }
+  arrived_ns_ = image.arrival_ns;
   image_.rows = image.view.rows;
   image_.columns = image.view.columns;
   const auto columns = static_cast<std::size_t>(image.view.columns);

@@ -22,6 +22,7 @@ class Stopped : public std::runtime_error {
 struct ShotCounters {
   std::uint64_t incomplete = 0;  // images of which parts were lost
   std::uint64_t missing = 0;     // software triggers whose image did not come
+  std::uint64_t mixed = 0;       // images of a pattern and its negative that were not those of these two
 };
 
 class Shots {
@@ -42,8 +43,13 @@ class Shots {
   // When the last image was triggered, or of a camera that runs free when it came in.
   [[nodiscard]] std::int64_t taken_ns() const { return taken_ns_; }
 
+  // When the last image came in.
+  [[nodiscard]] std::int64_t arrived_ns() const { return arrived_ns_; }
+
   // Waits, and throws Stopped.
   void wait_until(std::int64_t time_ns);
+
+  void count_mixed(std::uint64_t images) { counters_.mixed += images; }
 
   [[nodiscard]] const ShotCounters& counters() const { return counters_; }
 
@@ -57,6 +63,7 @@ class Shots {
   bool triggered_;
   Image image_;
   std::int64_t taken_ns_ = 0;
+  std::int64_t arrived_ns_ = 0;
   ShotCounters counters_;
 };
 

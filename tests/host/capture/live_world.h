@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/float_image.h"
 #include "host/io/image_files.h"
 #include "host/rig/rig.h"
 #include "sim/scene/pattern_renderer.h"
@@ -50,6 +51,10 @@ struct WorldFaults {
   double lost = 0;   // share of network packets
   double gain = 1;   // of the camera
   double gamma = 1;  // of the projector: light = (grey / 255)^gamma
+  // Tearing: so many per cent of the pictures first appear in part. Of every other one the lower part is still the old
+  // picture; the rest are half the old picture and half the new one, as in an exposure across the change.
+  int torn_percent = 0;
+  int torn_ms = 0;  // for so long
   std::uint64_t seed = 1;
 };
 
@@ -87,13 +92,23 @@ class LiveWorld {
     return z;
   }
 
+  // The same, but NaN where the projector's light does not come.
+  [[nodiscard]] FloatImage lit() const {
+    FloatImage z(rig_.camera.rows, rig_.camera.columns);
+    renderer_->lit_depth(0, z.values);
+    return z;
+  }
+
   // How late this world noticed a picture at most, by the longest time between two looks.
   [[nodiscard]] double look_ms() const { return look_ms_; }
 
-  // The image under a pattern, without display, camera and network.
-  [[nodiscard]] Image image_under(const Image& pattern) const {
+  // How many pictures have been torn.
+  [[nodiscard]] int torn() const { return torn_; }
+
+  // The image under a pattern, without display, camera and network. `frame` is for its noise.
+  [[nodiscard]] Image image_under(const Image& pattern, int frame = 0) const {
     Image image{rig_.camera.rows, rig_.camera.columns, std::vector<std::uint8_t>(rig_.camera.pixels())};
-    renderer_->render(0, project_image(rig_, pattern, renderer_->options()), std::span(image.pixels));
+    renderer_->render(frame, project_image(rig_, pattern, renderer_->options()), std::span(image.pixels));
     return image;
   }
 
@@ -115,12 +130,28 @@ class LiveWorld {
       if (now != last && now == screen_.picture()) {  // no picture that is just being drawn
         const std::chrono::milliseconds delay(random_.between(faults_.least_delay_ms, faults_.most_delay_ms));
         newest = std::max(newest, Clock::now() + delay);
-        last = now;
+        const bool torn = !last.empty() && random_.between(1, 100) <= faults_.torn_percent;
         const std::lock_guard lock(mutex_);
+        if (torn) {
+          shown_.push_back({newest, torn_picture(last, now)});
+          newest += std::chrono::milliseconds(faults_.torn_ms);
+        }
+        last = now;
         shown_.push_back({newest, std::move(now)});
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
+  }
+
+  std::vector<std::uint8_t> torn_picture(const std::vector<std::uint8_t>& old, std::vector<std::uint8_t> now) {
+    if (torn_++ % 2 == 0) {
+      const auto from = static_cast<std::ptrdiff_t>(now.size()) * random_.between(10, 90) / 100;
+      std::copy(old.begin() + from, old.end(), now.begin() + from);
+    } else {
+      std::transform(old.begin(), old.end(), now.begin(), now.begin(),
+                     [](int a, int b) { return static_cast<std::uint8_t>((a + b) / 2); });
+    }
+    return now;
   }
 
   void draw(const Picture& picture) {
@@ -170,6 +201,7 @@ class LiveWorld {
   std::unique_ptr<ProjectedLight> light_;
   std::atomic<bool> done_ = false;
   std::atomic<double> look_ms_ = 0;
+  std::atomic<int> torn_ = 0;
   std::thread look_;
   GigeCamera camera_;
 };

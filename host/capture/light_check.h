@@ -1,0 +1,36 @@
+// Whether an image shows the pattern that it should, as far as images under white and black can tell.
+#ifndef SELFPROJ_HOST_CAPTURE_LIGHT_CHECK_H
+#define SELFPROJ_HOST_CAPTURE_LIGHT_CHECK_H
+
+#include "host/io/image_files.h"
+
+namespace selfproj {
+
+// A scene with all of the projector white, and black.
+struct WhiteAndBlack {
+  Image white;
+  Image black;
+};
+
+// All functions look at blocks of 16 x 16 pixels, and there at the pixels to which white adds 10 grey values or more. A
+// block with less than a quarter of such pixels is passed over.
+
+// Whether the light is that of white, or of black, everywhere: 97 % of the way from the other one in the mean, and 90 %
+// in each block. An image in which only a part has followed does not count.
+bool all_white(const Image& image, const WhiteAndBlack& levels);
+bool all_black(const Image& image, const WhiteAndBlack& levels);
+
+// Whether the second pattern is black where the first is white and the other way round, and both have no greys.
+bool is_negative(const Image& pattern, const Image& negative);
+
+// Whether the images of a pattern and its negative have together the light of white and black. They have not if one of
+// them shows another pattern, or several patterns at once. All of the light may be up to a quarter more or less; a block
+// may differ by 20 % of its light and 3 grey values.
+bool adds_up(const Image& pattern, const Image& negative, const WhiteAndBlack& levels);
+
+// Whether two images show the same light: a block may differ by 10 % of its light and 3 grey values.
+bool same_light(const Image& a, const Image& b, const WhiteAndBlack& levels);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_CAPTURE_LIGHT_CHECK_H
