@@ -9,8 +9,8 @@ namespace selfproj {
 namespace {
 
 constexpr int kBlock = 16;
-constexpr int kLit = 10;          // grey values that white adds
-constexpr double kNoise = 3;      // grey values by which a block may differ in any case
+constexpr int kLit = 10;           // grey values that white adds
+constexpr double kNoise = 3;       // grey values by which a block may differ in any case
 constexpr double kArrived = 0.97;  // of the way from the old grey to the new one
 constexpr double kBlockArrived = 0.9;
 
@@ -37,8 +37,8 @@ bool every_block(const WhiteAndBlack& levels, const Value& value, const std::fun
       const int right = std::min(left + kBlock, columns);
       for (int row = top; row < bottom; ++row) {
         for (int column = left; column < right; ++column) {
-          const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-                          static_cast<std::size_t>(column);
+          const auto at =
+              static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
           const int light = light_of(levels, at);
           if (light >= kLit) {
             sum.value += value(at);

@@ -160,7 +160,7 @@ CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& pat
   }
   camera->start();
   Shots shots(projector, *camera, record.triggered);
-  const WhiteAndBlack levels = take_white_and_black(shots, record.camera);
+  const WhiteAndBlack levels = take_white_and_black(shots, record.camera, setup.settle_ms);
   record.exposure = check_exposure(levels);
   record.white = levels.white;
   record.settle_measured = !setup.settle_ms;

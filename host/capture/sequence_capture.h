@@ -65,8 +65,8 @@ using TakeShot = std::function<void(std::size_t i, std::size_t count, const Imag
 //
 // The settle time keeps patterns apart. Where a pattern is followed by its negative, their images are checked as well
 // (light_check.h): if one shows another pattern or two at once, because the display was late, tore its picture or
-// changed it during the exposure, both are taken again after more than twice the wait, and counted. They count when they
-// add up, or when two times in a row were the same.
+// changed it during the exposure, both are taken again after more than twice the wait, and counted. They count when
+// they add up, or when two times in a row were the same.
 CaptureRecord capture_sequence(const CaptureSetup& setup, const PatternsFor& patterns_for,
                                const std::function<void(const CaptureRecord&)>& begin, const TakeShot& take);
 

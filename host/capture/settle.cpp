@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -19,9 +20,10 @@ namespace {
 
 constexpr int kFlashes = 16;
 constexpr double kMarginMs = 2;
-constexpr double kJitterMs = 5;    // of the times themselves
+constexpr double kJitterMs = 5;  // of the times themselves
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kFirstWait = 700 * kMillisecond;  // before anything is known
+constexpr std::int64_t kKnownWait = 200 * kMillisecond;  // more than twice the known time
 constexpr std::int64_t kMostDelay = 3000 * kMillisecond;
 constexpr double kLeastContrast = 3;
 
@@ -61,10 +63,11 @@ Settle settle_of(const std::vector<FlashTimes>& flashes) {
   return settle;
 }
 
-WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera) {
+WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera, std::optional<double> settle_ms) {
+  const std::int64_t wait = settle_ms ? static_cast<std::int64_t>(2e6 * *settle_ms) + kKnownWait : kFirstWait;
   WhiteAndBlack levels;
-  levels.black = shots.take_after(shots.show(std::uint8_t{0}) + kFirstWait);
-  levels.white = shots.take_after(shots.show(std::uint8_t{255}) + kFirstWait);
+  levels.black = shots.take_after(shots.show(std::uint8_t{0}) + wait);
+  levels.white = shots.take_after(shots.show(std::uint8_t{255}) + wait);
   const double black = mean_grey(levels.black);
   const double white = mean_grey(levels.white);
   if (white - black < kLeastContrast) {

@@ -13,9 +13,9 @@
 
 namespace selfproj {
 
-// The delays from Shots::show() until the first image that shows the new light has come in. A wait of this length before
-// the trigger is enough for any camera: some take a triggered image at once, others at the next tick of a clock of their
-// own, so that only the arrival of an image says that it was taken by then.
+// The delays from Shots::show() until the first image that shows the new light has come in. A wait of this length
+// before the trigger is enough for any camera: some take a triggered image at once, others at the next tick of a clock
+// of their own, so that only the arrival of an image says that it was taken by then.
 struct Settle {
   double least_ms = 0;   // the shortest delay seen
   double most_ms = 0;    // the longest
@@ -35,11 +35,13 @@ struct FlashTimes {
 // at least 2 ms are added. Throws std::invalid_argument without flashes.
 Settle settle_of(const std::vector<FlashTimes>& flashes);
 
-// White and black, as the camera sees them 0.7 s after they were shown. Throws UserError about the camera if it does not
-// see the projector: their means are less than 3 grey values apart.
-WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera);
+// White and black, as the camera sees them 0.7 s after they were shown, or where the settle time is known, 0.2 s and
+// twice this time. Throws UserError about the camera if it does not see the projector: their means are less than 3 grey
+// values apart.
+WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera, std::optional<double> settle_ms = {});
 
-// Flashes 16 times. An image has the new light when all of it has followed (light_check.h). Ends with black. Throws UserError if the light does not follow within 3 s.
+// Flashes 16 times. An image has the new light when all of it has followed (light_check.h). Ends with black. Throws
+// UserError if the light does not follow within 3 s.
 Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::string& camera);
 
 // The exposure of the white image.

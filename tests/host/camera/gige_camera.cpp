@@ -58,14 +58,18 @@ struct GigeCamera::Parts {
   }
 };
 
-GigeCamera::GigeCamera(std::function<void(const Picture&)> draw, double lost) : parts_(std::make_unique<Parts>()) {
+GigeCamera::GigeCamera(std::function<void(const Picture&)> draw, double lost, int tick_ms)
+    : parts_(std::make_unique<Parts>()) {
   parts_->draw = std::move(draw);
   parts_->camera = arv_gv_fake_camera_new("lo", "selfproj");
   if (parts_->camera == nullptr || arv_gv_fake_camera_is_running(parts_->camera) == FALSE) {
     throw std::runtime_error("the fake GigE camera does not run");
   }
   g_object_set(parts_->camera, "gvsp-lost-ratio", lost, nullptr);
-  arv_fake_camera_set_fill_pattern(arv_gv_fake_camera_get_fake_camera(parts_->camera), Parts::fill, parts_.get());
+  ArvFakeCamera* const fake = arv_gv_fake_camera_get_fake_camera(parts_->camera);
+  arv_fake_camera_write_register(fake, ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US,
+                                 static_cast<guint32>(1000 * tick_ms));
+  arv_fake_camera_set_fill_pattern(fake, Parts::fill, parts_.get());
 }
 
 GigeCamera::~GigeCamera() { g_object_unref(parts_->camera); }

@@ -26,8 +26,8 @@ struct Picture {
 class GigeCamera {
  public:
   // `draw` is called in another thread whenever the camera takes an image. `lost` is the share of its packets that the
-  // network loses.
-  explicit GigeCamera(std::function<void(const Picture&)> draw, double lost = 0);
+  // network loses. `tick_ms`: unless a rate is set, it takes an image each time, or looks for a trigger.
+  explicit GigeCamera(std::function<void(const Picture&)> draw, double lost = 0, int tick_ms = 40);
   GigeCamera(const GigeCamera&) = delete;
   GigeCamera& operator=(const GigeCamera&) = delete;
   ~GigeCamera();

@@ -10,9 +10,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -49,12 +51,14 @@ struct WorldFaults {
   int least_delay_ms = 0;  // from the frame buffer to the light, at random for each picture
   int most_delay_ms = 0;
   double lost = 0;   // share of network packets
+  int tick_ms = 10;  // of the camera: it takes a triggered image at the next tick
   double gain = 1;   // of the camera
   double gamma = 1;  // of the projector: light = (grey / 255)^gamma
   // Tearing: so many per cent of the pictures first appear in part. Of every other one the lower part is still the old
   // picture; the rest are half the old picture and half the new one, as in an exposure across the change.
   int torn_percent = 0;
-  int torn_ms = 0;  // for so long
+  int torn_ms = 0;          // for so long
+  bool same_noise = false;  // each time that a pattern is seen
   std::uint64_t seed = 1;
 };
 
@@ -70,7 +74,7 @@ class LiveWorld {
         faults_(faults),
         random_(faults.seed),
         look_([this] { look(); }),
-        camera_([this](const Picture& picture) { draw(picture); }, faults.lost) {}
+        camera_([this](const Picture& picture) { draw(picture); }, faults.lost, faults.tick_ms) {}
   LiveWorld(const LiveWorld&) = delete;
   LiveWorld& operator=(const LiveWorld&) = delete;
   ~LiveWorld() {
@@ -105,14 +109,21 @@ class LiveWorld {
   // How many pictures have been torn.
   [[nodiscard]] int torn() const { return torn_; }
 
-  // The image under a pattern, without display, camera and network. `frame` is for its noise.
-  [[nodiscard]] Image image_under(const Image& pattern, int frame = 0) const {
+  // The image under a pattern, without display, camera and network.
+  [[nodiscard]] Image image_under(const Image& pattern) const {
     Image image{rig_.camera.rows, rig_.camera.columns, std::vector<std::uint8_t>(rig_.camera.pixels())};
-    renderer_->render(frame, project_image(rig_, pattern, renderer_->options()), std::span(image.pixels));
+    renderer_->render(noise_of(pattern.pixels), project_image(rig_, pattern, renderer_->options()),
+                      std::span(image.pixels));
     return image;
   }
 
  private:
+  // The frame whose noise the image under a pattern has.
+  [[nodiscard]] int noise_of(const std::vector<std::uint8_t>& pattern) const {
+    const std::string_view bytes(reinterpret_cast<const char*>(pattern.data()), pattern.size());
+    return faults_.same_noise ? static_cast<int>(std::hash<std::string_view>{}(bytes) % 100'000) : 0;
+  }
+
   struct Shown {
     Clock::time_point lit;
     std::vector<std::uint8_t> pixels;
@@ -181,7 +192,8 @@ class LiveWorld {
       light_ = std::make_unique<ProjectedLight>(project_image(rig_, pattern, renderer->options()));
     }
     const std::span<std::uint8_t> pixels(picture.pixels, rig_.camera.pixels());
-    renderer->render(static_cast<int>(picture.number % 100'000), *light_, pixels);
+    const int frame = faults_.same_noise ? noise_of(light_pixels_) : static_cast<int>(picture.number % 100'000);
+    renderer->render(frame, *light_, pixels);
     if (faults_.gain != 1) {
       for (std::uint8_t& pixel : pixels) {
         pixel = static_cast<std::uint8_t>(std::min(255.0, pixel * faults_.gain));
