@@ -206,6 +206,42 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
        {"median_depth_error_of_files_mm", files.median_mm}});
 }
 
+// A quarter of the pictures appear in parts, for longer than the settle time that is given. Every image is the one of
+// its pattern all the same, and what was taken again is counted.
+TEST_F(LiveCapture, TornPicturesAreTakenAgain) {
+  look({.most_delay_ms = 10, .torn_percent = 25, .torn_ms = 150, .same_noise = true});
+  const Outcome captured = run({"capture", "--camera", "camera:127.0.0.1?region=64x64", "--patterns", "gray",
+                                "--settle-ms", "30", "--out", "seen"});
+  ASSERT_EQ(captured.status, 0) << captured.err;
+  for (std::size_t i = 0; i < patterns_.size(); ++i) {
+    const Image seen = read_image((folder_ / "seen" / fmt::format("image_{:04}.png", i + 1)).string(), std::nullopt);
+    EXPECT_EQ(seen.pixels, world_->image_under(patterns_[i]).pixels) << i;
+  }
+  EXPECT_GT(world_->torn(), 0);
+  const auto record = nlohmann::json::parse(read_text(folder_ / "seen" / "capture.json"));
+  EXPECT_GT(record["retaken_mixed"], 0);
+}
+
+// Under blurred stripes a camera with a bent curve sees less light than half of white. That is so each time, and
+// counts.
+TEST_F(LiveCapture, ABentCurveOfTheCameraIsNoTearing) {
+  look({.gain = 2, .bend = 3});
+  std::filesystem::create_directory(folder_ / "fine");
+  Image lines = patterns_[0];
+  for (const char* file : {"0.png", "1.png"}) {
+    for (std::size_t i = 0; i < lines.pixels.size(); ++i) {
+      const std::size_t line = i / static_cast<std::size_t>(lines.columns);
+      lines.pixels[i] = line % 2 == (file[0] == '0' ? 0 : 1) ? 255 : 0;
+    }
+    write_text(folder_ / "fine" / file, encode_png(lines));
+  }
+  const Outcome captured = run({"capture", "--camera", "camera:127.0.0.1?region=64x64", "--patterns", "fine",
+                                "--settle-ms", "30", "--out", "seen"});
+  ASSERT_EQ(captured.status, 0) << captured.err;
+  const auto record = nlohmann::json::parse(read_text(folder_ / "seen" / "capture.json"));
+  EXPECT_EQ(record["retaken_mixed"], 4) << "the images that count are those of the third time";
+}
+
 // The reference is scanned by the same display and camera, then measured itself: no difference.
 TEST_F(LiveCapture, ScanWithTheReferencesOwnPatterns) {
   look({.least_delay_ms = 20, .most_delay_ms = 20, .tick_ms = 40});

@@ -53,6 +53,7 @@ struct WorldFaults {
   double lost = 0;   // share of network packets
   int tick_ms = 10;  // of the camera: it takes a triggered image at the next tick
   double gain = 1;   // of the camera
+  double bend = 1;   // of the camera: grey = 255 (light / 255)^bend
   double gamma = 1;  // of the projector: light = (grey / 255)^gamma
   // Tearing: so many per cent of the pictures first appear in part. Of every other one the lower part is still the old
   // picture; the rest are half the old picture and half the new one, as in an exposure across the change.
@@ -194,9 +195,9 @@ class LiveWorld {
     const std::span<std::uint8_t> pixels(picture.pixels, rig_.camera.pixels());
     const int frame = faults_.same_noise ? noise_of(light_pixels_) : static_cast<int>(picture.number % 100'000);
     renderer->render(frame, *light_, pixels);
-    if (faults_.gain != 1) {
+    if (faults_.gain != 1 || faults_.bend != 1) {
       for (std::uint8_t& pixel : pixels) {
-        pixel = static_cast<std::uint8_t>(std::min(255.0, pixel * faults_.gain));
+        pixel = static_cast<std::uint8_t>(255 * std::pow(std::min(1.0, pixel * faults_.gain / 255), faults_.bend));
       }
     }
   }
