@@ -116,8 +116,8 @@ void apply(CalibrateOptions& options) {
           ? !options.poses.empty() || !options.checks.empty() || !options.plates.empty() || !options.projector.empty()
           : options.poses.empty()) {
     throw guided ? UserError("--camera",
-                             "takes the poses itself, in the pixels of the display; POSE, --check, --plates "
-                             "and --projector go without it")
+                             "takes the poses itself, at the display's resolution; leave out POSE, --check, "
+                             "--plates and --projector")
                  : UserError("POSE", "is required, or --camera");
   }
   if (!guided && options.projector.empty()) {
@@ -165,6 +165,19 @@ std::vector<PoseReport> observe(const std::vector<std::string>& folders, const C
   return poses;
 }
 
+// After a refusal, poses that were taken live are written all the same, for nobody wants to take them twice. Returns
+// how the error goes on.
+std::string keep_poses(const CalibrateOptions& options, OutputFolder& folder) {
+  if (options.capture.camera.empty()) {
+    return "";
+  }
+  folder.commit();
+  return fmt::format(
+      "; the poses are kept: {0}/pose_* with --projector {1}x{2} instead of --camera calibrates from them, "
+      "and from further ones",
+      folder.name(), options.calibrate.projector_columns, options.calibrate.projector_rows);
+}
+
 void run_calibrate(CalibrateOptions options) {
   apply(options);
   OutputFolder folder(options.out);
@@ -181,7 +194,7 @@ void run_calibrate(CalibrateOptions options) {
   poses.insert(poses.end(), taken.begin(), taken.end());
   CalibrationReport report = calibrate(std::move(poses), options.calibrate);
   if (!report.model.refusal.empty()) {
-    throw CheckFailed(fmt::format("calibrate: no rig: {}", report.model.refusal));
+    throw CheckFailed(fmt::format("calibrate: no rig: {}{}", report.model.refusal, keep_poses(options, folder)));
   }
   for (const PoseReport& check : checks) {
     report.checks.push_back(check_pose(check, report));

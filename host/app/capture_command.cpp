@@ -31,7 +31,7 @@ struct SequenceOptions {
 void run_sequence(const SequenceOptions& options) {
   if (!options.preview.empty()) {
     if (!options.patterns.empty() || !options.out.empty()) {
-      throw UserError("--preview", "captures nothing; --patterns and --out go without it");
+      throw UserError("--preview", "captures nothing; leave out --patterns and --out");
     }
     run_preview(options.capture, options.preview);
     return;

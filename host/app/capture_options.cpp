@@ -20,10 +20,10 @@ namespace {
 
 void print_beginning(const CaptureRecord& record) {
   fmt::print("{}, {} x {} pixels, {}\n", record.camera, record.columns, record.rows,
-             record.triggered ? "software trigger" : "running free");
+             record.triggered ? "software trigger" : "free-running");
   fmt::print("exposure: {}\n", exposure_text(record.exposure));
   if (record.settle_measured) {
-    fmt::print("settle time: {:.1f} ms; the light follows after {:.1f} to {:.1f} ms\n", record.settle.settle_ms,
+    fmt::print("settle time: {:.1f} ms; a new pattern is seen after {:.1f} to {:.1f} ms\n", record.settle.settle_ms,
                record.settle.least_ms, record.settle.most_ms);
   }
   static_cast<void>(std::fflush(stdout));  // before the sequence, on a pipe too
@@ -99,7 +99,7 @@ ImageSequence gray_patterns(const GraySequence& gray, int count) {
 }
 
 std::string retaken_text(const CaptureRecord& record) {
-  return fmt::format("taken again: {} incomplete, {} that did not come, {} that did not show one pattern alone",
+  return fmt::format("images taken again: {} incomplete, {} missing, {} not of one pattern alone",
                      record.retaken.incomplete, record.retaken.missing, record.retaken.mixed);
 }
 

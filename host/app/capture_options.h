@@ -47,7 +47,7 @@ Captured capture_in_memory(const CaptureOptions& options, const std::string& out
 // The first `count` images of a Gray-code sequence as patterns.
 ImageSequence gray_patterns(const GraySequence& gray, int count);
 
-// "taken again: 2 incomplete, 0 that did not come".
+// "images taken again: 2 incomplete, 0 missing, 4 not of one pattern alone".
 std::string retaken_text(const CaptureRecord& record);
 
 }  // namespace selfproj

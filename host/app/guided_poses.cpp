@@ -69,36 +69,46 @@ std::vector<PoseReport> take_guided_poses(const CaptureOptions& options, const D
   std::vector<TakenPose> taken;
   for (;;) {
     const PoseAdvice advice = advice_on(taken, settings.chessboard);
-    say(fmt::format("pose {}: {}{}", taken.size() + 1, advice.next(),
-                    advice.enough() ? "; or d: these poses are enough" : ""));
-    say("Enter captures it, u takes the last one back, d calibrates:");
+    if (advice.enough()) {
+      say("The poses taken so far are enough to calibrate.");
+    }
+    say(fmt::format("Pose {}: {}.", taken.size() + 1, advice.next()));
+    say("Press Enter to capture it. Or type u to discard the last pose, or d to calibrate, and press Enter:");
     std::string line;
     if (!std::getline(std::cin, line) || line == "d") {
       break;
     }
     if (line == "u") {
-      if (!taken.empty()) {
-        taken.pop_back();
-      }
+      say(taken.empty() ? "There is no pose to discard." : fmt::format("Pose {} is discarded.", taken.size()));
+      taken.resize(taken.empty() ? 0 : taken.size() - 1);
       continue;
     }
     if (!line.empty()) {
-      say(fmt::format("'{}' is none of Enter, u, d", line));
+      say(fmt::format("'{}' is not one of the answers.", line));
       continue;
     }
-    TakenPose pose = take_pose(capture, decode, settings, fmt::format("pose_{:02}", taken.size() + 1), folder.name());
-    if (!pose.report.reason.empty()) {
-      say(fmt::format("not used: {}", pose.report.reason));
+    std::optional<TakenPose> pose;
+    try {
+      pose = take_pose(capture, decode, settings, fmt::format("pose_{:02}", taken.size() + 1), folder.name());
+    } catch (const UserError& error) {
+      if (taken.empty()) {
+        throw;
+      }
+      say(fmt::format("This pose was not captured: {}", error.what()));  // those before must not be lost
       continue;
     }
-    say(fmt::format("{} of {} corners found in camera and projector", pose.report.used(),
+    if (!pose->report.reason.empty()) {
+      say(fmt::format("This pose is not used: {}", pose->report.reason));
+      continue;
+    }
+    say(fmt::format("{} of {} corners were found in camera and projector.", pose->report.used(),
                     settings.chessboard.corners()));
-    taken.push_back(std::move(pose));
+    taken.push_back(std::move(*pose));
     say(advice_on(taken, settings.chessboard).covered());
   }
   if (taken.size() < 2) {
-    throw CheckFailed(fmt::format("{}: {} poses were taken; two or more are needed, and nothing is written",
-                                  folder.name(), taken.size()));
+    throw CheckFailed(fmt::format("{}: {} taken; at least two are needed, and nothing is written", folder.name(),
+                                  taken.empty() ? "no pose was" : "only one pose was"));
   }
   std::vector<PoseReport> poses;
   for (TakenPose& pose : taken) {

@@ -32,8 +32,8 @@ void run_gamma(const GammaOptions& options) {
   const GreyResponse response = grey_response(greys, captured.images, captured.record.camera);
   out.write(grey_curve_text(response.curve));
   fmt::print(
-      "gamma {:.3f}, from {} pixels under {} greys; the light is off this law by {:.1f} % of white at most, and off a "
-      "straight line by {:.1f} % → {}\n",
+      "gamma {:.3f}, from {} pixels under {} greys; the light differs from this law by at most {:.1f} % of white, and "
+      "from a straight line by at most {:.1f} % → {}\n",
       response.gamma, response.pixels, greys.size(), 100 * response.off_law, 100 * response.off_line, out.name());
 }
 

@@ -114,7 +114,7 @@ void run_preview(const CaptureOptions& options, const std::string& endpoint_text
                            {"/figures", "application/json", [&newest] { return newest.figures(); }}});
   projector.show(std::uint8_t{UINT8_MAX});
   camera->start();
-  fmt::print("{} at {}; Esc or Ctrl-C ends\n", camera->uri(), page_url(endpoint, token));
+  fmt::print("{} at {}; Esc or Ctrl-C ends it\n", camera->uri(), page_url(endpoint, token));
   static_cast<void>(std::fflush(stdout));
   while (!StopSignal::came() && !projector.stopped()) {
     CameraImage image;

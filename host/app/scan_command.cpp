@@ -44,10 +44,10 @@ void check_options(const ScanOptions& options) {
   const DepthGeometry& geometry = options.setup.geometry;
   if (!options.match.reference.empty()) {
     if (geometry.rig.empty() || !geometry.calibration.empty()) {
-      throw UserError("--self-projected", "needs the --rig of its reference, and no --calibration");
+      throw UserError("--self-projected", "needs the --rig of its reference; --calibration cannot be used with it");
     }
     if (options.setup.scanner.strict) {
-      throw UserError("--strict", "goes only without --self-projected");
+      throw UserError("--strict", "cannot be used with --self-projected");
     }
   } else if (geometry.rig.empty() == geometry.calibration.empty()) {
     throw UserError("--rig, --calibration", "give one of them, not both");
@@ -71,9 +71,9 @@ ReportPage page_of(const ScanOptions& options, const CaptureRecord& record) {
   page.subtitle = fmt::format("{}, display {}", record.camera, record.display);
   page.pictures.push_back({"The camera under white light", encode_png(record.white), exposure_text(record.exposure)});
   page.counters = {
-      {"retaken_incomplete", "taken again, incomplete", static_cast<std::int64_t>(record.retaken.incomplete)},
-      {"retaken_missing", "taken again, did not come", static_cast<std::int64_t>(record.retaken.missing)},
-      {"retaken_mixed", "taken again, not one pattern alone", static_cast<std::int64_t>(record.retaken.mixed)}};
+      {"retaken_incomplete", "taken again: incomplete", static_cast<std::int64_t>(record.retaken.incomplete)},
+      {"retaken_missing", "taken again: missing", static_cast<std::int64_t>(record.retaken.missing)},
+      {"retaken_mixed", "taken again: not of one pattern alone", static_cast<std::int64_t>(record.retaken.mixed)}};
   page.settings = {{"images", "images", static_cast<std::int64_t>(record.shots.size())},
                    {"settle_ms", "settle time", record.settle.settle_ms, "ms"},
                    {"trigger", "trigger", std::string(record.triggered ? "software" : "free")}};

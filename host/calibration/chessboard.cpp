@@ -196,8 +196,8 @@ FoundChessboard find_chessboard(const Image& image, const Chessboard& chessboard
       cv::findChessboardCornersSB(grey, {chessboard.columns, chessboard.rows}, seen,
                                   cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY | cv::CALIB_CB_LARGER, kinds);
   if (!any) {
-    found.reason =
-        fmt::format("no board of {} x {} inner corners is seen as a whole", chessboard.columns, chessboard.rows);
+    found.reason = fmt::format("no chessboard of {} x {} inner corners is completely visible", chessboard.columns,
+                               chessboard.rows);
     return found;
   }
   if (!(kinds.cols == chessboard.columns && kinds.rows == chessboard.rows)) {

@@ -16,8 +16,8 @@ namespace selfproj {
 namespace {
 
 constexpr std::array<const char*, PoseAdvice::kSide* PoseAdvice::kSide> kPartNames = {
-    "upper left", "upper middle", "upper right",  "left",       "middle",
-    "right",      "lower left",   "lower middle", "lower right"};
+    "upper left",   "upper middle", "upper right",  "middle left", "central",
+    "middle right", "lower left",   "lower middle", "lower right"};
 
 constexpr std::array<const char*, kLeans> kLeanNames = {"none", "left", "right", "upper", "lower"};
 constexpr std::array<const char*, kLeans> kOpposite = {"none", "right", "left", "lower", "upper"};
@@ -94,10 +94,10 @@ std::string PoseAdvice::covered() const {
     }
   }
   const auto covered = static_cast<int>(parts_.size()) - std::count(parts_.begin(), parts_.end(), 0);
-  return fmt::format("covered: {} of {} parts of the image{}; far side: left {}, right {}, upper {}, lower {}, none {}",
-                     covered, parts_.size(), missing.empty() ? "" : " (missing: " + missing + ")",
-                     leans_[index(Lean::left)], leans_[index(Lean::right)], leans_[index(Lean::upper)],
-                     leans_[index(Lean::lower)], leans_[index(Lean::none)]);
+  return fmt::format(
+      "covered: {} of {} parts of the image{}; poses with the left edge far {}, right {}, upper {}, lower {}, none {}",
+      covered, parts_.size(), missing.empty() ? "" : " (missing: " + missing + ")", leans_[index(Lean::left)],
+      leans_[index(Lean::right)], leans_[index(Lean::upper)], leans_[index(Lean::lower)], leans_[index(Lean::none)]);
 }
 
 // Distances to other parts count as often as these have poses.
@@ -131,8 +131,9 @@ std::string PoseAdvice::next() const {
   for (std::size_t other = 2; other < kLeans; ++other) {
     lean = leans_.at(other) < leans_.at(lean) ? other : lean;
   }
-  return fmt::format("put it into the {} of the image, with its {} side further away than its {}",
-                     kPartNames.at(next_part()), kLeanNames.at(lean), kOpposite.at(lean));
+  return fmt::format(
+      "place the chessboard in the {} part of the image, with its {} edge farther from the camera than its {} edge",
+      kPartNames.at(next_part()), kLeanNames.at(lean), kOpposite.at(lean));
 }
 
 }  // namespace selfproj

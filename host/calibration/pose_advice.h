@@ -36,12 +36,13 @@ class PoseAdvice {
   // is empty.
   [[nodiscard]] bool enough() const;
 
-  // "covered: 5 of 9 parts of the image (missing: upper left, left, lower left, lower middle); far side: left 1, ...".
+  // "covered: 5 of 9 parts of the image (missing: upper left, middle left, lower left, lower middle); poses with the
+  // left edge far 1, right 2, upper 0, lower 1, none 0".
   [[nodiscard]] std::string covered() const;
 
-  // "put it into the upper left of the image, with its right side further away than its left": the part with the
-  // fewest poses, and among equals the one furthest from where corners were seen; first the middle. The far side is the
-  // one that poses had least often.
+  // "place the chessboard in the upper left part of the image, with its right edge farther from the camera than its
+  // left edge": the part with the fewest poses, and among equals the one furthest from where corners were seen; first
+  // the middle. The far side is the one that poses had least often.
   [[nodiscard]] std::string next() const;
 
  private:

@@ -212,7 +212,7 @@ class AravisCamera final : public Camera {
 
   void check_gone() const {
     if (gone_) {
-      throw UserError(uri_, "the camera has gone: it does not answer any more");
+      throw UserError(uri_, "the camera has gone: it no longer answers");
     }
   }
 
@@ -252,7 +252,7 @@ class AravisCamera final : public Camera {
     set_trigger();
     if (settings_.packet_bytes) {
       if (arv_camera_is_gv_device(camera) == FALSE) {
-        throw UserError(uri_, "packet-bytes: is no GigE camera");
+        throw UserError(uri_, "packet-bytes: this is not a GigE camera");
       }
       arv_camera_gv_set_packet_size(camera, *settings_.packet_bytes, error);
       error.check("packet-bytes");
@@ -327,7 +327,7 @@ class AravisCamera final : public Camera {
     stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, error));
     error.check("images");
     if (!stream_) {
-      throw UserError(uri_, "it gives no stream of images");
+      throw UserError(uri_, "it provides no stream of images");
     }
     for (int i = 0; i < settings_.buffers; ++i) {
       arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));

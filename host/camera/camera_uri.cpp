@@ -63,7 +63,7 @@ bool yes(const std::string& text) {
 
 std::string name_in(const std::string& text, const std::vector<std::string>& names) {
   if (std::find(names.begin(), names.end(), text) == names.end()) {
-    throw Refusal{fmt::format("is none of {}", fmt::join(names, ", "))};
+    throw Refusal{fmt::format("is not one of {}", fmt::join(names, ", "))};
   }
   return text;
 }
@@ -179,7 +179,7 @@ CameraUri parse_camera_uri(const std::string& text) {
           text, fmt::format("'{}' is not a setting of a camera; the settings are {}", name, fmt::join(names, ", ")));
     }
     if (value.empty() || !seen.insert(name).second) {
-      throw UserError(text, fmt::format("{} {}", name, value.empty() ? "has no value" : "comes twice"));
+      throw UserError(text, fmt::format("{} {}", name, value.empty() ? "has no value" : "is given twice"));
     }
     try {
       key->set(uri, value);
@@ -191,7 +191,7 @@ CameraUri parse_camera_uri(const std::string& text) {
   const std::string format = uri.camera.format.empty() ? "Mono8" : uri.camera.format;
   if (needs_channel(*pixel_format(format)) != uri.camera.channel.has_value()) {
     throw UserError(text, fmt::format("format {} {}", format,
-                                      uri.camera.channel ? "has no colours, so that channel is wrong"
+                                      uri.camera.channel ? "has no colours; leave out channel"
                                                          : "has colours; say which with channel"));
   }
   return uri;

@@ -79,7 +79,7 @@ class V4l2Camera final : public Camera {
       throw UserError(uri_, "trigger: cameras of V4L2 run free");
     }
     if (settings_.packet_bytes) {
-      throw UserError(uri_, "packet-bytes: is no GigE camera");
+      throw UserError(uri_, "packet-bytes: this is not a GigE camera");
     }
     try {
       choose_format();

@@ -82,7 +82,7 @@ GreyResponse grey_response(const std::vector<int>& greys, const std::vector<Imag
     }
   }
   if (response.pixels < kLeastPixels) {
-    throw UserError(camera, fmt::format("{} pixels are lit by white and not saturated; {} are needed; change the "
+    throw UserError(camera, fmt::format("only {} pixels are lit by white and not saturated; {} are needed; change the "
                                         "exposure",
                                         response.pixels, kLeastPixels));
   }
@@ -91,9 +91,10 @@ GreyResponse grey_response(const std::vector<int>& greys, const std::vector<Imag
   std::vector<std::pair<double, double>> shares;
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (sums[i] < last - kNoise * full) {
-      throw UserError(camera, fmt::format("sees less light under grey {} than under grey {}; does the light change, or "
-                                          "is an automatic of the camera or projector on?",
-                                          greys[i], greys[i - 1]));
+      throw UserError(camera,
+                      fmt::format("sees less light under grey {} than under grey {}; does other light change, or "
+                                  "is an automatic setting of the camera or projector on?",
+                                  greys[i], greys[i - 1]));
     }
     last = std::min(std::max(last, sums[i]), full);
     const double grey = greys[i] / kWhite;

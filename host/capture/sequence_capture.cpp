@@ -24,7 +24,7 @@ namespace {
 std::unique_ptr<Camera> open_for_capture(const std::string& text, bool& triggered) {
   CameraUri uri = parse_camera_uri(text);
   if (!uri.camera.trigger.empty() && uri.camera.trigger != "free" && uri.camera.trigger != "software") {
-    throw UserError(uri.uri, "trigger: a capture needs software or free");
+    throw UserError(uri.uri, "trigger: must be software or free for a capture");
   }
   triggered = uri.camera.trigger == "software";
   if (uri.camera.trigger.empty() && !uri.camera.rate && !uri.name.starts_with("/dev/")) {

@@ -72,7 +72,7 @@ WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera, std:
   const double white = mean_grey(levels.white);
   if (white - black < kLeastContrast) {
     throw UserError(camera,
-                    fmt::format("sees no light of the projector: its mean grey is {:.1f} under black and {:.1f} "
+                    fmt::format("sees no light from the projector: the mean grey is {:.1f} under black and {:.1f} "
                                 "under white",
                                 black, white));
   }
@@ -99,7 +99,8 @@ Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::stri
       }
       times.old_ms = milliseconds(after);
       if (after > kMostDelay) {
-        throw UserError(camera, "the light of the projector does not follow within 3 s; does it show this display?");
+        throw UserError(camera,
+                        "sees no change of the projector's light within 3 s; does the projector show this display?");
       }
       next = shots.arrived_ns() + 1;
     }

@@ -77,7 +77,7 @@ bool Shots::try_once(std::int64_t time_ns) {
   } else {
     do {
       if (!next(image)) {
-        throw UserError(camera_.uri(), "gives no images");
+        throw UserError(camera_.uri(), "sends no images");
       }
     } while (image.arrival_ns < time_ns);
     taken_ns_ = image.arrival_ns;
@@ -104,7 +104,7 @@ const Image& Shots::take_after(std::int64_t time_ns) {
       return image_;
     }
   }
-  throw UserError(camera_.uri(), fmt::format("{} images in a row did not come whole", kMostTries));
+  throw UserError(camera_.uri(), fmt::format("{} images in a row were incomplete or missing", kMostTries));
 }
 
 double mean_grey(const Image& image) {

@@ -96,7 +96,7 @@ struct Projector::Parts {
   [[nodiscard]] SDL_Surface* surface() const {
     SDL_Surface* const pixels = sdl().window_surface(window.get());
     if (pixels == nullptr || pixels->format->BytesPerPixel != 4) {
-      fail(fmt::format("cannot be drawn on: {}", pixels == nullptr ? sdl().error() : "it has no 24 bits of colour"));
+      fail(fmt::format("cannot be drawn on: {}", pixels == nullptr ? sdl().error() : "it does not have 24-bit colour"));
     }
     return pixels;
   }
@@ -179,8 +179,8 @@ int Projector::columns() const { return parts_->shown.columns; }
 
 void Projector::show(const Image& pattern, const std::string& name) {
   if (pattern.rows != rows() || pattern.columns != columns()) {
-    throw UserError(name, fmt::format("has {} x {} pixels, {} has {} x {}", pattern.columns, pattern.rows, parts_->what,
-                                      columns(), rows()));
+    throw UserError(name, fmt::format("has {} x {} pixels, but {} has {} x {}", pattern.columns, pattern.rows,
+                                      parts_->what, columns(), rows()));
   }
   parts_->shown.pixels = pattern.pixels;
   parts_->take_events();

@@ -178,7 +178,7 @@ TEST_F(CalibrateCommand, WhatIsLeftOutIsSaid) {
   const Outcome outcome =
       calibrate(usual("left", {"pose_0", "empty", "pose_1", "partly", "pose_3"}, {"--min-corners", "6"}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("empty: left out: no board of 7 x 5 inner corners is seen as a whole\n"),
+  EXPECT_NE(outcome.out.find("empty: left out: no chessboard of 7 x 5 inner corners is completely visible\n"),
             std::string::npos)
       << outcome.out;
   EXPECT_NE(outcome.out.find("partly: "), std::string::npos);

@@ -56,25 +56,32 @@ TEST(PoseAdvice, FindsTheFarSideHoweverTheBoardIsTurned) {
 
 TEST(PoseAdvice, AsksForWhatIsMissing) {
   PoseAdvice advice(kBoard);
-  EXPECT_EQ(advice.next(), "put it into the middle of the image, with its left side further away than its right");
+  EXPECT_EQ(advice.next(),
+            "place the chessboard in the central part of the image, with its left edge farther from the camera than "
+            "its right "
+            "edge");
   advice.add(seen(0, 0.4, 0, 320, 240));
   EXPECT_EQ(advice.covered().substr(0, 20), "covered: 1 of 9 part");
-  EXPECT_EQ(advice.next(), "put it into the upper left of the image, with its right side further away than its left");
+  EXPECT_EQ(
+      advice.next(),
+      "place the chessboard in the upper left part of the image, with its right edge farther from the camera than its "
+      "left edge");
   advice.add(seen(0, -0.4, 0, 110, 80));
-  EXPECT_NE(advice.covered().find("far side: left 1, right 1, upper 0, lower 0, none 0"), std::string::npos)
+  EXPECT_NE(advice.covered().find("poses with the left edge far 1, right 1, upper 0, lower 0, none 0"),
+            std::string::npos)
       << advice.covered();
-  EXPECT_EQ(advice.next().substr(0, 29), "put it into the lower right o");
+  EXPECT_TRUE(advice.next().starts_with("place the chessboard in the lower right part of the image")) << advice.next();
   EXPECT_FALSE(advice.enough());
 }
 
 TEST(PoseAdvice, WhoFollowsItIsSoonDone) {
   PoseAdvice advice(kBoard);
-  const std::vector<std::string> parts = {"upper left", "upper middle", "upper right",  "left",       "middle",
-                                          "right",      "lower left",   "lower middle", "lower right"};
+  const std::vector<std::string> parts = {"upper left",   "upper middle", "upper right",  "middle left", "central",
+                                          "middle right", "lower left",   "lower middle", "lower right"};
   int poses = 0;
   for (; !advice.enough() && poses < 30; ++poses) {
     const std::string next = advice.next();
-    const std::string part = next.substr(16, next.find(" of the image") - 16);
+    const std::string part = next.substr(28, next.find(" part of the image") - 28);
     std::size_t at = 0;
     while (at < parts.size() && parts[at] != part) {
       ++at;

@@ -163,7 +163,7 @@ TEST_F(LiveCamera, ACameraThatGoesIsOneLine) {
     }
     FAIL() << "the camera has gone, and nothing said so";
   } catch (const UserError& error) {
-    EXPECT_EQ(std::string(error.what()), "camera:127.0.0.1: the camera has gone: it does not answer any more");
+    EXPECT_EQ(std::string(error.what()), "camera:127.0.0.1: the camera has gone: it no longer answers");
   }
 }
 

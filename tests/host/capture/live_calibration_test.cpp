@@ -89,8 +89,8 @@ class Dialogue {
     }
     const std::string said = read_text(pipes_ / "said");
     int count = 0;
-    for (std::size_t at = said.find("Enter captures it"); at != std::string::npos;
-         at = said.find("Enter captures it", at + 1)) {
+    for (std::size_t at = said.find("Press Enter to capture"); at != std::string::npos;
+         at = said.find("Press Enter to capture", at + 1)) {
       ++count;
     }
     return count;
@@ -258,15 +258,47 @@ TEST_F(LiveCalibration, AnswersThatAreNoneAndNoPoses) {
                     folder_.path());
   ASSERT_TRUE(dialogue.answer(1, "what?"));
   ASSERT_TRUE(dialogue.answer(2, "u"));
-  ASSERT_TRUE(dialogue.answer(3, ""));  // there is no chessboard
-  ASSERT_TRUE(dialogue.answer(4, "d"));
+  ASSERT_TRUE(dialogue.answer(3, "d"));
   const Outcome ended = dialogue.end();
   EXPECT_EQ(ended.status, 1);
-  EXPECT_EQ(ended.err, "selfproj: live: 0 poses were taken; two or more are needed, and nothing is written\n");
-  EXPECT_NE(ended.out.find("'what?' is none of Enter, u, d\n"), std::string::npos) << ended.out;
-  EXPECT_NE(ended.out.find("not used: no board of 6 x 5 inner corners is seen as a whole\n"), std::string::npos)
-      << ended.out;
+  EXPECT_EQ(ended.err, "selfproj: live: no pose was taken; at least two are needed, and nothing is written\n");
+  EXPECT_NE(ended.out.find("'what?' is not one of the answers.\n"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("There is no pose to discard.\n"), std::string::npos) << ended.out;
   EXPECT_EQ(folder_.names(), before);
+}
+
+// Poses that were taken are not lost: not when a capture fails, and not when they do not determine the rig, as one pose
+// taken twice does not. They can be calibrated from then.
+TEST_F(LiveCalibration, PosesAreKeptWhenTheRestFails) {
+  Dialogue dialogue(
+      {"calibrate", "--camera", kCamera, "--chessboard", "6x5", "--square", "30", "--settle-ms", "30", "--out", "live"},
+      folder_.path());
+  ASSERT_TRUE(dialogue.answer(1, ""));  // there is no chessboard
+  ASSERT_TRUE(dialogue.waits(2));
+  world_->look_at(*poses_[0]);
+  ASSERT_TRUE(dialogue.answer(2, ""));
+  ASSERT_TRUE(dialogue.answer(3, ""));
+  ASSERT_TRUE(dialogue.waits(4));
+  world_->put_cap_on();
+  ASSERT_TRUE(dialogue.answer(4, ""));
+  ASSERT_TRUE(dialogue.answer(5, "d"));
+  const Outcome ended = dialogue.end();
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_NE(ended.out.find("This pose is not used: no chessboard of 6 x 5 inner corners is completely visible\n"),
+            std::string::npos)
+      << ended.out;
+  EXPECT_NE(ended.out.find("This pose was not captured: camera:127.0.0.1: sees no light"), std::string::npos)
+      << ended.out;
+  const std::string kept =
+      "; the poses are kept: live/pose_* with --projector 256x192 instead of --camera calibrates from them, and from "
+      "further ones\n";
+  ASSERT_TRUE(ended.err.ends_with(kept)) << ended.err;
+  const Outcome again = run({"calibrate", "--projector", "256x192", "--chessboard", "6x5", "--square", "30", "--out",
+                             "again", "live/pose_01", "live/pose_02"});
+  EXPECT_EQ(again.status, 1);
+  EXPECT_EQ(again.err, ended.err.substr(0, ended.err.size() - kept.size()) + "\n");
+  EXPECT_FALSE(fs::exists(folder_ / "again"));
+  EXPECT_FALSE(fs::exists(folder_ / "live" / "report.json"));
 }
 
 // A folder that cannot take the poses is refused before the first one.

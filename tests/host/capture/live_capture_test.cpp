@@ -412,7 +412,7 @@ TEST_F(LiveCapture, Preview) {
       "kill -INT $program; wait $program";
   const Outcome outcome = run_program("/bin/bash", {"-c", script, SELFPROJ_PROGRAM}, folder_.path());
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(read_text(folder_ / "said"), "camera:127.0.0.1 at http://127.0.0.1:8080/; Esc or Ctrl-C ends\n");
+  EXPECT_EQ(read_text(folder_ / "said"), "camera:127.0.0.1 at http://127.0.0.1:8080/; Esc or Ctrl-C ends it\n");
   EXPECT_NE(read_text(folder_ / "page.html").find("preview.js"), std::string::npos);
   EXPECT_NE(read_text(folder_ / "page.js").find("image.png"), std::string::npos);
   const auto figures = nlohmann::json::parse(read_text(folder_ / "figures.json"));
@@ -427,7 +427,7 @@ TEST_F(LiveCapture, Preview) {
   const std::vector<std::uint8_t> shown = screen_->picture();
   EXPECT_EQ(std::count(shown.begin(), shown.end(), 0), static_cast<std::ptrdiff_t>(shown.size()));
   const Outcome both = run({"capture", "--camera", "camera:127.0.0.1", "--preview", "8080", "--out", "seen"});
-  EXPECT_EQ(both.err, "selfproj: --preview: captures nothing; --patterns and --out go without it\n");
+  EXPECT_EQ(both.err, "selfproj: --preview: captures nothing; leave out --patterns and --out\n");
 }
 
 TEST_F(LiveCapture, ACameraThatDoesNotSeeTheProjector) {
@@ -435,7 +435,7 @@ TEST_F(LiveCapture, ACameraThatDoesNotSeeTheProjector) {
   const Outcome blind = capture();
   EXPECT_EQ(blind.status, 2);
   EXPECT_EQ(blind.err,
-            "selfproj: camera:127.0.0.1: sees no light of the projector: its mean grey is 0.0 under black and 0.0 "
+            "selfproj: camera:127.0.0.1: sees no light from the projector: the mean grey is 0.0 under black and 0.0 "
             "under white\n");
 }
 

@@ -90,6 +90,9 @@ class LiveWorld {
     renderer_ = std::move(renderer);
   }
 
+  // Covers the camera's lens.
+  void put_cap_on() { capped_ = true; }
+
   // z in mm of what each pixel sees.
   [[nodiscard]] std::vector<float> truth() const {
     std::vector<float> z(rig_.camera.pixels());
@@ -167,7 +170,7 @@ class LiveWorld {
   }
 
   void draw(const Picture& picture) {
-    if (picture.rows != rig_.camera.rows || picture.columns != rig_.camera.columns) {
+    if (capped_ || picture.rows != rig_.camera.rows || picture.columns != rig_.camera.columns) {
       std::fill_n(picture.pixels, picture.rows * picture.columns, std::uint8_t{0});
       return;
     }
@@ -213,6 +216,7 @@ class LiveWorld {
   std::vector<std::uint8_t> light_pixels_;  // only the camera's thread
   std::unique_ptr<ProjectedLight> light_;
   std::atomic<bool> done_ = false;
+  std::atomic<bool> capped_ = false;
   std::atomic<double> look_ms_ = 0;
   std::atomic<int> torn_ = 0;
   std::thread look_;

@@ -103,7 +103,7 @@ TEST_F(ProjectCommand, Refusals) {
   pattern("good.png", 1);
   std::vector<Pixels> seen;
   EXPECT_EQ(run({"project", "--seconds", "0.3", "wide.png"}, seen).err,
-            "selfproj: wide.png: has 91 x 40 pixels, --display 0 has 90 x 40\n");
+            "selfproj: wide.png: has 91 x 40 pixels, but --display 0 has 90 x 40\n");
   EXPECT_EQ(run({"project", "--display", "1", "good.png"}, seen).err,
             "selfproj: --display 1: there is no such display, only display 0\n");
   EXPECT_EQ(seen.size(), 1U) << "nothing is shown";
