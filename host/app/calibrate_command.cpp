@@ -282,7 +282,8 @@ void add_calibrate_command(CLI::App& app) {
            "- calibration.yaml: camera, projector and the pose between them, as OpenCV YAML\n"
            "- rig.yaml: the same as a rig, unless a rig cannot describe it\n"
            "- report.json, corners.csv, coverage.png, residuals.png: how good it is, and what was left out\n\n"
-           "Where the poses do not determine the result, nothing is written and the exit status is 1.",
+           "Where the poses do not determine the result, the exit status is 1, and nothing is written but the poses "
+           "that the command took itself.",
        .examples = R"(
 # Capture a simulated chessboard in 4 poses, and calibrate from the captures.
 selfproj pattern gray --projector 1024x768 --out patterns

@@ -46,6 +46,11 @@ class GlibError {
 
   [[nodiscard]] bool set() const { return error_ != nullptr; }
 
+  // Whether the device did not answer, several times.
+  [[nodiscard]] bool no_answer() const {
+    return g_error_matches(error_, arv_device_error_quark(), ARV_DEVICE_ERROR_TIMEOUT) != FALSE;
+  }
+
   void check(const std::string& what) const {
     if (set()) {
       throw UserError(uri_, what + ": " + error_->message);
@@ -169,6 +174,10 @@ class AravisCamera final : public Camera {
     check_gone();
     GlibError error(uri_);
     arv_camera_software_trigger(camera_.get(), error);
+    if (error.no_answer()) {
+      gone_ = true;
+      check_gone();
+    }
     error.check("the software trigger failed");
     pending_ = true;
   }

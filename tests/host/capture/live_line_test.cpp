@@ -82,15 +82,19 @@ TEST_F(LiveLine, DifferenceFromAScannedPart) {
   ASSERT_EQ(captured.status, 0) << captured.err;
   const Outcome pattern = run({"pattern", "--scan", "seen", "--every", "16", "--out", "reference"});
   ASSERT_EQ(pattern.status, 0) << pattern.err;
+  // The pattern is shown until a file says that it is enough.
   std::thread projector([&] {
-    run_program("/usr/bin/timeout",
-                {"--foreground", "-s", "INT", "12", SELFPROJ_PROGRAM, "project", "reference/pattern.png"},
-                folder_.path());
+    run_program(
+        "/bin/sh",
+        {"-c", "\"$0\" project reference/pattern.png & while ! test -e enough; do sleep 0.1; done; kill -INT $!; wait",
+         SELFPROJ_PROGRAM},
+        folder_.path());
   });
   std::this_thread::sleep_for(std::chrono::seconds(1));
   const double same = difference("same");
   world_->look_at(high_);
   const double higher = difference("higher");
+  write_text(folder_ / "enough", "");
   projector.join();
   EXPECT_NEAR(same, 0, 0.05);
   EXPECT_NEAR(higher, 2, 0.1);
