@@ -181,15 +181,10 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
     torn += world_->torn();
   }
   EXPECT_EQ(wrong_images, 0U);
-  std::vector<std::string> known = {"depth",
-                                    "--rig",
-                                    "small.yaml",
-                                    "--bits",
-                                    std::to_string(gray.column_bits()),
-                                    "--row-bits",
-                                    std::to_string(gray.row_bits()),
-                                    "--out",
-                                    "known"};
+  const std::string column_bits = std::to_string(gray.column_bits());
+  const std::string row_bits = std::to_string(gray.row_bits());
+  std::vector<std::string> known = {"depth",      "--rig",  "small.yaml", "--bits", column_bits,
+                                    "--row-bits", row_bits, "--out",      "known"};
   for (std::size_t i = 0; i < recorded.size(); ++i) {
     known.push_back("recorded_" + std::to_string(i) + ".png");
     write_text(folder_ / known.back(), encode_png(recorded[i]));
