@@ -357,7 +357,8 @@ TEST_F(LiveCapture, SettleTimeIsFoundWithinTenMilliseconds) {
   const Outcome captured = capture("&trigger=free&rate=100&exposure-us=1000");
   ASSERT_EQ(captured.status, 0) << captured.err;
   const auto record = nlohmann::json::parse(read_text(folder_ / "seen" / "capture.json"));
-  const double truth = 70 + world_->look_ms();  // at most
+  // At most: a busy machine makes display and camera late, too.
+  const double truth = 70 + world_->look_ms() + std::max(world_->image_ms() - 10, 0.0);
   EXPECT_LE(record["delay_least_ms"], truth + 10);
   EXPECT_GE(record["delay_most_ms"], 70.0);
   EXPECT_LE(record["delay_most_ms"], truth + 10);

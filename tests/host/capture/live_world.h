@@ -110,6 +110,9 @@ class LiveWorld {
   // How late this world noticed a picture at most, by the longest time between two looks.
   [[nodiscard]] double look_ms() const { return look_ms_; }
 
+  // The longest time between two images that the camera took.
+  [[nodiscard]] double image_ms() const { return image_ms_; }
+
   // How many pictures have been torn.
   [[nodiscard]] int torn() const { return torn_; }
 
@@ -170,6 +173,8 @@ class LiveWorld {
   }
 
   void draw(const Picture& picture) {
+    const std::chrono::duration<double, std::milli> since = Clock::now() - std::exchange(last_image_, Clock::now());
+    image_ms_ = picture.number > 0 ? std::max(image_ms_.load(), since.count()) : 0;
     if (capped_ || picture.rows != rig_.camera.rows || picture.columns != rig_.camera.columns) {
       std::fill_n(picture.pixels, picture.rows * picture.columns, std::uint8_t{0});
       return;
@@ -218,6 +223,8 @@ class LiveWorld {
   std::atomic<bool> done_ = false;
   std::atomic<bool> capped_ = false;
   std::atomic<double> look_ms_ = 0;
+  std::atomic<double> image_ms_ = 0;
+  Clock::time_point last_image_;
   std::atomic<int> torn_ = 0;
   std::thread look_;
   GigeCamera camera_;
