@@ -184,6 +184,8 @@ FAULTS = [
           "s5_beats_best_q ? s5_best_q :", "s5_beats_best_q ? s5_second_q :"),
     Fault("column_runs_binary/best_not_forwarded", "column_runs_binary", "moments/sp_run_best.sv",
           "s3_after_new_i && s5_keep_i ? new_word :", "1'b0 ? new_word :"),
+    Fault("column_runs_frames/first_row_beside_a_drain_lost", "column_runs_frames", "moments/sp_run_sums.sv",
+          "write_q <= {write_q[3:1], add_i};", "write_q <= {write_q[3:1], add_i && !drain_i};"),
     Fault("column_runs_values/count_not_cleared", "column_runs_values", "moments/sp_run_lane.sv",
           "s3_m_q <= !s2_open_q ? '0 :", "s3_m_q <= !s2_open_q ? {raw_m_i[MBits-1:M0Bits], M0Bits'(0)} :"),
     Fault("column_runs_values/second_of_one_run", "column_runs_values", "moments/sp_run_finish.sv",

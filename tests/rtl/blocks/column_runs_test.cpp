@@ -1,7 +1,10 @@
 // Compares the strongest runs of the RTL with the model, beat by beat.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "Vsp_column_runs_ports.h"
 #include "Vsp_column_runs_small_ports.h"
@@ -26,6 +29,64 @@ TEST(ColumnRuns, TallestImageOfTwoGroups) { large_size<Vsp_column_runs>(8, 1023,
 TEST(ColumnRunsSmall, LargestImage) { large_size<Vsp_column_runs_small>(512, 127, {Mode::binary}); }
 TEST(ColumnRunsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_runs_small>(4, 127, {Mode::binary}); }
 TEST(ColumnRunsSmall, TallestImageOfTwoGroups) { large_size<Vsp_column_runs_small>(8, 127, {Mode::binary}); }
+
+// A column of long runs: two whose strengths are about sixteenths of each other, or some that end anywhere. Returns
+// which rows are lit.
+std::vector<bool> long_runs(Random& random, int rows) {
+  std::vector<bool> lit(static_cast<std::size_t>(rows));
+  int row = random.chance(50) ? 0 : random.between(0, rows / 8);
+  const auto run = [&](int length) {
+    for (const int end = std::min(rows, row + length); row < end; ++row) {
+      lit[static_cast<std::size_t>(row)] = true;
+    }
+    row += 4;  // ends it, whatever the gap
+  };
+  if (random.chance(50)) {
+    const int strong = random.between(rows / 4, 3 * rows / 4);
+    const int second = strong * random.between(1, 16) / 16 + random.between(-1, 1);
+    const bool strong_first = random.chance(50);
+    run(strong_first ? strong : second);
+    run(strong_first ? second : strong);
+  } else {
+    while (row < rows) {
+      run(random.between(1, random.chance(50) ? rows / 2 : 20));
+      row += random.between(0, rows / 8);
+    }
+  }
+  return lit;
+}
+
+// The tallest images: large sums and rows are kept, compared, divided and forwarded.
+template <typename Dut>
+void tall_runs(int cases, int most_rows, const std::vector<Mode>& modes) {
+  for (const std::uint64_t seed : seeds(cases)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const int columns = 4 * random.between(1, 5);
+    const int rows = random.chance(50) ? most_rows : random.between(most_rows / 2, most_rows);
+    Frame frame = random_frame<Dut>(random, columns, rows, modes[seed % modes.size()]);
+    frame.select = Select::strongest;
+    frame.gap = random.between(0, 3);
+    frame.threshold = random.between(0, 100);
+    frame.window = {};
+    const bool bright = random.chance(70);
+    for (int column = 0; column < columns; ++column) {
+      const std::vector<bool> lit = long_runs(random, rows);
+      for (int row = 0; row < rows; ++row) {
+        const int value = bright ? 255 : random.between(frame.threshold + 1, 255);
+        frame.pixels[static_cast<std::size_t>(row * columns + column)] =
+            static_cast<std::uint8_t>(lit[static_cast<std::size_t>(row)] ? value : random.between(0, frame.threshold));
+      }
+    }
+    Bench<Dut> bench(random);
+    bench.play(frame);
+    bench.finish();
+    ASSERT_FALSE(::testing::Test::HasFailure());
+    EXPECT_EQ(bench.frames_accepted, 1);
+  }
+}
+TEST(ColumnRuns, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs>(60, 1023, {kModes.begin(), kModes.end()}); }
+TEST(ColumnRunsSmall, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs_small>(60, 127, {Mode::binary}); }
 
 // The delays as documents state them: from the last pixel of a frame without gaps to its last word.
 TEST(ColumnRuns, DelayIsGroupsAnd19Clocks) {
