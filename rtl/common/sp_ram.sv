@@ -26,7 +26,7 @@ module sp_ram #(
 `ifdef FORMAL
   ,
   input  wire logic [LogDepth-1:0] f_addr_i,  // an address to observe, for the proofs of the users
-  output logic      [Width-1:0]    f_word_o
+  output logic [Width-1:0] f_word_o, output logic [4*Width-1:0] f_first_o  // it; words 0 to 3
 `endif
 );
 
@@ -47,6 +47,12 @@ module sp_ram #(
 `else
   always_ff @(posedge rd_clk_i) begin
     if (rd_en_i) rd_data_o <= memory[rd_addr_i];
+  end
+`endif
+
+`ifdef FORMAL
+  for (genvar word = 0; word < 4 && word < Depth; word++) begin : gen_f_word
+    assign f_first_o[word*Width+:Width] = memory[word];
   end
 `endif
 

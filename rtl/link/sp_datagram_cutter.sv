@@ -175,6 +175,12 @@ module sp_datagram_cutter #(
     .rd_en_i  (fetch),
     .rd_addr_i(get_q[LogDepth-1:0]),
     .rd_data_o(beat)
+`ifdef FORMAL
+    ,
+    .f_addr_i (f_mark[LogDepth-1:0]),
+    .f_word_o (f_there),
+    .f_first_o(f_words)
+`endif
   );
 
   // --- Out of the ring ---
@@ -229,6 +235,215 @@ module sp_datagram_cutter #(
       if (word_q == 2'd3) left_q <= first_q ? length : left_q - 1'b1;
     end
   end
+
+`ifdef FORMAL
+  // Assumptions: one reset at the beginning; the number of a session is larger than those before.
+  logic        f_ran_q = 1'b0;
+  logic        f_begins, f_begun_q;  // a session begins; there was one
+  logic [15:0] f_session_q;          // number of the last one
+  assign f_begins = !open_q && enable_i;
+  always_ff @(posedge clk_i) begin
+    f_ran_q <= 1'b1;
+    if (rst_i) f_begun_q <= 1'b0;
+    else if (f_begins) {f_begun_q, f_session_q} <= {1'b1, session_i};
+  end
+  always_comb assume (rst_i == !f_ran_q);
+  always_comb if (f_begins && f_begun_q) assume (session_i > f_session_q);
+
+  // Rule 1: headers are written in order. They number the datagrams of a session from 0. Each is of
+  // the next piece of the packet, if the one before is full, or begins the next packet, or tells of
+  // a silence before it.
+  logic                 f_wrote_q, f_last_ends_q;  // a header was written; its packet ended with it
+  logic [127:0]         f_last_q;                  // the last one written
+  logic                 f_new_session, f_open;     // f_open: a session may write a header
+  logic [CountBits-1:0] f_at_q;                    // beats of this packet that have come
+  logic [31:0]          f_packets_q;               // packets of the session that have come
+  logic [15:0]          f_offset, f_length, f_last_offset, f_last_length;
+  logic [31:0]          f_number, f_last_number, f_packet, f_last_packet;
+  assign {f_length, f_offset, f_packet, f_number} = header[127:32];
+  assign {f_last_length, f_last_offset, f_last_packet, f_last_number} = f_last_q[127:32];
+  assign f_new_session = !f_wrote_q || f_last_q[31:16] != session_q;
+  assign f_open        = open_q || header_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_wrote_q <= 1'b0;
+    else if (header_q) {f_wrote_q, f_last_q, f_last_ends_q} <= {1'b1, header, ended_q};
+    if (rst_i) f_at_q <= '0;
+    else if (take) f_at_q <= s_last_i ? '0 : f_at_q + 1'b1;
+    if (!open_q) f_packets_q <= '0;
+    else f_packets_q <= f_packets_q + 32'(take && s_last_i);
+  end
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (f_at_q == (ended_q ? '0 : offset_q + beats_q));
+    if (f_open) assert (f_begun_q && session_q == f_session_q);
+    if (open_q) assert (packet_q + 32'(ended_q) == f_packets_q);
+    if (f_wrote_q) assert (f_begun_q && f_last_q[31:16] <= f_session_q);
+    if (f_open && f_new_session)
+      assert (sequence_q == '0 && packet_q == '0 && offset_q == '0);
+    if (f_open && !f_new_session) begin
+      assert (sequence_q == f_last_number + 32'd1);
+      assert (packet_q == f_last_packet + 32'(f_last_ends_q));
+      assert (offset_q == (f_last_ends_q || f_last_length == '0 ? '0 :
+                           f_last_offset[15:4] + f_last_length[15:4]));
+    end
+    if (f_wrote_q) assert (f_last_offset[3:0] == '0 && f_last_length[3:0] == '0);
+    if (f_wrote_q && f_last_length == '0) assert (!f_last_ends_q && f_last_offset == '0);
+    if (f_wrote_q && f_last_length != '0 && !f_last_ends_q)
+      assert (f_last_length == 16'(PieceBeats * BeatBytes) && !f_new_session && inside_q);
+    if (header_q) begin
+      assert (header[15:0] == sp_spec_pkg::DatagramMagic && header[31:16] == f_session_q);
+      if (f_new_session) assert ({f_number, f_packet, f_offset} == '0);
+      else begin
+        assert (f_number == f_last_number + 32'd1);
+        if (f_last_length == '0) assert (f_packet == f_last_packet && f_offset == '0);
+        else if (f_last_ends_q) assert (f_packet == f_last_packet + 32'd1 && f_offset == '0);
+        else assert (f_packet == f_last_packet && f_offset == f_last_offset + f_last_length &&
+                     f_length != '0 && f_last_length == 16'(PieceBeats * BeatBytes));
+      end
+    end
+  end
+
+  // Rule 2: no place is written before its beat has left; the place of a header is kept for it.
+  logic [LogDepth:0]   f_whole;  // beats that may leave
+  logic [LogDepth+1:0] f_held;   // with those behind them, and the place of a header
+  assign f_whole = head_q - get_q;
+  assign f_held  = (LogDepth + 2)'(f_whole) + (LogDepth + 2)'(beats_q) + (LogDepth + 2)'(1);
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (beats_q <= CountBits'(PieceBeats) && held == f_held[LogDepth:0]);
+    if (!header_q) assert (beats_q < CountBits'(PieceBeats) && !ended_q);
+    if (!inside_q) assert (beats_q == '0 && offset_q == '0 && !ended_q);
+    if (inside_q) assert (open_q);
+    if (inside_q && header_q)
+      assert (beats_q != '0 && (ended_q || beats_q == CountBits'(PieceBeats)));
+    assert (f_held <= (LogDepth + 2)'((1 << LogDepth) + 1));
+    if (f_held > (LogDepth + 2)'(1 << LogDepth)) assert (beats_q == '0 && !header_q);
+  end
+
+  // Rule 3: what may leave is whole datagrams: a header and as many beats as it tells, and so on.
+  localparam int FDepth = 4;  // the proof is with LogDepth = 2
+  logic [FDepth-1:0]     f_is_header_q, f_header_of;  // of the places; as they leave
+  logic [FDepth*128-1:0] f_words;
+  logic [CountBits-1:0]  f_rest;  // beats of the datagram at the output, still in the ring
+  assign f_rest = !there_q ? '0 : first_q ? length : left_q - 1'b1;
+  always_ff @(posedge clk_i) begin
+    if (header_q) f_is_header_q[head_q[LogDepth-1:0]] <= 1'b1;
+    else if (take) f_is_header_q[put_q[LogDepth-1:0]] <= 1'b0;
+  end
+  for (genvar i = 0; i < FDepth; i++) begin : gen_f_place
+    logic [LogDepth-1:0]  f_place;
+    logic [CountBits-1:0] f_beats, f_next;  // of a header: its beats; place of the next header
+    assign f_place        = get_q[LogDepth-1:0] + LogDepth'(i);
+    assign f_header_of[i] = f_is_header_q[f_place];
+    assign f_beats        = f_words[{f_place, 7'd116}+:CountBits];
+    assign f_next         = f_beats + CountBits'(i + 1);
+    always_comb if (f_ran_q && !rst_i) begin
+      if (i < f_whole) begin
+        if (CountBits'(i) <= f_rest) assert (f_header_of[i] == (CountBits'(i) == f_rest));
+        if (f_header_of[i]) begin
+          assert (f_beats <= CountBits'(PieceBeats) && f_next <= CountBits'(f_whole));
+          for (int j = i + 1; j < FDepth; j++) begin
+            if (CountBits'(j) <= f_next && j < f_whole)
+              assert (f_header_of[j] == (CountBits'(j) == f_next));
+          end
+        end
+      end
+      if (i > f_whole && (LogDepth + 2)'(i) < f_held) assert (!f_header_of[i]);  // not whole
+    end
+  end
+
+  // Rule 4: from the first word of a datagram to its last there is no gap, and the length stands
+  // and is what leaves; a word that waits does not change.
+  logic [15:0] f_words_q;  // words of this datagram that have left
+  logic        f_start;    // the next word that moves is the first of a datagram
+  assign f_start = first_q && word_q == '0;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) f_words_q <= '0;
+    else if (m_valid_o && m_ready_i) f_words_q <= m_last_o ? 16'd0 : f_words_q + 16'd1;
+  end
+  always_comb if (f_ran_q && !rst_i) begin
+    assert (f_rest <= CountBits'(f_whole));
+    if (there_q && first_q) assert (length <= CountBits'(PieceBeats));
+    if (!first_q) assert (left_q != '0 && left_q <= CountBits'(PieceBeats));
+    if (!f_start) assert (there_q && m_valid_o);
+    if (!m_valid_o) assert (f_words_q == '0);
+    else begin
+      assert (m_last_o == f_start);
+      assert (m_last_o == (m_bytes_o == {f_words_q[13:0] + 14'd1, 2'b00}));
+      assert (m_bytes_o <= 16'(DatagramBytes) && m_bytes_o[3:0] == '0 && m_bytes_o != '0);
+      assert (f_words_q < 16'(DatagramBytes / 4));
+      if (!f_start && first_q)
+        assert (length + 1'b1 == m_bytes_o[15:4] && f_words_q == 16'(word_q) - 16'd1);
+      if (!f_start && !first_q)
+        assert ({m_bytes_o[15:4] - left_q, 2'd0} == f_words_q[13:0] + 14'd1 - 14'(word_q));
+    end
+  end
+  always_ff @(posedge clk_i) if (f_ran_q && !rst_i && $past(f_ran_q && !rst_i)) begin
+    if ($past(m_valid_o && !(m_ready_i && m_last_o))) assert (m_valid_o && $stable(m_bytes_o));
+    if ($past(m_valid_o && !m_ready_i)) assert ($stable(m_data_o) && $stable(m_last_o));
+    if ($past(move && word_q == 2'd3)) assert (m_data_o == $past(beat[127:96]));
+  end
+
+  // Rule 5: every beat leaves once, in order, behind a header that tells its session, its packet
+  // and its place. The last beat of a packet is the last of its datagram. Any one place in the
+  // round of the pointers, and the last beat that came there:
+  (* anyconst *) logic [LogDepth:0] f_mark;
+  logic                 f_marked_q, f_shown_q, f_beat_last_q;  // in the ring; shown; s_last_i
+  logic [127:0]         f_beat_q, f_there, f_header;  // the ring has at the place, for its header
+  logic [31:0]          f_beat_packet_q;
+  logic [15:0]          f_beat_session_q;
+  logic [CountBits-1:0] f_beat_at_q, f_behind_q;  // its place in the packet, behind the header
+  logic [127:0]         f_header_q;               // of the datagram at the output
+  logic [LogDepth:0]    f_before, f_header_place;  // places before the beat; place of its header
+  assign f_before       = f_mark - get_q;
+  assign f_header_place = f_mark - (LogDepth + 1)'(f_behind_q);
+  assign f_header       = f_words[{f_header_place[LogDepth-1:0], 7'd0}+:128];
+  always_ff @(posedge clk_i) begin
+    if (rst_i) {f_marked_q, f_shown_q} <= '0;
+    else begin
+      if (take && put_q == f_mark) f_marked_q <= 1'b1;
+      else if (fetch && get_q == f_mark) f_marked_q <= 1'b0;
+      if (fetch) f_shown_q <= f_marked_q && get_q == f_mark;
+      else if (move && word_q == 2'd3) f_shown_q <= 1'b0;
+    end
+    if (take && put_q == f_mark) begin
+      {f_beat_q, f_beat_session_q, f_beat_packet_q} <= {s_data_i, f_session_q, f_packets_q};
+      {f_beat_last_q, f_beat_at_q, f_behind_q}      <= {s_last_i, f_at_q, beats_q + 1'b1};
+    end
+    if (there_q && first_q) f_header_q <= beat;
+  end
+  function automatic logic f_tells(input logic [127:0] f_of);
+    f_tells = f_of[31:16] == f_beat_session_q && f_of[95:64] == f_beat_packet_q &&
+              f_of[111:100] + f_behind_q == f_beat_at_q + 1'b1 &&
+              (f_beat_last_q ? f_of[127:116] == f_behind_q : f_of[127:116] >= f_behind_q);
+  endfunction
+  always_comb if (f_ran_q && !rst_i) begin
+    if (f_marked_q) begin
+      assert (f_before < held && f_mark != head_q && !f_is_header_q[f_mark[LogDepth-1:0]]);
+      assert (f_there == f_beat_q && f_behind_q != '0 && f_behind_q <= CountBits'(PieceBeats));
+      if (f_before >= f_whole) begin  // its header is not written yet
+        assert (f_header_place == head_q && f_behind_q <= beats_q);
+        assert (f_beat_session_q == session_q && f_beat_packet_q == packet_q);
+        assert (f_beat_at_q == offset_q + f_behind_q - 1'b1);
+        assert (f_beat_last_q == (ended_q && f_behind_q == beats_q));
+      end else if (CountBits'(f_before) >= f_behind_q) begin  // its header is in the ring
+        assert (f_is_header_q[f_header_place[LogDepth-1:0]] && f_tells(f_header));
+      end else begin  // its header is at the output, or was there
+        assert (there_q && f_tells(first_q ? beat : f_header_q));
+        assert (f_behind_q + f_rest == CountBits'(f_before) + 1'b1 +
+                (first_q ? length : f_header_q[127:116]));
+      end
+    end
+    if (!first_q) assert (left_q <= f_header_q[127:116]);
+    if (f_shown_q) begin
+      assert (there_q && !first_q && f_before == '1);
+      assert (beat == f_beat_q && f_tells(f_header_q));
+      assert (f_header_q[127:116] - left_q + 1'b1 == f_behind_q);
+    end
+    if (word_q != '0) assert (m_data_o == beat[{word_q - 2'd1, 5'd0}+:32]);
+    cover (f_shown_q && left_q == CountBits'(1) && f_header_q[111:96] != '0);
+    cover (there_q && first_q && length == '0 && beat[95:64] == 32'd1);
+    cover (there_q && first_q && length != '0 && m_valid_o && beat[31:16] != f_header_q[31:16]);
+  end
+`endif
 
 endmodule
 

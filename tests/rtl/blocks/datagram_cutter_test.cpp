@@ -284,6 +284,23 @@ TEST(DatagramCutter, SilenceIsTold) {
   bench->enable_i = 0;
   ends(10);
   EXPECT_TRUE(ends(5 * kSmallIdle).empty());
+  // The time before a session does not count.
+  bench.begin_session(2);
+  const std::int64_t begins = bench.now();
+  found = ends(2 * kSmallIdle);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.front() - begins, kSmallIdle + kLatency + 3);  // its last of four words
+}
+
+TEST(DatagramCutter, OffersADatagramThoughNobodyIsReady) {
+  CutterBench<Vsp_datagram_cutter_small> bench(kSmallBytes);
+  bench.begin_session(3);
+  bench.queue(Bytes(kBeatBytes));
+  for (int i = 0; i < kLatency; ++i) {
+    EXPECT_FALSE(bench->m_valid_o) << i;
+    bench.clock(100, 0);
+  }
+  EXPECT_TRUE(bench->m_valid_o);
 }
 
 // A reset at any moment of source and cutter together: nothing of before comes after it.
