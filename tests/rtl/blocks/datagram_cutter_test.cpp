@@ -292,6 +292,22 @@ TEST(DatagramCutter, SilenceIsTold) {
   EXPECT_EQ(found.front() - begins, kSmallIdle + kLatency + 3);  // its last of four words
 }
 
+// A silence that is due while the ring is full goes into it as soon as there is room.
+TEST(DatagramCutter, SilenceWaitsForRoom) {
+  CutterBench<Vsp_datagram_cutter_small> bench(kSmallBytes);
+  bench.begin_session(4);
+  bench.queue(Bytes(4 * kBeatBytes));
+  bench.queue(Bytes(2 * kBeatBytes));
+  for (int i = 0; i < 3 * kSmallIdle; ++i) {
+    bench.clock(100, 0);
+  }
+  ASSERT_EQ(bench.waiting(), 0U);
+  for (int word = 0; word < 4 * (5 + 3 + 1); ++word) {
+    EXPECT_TRUE(bench.clock(0, 100)) << word;
+  }
+  EXPECT_EQ(bench.datagrams().size(), 3U);
+}
+
 TEST(DatagramCutter, OffersADatagramThoughNobodyIsReady) {
   CutterBench<Vsp_datagram_cutter_small> bench(kSmallBytes);
   bench.begin_session(3);
