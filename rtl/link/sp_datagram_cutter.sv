@@ -277,8 +277,7 @@ module sp_datagram_cutter #(
     if (f_open) assert (f_begun_q && session_q == f_session_q);
     if (open_q) assert (packet_q + 32'(ended_q) == f_packets_q);
     if (f_wrote_q) assert (f_begun_q && f_last_q[31:16] <= f_session_q);
-    if (f_open && f_new_session)
-      assert (sequence_q == '0 && packet_q == '0 && offset_q == '0);
+    if (f_open && f_new_session) assert (sequence_q == '0 && packet_q == '0 && offset_q == '0);
     if (f_open && !f_new_session) begin
       assert (sequence_q == f_last_number + 32'd1);
       assert (packet_q == f_last_packet + 32'(f_last_ends_q));
@@ -310,8 +309,7 @@ module sp_datagram_cutter #(
   always_comb if (f_ran_q && !rst_i) begin
     assert (beats_q <= CountBits'(PieceBeats) && held == f_held[LogDepth:0]);
     if (!header_q) assert (beats_q < CountBits'(PieceBeats) && !ended_q);
-    if (!inside_q) assert (beats_q == '0 && offset_q == '0 && !ended_q);
-    if (inside_q) assert (open_q);
+    assert (inside_q ? open_q : beats_q == '0 && offset_q == '0 && !ended_q);
     if (inside_q && header_q)
       assert (beats_q != '0 && (ended_q || beats_q == CountBits'(PieceBeats)));
     assert (f_held <= (LogDepth + 2)'((1 << LogDepth) + 1));
@@ -354,16 +352,25 @@ module sp_datagram_cutter #(
   // and is what leaves; a word that waits does not change.
   logic [15:0] f_words_q;  // words of this datagram that have left
   logic        f_start;    // the next word that moves is the first of a datagram
+  logic        f_goes_on_q, f_waits_q, f_moved_q;  // one clock ago: no last word left; none left;
+  logic [80:0] f_shows_q;                          // the last of a beat moved; what was shown
   assign f_start = first_q && word_q == '0;
   always_ff @(posedge clk_i) begin
     if (rst_i) f_words_q <= '0;
     else if (m_valid_o && m_ready_i) f_words_q <= m_last_o ? 16'd0 : f_words_q + 16'd1;
+    f_goes_on_q <= !rst_i && m_valid_o && !(m_ready_i && m_last_o);
+    f_waits_q   <= !rst_i && m_valid_o && !m_ready_i;
+    f_moved_q   <= !rst_i && move && word_q == 2'd3;
+    f_shows_q   <= {beat[127:96], m_data_o, m_last_o, m_bytes_o};
   end
   always_comb if (f_ran_q && !rst_i) begin
     assert (f_rest <= CountBits'(f_whole));
     if (there_q && first_q) assert (length <= CountBits'(PieceBeats));
     if (!first_q) assert (left_q != '0 && left_q <= CountBits'(PieceBeats));
     if (!f_start) assert (there_q && m_valid_o);
+    if (f_goes_on_q) assert (m_valid_o && m_bytes_o == f_shows_q[15:0]);
+    if (f_waits_q) assert ({m_data_o, m_last_o, m_bytes_o} == f_shows_q[48:0]);
+    if (f_moved_q) assert (m_data_o == f_shows_q[80:49]);
     if (!m_valid_o) assert (f_words_q == '0);
     else begin
       assert (m_last_o == f_start);
@@ -375,11 +382,6 @@ module sp_datagram_cutter #(
       if (!f_start && !first_q)
         assert ({m_bytes_o[15:4] - left_q, 2'd0} == f_words_q[13:0] + 14'd1 - 14'(word_q));
     end
-  end
-  always_ff @(posedge clk_i) if (f_ran_q && !rst_i && $past(f_ran_q && !rst_i)) begin
-    if ($past(m_valid_o && !(m_ready_i && m_last_o))) assert (m_valid_o && $stable(m_bytes_o));
-    if ($past(m_valid_o && !m_ready_i)) assert ($stable(m_data_o) && $stable(m_last_o));
-    if ($past(move && word_q == 2'd3)) assert (m_data_o == $past(beat[127:96]));
   end
 
   // Rule 5: every beat leaves once, in order, behind a header that tells its session, its packet
@@ -399,14 +401,13 @@ module sp_datagram_cutter #(
   always_ff @(posedge clk_i) begin
     if (rst_i) {f_marked_q, f_shown_q} <= '0;
     else begin
-      if (take && put_q == f_mark) f_marked_q <= 1'b1;
-      else if (fetch && get_q == f_mark) f_marked_q <= 1'b0;
+      if (take && put_q == f_mark) begin
+        f_marked_q                                    <= 1'b1;
+        {f_beat_q, f_beat_session_q, f_beat_packet_q} <= {s_data_i, f_session_q, f_packets_q};
+        {f_beat_last_q, f_beat_at_q, f_behind_q}      <= {s_last_i, f_at_q, beats_q + 1'b1};
+      end else if (fetch && get_q == f_mark) f_marked_q <= 1'b0;
       if (fetch) f_shown_q <= f_marked_q && get_q == f_mark;
       else if (move && word_q == 2'd3) f_shown_q <= 1'b0;
-    end
-    if (take && put_q == f_mark) begin
-      {f_beat_q, f_beat_session_q, f_beat_packet_q} <= {s_data_i, f_session_q, f_packets_q};
-      {f_beat_last_q, f_beat_at_q, f_behind_q}      <= {s_last_i, f_at_q, beats_q + 1'b1};
     end
     if (there_q && first_q) f_header_q <= beat;
   end
@@ -434,8 +435,7 @@ module sp_datagram_cutter #(
     end
     if (!first_q) assert (left_q <= f_header_q[127:116]);
     if (f_shown_q) begin
-      assert (there_q && !first_q && f_before == '1);
-      assert (beat == f_beat_q && f_tells(f_header_q));
+      assert (there_q && !first_q && f_before == '1 && beat == f_beat_q && f_tells(f_header_q));
       assert (f_header_q[127:116] - left_q + 1'b1 == f_behind_q);
     end
     if (word_q != '0) assert (m_data_o == beat[{word_q - 2'd1, 5'd0}+:32]);

@@ -86,7 +86,7 @@ PROOFS = [
           lemmas=False),
     Proof("column_runs_values", "sp_column_runs", ("MaxColumns=8", "MaxRows=3", "Grey=1'b1", "ValueBits=8'h03"),
           "bounded", 26, 36, lemmas=False),
-    Proof("datagram_cutter", "sp_datagram_cutter", ("DatagramBytes=48", "LogDepth=2", "IdleClocks=2"), "induction", 2,
+    Proof("datagram_cutter", "sp_datagram_cutter", ("DatagramBytes=48", "LogDepth=2", "IdleClocks=2"), "induction", 1,
           30),
     Proof("moments_window", "sp_moments_path", ("MaxColumns=16", "MaxRows=15", "LogDepth=4"), "induction", 1, 2,
           lemmas=False),
