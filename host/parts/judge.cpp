@@ -105,9 +105,13 @@ Judge::Judge(const Rig& rig, const SectionReference& section, const Tolerance& t
     : above_(rig.parts.value().above_mm), tolerance_(tolerance) {
   check_tolerance(tolerance, rig, section, source);
   grid_ = placed_grid(rig.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
-  const double widest = 3 * rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  const double column = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
+  const double widest = 3 * column;
   for (int c = 0; c < grid_.columns; ++c) {
     reference_.push_back(section.at(grid_.across_of(c), widest));
+  }
+  for (const auto& [from, to] : section.walls(widest)) {
+    walls_.emplace_back(from - kBesideWalls * column, to + kBesideWalls * column);
   }
   for (const ToleranceRegion& region : tolerance_.regions) {
     regions_.push_back(region_cells(region, grid_));
@@ -144,6 +148,20 @@ void Judge::place(const CutPart& part, PartResult& result) const {
   } else if (placed.residual_mm > tolerance_.most_residual_mm) {
     say_cannot_tell(result, fmt::format("its edges do not fit by {:.2f} mm", placed.residual_mm));
   }
+}
+
+HeightCells Judge::without_walls(HeightCells cells) const {
+  for (int c = 0; c < cells.grid.columns; ++c) {
+    const double across = cells.grid.across_of(c);
+    if (std::none_of(walls_.begin(), walls_.end(),
+                     [&](const auto& wall) { return across > wall.first && across < wall.second; })) {
+      continue;
+    }
+    for (int r = 0; r < cells.grid.rows; ++r) {
+      cells.height.row(r)[c] = kNoValue;
+    }
+  }
+  return cells;
 }
 
 void Judge::find_defects(const PlacedMaps& maps, PartResult& result) const {
@@ -201,7 +219,7 @@ PartResult Judge::judge(const CutPart& part, PlacedMaps& maps) const {
     maps.height = maps.difference = FloatImage(grid_.rows, grid_.columns, kNoValue);
     return result;
   }
-  maps.height = placed_heights(part.cells, *result.placement, grid_);
+  maps.height = placed_heights(without_walls(part.cells), *result.placement, grid_);
   maps.difference = difference(maps.height);
   // What does not lie as it should differs everywhere, and that is no defect.
   const bool lies_well = result.verdict == Verdict::ok;

@@ -3,6 +3,7 @@
 #define SELFPROJ_HOST_PARTS_JUDGE_H
 
 #include <opencv2/core.hpp>
+#include <utility>
 #include <vector>
 
 #include "host/io/float_image.h"
@@ -30,6 +31,10 @@ int defect_side(double smallest_mm2, double pitch_mm);
 cv::Mat1b region_cells(const ToleranceRegion& region, const MapGrid& grid);
 
 // Places and judges parts. Keeps what is the same for all of them.
+//
+// The pattern has a jump at each wall of the reference, and columns beside it see light of both sides. It stays where
+// it is when a part is shifted, and then falls on a surface; kBesideWalls columns beside it count as without a point.
+inline constexpr double kBesideWalls = 3.5;
 class Judge {
  public:
   // Throws UserError, naming `source`, as check_tolerance does.
@@ -47,12 +52,14 @@ class Judge {
 
  private:
   void place(const CutPart& part, PartResult& result) const;
+  [[nodiscard]] HeightCells without_walls(HeightCells cells) const;
   void find_defects(const PlacedMaps& maps, PartResult& result) const;
 
   double above_;
   Tolerance tolerance_;
   MapGrid grid_;
-  std::vector<double> reference_;  // heights of the grid's columns
+  std::vector<double> reference_;                 // heights of the grid's columns
+  std::vector<std::pair<double, double>> walls_;  // of the reference, and what is beside them: across, mm
   std::vector<cv::Mat1b> regions_;
 };
 

@@ -18,10 +18,11 @@
 namespace selfproj {
 namespace {
 
-constexpr int kInto = 4;       // cells inside an edge that may be only partly filled
-constexpr int kFull = 8;       // the next cells, from which a full cell's weight is taken
-constexpr int kBorder = 2;     // a side edge within so many cells of the view's border is the view's own
-constexpr double kTrim = 0.6;  // cells: places nearer to the line than this always count
+constexpr int kInto = 4;            // cells inside an edge that may be only partly filled
+constexpr int kFull = 8;            // the next cells, from which a full cell's weight is taken
+constexpr int kBorder = 2;          // a side edge within so many cells of the view's border is the view's own
+constexpr double kSharpest = 0.05;  // mm: no edge is told better than this
+constexpr double kTrim = 0.6;       // cells: places nearer to the line than this always count
 
 // One point of an edge, in cells: `at` across the edge, `beside` along it.
 struct Place {
@@ -61,12 +62,25 @@ struct Line {
   std::vector<std::uint8_t> inside;
 };
 
+// The first cell of the thing itself: those behind it are inside without a hole, but for one far in. Behind an edge
+// that throws a shadow, the light lies half on the edge and half on the plane, and what is measured there is sparse.
+std::ptrdiff_t first_of(const std::vector<std::uint8_t>& inside) {
+  const auto size = static_cast<std::ptrdiff_t>(inside.size());
+  for (std::ptrdiff_t first = 0; first + kInto + kFull <= size; ++first) {
+    const auto from = inside.begin() + first;
+    if (std::find(from, from + kInto, 0) == from + kInto && std::count(from + kInto, from + kInto + kFull, 0) <= 1) {
+      return first;
+    }
+  }
+  return size;
+}
+
 // Where the thing begins in the line, in cells; the middle of cell 0 is 0. If the points are evenly spread along the
 // line, the summed weight up to a cell, divided by a full cell's weight, says how many cells before it the thing
 // begins.
 std::optional<double> begin_of(const Line& line) {
   const auto size = static_cast<std::ptrdiff_t>(line.inside.size());
-  const auto first = std::find(line.inside.begin(), line.inside.end(), 1) - line.inside.begin();
+  const std::ptrdiff_t first = first_of(line.inside);
   if (first + kInto + kFull > size) {
     return std::nullopt;
   }
@@ -239,8 +253,10 @@ std::optional<Placement> place_by_edges(const EdgeLines& edges, const Outline& o
   for (std::size_t i = 0; i < kEdges; ++i) {
     if (edges[i]) {
       const auto n = static_cast<double>(edges[i]->count);
-      result.turn_rad += edges[i]->turn_rad * n * n * n;
-      weights += n * n * n;
+      const double rms = std::max(kSharpest, edges[i]->rms_mm);
+      const double weight = n * n * n / (rms * rms);  // the variance of its angle goes with the reciprocal
+      result.turn_rad += edges[i]->turn_rad * weight;
+      weights += weight;
       squares += edges[i]->rms_mm * edges[i]->rms_mm * n;
       count += n;
       result.edges += (result.edges.empty() ? "" : " ") + std::string(kEdgeNames[i]);

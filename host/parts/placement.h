@@ -64,8 +64,9 @@ struct Placement {
 };
 
 // The placement of a part with these edges: turned by the mean of their angles, each weighted by the cube of its number
-// of places; shifted so that the middle between opposite edges, or the one that is there, lies where the outline has
-// it. There is none unless the part has a leading edge, or a trailing edge and the outline's length is known.
+// of places and by how straight it is; shifted so that the middle between opposite edges, or the one that is there,
+// lies where the outline has it. There is none unless the part has a leading edge, or a trailing edge and the outline's
+// length is known.
 std::optional<Placement> place_by_edges(const EdgeLines& edges, const Outline& outline);
 
 // The heights of the part on the reference's grid, linear between the cells; NaN outside of the map, and where cells

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "host/light_section/profile.h"
@@ -25,6 +26,16 @@ double SectionReference::at(double across, double widest_mm) const {
     return kUnknown;
   }
   return height_mm[i - 1] + rise * (across - across_mm[i - 1]) / width;
+}
+
+std::vector<std::pair<double, double>> SectionReference::walls(double widest_mm) const {
+  std::vector<std::pair<double, double>> walls;
+  for (std::size_t i = 1; i < across_mm.size(); ++i) {
+    if (std::isnan(at(0.5 * (across_mm[i - 1] + across_mm[i]), widest_mm))) {
+      walls.emplace_back(across_mm[i - 1], across_mm[i]);
+    }
+  }
+  return walls;
 }
 
 SectionReference section_of(const Rig& rig, const ReferenceProfile& reference, const DifferentialProfiler& profiler) {

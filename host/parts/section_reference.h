@@ -2,6 +2,7 @@
 #ifndef SELFPROJ_HOST_PARTS_SECTION_REFERENCE_H
 #define SELFPROJ_HOST_PARTS_SECTION_REFERENCE_H
 
+#include <utility>
 #include <vector>
 
 #include "host/light_section/differential_profile.h"
@@ -19,6 +20,9 @@ struct SectionReference {
   // The height at a place, on the straight line between the neighbouring points; NaN where these are further apart than
   // `widest_mm`, or steeper than a wall (kSteepest): heights there say more about the place than about the part.
   [[nodiscard]] double at(double across_mm, double widest_mm) const;
+
+  // The stretches between neighbouring points where at() has no height: walls and gaps.
+  [[nodiscard]] std::vector<std::pair<double, double>> walls(double widest_mm) const;
 };
 
 // Asks the profiler itself where its reference lies, by moments that are exactly those of the reference. It holds for

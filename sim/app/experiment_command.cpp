@@ -29,7 +29,9 @@ void add_experiment_command(CLI::App& app) {
                        "- B4: structured light on cuboids\n"
                        "- B7: structured light on a moving mouse\n"
                        "- B8: structured light on two moving hands\n"
-                       "- robustness: A2 and B4 under each of the disturbances of --disturb, over its strength\n\n"
+                       "- robustness: A2 and B4 under each of the disturbances of --disturb, over its strength\n"
+                       "- parts: which defects, planted into parts that pass, are found, and how often one is found "
+                       "where there is none\n\n"
                        "The exit status is 1 where a figure is not reached.",
             .examples = R"(
 # A null test of A1 on every 50th frame, as a quick look.
@@ -43,10 +45,13 @@ selfproj-sim experiment A2 --sources --out stairs
 
 # What gloss, hot pixels, flicker and all the others cost (takes minutes)
 selfproj-sim experiment robustness --out robustness
+
+# Parts with planted defects, judged by a tolerance that was learned from others (takes an hour)
+selfproj-sim experiment parts --out detection
 )"});
   command->add_option("NAME", options->name, "Name of the experiment.")
       ->required()
-      ->check(one_of({"A1", "A2", "B1", "B2", "B3", "B4", "B7", "B8", "robustness"}));
+      ->check(one_of({"A1", "A2", "B1", "B2", "B3", "B4", "B7", "B8", "robustness", "parts"}));
   begin_group(*command, "Settings");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file.")
       ->type_name("RIG")
@@ -96,6 +101,17 @@ selfproj-sim experiment robustness --out robustness
   number("--cameras", options->cameras, 1000, "Cameras with defect pixels of their own.");
   number("--strengths", options->strengths, 5, "Strengths of each disturbance.");
   number("--coarser", options->coarser, 8, "Give the scanner N times fewer pixels along each side.");
+  begin_group(*command, "Parts (which also takes --null-test and --real-rig-seed, and ends early at Ctrl-C)");
+  const auto count = [&](const char* name, std::uint64_t& value, std::int64_t least, const char* text) {
+    command->add_option(name, value, text)
+        ->transform(whole_number(least, 100'000))
+        ->type_name("N")
+        ->capture_default_str();
+  };
+  count("--parts", options->parts, 1, "Parts with planted defects.");
+  count("--good-parts", options->good_parts, 1, "Parts without any.");
+  count("--parts-seed", options->parts_seed, 1,
+        "Seed of these parts. The tolerance is learned from parts of the seed before.");
   begin_group(*command, "Output");
   command->add_option("--out", options->out, "Folder for images, tables and report.")->type_name("DIR");
   command->callback([options, world] {

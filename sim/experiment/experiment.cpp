@@ -21,6 +21,7 @@
 #include "sim/experiment/cuboids.h"
 #include "sim/experiment/gray_motion.h"
 #include "sim/experiment/moving_things.h"
+#include "sim/experiment/part_detection.h"
 #include "sim/experiment/robustness.h"
 #include "sim/experiment/section_experiment.h"
 #include "sim/experiment/structured_light.h"
@@ -216,6 +217,35 @@ std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optio
   return result.not_reached;
 }
 
+std::vector<std::string> run_parts(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
+  if (!options.rig.empty()) {
+    throw UserError("--rig", "does not go with parts, which sets it itself");
+  }
+  PartDetectionOptions experiment;
+  experiment.render = options.render();
+  experiment.parts = options.parts;
+  experiment.good_parts = options.good_parts;
+  experiment.seed = options.parts_seed;
+  experiment.real_rig_seed = options.real_rig_seed;
+  experiment.null_test = options.null_test;
+  PartDetectionResult result;
+  {
+    ShownProgress progress("image or part");
+    result = run_part_detection(experiment, std::ref(progress));
+  }
+  for (const ReportTable& table : result.tables) {
+    print(table);
+  }
+  nlohmann::ordered_json figures = {{"tables", json_of(result.tables)}, {"not_reached", result.not_reached}};
+  figures.update(nlohmann::ordered_json::parse(result.data));
+  write_results("parts_detection", "Planted defects on a running line: found, missed, and false alarms", figures);
+  if (folder) {
+    folder->append("report.html", page_html(result.page));
+    folder->commit();
+  }
+  return result.not_reached;
+}
+
 }  // namespace
 
 void run_experiment(const ExperimentOptions& options) {
@@ -228,6 +258,7 @@ void run_experiment(const ExperimentOptions& options) {
     folder.emplace(options.out);
   }
   conclude(options.name, options.name == "robustness" ? run_worlds(options, folder)
+                         : options.name == "parts"    ? run_parts(options, folder)
                          : structured_light           ? run_structured_light(options, folder)
                                                       : run_light_section(options, folder));
 }

@@ -15,7 +15,7 @@ namespace selfproj {
 
 // The options of an experiment.
 struct ExperimentOptions {
-  std::string name;                   // A1, A2, B1 to B4, B7, B8, robustness
+  std::string name;                   // A1, A2, B1 to B4, B7, B8, robustness, parts
   std::string rig = {};               // built-in or a file; empty: that of the experiment
   std::string out = {};               // folder for the report and the files behind it; empty: none
   std::vector<std::string> off = {};  // names of kDisturbances
@@ -33,12 +33,17 @@ struct ExperimentOptions {
   int strengths = 5;
   int coarser = 1;
 
-  // For A1 and A2:
+  // For A1, A2 and, but for the last three, parts:
   bool null_test = false;           // Route::null_test
   std::uint64_t real_rig_seed = 1;  // SectionOptions::real_rig_seed
   bool residual = true;             // measure the reference's own residual and remove it
   bool sources = false;             // also make the table of error sources
   std::optional<int> every = {};    // take only every n-th frame; nothing: every one, and every 70th for robustness
+
+  // For parts:
+  std::uint64_t parts = 2000;  // PartDetectionOptions
+  std::uint64_t good_parts = 1000;
+  std::uint64_t parts_seed = 2;
 
   // For B1:
   int paths = 10;  // GrayMotionOptions::paths

@@ -149,7 +149,7 @@ LearnedRig learn_rig(const RealRig& real, const RenderOptions& options, const Le
 
 int scanning_images(const Rig& rig, int every_line) { return static_cast<int>(sweep_lines(rig, every_line).size()); }
 
-LightSection scanned_projection(const Rig& learned, const RealRig& real, const std::string& reference,
+LightSection scanned_projection(const Rig& learned, const RealRig& real, const MakeScene& reference,
                                 const ScanSettings& settings, const std::function<void()>& done) {
   std::vector<LineScan> scans;
   for (const Mode mode : kAllModes) {
@@ -160,7 +160,7 @@ LightSection scanned_projection(const Rig& learned, const RealRig& real, const s
   RealRig stopped = real;
   stopped.rig.conveyor.speed_mm_per_s = 0;
   TargetCamera camera(stopped, settings.render, done);
-  camera.sweep(*make_scene(reference, stopped.rig), settings.every_line, [&](double line, const ImageView& image) {
+  camera.sweep(*reference(stopped.rig), settings.every_line, [&](double line, const ImageView& image) {
     for (LineScan& scan : scans) {
       scan.add(line, image);
     }
@@ -173,11 +173,17 @@ LightSection scanned_projection(const Rig& learned, const RealRig& real, const s
     return result;
   }
   const auto centroids =
-      scan_centroids(learned, real, *make_scene(reference, real.rig), result.pattern, settings.render, kAllModes);
+      scan_centroids(learned, real, *reference(real.rig), result.pattern, settings.render, kAllModes);
   for (std::size_t m = 0; m < kAllModes.size(); ++m) {
     result.references[m] = without_residual(learned, result.references[m], centroids[m]);
   }
   return result;
+}
+
+LightSection scanned_projection(const Rig& learned, const RealRig& real, const std::string& reference,
+                                const ScanSettings& settings, const std::function<void()>& done) {
+  return scanned_projection(
+      learned, real, [&](const Rig& rig) { return make_scene(reference, rig); }, settings, done);
 }
 
 }  // namespace selfproj

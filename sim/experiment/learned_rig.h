@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "sim/experiment/light_section.h"
 #include "sim/scene/real_rig.h"
 #include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
 
 namespace selfproj {
 
@@ -52,8 +54,13 @@ struct ScanSettings {
 int scanning_images(const Rig& rig, int every_line);
 
 // Self-projection onto a good part that was scanned: a sweep over the part, which stands still in the middle of its
-// way, gives the pattern and the reference of each mode (LineScan). `reference` is the part's scene by its name. `done`
-// is called after each image of the sweep.
+// way, gives the pattern and the reference of each mode (LineScan). `reference` makes the part's scene on a rig's belt.
+// `done` is called after each image of the sweep.
+using MakeScene = std::function<std::unique_ptr<Scene>(const Rig&)>;
+LightSection scanned_projection(const Rig& learned, const RealRig& real, const MakeScene& reference,
+                                const ScanSettings& settings, const std::function<void()>& done);
+
+// The same for a built-in scene by its name.
 LightSection scanned_projection(const Rig& learned, const RealRig& real, const std::string& reference,
                                 const ScanSettings& settings, const std::function<void()>& done);
 
