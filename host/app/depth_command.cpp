@@ -42,6 +42,7 @@ struct DepthOptions {
   std::string out;
   std::string device;
   std::size_t count = 0;
+  std::size_t save = 0;
   std::vector<std::string> images;
 };
 
@@ -74,8 +75,8 @@ void check_options(const DepthOptions& options) {
     }
     return;
   }
-  if (options.count > 0) {
-    throw UserError("--count", "goes only with --device");
+  if (options.count > 0 || options.save > 0) {
+    throw UserError(options.count > 0 ? "--count" : "--save", "goes only with --device");
   }
 }
 
@@ -128,6 +129,11 @@ PlaneRegion region_of_text(const std::string& text, const FloatImage& depth) {
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
+void append_depth(OutputFolder& folder, const char* what, std::size_t pair, const FloatImage& map) {
+  const std::string name = fmt::format("{}_{:04}.tiff", what, pair);
+  folder.append(name, encode_float_tiff(name, map));
+}
+
 // Computes the depth images of the recorded images. If there are several, each is written into the folder.
 DepthRun depth_of_files(const DepthOptions& options, OutputFolder& folder) {
   ImageSequence images(files_of(options), channel_of(options.channel));
@@ -138,17 +144,24 @@ DepthRun depth_of_files(const DepthOptions& options, OutputFolder& folder) {
   const bool several = images.count() > static_cast<std::size_t>(2 * geometry.bits);
   return depth_of_images(options.setup, images, [&](std::size_t pair, const FloatImage& depth) {
     if (several) {
-      const std::string name = fmt::format("depth_{:04}.tiff", pair);
-      folder.append(name, encode_float_tiff(name, depth));
+      append_depth(folder, "depth", pair, depth);
     }
   });
 }
 
-// Code images of a board, or of a camera whose images are decoded here.
-DepthRun depth_of_board(const DepthOptions& options) {
+// Code images of a board, or of a camera whose images are decoded here. The first depth images are written into the
+// folder, as many as --save says.
+DepthRun depth_of_board(const DepthOptions& options, OutputFolder& folder) {
   const DepthSetup& setup = options.setup;
   const CameraBoardSettings decoder{.code_bits = setup.geometry.bits, .code_threshold = setup.scanner.threshold};
-  return depth_of_device(setup, options.device, open_any_device(options.device, {}, {.board = decoder}), options.count);
+  std::size_t saved = 0;
+  return depth_of_device(setup, options.device, open_any_device(options.device, {}, {.board = decoder}), options.count,
+                         [&](std::size_t pair, const FloatImage& depth) {
+                           if (saved < options.save) {
+                             append_depth(folder, "depth", pair, depth);
+                             ++saved;
+                           }
+                         });
 }
 
 // How far the points lie from those of the file.
@@ -166,7 +179,7 @@ CloudComparison compare_with_file(const DepthOptions& options, const DepthRun& r
 void run_depth(const DepthOptions& options) {
   check_options(options);
   OutputFolder folder(options.out);
-  const DepthRun run = options.device.empty() ? depth_of_files(options, folder) : depth_of_board(options);
+  const DepthRun run = options.device.empty() ? depth_of_files(options, folder) : depth_of_board(options, folder);
   DepthReport report{.setup = options.setup,
                      .device = options.device,
                      .images = options.device.empty() ? files_of(options).size() : 0,
@@ -274,14 +287,21 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   begin_group(*command, "Input and output");
   command
       ->add_option("--device", options->device,
-                   "Instead of images, a board that decodes: ring:NAME, udp:HOST[:PORT] or file:PATH. Or a camera that "
-                   "the projector triggers, camera:NAME: image k, by the camera's own number, shows pattern k modulo "
-                   "2M. The run ends with the device, --count or Ctrl-C.")
+                   "Instead of images, a board: ring:NAME, udp:HOST[:PORT] or file:PATH. It sends codes, or images, "
+                   "which are decoded here. Or a camera that the projector triggers, camera:NAME. Image k, by the "
+                   "board's or the camera's own number, shows pattern k modulo 2M. The run ends with the device, "
+                   "--count or Ctrl-C.")
       ->type_name("URI");
-  command->add_option("--count", options->count, "With --device: number of code images to take.")
+  command->add_option("--count", options->count, "With --device: number of depth images to make.")
       ->transform(whole_number(1))
       ->type_name("N")
       ->default_str("all");
+  command
+      ->add_option("--save", options->save,
+                   "With --device: write depth_KKKK.tiff of the first N depth images as well; later ones only count.")
+      ->transform(whole_number(1))
+      ->type_name("N")
+      ->default_str("none");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   add_files(*command, "IMAGE", options->images,
             "8-bit images of one size, or one folder of them, in natural order and nothing else in it. The folder may "

@@ -5,22 +5,34 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/app/packet_run.h"
 #include "host/io/command_line.h"
 #include "host/io/float_image.h"
 #include "host/io/frame_options.h"
 #include "host/io/progress.h"
 #include "host/io/user_error.h"
+#include "host/report/depth_summary.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/depth_shares.h"
+#include "host/structured_light/scan_stream.h"
 #include "host/structured_light/self_reference_file.h"
 #include "host/structured_light/self_scanner.h"
 
 namespace selfproj {
 namespace {
+
+// Writes depth and difference of the scanner's newest image into the folder.
+void append_maps(const SelfScanner& scanner, std::size_t pair, OutputFolder& folder) {
+  for (const auto& [name, map] : {std::pair{"depth", &scanner.depth()}, {"difference", &scanner.difference()}}) {
+    const std::string file = fmt::format("{}_{:04}.tiff", name, pair);
+    folder.append(file, encode_float_tiff(file, *map));
+  }
+}
 
 // Passes all images to the scanner, and returns the shares of each depth image. If there are several, depth and
 // difference of each are written into the folder.
@@ -38,10 +50,7 @@ std::vector<OfImage<DepthShares>> match_images(const Rig& rig, std::size_t patte
       scanner.explain(states);
       all_shares.push_back({i / 2, count_states(states)});
       if (images.count() > patterns) {
-        for (const auto& [name, map] : {std::pair{"depth", &scanner.depth()}, {"difference", &scanner.difference()}}) {
-          const std::string file = fmt::format("{}_{:04}.tiff", name, i / 2);
-          folder.append(file, encode_float_tiff(file, *map));
-        }
+        append_maps(scanner, i / 2, folder);
       }
     }
     progress.update(i + 1);
@@ -102,15 +111,56 @@ MatchRun::MatchRun(const MatchOptions& options)
 
 MatchResult MatchRun::measure(ImageSequence& images, OutputFolder& folder) const {
   const MatchTable table(rig_, reference_, options_.settings);
-  const int threshold = options_.threshold >= 0 ? options_.threshold : rig_.measure.code_threshold;
-  SelfScanner scanner(rig_, reference_, table, threshold);
-  const MatchReport report{options_.rig,
-                           options_.reference,
-                           reference_.stripes.bits,
-                           options_.settings,
-                           threshold,
-                           images.count(),
-                           match_images(rig_, static_cast<std::size_t>(patterns()), images, scanner, folder)};
+  SelfScanner scanner(rig_, reference_, table, threshold());
+  MatchReport report{options_.rig,
+                     options_.reference,
+                     reference_.stripes.bits,
+                     options_.settings,
+                     threshold(),
+                     images.count(),
+                     match_images(rig_, static_cast<std::size_t>(patterns()), images, scanner, folder)};
+  report.depth_images = report.all_shares.size();
+  MatchPictures pictures = write_match(rig_, table, scanner, report, folder);
+  return {.text = match_text(table, report, folder.name()), .pictures = std::move(pictures)};
+}
+
+MatchResult MatchRun::measure(const MatchDevice& of, Device& device, OutputFolder& folder) const {
+  const MatchTable table(rig_, reference_, options_.settings);
+  SelfScanner scanner(rig_, reference_, table, threshold());
+  MatchReport report{options_.rig, options_.reference, reference_.stripes.bits, options_.settings, threshold(), 0, {}};
+  report.device = of.uri;
+  ScanStream stream;
+  std::uint64_t pair = 0;
+  const auto take = [&](const PacketView& packet) {
+    const ScanStream::Got got = stream.add(packet);
+    if (got == ScanStream::Got::nothing) {
+      return report.depth_images;
+    }
+    check_size("the rig's camera", rig_.camera.rows, rig_.camera.columns,
+               {"an image of " + of.uri, stream.header().rows, stream.header().columns});
+    if (got == ScanStream::Got::codes) {
+      scanner.take_codes(stream.codes().data());
+    } else if (!scanner.take(stream.image(), stream.pattern(patterns()))) {
+      return report.depth_images;
+    }
+    pair = stream.pair();
+    if (report.depth_images < of.save) {
+      append_maps(scanner, pair, folder);
+    }
+    return ++report.depth_images;
+  };
+  PacketRunOptions end;
+  end.count = of.count;
+  run_packets(device, end, take, [&] {
+    return fmt::format("{} depth images, {}", report.depth_images, losses_of({device.counters(), stream.incomplete()}));
+  });
+  if (report.depth_images == 0) {
+    throw UserError(of.uri, "delivered no complete code image, nor images enough for one");
+  }
+  std::vector<PointState> states;
+  scanner.explain(states);
+  report.all_shares.push_back({pair, count_states(states)});
+  report.counts = {device.counters(), stream.incomplete()};
   MatchPictures pictures = write_match(rig_, table, scanner, report, folder);
   return {.text = match_text(table, report, folder.name()), .pictures = std::move(pictures)};
 }

@@ -4,8 +4,10 @@
 #define SELFPROJ_HOST_APP_MATCH_RUN_H
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
 #include <string>
 
+#include "host/driver/device.h"
 #include "host/io/image_files.h"
 #include "host/io/image_sequence.h"
 #include "host/io/output_folder.h"
@@ -32,6 +34,14 @@ Rig scanner_rig(const std::string& name);
 // Throws UserError about `name` if the image has not the size of the rig's camera.
 void check_camera_size(const Rig& rig, const std::string& name, const Image& image);
 
+// A board, or a camera, instead of recorded images.
+struct MatchDevice {
+  std::string uri;
+  bool wait_for_board = false;
+  std::size_t count = 0;  // end after so many depth images; 0: any number
+  std::size_t save = 0;   // depth images of which depth and difference are written
+};
+
 // What a run tells besides its files.
 struct MatchResult {
   std::string text;        // for the terminal, one line
@@ -50,6 +60,15 @@ class MatchRun {
   // Takes all images, patterns() or more and an even number, positive and negative of each bit in turn. Shows progress,
   // and writes into the folder without a commit. Throws UserError about an image of another size.
   MatchResult measure(ImageSequence& images, OutputFolder& folder) const;
+
+  // The same from the codes or images of a device, until it ends, so many depth images have been made, or Ctrl-C.
+  // Throws UserError if none could be made, or about a size.
+  MatchResult measure(const MatchDevice& of, Device& device, OutputFolder& folder) const;
+
+  // θ_b of (4.15).
+  [[nodiscard]] int threshold() const {
+    return options_.threshold >= 0 ? options_.threshold : rig_.measure.code_threshold;
+  }
 
  private:
   MatchOptions options_;

@@ -38,15 +38,6 @@ Json depth_json(const FloatImage& depth) {
 // Angle between the plane's normal and z.
 double tilt_deg(const PlaneFit& fit) { return std::atan(std::hypot(fit.a, fit.b)) * 180 / std::numbers::pi; }
 
-Json device_json(const std::string& uri, const DeviceCounts& counts) {
-  Json json = {{"uri", uri}};
-  for (const CounterName& name : kCounterNames) {
-    json[name.key] = counts.counters.*name.field;
-  }
-  json["incomplete"] = counts.incomplete;
-  return json;
-}
-
 Json plane_json(const PlaneFit& plane) {
   return {{"points", plane.points},
           {"points_not_on_it", plane.left_out},
@@ -133,6 +124,21 @@ std::string moved_csv(const std::vector<OfImage<Moved>>& all) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json device_json(const std::string& uri, const DeviceCounts& counts) {
+  nlohmann::ordered_json json = {{"uri", uri}};
+  for (const CounterName& name : kCounterNames) {
+    json[name.key] = counts.counters.*name.field;
+  }
+  json["incomplete"] = counts.incomplete;
+  return json;
+}
+
+std::string losses_of(const DeviceCounts& counts) {
+  return counters_text(counts.counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::lost_network,
+                                         &Counters::missing, &Counters::bad}) +
+         fmt::format(", incomplete images {}", counts.incomplete);
+}
 
 std::string write_depth(const DepthRun& run, const DepthReport& report, OutputFolder& folder) {
   const std::string title =

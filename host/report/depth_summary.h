@@ -3,6 +3,7 @@
 #define SELFPROJ_HOST_REPORT_DEPTH_SUMMARY_H
 
 #include <cstddef>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -12,6 +13,10 @@
 #include "host/structured_light/point_cloud.h"
 
 namespace selfproj {
+
+// The counts of a device: every counter, for a terminal the losses.
+nlohmann::ordered_json device_json(const std::string& uri, const DeviceCounts& counts);
+std::string losses_of(const DeviceCounts& counts);
 
 // The measurements, and the values computed from the newest depth image.
 struct DepthReport {

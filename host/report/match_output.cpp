@@ -7,6 +7,7 @@
 
 #include "host/io/float_image.h"
 #include "host/report/depth_output.h"
+#include "host/report/depth_summary.h"
 #include "host/report/map_picture.h"
 
 namespace selfproj {
@@ -21,9 +22,12 @@ std::string summary(const MatchTable& table, const MatchReport& report) {
                               {"printed_window", report.settings.printed_window},
                               {"threshold", report.threshold},
                               {"images", report.images},
-                              {"depth_images", report.all_shares.size()},
+                              {"depth_images", report.depth_images},
                               {"codes_without_match", table.missing()},
                               {"codes_with_several_candidates", table.doubled()}};
+  if (report.counts) {
+    json["device"] = device_json(report.device, *report.counts);
+  }
   for (int i = 0; i < kPointStates; ++i) {
     const auto state = static_cast<PointState>(i);
     json["newest"][name_of(state)] = report.all_shares.back().value.of(state);
@@ -54,10 +58,11 @@ MatchPictures write_match(const Rig& rig, const MatchTable& table, const SelfSca
 
 std::string match_text(const MatchTable& table, const MatchReport& report, const std::string& folder) {
   const DepthShares& newest = report.all_shares.back().value;
+  const std::string losses = report.counts ? losses_of(*report.counts) + "; " : std::string();
   return fmt::format(
-      "{} depth images: {} of {} pixels valid; codes without a match {:.2f} %, with several candidates {:.2f} % "
+      "{} depth images: {}{} of {} pixels valid; codes without a match {:.2f} %, with several candidates {:.2f} % "
       "→ {}\n",
-      report.all_shares.size(), newest.of(PointState::valid), newest.total(), 100 * table.missing(),
+      report.depth_images, losses, newest.of(PointState::valid), newest.total(), 100 * table.missing(),
       100 * table.doubled(), folder);
 }
 

@@ -3,6 +3,7 @@
 #define SELFPROJ_HOST_REPORT_MATCH_OUTPUT_H
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,10 @@ struct MatchReport {
   MatchSettings settings;
   int threshold = 0;                             // threshold of a pair's difference
   std::size_t images = 0;                        // number of recorded images
-  std::vector<OfImage<DepthShares>> all_shares;  // shares of all depth images, at least one
+  std::vector<OfImage<DepthShares>> all_shares;  // shares of all depth images, at least one; of a device the newest
+  std::string device = {};                       // its URI, if there is one
+  std::size_t depth_images = 0;
+  std::optional<DeviceCounts> counts = {};
 };
 
 // The newest depth image and its difference from the reference in colours, as PNG.

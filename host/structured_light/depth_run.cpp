@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "host/driver/image_assembler.h"
 #include "host/io/frame_options.h"
 #include "host/io/median.h"
 #include "host/io/progress.h"
@@ -22,6 +21,7 @@
 #include "host/io/user_error.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/lens_triangulation.h"
+#include "host/structured_light/scan_stream.h"
 
 namespace selfproj {
 namespace {
@@ -92,24 +92,28 @@ class AxisDecoder {
   std::size_t next_ = 0;
 };
 
-// The code images of a device as they come.
+// The code images of a device, or its images, as they come.
 class DeviceScan {
  public:
-  DeviceScan(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device)
-      : setup_(setup), uri_(uri), device_(std::move(device)), assembler_(spec::kKindCodes, 0) {}
+  DeviceScan(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device, const TakeDepth& take)
+      : setup_(setup), uri_(uri), device_(std::move(device)), take_(take) {}
 
   void run(std::size_t count) {
     using namespace std::chrono_literals;
     const StopSignal stop;
-    Progress progress("code image", count);
+    Progress progress("depth image", count);
     PacketView packet;
     while (!StopSignal::came() && (count == 0 || run_.depth_images < count)) {
       const Next next = device_->next(packet, 100ms);
       if (next == Next::end) {
         break;
       }
-      if (next == Next::packet && assembler_.add(packet)) {
-        take();
+      if (next == Next::packet) {
+        const ScanStream::Got got = stream_.add(packet);
+        device_->release();
+        if (got != ScanStream::Got::nothing) {
+          take(got);
+        }
       }
       if (scanner_ && progress.due()) {
         progress.update(run_.depth_images, note());
@@ -118,40 +122,45 @@ class DeviceScan {
   }
 
   DepthRun result() {
-    if (!scanner_) {
-      throw UserError(uri_, "delivered no complete code image");
+    if (run_.depth_images == 0) {
+      throw UserError(uri_, "delivered no complete code image, nor images enough for one");
     }
     std::vector<PointState> states(run_.triangulation->pixels());
     run_.shares = shares_of(*run_.triangulation, *scanner_, states);
     run_.all_shares.push_back({sequence_, run_.shares});
-    run_.device = {device_->counters(), assembler_.incomplete()};
+    run_.device = {device_->counters(), stream_.incomplete()};
     finish(*scanner_, run_);
     return std::move(run_);
   }
 
  private:
-  // Takes the code image that the assembler has completed.
-  void take() {
-    const PacketHeader& header = assembler_.header();
-    const ImageSource source{"a code image of " + uri_, header.rows, header.columns};
+  // Takes what the stream has completed.
+  void take(ScanStream::Got got) {
+    const PacketHeader& header = stream_.header();
+    const ImageSource source{"an image of " + uri_, header.rows, header.columns};
     if (!scanner_) {
       run_.triangulation = make_triangulation(setup_.geometry, source);
       scanner_.emplace(*run_.triangulation, setup_.scanner);
       set_background(setup_, *run_.triangulation, *scanner_);
     }
-    check_size("an earlier code image", run_.triangulation->rows(), run_.triangulation->columns(), source);
-    scanner_->take_codes(assembler_.codes().data());
+    check_size("an earlier image", run_.triangulation->rows(), run_.triangulation->columns(), source);
+    if (got == ScanStream::Got::codes) {
+      scanner_->take_codes(stream_.codes().data());
+    } else if (!scanner_->take(stream_.image(), stream_.pattern(2 * setup_.geometry.bits))) {
+      return;
+    }
     sequence_ = header.sequence;
     ++run_.depth_images;
     if (scanner_->has_background()) {
       run_.moved.push_back({sequence_, scanner_->moved()});
     }
+    take_(stream_.pair(), scanner_->depth());
   }
 
   [[nodiscard]] std::string note() const {
     const Counters counters = device_->counters();
     std::string note = counters_text(counters, {&Counters::lost_board, &Counters::lost_ring, &Counters::bad});
-    note += fmt::format(", incomplete code images {}", assembler_.incomplete());
+    note += fmt::format(", incomplete images {}", stream_.incomplete());
     if (scanner_->has_background()) {
       const Moved& moved = scanner_->moved();
       note += fmt::format("; {} pixels moved, at {:.1f}, {:.1f}, {:.1f} mm", moved.pixels, moved.x, moved.y, moved.z);
@@ -162,7 +171,8 @@ class DeviceScan {
   const DepthSetup& setup_;
   std::string uri_;
   std::unique_ptr<Device> device_;
-  ImageAssembler assembler_;
+  TakeDepth take_;
+  ScanStream stream_;
   DepthRun run_;
   std::optional<Scanner> scanner_;  // made with the first code image, whose size it needs
   std::uint64_t sequence_ = 0;      // sequence of the newest code image
@@ -233,8 +243,8 @@ DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images) {
 }
 
 DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device,
-                         std::size_t count) {
-  DeviceScan scan(setup, uri, std::move(device));
+                         std::size_t count, const TakeDepth& take) {
+  DeviceScan scan(setup, uri, std::move(device), take);
   scan.run(count);
   return scan.result();
 }

@@ -38,7 +38,7 @@ struct OfImage {
 
 struct DeviceCounts {
   Counters counters;
-  std::uint64_t incomplete = 0;  // code images with lines missing
+  std::uint64_t incomplete = 0;  // images or code images with lines missing
 };
 
 struct DepthRun {
@@ -67,10 +67,11 @@ DepthRun depth_of_images(const DepthSetup& setup, ImageSequence& images, const T
 // Shows progress. Throws UserError as make_lens_triangulation and ImageSequence do.
 DepthRun depth_of_both_axes(const DepthSetup& setup, ImageSequence& images);
 
-// Code images from the device, until it ends, `count` have come (0: any number), or Ctrl-C. Shows progress. `uri` is
-// its name for messages. Throws UserError as depth_of_images does, and if the images change size, or none is complete.
+// Code images from the device, or images that are decoded here, until it ends, `count` depth images have been made (0:
+// any number), or Ctrl-C. Shows progress. `uri` is its name for messages. Throws UserError as depth_of_images does, and
+// if the images change size, or none is complete.
 DepthRun depth_of_device(const DepthSetup& setup, const std::string& uri, std::unique_ptr<Device> device,
-                         std::size_t count);
+                         std::size_t count, const TakeDepth& take);
 
 }  // namespace selfproj
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,9 @@
 #include "host/structured_light/gray_sequence.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_reference_file.h"
+#include "model/gray_decoder.h"
+#include "model/packet.h"
+#include "model/packet_payload.h"
 #include "tests/cli/program.h"
 #include "tests/host/light_section/seen_surface.h"
 
@@ -86,6 +91,59 @@ class MatchCommand : public ::testing::Test {
     EXPECT_FALSE(fs::exists(folder_ / "out"));
   }
 
+  // Writes images of planes, at each of these z in turn, under the patterns of `ref`, and returns their names.
+  std::vector<std::string> pictures(int count, const std::vector<double>& z) {
+    std::vector<std::string> names;
+    for (int i = 0; i < count; ++i) {
+      const cv::Mat pattern =
+          cv::imread((folder_ / fmt::format("ref/pattern_{:02}.png", i % 8)).string(), cv::IMREAD_UNCHANGED);
+      EXPECT_EQ(pattern.rows, rig_.projector.lines);
+      names.push_back(fmt::format("image_{}.png", i));
+      write_picture(folder_ / names.back(), points_of(rig_, plane_at(z[static_cast<std::size_t>(i / 2) % z.size()])),
+                    std::vector<std::uint8_t>(pattern.begin<std::uint8_t>(), pattern.end<std::uint8_t>()),
+                    pattern.cols);
+    }
+    return names;
+  }
+
+  // The packets that a board sends of these images: moments of each, and the code images that it decodes, or the images
+  // themselves. One line of the frame `without` is lost.
+  [[nodiscard]] std::string packets(const std::vector<std::string>& names, bool codes,
+                                    std::size_t without = SIZE_MAX) const {
+    std::vector<std::uint8_t> bytes;
+    PacketHeader header;
+    header.rows = static_cast<std::uint16_t>(rig_.camera.rows);
+    header.columns = static_cast<std::uint16_t>(rig_.camera.columns);
+    GrayDecoder decoder({rig_.camera.rows, rig_.camera.columns, 4, rig_.measure.code_threshold});
+    std::vector<std::uint16_t> words(rig_.camera.pixels());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const cv::Mat image = cv::imread((folder_ / names[i]).string(), cv::IMREAD_UNCHANGED);
+      header.sequence = i;
+      header.kind = spec::kKindMoments;
+      header.first_line = 0;
+      header.lines = 0;
+      append_packet(header, std::vector<std::uint8_t>(moments_payload_bytes(Mode::binary, image.cols)), 0, bytes);
+      header.kind = codes ? spec::kKindCodes : spec::kKindImage;
+      const bool due =
+          decoder.take({image.data, image.rows, image.cols, image.cols}, static_cast<int>(i % 8), true, words.data());
+      for (int row = 0; row < image.rows && (due || !codes); ++row) {
+        header.first_line = static_cast<std::uint16_t>(row + 1);
+        header.lines = 1;
+        std::vector<std::uint8_t> payload(codes ? codes_line_payload_bytes(image.cols)
+                                                : image_line_payload_bytes(image.cols));
+        if (codes) {
+          pack_codes(image.cols, words.data() + row * image.cols, payload.data());
+        } else {
+          std::copy_n(image.ptr(row), image.cols, payload.begin());
+        }
+        if (i != without || row != 5) {
+          append_packet(header, payload, 0, bytes);
+        }
+      }
+    }
+    return {bytes.begin(), bytes.end()};
+  }
+
   ScratchFolder folder_;
   Rig rig_;
   ProjectorPoints points_;
@@ -104,15 +162,9 @@ TEST_F(MatchCommand, ReferenceOfAScanAndDepthOfImages) {
   }
   EXPECT_GT(compared, 2000);
 
-  const ProjectorPoints part = points_of(rig_, plane_at(530));
   std::vector<std::string> arguments{"match", "--rig", "rig.yaml", "--reference", "ref", "--e", "4", "--out", "out"};
-  for (int i = 0; i < 8; ++i) {
-    const cv::Mat pattern =
-        cv::imread((folder_ / fmt::format("ref/pattern_{:02}.png", i)).string(), cv::IMREAD_UNCHANGED);
-    ASSERT_EQ(pattern.rows, rig_.projector.lines);
-    write_picture(folder_ / fmt::format("image_{}.png", i), part,
-                  std::vector<std::uint8_t>(pattern.begin<std::uint8_t>(), pattern.end<std::uint8_t>()), pattern.cols);
-    arguments.push_back(fmt::format("image_{}.png", i));
+  for (const std::string& image : pictures(8, {530})) {
+    arguments.push_back(image);
   }
   const Outcome outcome = run(arguments);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -130,6 +182,58 @@ TEST_F(MatchCommand, ReferenceOfAScanAndDepthOfImages) {
   }
   ASSERT_GT(count, 300);
   EXPECT_NEAR(sum / count, 20, 5);  // one code of this coarse rig is 35 mm
+}
+
+// Codes and images that another process streams through the ring give the same depth images, byte for byte, and what
+// is lost is counted.
+TEST_F(MatchCommand, OnLineIsLikeOffLine) {
+  reference();
+  const std::vector<std::string> names = pictures(24, {530, 550, 515});
+  const std::vector<std::string> match{"match", "--rig", "rig.yaml", "--reference", "ref", "--e", "4"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = match;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  std::vector<std::string> offline = with({"--out", "offline"});
+  offline.insert(offline.end(), names.begin(), names.end());
+  ASSERT_EQ(run(offline).status, 0);
+  for (const bool codes : {true, false}) {
+    SCOPED_TRACE(codes ? "codes" : "images");
+    const std::string kind = codes ? "codes" : "images";
+    write_text(folder_ / kind, packets(names, codes));
+    const std::string ring = fmt::format("selfproj-match-test-{}-{}", kind, getpid());
+    std::thread board([&] {
+      const Outcome sent = run_program(
+          SELFPROJ_SIM_PROGRAM, {"board", "--replay", kind, "--ring", ring, "--wait-for-reader", "--count", "24"},
+          folder_.path());
+      EXPECT_EQ(sent.status, 0) << sent.err;
+    });
+    const Outcome online = run(
+        with({"--device", "ring:" + ring, "--wait-for-board", "--count", "9", "--save", "9", "--out", kind + ".out"}));
+    board.join();
+    ASSERT_EQ(online.status, 0) << online.err;
+    EXPECT_EQ(online.out.rfind("9 depth images: ", 0), 0U) << online.out;
+    for (int pair = 3; pair < 12; ++pair) {
+      for (const char* map : {"depth", "difference"}) {
+        const std::string file = fmt::format("{}_{:04}.tiff", map, pair);
+        EXPECT_TRUE(read_text(folder_ / "offline" / file) == read_text(folder_ / (kind + ".out") / file)) << file;
+      }
+    }
+
+    // A line in the middle is lost, and with it what it belongs to: a code image, or an image of the sequence.
+    write_text(folder_ / "less", packets(names, codes, codes ? 11 : 10));
+    const Outcome lost = run(with({"--device", "file:less", "--save", "9", "--out", kind + ".less"}));
+    ASSERT_EQ(lost.status, 0) << lost.err;
+    EXPECT_EQ(lost.out.rfind(codes ? "8 depth images: " : "3 depth images: ", 0), 0U) << lost.out;
+    EXPECT_NE(lost.out.find("incomplete images 1;"), std::string::npos) << lost.out;
+    EXPECT_FALSE(fs::exists(folder_ / (kind + ".less/depth_0005.tiff")));
+    EXPECT_TRUE(read_text(folder_ / "offline/depth.tiff") == read_text(folder_ / (kind + ".less/depth.tiff")));
+  }
+  refused(with({"--device", "file:codes", "--out", "out", "image_0.png"}), {"IMAGE: does not go with --device"});
+  refused(with({"--save", "3", "--out", "out", "image_0.png"}), {"--save: goes only with --device"});
+  write_text(folder_ / "few", packets({names.begin(), names.begin() + 6}, false));
+  refused(with({"--device", "file:few", "--out", "out"}), {"file:few: delivered no complete code image"});
 }
 
 TEST_F(MatchCommand, RefusesWrongScans) {
