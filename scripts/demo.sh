@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # demo.sh: builds the simulation and shows the main job. A conveyor moves at 1000 mm/s under the simulated camera, the
 # board's RTL works on the images, and marks carved 1 mm deep show in the difference from the reference part. It
-# installs missing packages first, writes to build/demo/, and ends with the paths of the pictures.
+# installs missing packages first, writes to build/demo/, and ends with the paths of the pictures and a short live run
+# that a browser can watch. SELFPROJ_DEMO_SECONDS says how long that takes (20; 0: none), SELFPROJ_DEMO_PORT where (8080).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -11,7 +12,7 @@ case ${1:-} in
   *) echo "demo.sh: $1: unknown; usage: scripts/demo.sh" >&2; exit 2 ;;
 esac
 
-scripts/build.sh release selfproj-sim
+scripts/build.sh release programs
 out=build/demo
 rm -rf "$out"
 mkdir -p "$out"
@@ -43,3 +44,29 @@ TEXT
 if [[ -d $captures ]]; then
   echo "  $out/captures/report.html            real images with the line that was found"
 fi
+
+seconds=${SELFPROJ_DEMO_SECONDS:-20}
+port=${SELFPROJ_DEMO_PORT:-8080}
+[[ $seconds != 0 ]] || exit 0
+
+# The shape of the good part is all that the host needs to know.
+printf '%s\n' y_mm,z_mm -59,1167 -52.5,1167 -52.5,1137 -17.5,1137 -17.5,1128 17.5,1128 17.5,1146 52.5,1146 52.5,1167 \
+  59,1167 >"$out/stairs.csv"
+build/bin/selfproj pattern --reference "$out/stairs.csv" --out "$out/reference" >/dev/null
+
+cat <<TEXT
+
+A line that runs: the same packets again and again, now from another process, as a board would send them. Open the page
+in a browser of this machine while it runs, $seconds seconds from now on:
+
+  http://127.0.0.1:$port/
+
+Longer: SELFPROJ_DEMO_SECONDS=600 scripts/demo.sh
+TEXT
+ring=selfproj-demo-$$
+build/bin/selfproj-sim board --replay "$out/stairs-marked.packets" --ring "$ring" --rate 1000 --loop >/dev/null &
+board=$!
+trap 'kill "$board" 2>/dev/null || true' EXIT
+build/bin/selfproj inspect --device "ring:$ring" --wait-for-board --newest --reference "$out/reference" \
+  --seconds "$seconds" --live "$port" ||
+  echo "the live run did not take place; another port: SELFPROJ_DEMO_PORT=8081 scripts/demo.sh"

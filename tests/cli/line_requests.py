@@ -1,0 +1,209 @@
+#!/usr/bin/env python3
+"""A running line under requests that are none, by HTTP and Modbus, and how fast its results come.
+
+    line_requests.py PROGRAMS MAKE_PARTS [--requests N] [--rate R] [--seconds S] [--record]
+
+A board repeats parts, every third with a dent, through a ring. For S seconds, at R frames a second, nobody disturbs the
+line. Then, in a second run at 1,500 frames a second, N HTTP requests and N Modbus requests come that are damaged, cut or random bytes, or ask
+to write. Afterwards every part must have been judged as before, nothing may be lost, and page and registers must still
+tell what the files tell. --record keeps the figures in the folder results.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import random
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"))
+import results  # noqa: E402
+
+CYCLE = ["OK", "OK", "not OK"]
+REGISTERS = 21
+ATTACKED_RATE = 1500  # frames a second: not the machine's speed is to be measured then
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return s.getsockname()[1]
+
+
+def modbus(port, function=4, first=0, count=REGISTERS):
+    """The registers as a list."""
+    with socket.create_connection(("127.0.0.1", port), timeout=10) as client:
+        client.sendall(struct.pack(">HHHBBHH", 1, 0, 6, 1, function, first, count))
+        answer = b""
+        while len(answer) < 9 + 2 * count:
+            more = client.recv(1024)
+            if not more:
+                raise ConnectionError("the Modbus server closed the connection")
+            answer += more
+    return list(struct.unpack(f">{count}H", answer[9:]))
+
+
+def http(port, path):
+    with socket.create_connection(("127.0.0.1", port), timeout=10) as client:
+        client.sendall(f"GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n".encode())
+        return client.recv(64).split(b" ")[1]
+
+
+def damaged(rng, request):
+    """The request with something wrong: bytes changed, cut off, or nothing but random bytes."""
+    kind = rng.randrange(3)
+    if kind == 0:
+        request = bytearray(request)
+        for _ in range(rng.randrange(1, 5)):
+            request[rng.randrange(len(request))] = rng.randrange(256)
+        return bytes(request)
+    if kind == 1:
+        return request[:rng.randrange(1, len(request))] + rng.randbytes(rng.randrange(3))
+    return rng.randbytes(rng.randrange(1, 400))
+
+
+def wrong_http(rng):
+    heads = [b"POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\n\r\nabc",
+             b"PUT /part HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999\r\n\r\n",
+             b"DELETE /stream HTTP/1.1\r\nHost: localhost\r\n\r\n",
+             b"GET /../../etc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n",
+             b"GET / HTTP/1.1\r\nHost: elsewhere.example\r\n\r\n",
+             b"GET /" + b"a" * 9000 + b" HTTP/1.1\r\nHost: localhost\r\n\r\n"]
+    request = rng.choice(heads)
+    return request if rng.random() < 0.2 else damaged(rng, request)
+
+
+def wrong_modbus(rng):
+    write = struct.pack(">HHHBBHH", rng.randrange(65536), 0, 6, 1, rng.choice([5, 6, 8, 15, 16, 22, 43]),
+                        rng.randrange(65536), rng.randrange(65536))
+    beyond = struct.pack(">HHHBBHH", 1, 0, 6, 1, 3, rng.randrange(REGISTERS, 65536), rng.randrange(1, 200))
+    request = rng.choice([write, beyond])
+    return request if rng.random() < 0.3 else damaged(rng, request)
+
+
+def send(port, request):
+    with socket.create_connection(("127.0.0.1", port), timeout=10) as rude:
+        try:
+            rude.sendall(request)
+            if len(request) % 4 == 0:  # some wait for an answer, and most hang up
+                rude.settimeout(0.02)
+                rude.recv(256)
+        except OSError:
+            pass
+
+
+class Line:
+    """A board and `selfproj inspect` in a folder, with page and registers."""
+
+    def __init__(self, programs, folder, out, rate):
+        ring = f"requests-{os.getpid()}-{out}"
+        self.folder, self.out, self.live, self.modbus = folder, out, free_port(), free_port()
+        self.board = subprocess.Popen([programs / "selfproj-sim", "board", "--replay", "run.packets", "--ring", ring,
+                                       "--rate", str(rate), "--loop", "--wait-for-reader"], cwd=folder,
+                                      stdout=subprocess.DEVNULL)
+        self.host = subprocess.Popen([programs / "selfproj", "inspect", "--rig", "rig.yaml", "--device", "ring:" + ring,
+                                      "--wait-for-board", "--tolerance", "tolerance.yaml", "--parts", out, "--json",
+                                      out + ".json", "--live", str(self.live), "--modbus", str(self.modbus),
+                                      "--keep-parts", "4"],
+                                     cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.host.stderr.readline()
+        self.wait_for_parts(1)
+
+    def wait_for_parts(self, least):
+        """Until so many are judged; the registers may not be there yet."""
+        end = time.monotonic() + 120
+        while time.monotonic() < end:
+            try:
+                if modbus(self.modbus, first=4, count=1)[0] >= least:
+                    return
+            except OSError:
+                pass
+            time.sleep(0.1)
+        raise TimeoutError("no part was judged")
+
+    def end(self):
+        """Stops the board and then the host, and checks what the run tells. Returns its counts."""
+        self.board.send_signal(signal.SIGINT)
+        self.board.wait(60)
+        time.sleep(0.5)  # what is in the ring is judged
+        registers, status = modbus(self.modbus), http(self.live, "/")
+        self.host.send_signal(signal.SIGINT)
+        said = self.host.communicate(timeout=60)[1]
+        counts = json.loads((self.folder / (self.out + ".json")).read_text(encoding="utf-8"))
+        parts = [json.loads(line) for line in
+                 (self.folder / self.out / "parts.jsonl").read_text(encoding="utf-8").splitlines()]
+        assert self.host.returncode == 0, said
+        assert status == b"200", status
+        lost = {key: counts[key] for key in ("lost_board", "lost_ring", "missing", "bad", "flagged") if counts[key]}
+        assert not lost, lost
+        whole = parts[:-1]  # the last may have been in the middle when the board stopped
+        wrong = [part["part"] for i, part in enumerate(whole) if part["verdict"] != CYCLE[i % len(CYCLE)]]
+        assert whole and not wrong, f"{len(wrong)} of {len(whole)} parts are judged wrong, the first {wrong[:1]}"
+        told = registers[5] * 65536 + registers[6], registers[7] * 65536 + registers[8]
+        # A part that ended with the stream comes later.
+        assert told[0] in (counts["parts_ok"], counts["parts_ok"] - 1), (told, counts)
+        assert told[1] in (counts["parts_not_ok"], counts["parts_not_ok"] - 1), (told, counts)
+        return counts
+
+
+def attack(line, requests, seed):
+    rng = random.Random(seed)
+    for i in range(requests):
+        send(line.live, wrong_http(rng))
+        send(line.modbus, wrong_modbus(rng))
+        if i % 50 == 49:
+            assert http(line.live, "/") == b"200"
+            assert modbus(line.modbus)[0] == 1
+
+
+def main():
+    parser = argparse.ArgumentParser(description="A running line under requests that are none.")
+    parser.add_argument("programs", type=pathlib.Path)
+    parser.add_argument("make_parts", type=pathlib.Path)
+    parser.add_argument("--requests", type=int, default=100)
+    parser.add_argument("--rate", type=int, default=10000)
+    parser.add_argument("--seconds", type=float, default=0)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--record", action="store_true")
+    args = parser.parse_args()
+    programs = args.programs.resolve()
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = pathlib.Path(scratch)
+        subprocess.run([args.make_parts.resolve(), folder], check=True)
+        subprocess.run([programs / "selfproj", "tolerance", "learn", "--rig", "rig.yaml", "--device",
+                        "file:good.packets", "--out", "tolerance.yaml"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        found = {}
+        if args.seconds:
+            line = Line(programs, folder, "quiet", args.rate)
+            time.sleep(args.seconds)
+            quiet = line.end()
+            found["undisturbed"] = {"profiles": quiet["profiles"], "parts": quiet["parts"],
+                                    "rate_per_s": args.rate, "seconds": args.seconds,
+                                    "result_delay_p50_ms": quiet["result_delay_p50_ms"],
+                                    "result_delay_p99_ms": quiet["result_delay_p99_ms"], "lost": 0}
+            print(json.dumps(found), flush=True)
+        line = Line(programs, folder, "attacked", ATTACKED_RATE)
+        try:
+            attack(line, args.requests, args.seed)
+            line.wait_for_parts(8)
+        finally:
+            counts = line.end()
+        found["attacked"] = {"http_requests": args.requests, "modbus_requests": args.requests,
+                             "rate_per_s": ATTACKED_RATE, "parts": counts["parts"], "wrong": 0, "lost": 0,
+                             "result_delay_p99_ms": counts["result_delay_p99_ms"]}
+    print(json.dumps(found, indent=1))
+    if args.record:
+        results.write("line_requests", "A running line: time to a result, and requests that are none",
+                      "tests/cli/line_requests.py build/bin MAKE_PARTS " + " ".join(sys.argv[3:]), found,
+                      results.ROOT / "results")
+
+
+if __name__ == "__main__":
+    main()
