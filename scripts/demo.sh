@@ -2,7 +2,8 @@
 # demo.sh: builds the simulation and shows the main job. A conveyor moves at 1000 mm/s under the simulated camera, the
 # board's RTL works on the images, and marks carved 1 mm deep show in the difference from the reference part. It
 # installs missing packages first, writes to build/demo/, and ends with the paths of the pictures and a short live run
-# that a browser can watch. SELFPROJ_DEMO_SECONDS says how long that takes (20; 0: none), SELFPROJ_DEMO_PORT where (8080).
+# that a browser can watch. SELFPROJ_DEMO_SECONDS says how long that takes (20; 0: none), SELFPROJ_DEMO_PORT at which
+# port (8080).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -256,7 +256,7 @@ class Detection {
   void parts_of(std::uint64_t seed, std::uint64_t first, std::uint64_t count, bool planted, const Take& take) {
     constexpr std::uint64_t kAtOnce = 8;
     PlantedParts belt(*setup_, options_.render);
-    for (std::uint64_t begin = 0; begin < count; begin += kAtOnce) {
+    for (std::uint64_t begin = 0; begin < count && !StopSignal::came(); begin += kAtOnce) {
       std::vector<DrawnPart> drawn;
       for (std::uint64_t i = begin; i < std::min(count, begin + kAtOnce); ++i) {
         drawn.push_back(draw_part(drawn_, seed, first + i, planted));
