@@ -1,0 +1,207 @@
+// The functions of devices and data streams.
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "host/gentl/answer.h"
+#include "host/gentl/gentl_errors.h"
+#include "host/gentl/gentl_types.h"
+#include "host/gentl/library.h"
+#include "host/gentl/stream.h"
+#include "host/gentl/system.h"
+
+using namespace selfproj::gentl;
+
+// NOLINTBEGIN(readability-identifier-naming): names of the standard
+
+GC_ERROR DevGetPort(DEV_HANDLE hDevice, PORT_HANDLE* phRemoteDevice) {
+  return call([&] {
+    const auto device = find<LocalDevice>(hDevice);
+    require_pointer(phRemoteDevice);
+    *phRemoteDevice = device->camera()->handle;
+  });
+}
+
+GC_ERROR DevGetNumDataStreams(DEV_HANDLE hDevice, std::uint32_t* piNumDataStreams) {
+  return call([&] {
+    find<LocalDevice>(hDevice);
+    require_pointer(piNumDataStreams);
+    *piNumDataStreams = 1;
+  });
+}
+
+GC_ERROR DevGetDataStreamID(DEV_HANDLE hDevice, std::uint32_t iIndex, char* sDataStreamID, std::size_t* piSize) {
+  return call([&] {
+    find<LocalDevice>(hDevice);
+    require(iIndex == 0, GC_ERR_INVALID_INDEX, "the device has one data stream");
+    give(kStreamId, {nullptr, sDataStreamID, piSize});
+  });
+}
+
+GC_ERROR DevOpenDataStream(DEV_HANDLE hDevice, const char* sDataStreamID, DS_HANDLE* phDataStream) {
+  return call([&] {
+    const auto device = find<LocalDevice>(hDevice);
+    require_pointer(sDataStreamID);
+    require_pointer(phDataStream);
+    *phDataStream = device->open_stream(sDataStreamID)->handle;
+  });
+}
+
+GC_ERROR DevGetInfo(DEV_HANDLE hDevice, DEVICE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
+                    std::size_t* piSize) {
+  return call([&] {
+    const auto device = find<LocalDevice>(hDevice);
+    give_device_info(device->entry(), device.get(), iInfoCmd, {piType, pBuffer, piSize});
+  });
+}
+
+GC_ERROR DevClose(DEV_HANDLE hDevice) {
+  return call([&] { library().system->interface()->close_device(find<LocalDevice>(hDevice)); });
+}
+
+GC_ERROR DevGetParentIF(DEV_HANDLE hDevice, IF_HANDLE* phIface) {
+  return call([&] {
+    const auto device = find<LocalDevice>(hDevice);
+    require_pointer(phIface);
+    *phIface = device->parent();
+  });
+}
+
+GC_ERROR DSGetParentDev(DS_HANDLE hDataStream, DEV_HANDLE* phDevice) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    require_pointer(phDevice);
+    *phDevice = stream->parent();
+  });
+}
+
+GC_ERROR DSAnnounceBuffer(DS_HANDLE hDataStream, void* pBuffer, std::size_t iSize, void* pPrivate,
+                          BUFFER_HANDLE* phBuffer) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    require_pointer(pBuffer);
+    require_pointer(phBuffer);
+    *phBuffer = stream->announce(pBuffer, iSize, pPrivate)->handle;
+  });
+}
+
+GC_ERROR DSAllocAndAnnounceBuffer(DS_HANDLE hDataStream, std::size_t iSize, void* pPrivate, BUFFER_HANDLE* phBuffer) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    require_pointer(phBuffer);
+    *phBuffer = stream->announce(nullptr, iSize, pPrivate)->handle;
+  });
+}
+
+GC_ERROR DSFlushQueue(DS_HANDLE hDataStream, ACQ_QUEUE_TYPE iOperation) {
+  return call([&] { find<Stream>(hDataStream)->flush(iOperation); });
+}
+
+GC_ERROR DSStartAcquisition(DS_HANDLE hDataStream, ACQ_START_FLAGS iStartFlags, std::uint64_t iNumToAcquire) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    require(iStartFlags == ACQ_START_FLAGS_DEFAULT, GC_ERR_INVALID_PARAMETER, "unknown flags of the start");
+    stream->start(iNumToAcquire);
+  });
+}
+
+GC_ERROR DSStopAcquisition(DS_HANDLE hDataStream, ACQ_STOP_FLAGS iStopFlags) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    require(iStopFlags == ACQ_STOP_FLAGS_DEFAULT || iStopFlags == ACQ_STOP_FLAGS_KILL, GC_ERR_INVALID_PARAMETER,
+            "unknown flags of the stop");
+    require(stream->is_acquiring(), GC_ERR_RESOURCE_IN_USE, "the stream is not acquiring");
+    stream->stop(iStopFlags);
+  });
+}
+
+GC_ERROR DSGetInfo(DS_HANDLE hDataStream, STREAM_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
+                   std::size_t* piSize) {
+  return call([&] { find<Stream>(hDataStream)->give_info(iInfoCmd, {piType, pBuffer, piSize}); });
+}
+
+GC_ERROR DSGetBufferID(DS_HANDLE hDataStream, std::uint32_t iIndex, BUFFER_HANDLE* phBuffer) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    require_pointer(phBuffer);
+    *phBuffer = stream->buffer_at(iIndex)->handle;
+  });
+}
+
+GC_ERROR DSClose(DS_HANDLE hDataStream) {
+  return call([&] { find<LocalDevice>(find<Stream>(hDataStream)->parent())->close_stream(); });
+}
+
+GC_ERROR DSRevokeBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, void** pBuffer, void** pPrivate) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    const auto buffer = find<Buffer>(hBuffer);
+    stream->revoke(buffer);
+    if (pBuffer != nullptr) {
+      *pBuffer = buffer->is_own() ? nullptr : buffer->memory();
+    }
+    if (pPrivate != nullptr) {
+      *pPrivate = buffer->user();
+    }
+  });
+}
+
+GC_ERROR DSQueueBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    stream->queue(find<Buffer>(hBuffer));
+  });
+}
+
+GC_ERROR DSGetBufferInfo(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, BUFFER_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
+                         void* pBuffer, std::size_t* piSize) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    const auto buffer = find<Buffer>(hBuffer);
+    stream->require_own(buffer);
+    give_buffer_info(*buffer, stream->contents_of(*buffer), iInfoCmd, {piType, pBuffer, piSize});
+  });
+}
+
+GC_ERROR DSGetBufferChunkData(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, SINGLE_CHUNK_DATA* pChunkData,
+                              std::size_t* piNumChunks) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    const auto buffer = find<Buffer>(hBuffer);
+    stream->require_own(buffer);
+    require_pointer(piNumChunks);
+    const BufferContents contents = stream->contents_of(*buffer);
+    require(contents.lines > 0, GC_ERR_NO_DATA, "the buffer has no data yet");
+    const std::vector<SINGLE_CHUNK_DATA> places = contents.layout.chunk_places(contents.lines);
+    if (pChunkData != nullptr) {
+      require(*piNumChunks >= places.size(), GC_ERR_BUFFER_TOO_SMALL, "there are more chunks");
+      std::copy(places.begin(), places.end(), pChunkData);
+    }
+    *piNumChunks = places.size();
+  });
+}
+
+GC_ERROR DSGetNumBufferParts(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, std::uint32_t* piNumParts) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    const auto buffer = find<Buffer>(hBuffer);
+    stream->require_own(buffer);
+    require_pointer(piNumParts);
+    const BufferContents contents = stream->contents_of(*buffer);
+    require(contents.lines > 0, GC_ERR_NO_DATA, "the buffer has no data yet");
+    const std::size_t parts = contents.layout.parts().size();
+    *piNumParts = parts > 1 ? static_cast<std::uint32_t>(parts) : 0;  // 0: the buffer is not of parts
+  });
+}
+
+GC_ERROR DSGetBufferPartInfo(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, std::uint32_t iPartIndex,
+                             BUFFER_PART_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer, std::size_t* piSize) {
+  return call([&] {
+    const auto stream = find<Stream>(hDataStream);
+    const auto buffer = find<Buffer>(hBuffer);
+    stream->require_own(buffer);
+    give_part_info(*buffer, stream->contents_of(*buffer), iPartIndex, iInfoCmd, {piType, pBuffer, piSize});
+  });
+}
+
+// NOLINTEND(readability-identifier-naming)

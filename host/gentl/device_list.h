@@ -1,0 +1,37 @@
+// The devices that appear as cameras: those of the environment variable SELFPROJ_GENTL_DEVICES, and the rings of this
+// machine.
+#ifndef SELFPROJ_HOST_GENTL_DEVICE_LIST_H
+#define SELFPROJ_HOST_GENTL_DEVICE_LIST_H
+
+#include <string>
+#include <vector>
+
+#include "host/gentl/gentl_types.h"
+
+namespace selfproj::gentl {
+
+// One device, as the variable says: URI[?KEY=VALUE[&KEY=VALUE]...]. Keys are rig, reference, control and name.
+struct DeviceEntry {
+  std::string id = {};  // the URI without the keys: the device's ID
+  std::string rig = "light-section";
+  std::string reference = {};  // empty: the plane
+  std::string control = {};    // empty: the one that belongs to the device, if there is one
+  std::string name = {};       // empty: the ID
+  std::string problem = {};    // why it cannot be opened; empty if nothing is known
+  bool in_use = false;         // another process reads it
+
+  bool operator==(const DeviceEntry&) const = default;
+
+  [[nodiscard]] const std::string& display_name() const { return name.empty() ? id : name; }
+};
+
+// The devices of a text as the variable has it, separated by `;`. A part that is not understood is an entry with a
+// problem.
+std::vector<DeviceEntry> parse_devices(const std::string& text);
+
+// The devices that are there now: first those of the variable, then the other rings.
+std::vector<DeviceEntry> list_devices();
+
+}  // namespace selfproj::gentl
+
+#endif  // SELFPROJ_HOST_GENTL_DEVICE_LIST_H

@@ -1,0 +1,146 @@
+#include "host/gentl/line_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+
+#include "host/driver/clock.h"
+#include "host/driver/open_device.h"
+#include "host/driver/ring_list.h"
+#include "host/gentl/gentl_errors.h"
+#include "host/io/user_error.h"
+#include "host/light_section/reference.h"
+#include "host/light_section/reference_file.h"
+#include "model/packet_payload.h"
+
+namespace selfproj::gentl {
+namespace {
+
+Rig rig_of(const DeviceEntry& entry) {
+  Rig rig = load_any_rig(entry.rig);
+  if (rig.kind != RigKind::light_section) {
+    throw UserError(entry.rig, "is not a rig of kind light-section");
+  }
+  return rig;
+}
+
+ReferenceProfile reference_of(const DeviceEntry& entry, const Rig& rig) {
+  return entry.reference.empty() ? reference_of_plane(rig) : load_reference(rig, entry.reference);
+}
+
+std::unique_ptr<Device> open_entry(const DeviceEntry& entry) {
+  if (!entry.problem.empty()) {
+    throw GenTLError(GC_ERR_IO, entry.problem);
+  }
+  if (entry.id.starts_with("camera:")) {
+    throw UserError(entry.id, "is a camera without a board; the producer takes ring:NAME, file:PATH and udp:HOST");
+  }
+  for (const RingInfo& ring : list_rings()) {
+    if (entry.id == "ring:" + ring.name && ring.reader) {
+      throw GenTLError(GC_ERR_RESOURCE_IN_USE, entry.id + ": another reader has it open");
+    }
+  }
+  return open_device(entry.id, {.wait = Wait::blocking});
+}
+
+}  // namespace
+
+LineSource::LineSource(const DeviceEntry& entry)
+    : rig_(rig_of(entry)),
+      profiler_(rig_, reference_of(entry, rig_)),
+      device_(open_entry(entry)),
+      belt_(rig_),
+      newest_(rig_.measure.of_board()) {
+  profile_.resize(profiler_.columns());
+  runs_.resize(Select::strongest, profiler_.columns());
+  look(std::chrono::nanoseconds(0));
+}
+
+bool LineSource::usable(const PacketView& packet) {
+  const PacketHeader& header = packet.header;
+  if (header.kind != spec::kKindMoments) {
+    ++work_.not_moments;
+    return false;
+  }
+  if (header.columns != rig_.camera.columns || header.rows != rig_.camera.rows) {
+    if (!any_) {
+      throw UserError(device_->uri(), fmt::format("its frames are {} x {} pixels, those of the rig {} x {}",
+                                                  header.columns, header.rows, rig_.camera.columns, rig_.camera.rows));
+    }
+    ++work_.other_size;
+    return false;
+  }
+  return packet.status == 0;
+}
+
+Next LineSource::look(std::chrono::nanoseconds timeout) {
+  const std::int64_t until = now_ns() + timeout.count();
+  Next found = Next::packet;
+  do {
+    found = device_->next(packet_, std::chrono::nanoseconds(std::max<std::int64_t>(until - now_ns(), 0)));
+    held_ = found == Next::packet && usable(packet_);
+  } while (found == Next::packet && !held_ && now_ns() < until);
+  any_ = any_ || held_;
+  note();
+  return held_ ? Next::packet : found == Next::end ? Next::end : Next::timeout;
+}
+
+void LineSource::note() {
+  const std::lock_guard lock(mutex_);
+  told_ = work_;
+  told_.driver = device_->counters();
+  if (held_) {
+    const PacketHeader& header = packet_.header;
+    newest_ = {.mode = static_cast<Mode>(header.mode),
+               .threshold = header.threshold,
+               .select = static_cast<Select>(header.select),
+               .gap = header.gap,
+               .window = {header.first_row, header.last_row}};
+  }
+}
+
+Next LineSource::next(std::chrono::nanoseconds timeout) {
+  if (!held_) {
+    const Next found = look(timeout);
+    if (found != Next::packet) {
+      return found;
+    }
+  }
+  take();
+  device_->release();
+  held_ = false;
+  return Next::packet;
+}
+
+void LineSource::take() {
+  header_ = packet_.header;
+  const auto mode = static_cast<Mode>(header_.mode);
+  const auto select = static_cast<Select>(header_.select);
+  profiler_.profile(select, mode, packet_.payload.data(), profile_.view());
+  unpack_columns(select, mode, profiler_.columns(), packet_.payload.data(), runs_.view());
+  const double travel = belt_.add(header_);
+  if (carried_) {
+    for (float& x : profile_.x) {
+      x = static_cast<float>(static_cast<double>(x) - travel);
+    }
+  }
+}
+
+void LineSource::begin(bool carried) {
+  carried_ = carried;
+  belt_ = BeltPosition(rig_);
+}
+
+SourceCounts LineSource::counts() const {
+  const std::lock_guard lock(mutex_);
+  return told_;
+}
+
+Measure LineSource::newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_;
+}
+
+}  // namespace selfproj::gentl

@@ -1,0 +1,85 @@
+// Lines of 3-D points from the packets of a device.
+#ifndef SELFPROJ_HOST_GENTL_LINE_SOURCE_H
+#define SELFPROJ_HOST_GENTL_LINE_SOURCE_H
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "host/driver/counters.h"
+#include "host/driver/device.h"
+#include "host/gentl/device_list.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/profile.h"
+#include "host/parts/belt_position.h"
+#include "host/rig/rig.h"
+#include "model/column_moments.h"
+#include "model/column_runs.h"
+#include "model/packet.h"
+
+namespace selfproj::gentl {
+
+// What the source itself counts, beside the driver.
+struct SourceCounts {
+  Counters driver;
+  std::uint64_t other_size = 0;   // frames of another size than the rig's camera
+  std::uint64_t not_moments = 0;  // packets of images and codes
+};
+
+// next() and what it gives are for one thread at a time. counts() and newest() are for all.
+class LineSource {
+ public:
+  // Opens the device, and looks at its first packet if there is one. Throws UserError if the device, the rig or the
+  // reference cannot be used, and GC_ERR_RESOURCE_IN_USE if somebody else reads it.
+  explicit LineSource(const DeviceEntry& entry);
+
+  // The next frame as a line. Frames that are broken, of another size, or no moments are counted and left out. Throws
+  // UserError if the first frame is of another size than the rig's camera.
+  Next next(std::chrono::nanoseconds timeout);
+
+  // The line that next() gave: its header, its points, and how many pixels of each column are lit. x is that of the
+  // camera's frame, or carried back by the way of the belt since begin(), as in the clouds of `selfproj inspect`.
+  [[nodiscard]] const PacketHeader& header() const { return header_; }
+  [[nodiscard]] const Profile& profile() const { return profile_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& lit() const { return runs_.moments.n; }
+
+  // The belt begins at 0 with the next line. `carried`: x is carried back.
+  void begin(bool carried);
+
+  [[nodiscard]] const Rig& rig() const { return rig_; }
+  [[nodiscard]] const std::string& uri() const { return device_->uri(); }
+
+  // As of the last call of next().
+  [[nodiscard]] SourceCounts counts() const;
+  // What the newest frame says of the measurement; before the first one what the rig says.
+  [[nodiscard]] Measure newest() const;
+
+ private:
+  bool usable(const PacketView& packet);
+  Next look(std::chrono::nanoseconds timeout);
+  void note();
+  void take();
+
+  Rig rig_;
+  DifferentialProfiler profiler_;
+  std::unique_ptr<Device> device_;
+  PacketView packet_;
+  bool held_ = false;  // packet_ is a line that next() has not given yet
+  bool any_ = false;   // a line has come
+  bool carried_ = true;
+  BeltPosition belt_;
+  PacketHeader header_;
+  Profile profile_;
+  Runs runs_;
+  SourceCounts work_;
+  mutable std::mutex mutex_;  // of the two below
+  SourceCounts told_;
+  Measure newest_;
+};
+
+}  // namespace selfproj::gentl
+
+#endif  // SELFPROJ_HOST_GENTL_LINE_SOURCE_H
