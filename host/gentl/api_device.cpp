@@ -56,7 +56,10 @@ GC_ERROR DevGetInfo(DEV_HANDLE hDevice, DEVICE_INFO_CMD iInfoCmd, INFO_DATATYPE*
 }
 
 GC_ERROR DevClose(DEV_HANDLE hDevice) {
-  return call([&] { library().system->interface()->close_device(find<LocalDevice>(hDevice)); });
+  return call([&] {
+    const auto device = find<LocalDevice>(hDevice);
+    library().system->interface()->close_device(device);
+  });
 }
 
 GC_ERROR DevGetParentIF(DEV_HANDLE hDevice, IF_HANDLE* phIface) {

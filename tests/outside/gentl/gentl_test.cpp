@@ -1,0 +1,403 @@
+// The GenTL producer as a consumer walks through it: system, interface, device, stream, buffers, events.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/driver/open_device.h"
+#include "host/driver/ring_list.h"
+#include "host/driver/ring_writer.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/profile.h"
+#include "host/light_section/reference.h"
+#include "host/rig/rig.h"
+#include "tests/outside/gentl/producer.h"
+#include "tests/outside/gentl/recording.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr std::uint64_t kSecond = 1000;  // ms
+
+void expect_failure(GC_ERROR result, GC_ERROR wanted, const std::string& text) {
+  EXPECT_EQ(result, wanted);
+  const GenTLFailure failure = last_failure();
+  EXPECT_EQ(failure.code, wanted);
+  EXPECT_NE(failure.text.find(text), std::string::npos) << failure.text;
+}
+
+// A system with its interface. `devices` is what SELFPROJ_GENTL_DEVICES says.
+class OpenSystem {
+ public:
+  explicit OpenSystem(const std::string& devices) {
+    setenv("SELFPROJ_GENTL_DEVICES", devices.c_str(), 1);
+    EXPECT_EQ(GC(GCInitLib)(), GC_ERR_SUCCESS);
+    EXPECT_EQ(GC(TLOpen)(&system), GC_ERR_SUCCESS);
+    EXPECT_EQ(GC(TLUpdateInterfaceList)(system, nullptr, 0), GC_ERR_SUCCESS);
+    const std::string id = text_of([&](INFO_DATATYPE*, void* to, std::size_t* size) {
+      return GC(TLGetInterfaceID)(system, 0, static_cast<char*>(to), size);
+    });
+    EXPECT_EQ(GC(TLOpenInterface)(system, id.c_str(), &interface), GC_ERR_SUCCESS);
+    bool8_t changed = 0;
+    EXPECT_EQ(GC(IFUpdateDeviceList)(interface, &changed, 0), GC_ERR_SUCCESS);
+  }
+  OpenSystem(const OpenSystem&) = delete;
+  OpenSystem& operator=(const OpenSystem&) = delete;
+  ~OpenSystem() {
+    EXPECT_EQ(GC(TLClose)(system), GC_ERR_SUCCESS);
+    EXPECT_EQ(GC(GCCloseLib)(), GC_ERR_SUCCESS);
+    unsetenv("SELFPROJ_GENTL_DEVICES");
+  }
+
+  [[nodiscard]] GC_ERROR open(const std::string& id, DEV_HANDLE& device) const {
+    return GC(IFOpenDevice)(interface, id.c_str(), DEVICE_ACCESS_EXCLUSIVE, &device);
+  }
+
+  TL_HANDLE system = nullptr;
+  IF_HANDLE interface = nullptr;
+};
+
+// A device with its port and stream; closed with its system.
+struct OpenCamera {
+  OpenCamera(const OpenSystem& system, const std::string& id) {
+    EXPECT_EQ(system.open(id, device), GC_ERR_SUCCESS) << last_failure().text;
+    EXPECT_EQ(GC(DevGetPort)(device, &port), GC_ERR_SUCCESS);
+    EXPECT_EQ(GC(DevOpenDataStream)(device, "lines", &stream), GC_ERR_SUCCESS);
+    EXPECT_EQ(GC(GCRegisterEvent)(stream, EVENT_NEW_BUFFER, &event), GC_ERR_SUCCESS);
+    const std::string url = text_of([&](INFO_DATATYPE* type, void* to, std::size_t* size) {
+      return GC(GCGetPortURLInfo)(port, 0, 0 /* URL_INFO_URL */, type, to, size);
+    });
+    const std::size_t address = url.find(';') + 1;
+    const std::size_t length = url.find(';', address) + 1;
+    std::size_t bytes = std::stoull(url.substr(length), nullptr, 16);
+    xml.resize(bytes);
+    EXPECT_EQ(GC(GCReadPort)(port, std::stoull(url.substr(address), nullptr, 16), xml.data(), &bytes), GC_ERR_SUCCESS);
+  }
+
+  // The address of the register of a feature, as the XML says.
+  [[nodiscard]] std::uint64_t address_of(const std::string& feature) const {
+    const std::size_t node = xml.find("Name=\"" + feature + "_Register\"");
+    EXPECT_NE(node, std::string::npos) << feature;
+    return std::stoull(xml.substr(xml.find("<Address>", node) + 9), nullptr, 16);
+  }
+  [[nodiscard]] std::int64_t get(const std::string& feature) const {
+    std::int64_t value = 0;
+    std::size_t size = sizeof value;
+    EXPECT_EQ(GC(GCReadPort)(port, address_of(feature), &value, &size), GC_ERR_SUCCESS) << last_failure().text;
+    return value;
+  }
+  [[nodiscard]] GC_ERROR set(const std::string& feature, std::int64_t value) const {
+    std::size_t size = sizeof value;
+    return GC(GCWritePort)(port, address_of(feature), &value, &size);
+  }
+  template <typename Value>
+  [[nodiscard]] Value stream_info(STREAM_INFO_CMD command) const {
+    return answer_of<Value>([&](INFO_DATATYPE* type, void* to, std::size_t* size) {
+      return GC(DSGetInfo)(stream, command, type, to, size);
+    });
+  }
+
+  // Announces and queues buffers.
+  void announce(int count) {
+    const auto bytes = stream_info<std::size_t>(STREAM_INFO_PAYLOAD_SIZE);
+    for (int i = 0; i < count; ++i) {
+      BUFFER_HANDLE buffer = nullptr;
+      EXPECT_EQ(GC(DSAllocAndAnnounceBuffer)(stream, bytes, this, &buffer), GC_ERR_SUCCESS);
+      EXPECT_EQ(GC(DSQueueBuffer)(stream, buffer), GC_ERR_SUCCESS);
+    }
+  }
+  void start() const {
+    EXPECT_EQ(GC(DSStartAcquisition)(stream, 0, GENTL_INFINITE), GC_ERR_SUCCESS) << last_failure().text;
+    EXPECT_EQ(set("AcquisitionStart", 1), GC_ERR_SUCCESS);
+  }
+  GC_ERROR next(BUFFER_HANDLE& buffer, std::uint64_t timeout = 20 * kSecond) const {
+    EVENT_NEW_BUFFER_DATA data{};
+    std::size_t size = sizeof data;
+    const GC_ERROR result = GC(EventGetData)(event, &data, &size, timeout);
+    buffer = data.BufferHandle;
+    return result;
+  }
+  template <typename Value>
+  [[nodiscard]] Value info(BUFFER_HANDLE buffer, BUFFER_INFO_CMD command) const {
+    return answer_of<Value>([&](INFO_DATATYPE* type, void* to, std::size_t* size) {
+      return GC(DSGetBufferInfo)(stream, buffer, command, type, to, size);
+    });
+  }
+  template <typename Value>
+  [[nodiscard]] Value part_info(BUFFER_HANDLE buffer, std::uint32_t part, BUFFER_PART_INFO_CMD command) const {
+    return answer_of<Value>([&](INFO_DATATYPE* type, void* to, std::size_t* size) {
+      return GC(DSGetBufferPartInfo)(stream, buffer, part, command, type, to, size);
+    });
+  }
+
+  DEV_HANDLE device = nullptr;
+  PORT_HANDLE port = nullptr;
+  DS_HANDLE stream = nullptr;
+  EVENT_HANDLE event = nullptr;
+  std::string xml;
+};
+
+// What every frame must become, by the C++ library.
+class Expected {
+ public:
+  Expected() : profiler_(rig_, reference_of_plane(rig_)) { profile_.resize(kColumns); }
+
+  const Profile& of(std::uint64_t frame) {
+    PacketView packet;
+    bytes_ = packet_of_frame(frame);
+    EXPECT_EQ(parse_packet(bytes_, packet), PacketError::none);
+    EXPECT_TRUE(profiler_.profile(packet, profile_.view()));
+    // Each frame moves the encoder by 10 counts of 0.01 mm, and the belt carries x back.
+    double travel = 0;
+    for (std::uint64_t i = 0; i < frame; ++i) {
+      travel += 10 * rig_.conveyor.encoder_mm_per_count;
+    }
+    for (float& x : profile_.x) {
+      x = static_cast<float>(static_cast<double>(x) - travel);
+    }
+    unpack_columns(Select::all, kMeasure.mode, kColumns, packet.payload.data(), {lit_.view(), nullptr, nullptr});
+    return profile_;
+  }
+  [[nodiscard]] std::uint32_t lit(int column) const { return lit_.n[static_cast<std::size_t>(column)]; }
+
+ private:
+  Rig rig_ = load_rig("light-section");
+  DifferentialProfiler profiler_;
+  Profile profile_;
+  Moments lit_ = [] {
+    Moments moments;
+    moments.resize(kColumns);
+    return moments;
+  }();
+  std::vector<std::uint8_t> bytes_;
+};
+
+bool same_bits(const void* one, const void* other) { return std::memcmp(one, other, sizeof(float)) == 0; }
+
+// Checks a buffer of parts range and intensity whose first line is frame `first`. Returns its lines.
+std::uint64_t check_parts(const OpenCamera& camera, BUFFER_HANDLE buffer, std::uint64_t first, Expected& expected) {
+  std::uint32_t parts = 0;
+  EXPECT_EQ(GC(DSGetNumBufferParts)(camera.stream, buffer, &parts), GC_ERR_SUCCESS);
+  EXPECT_EQ(parts, 2U);
+  EXPECT_EQ(camera.info<std::uint64_t>(buffer, BUFFER_INFO_PAYLOADTYPE), PAYLOAD_TYPE_MULTI_PART);
+  EXPECT_EQ(camera.part_info<std::uint64_t>(buffer, 0, BUFFER_PART_INFO_DATA_FORMAT), 0x026000C0U);
+  EXPECT_EQ(camera.part_info<std::uint64_t>(buffer, 1, BUFFER_PART_INFO_DATA_FORMAT), 0x01100007U);
+  const auto lines = camera.part_info<std::size_t>(buffer, 0, BUFFER_PART_INFO_HEIGHT);
+  const auto* range = camera.part_info<const float*>(buffer, 0, BUFFER_PART_INFO_BASE);
+  const auto* lit = camera.part_info<const std::uint16_t*>(buffer, 1, BUFFER_PART_INFO_BASE);
+  int invalid = 0;
+  for (std::size_t line = 0; line < lines; ++line) {
+    const Profile& profile = expected.of(first + line);
+    for (int column = 0; column < kColumns; ++column, range += 3, ++lit) {
+      const auto at = static_cast<std::size_t>(column);
+      const bool same = same_bits(range, &profile.x[at]) && same_bits(range + 1, &profile.y[at]) &&
+                        same_bits(range + 2, &profile.z[at]);
+      if (!same || *lit != expected.lit(column)) {
+        ADD_FAILURE() << "line " << line << ", column " << column;
+        return lines;
+      }
+      invalid += std::isnan(range[2]) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(invalid, 0);
+  EXPECT_LT(invalid, static_cast<int>(lines) * kColumns / 2);
+  return lines;
+}
+
+TEST(GenTL, LinesOfAFile) {
+  const PacketFile file("gentl_lines", 25);
+  const OpenSystem system(file.uri() + "?name=belt");
+  OpenCamera camera(system, file.uri());
+  EXPECT_EQ(camera.get("Height"), 64);
+  EXPECT_EQ(camera.set("Height", 10), GC_ERR_SUCCESS);
+  EXPECT_EQ(camera.set("ComponentSelector", 1), GC_ERR_SUCCESS);
+  EXPECT_EQ(camera.set("ComponentEnable", 1), GC_ERR_SUCCESS);
+  EXPECT_EQ(camera.set("ChunkModeActive", 1), GC_ERR_SUCCESS);
+  EXPECT_EQ(camera.get("Threshold"), 60);
+  EXPECT_EQ(camera.get("MomentsMode"), 2);
+  EXPECT_EQ(camera.get("PayloadSize"),
+            static_cast<std::int64_t>(camera.stream_info<std::size_t>(STREAM_INFO_PAYLOAD_SIZE)));
+  camera.announce(2);
+  camera.start();
+  Expected expected;
+  std::uint64_t line = 0;
+  std::uint64_t frame_id = 0;
+  BUFFER_HANDLE buffer = nullptr;
+  for (; camera.next(buffer) == GC_ERR_SUCCESS; ++frame_id) {
+    EXPECT_EQ(camera.info<std::uint64_t>(buffer, BUFFER_INFO_FRAMEID), frame_id);
+    EXPECT_EQ(camera.info<std::uint64_t>(buffer, BUFFER_INFO_TIMESTAMP), 15120 * line);
+    EXPECT_EQ(camera.info<std::uint64_t>(buffer, BUFFER_INFO_TIMESTAMP_NS), 100000 * line);
+    EXPECT_EQ(camera.info<void*>(buffer, BUFFER_INFO_USER_PTR), &camera);
+    std::size_t chunks = 0;
+    EXPECT_EQ(GC(DSGetBufferChunkData)(camera.stream, buffer, nullptr, &chunks), GC_ERR_SUCCESS);
+    std::vector<SINGLE_CHUNK_DATA> places(chunks);
+    ASSERT_EQ(GC(DSGetBufferChunkData)(camera.stream, buffer, places.data(), &chunks), GC_ERR_SUCCESS);
+    ASSERT_EQ(chunks, 3U);
+    std::uint64_t first = 0;
+    std::memcpy(&first, camera.info<const std::uint8_t*>(buffer, BUFFER_INFO_BASE) + places[2].ChunkOffset, 8);
+    EXPECT_EQ(first, line);
+    line += check_parts(camera, buffer, line, expected);
+    EXPECT_EQ(GC(DSQueueBuffer)(camera.stream, buffer), GC_ERR_SUCCESS);
+  }
+  EXPECT_EQ(line, 25U);  // the last buffer has 5
+  EXPECT_EQ(frame_id, 3U);
+  EXPECT_EQ(camera.get("CountDelivered"), 25);
+  expect_failure(camera.next(buffer), GC_ERR_IO, "gentl_lines.slfp: the recording has ended");
+  EXPECT_FALSE(camera.stream_info<bool8_t>(STREAM_INFO_IS_GRABBING));
+  EXPECT_EQ(GC(DSStopAcquisition)(camera.stream, ACQ_STOP_FLAGS_DEFAULT), GC_ERR_SUCCESS);
+}
+
+TEST(GenTL, DepthAloneIsAnImage) {
+  const PacketFile file("gentl_depth", 8);
+  const OpenSystem system(file.uri());
+  OpenCamera camera(system, file.uri());
+  EXPECT_EQ(camera.set("Height", 4), GC_ERR_SUCCESS);
+  EXPECT_EQ(camera.set("PixelFormat", 0x012000BF), GC_ERR_SUCCESS);
+  camera.announce(3);
+  camera.start();
+  BUFFER_HANDLE buffer = nullptr;
+  Expected expected;
+  for (std::uint64_t line = 0; line < 8; line += 4) {
+    ASSERT_EQ(camera.next(buffer), GC_ERR_SUCCESS);
+    EXPECT_EQ(camera.info<std::uint64_t>(buffer, BUFFER_INFO_PAYLOADTYPE), PAYLOAD_TYPE_IMAGE);
+    EXPECT_EQ(camera.info<std::uint64_t>(buffer, BUFFER_INFO_PIXELFORMAT), 0x012000BFU);
+    EXPECT_EQ(camera.info<std::size_t>(buffer, BUFFER_INFO_SIZE_FILLED), 4U * kColumns * sizeof(float));
+    EXPECT_EQ(camera.info<std::size_t>(buffer, BUFFER_INFO_HEIGHT), 4U);
+    const auto* z = camera.info<const float*>(buffer, BUFFER_INFO_BASE);
+    for (std::uint64_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(std::memcmp(z + i * kColumns, expected.of(line + i).z.data(), kColumns * sizeof(float)), 0);
+    }
+  }
+  // Features that change the size of buffers are locked where the consumer says so; some cannot be written at all.
+  EXPECT_EQ(camera.set("TLParamsLocked", 1), GC_ERR_SUCCESS);
+  expect_failure(camera.set("Height", 5), GC_ERR_ACCESS_DENIED, "Height cannot be written while TLParamsLocked is 1");
+  expect_failure(camera.set("Width", 5), GC_ERR_ACCESS_DENIED, "Width can only be read");
+  expect_failure(camera.set("Threshold", 5), GC_ERR_ACCESS_DENIED, "Threshold cannot be written");
+  EXPECT_EQ(camera.set("TLParamsLocked", 0), GC_ERR_SUCCESS);
+  expect_failure(camera.set("Height", 0), GC_ERR_INVALID_VALUE, "Height cannot be 0");
+  expect_failure(camera.set("PixelFormat", 0x01100007), GC_ERR_INVALID_VALUE, "PixelFormat cannot be");
+  expect_failure(camera.set("ComponentEnable", 0), GC_ERR_INVALID_VALUE, "at least one component");
+}
+
+TEST(GenTL, WrongCallsSayWhatIsWrong) {
+  TL_HANDLE none = nullptr;
+  expect_failure(GC(TLOpen)(&none), GC_ERR_NOT_INITIALIZED, "GCInitLib was not called");
+  const PacketFile file("gentl_wrong", 2);
+  const PacketFile narrow("gentl_narrow", 2, 64);
+  const OpenSystem system("file:/no/such/line.slfp;fil:x;camera:x;" + narrow.uri() + ";" + file.uri() +
+                          ";ring:none?rig=no-such-rig;ring:gone;file:x?gap=1;file:y?rig=scanner");
+  expect_failure(GC(GCInitLib)(), GC_ERR_RESOURCE_IN_USE, "already");
+  expect_failure(GC(TLOpen)(&none), GC_ERR_RESOURCE_IN_USE, "already");
+  std::uint32_t devices = 0;
+  EXPECT_EQ(GC(IFGetNumDevices)(system.interface, &devices), GC_ERR_SUCCESS);
+  EXPECT_GE(devices, 9U);
+  const std::map<std::string, std::string> wrong{{"file:/no/such/line.slfp", "/no/such/line.slfp: No such file"},
+                                                 {"fil:x", "fil:x: is not a device"},
+                                                 {"camera:x", "is a camera without a board"},
+                                                 {narrow.uri(), "its frames are 64 x 96 pixels, those of the rig 512"},
+                                                 {"ring:none", "no-such-rig"},
+                                                 {"ring:gone", "ring:gone: there is no such ring"},
+                                                 {"file:x", "has 'gap=1' behind '?'; use rig=RIG"},
+                                                 {"file:y", "scanner: is not a rig of kind light-section"}};
+  DEV_HANDLE device = nullptr;
+  for (const auto& [id, text] : wrong) {
+    expect_failure(system.open(id, device), GC_ERR_IO, text);
+  }
+  expect_failure(system.open("file:unlisted", device), GC_ERR_INVALID_ID, "SELFPROJ_GENTL_DEVICES");
+
+  ASSERT_EQ(system.open(file.uri(), device), GC_ERR_SUCCESS);
+  DEV_HANDLE second = nullptr;
+  expect_failure(system.open(file.uri(), second), GC_ERR_RESOURCE_IN_USE, "has it open already");
+  DS_HANDLE stream = nullptr;
+  expect_failure(GC(DevOpenDataStream)(device, "points", &stream), GC_ERR_INVALID_ID, "no such data stream");
+  ASSERT_EQ(GC(DevOpenDataStream)(device, "lines", &stream), GC_ERR_SUCCESS);
+  BUFFER_HANDLE buffer = nullptr;
+  ASSERT_EQ(GC(DSAllocAndAnnounceBuffer)(stream, 100, nullptr, &buffer), GC_ERR_SUCCESS);
+  ASSERT_EQ(GC(DSQueueBuffer)(stream, buffer), GC_ERR_SUCCESS);
+  expect_failure(GC(DSStartAcquisition)(stream, 0, GENTL_INFINITE), GC_ERR_BUFFER_TOO_SMALL, "PayloadSize");
+  expect_failure(GC(DSRevokeBuffer)(stream, buffer, nullptr, nullptr), GC_ERR_BUSY, "queued");
+  expect_failure(GC(GCReadPort)(device, 1, &devices, nullptr), GC_ERR_INVALID_PARAMETER, "null");
+  std::size_t size = 4;
+  expect_failure(GC(GCReadPort)(device, 1, &devices, &size), GC_ERR_INVALID_ADDRESS, "no register");
+  EXPECT_EQ(GC(DevClose)(device), GC_ERR_SUCCESS);  // closes what is below it
+  expect_failure(GC(DSQueueBuffer)(stream, buffer), GC_ERR_INVALID_HANDLE, "not that of an open module");
+  expect_failure(GC(DevClose)(system.interface), GC_ERR_INVALID_HANDLE, "another kind of module");
+  ASSERT_EQ(system.open(file.uri(), device), GC_ERR_SUCCESS);
+}
+
+TEST(GenTL, WaitsEnd) {
+  const PacketFile file("gentl_waits", 2);
+  const OpenSystem system(file.uri());
+  const OpenCamera camera(system, file.uri());
+  EVENT_HANDLE again = nullptr;
+  expect_failure(GC(GCRegisterEvent)(camera.stream, EVENT_NEW_BUFFER, &again), GC_ERR_RESOURCE_IN_USE, "already");
+  expect_failure(GC(GCRegisterEvent)(camera.device, EVENT_NEW_BUFFER, &again), GC_ERR_NOT_IMPLEMENTED, "no event");
+  BUFFER_HANDLE buffer = nullptr;
+  expect_failure(camera.next(buffer, 1), GC_ERR_TIMEOUT, "in time");
+  GC_ERROR killed = GC_ERR_SUCCESS;
+  std::thread waiter([&] {
+    BUFFER_HANDLE none = nullptr;
+    killed = camera.next(none, GENTL_INFINITE);
+  });
+  EXPECT_EQ(GC(EventKill)(camera.event), GC_ERR_SUCCESS);  // the wait that began, or the next one
+  waiter.join();
+  EXPECT_EQ(killed, GC_ERR_ABORT);
+  std::thread other([&] {
+    BUFFER_HANDLE none = nullptr;
+    killed = camera.next(none, GENTL_INFINITE);
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(GC(GCUnregisterEvent)(camera.stream, EVENT_NEW_BUFFER), GC_ERR_SUCCESS);
+  other.join();
+  EXPECT_TRUE(killed == GC_ERR_ABORT || killed == GC_ERR_INVALID_HANDLE);  // the second if it had not begun to wait
+  EXPECT_EQ(GC(GCRegisterEvent)(camera.stream, EVENT_NEW_BUFFER, &again), GC_ERR_SUCCESS);
+}
+
+TEST(GenTL, ARingOfThisMachine) {
+  const std::string name = "gentl-test-" + std::to_string(getpid());
+  auto board = std::make_unique<RingWriter>(name, 64);
+  {
+    const OpenSystem system("");
+    {
+      const auto reader = open_device("ring:" + name);
+      DEV_HANDLE device = nullptr;
+      expect_failure(system.open("ring:" + name, device), GC_ERR_RESOURCE_IN_USE, "another reader has it open");
+    }
+    OpenCamera camera(system, "ring:" + name);
+    EVENT_HANDLE errors = nullptr;
+    EXPECT_EQ(GC(GCRegisterEvent)(camera.stream, EVENT_ERROR, &errors), GC_ERR_SUCCESS);
+    EXPECT_EQ(camera.set("Height", 5), GC_ERR_SUCCESS);
+    camera.announce(2);
+    camera.start();
+    BUFFER_HANDLE buffer = nullptr;
+    for (std::uint64_t frame = 0; frame < 12; ++frame) {
+      EXPECT_TRUE(board->write(packet_of_frame(frame)));
+    }
+    EXPECT_EQ(camera.next(buffer), GC_ERR_SUCCESS);
+    EXPECT_EQ(camera.next(buffer), GC_ERR_SUCCESS);
+    EXPECT_EQ(camera.info<std::uint64_t>(buffer, BUFFER_INFO_TIMESTAMP), 5U * 15120);
+    // Without a queued buffer the lines wait in the ring; the board goes away, and what it left comes all the same.
+    EXPECT_EQ(GC(DSQueueBuffer)(camera.stream, buffer), GC_ERR_SUCCESS);
+    board.reset();
+    EXPECT_EQ(camera.next(buffer), GC_ERR_SUCCESS);
+    EXPECT_EQ(camera.info<std::size_t>(buffer, BUFFER_INFO_HEIGHT), 2U);
+    expect_failure(camera.next(buffer), GC_ERR_IO, name + ": the board has gone");
+    std::vector<char> error(1024);
+    std::size_t size = error.size();
+    EXPECT_EQ(GC(EventGetData)(errors, error.data(), &size, 0), GC_ERR_SUCCESS);
+    const std::string text = text_of([&](INFO_DATATYPE* type, void* to, std::size_t* bytes) {
+      return GC(EventGetDataInfo)(errors, error.data(), size, EVENT_DATA_VALUE, type, to, bytes);
+    });
+    EXPECT_NE(text.find("the board has gone"), std::string::npos) << text;
+  }
+  remove_ring(name);
+}
+
+}  // namespace
+}  // namespace selfproj::test
