@@ -69,9 +69,7 @@ std::vector<DeviceEntry> list_devices() {
       at = entries.insert(entries.end(), DeviceEntry{.id = id});
     }
     at->in_use = ring.reader;
-    if (at->problem.empty() && !ring.problem.empty()) {
-      at->problem = id + ": " + ring.problem;
-    }
+    at->usable = ring.problem.empty();
   }
   return entries;
 }

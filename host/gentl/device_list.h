@@ -17,7 +17,8 @@ struct DeviceEntry {
   std::string reference = {};  // empty: the plane
   std::string control = {};    // empty: the one that belongs to the device, if there is one
   std::string name = {};       // empty: the ID
-  std::string problem = {};    // why it cannot be opened; empty if nothing is known
+  std::string problem = {};    // what is wrong with its text; empty if nothing
+  bool usable = true;          // false: a ring that could not be opened when the list was made
   bool in_use = false;         // another process reads it
 
   bool operator==(const DeviceEntry&) const = default;

@@ -38,8 +38,14 @@ std::unique_ptr<Device> open_entry(const DeviceEntry& entry) {
     throw UserError(entry.id, "is a camera without a board; the producer takes ring:NAME, file:PATH and udp:HOST");
   }
   for (const RingInfo& ring : list_rings()) {
-    if (entry.id == "ring:" + ring.name && ring.reader) {
+    if (entry.id != "ring:" + ring.name) {
+      continue;
+    }
+    if (ring.reader) {
       throw GenTLError(GC_ERR_RESOURCE_IN_USE, entry.id + ": another reader has it open");
+    }
+    if (!ring.problem.empty()) {
+      throw UserError(entry.id, ring.problem);
     }
   }
   return open_device(entry.id, {.wait = Wait::blocking});

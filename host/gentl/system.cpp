@@ -219,10 +219,10 @@ void give_device_info(const DeviceEntry& entry, const LocalDevice* opened, DEVIC
     case DEVICE_INFO_VERSION:
       return give(producer_version(), to);
     case DEVICE_INFO_ACCESS_STATUS:
-      return give(opened != nullptr        ? opened->access_status()
-                  : entry.in_use           ? std::int32_t{DEVICE_ACCESS_STATUS_BUSY}
-                  : !entry.problem.empty() ? std::int32_t{DEVICE_ACCESS_STATUS_NOACCESS}
-                                           : std::int32_t{DEVICE_ACCESS_STATUS_READWRITE},
+      return give(opened != nullptr                         ? opened->access_status()
+                  : entry.in_use                            ? std::int32_t{DEVICE_ACCESS_STATUS_BUSY}
+                  : !entry.usable || !entry.problem.empty() ? std::int32_t{DEVICE_ACCESS_STATUS_NOACCESS}
+                                                            : std::int32_t{DEVICE_ACCESS_STATUS_READWRITE},
                   to);
     case DEVICE_INFO_TIMESTAMP_FREQUENCY:
       require(opened != nullptr, GC_ERR_NOT_AVAILABLE, "the clock is known when the device is open");
