@@ -86,6 +86,7 @@ foreach(name selfproj selfproj-driver)
 endforeach()
 
 install(TARGETS selfproj selfproj-sim RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
+install(TARGETS selfproj_gentl LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/selfproj COMPONENT programs)
 
 # Packages of Debian: cpack --config build/release/CPackConfig.cmake.
 set(CPACK_GENERATOR DEB)
@@ -96,7 +97,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGE_DIRECTORY "${PROJECT_BINARY_DIR}/packages")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_COMPONENTS_ALL programs development)
-set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION "The programs selfproj and selfproj-sim.")
+set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION "The programs selfproj and selfproj-sim, and the GenTL producer.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers and libraries of the model, the driver and the measurements.")
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

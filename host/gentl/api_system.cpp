@@ -43,7 +43,7 @@ GC_ERROR GCInitLib() {
 
 GC_ERROR GCCloseLib() {
   return call([] {
-    library().close();
+    close_system();
     library().initialized = false;
   });
 }
@@ -53,14 +53,15 @@ GC_ERROR TLOpen(TL_HANDLE* phSystem) {
     require_pointer(phSystem);
     require(library().system == nullptr, GC_ERR_RESOURCE_IN_USE, "the system is open already");
     library().system = std::make_shared<System>();
-    *phSystem = library().add(std::static_pointer_cast<Module>(library().system));
+    give_handle(library().system);
+    *phSystem = library().system->handle;
   });
 }
 
 GC_ERROR TLClose(TL_HANDLE hSystem) {
   return call([&] {
     find<System>(hSystem);
-    library().close();
+    close_system();
   });
 }
 

@@ -57,7 +57,7 @@ Feature command_feature(std::string name, std::string tip, std::function<void()>
               }};
 }
 
-// "LostBoard" of "lost_board".
+// The key of a counter without underscores, each word with a capital.
 std::string camel_case(const std::string& key) {
   std::string out;
   bool upper = true;

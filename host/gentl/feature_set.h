@@ -22,7 +22,7 @@ struct FeatureEntry {
   std::string available_by = {};  // a feature that is 1 when it can be chosen; empty: always
 };
 
-// One feature. Without `set` (or `set_real`) it can only be read.
+// One feature. Without `set` it can only be read.
 struct Feature {
   FeatureKind kind = FeatureKind::integer;
   std::string name = {};

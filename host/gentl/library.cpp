@@ -1,8 +1,7 @@
 #include "host/gentl/library.h"
 
 #include <bit>
-
-#include "host/gentl/system.h"
+#include <utility>
 
 namespace selfproj::gentl {
 
@@ -16,16 +15,15 @@ void* Library::next_handle() {
   return std::bit_cast<void*>(last_);
 }
 
-void* Library::add(const std::shared_ptr<Module>& module) {
+void* Library::add(std::shared_ptr<Module> module) {
   void* const handle = next_handle();
-  modules_.emplace(handle, module);
-  module->handle = handle;
+  modules_.emplace(handle, std::move(module));
   return handle;
 }
 
-void* Library::add(const std::shared_ptr<EventQueue>& queue) {
+void* Library::add(std::shared_ptr<EventQueue> queue) {
   void* const handle = next_handle();
-  events_.emplace(handle, queue);
+  events_.emplace(handle, std::move(queue));
   return handle;
 }
 
@@ -39,14 +37,6 @@ std::shared_ptr<EventQueue> Library::event(void* handle) const {
   const auto at = events_.find(handle);
   require(at != events_.end(), GC_ERR_INVALID_HANDLE, "the handle is not that of a registered event");
   return at->second;
-}
-
-void Library::close() {
-  if (system != nullptr) {
-    system->close();
-    remove(system->handle);
-    system.reset();
-  }
 }
 
 }  // namespace selfproj::gentl

@@ -23,17 +23,15 @@ class Library {
   bool initialized = false;
   std::shared_ptr<System> system;  // null: closed
 
-  void* add(const std::shared_ptr<Module>& module);
-  void* add(const std::shared_ptr<EventQueue>& queue);
+  // Return a new handle.
+  void* add(std::shared_ptr<Module> module);
+  void* add(std::shared_ptr<EventQueue> queue);
   void remove(void* handle) { modules_.erase(handle); }
   void remove_event(void* handle) { events_.erase(handle); }
 
   // Throw GC_ERR_INVALID_HANDLE.
   [[nodiscard]] std::shared_ptr<Module> module(void* handle) const;
   [[nodiscard]] std::shared_ptr<EventQueue> event(void* handle) const;
-
-  // Closes everything.
-  void close();
 
  private:
   void* next_handle();

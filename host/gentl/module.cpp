@@ -44,6 +44,8 @@ void Module::close() {
   }
 }
 
+void give_handle(const std::shared_ptr<Module>& module) { module->handle = library().add(module); }
+
 Feature text_feature(std::string category, std::string name, std::string tip, std::function<std::string()> get) {
   return {.kind = FeatureKind::text,
           .name = std::move(name),

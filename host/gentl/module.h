@@ -61,6 +61,9 @@ class Module {
   std::map<EVENT_TYPE, Registered> events_;
 };
 
+// Gives a new module its handle.
+void give_handle(const std::shared_ptr<Module>& module);
+
 // Features that only say something.
 Feature text_feature(std::string category, std::string name, std::string tip, std::function<std::string()> get);
 Feature number_feature(std::string category, std::string name, std::string tip, std::function<std::int64_t()> get);

@@ -44,7 +44,7 @@ std::shared_ptr<Buffer> Stream::announce(void* memory, std::size_t bytes, void* 
   require(!known, GC_ERR_RESOURCE_IN_USE, "the buffer is announced already");
   auto buffer = std::make_shared<Buffer>(std::to_string(announced_++), memory, bytes, user);
   buffers_.push_back(buffer);
-  library().add(std::static_pointer_cast<Module>(buffer));
+  give_handle(buffer);
   return buffer;
 }
 

@@ -28,7 +28,7 @@ LocalDevice::LocalDevice(const DeviceEntry& entry, DEVICE_ACCESS_FLAGS access, v
       access_(access),
       parent_(parent),
       camera_(std::make_shared<Camera>(entry, access != DEVICE_ACCESS_READONLY)) {
-  library().add(std::static_pointer_cast<Module>(camera_));
+  give_handle(camera_);
 }
 
 std::int32_t LocalDevice::access_status() const {
@@ -39,7 +39,7 @@ std::shared_ptr<Stream> LocalDevice::open_stream(const std::string& id) {
   require(id == kStreamId, GC_ERR_INVALID_ID, "the device has no such data stream");
   require(stream_ == nullptr, GC_ERR_RESOURCE_IN_USE, "the data stream is open already");
   stream_ = std::make_shared<Stream>(camera_, handle);
-  library().add(std::static_pointer_cast<Module>(stream_));
+  give_handle(stream_);
   return stream_;
 }
 
@@ -102,7 +102,7 @@ std::shared_ptr<LocalDevice> Interface::open(const char* id, DEVICE_ACCESS_FLAGS
     throw GenTLError(GC_ERR_RESOURCE_IN_USE, std::string(id) + ": this program has it open already");
   }
   auto device = std::make_shared<LocalDevice>(found, access, handle);
-  library().add(std::static_pointer_cast<Module>(device));
+  give_handle(device);
   open_.emplace(id, device);
   return device;
 }
@@ -133,7 +133,7 @@ std::shared_ptr<Interface> System::open(const char* id) {
   require(std::string(id) == kInterfaceId, GC_ERR_INVALID_ID, "there is no such interface");
   require(interface_ == nullptr, GC_ERR_RESOURCE_IN_USE, "the interface is open already");
   interface_ = std::make_shared<Interface>(handle);
-  library().add(std::static_pointer_cast<Module>(interface_));
+  give_handle(interface_);
   return interface_;
 }
 
@@ -160,6 +160,14 @@ void System::describe(FeatureSet& features) {
   features.add(text_feature(category, "TLPath", "The file of the producer.", [] { return producer_path().string(); }));
   features.add(number_feature(category, "GenTLVersionMajor", "Version of the standard.", [] { return 1; }));
   features.add(number_feature(category, "GenTLVersionMinor", "Version of the standard.", [] { return 5; }));
+}
+
+void close_system() {
+  if (library().system != nullptr) {
+    library().system->close();
+    library().remove(library().system->handle);
+    library().system.reset();
+  }
 }
 
 void give_producer_info(TL_INFO_CMD command, const Answer& to) {

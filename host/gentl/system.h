@@ -89,6 +89,9 @@ class System final : public Module {
   std::shared_ptr<Interface> interface_;  // null: closed
 };
 
+// Closes everything.
+void close_system();
+
 // Answers to questions about the producer, the interface, and a device. `opened` is null if the device is closed.
 void give_producer_info(TL_INFO_CMD command, const Answer& to);
 void give_interface_info(INTERFACE_INFO_CMD command, const Answer& to);

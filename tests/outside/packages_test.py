@@ -4,6 +4,7 @@
     packages_test.py BUILD SIMULATION
 """
 
+import ctypes
 import pathlib
 import re
 import shutil
@@ -43,6 +44,8 @@ def main():
         packets = folder / "line.slfp"
         consumer.record(root / "usr/bin/selfproj-sim", packets)
         consumer.run(root / "usr/bin/selfproj", "inspect", "--device", f"file:{packets}", "--check")
+        producer = ctypes.CDLL(str(root / "usr/lib/selfproj/libselfproj.cti"))
+        consumer.require(producer.GCInitLib() == 0 and producer.GCCloseLib() == 0, "the GenTL producer")
         consumer.require("z 1167.000 mm" in consumer.build_c_example(root / "usr", folder), "the program in C")
         print(", ".join(f"{package.name} {package.stat().st_size // 1024} kB" for package in packages))
     return 0

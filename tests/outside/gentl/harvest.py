@@ -21,6 +21,7 @@ from harvesters.core import Harvester
 PRODUCER = os.environ["SELFPROJ_PRODUCER"]
 SELFPROJ, SIMULATION = os.environ["SELFPROJ_PROGRAM"], os.environ["SELFPROJ_SIMULATION"]
 TYPES = pathlib.Path(__file__).resolve().parents[3] / "host/gentl/gentl_types.h"
+READY = gentl.DEVICE_ACCESS_STATUS_LIST.DEVICE_ACCESS_STATUS_READWRITE
 TIMEOUT = 60  # s, for a machine that is busy
 # Another process that opens a device and says what became of it.
 SECOND_CONSUMER = """
@@ -168,8 +169,7 @@ class Live(Case):
         """The camera with this ID, once its board is there."""
         for _ in range(100 * TIMEOUT):
             harvester.update()
-            if any(info.id_ == uri and info.access_status == gentl.DEVICE_ACCESS_STATUS_LIST.DEVICE_ACCESS_STATUS_READWRITE
-                   for info in harvester.device_info_list):
+            if any(info.id_ == uri and info.access_status == READY for info in harvester.device_info_list):
                 return harvester.create({"id_": uri})
             time.sleep(0.01)
         raise AssertionError(f"no {uri}")

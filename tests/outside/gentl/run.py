@@ -43,11 +43,12 @@ def get():
 
 def run_example(variables, producer, programs):
     """Runs the example of the document on a recording."""
-    block = next(block for block in consumer.blocks("python", "docs/from-outside.md") if "harvesters" in block)
+    block = next(block for block in consumer.blocks("python") if "harvesters" in block)
     with tempfile.TemporaryDirectory() as name:
         consumer.record(programs / "selfproj-sim", pathlib.Path(name) / "line.slfp")
         (pathlib.Path(name) / "libselfproj.cti").symlink_to(producer)
-        out = consumer.run(PYTHON, "-c", block, cwd=name, env=variables)
+        out = consumer.run(PYTHON, "-c", block, cwd=name,
+                           env={**variables, "SELFPROJ_GENTL_DEVICES": "file:line.slfp"})
     consumer.require("(32768, 3)" in out, f"another shape: {out}")
     print(out.splitlines()[-1])
 
