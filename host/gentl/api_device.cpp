@@ -10,11 +10,12 @@
 #include "host/gentl/stream.h"
 #include "host/gentl/system.h"
 
-using namespace selfproj::gentl;
+// Functions with the linkage of C are the same in every namespace.
+namespace selfproj::gentl {
 
 // NOLINTBEGIN(readability-identifier-naming): names of the standard
 
-GC_ERROR DevGetPort(DEV_HANDLE hDevice, PORT_HANDLE* phRemoteDevice) {
+GC_API DevGetPort(DEV_HANDLE hDevice, PORT_HANDLE* phRemoteDevice) {
   return call([&] {
     const auto device = find<LocalDevice>(hDevice);
     require_pointer(phRemoteDevice);
@@ -22,7 +23,7 @@ GC_ERROR DevGetPort(DEV_HANDLE hDevice, PORT_HANDLE* phRemoteDevice) {
   });
 }
 
-GC_ERROR DevGetNumDataStreams(DEV_HANDLE hDevice, std::uint32_t* piNumDataStreams) {
+GC_API DevGetNumDataStreams(DEV_HANDLE hDevice, std::uint32_t* piNumDataStreams) {
   return call([&] {
     find<LocalDevice>(hDevice);
     require_pointer(piNumDataStreams);
@@ -30,7 +31,7 @@ GC_ERROR DevGetNumDataStreams(DEV_HANDLE hDevice, std::uint32_t* piNumDataStream
   });
 }
 
-GC_ERROR DevGetDataStreamID(DEV_HANDLE hDevice, std::uint32_t iIndex, char* sDataStreamID, std::size_t* piSize) {
+GC_API DevGetDataStreamID(DEV_HANDLE hDevice, std::uint32_t iIndex, char* sDataStreamID, std::size_t* piSize) {
   return call([&] {
     find<LocalDevice>(hDevice);
     require(iIndex == 0, GC_ERR_INVALID_INDEX, "the device has one data stream");
@@ -38,7 +39,7 @@ GC_ERROR DevGetDataStreamID(DEV_HANDLE hDevice, std::uint32_t iIndex, char* sDat
   });
 }
 
-GC_ERROR DevOpenDataStream(DEV_HANDLE hDevice, const char* sDataStreamID, DS_HANDLE* phDataStream) {
+GC_API DevOpenDataStream(DEV_HANDLE hDevice, const char* sDataStreamID, DS_HANDLE* phDataStream) {
   return call([&] {
     const auto device = find<LocalDevice>(hDevice);
     require_pointer(sDataStreamID);
@@ -47,22 +48,22 @@ GC_ERROR DevOpenDataStream(DEV_HANDLE hDevice, const char* sDataStreamID, DS_HAN
   });
 }
 
-GC_ERROR DevGetInfo(DEV_HANDLE hDevice, DEVICE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
-                    std::size_t* piSize) {
+GC_API DevGetInfo(DEV_HANDLE hDevice, DEVICE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
+                  std::size_t* piSize) {
   return call([&] {
     const auto device = find<LocalDevice>(hDevice);
     give_device_info(device->entry(), device.get(), iInfoCmd, {piType, pBuffer, piSize});
   });
 }
 
-GC_ERROR DevClose(DEV_HANDLE hDevice) {
+GC_API DevClose(DEV_HANDLE hDevice) {
   return call([&] {
     const auto device = find<LocalDevice>(hDevice);
     library().system->interface()->close_device(device);
   });
 }
 
-GC_ERROR DevGetParentIF(DEV_HANDLE hDevice, IF_HANDLE* phIface) {
+GC_API DevGetParentIF(DEV_HANDLE hDevice, IF_HANDLE* phIface) {
   return call([&] {
     const auto device = find<LocalDevice>(hDevice);
     require_pointer(phIface);
@@ -70,7 +71,7 @@ GC_ERROR DevGetParentIF(DEV_HANDLE hDevice, IF_HANDLE* phIface) {
   });
 }
 
-GC_ERROR DSGetParentDev(DS_HANDLE hDataStream, DEV_HANDLE* phDevice) {
+GC_API DSGetParentDev(DS_HANDLE hDataStream, DEV_HANDLE* phDevice) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     require_pointer(phDevice);
@@ -78,8 +79,8 @@ GC_ERROR DSGetParentDev(DS_HANDLE hDataStream, DEV_HANDLE* phDevice) {
   });
 }
 
-GC_ERROR DSAnnounceBuffer(DS_HANDLE hDataStream, void* pBuffer, std::size_t iSize, void* pPrivate,
-                          BUFFER_HANDLE* phBuffer) {
+GC_API DSAnnounceBuffer(DS_HANDLE hDataStream, void* pBuffer, std::size_t iSize, void* pPrivate,
+                        BUFFER_HANDLE* phBuffer) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     require_pointer(pBuffer);
@@ -88,7 +89,7 @@ GC_ERROR DSAnnounceBuffer(DS_HANDLE hDataStream, void* pBuffer, std::size_t iSiz
   });
 }
 
-GC_ERROR DSAllocAndAnnounceBuffer(DS_HANDLE hDataStream, std::size_t iSize, void* pPrivate, BUFFER_HANDLE* phBuffer) {
+GC_API DSAllocAndAnnounceBuffer(DS_HANDLE hDataStream, std::size_t iSize, void* pPrivate, BUFFER_HANDLE* phBuffer) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     require_pointer(phBuffer);
@@ -96,11 +97,11 @@ GC_ERROR DSAllocAndAnnounceBuffer(DS_HANDLE hDataStream, std::size_t iSize, void
   });
 }
 
-GC_ERROR DSFlushQueue(DS_HANDLE hDataStream, ACQ_QUEUE_TYPE iOperation) {
+GC_API DSFlushQueue(DS_HANDLE hDataStream, ACQ_QUEUE_TYPE iOperation) {
   return call([&] { find<Stream>(hDataStream)->flush(iOperation); });
 }
 
-GC_ERROR DSStartAcquisition(DS_HANDLE hDataStream, ACQ_START_FLAGS iStartFlags, std::uint64_t iNumToAcquire) {
+GC_API DSStartAcquisition(DS_HANDLE hDataStream, ACQ_START_FLAGS iStartFlags, std::uint64_t iNumToAcquire) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     require(iStartFlags == ACQ_START_FLAGS_DEFAULT, GC_ERR_INVALID_PARAMETER, "unknown flags of the start");
@@ -108,7 +109,7 @@ GC_ERROR DSStartAcquisition(DS_HANDLE hDataStream, ACQ_START_FLAGS iStartFlags, 
   });
 }
 
-GC_ERROR DSStopAcquisition(DS_HANDLE hDataStream, ACQ_STOP_FLAGS iStopFlags) {
+GC_API DSStopAcquisition(DS_HANDLE hDataStream, ACQ_STOP_FLAGS iStopFlags) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     require(iStopFlags == ACQ_STOP_FLAGS_DEFAULT || iStopFlags == ACQ_STOP_FLAGS_KILL, GC_ERR_INVALID_PARAMETER,
@@ -118,12 +119,12 @@ GC_ERROR DSStopAcquisition(DS_HANDLE hDataStream, ACQ_STOP_FLAGS iStopFlags) {
   });
 }
 
-GC_ERROR DSGetInfo(DS_HANDLE hDataStream, STREAM_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
-                   std::size_t* piSize) {
+GC_API DSGetInfo(DS_HANDLE hDataStream, STREAM_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
+                 std::size_t* piSize) {
   return call([&] { find<Stream>(hDataStream)->give_info(iInfoCmd, {piType, pBuffer, piSize}); });
 }
 
-GC_ERROR DSGetBufferID(DS_HANDLE hDataStream, std::uint32_t iIndex, BUFFER_HANDLE* phBuffer) {
+GC_API DSGetBufferID(DS_HANDLE hDataStream, std::uint32_t iIndex, BUFFER_HANDLE* phBuffer) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     require_pointer(phBuffer);
@@ -131,11 +132,11 @@ GC_ERROR DSGetBufferID(DS_HANDLE hDataStream, std::uint32_t iIndex, BUFFER_HANDL
   });
 }
 
-GC_ERROR DSClose(DS_HANDLE hDataStream) {
+GC_API DSClose(DS_HANDLE hDataStream) {
   return call([&] { find<LocalDevice>(find<Stream>(hDataStream)->parent())->close_stream(); });
 }
 
-GC_ERROR DSRevokeBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, void** pBuffer, void** pPrivate) {
+GC_API DSRevokeBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, void** pBuffer, void** pPrivate) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     const auto buffer = find<Buffer>(hBuffer);
@@ -149,15 +150,15 @@ GC_ERROR DSRevokeBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, void** pBu
   });
 }
 
-GC_ERROR DSQueueBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer) {
+GC_API DSQueueBuffer(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     stream->queue(find<Buffer>(hBuffer));
   });
 }
 
-GC_ERROR DSGetBufferInfo(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, BUFFER_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
-                         void* pBuffer, std::size_t* piSize) {
+GC_API DSGetBufferInfo(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, BUFFER_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
+                       void* pBuffer, std::size_t* piSize) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     const auto buffer = find<Buffer>(hBuffer);
@@ -166,8 +167,8 @@ GC_ERROR DSGetBufferInfo(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, BUFFER_IN
   });
 }
 
-GC_ERROR DSGetBufferChunkData(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, SINGLE_CHUNK_DATA* pChunkData,
-                              std::size_t* piNumChunks) {
+GC_API DSGetBufferChunkData(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, SINGLE_CHUNK_DATA* pChunkData,
+                            std::size_t* piNumChunks) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     const auto buffer = find<Buffer>(hBuffer);
@@ -184,7 +185,7 @@ GC_ERROR DSGetBufferChunkData(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, SING
   });
 }
 
-GC_ERROR DSGetNumBufferParts(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, std::uint32_t* piNumParts) {
+GC_API DSGetNumBufferParts(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, std::uint32_t* piNumParts) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     const auto buffer = find<Buffer>(hBuffer);
@@ -197,8 +198,8 @@ GC_ERROR DSGetNumBufferParts(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, std::
   });
 }
 
-GC_ERROR DSGetBufferPartInfo(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, std::uint32_t iPartIndex,
-                             BUFFER_PART_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer, std::size_t* piSize) {
+GC_API DSGetBufferPartInfo(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, std::uint32_t iPartIndex,
+                           BUFFER_PART_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer, std::size_t* piSize) {
   return call([&] {
     const auto stream = find<Stream>(hDataStream);
     const auto buffer = find<Buffer>(hBuffer);
@@ -208,3 +209,5 @@ GC_ERROR DSGetBufferPartInfo(DS_HANDLE hDataStream, BUFFER_HANDLE hBuffer, std::
 }
 
 // NOLINTEND(readability-identifier-naming)
+
+}  // namespace selfproj::gentl

@@ -12,7 +12,8 @@
 #include "host/gentl/module.h"
 #include "host/gentl/system.h"
 
-using namespace selfproj::gentl;
+// Functions with the linkage of C are the same in every namespace.
+namespace selfproj::gentl {
 
 namespace {
 
@@ -112,15 +113,15 @@ void stacked(PORT_REGISTER_STACK_ENTRY* entries, std::size_t* count, const Each&
 
 // NOLINTBEGIN(readability-identifier-naming): names of the standard
 
-GC_ERROR GCReadPort(PORT_HANDLE hPort, std::uint64_t iAddress, void* pBuffer, std::size_t* piSize) {
+GC_API GCReadPort(PORT_HANDLE hPort, std::uint64_t iAddress, void* pBuffer, std::size_t* piSize) {
   return call([&] { read_port(hPort, iAddress, pBuffer, piSize); });
 }
 
-GC_ERROR GCWritePort(PORT_HANDLE hPort, std::uint64_t iAddress, const void* pBuffer, std::size_t* piSize) {
+GC_API GCWritePort(PORT_HANDLE hPort, std::uint64_t iAddress, const void* pBuffer, std::size_t* piSize) {
   return call([&] { write_port(hPort, iAddress, pBuffer, piSize); });
 }
 
-GC_ERROR GCReadPortStacked(PORT_HANDLE hPort, PORT_REGISTER_STACK_ENTRY* pEntries, std::size_t* piNumEntries) {
+GC_API GCReadPortStacked(PORT_HANDLE hPort, PORT_REGISTER_STACK_ENTRY* pEntries, std::size_t* piNumEntries) {
   return call([&] {
     stacked(pEntries, piNumEntries, [&](const PORT_REGISTER_STACK_ENTRY& entry, std::size_t* size) {
       read_port(hPort, entry.Address, entry.pBuffer, size);
@@ -128,7 +129,7 @@ GC_ERROR GCReadPortStacked(PORT_HANDLE hPort, PORT_REGISTER_STACK_ENTRY* pEntrie
   });
 }
 
-GC_ERROR GCWritePortStacked(PORT_HANDLE hPort, PORT_REGISTER_STACK_ENTRY* pEntries, std::size_t* piNumEntries) {
+GC_API GCWritePortStacked(PORT_HANDLE hPort, PORT_REGISTER_STACK_ENTRY* pEntries, std::size_t* piNumEntries) {
   return call([&] {
     stacked(pEntries, piNumEntries, [&](const PORT_REGISTER_STACK_ENTRY& entry, std::size_t* size) {
       write_port(hPort, entry.Address, entry.pBuffer, size);
@@ -136,11 +137,11 @@ GC_ERROR GCWritePortStacked(PORT_HANDLE hPort, PORT_REGISTER_STACK_ENTRY* pEntri
   });
 }
 
-GC_ERROR GCGetPortURL(PORT_HANDLE hPort, char* sURL, std::size_t* piSize) {
+GC_API GCGetPortURL(PORT_HANDLE hPort, char* sURL, std::size_t* piSize) {
   return call([&] { give(library().module(hPort)->features().url(), {nullptr, sURL, piSize}); });
 }
 
-GC_ERROR GCGetNumPortURLs(PORT_HANDLE hPort, std::uint32_t* piNumURLs) {
+GC_API GCGetNumPortURLs(PORT_HANDLE hPort, std::uint32_t* piNumURLs) {
   return call([&] {
     static_cast<void>(library().module(hPort));
     require_pointer(piNumURLs);
@@ -148,8 +149,8 @@ GC_ERROR GCGetNumPortURLs(PORT_HANDLE hPort, std::uint32_t* piNumURLs) {
   });
 }
 
-GC_ERROR GCGetPortURLInfo(PORT_HANDLE hPort, std::uint32_t iURLIndex, URL_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
-                          void* pBuffer, std::size_t* piSize) {
+GC_API GCGetPortURLInfo(PORT_HANDLE hPort, std::uint32_t iURLIndex, URL_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
+                        void* pBuffer, std::size_t* piSize) {
   return call([&] {
     const auto module = library().module(hPort);
     require(iURLIndex == 0, GC_ERR_INVALID_INDEX, "there is one URL");
@@ -157,12 +158,12 @@ GC_ERROR GCGetPortURLInfo(PORT_HANDLE hPort, std::uint32_t iURLIndex, URL_INFO_C
   });
 }
 
-GC_ERROR GCGetPortInfo(PORT_HANDLE hPort, PORT_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
-                       std::size_t* piSize) {
+GC_API GCGetPortInfo(PORT_HANDLE hPort, PORT_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
+                     std::size_t* piSize) {
   return call([&] { give_port_info(*library().module(hPort), iInfoCmd, {piType, pBuffer, piSize}); });
 }
 
-GC_ERROR GCRegisterEvent(EVENTSRC_HANDLE hEventSrc, EVENT_TYPE iEventID, EVENT_HANDLE* phEvent) {
+GC_API GCRegisterEvent(EVENTSRC_HANDLE hEventSrc, EVENT_TYPE iEventID, EVENT_HANDLE* phEvent) {
   return call([&] {
     const auto module = library().module(hEventSrc);
     require_pointer(phEvent);
@@ -170,16 +171,16 @@ GC_ERROR GCRegisterEvent(EVENTSRC_HANDLE hEventSrc, EVENT_TYPE iEventID, EVENT_H
   });
 }
 
-GC_ERROR GCUnregisterEvent(EVENTSRC_HANDLE hEventSrc, EVENT_TYPE iEventID) {
+GC_API GCUnregisterEvent(EVENTSRC_HANDLE hEventSrc, EVENT_TYPE iEventID) {
   return call([&] { library().module(hEventSrc)->unregister_event(iEventID); });
 }
 
-GC_ERROR EventGetData(EVENT_HANDLE hEvent, void* pBuffer, std::size_t* piSize, std::uint64_t iTimeout) {
+GC_API EventGetData(EVENT_HANDLE hEvent, void* pBuffer, std::size_t* piSize, std::uint64_t iTimeout) {
   return guarded([&] { queue_of(hEvent)->get(pBuffer, piSize, iTimeout); });
 }
 
-GC_ERROR EventGetDataInfo(EVENT_HANDLE hEvent, const void* pInBuffer, std::size_t iInSize, EVENT_DATA_INFO_CMD iInfoCmd,
-                          INFO_DATATYPE* piType, void* pOutBuffer, std::size_t* piOutSize) {
+GC_API EventGetDataInfo(EVENT_HANDLE hEvent, const void* pInBuffer, std::size_t iInSize, EVENT_DATA_INFO_CMD iInfoCmd,
+                        INFO_DATATYPE* piType, void* pOutBuffer, std::size_t* piOutSize) {
   return guarded([&] {
     const auto queue = queue_of(hEvent);
     require_pointer(pInBuffer);
@@ -199,8 +200,8 @@ GC_ERROR EventGetDataInfo(EVENT_HANDLE hEvent, const void* pInBuffer, std::size_
   });
 }
 
-GC_ERROR EventGetInfo(EVENT_HANDLE hEvent, EVENT_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
-                      std::size_t* piSize) {
+GC_API EventGetInfo(EVENT_HANDLE hEvent, EVENT_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
+                    std::size_t* piSize) {
   return guarded([&] {
     const auto queue = queue_of(hEvent);
     const Answer to{piType, pBuffer, piSize};
@@ -221,12 +222,14 @@ GC_ERROR EventGetInfo(EVENT_HANDLE hEvent, EVENT_INFO_CMD iInfoCmd, INFO_DATATYP
   });
 }
 
-GC_ERROR EventFlush(EVENT_HANDLE hEvent) {
+GC_API EventFlush(EVENT_HANDLE hEvent) {
   return guarded([&] { queue_of(hEvent)->flush(); });
 }
 
-GC_ERROR EventKill(EVENT_HANDLE hEvent) {
+GC_API EventKill(EVENT_HANDLE hEvent) {
   return guarded([&] { queue_of(hEvent)->kill(); });
 }
 
 // NOLINTEND(readability-identifier-naming)
+
+}  // namespace selfproj::gentl

@@ -8,16 +8,17 @@
 #include "host/gentl/library.h"
 #include "host/gentl/system.h"
 
-using namespace selfproj::gentl;
+// Functions with the linkage of C are the same in every namespace.
+namespace selfproj::gentl {
 
 // NOLINTBEGIN(readability-identifier-naming): names of the standard
 
-GC_ERROR GCGetInfo(TL_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer, std::size_t* piSize) {
+GC_API GCGetInfo(TL_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer, std::size_t* piSize) {
   return guarded([&] { give_producer_info(iInfoCmd, {piType, pBuffer, piSize}); });
 }
 
 // Errors of this function do not replace the error that it tells.
-GC_ERROR GCGetLastError(GC_ERROR* piErrorCode, char* sErrorText, std::size_t* piSize) {
+GC_API GCGetLastError(GC_ERROR* piErrorCode, char* sErrorText, std::size_t* piSize) {
   if (piErrorCode == nullptr || piSize == nullptr) {
     return GC_ERR_INVALID_PARAMETER;
   }
@@ -33,7 +34,7 @@ GC_ERROR GCGetLastError(GC_ERROR* piErrorCode, char* sErrorText, std::size_t* pi
   return GC_ERR_SUCCESS;
 }
 
-GC_ERROR GCInitLib() {
+GC_API GCInitLib() {
   return guarded([] {
     const std::lock_guard lock(library().mutex);
     require(!library().initialized, GC_ERR_RESOURCE_IN_USE, "GCInitLib was called already");
@@ -41,14 +42,14 @@ GC_ERROR GCInitLib() {
   });
 }
 
-GC_ERROR GCCloseLib() {
+GC_API GCCloseLib() {
   return call([] {
     close_system();
     library().initialized = false;
   });
 }
 
-GC_ERROR TLOpen(TL_HANDLE* phSystem) {
+GC_API TLOpen(TL_HANDLE* phSystem) {
   return call([&] {
     require_pointer(phSystem);
     require(library().system == nullptr, GC_ERR_RESOURCE_IN_USE, "the system is open already");
@@ -58,21 +59,21 @@ GC_ERROR TLOpen(TL_HANDLE* phSystem) {
   });
 }
 
-GC_ERROR TLClose(TL_HANDLE hSystem) {
+GC_API TLClose(TL_HANDLE hSystem) {
   return call([&] {
     find<System>(hSystem);
     close_system();
   });
 }
 
-GC_ERROR TLGetInfo(TL_HANDLE hSystem, TL_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer, std::size_t* piSize) {
+GC_API TLGetInfo(TL_HANDLE hSystem, TL_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer, std::size_t* piSize) {
   return call([&] {
     find<System>(hSystem);
     give_producer_info(iInfoCmd, {piType, pBuffer, piSize});
   });
 }
 
-GC_ERROR TLGetNumInterfaces(TL_HANDLE hSystem, std::uint32_t* piNumIfaces) {
+GC_API TLGetNumInterfaces(TL_HANDLE hSystem, std::uint32_t* piNumIfaces) {
   return call([&] {
     find<System>(hSystem);
     require_pointer(piNumIfaces);
@@ -80,7 +81,7 @@ GC_ERROR TLGetNumInterfaces(TL_HANDLE hSystem, std::uint32_t* piNumIfaces) {
   });
 }
 
-GC_ERROR TLGetInterfaceID(TL_HANDLE hSystem, std::uint32_t iIndex, char* sID, std::size_t* piSize) {
+GC_API TLGetInterfaceID(TL_HANDLE hSystem, std::uint32_t iIndex, char* sID, std::size_t* piSize) {
   return call([&] {
     find<System>(hSystem);
     require(iIndex == 0, GC_ERR_INVALID_INDEX, "there is one interface");
@@ -88,8 +89,8 @@ GC_ERROR TLGetInterfaceID(TL_HANDLE hSystem, std::uint32_t iIndex, char* sID, st
   });
 }
 
-GC_ERROR TLGetInterfaceInfo(TL_HANDLE hSystem, const char* sIfaceID, INTERFACE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
-                            void* pBuffer, std::size_t* piSize) {
+GC_API TLGetInterfaceInfo(TL_HANDLE hSystem, const char* sIfaceID, INTERFACE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
+                          void* pBuffer, std::size_t* piSize) {
   return call([&] {
     find<System>(hSystem);
     require_pointer(sIfaceID);
@@ -98,7 +99,7 @@ GC_ERROR TLGetInterfaceInfo(TL_HANDLE hSystem, const char* sIfaceID, INTERFACE_I
   });
 }
 
-GC_ERROR TLOpenInterface(TL_HANDLE hSystem, const char* sIfaceID, IF_HANDLE* phIface) {
+GC_API TLOpenInterface(TL_HANDLE hSystem, const char* sIfaceID, IF_HANDLE* phIface) {
   return call([&] {
     const auto system = find<System>(hSystem);
     require_pointer(phIface);
@@ -106,7 +107,7 @@ GC_ERROR TLOpenInterface(TL_HANDLE hSystem, const char* sIfaceID, IF_HANDLE* phI
   });
 }
 
-GC_ERROR TLUpdateInterfaceList(TL_HANDLE hSystem, bool8_t* pbChanged, std::uint64_t /*iTimeout*/) {
+GC_API TLUpdateInterfaceList(TL_HANDLE hSystem, bool8_t* pbChanged, std::uint64_t /*iTimeout*/) {
   return call([&] {
     find<System>(hSystem);
     if (pbChanged != nullptr) {
@@ -115,22 +116,22 @@ GC_ERROR TLUpdateInterfaceList(TL_HANDLE hSystem, bool8_t* pbChanged, std::uint6
   });
 }
 
-GC_ERROR IFClose(IF_HANDLE hIface) {
+GC_API IFClose(IF_HANDLE hIface) {
   return call([&] {
     find<Interface>(hIface);
     library().system->close_interface();
   });
 }
 
-GC_ERROR IFGetInfo(IF_HANDLE hIface, INTERFACE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
-                   std::size_t* piSize) {
+GC_API IFGetInfo(IF_HANDLE hIface, INTERFACE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType, void* pBuffer,
+                 std::size_t* piSize) {
   return call([&] {
     find<Interface>(hIface);
     give_interface_info(iInfoCmd, {piType, pBuffer, piSize});
   });
 }
 
-GC_ERROR IFGetParentTL(IF_HANDLE hIface, TL_HANDLE* phSystem) {
+GC_API IFGetParentTL(IF_HANDLE hIface, TL_HANDLE* phSystem) {
   return call([&] {
     const auto interface = find<Interface>(hIface);
     require_pointer(phSystem);
@@ -138,7 +139,7 @@ GC_ERROR IFGetParentTL(IF_HANDLE hIface, TL_HANDLE* phSystem) {
   });
 }
 
-GC_ERROR IFUpdateDeviceList(IF_HANDLE hIface, bool8_t* pbChanged, std::uint64_t /*iTimeout*/) {
+GC_API IFUpdateDeviceList(IF_HANDLE hIface, bool8_t* pbChanged, std::uint64_t /*iTimeout*/) {
   return call([&] {
     const bool changed = find<Interface>(hIface)->update();
     if (pbChanged != nullptr) {
@@ -147,7 +148,7 @@ GC_ERROR IFUpdateDeviceList(IF_HANDLE hIface, bool8_t* pbChanged, std::uint64_t 
   });
 }
 
-GC_ERROR IFGetNumDevices(IF_HANDLE hIface, std::uint32_t* piNumDevices) {
+GC_API IFGetNumDevices(IF_HANDLE hIface, std::uint32_t* piNumDevices) {
   return call([&] {
     const auto interface = find<Interface>(hIface);
     require_pointer(piNumDevices);
@@ -155,7 +156,7 @@ GC_ERROR IFGetNumDevices(IF_HANDLE hIface, std::uint32_t* piNumDevices) {
   });
 }
 
-GC_ERROR IFGetDeviceID(IF_HANDLE hIface, std::uint32_t iIndex, char* sIDeviceID, std::size_t* piSize) {
+GC_API IFGetDeviceID(IF_HANDLE hIface, std::uint32_t iIndex, char* sIDeviceID, std::size_t* piSize) {
   return call([&] {
     const auto interface = find<Interface>(hIface);
     require(iIndex < interface->devices().size(), GC_ERR_INVALID_INDEX, "there are fewer devices");
@@ -163,8 +164,8 @@ GC_ERROR IFGetDeviceID(IF_HANDLE hIface, std::uint32_t iIndex, char* sIDeviceID,
   });
 }
 
-GC_ERROR IFGetDeviceInfo(IF_HANDLE hIface, const char* sDeviceID, DEVICE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
-                         void* pBuffer, std::size_t* piSize) {
+GC_API IFGetDeviceInfo(IF_HANDLE hIface, const char* sDeviceID, DEVICE_INFO_CMD iInfoCmd, INFO_DATATYPE* piType,
+                       void* pBuffer, std::size_t* piSize) {
   return call([&] {
     const auto interface = find<Interface>(hIface);
     const DeviceEntry& entry = interface->entry(sDeviceID);
@@ -172,7 +173,7 @@ GC_ERROR IFGetDeviceInfo(IF_HANDLE hIface, const char* sDeviceID, DEVICE_INFO_CM
   });
 }
 
-GC_ERROR IFOpenDevice(IF_HANDLE hIface, const char* sDeviceID, DEVICE_ACCESS_FLAGS iOpenFlags, DEV_HANDLE* phDevice) {
+GC_API IFOpenDevice(IF_HANDLE hIface, const char* sDeviceID, DEVICE_ACCESS_FLAGS iOpenFlags, DEV_HANDLE* phDevice) {
   return call([&] {
     const auto interface = find<Interface>(hIface);
     require_pointer(phDevice);
@@ -181,3 +182,5 @@ GC_ERROR IFOpenDevice(IF_HANDLE hIface, const char* sDeviceID, DEVICE_ACCESS_FLA
 }
 
 // NOLINTEND(readability-identifier-naming)
+
+}  // namespace selfproj::gentl

@@ -129,10 +129,8 @@ std::string nodes_of(const Feature& feature, std::size_t index) {
       return head("Command", feature) + value + element("CommandValue", "1") + "  </Command>\n" +
              register_node("IntReg", feature, index);
     case FeatureKind::text: {
-      Feature inner = feature;
-      std::string out = head("StringReg", feature);
-      const std::string rest = register_node("StringReg", inner, index);
-      return out + rest.substr(rest.find("    <Address>"));
+      const std::string rest = register_node("StringReg", feature, index);
+      return head("StringReg", feature) + rest.substr(rest.find("    <Address>"));
     }
   }
   return {};

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -26,14 +27,15 @@
 namespace selfproj::test {
 namespace {
 
-enum Kind : std::uint8_t { kSystem, kInterface, kDevice, kPort, kStream, kBuffer, kEvent, kKinds };
+enum class Kind : std::uint8_t { system, interface, device, port, stream, buffer, event };
+constexpr int kKinds = 7;
 
 // The handles that the threads have got, also those of what was closed since.
 class Pool {
  public:
   void add(Kind kind, void* handle) {
     const std::lock_guard lock(mutex_);
-    std::vector<void*>& all = handles_.at(kind);
+    std::vector<void*>& all = handles_.at(static_cast<std::size_t>(kind));
     all.push_back(handle);
     if (all.size() > 6) {
       all.erase(all.begin());
@@ -41,7 +43,7 @@ class Pool {
   }
   void* pick(Kind kind, std::uint64_t draw) {
     const std::lock_guard lock(mutex_);
-    const std::vector<void*>& all = handles_.at(kind);
+    const std::vector<void*>& all = handles_.at(static_cast<std::size_t>(kind));
     return all.empty() ? nullptr : all[draw % 4 != 0 ? all.size() - 1 : draw / 4 % all.size()];
   }
 
@@ -116,20 +118,22 @@ class Caller {
         check(GC(GCInitLib)(), "GCInitLib");
         return;
       case 1:
-        return opened(GC(TLOpen)(or_null(&made)), kSystem, made);
+        return opened(GC(TLOpen)(or_null(&made)), Kind::system, made);
       case 2:
-        return opened(GC(TLOpenInterface)(handle(kSystem), rarely() ? id() : "selfproj", or_null(&made)), kInterface,
-                      made);
+        return opened(GC(TLOpenInterface)(handle(Kind::system), rarely() ? id() : "selfproj", or_null(&made)),
+                      Kind::interface, made);
       case 3:
-        check(GC(IFUpdateDeviceList)(handle(kInterface), nullptr, 0), "IFUpdateDeviceList");
-        return opened(GC(IFOpenDevice)(handle(kInterface), id(), between(1, 5), or_null(&made)), kDevice, made);
-      case 4:
-        return opened(GC(DevGetPort)(handle(kDevice), or_null(&made)), kPort, made);
-      case 5:
-        return opened(GC(DevOpenDataStream)(handle(kDevice), rarely() ? id() : "lines", or_null(&made)), kStream, made);
-      default:
-        return opened(GC(GCRegisterEvent)(handle(rarely() ? kPort : kStream), between(0, 1), or_null(&made)), kEvent,
+        check(GC(IFUpdateDeviceList)(handle(Kind::interface), nullptr, 0), "IFUpdateDeviceList");
+        return opened(GC(IFOpenDevice)(handle(Kind::interface), id(), between(1, 5), or_null(&made)), Kind::device,
                       made);
+      case 4:
+        return opened(GC(DevGetPort)(handle(Kind::device), or_null(&made)), Kind::port, made);
+      case 5:
+        return opened(GC(DevOpenDataStream)(handle(Kind::device), rarely() ? id() : "lines", or_null(&made)),
+                      Kind::stream, made);
+      default:
+        return opened(GC(GCRegisterEvent)(handle(rarely() ? Kind::port : Kind::stream), between(0, 1), or_null(&made)),
+                      Kind::event, made);
     }
   }
   // `made` is read after the call that makes it.
@@ -144,18 +148,18 @@ class Caller {
       case 0:
         return check(GC(GCCloseLib)(), "GCCloseLib");
       case 1:
-        return check(GC(TLClose)(handle(kSystem)), "TLClose");
+        return check(GC(TLClose)(handle(Kind::system)), "TLClose");
       case 2:
-        return check(GC(IFClose)(handle(kInterface)), "IFClose");
+        return check(GC(IFClose)(handle(Kind::interface)), "IFClose");
       case 3:
       case 4:
-        return check(GC(DevClose)(handle(kDevice)), "DevClose");
+        return check(GC(DevClose)(handle(Kind::device)), "DevClose");
       case 5:
       case 6:
       case 7:
-        return check(GC(DSClose)(handle(kStream)), "DSClose");
+        return check(GC(DSClose)(handle(Kind::stream)), "DSClose");
       default:
-        return check(GC(GCUnregisterEvent)(handle(kStream), between(0, 1)), "GCUnregisterEvent");
+        return check(GC(GCUnregisterEvent)(handle(Kind::stream), between(0, 1)), "GCUnregisterEvent");
     }
   }
 
@@ -166,18 +170,18 @@ class Caller {
     std::size_t* const size = or_null(&to.size);
     switch (between(0, 6)) {
       case 0:
-        return check(GC(TLGetInfo)(handle(kSystem), command, or_null(&to.type), bytes, size), "TLGetInfo");
+        return check(GC(TLGetInfo)(handle(Kind::system), command, or_null(&to.type), bytes, size), "TLGetInfo");
       case 1:
-        return check(GC(IFGetInfo)(handle(kInterface), command, or_null(&to.type), bytes, size), "IFGetInfo");
+        return check(GC(IFGetInfo)(handle(Kind::interface), command, or_null(&to.type), bytes, size), "IFGetInfo");
       case 2:
-        return check(GC(IFGetDeviceInfo)(handle(kInterface), id(), command, or_null(&to.type), bytes, size),
+        return check(GC(IFGetDeviceInfo)(handle(Kind::interface), id(), command, or_null(&to.type), bytes, size),
                      "IFGetDeviceInfo");
       case 3:
-        return check(GC(DevGetInfo)(handle(kDevice), command, or_null(&to.type), bytes, size), "DevGetInfo");
+        return check(GC(DevGetInfo)(handle(Kind::device), command, or_null(&to.type), bytes, size), "DevGetInfo");
       case 4:
-        return check(GC(DSGetInfo)(handle(kStream), command, or_null(&to.type), bytes, size), "DSGetInfo");
+        return check(GC(DSGetInfo)(handle(Kind::stream), command, or_null(&to.type), bytes, size), "DSGetInfo");
       case 5:
-        return check(GC(IFGetDeviceID)(handle(kInterface), static_cast<std::uint32_t>(between(0, 4)),
+        return check(GC(IFGetDeviceID)(handle(Kind::interface), static_cast<std::uint32_t>(between(0, 4)),
                                        static_cast<char*>(bytes), size),
                      "IFGetDeviceID");
       default:
@@ -187,8 +191,8 @@ class Caller {
   void buffer_questions() {
     Room to = room();
     void* const bytes = bytes_of(to);
-    void* const stream = handle(kStream);
-    void* const buffer = handle(kBuffer);
+    void* const stream = handle(Kind::stream);
+    void* const buffer = handle(Kind::buffer);
     std::size_t* const size = or_null(&to.size);
     switch (between(0, 3)) {
       case 0: {
@@ -212,7 +216,7 @@ class Caller {
 
   void ports() {
     Room to = room();
-    void* const port = handle(static_cast<Kind>(between(kSystem, kBuffer)));
+    void* const port = handle(static_cast<Kind>(between(0, kKinds - 2)));
     void* const bytes = bytes_of(to);
     std::size_t* const size = or_null(&to.size);
     switch (between(0, 3)) {
@@ -238,14 +242,14 @@ class Caller {
     if (rarely()) {
       PORT_REGISTER_STACK_ENTRY entry{address, or_null(&value), size};
       std::size_t count = 1;
-      return check(GC(GCWritePortStacked)(handle(kPort), or_null(&entry), or_null(&count)), "GCWritePortStacked");
+      return check(GC(GCWritePortStacked)(handle(Kind::port), or_null(&entry), or_null(&count)), "GCWritePortStacked");
     }
-    check(GC(GCWritePort)(handle(kPort), address, or_null(&value), or_null(&size)), "GCWritePort");
+    check(GC(GCWritePort)(handle(Kind::port), address, or_null(&value), or_null(&size)), "GCWritePort");
   }
 
   void buffers() {
     void* made = nullptr;
-    void* const stream = handle(kStream);
+    void* const stream = handle(Kind::stream);
     std::size_t bytes = 0;
     std::size_t size = sizeof bytes;
     GC(DSGetInfo)(stream, STREAM_INFO_PAYLOAD_SIZE, nullptr, &bytes, &size);
@@ -253,14 +257,14 @@ class Caller {
     switch (between(0, 3)) {
       case 0: {
         std::vector<std::uint8_t>& own = *memory_[random_() % memory_.size()];
-        return opened(GC(DSAnnounceBuffer)(stream, or_null(own.data()), own.size(), this, or_null(&made)), kBuffer,
+        return opened(GC(DSAnnounceBuffer)(stream, or_null(own.data()), own.size(), this, or_null(&made)), Kind::buffer,
                       made);
       }
       case 1:
-        return opened(GC(DSAllocAndAnnounceBuffer)(stream, bytes, this, or_null(&made)), kBuffer, made);
+        return opened(GC(DSAllocAndAnnounceBuffer)(stream, bytes, this, or_null(&made)), Kind::buffer, made);
       case 2: {
         void* memory = nullptr;
-        return check(GC(DSRevokeBuffer)(stream, handle(kBuffer), or_null(&memory), nullptr), "DSRevokeBuffer");
+        return check(GC(DSRevokeBuffer)(stream, handle(Kind::buffer), or_null(&memory), nullptr), "DSRevokeBuffer");
       }
       default:
         return check(GC(DSGetBufferID)(stream, static_cast<std::uint32_t>(between(0, 4)), or_null(&made)), "BufferID");
@@ -268,22 +272,22 @@ class Caller {
   }
   void queues() {
     if (rarely()) {
-      return check(GC(DSFlushQueue)(handle(kStream), between(-1, 5)), "DSFlushQueue");
+      return check(GC(DSFlushQueue)(handle(Kind::stream), between(-1, 5)), "DSFlushQueue");
     }
-    check(GC(DSQueueBuffer)(handle(kStream), handle(kBuffer)), "DSQueueBuffer");
+    check(GC(DSQueueBuffer)(handle(Kind::stream), handle(Kind::buffer)), "DSQueueBuffer");
   }
   void acquisition() {
     if (between(0, 3) != 0) {
       const std::uint64_t count = rarely() ? static_cast<std::uint64_t>(between(0, 3)) : GENTL_INFINITE;
-      return check(GC(DSStartAcquisition)(handle(kStream), rarely() ? 1 : 0, count), "DSStartAcquisition");
+      return check(GC(DSStartAcquisition)(handle(Kind::stream), rarely() ? 1 : 0, count), "DSStartAcquisition");
     }
     if (between(0, 7) == 0) {
-      check(GC(DSStopAcquisition)(handle(kStream), between(0, rarely() ? 2 : 1)), "DSStopAcquisition");
+      check(GC(DSStopAcquisition)(handle(Kind::stream), between(0, rarely() ? 2 : 1)), "DSStopAcquisition");
     }
   }
   void events() {
     Room to = room();
-    void* const event = handle(kEvent);
+    void* const event = handle(Kind::event);
     switch (between(0, 7)) {
       case 0:
         return check(GC(EventGetInfo)(event, between(-1, 5), or_null(&to.type), bytes_of(to), or_null(&to.size)),
