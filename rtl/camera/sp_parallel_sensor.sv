@@ -1,0 +1,193 @@
+// Front end for image sensors with a parallel port: pixel clock, frame valid, line valid, data.
+//
+//   sensor's clock: pixels ─▶ beats of four ─▶ sp_async_fifo ─▶ video, in the board's clock
+//
+// Guarantees: while frame valid and line valid are high, every clock of the sensor brings
+// PixelsPerClock pixels. The upper 8 bits of each go on, four pixels a beat. A beat with m_start_o
+// is the first of a frame; one with m_end_o is the last of its line. Pixels at the end of a line
+// that do not fill a beat are left out. Lines and frames may follow each other after a single
+// clock of the sensor. After a reset the first frame is the next that begins.
+//
+// Overflow: the board takes every beat, so the FIFO only fills where the sensor's clock brings more
+// pixels than four for each clock of the board. Then the rest of the frame is left out: it ends in
+// the middle and never goes on with beats of another one, so that the frame tracker of sp_board
+// counts and marks it as broken. overrun_o is high for a clock for each such frame, if frames last
+// four clocks of the board or more. The frame after it is whole again if there is room.
+//
+// Reset: rst_i alone. The sensor's clock may stand still, stop and start at any time. After rst_i
+// the front end waits for it to run.
+//
+// Latency: a beat goes into the FIFO one clock of the sensor after the last pixel of the beat
+// behind it, or after the end of its line. sp_async_fifo takes another clock of the sensor and 3 to
+// 4 of the board. The end of a line, with one pixel a clock:
+//
+//   sensor      0   1   2   3   4   5   6   7   8   9
+//   frame_i    /1111111111111111111111111111111111111
+//   line_i     /1111111111111111111111111111111\______
+//   data_i     <0 ><1 ><2 ><3 ><4 ><5 ><6 ><7 >-------
+//   written    --------------------------------<0 ><4 >  (a)
+//
+//   (a) into the FIFO: pixels 0 to 3, then pixels 4 to 7 with m_end_o
+`default_nettype none
+
+module sp_parallel_sensor #(
+  parameter int Bits = 10,  // of a pixel: 8..12
+  parameter int PixelsPerClock = 1,  // 1 or 2; the left one in the lower bits
+  parameter int LogDepth = 4  // log2 of the beats in the FIFO
+) (
+  // Sensor
+  input  wire logic                           sensor_clk_i,
+  input  wire logic                           frame_i,    // frame valid
+  input  wire logic                           line_i,     // line valid
+  input  wire logic [Bits*PixelsPerClock-1:0] data_i,
+
+  // Video, to the board's s_axis ports
+  input  wire logic                           clk_i,
+  input  wire logic                           rst_i,      // active high, synchronous to clk_i
+  output logic                                m_valid_o,
+  output logic      [31:0]                    m_data_o,   // leftmost pixel in 7..0
+  output logic                                m_start_o,  // first beat of a frame
+  output logic                                m_end_o,    // last beat of a line
+  output logic                                overrun_o   // a frame is cut off
+);
+
+`ifndef SYNTHESIS
+  initial begin
+    if (Bits < 8 || Bits > 12)
+      $fatal(1, "sp_parallel_sensor: Bits is %0d, not in 8..12", Bits);
+    if (PixelsPerClock != 1 && PixelsPerClock != 2)
+      $fatal(1, "sp_parallel_sensor: PixelsPerClock is %0d, not 1 or 2", PixelsPerClock);
+  end
+`endif
+
+  // --- Reset of both sides: the board's side asks, the sensor's side does it and says so ---
+  logic       ask_q;        // the sensor's side is to be in reset
+  logic       asked;        // it, in the sensor's clock
+  logic [7:0] resting_q;    // it was, in the last clocks of the sensor
+  logic       rested_q;     // enough of them
+  logic       rested;       // it, in the board's clock
+  logic       sensor_rst_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) ask_q <= 1'b1;
+    else if (rested) ask_q <= 1'b0;
+  end
+
+  sp_sync u_asked (
+    .clk_i(sensor_clk_i),
+    .rst_i(1'b0),
+    .d_i  (ask_q),
+    .q_o  (asked)
+  );
+
+  always_ff @(posedge sensor_clk_i) begin
+    resting_q    <= asked ? {resting_q[6:0], 1'b1} : '0;
+    rested_q     <= asked && resting_q == '1;
+    sensor_rst_q <= asked;
+  end
+
+  sp_sync u_rested (
+    .clk_i(clk_i),
+    .rst_i(rst_i),
+    .d_i  (rested_q),
+    .q_o  (rested)
+  );
+
+  // --- Pixels into beats, in the sensor's clock ---
+  localparam int Steps = 4 / PixelsPerClock;  // clocks of a beat
+  localparam int StepBits = $clog2(Steps);
+
+  logic                        frame_q, frame_q2, line_q;
+  logic [8*PixelsPerClock-1:0] pixels_q;
+  logic                        first_q;   // no beat of the frame has come
+  logic                        open_q;    // the frame goes to the board
+  logic [StepBits-1:0]         step_q;    // of the beat that is gathered
+  logic [31:8*PixelsPerClock]  gather_q;  // of the beat, the newest pixels in the upper bits
+  logic [31:0]                 beat;      // with those of this clock
+  logic                        whole_q;   // a beat waits in held_q
+  logic [31:0]                 held_q;
+  logic                        held_first_q;
+  logic                        full;      // this clock completes a beat
+  logic                        ending;    // the line has ended
+  logic                        write, lost;
+  logic [LogDepth:0]           free;
+  logic                        overrun_q;  // changes with every frame that is cut off
+
+  for (genvar i = 0; i < PixelsPerClock; i++) begin : gen_pixel
+    // The lower bits are left out.
+    always_ff @(posedge sensor_clk_i) pixels_q[8*i+:8] <= data_i[Bits*(i+1)-1-:8];
+  end
+
+  if (Bits > 8) begin : gen_lower
+    logic unused_lower;
+    always_comb begin
+      unused_lower = 1'b0;
+      for (int i = 0; i < PixelsPerClock; i++) unused_lower ^= ^data_i[Bits*i+:Bits-8];
+    end
+  end
+
+  assign beat   = {pixels_q, gather_q};
+  assign full   = line_q && step_q == StepBits'(Steps - 1);
+  assign ending = !line_q;
+  assign write  = whole_q && (full || ending);
+  assign lost   = write && free == '0;
+
+  always_ff @(posedge sensor_clk_i) begin
+    frame_q  <= frame_i;
+    frame_q2 <= frame_q;
+    line_q   <= line_i && frame_i;
+    if (sensor_rst_q) begin
+      open_q    <= 1'b0;
+      whole_q   <= 1'b0;
+      step_q    <= '0;
+      overrun_q <= 1'b0;
+    end else begin
+      if (frame_q && !frame_q2) open_q <= 1'b1;
+      else if (lost) open_q <= 1'b0;
+      step_q <= line_q ? step_q + 1'b1 : '0;
+      if (lost) whole_q <= 1'b0;
+      else if (full) whole_q <= open_q;
+      else if (ending) whole_q <= 1'b0;
+      if (lost) overrun_q <= !overrun_q;
+    end
+    if (line_q) gather_q <= beat[31:8*PixelsPerClock];
+    if (full) begin
+      held_q       <= beat;
+      held_first_q <= first_q;
+    end
+    if (frame_q && !frame_q2) first_q <= 1'b1;
+    else if (full) first_q <= 1'b0;
+  end
+
+  // --- Into the board's clock ---
+  logic overrun_seen, overrun_seen_q;
+
+  sp_async_fifo #(
+    .Width   (34),
+    .LogDepth(LogDepth)
+  ) u_fifo (
+    .wr_clk_i  (sensor_clk_i),
+    .wr_rst_i  (sensor_rst_q),
+    .wr_valid_i(write && !lost && !sensor_rst_q),
+    .wr_data_i ({held_first_q, ending, held_q}),
+    .wr_free_o (free),
+    .rd_clk_i  (clk_i),
+    .rd_rst_i  (ask_q),
+    .rd_valid_o(m_valid_o),
+    .rd_ready_i(1'b1),
+    .rd_data_o ({m_start_o, m_end_o, m_data_o})
+  );
+
+  sp_sync u_overrun (
+    .clk_i(clk_i),
+    .rst_i(ask_q),
+    .d_i  (overrun_q),
+    .q_o  (overrun_seen)
+  );
+
+  always_ff @(posedge clk_i) overrun_seen_q <= !ask_q && overrun_seen;
+  assign overrun_o = overrun_seen != overrun_seen_q;
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,358 @@
+// Tests the cameras: the one inside the FPGA against its model, and the front end for parallel sensors with a sensor
+// whose clock jitters, stops and is too fast.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <type_traits>
+#include <vector>
+
+#include "Vsp_parallel_sensor_ports.h"
+#include "Vsp_parallel_sensor_two_ports.h"
+#include "Vsp_test_camera_ports.h"
+#include "Vsp_test_camera_tight_ports.h"
+#include "model/column_moments.h"
+#include "model/test_camera.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+struct Beat {
+  std::uint32_t pixels = 0;
+  bool start = false;
+  bool end = false;
+
+  bool operator==(const Beat&) const = default;
+};
+
+using Frame = std::vector<Beat>;
+
+template <typename Dut>
+Beat beat_of(Dut& dut) {
+  return {dut->m_data_o, dut->m_start_o != 0, dut->m_end_o != 0};
+}
+
+// The ports that count only with a beat, for the recorder.
+template <typename Camera>
+void name_ports(Camera& camera) {
+  for (const char* port : {"m_data_o", "m_start_o", "m_end_o"}) {
+    camera.valid_when(port, [&camera] { return camera->m_valid_o != 0; });
+  }
+}
+
+// --- Test camera ---
+
+Frame model_frame(int columns, int rows, std::uint32_t number) {
+  const std::vector<std::uint8_t> pixels = test_camera_frame(columns, rows, number);
+  Frame frame;
+  for (std::size_t at = 0; at < pixels.size(); at += 4) {
+    const std::uint32_t word = std::uint32_t{pixels[at]} | std::uint32_t{pixels[at + 1]} << 8U |
+                               std::uint32_t{pixels[at + 2]} << 16U | std::uint32_t{pixels[at + 3]} << 24U;
+    frame.push_back({word, at == 0, (at + 4) % static_cast<std::size_t>(columns) == 0});
+  }
+  return frame;
+}
+
+// Two runs: one of many frames, and one that ends in the middle of a frame. `gap`: clocks between two frames.
+template <typename Camera>
+void expect_frames_of_the_model(int columns, int rows, int gap) {
+  Clocked<Camera> camera;
+  name_ports(camera);
+  camera->run_i = 0;
+  camera.reset();
+  const auto clock = [&] {
+    camera.settle();
+    const bool valid = camera->m_valid_o != 0;
+    camera.rise();
+    return valid;
+  };
+  const auto quiet = [&](int clocks) {
+    for (int i = 0; i < clocks; ++i) {
+      EXPECT_FALSE(clock()) << "clock " << camera.clock();
+    }
+  };
+  quiet(5);
+  for (const std::uint32_t frames : {70U, 3U}) {
+    camera->run_i = 1;
+    quiet(2);
+    for (std::uint32_t number = 0; number < frames; ++number) {
+      for (const Beat& due : model_frame(columns, rows, number)) {
+        camera->run_i = number + 1 < frames;
+        camera.settle();
+        ASSERT_TRUE(camera->m_valid_o) << "a gap in frame " << number;
+        ASSERT_EQ(beat_of(camera), due) << "frame " << number << ", clock " << camera.clock();
+        camera.rise();
+      }
+      quiet(number + 1 < frames ? gap : 50);
+    }
+  }
+}
+TEST(TestCamera, FramesOfTheModel) { expect_frames_of_the_model<Vsp_test_camera>(64, 11, 200 - 64 / 4 * 11); }
+TEST(TestCamera, FramesWithoutAGap) { expect_frames_of_the_model<Vsp_test_camera_tight>(16, 9, 0); }
+
+// The moments that the head of the module promises, from its words alone: binary, threshold 128.
+TEST(TestCamera, MomentsAreKnown) {
+  constexpr int kColumns = 512;
+  constexpr int kRows = 96;
+  for (const std::uint32_t number : {0U, 1U, 91U, 92U, 93U, 1000U}) {
+    const std::vector<std::uint8_t> pixels = test_camera_frame(kColumns, kRows, number);
+    Moments moments;
+    moments.resize(kColumns);
+    column_moments({.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns}, Mode::binary, 128,
+                   moments.view());
+    for (std::uint32_t x = 0; x < kColumns; ++x) {
+      const std::uint32_t first = (number + x / 8) % (kRows - 3);
+      const std::uint32_t weight = (x + number) % 64;
+      const std::uint32_t lit = 4 - (weight == 0 ? 1U : 0U) - (weight == 63 ? 1U : 0U);
+      // Rows count from 1.
+      const std::uint32_t sum = 4 * first + 10 - (weight == 0 ? first + 1 : 0) - (weight == 63 ? first + 4 : 0);
+      ASSERT_EQ(moments.m0[x], lit) << "frame " << number << ", column " << x;
+      ASSERT_EQ(moments.m1[x], sum) << "frame " << number << ", column " << x;
+    }
+  }
+}
+
+// --- Parallel sensor ---
+
+// A sensor and the board's side of its front end.
+template <typename Sensor>
+class SensorBench {
+ public:
+  SensorBench(std::uint64_t seed, std::int64_t sensor_period, std::int64_t board_period, int bits, int per_clock)
+      : random_(seed),
+        clocks_(sensor_period, board_period, random_.between(0, 900)),
+        period_(sensor_period),
+        bits_(bits),
+        per_clock_(per_clock) {
+    name_ports(sensor_);
+    sensor_.valid_when("overrun_o", [this] { return known_; });
+    sensor_->sensor_clk_i = 0;
+    sensor_->clk_i = 0;
+    sensor_->frame_i = 0;
+    sensor_->line_i = 0;
+    sensor_->data_i = 0;
+    reset();
+    known_ = true;
+  }
+
+  void reset() {
+    sensor_->rst_i = 1;
+    for (int i = 0; i < 4; ++i) {
+      board_clock();
+    }
+    sensor_->rst_i = 0;
+    sensor_.outputs_are_known();
+  }
+
+  // Queues a frame and the clocks without line valid behind each line, the last ones without frame valid. Returns it as
+  // the board is to get it.
+  Frame send(int rows, int columns, int most_gap) {
+    Frame due;
+    for (int row = 0; row < rows; ++row) {
+      std::uint32_t beat = 0;
+      for (int column = 0; column < columns; column += per_clock_) {
+        Pins pins{true, true, 0};
+        for (int i = 0; i < per_clock_; ++i) {
+          const auto pixel = static_cast<std::uint32_t>(random_.between(0, (1 << bits_) - 1));
+          pins.data |= pixel << static_cast<unsigned>(bits_ * i);
+          beat = beat >> 8U | pixel >> static_cast<unsigned>(bits_ - 8) << 24U;
+        }
+        pins_.push_back(pins);
+        if ((column + per_clock_) % 4 == 0) {
+          due.push_back({beat, due.empty(), column + per_clock_ + 4 > columns});
+        }
+      }
+      const bool last = row + 1 == rows;
+      for (int gap = random_.between(1, most_gap); gap > 0; --gap) {
+        // Line valid without frame valid is nothing.
+        pins_.push_back({!last, last && random_.chance(50), static_cast<std::uint32_t>(random_.bits()) & mask()});
+      }
+    }
+    return due;
+  }
+
+  void lead(int clocks) {
+    for (int i = 0; i < clocks; ++i) {
+      pins_.push_back({true, false, 0});
+    }
+  }
+
+  // Until everything is in, and `quiet` clocks of the board more.
+  void drain(int quiet = 200) {
+    while (!pins_.empty()) {
+      step();
+    }
+    for (int i = 0; i < quiet; ++i) {
+      board_clock();
+    }
+  }
+
+  void board_clock() {
+    while (!step().b) {
+    }
+  }
+
+  void stop_sensor() { stopped_ = true; }
+  void start_sensor() { stopped_ = false; }
+
+  [[nodiscard]] const std::vector<Beat>& beats() const { return beats_; }
+  [[nodiscard]] int overruns() const { return overruns_; }
+  void forget() { beats_.clear(); }
+
+ private:
+  struct Pins {
+    bool frame = false;
+    bool line = false;
+    std::uint32_t data = 0;
+  };
+
+  [[nodiscard]] std::uint32_t mask() const { return (1U << static_cast<unsigned>(bits_ * per_clock_)) - 1; }
+
+  TwoClocks::Rises step() {
+    TwoClocks::Rises rises = clocks_.next();
+    if (rises.a) {
+      clocks_.set_period_a(period_ - period_ / 4 + random_.between(0, static_cast<int>(period_ / 2)));
+      rises.a = !stopped_;
+    }
+    if (rises.a) {
+      sensor_->sensor_clk_i = 0;
+      const Pins pins = pins_.empty() ? Pins{} : pins_.front();
+      if (!pins_.empty()) {
+        pins_.pop_front();
+      }
+      sensor_->frame_i = pins.frame;
+      sensor_->line_i = pins.line;
+      sensor_->data_i = static_cast<std::remove_reference_t<decltype(sensor_->data_i)>>(pins.data);
+    }
+    if (rises.b) {
+      sensor_->clk_i = 0;
+    }
+    sensor_.eval();
+    if (rises.b && known_) {
+      if (sensor_->m_valid_o) {
+        beats_.push_back(beat_of(sensor_));
+      }
+      overruns_ += sensor_->overrun_o;
+    }
+    sensor_->sensor_clk_i = rises.a ? 1 : sensor_->sensor_clk_i;
+    sensor_->clk_i = rises.b ? 1 : sensor_->clk_i;
+    sensor_.eval();
+    return rises;
+  }
+
+  Random random_;
+  TwoClocks clocks_;
+  std::int64_t period_;
+  int bits_;
+  int per_clock_;
+  Model<Sensor> sensor_;
+  std::deque<Pins> pins_;
+  std::vector<Beat> beats_;
+  int overruns_ = 0;
+  bool stopped_ = false;
+  bool known_ = false;
+};
+
+// Lines of any length, gaps of one clock and more, and clocks in any relation as long as the board takes what comes.
+template <typename Sensor>
+void expect_every_beat(int bits, int per_clock) {
+  constexpr std::array<std::array<int, 2>, 5> kPeriods = {
+      {{1000, 2000}, {1000, 1000}, {1000, 333}, {1618, 1000}, {1000, 1300}}};
+  for (const std::uint64_t seed : seeds(10)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const auto& periods = kPeriods[seed % kPeriods.size()];
+    SensorBench<Sensor> bench(seed, periods[0] * per_clock, periods[1], bits, per_clock);
+    bench.drain();
+    std::vector<Beat> due;
+    for (int frame = 0; frame < 20; ++frame) {
+      bench.lead(random.between(0, 3));
+      const int columns = random.chance(50) ? 4 * random.between(1, 12) : per_clock * random.between(4, 23);
+      const Frame sent = bench.send(random.between(1, 6), columns, random.chance(50) ? 1 : 9);
+      due.insert(due.end(), sent.begin(), sent.end());
+    }
+    bench.drain();
+    ASSERT_EQ(bench.beats(), due);
+    EXPECT_EQ(bench.overruns(), 0);
+  }
+}
+TEST(ParallelSensor, OnePixelAClock) { expect_every_beat<Vsp_parallel_sensor>(10, 1); }
+TEST(ParallelSensor, TwoPixelsAClock) { expect_every_beat<Vsp_parallel_sensor_two>(12, 2); }
+
+// A board too slow for the sensor: each frame comes whole, or it is the beginning of one, and counted.
+TEST(ParallelSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
+  int cut_off = 0;
+  int whole = 0;
+  for (const std::uint64_t seed : seeds(10)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    SensorBench<Vsp_parallel_sensor_two> bench(seed, 1000, random.between(2500, 5000), 12, 2);
+    bench.drain();
+    std::vector<Frame> sent;
+    for (int frame = 0; frame < 30; ++frame) {
+      sent.push_back(bench.send(random.between(2, 7), 4 * random.between(4, 20), random.chance(50) ? 2 : 60));
+    }
+    bench.drain();
+    std::size_t at = 0;
+    int lost = 0;
+    for (const Frame& frame : sent) {
+      std::size_t same = 0;
+      while (same < frame.size() && at < bench.beats().size() && bench.beats()[at] == frame[same]) {
+        ++at;
+        ++same;
+      }
+      lost += same < frame.size() ? 1 : 0;
+      whole += same == frame.size() ? 1 : 0;
+    }
+    EXPECT_EQ(at, bench.beats().size()) << "a beat that belongs to no frame, or to another one";
+    EXPECT_EQ(bench.overruns(), lost);
+    cut_off += lost;
+  }
+  if (runs_all_cases()) {
+    EXPECT_GT(cut_off, 50);
+    EXPECT_GT(whole, 50);
+  }
+}
+
+// Resets in the middle of a frame, with the sensor's clock running or not: what comes after begins with a whole frame.
+TEST(ParallelSensor, AfterAResetTheNextFrameIsTheFirst) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    SensorBench<Vsp_parallel_sensor> bench(seed, 1000, random.between(300, 1500), 10, 1);
+    for (int round = 0; round < 3; ++round) {
+      bench.drain();
+      bench.forget();
+      bench.send(4, 24, 3);
+      for (int clocks = random.between(0, 60); clocks > 0; --clocks) {
+        bench.board_clock();
+      }
+      if (random.chance(50)) {
+        bench.stop_sensor();
+        bench.reset();
+        bench.forget();
+        for (int clocks = random.between(0, 60); clocks > 0; --clocks) {
+          bench.board_clock();
+        }
+        bench.start_sensor();
+      } else {
+        bench.reset();
+        bench.forget();
+      }
+      bench.drain();
+      EXPECT_TRUE(bench.beats().empty()) << "the rest of a frame";
+      bench.forget();
+      const Frame due = bench.send(3, 20, 5);
+      bench.drain();
+      ASSERT_EQ(bench.beats(), due);
+    }
+    EXPECT_EQ(bench.overruns(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace selfproj::test
