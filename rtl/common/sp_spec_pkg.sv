@@ -279,6 +279,25 @@ package sp_spec_pkg;
   // Words of the register file's address space in which there is a register
   localparam logic [31:0] RegisterWords = 32'h03FFFFFF;
 
+  // Registers of the link, for boards on the network
+  localparam logic [31:0] LinkId = 32'h00000100;
+  localparam logic [31:0] LinkIdReset = 32'h4B4E4C53;
+  localparam int LinkIdIdLsb = 0;
+  localparam int LinkIdIdBits = 32;
+  localparam logic [31:0] LinkTicket = 32'h00000104;
+  localparam int LinkTicketNumberLsb = 0;
+  localparam int LinkTicketNumberBits = 32;
+  localparam logic [31:0] LinkAddress = 32'h00000108;
+  localparam int LinkAddressBytesLsb = 0;
+  localparam int LinkAddressBytesBits = 8;
+  localparam logic [31:0] LinkValue = 32'h0000010C;
+  localparam int LinkValueWordLsb = 0;
+  localparam int LinkValueWordBits = 32;
+  localparam logic [31:0] LinkAnswer = 32'h00000110;
+  localparam logic [31:0] LinkAnswerReset = 32'h00000000;
+  localparam int LinkAnswerRefusedLsb = 0;
+  localparam int LinkAnswerRefusedBits = 1;
+
   // Bits of a header that tell of the frame; columns have column_bits, rows and lines row_bits
   function automatic logic [HeaderBits-1:0] frame_mask(input int column_bits, input int row_bits);
     frame_mask = ~({HeaderBits{1'b1}} << HeaderStreamBits) << HeaderStreamLsb |
