@@ -1,0 +1,272 @@
+// What is in the FPGA of an ECPIX-5 apart from clocks and resets: camera, board, link, Ethernet.
+//
+//   sp_test_camera or sp_parallel_sensor ─▶ sp_board ─▶ sp_link ─▶ LiteEth ─▶ RGMII
+//                                              ▲          │
+//                                              └ registers┘
+//
+// selfproj_liteeth is generated from liteeth.yml: MAC, ARP, IP, UDP, ICMP. The PHY chip brings the
+// clock of RGMII. Both resets together, four clocks or more.
+`default_nettype none
+
+module ecpix5_system #(
+  parameter logic [31:0] Address = 32'hC0A8_0132,  // IP address: 192.168.1.50
+  parameter int MaxColumns = 512,
+  parameter int MaxRows = 127,
+  parameter bit Grey = 1'b1,
+  parameter bit Image = 1'b1,
+  parameter bit Codes = 1'b0,
+  parameter int CodeBits = 8,
+  parameter bit Sensor = 1'b0,       // 1: the parallel sensor; 0: the test camera
+  parameter int FrameClocks = 12_500,  // of the test camera: 10,000 frames a second at 125 MHz
+  parameter int LinkLogDepth = 12,   // 64 KiB: 1 ms of packets while the network looks for a host
+  parameter int IdleClocks = 2_500_000  // 50 ms
+) (
+  input  wire logic       clk_i,        // pixel clock
+  input  wire logic       rst_i,
+  input  wire logic       bus_clk_i,    // 31.25 MHz or more
+  input  wire logic       bus_rst_i,
+
+  // RGMII
+  input  wire logic       eth_rx_clk_i,  // 125 MHz
+  input  wire logic       eth_rx_ctl_i,
+  input  wire logic [3:0] eth_rx_data_i,
+  output logic            eth_tx_clk_o,
+  output logic            eth_tx_ctl_o,
+  output logic      [3:0] eth_tx_data_o,
+
+  // Parallel sensor
+  input  wire logic       sensor_clk_i,
+  input  wire logic       sensor_frame_i,
+  input  wire logic       sensor_line_i,
+  input  wire logic [9:0] sensor_data_i,
+
+  input  wire logic       encoder_a_i,
+  input  wire logic       encoder_b_i,
+  output logic            projector_trigger_o,
+  output logic            camera_trigger_o,
+
+  // For LEDs
+  output logic            frame_o,      // a beat that begins a frame
+  output logic            datagram_o,   // the last word of a datagram
+  output logic            overrun_o     // a frame of the sensor is cut off
+);
+
+  // UDP ports, as host/driver has them
+  localparam logic [15:0] ControlPort = 16'd1234;
+  localparam logic [15:0] PacketPort = 16'd1235;
+
+  // --- Camera ---
+  logic        video_valid, video_start, video_end;
+  logic [31:0] video_data;
+  if (Sensor) begin : gen_sensor
+    sp_parallel_sensor #(
+      .Bits          (10),
+      .PixelsPerClock(1)
+    ) u_camera (
+      .sensor_clk_i(sensor_clk_i),
+      .frame_i     (sensor_frame_i),
+      .line_i      (sensor_line_i),
+      .data_i      (sensor_data_i),
+      .clk_i       (clk_i),
+      .rst_i       (rst_i),
+      .m_valid_o   (video_valid),
+      .m_data_o    (video_data),
+      .m_start_o   (video_start),
+      .m_end_o     (video_end),
+      .overrun_o   (overrun_o)
+    );
+  end else begin : gen_test_camera
+    sp_test_camera #(
+      .Columns    (MaxColumns),
+      .Rows       (96),
+      .FrameClocks(FrameClocks)
+    ) u_camera (
+      .clk_i    (clk_i),
+      .rst_i    (rst_i),
+      .run_i    (1'b1),
+      .m_valid_o(video_valid),
+      .m_data_o (video_data),
+      .m_start_o(video_start),
+      .m_end_o  (video_end)
+    );
+    logic unused;
+    assign unused = ^{sensor_clk_i, sensor_frame_i, sensor_line_i, sensor_data_i};
+    assign overrun_o = 1'b0;
+  end
+  assign frame_o = video_valid && video_start;
+
+  // --- Board ---
+  logic         packet_valid, packet_ready, packet_last, unused_ready;
+  logic [127:0] packet_data;
+  logic         awvalid, awready, wvalid, wready, bvalid, bready, arvalid, arready, rvalid, rready;
+  logic [7:0]   awaddr, araddr;
+  logic [31:0]  wdata, rdata;
+  logic [3:0]   wstrb;
+  logic [1:0]   bresp, rresp;
+
+  sp_board #(
+    .MaxColumns(MaxColumns),
+    .MaxRows   (MaxRows),
+    .Grey      (Grey),
+    .Image     (Image),
+    .Codes     (Codes),
+    .CodeBits  (CodeBits)
+  ) u_board (
+    .clk_i              (clk_i),
+    .rst_i              (rst_i),
+    .s_axis_tvalid      (video_valid),
+    .s_axis_tready      (unused_ready),
+    .s_axis_tdata       (video_data),
+    .s_axis_tuser       (video_start),
+    .s_axis_tlast       (video_end),
+    .encoder_a_i        (encoder_a_i),
+    .encoder_b_i        (encoder_b_i),
+    .projector_trigger_o(projector_trigger_o),
+    .camera_trigger_o   (camera_trigger_o),
+    .bus_clk_i          (bus_clk_i),
+    .bus_rst_i          (bus_rst_i),
+    .m_axis_tvalid      (packet_valid),
+    .m_axis_tready      (packet_ready),
+    .m_axis_tdata       (packet_data),
+    .m_axis_tlast       (packet_last),
+    .s_axil_awvalid     (awvalid),
+    .s_axil_awready     (awready),
+    .s_axil_awaddr      (awaddr),
+    .s_axil_wvalid      (wvalid),
+    .s_axil_wready      (wready),
+    .s_axil_wdata       (wdata),
+    .s_axil_wstrb       (wstrb),
+    .s_axil_bvalid      (bvalid),
+    .s_axil_bready      (bready),
+    .s_axil_bresp       (bresp),
+    .s_axil_arvalid     (arvalid),
+    .s_axil_arready     (arready),
+    .s_axil_araddr      (araddr),
+    .s_axil_rvalid      (rvalid),
+    .s_axil_rready      (rready),
+    .s_axil_rdata       (rdata),
+    .s_axil_rresp       (rresp)
+  );
+
+  // --- Link ---
+  logic        ask_valid, ask_last, ask_error, answer_valid, answer_ready, answer_last;
+  logic        datagram_valid, datagram_ready, datagram_last;
+  logic [31:0] ask_data, ask_from, answer_data, answer_to, datagram_data, datagram_to;
+  logic [15:0] ask_bytes, answer_bytes, datagram_bytes;
+
+  sp_link #(
+    .LogDepth  (LinkLogDepth),
+    .IdleClocks(IdleClocks)
+  ) u_link (
+    .clk_i           (bus_clk_i),
+    .rst_i           (bus_rst_i),
+    .ask_valid_i     (ask_valid),
+    .ask_last_i      (ask_last),
+    .ask_error_i     (ask_error),
+    .ask_data_i      (ask_data),
+    .ask_bytes_i     (ask_bytes),
+    .ask_from_i      (ask_from),
+    .answer_valid_o  (answer_valid),
+    .answer_ready_i  (answer_ready),
+    .answer_last_o   (answer_last),
+    .answer_data_o   (answer_data),
+    .answer_bytes_o  (answer_bytes),
+    .answer_to_o     (answer_to),
+    .datagram_valid_o(datagram_valid),
+    .datagram_ready_i(datagram_ready),
+    .datagram_last_o (datagram_last),
+    .datagram_data_o (datagram_data),
+    .datagram_bytes_o(datagram_bytes),
+    .datagram_to_o   (datagram_to),
+    .s_axis_tvalid   (packet_valid),
+    .s_axis_tready   (packet_ready),
+    .s_axis_tdata    (packet_data),
+    .s_axis_tlast    (packet_last),
+    .m_axil_awvalid  (awvalid),
+    .m_axil_awready  (awready),
+    .m_axil_awaddr   (awaddr),
+    .m_axil_wvalid   (wvalid),
+    .m_axil_wready   (wready),
+    .m_axil_wdata    (wdata),
+    .m_axil_wstrb    (wstrb),
+    .m_axil_bvalid   (bvalid),
+    .m_axil_bready   (bready),
+    .m_axil_bresp    (bresp),
+    .m_axil_arvalid  (arvalid),
+    .m_axil_arready  (arready),
+    .m_axil_araddr   (araddr),
+    .m_axil_rvalid   (rvalid),
+    .m_axil_rready   (rready),
+    .m_axil_rdata    (rdata),
+    .m_axil_rresp    (rresp)
+  );
+  assign datagram_o = datagram_valid && datagram_ready && datagram_last;
+
+  // --- Ethernet ---
+  // Words are whole; LiteEth marks the last byte of the last word.
+  localparam logic [3:0] WholeWord = 4'b1000;
+
+  logic        unused_mdc, unused_rst_n, unused_packets_error, unused_packets_last;
+  logic        unused_packets_valid;
+  logic [3:0]  unused_control_last_be, unused_packets_last_be;
+  logic [15:0] unused_control_dst, unused_control_src, unused_packets_dst, unused_packets_length;
+  logic [15:0] unused_packets_src;
+  logic [31:0] unused_packets_data, unused_packets_from;
+
+  selfproj_liteeth u_ethernet (
+    .sys_clock                (bus_clk_i),
+    .sys_reset                (bus_rst_i),
+    .ip_address               (Address),
+    .rgmii_clocks_rx          (eth_rx_clk_i),
+    .rgmii_clocks_tx          (eth_tx_clk_o),
+    .rgmii_int_n              (1'b1),
+    .rgmii_mdc                (unused_mdc),
+    .rgmii_mdio               (1'b1),
+    .rgmii_rst_n              (unused_rst_n),
+    .rgmii_rx_ctl             (eth_rx_ctl_i),
+    .rgmii_rx_data            (eth_rx_data_i),
+    .rgmii_tx_ctl             (eth_tx_ctl_o),
+    .rgmii_tx_data            (eth_tx_data_o),
+    .control_source_valid     (ask_valid),
+    .control_source_ready     (1'b1),
+    .control_source_last      (ask_last),
+    .control_source_last_be   (unused_control_last_be),
+    .control_source_data      (ask_data),
+    .control_source_length    (ask_bytes),
+    .control_source_ip_address(ask_from),
+    .control_source_dst_port  (unused_control_dst),
+    .control_source_src_port  (unused_control_src),
+    .control_source_error     (ask_error),
+    .control_sink_valid       (answer_valid),
+    .control_sink_ready       (answer_ready),
+    .control_sink_last        (answer_last),
+    .control_sink_last_be     (answer_last ? WholeWord : 4'b0000),
+    .control_sink_data        (answer_data),
+    .control_sink_length      (answer_bytes),
+    .control_sink_ip_address  (answer_to),
+    .control_sink_dst_port    (ControlPort),
+    .control_sink_src_port    (ControlPort),
+    .packets_source_valid     (unused_packets_valid),
+    .packets_source_ready     (1'b1),
+    .packets_source_last      (unused_packets_last),
+    .packets_source_last_be   (unused_packets_last_be),
+    .packets_source_data      (unused_packets_data),
+    .packets_source_length    (unused_packets_length),
+    .packets_source_ip_address(unused_packets_from),
+    .packets_source_dst_port  (unused_packets_dst),
+    .packets_source_src_port  (unused_packets_src),
+    .packets_source_error     (unused_packets_error),
+    .packets_sink_valid       (datagram_valid),
+    .packets_sink_ready       (datagram_ready),
+    .packets_sink_last        (datagram_last),
+    .packets_sink_last_be     (datagram_last ? WholeWord : 4'b0000),
+    .packets_sink_data        (datagram_data),
+    .packets_sink_length      (datagram_bytes),
+    .packets_sink_ip_address  (datagram_to),
+    .packets_sink_dst_port    (PacketPort),
+    .packets_sink_src_port    (PacketPort)
+  );
+
+endmodule
+
+`default_nettype wire

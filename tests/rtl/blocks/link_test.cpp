@@ -1,0 +1,116 @@
+// Tests the link of a board on the network: registers by Etherbone, the mailbox, the owner, and sessions.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "tests/rtl/blocks/link_bench.h"
+
+namespace selfproj::test {
+namespace {
+
+Bytes write_of(std::uint32_t address, std::uint32_t value) {
+  return etherbone_bytes({.write_address = address, .writes = {value}});
+}
+
+// Good and malformed questions of three hosts.
+TEST(Link, AnswersAndRegistersAreThoseOfTheModel) {
+  for (const std::uint64_t seed : seeds(4)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    LinkFigures figures;
+    expect_link_equals_model(seed, 400, figures);
+    ASSERT_FALSE(HasFailure());
+    EXPECT_GT(figures.answers, 100U);
+    EXPECT_LT(figures.answers, 390U);
+  }
+}
+
+// The words of the record that needs all the room, and of one that needs more.
+TEST(Link, RecordsUpTo64Words) {
+  LinkBench bench(1);
+  for (const int reads : {60, 61}) {
+    EtherboneRecord record{.tag = 7};
+    for (int i = 0; i < reads; ++i) {
+      record.reads.push_back(static_cast<std::uint32_t>(4 * i % 0xC0));
+    }
+    bench.ask(etherbone_bytes(record), kHosts[0]);
+    const std::optional<LinkBench::Datagram> answer = bench.settle();
+    EXPECT_EQ(answer.has_value(), reads == 60);
+  }
+}
+
+// What comes while a question is performed is lost as a whole, also if it ends later.
+TEST(Link, QuestionsThatComeTooEarlyAreLost) {
+  for (const std::uint64_t seed : seeds(20)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    LinkBench bench(seed);
+    const Bytes first = etherbone_bytes({.write_address = 0x20, .writes = {1, 2, 3}, .tag = 1, .reads = {0x20, 0x24}});
+    const Bytes second = etherbone_bytes({.write_address = 0x20, .writes = {7, 8, 9}, .tag = 2, .reads = {0x20, 0x28}});
+    bench.ask(first, kHosts[0]);
+    bench.idle(random.between(0, 8));
+    bench.ask(second, kHosts[1]);
+    const std::optional<LinkBench::Datagram> answer = bench.settle();
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->to, kHosts[0]);
+    EXPECT_EQ(answer->bytes, etherbone_bytes({.write_address = 1, .writes = {1, 2}}));
+    EXPECT_FALSE(bench.settle());
+    bench.ask(second, kHosts[1]);
+    EXPECT_EQ(bench.settle()->bytes, etherbone_bytes({.write_address = 2, .writes = {7, 9}}));
+  }
+}
+
+// Packets go to the host that has started the board, and each datagram to that of its session.
+TEST(Link, PacketsGoToTheOwner) {
+  for (const std::uint64_t seed : seeds(6)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    LinkBench bench(seed);
+    std::size_t sent = 0;
+    const auto queue = [&](int packets) {
+      for (int i = 0; i < packets; ++i, ++sent) {
+        bench.packets.push_back(random.bytes(16 * static_cast<std::size_t>(random.between(1, 200))));
+      }
+    };
+    bench.network_percent = random.between(20, 100);
+    queue(2);
+    bench.idle(2000);
+    EXPECT_TRUE(bench.datagrams.empty()) << "before anybody has started the board";
+    std::map<std::uint16_t, std::uint32_t> hosts;
+    for (int round = 0; round < 6; ++round) {
+      const std::uint32_t owner = kHosts[static_cast<std::size_t>(round % 2)];
+      bench.ask(write_of(spec::kRegControl, 1), owner);
+      queue(random.between(1, 5));
+      bench.idle(random.between(0, 3000));
+      // Nobody else can stop it, start it anew or take it over.
+      for (const std::uint32_t value : {0U, 1U}) {
+        bench.ask(write_of(spec::kRegControl, value), kHosts[2]);
+        bench.idle(100);
+        EXPECT_TRUE(bench.registers.runs());
+      }
+      bench.ask(write_of(spec::kRegControl, 0), owner);
+      bench.idle(100);
+      EXPECT_FALSE(bench.registers.runs());
+      bench.idle(random.between(0, 1) * 20000);
+    }
+    bench.idle(40000);
+    EXPECT_TRUE(bench.packets.empty());
+    std::size_t whole = 0;
+    for (const LinkBench::Datagram& datagram : bench.datagrams) {
+      const std::optional<DatagramHeader> header = read_datagram_header(datagram.bytes);
+      ASSERT_TRUE(header);
+      EXPECT_EQ(hosts.try_emplace(header->session, datagram.to).first->second, datagram.to);
+      whole += header->length != 0 && header->offset == 0 ? 1 : 0;
+    }
+    EXPECT_EQ(whole, sent);
+    // A start that comes while the packets of the one before still leave takes its place.
+    EXPECT_GE(hosts.size(), 3U);
+    EXPECT_TRUE(bench.answers.empty());
+  }
+}
+
+}  // namespace
+}  // namespace selfproj::test
