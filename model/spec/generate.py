@@ -289,6 +289,20 @@ def sv_frame_mask():
             "    frame_mask = " + " |\n                 ".join(terms) + ";", "  endfunction"]
 
 
+def sv_link(spec):
+    """The registers of the link, for boards on the network."""
+    out = ["  // Registers of the link, for boards on the network"]
+    for reg in spec.raw["link"]["registers"]:
+        name = f"Link{camel(reg['name'])}"
+        out.append(f"  localparam logic [31:0] {name} = 32'h{reg['offset']:08X};")
+        if reg["access"] == "ro":
+            out.append(f"  localparam logic [31:0] {name}Reset = 32'h{reg['reset_value']:08X};")
+        for field in reg["fields"]:
+            out.append(f"  localparam int {name}{camel(field['name'])}Lsb = {field['lsb']};")
+            out.append(f"  localparam int {name}{camel(field['name'])}Bits = {field['bits']};")
+    return out
+
+
 def sv_package(spec):
     out = []
     emit = out.append
@@ -357,15 +371,7 @@ def sv_package(spec):
     bits = f"{REGISTER_WORDS}'h{words:0{REGISTER_WORDS // 4}X}"
     emit(f"  localparam logic [{REGISTER_WORDS - 1}:0] RegisterWords = {bits};")
     emit("")
-    emit("  // Registers of the link, for boards on the network")
-    for reg in spec.raw["link"]["registers"]:
-        name = f"Link{camel(reg['name'])}"
-        emit(f"  localparam logic [31:0] {name} = 32'h{reg['offset']:08X};")
-        if reg["access"] == "ro":
-            emit(f"  localparam logic [31:0] {name}Reset = 32'h{reg['reset_value']:08X};")
-        for field in reg["fields"]:
-            emit(f"  localparam int {name}{camel(field['name'])}Lsb = {field['lsb']};")
-            emit(f"  localparam int {name}{camel(field['name'])}Bits = {field['bits']};")
+    out += sv_link(spec)
     emit("")
     out += sv_frame_mask()
     emit("")

@@ -3,8 +3,9 @@
 // Guarantees: nothing is sent before the first start_i. With each start_i the session that is open
 // comes to its end, and after its last datagram has left another begins, for the host owner_i. So
 // to_o changes only between two datagrams, and no datagram goes to another host than the one that
-// its session is for. A start_i before that takes the place of the one before. The session stays open when its owner stops the board, so that its last
-// packets leave. session_o counts clocks, also through a reset.
+// its session is for. A further start_i before that takes the place of the one before. The session
+// stays open when its owner stops the board, so that its last packets leave. session_o counts
+// clocks, also through a reset.
 //
 // Latency: with nothing under way, a session begins nine clocks after start_i.
 `default_nettype none
