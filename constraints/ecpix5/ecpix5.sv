@@ -30,6 +30,8 @@ module ecpix5 #(
   output logic            eth_tx_ctl_o,
   output logic      [3:0] eth_tx_data_o,
   output logic            eth_rst_n_o,
+  output logic            eth_mdc_o,
+  inout  wire logic       eth_mdio_io,
 
   input  wire logic       encoder_a_i,
   input  wire logic       encoder_b_i,
@@ -159,6 +161,8 @@ module ecpix5 #(
     .eth_tx_clk_o       (eth_tx_clk_o),
     .eth_tx_ctl_o       (eth_tx_ctl_o),
     .eth_tx_data_o      (eth_tx_data_o),
+    .eth_mdc_o          (eth_mdc_o),
+    .eth_mdio_io        (eth_mdio_io),
     .sensor_clk_i       (sensor_clk_i),
     .sensor_frame_i     (sensor_frame_i),
     .sensor_line_i      (sensor_line_i),

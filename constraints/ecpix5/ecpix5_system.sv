@@ -33,6 +33,8 @@ module ecpix5_system #(
   output logic            eth_tx_clk_o,
   output logic            eth_tx_ctl_o,
   output logic      [3:0] eth_tx_data_o,
+  output logic            eth_mdc_o,    // management of the PHY chip, which nothing here uses
+  inout  wire logic       eth_mdio_io,
 
   // Parallel sensor
   input  wire logic       sensor_clk_i,
@@ -206,7 +208,7 @@ module ecpix5_system #(
   // Words are whole; LiteEth marks the last byte of the last word.
   localparam logic [3:0] WholeWord = 4'b1000;
 
-  logic        unused_mdc, unused_rst_n, unused_packets_error, unused_packets_last;
+  logic        unused_rst_n, unused_packets_error, unused_packets_last;
   logic        unused_packets_valid;
   logic [3:0]  unused_control_last_be, unused_packets_last_be;
   logic [15:0] unused_control_dst, unused_control_src, unused_packets_dst, unused_packets_length;
@@ -220,8 +222,8 @@ module ecpix5_system #(
     .rgmii_clocks_rx          (eth_rx_clk_i),
     .rgmii_clocks_tx          (eth_tx_clk_o),
     .rgmii_int_n              (1'b1),
-    .rgmii_mdc                (unused_mdc),
-    .rgmii_mdio               (1'b1),
+    .rgmii_mdc                (eth_mdc_o),
+    .rgmii_mdio               (eth_mdio_io),
     .rgmii_rst_n              (unused_rst_n),
     .rgmii_rx_ctl             (eth_rx_ctl_i),
     .rgmii_rx_data            (eth_rx_data_i),

@@ -1,0 +1,211 @@
+// The FPGA of an ECPIX-5 in simulation, its Ethernet plug in a network interface of this machine.
+//
+//     ecpix5_sim INTERFACE [--drop PERCENT] [--double PERCENT] [--reorder PERCENT] [--seed N] [--counts FILE]
+//
+// The circuits are those of constraints/ecpix5/ecpix5_system.sv, LiteEth included, which Verilator has compiled; PLL
+// and pins are not. INTERFACE becomes a TAP interface. The faults hit the datagrams with packets. Runs until SIGTERM or
+// SIGINT, then writes what was sent as JSON.
+//
+// A simulated second takes minutes. So that a host, whose clock is real, does not see pauses within a burst of frames,
+// they wait here, as in a switch, until the board's side has been silent for 2 us.
+#include <verilated.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "Vecpix5_system.h"
+#include "sim/target/faulty_network.h"
+#include "sim/target/rgmii.h"
+#include "sim/target/tap.h"
+
+namespace selfproj {
+namespace {
+
+std::atomic<bool> g_stop = false;
+
+constexpr unsigned kPacketPort = 1235;
+constexpr std::uint64_t kHalfEthernetPs = 4000;
+constexpr std::uint64_t kPixelPs = 8000;  // 125 MHz
+constexpr std::uint64_t kBusPs = 20000;   // 50 MHz
+constexpr std::uint64_t kBurstPs = 2'000'000;
+constexpr std::uint64_t kLookPs = 1'000'000;  // time between two looks at the interface
+
+struct Options {
+  std::string interface;
+  FaultyNetwork::Faults faults;
+  std::uint64_t seed = 1;
+  std::string counts;
+};
+
+double percent(const std::string& option, const std::string& value) {
+  char* end = nullptr;
+  const double number = std::strtod(value.c_str(), &end);
+  if (value.empty() || *end != '\0' || !(number >= 0 && number <= 100)) {
+    throw std::runtime_error(option + ": '" + value + "' is not a percentage");
+  }
+  return number;
+}
+
+Options read_options(const std::vector<std::string>& words) {
+  Options options;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (!word.starts_with("--")) {
+      options.interface = word;
+      continue;
+    }
+    if (i + 1 == words.size()) {
+      throw std::runtime_error(word + ": the value is missing");
+    }
+    const std::string& value = words[++i];
+    if (word == "--drop") {
+      options.faults.dropped = percent(word, value);
+    } else if (word == "--double") {
+      options.faults.doubled = percent(word, value);
+    } else if (word == "--reorder") {
+      options.faults.reordered = percent(word, value);
+    } else if (word == "--seed") {
+      options.seed = std::strtoull(value.c_str(), nullptr, 10);
+    } else if (word == "--counts") {
+      options.counts = value;
+    } else {
+      throw std::runtime_error(word + ": unknown");
+    }
+  }
+  if (options.interface.empty()) {
+    throw std::runtime_error("the name of the interface is missing");
+  }
+  return options;
+}
+
+class Simulation {
+ public:
+  explicit Simulation(const Options& options)
+      : model_(std::make_unique<Vecpix5_system>(&context_)),
+        tap_(options.interface),
+        network_(kPacketPort, options.faults, options.seed) {
+    model_->rst_i = 1;
+    model_->bus_rst_i = 1;
+  }
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+  ~Simulation() { model_->final(); }
+
+  // One half of an Ethernet clock, and what happens in it. The other clocks have phases of their own.
+  void step() {
+    now_ += kHalfEthernetPs;
+    if (now_ >= next_bus_) {
+      model_->bus_clk_i = model_->bus_clk_i == 0;
+      next_bus_ += kBusPs / 2;
+      model_->eval();
+    }
+    model_->clk_i = now_ % kPixelPs == 0;
+    if (model_->clk_i) {
+      model_->eval();
+    }
+    ethernet();
+    if (now_ == kResetPs) {
+      model_->rst_i = 0;
+      model_->bus_rst_i = 0;
+    }
+    if (now_ % kLookPs == 0) {
+      exchange_frames();
+    }
+  }
+
+  void write_counts(const std::string& path) const {
+    const FaultyNetwork::Counts& counts = network_.counts();
+    std::ofstream file(path);
+    file << "{\"simulated_us\": " << now_ / 1'000'000 << ", \"datagrams\": " << counts.datagrams
+         << ", \"dropped\": " << counts.dropped << ", \"doubled\": " << counts.doubled
+         << ", \"reordered\": " << counts.reordered << ", \"refused_by_kernel\": " << refused_
+         << ", \"damaged\": " << receiver_.damaged() << "}\n";
+    if (!file.flush()) {
+      throw std::runtime_error(path + ": cannot be written");
+    }
+  }
+
+ private:
+  static constexpr std::uint64_t kResetPs = 400'000;
+
+  void ethernet() {
+    const bool rising = model_->eth_rx_clk_i == 0;
+    const RgmiiSender::Pins pins = rising ? sender_.rising() : sender_.falling();
+    model_->eth_rx_ctl_i = pins.control;
+    model_->eth_rx_data_i = pins.data;
+    model_->eth_rx_clk_i = rising;
+    model_->eval();
+    if (rising) {
+      receiver_.rising(model_->eth_tx_ctl_o != 0, model_->eth_tx_data_o);
+    } else if (std::optional<EthernetFrame> frame = receiver_.falling(model_->eth_tx_data_o)) {
+      for (EthernetFrame& one : network_.pass(*std::move(frame))) {
+        burst_.push_back(std::move(one));
+      }
+    }
+    last_busy_ = receiver_.idle() ? last_busy_ : now_;
+  }
+
+  void exchange_frames() {
+    if (now_ - last_busy_ >= kBurstPs) {
+      for (const EthernetFrame& frame : burst_) {
+        refused_ += tap_.send(frame) ? 0 : 1;
+      }
+      burst_.clear();
+    }
+    while (std::optional<EthernetFrame> frame = tap_.receive()) {
+      sender_.send(*frame);
+    }
+  }
+
+  VerilatedContext context_;
+  std::unique_ptr<Vecpix5_system> model_;
+  Tap tap_;
+  FaultyNetwork network_;
+  RgmiiSender sender_;
+  RgmiiReceiver receiver_;
+  std::vector<EthernetFrame> burst_;
+  std::uint64_t now_ = 0;
+  std::uint64_t next_bus_ = kBusPs / 2;
+  std::uint64_t last_busy_ = 0;
+  std::uint64_t refused_ = 0;
+};
+
+int run(const std::vector<std::string>& words) {
+  const Options options = read_options(words);
+  Simulation simulation(options);
+  std::signal(SIGTERM, [](int) { g_stop = true; });
+  std::signal(SIGINT, [](int) { g_stop = true; });
+  std::printf("ready\n");
+  std::fflush(stdout);
+  while (!g_stop) {
+    simulation.step();
+  }
+  if (!options.counts.empty()) {
+    simulation.write_counts(options.counts);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace selfproj
+
+int main(int argc, char** argv) {
+  try {
+    return selfproj::run({argv + 1, argv + argc});
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ecpix5_sim: %s\n", error.what());
+    return 2;
+  }
+}

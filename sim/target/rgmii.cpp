@@ -1,0 +1,101 @@
+#include "sim/target/rgmii.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace selfproj {
+namespace {
+
+constexpr std::size_t kShortest = 60;
+constexpr std::size_t kCheckBytes = 4;
+constexpr std::size_t kPreamble = 8;  // its last byte begins the frame
+constexpr std::uint8_t kBegin = 0xD5;
+constexpr int kGap = 12;
+
+constexpr std::array<std::uint32_t, 256> kTable = [] {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t i = 0; i < table.size(); ++i) {
+    std::uint32_t word = i;
+    for (int bit = 0; bit < 8; ++bit) {
+      word = (word & 1U) != 0 ? word >> 1U ^ 0xEDB8'8320U : word >> 1U;
+    }
+    table[i] = word;
+  }
+  return table;
+}();
+
+}  // namespace
+
+std::uint32_t ethernet_check(std::span<const std::uint8_t> bytes) {
+  std::uint32_t check = ~0U;
+  for (const std::uint8_t byte : bytes) {
+    check = kTable[(check ^ byte) & 0xFFU] ^ check >> 8U;
+  }
+  return ~check;
+}
+
+void RgmiiSender::send(const EthernetFrame& frame, bool damaged) {
+  EthernetFrame wire(kPreamble, 0x55);
+  wire.back() = kBegin;
+  wire.insert(wire.end(), frame.begin(), frame.end());
+  wire.resize(std::max(wire.size(), kPreamble + kShortest));
+  const std::uint32_t check = ethernet_check(std::span(wire).subspan(kPreamble));
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    wire.push_back(static_cast<std::uint8_t>(check >> shift));
+  }
+  if (damaged) {
+    wire[wire.size() - kCheckBytes - 1] ^= 0x10U;
+  }
+  frames_.push_back(std::move(wire));
+}
+
+RgmiiSender::Pins RgmiiSender::rising() {
+  high_ = {};
+  if (gap_ > 0) {
+    --gap_;
+    return {};
+  }
+  if (frames_.empty()) {
+    return {};
+  }
+  const std::uint8_t byte = frames_.front()[at_++];
+  if (at_ == frames_.front().size()) {
+    frames_.pop_front();
+    at_ = 0;
+    gap_ = kGap;
+  }
+  high_ = {true, static_cast<std::uint8_t>(byte >> 4U)};
+  return {true, static_cast<std::uint8_t>(byte & 15U)};
+}
+
+RgmiiSender::Pins RgmiiSender::falling() { return high_; }
+
+void RgmiiReceiver::rising(bool control, std::uint8_t data) {
+  control_ = control;
+  low_ = data;
+}
+
+std::optional<EthernetFrame> RgmiiReceiver::falling(std::uint8_t data) {
+  if (control_) {
+    bytes_.push_back(static_cast<std::uint8_t>(low_ | data << 4U));
+    return std::nullopt;
+  }
+  if (bytes_.empty()) {
+    return std::nullopt;
+  }
+  const auto begin = std::find(bytes_.begin(), bytes_.end(), kBegin);
+  EthernetFrame frame(begin == bytes_.end() ? begin : begin + 1, bytes_.end());
+  bytes_.clear();
+  if (frame.size() < kShortest + kCheckBytes || ethernet_check(frame) != 0x2144'DF1CU) {
+    ++damaged_;
+    return std::nullopt;
+  }
+  frame.resize(frame.size() - kCheckBytes);
+  return frame;
+}
+
+}  // namespace selfproj
