@@ -1,10 +1,11 @@
 // The FPGA of an ECPIX-5 in simulation, its Ethernet plug in a network interface of this machine.
 //
-//     ecpix5_sim INTERFACE [--drop PERCENT] [--double PERCENT] [--reorder PERCENT] [--seed N] [--counts FILE]
+//     ecpix5_sim INTERFACE [--drop PERCENT] [--double PERCENT] [--reorder PERCENT] [--damage PERCENT] [--seed N]
+//                [--counts FILE]
 //
 // The circuits are those of constraints/ecpix5/ecpix5_system.sv, LiteEth included, which Verilator has compiled; PLL
-// and pins are not. INTERFACE becomes a TAP interface. The faults hit the datagrams with packets. Runs until SIGTERM or
-// SIGINT, then writes what was sent as JSON.
+// and pins are not. INTERFACE becomes a TAP interface. The first three faults hit datagrams with packets. --damage hits
+// any frame to the board, so that its check fails. Runs until SIGTERM or SIGINT, then writes what was sent as JSON.
 //
 // A simulated second takes minutes. So that a host, whose clock is real, does not see pauses within a burst of frames,
 // they wait here, as in a switch, until the board's side has been silent for 2 us.
@@ -21,6 +22,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -45,6 +47,7 @@ constexpr std::uint64_t kLookPs = 1'000'000;  // time between two looks at the i
 struct Options {
   std::string interface;
   FaultyNetwork::Faults faults;
+  double damaged = 0;  // percent of the frames to the board
   std::uint64_t seed = 1;
   std::string counts;
 };
@@ -76,6 +79,8 @@ Options read_options(const std::vector<std::string>& words) {
       options.faults.doubled = percent(word, value);
     } else if (word == "--reorder") {
       options.faults.reordered = percent(word, value);
+    } else if (word == "--damage") {
+      options.damaged = percent(word, value);
     } else if (word == "--seed") {
       options.seed = std::strtoull(value.c_str(), nullptr, 10);
     } else if (word == "--counts") {
@@ -95,7 +100,9 @@ class Simulation {
   explicit Simulation(const Options& options)
       : model_(std::make_unique<Vecpix5_system>(&context_)),
         tap_(options.interface),
-        network_(kPacketPort, options.faults, options.seed) {
+        network_(kPacketPort, options.faults, options.seed),
+        damaged_(options.damaged / 100),
+        random_(options.seed) {
     model_->rst_i = 1;
     model_->bus_rst_i = 1;
   }
@@ -131,7 +138,8 @@ class Simulation {
     file << "{\"simulated_us\": " << now_ / 1'000'000 << ", \"datagrams\": " << counts.datagrams
          << ", \"dropped\": " << counts.dropped << ", \"doubled\": " << counts.doubled
          << ", \"reordered\": " << counts.reordered << ", \"refused_by_kernel\": " << refused_
-         << ", \"damaged\": " << receiver_.damaged() << "}\n";
+         << ", \"to_board_damaged\": " << to_board_damaged_ << ", \"from_board_damaged\": " << receiver_.damaged()
+         << "}\n";
     if (!file.flush()) {
       throw std::runtime_error(path + ": cannot be written");
     }
@@ -165,7 +173,9 @@ class Simulation {
       burst_.clear();
     }
     while (std::optional<EthernetFrame> frame = tap_.receive()) {
-      sender_.send(*frame);
+      const bool damage = damaged_(random_);
+      to_board_damaged_ += damage ? 1 : 0;
+      sender_.send(*frame, damage);
     }
   }
 
@@ -173,6 +183,8 @@ class Simulation {
   std::unique_ptr<Vecpix5_system> model_;
   Tap tap_;
   FaultyNetwork network_;
+  std::bernoulli_distribution damaged_;  // whether a frame to the board is
+  std::mt19937_64 random_;
   RgmiiSender sender_;
   RgmiiReceiver receiver_;
   std::vector<EthernetFrame> burst_;
@@ -180,6 +192,7 @@ class Simulation {
   std::uint64_t next_bus_ = kBusPs / 2;
   std::uint64_t last_busy_ = 0;
   std::uint64_t refused_ = 0;
+  std::uint64_t to_board_damaged_ = 0;
 };
 
 int run(const std::vector<std::string>& words) {

