@@ -86,6 +86,7 @@ module ecpix5_system #(
       .clk_i    (clk_i),
       .rst_i    (rst_i),
       .run_i    (1'b1),
+      .trigger_i(camera_trigger_o),
       .m_valid_o(video_valid),
       .m_data_o (video_data),
       .m_start_o(video_start),

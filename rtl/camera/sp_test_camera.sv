@@ -5,6 +5,10 @@
 // clocks. Its beats of four pixels follow each other without a gap. When run_i falls, the frame
 // that has begun comes to its end. The first frame after run_i rises is frame 0.
 //
+// From the first rise of trigger_i on, each rise begins a frame instead; one that comes less than
+// FrameClocks after the begin of a frame is missed, as a camera's trigger would be. 2^LogPause
+// clocks after the last rise the camera runs free again.
+//
 // The picture: a line that is four rows high. It begins in row f modulo (Rows - 3) in the leftmost
 // eight pixels of frame f. With every further eight pixels it begins one row lower; behind the last
 // row that has room for it, it begins again in row 0. A pixel of column x is, in the line's first
@@ -12,7 +16,7 @@
 // modulo 64; and everywhere else (x exclusive or row) modulo 32. So M0, M1 and N change from column
 // to column and from frame to frame, and every column of a frame has one line.
 //
-// Latency: the first beat comes two clocks after run_i rises. Nothing is lost: nobody can stall a
+// Latency: the first beat comes two clocks after run_i or trigger_i rises. Nothing is lost: nobody can stall a
 // camera. 8 x 5 pixels, so that a frame has two beats a row, with FrameClocks = 12:
 //
 //   clock       0   1   2   3   4   5   6   7   8   9  10  11  12  13  14
@@ -26,11 +30,13 @@
 module sp_test_camera #(
   parameter int Columns = 512,  // a multiple of 8, up to 2048
   parameter int Rows = 96,  // 5..1023
-  parameter int FrameClocks = 12_500  // at least Columns / 4 * Rows; 10,000 a second at 125 MHz
+  parameter int FrameClocks = 12_500,  // at least Columns / 4 * Rows; 10,000 a second at 125 MHz
+  parameter int LogPause = 24  // log2 of the clocks without a trigger until it runs free again
 ) (
   input  wire logic         clk_i,
   input  wire logic         rst_i,      // active high, synchronous
   input  wire logic         run_i,      // frames are wanted
+  input  wire logic         trigger_i,  // each rise is for one frame
 
   // Video, to the board's s_axis ports
   output logic              m_valid_o,
@@ -57,46 +63,68 @@ module sp_test_camera #(
   end
 `endif
 
+  // --- When a frame begins ---
+  logic                 trigger_q;    // trigger_i, one clock ago
+  logic                 rise;
+  logic                 triggered_q;  // triggers count
+  logic [LogPause-1:0]  pause_q;      // clocks since the last one
+  logic                 frame_end;    // last of the FrameClocks of a frame
+  logic                 idle_q;       // there is no frame, and a frame may begin
+  logic                 begins;       // in the next clock
+  logic                 first_q;      // the next frame is frame 0
+
+  assign rise   = trigger_i && !trigger_q;
+  assign begins = (idle_q || frame_end) && run_i && (rise || !triggered_q);
+
+  always_ff @(posedge clk_i) begin
+    trigger_q <= trigger_i;
+    if (rst_i) begin
+      idle_q      <= 1'b1;
+      first_q     <= 1'b1;
+      triggered_q <= 1'b0;
+    end else begin
+      idle_q  <= (idle_q || frame_end) && !begins;
+      first_q <= !begins && (first_q || (idle_q || frame_end) && !run_i);
+      if (rise) triggered_q <= 1'b1;
+      else if (&pause_q) triggered_q <= 1'b0;
+    end
+    pause_q <= rise ? '0 : pause_q + 1'b1;
+  end
+
   // --- Where the next beat is ---
-  logic                 on_q;     // frames follow each other
   logic                 beat_q;   // there is a beat
   logic [ClockBits-1:0] clock_q;  // of the frame
   logic [BeatBits-1:0]  column_q;  // beat of the row
   logic [RowBits-1:0]   row_q;
   logic [RowBits-1:0]   place_q;  // row in which the line begins at the beat
   logic [RowBits-1:0]   base_q;   // and at the first beat of a row
+  logic [RowBits-1:0]   base;     // of the next frame
   logic [5:0]           frame_q;  // number of the frame, as far as pixels depend on it
-  logic                 frame_end, row_end, last_beat;
+  logic                 row_end, last_beat;
 
-  assign frame_end = clock_q == ClockBits'(FrameClocks - 1);
+  assign frame_end = !idle_q && clock_q == ClockBits'(FrameClocks - 1);
   assign row_end   = column_q == BeatBits'(Beats - 1);
   assign last_beat = row_end && row_q == RowBits'(Rows - 1);
+  assign base      = first_q || base_q == LastPlace ? '0 : base_q + 1'b1;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i || !on_q) begin
-      on_q     <= !rst_i && run_i;
-      beat_q   <= !rst_i && run_i;
+    if (rst_i) beat_q <= 1'b0;
+    else if (begins) beat_q <= 1'b1;
+    else if (last_beat) beat_q <= 1'b0;
+    if (begins) begin
       clock_q  <= '0;
       column_q <= '0;
       row_q    <= '0;
-      place_q  <= '0;
-      base_q   <= '0;
-      frame_q  <= '0;
+      place_q  <= base;
+      base_q   <= base;
+      frame_q  <= first_q ? '0 : frame_q + 1'b1;
     end else begin
-      clock_q <= frame_end ? '0 : clock_q + 1'b1;
+      clock_q <= clock_q + 1'b1;
       if (beat_q) begin
         column_q <= row_end ? '0 : column_q + 1'b1;
-        if (row_end) row_q <= last_beat ? '0 : row_q + 1'b1;
+        if (row_end) row_q <= row_q + 1'b1;
         if (row_end) place_q <= base_q;
         else if (column_q[0]) place_q <= place_q == LastPlace ? '0 : place_q + 1'b1;
-        if (last_beat) beat_q <= 1'b0;
-      end
-      if (frame_end) begin
-        on_q    <= run_i;
-        beat_q  <= run_i;
-        place_q <= base_q == LastPlace ? '0 : base_q + 1'b1;
-        base_q  <= base_q == LastPlace ? '0 : base_q + 1'b1;
-        frame_q <= frame_q + 1'b1;
       end
     end
   end

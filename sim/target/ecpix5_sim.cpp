@@ -167,6 +167,9 @@ class Simulation {
 
   void exchange_frames() {
     if (now_ - last_busy_ >= kBurstPs) {
+      if (std::optional<EthernetFrame> frame = network_.flush()) {
+        burst_.push_back(*std::move(frame));
+      }
       for (const EthernetFrame& frame : burst_) {
         refused_ += tap_.send(frame) ? 0 : 1;
       }

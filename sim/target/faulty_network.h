@@ -65,6 +65,9 @@ class FaultyNetwork {
     return out;
   }
 
+  // What was to come after the next one, where none comes for now.
+  std::optional<EthernetFrame> flush() { return std::exchange(held_, std::nullopt); }
+
   [[nodiscard]] const Counts& counts() const { return counts_; }
 
  private:

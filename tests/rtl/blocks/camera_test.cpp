@@ -63,6 +63,7 @@ void expect_frames_of_the_model(int columns, int rows, int gap) {
   Clocked<Camera> camera;
   name_ports(camera);
   camera->run_i = 0;
+  camera->trigger_i = 0;
   camera.reset();
   const auto clock = [&] {
     camera.settle();
@@ -93,6 +94,45 @@ void expect_frames_of_the_model(int columns, int rows, int gap) {
 }
 TEST(TestCamera, FramesOfTheModel) { expect_frames_of_the_model<Vsp_test_camera>(64, 11, 200 - 64 / 4 * 11); }
 TEST(TestCamera, FramesWithoutAGap) { expect_frames_of_the_model<Vsp_test_camera_tight>(16, 9, 0); }
+
+// Frames by triggers, one of them while a frame is under way, and free again after a pause.
+TEST(TestCamera, FramesByTriggers) {
+  constexpr int kFrameClocks = 200;
+  constexpr int kPause = 1024;
+  Clocked<Vsp_test_camera> camera;
+  camera->run_i = 1;
+  camera->trigger_i = 0;
+  camera.reset();
+  std::vector<std::int64_t> starts;
+  std::uint32_t number = 0;
+  const auto clocks = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      camera.settle();
+      if (camera->m_valid_o && camera->m_start_o) {
+        EXPECT_EQ(beat_of(camera), model_frame(64, 11, number++).front());
+        starts.push_back(camera.clock());
+      }
+      camera.rise();
+    }
+  };
+  clocks(3 * kFrameClocks);
+  EXPECT_EQ(starts.size(), 3U);
+  std::vector<std::int64_t> due = starts;
+  for (const int distance : {350, 290, 60, 700}) {  // to the next; the last comes while the frame before is under way
+    if (distance != 700) {
+      due.push_back(camera.clock() + 2);
+    }
+    camera->trigger_i = 1;
+    clocks(5);
+    camera->trigger_i = 0;
+    clocks(distance - 5);
+  }
+  EXPECT_EQ(starts, due);
+  clocks(kPause - 700 + 1);
+  EXPECT_EQ(starts.size(), due.size());
+  clocks(kFrameClocks);
+  EXPECT_EQ(starts.size(), due.size() + 1);
+}
 
 // The moments that the head of the module promises, from its words alone: binary, threshold 128.
 TEST(TestCamera, MomentsAreKnown) {
