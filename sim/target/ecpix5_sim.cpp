@@ -8,7 +8,7 @@
 // any frame to the board, so that its check fails. Runs until SIGTERM or SIGINT, then writes what was sent as JSON.
 //
 // A simulated second takes minutes. So that a host, whose clock is real, does not see pauses within a burst of frames,
-// they wait here, as in a switch, until the board's side has been silent for 2 us.
+// they wait here, as in a switch, until the board's side has been silent for 10 us.
 #include <verilated.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ constexpr unsigned kPacketPort = 1235;
 constexpr std::uint64_t kHalfEthernetPs = 4000;
 constexpr std::uint64_t kPixelPs = 8000;  // 125 MHz
 constexpr std::uint64_t kBusPs = 20000;   // 50 MHz
-constexpr std::uint64_t kBurstPs = 2'000'000;
+constexpr std::uint64_t kBurstPs = 10'000'000;
 constexpr std::uint64_t kLookPs = 1'000'000;  // time between two looks at the interface
 
 struct Options {
