@@ -1,7 +1,6 @@
 #include "sim/target/rgmii.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -93,9 +92,6 @@ std::optional<EthernetFrame> RgmiiReceiver::falling(std::uint8_t data) {
   bytes_.clear();
   if (frame.size() < kShortest + kCheckBytes || ethernet_check(frame) != 0x2144'DF1CU) {
     ++damaged_;
-    fprintf(stderr, "DAMAGED %zu:", frame.size());
-    for (size_t i = 0; i < frame.size() && i < 64; ++i) fprintf(stderr, " %02x", frame[i]);
-    fprintf(stderr, "\n");
     return std::nullopt;
   }
   frame.resize(frame.size() - kCheckBytes);
