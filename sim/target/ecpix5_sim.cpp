@@ -11,9 +11,8 @@
 // they wait here, as in a switch, until the board's side has been silent for 10 us.
 #include <verilated.h>
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -42,7 +41,8 @@ constexpr std::uint64_t kHalfEthernetPs = 4000;
 constexpr std::uint64_t kPixelPs = 8000;  // 125 MHz
 constexpr std::uint64_t kBusPs = 20000;   // 50 MHz
 constexpr std::uint64_t kBurstPs = 10'000'000;
-constexpr std::uint64_t kLookPs = 1'000'000;  // time between two looks at the interface
+constexpr std::chrono::milliseconds kHeldUp(10);  // half of what a host takes for silence
+constexpr std::uint64_t kLookPs = 1'000'000;      // time between two looks at the interface
 
 struct Options {
   std::string interface;
@@ -138,8 +138,8 @@ class Simulation {
     file << "{\"simulated_us\": " << now_ / 1'000'000 << ", \"datagrams\": " << counts.datagrams
          << ", \"dropped\": " << counts.dropped << ", \"doubled\": " << counts.doubled
          << ", \"reordered\": " << counts.reordered << ", \"refused_by_kernel\": " << refused_
-         << ", \"to_board_damaged\": " << to_board_damaged_ << ", \"from_board_damaged\": " << receiver_.damaged()
-         << "}\n";
+         << ", \"held_up\": " << held_up_ << ", \"to_board_damaged\": " << to_board_damaged_
+         << ", \"from_board_damaged\": " << receiver_.damaged() << "}\n";
     if (!file.flush()) {
       throw std::runtime_error(path + ": cannot be written");
     }
@@ -170,8 +170,12 @@ class Simulation {
       if (std::optional<EthernetFrame> frame = network_.flush()) {
         burst_.push_back(*std::move(frame));
       }
+      auto last = std::chrono::steady_clock::now();
       for (const EthernetFrame& frame : burst_) {
         refused_ += tap_.send(frame) ? 0 : 1;
+        const auto now = std::chrono::steady_clock::now();
+        held_up_ += now - last > kHeldUp ? 1 : 0;
+        last = now;
       }
       burst_.clear();
     }
@@ -195,6 +199,7 @@ class Simulation {
   std::uint64_t next_bus_ = kBusPs / 2;
   std::uint64_t last_busy_ = 0;
   std::uint64_t refused_ = 0;
+  std::uint64_t held_up_ = 0;  // pauses within a burst, because this process had to wait for a processor
   std::uint64_t to_board_damaged_ = 0;
 };
 
