@@ -26,8 +26,8 @@ TOPS = ["sp_board", "sp_link", "sp_parallel_sensor", "sp_sync", "sp_test_camera"
 PLACE = ["--um5g-85k", "--package", "CABGA554", "--speed", "8", "--lpf", str(BOARD / "ecpix5.lpf"),
          "--placer-heap-timingweight", "30", "--placer-heap-critexp", "4", "--timing-allow-fail"]
 # What a design takes, by nextpnr's names
-COLUMNS = {"TRELLIS_COMB": "LUT4", "TRELLIS_FF": "flip-flops", "DP16KD": "block RAM", "TRELLIS_IO": "pins",
-           "EHXPLLL": "PLL"}
+COLUMNS = {"TRELLIS_COMB": ("lut4", "LUT4"), "TRELLIS_FF": ("ff", "flip-flops"), "DP16KD": ("ram", "block RAMs"),
+           "TRELLIS_IO": ("pins", "pins"), "EHXPLLL": ("pll", "PLLs")}
 CONFIGURATIONS = {"test camera": {}, "parallel sensor": {"Sensor": "1'b1"},
                   "Gray decoder": {"Grey": "1'b0", "Image": "1'b0", "Codes": "1'b1"}}
 
@@ -97,10 +97,10 @@ def place(nextpnr, path, seed, name):
 
 
 def clocks_of(report):
-    """Returns the clocks of a report by plain names: (reached, wanted) in MHz."""
+    """Returns the clocks of a report: {name: (reached, wanted) in MHz}."""
     found = {}
     for net, clock in report["fmax"].items():
-        name = {"clk": "pixel clock", "bus_clk": "bus clock", "eth_rx_clk_i": "RGMII",
+        name = {"clk": "pixel", "bus_clk": "bus", "eth_rx_clk_i": "rgmii",
                 "sensor_clk_i": "sensor"}[re.fullmatch(r"(?:\$glbnet\$)?(\w+?)(?:\$TRELLIS_IO_IN)?", net)[1]]
         found[name] = (clock["achieved"], clock["constraint"])
     return found
@@ -133,28 +133,30 @@ def make(words):
     name = "ecpix5" if configuration == "test camera" else f"ecpix5-{configuration.split()[0].lower()}"
     nextpnr, ecppack = tools()
     path = netlist({"Address": f"32'h{int(words.address):08X}", **CONFIGURATIONS[configuration]}, name)
-    figures, good = {}, None
+    used, seeds, good = {}, {}, None
     for seed in seeds_of(words):
         report = place(nextpnr, path, seed, name)
-        if not figures:
-            used = {title: report["utilization"][cell] for cell, title in COLUMNS.items()}
-            figures |= {f"utilization/{title}": number["used"] for title, number in used.items()}
+        if not used:
+            used = {key: report["utilization"][cell]["used"] for cell, (key, _) in COLUMNS.items()}
             print(f"{configuration} on an LFE5UM5G-85F")
-            for title, number in used.items():
-                print(f"    {title:<12} {number['used']:>6} of {number['available']}")
+            for cell, (key, title) in COLUMNS.items():
+                print(f"    {title:<12} {used[key]:>6} of {report['utilization'][cell]['available']}")
         clocks = clocks_of(report)
         print(f"seed {seed}: " + ", ".join(f"{clock} {reached:.1f} MHz (wanted: {wanted:g})"
                                            for clock, (reached, wanted) in sorted(clocks.items())), flush=True)
-        met = all(reached >= wanted for reached, wanted in clocks.values())
-        figures |= {f"seed {seed}/{clock}": round(reached, 1) for clock, (reached, _) in clocks.items()}
-        figures[f"seed {seed}/met"] = met
-        if met and good is None:
+        seeds[seed] = {clock: round(reached, 1) for clock, (reached, _) in clocks.items()}
+        seeds[seed]["met"] = all(reached >= wanted for reached, wanted in clocks.values())
+        if seeds[seed]["met"] and good is None:
             good = seed
             run([ecppack, "--compress", HOME / f"{name}.config", HOME / f"{name}.bit"], HOME / "ecppack.log")
     if words.keep:
         results.write(f"bitstream_{configuration.replace(' ', '_').lower()}",
                       f"The ECPIX-5 with {configuration}: what it takes, and the clocks that seeds reach, in MHz",
-                      "scripts/bitstream.sh ecpix5 " + " ".join(sys.argv[1:]), figures, ROOT / "results")
+                      "scripts/bitstream.sh ecpix5 " + " ".join(sys.argv[1:]),
+                      {"used": used, "seeds": {str(seed): figures for seed, figures in seeds.items()},
+                       "placed": len(seeds), "met": sum(figures["met"] for figures in seeds.values()),
+                       "least": {clock: min(figures[clock] for figures in seeds.values())
+                                 for clock in clocks}}, ROOT / "results")
     if good is None:
         print("bitstream.sh: no seed meets every clock; nothing was written", file=sys.stderr)
         return 1

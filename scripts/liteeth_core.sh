@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # liteeth_core.sh: makes LiteEth's core for the ECPIX-5 by liteeth_gen of PyPI, as constraints/ecpix5/liteeth.yml says,
-# and prints the path of its Verilog file. What is current already is not made again. Where PyPI is not reached it prints
-# one line and exits with status 77.
+# and prints the path of its Verilog file. What is current already is not made again. Where PyPI is not reached it
+# prints one line and exits with status 77.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

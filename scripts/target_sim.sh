@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # target_sim.sh [--frames N] [--drop P] [--double P] [--reorder P] [--damage P] [--images] [--keep] [-- COMMAND...]:
 # simulates the FPGA of the ECPIX-5 (constraints/ecpix5), LiteEth included, from the test camera to the pins of RGMII.
-# In a network namespace of its own a TAP interface takes the place of the cable. The kernel's own stack and the programs
-# in build/bin reach the board at 192.168.1.50. By default the board sends N frames (40), and each packet that was
-# recorded must be that of the models; what the network dropped (P percent of datagrams), doubled and reordered must be
-# counted exactly. --damage hits the frames to the board. --images has raw images sent as well. --keep records the
+# In a network namespace of its own a TAP interface takes the place of the cable. The kernel's own stack and the
+# programs in build/bin reach the board at 192.168.1.50. By default the board sends N frames (40), and each packet that
+# was recorded must be that of the models; what the network dropped (P percent of datagrams), doubled and reordered must
+# be counted exactly. --damage hits the frames to the board. --images has raw images sent as well. --keep records the
 # figures in the folder results. With a COMMAND, that command runs instead, as long as it likes. SELFPROJ_PROGRAMS and
-# SELFPROJ_JUDGE name programs elsewhere, for the test. Where PyPI is not reached, or a TAP interface is not allowed, the
-# script says so and exits with status 77.
+# SELFPROJ_JUDGE name programs elsewhere, for the test. Where PyPI is not reached, or a TAP interface is not allowed,
+# the script says so and exits with status 77.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 here=$PWD

@@ -16,8 +16,8 @@
 // modulo 64; and everywhere else (x exclusive or row) modulo 32. So M0, M1 and N change from column
 // to column and from frame to frame, and every column of a frame has one line.
 //
-// Latency: the first beat comes two clocks after run_i or trigger_i rises. Nothing is lost: nobody can stall a
-// camera. 8 x 5 pixels, so that a frame has two beats a row, with FrameClocks = 12:
+// Latency: the first beat comes two clocks after run_i or trigger_i rises. Nothing is lost: nobody
+// can stall a camera. 8 x 5 pixels, so that a frame has two beats a row, with FrameClocks = 12:
 //
 //   clock       0   1   2   3   4   5   6   7   8   9  10  11  12  13  14
 //   run_i      /111111111111111111111111111111111111111111111111111111111
