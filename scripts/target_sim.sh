@@ -66,7 +66,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   while [[ ${1:-} == --* && $1 != -- ]]; do faults+=("$1" "$2"); shift 2; done
   shift
   touch "$work/sim.txt"
-  chrt --other 0 "$folder/ecpix5_sim" tap0 --counts "$work/sim.json" "${faults[@]}" >"$work/sim.txt" & sim=$!
+  chrt --other 0 "$folder/ecpix5_sim" tap0 --counts "$work/sim.json" --paused "$work/record.pid" "${faults[@]}" >"$work/sim.txt" & sim=$!
   until grep -q ready "$work/sim.txt" || ! kill -0 "$sim" 2>/dev/null; do sleep 0.05; done
   ip addr add 192.168.1.1/24 dev tap0
   ip link set tap0 up
@@ -85,6 +85,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   $images && image=1 || image=0
   selfproj board set "${board[@]}" "measure.mode=$mode" measure.threshold=100 "control.image=$image" >/dev/null
   selfproj record "${board[@]}" --out "$work/packets" >"$work/record.txt" 2>&1 & record=$!
+  echo "$record" >"$work/record.pid"
   until grep -q ":04D3 " /proc/net/udp || ! kill -0 "$record"; do sleep 0.05; done # port 1235 is open
   selfproj board start "${board[@]}"
   count() { selfproj board status "${board[@]}" | sed -n "s/^0x.. $1 .* count=//p"; }
@@ -92,6 +93,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   selfproj board stop "${board[@]}"
   sleep 1 # much more than the link takes to tell that nothing follows
   for name in frames lost_moments lost_image; do echo "$name=$(count "$name")"; done >"$work/board.txt"
+  rm "$work/record.pid"
   kill -INT "$record"
   wait "$record"
   end
@@ -122,7 +124,7 @@ PYTHON
 ((status == 0)) || exit "$status"
 if $keep; then
   mapfile -t figures <"$work/figures.txt"
-  python3 -B scripts/results.py record "target_sim${faults[0]:+_faults}" \
+  SELFPROJ_RESULTS=results python3 -B scripts/results.py record "target_sim${faults[0]:+_faults}" \
     --about "The FPGA of an ECPIX-5 in simulation, test camera to RGMII, and the host behind the kernel's stack" \
     --command "scripts/target_sim.sh --frames $frames${faults[*]/#/ } --keep" "${figures[@]}"
 fi

@@ -1,14 +1,17 @@
 // The FPGA of an ECPIX-5 in simulation, its Ethernet plug in a network interface of this machine.
 //
 //     ecpix5_sim INTERFACE [--drop PERCENT] [--double PERCENT] [--reorder PERCENT] [--damage PERCENT] [--seed N]
-//                [--counts FILE]
+//                [--counts FILE] [--paused FILE]
 //
 // The circuits are those of constraints/ecpix5/ecpix5_system.sv, LiteEth included, which Verilator has compiled; PLL
 // and pins are not. INTERFACE becomes a TAP interface. The first three faults hit datagrams with packets. --damage hits
 // any frame to the board, so that its check fails. Runs until SIGTERM or SIGINT, then writes what was sent as JSON.
 //
 // A simulated second takes minutes. So that a host, whose clock is real, does not see pauses within a burst of frames,
-// they wait here, as in a switch, until the board's side has been silent for 10 us.
+// they wait here, as in a switch, until the board's side has been silent for 10 us. The process whose number stands in
+// the FILE of --paused, if there is one, is stopped while they are handed over, because in simulated time this takes no
+// time at all.
+#include <sys/types.h>
 #include <verilated.h>
 
 #include <atomic>
@@ -50,6 +53,7 @@ struct Options {
   double damaged = 0;  // percent of the frames to the board
   std::uint64_t seed = 1;
   std::string counts;
+  std::string paused;
 };
 
 double percent(const std::string& option, const std::string& value) {
@@ -85,6 +89,8 @@ Options read_options(const std::vector<std::string>& words) {
       options.seed = std::strtoull(value.c_str(), nullptr, 10);
     } else if (word == "--counts") {
       options.counts = value;
+    } else if (word == "--paused") {
+      options.paused = value;
     } else {
       throw std::runtime_error(word + ": unknown");
     }
@@ -101,6 +107,7 @@ class Simulation {
       : model_(std::make_unique<Vecpix5_system>(&context_)),
         tap_(options.interface),
         network_(kPacketPort, options.faults, options.seed),
+        paused_(options.paused),
         damaged_(options.damaged / 100),
         random_(options.seed) {
     model_->rst_i = 1;
@@ -170,14 +177,9 @@ class Simulation {
       if (std::optional<EthernetFrame> frame = network_.flush()) {
         burst_.push_back(*std::move(frame));
       }
-      auto last = std::chrono::steady_clock::now();
-      for (const EthernetFrame& frame : burst_) {
-        refused_ += tap_.send(frame) ? 0 : 1;
-        const auto now = std::chrono::steady_clock::now();
-        held_up_ += now - last > kHeldUp ? 1 : 0;
-        last = now;
+      if (!burst_.empty()) {
+        hand_over();
       }
-      burst_.clear();
     }
     while (std::optional<EthernetFrame> frame = tap_.receive()) {
       const bool damage = damaged_(random_);
@@ -186,10 +188,28 @@ class Simulation {
     }
   }
 
+  void hand_over() {
+    std::ifstream file(paused_);
+    pid_t process = 0;
+    const bool stops = file >> process && process > 1 && kill(process, SIGSTOP) == 0;
+    auto last = std::chrono::steady_clock::now();
+    for (const EthernetFrame& frame : burst_) {
+      refused_ += tap_.send(frame) ? 0 : 1;
+      const auto now = std::chrono::steady_clock::now();
+      held_up_ += !stops && now - last > kHeldUp ? 1 : 0;
+      last = now;
+    }
+    burst_.clear();
+    if (stops) {
+      kill(process, SIGCONT);
+    }
+  }
+
   VerilatedContext context_;
   std::unique_ptr<Vecpix5_system> model_;
   Tap tap_;
   FaultyNetwork network_;
+  std::string paused_;
   std::bernoulli_distribution damaged_;  // whether a frame to the board is
   std::mt19937_64 random_;
   RgmiiSender sender_;
