@@ -7,10 +7,10 @@
 // and pins are not. INTERFACE becomes a TAP interface. The first three faults hit datagrams with packets. --damage hits
 // any frame to the board, so that its check fails. Runs until SIGTERM or SIGINT, then writes what was sent as JSON.
 //
-// A simulated second takes minutes. So that a host, whose clock is real, does not see pauses within a burst of frames,
-// they wait here, as in a switch, until the board's side has been silent for 10 us. The process whose number stands in
-// the FILE of --paused, if there is one, is stopped while they are handed over, because in simulated time this takes no
-// time at all.
+// A simulated second takes minutes. So that a host, whose clock is real, does not see pauses within a burst of packets,
+// their frames wait here, as in a switch, until the board's side has been silent for 10 us. The process whose number
+// stands in the FILE of --paused, if there is one, is stopped while they are handed over, because in simulated time
+// this takes no time at all.
 #include <sys/types.h>
 #include <verilated.h>
 
@@ -165,8 +165,12 @@ class Simulation {
     if (rising) {
       receiver_.rising(model_->eth_tx_ctl_o != 0, model_->eth_tx_data_o);
     } else if (std::optional<EthernetFrame> frame = receiver_.falling(model_->eth_tx_data_o)) {
-      for (EthernetFrame& one : network_.pass(*std::move(frame))) {
-        burst_.push_back(std::move(one));
+      if (udp_source_port(*frame) != kPacketPort) {
+        refused_ += tap_.send(*frame) ? 0 : 1;
+      } else {
+        for (EthernetFrame& one : network_.pass(*std::move(frame))) {
+          burst_.push_back(std::move(one));
+        }
       }
     }
     last_busy_ = receiver_.idle() ? last_busy_ : now_;

@@ -39,10 +39,10 @@ std::uint32_t ethernet_check(std::span<const std::uint8_t> bytes) {
 }
 
 void RgmiiSender::send(const EthernetFrame& frame, bool damaged) {
-  EthernetFrame wire(kPreamble, 0x55);
-  wire.back() = kBegin;
-  wire.insert(wire.end(), frame.begin(), frame.end());
-  wire.resize(std::max(wire.size(), kPreamble + kShortest));
+  EthernetFrame wire(kPreamble + std::max(frame.size(), kShortest));
+  std::fill_n(wire.begin(), kPreamble - 1, 0x55);
+  wire[kPreamble - 1] = kBegin;
+  std::copy(frame.begin(), frame.end(), wire.begin() + kPreamble);
   const std::uint32_t check = ethernet_check(std::span(wire).subspan(kPreamble));
   for (unsigned shift = 0; shift < 32; shift += 8) {
     wire.push_back(static_cast<std::uint8_t>(check >> shift));
