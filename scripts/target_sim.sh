@@ -67,12 +67,13 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   shift
   touch "$work/sim.txt"
   chrt --other 0 "$folder/ecpix5_sim" tap0 --counts "$work/sim.json" --paused "$work/record.pid" "${faults[@]}" >"$work/sim.txt" & sim=$!
+  trap "kill -TERM $sim 2>/dev/null || true" EXIT
   until grep -q ready "$work/sim.txt" || ! kill -0 "$sim" 2>/dev/null; do sleep 0.05; done
   ip addr add 192.168.1.1/24 dev tap0
   ip link set tap0 up
   PATH=$programs:$PATH
   board=(--device udp:192.168.1.50)
-  end() { kill -TERM "$sim"; wait "$sim"; }
+  end() { kill -TERM "$sim"; wait "$sim"; trap - EXIT; }
   if (($# > 0)); then
     status=0
     (cd "$here" && "$@") || status=$?
@@ -88,8 +89,19 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   echo "$record" >"$work/record.pid"
   until grep -q ":04D3 " /proc/net/udp || ! kill -0 "$record"; do sleep 0.05; done # port 1235 is open
   selfproj board start "${board[@]}"
-  count() { selfproj board status "${board[@]}" | sed -n "s/^0x.. $1 .* count=//p"; }
-  until (($(count frames) >= frames)); do sleep 0.2; done
+  # On a busy machine an answer may come later than a host waits for it.
+  count() {
+    local tries=10 said
+    until said=$(selfproj board status "${board[@]}"); do
+      ((--tries > 0)) || exit 1
+    done
+    sed -n "s/^0x.. $1 .* count=//p" <<<"$said"
+  }
+  sent=0
+  while ((sent < frames)); do
+    sleep 0.2
+    sent=$(count frames)
+  done
   selfproj board stop "${board[@]}"
   sleep 1 # much more than the link takes to tell that nothing follows
   for name in frames lost_moments lost_image; do echo "$name=$(count "$name")"; done >"$work/board.txt"
