@@ -66,7 +66,8 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   while [[ ${1:-} == --* && $1 != -- ]]; do faults+=("$1" "$2"); shift 2; done
   shift
   touch "$work/sim.txt"
-  chrt --other 0 "$folder/ecpix5_sim" tap0 --counts "$work/sim.json" --paused "$work/record.pid" "${faults[@]}" >"$work/sim.txt" & sim=$!
+  chrt --other 0 "$folder/ecpix5_sim" tap0 --counts "$work/sim.json" --paused "$work/record.pid" "${faults[@]}" \
+    >"$work/sim.txt" & sim=$!
   trap "kill -TERM $sim 2>/dev/null || true" EXIT
   until grep -q ready "$work/sim.txt" || ! kill -0 "$sim" 2>/dev/null; do sleep 0.05; done
   ip addr add 192.168.1.1/24 dev tap0
