@@ -244,8 +244,7 @@ class Tables:
         return [HEADS[key] for key in definition["columns"]], [self.plain(row, definition["columns"]) for row in rows]
 
     def plain(self, row, columns):
-        row = {"brief": row.get("what", "–"), "brief_goal": row.get("goal", "–"), "brief_result": row.get("result", "–"),
-               **row}
+        row = {"brief_" + key: row.get(key, "–") for key in ("goal", "result")} | {"brief": row.get("what", "–"), **row}
         cells = {key: self.cells.fill(row.get(key, "–")) for key in columns if key not in ("met", "command")}
         if "met" in columns:
             cells["met"] = self.cells.met(row.get("goal", ""))

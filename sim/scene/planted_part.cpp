@@ -44,7 +44,8 @@ double PlantedPart::part_height(double x, double y) const {
   }
   double height = tread_height(w);
   for (const PlantedDefect& defect : defects_) {
-    height -= square(kHalfLength - u - defect.along, w - defect.across) <= square(defect.size / 2, 0) ? defect.depth : 0;
+    const double distance = square(kHalfLength - u - defect.along, w - defect.across);
+    height -= distance <= square(defect.size / 2, 0) ? defect.depth : 0;
   }
   return height;
 }
