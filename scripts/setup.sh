@@ -31,6 +31,7 @@ for_tests=(
   tcl                                        # check of the scripts for HLS tools
   chromium-driver                            # the live page in a browser
   pkg-config dpkg-dev                        # what is installed and packaged is tried
+  iproute2 util-linux                        # networks of their own
 )
 
 fail() {
