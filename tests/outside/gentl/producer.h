@@ -6,6 +6,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -19,7 +21,8 @@ namespace selfproj::test {
 struct Producer {
   explicit Producer(const std::string& path) : library(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
     if (library == nullptr) {
-      throw std::runtime_error(dlerror());
+      std::fprintf(stderr, "%s\n", dlerror());
+      std::exit(1);
     }
   }
 
@@ -27,7 +30,8 @@ struct Producer {
   Function* function(const char* name) const {
     void* const found = dlsym(library, name);
     if (found == nullptr) {
-      throw std::runtime_error(dlerror());
+      std::fprintf(stderr, "%s\n", dlerror());
+      std::exit(1);
     }
     return reinterpret_cast<Function*>(found);
   }
