@@ -67,14 +67,16 @@ double from_edges(const PlantedDefect& defect) {
          defect.size / 2;
 }
 
-double distance(const Defect& found, const PlantedDefect& planted) {
-  return std::hypot(found.along_mm - planted.along, found.across_mm - planted.across);
+// `middle` is where the host has the middle of the part across: its y is that of the camera.
+double distance(const Defect& found, double middle, const PlantedDefect& planted) {
+  return std::hypot(found.along_mm - planted.along, found.across_mm - middle - planted.across);
 }
 
 // What was found of what was planted.
 class Tally {
  public:
-  explicit Tally(double edge_mm) : edge_mm_(edge_mm) {}
+  Tally(double edge_mm, const Tolerance& tolerance)
+      : edge_mm_(edge_mm), middle_(0.5 * (tolerance.left_mm + tolerance.right_mm)) {}
 
   void add(const DrawnPart& part, const PartResult& result) {
     ++of_.parts;
@@ -82,13 +84,13 @@ class Tally {
     for (std::size_t i = 0; i < part.defects.size(); ++i) {
       const PlantedDefect& planted = part.defects[i];
       const auto at = std::find_if(result.defects.begin(), result.defects.end(), [&](const Defect& found) {
-        return distance(found, planted) <= planted.size / 2 + kNear;
+        return distance(found, middle_, planted) <= planted.size / 2 + kNear;
       });
       count(planted, at != result.defects.end() ? &*at : nullptr, i == 0);
     }
     const auto wrong = std::count_if(result.defects.begin(), result.defects.end(), [&](const Defect& found) {
       return std::none_of(part.defects.begin(), part.defects.end(), [&](const PlantedDefect& planted) {
-        return distance(found, planted) <= planted.size / 2 + 2 * kNear;
+        return distance(found, middle_, planted) <= planted.size / 2 + 2 * kNear;
       });
     });
     of_.false_defects += static_cast<std::uint64_t>(wrong);
@@ -127,6 +129,7 @@ class Tally {
   }
 
   double edge_mm_;
+  double middle_;
   PartDetectionResult of_;
   std::array<std::array<DetectionCount, kDepths.size()>, kSizes.size()> cells_;
   DetectionCount at_edges_;
@@ -195,8 +198,8 @@ class Detection {
     tolerance_ = parse_tolerance(to_yaml(learner.learn("the good parts")), "the tolerance");
     const Judge judge(setup_->rig, section, tolerance_, "the tolerance");
     PlacedMaps maps;
-    tally_.emplace(learn.edge_mm);
-    good_.emplace(learn.edge_mm);
+    tally_.emplace(learn.edge_mm, tolerance_);
+    good_.emplace(learn.edge_mm, tolerance_);
     alarms_.emplace(setup_->rig, section, tolerance_);
     const auto take_planted = [&](const DrawnPart& drawn, CutPart&& part) {
       tally_->add(drawn, judge.judge(part, maps));
