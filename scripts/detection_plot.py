@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""detection_plot.py [check]: draws docs/images/parts-detection.svg from results/parts_detection.json: the share of the
-planted defects that were found, over their size, a curve for each depth. With `check`, exit status 1 where the picture
-is not that of the results. Standard library only."""
+"""detection_plot.py [check]: draws the share of the planted defects that were found, over their size, a curve for each
+depth, from what `selfproj-sim experiment parts` has recorded. With `check`, exit status 1 where the picture is not that
+of the results. Standard library only."""
 
 import json
 import math
