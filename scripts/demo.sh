@@ -13,7 +13,7 @@ case ${1:-} in
   *) echo "demo.sh: $1: unknown; usage: scripts/demo.sh" >&2; exit 2 ;;
 esac
 
-scripts/build.sh release programs
+scripts/build.sh release selfproj selfproj-sim
 out=build/demo
 rm -rf "$out"
 mkdir -p "$out"

@@ -46,7 +46,7 @@ selfproj-sim experiment A2 --sources --out stairs
 # What gloss, hot pixels, flicker and all the others cost (takes minutes)
 selfproj-sim experiment robustness --out robustness
 
-# Parts with planted defects, judged by a tolerance that was learned from others (takes an hour)
+# Parts with planted defects, judged by a tolerance that was learned from others (takes minutes)
 selfproj-sim experiment parts --out detection
 )"});
   command->add_option("NAME", options->name, "Name of the experiment.")
