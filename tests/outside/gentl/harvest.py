@@ -162,7 +162,7 @@ class Live(Case):
         board = subprocess.Popen([SIMULATION, "board", "--replay", str(self.file), *words],
                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(board.wait)
-        self.addCleanup(board.terminate)  # so that it removes its ring
+        self.addCleanup(board.terminate)
         return board
 
     def camera(self, harvester, uri):
@@ -177,7 +177,9 @@ class Live(Case):
     def test_a_ring_without_loss_that_goes_away(self):
         # In the suite the ring has room for all of them, so that a busy machine loses none.
         lines, name = int(os.environ.get("SELFPROJ_LINES", "5000")), f"gentl-{os.getpid()}"
-        self.board("--ring", name, "--wait-for-reader", "--count", str(lines), "--rate", "10000", "--slots",
+        # It stays when the board has gone, so that the second consumer finds it however late it is.
+        self.addCleanup(pathlib.Path(f"/dev/shm/selfproj-ring-{name}").unlink, missing_ok=True)
+        self.board("--ring", name, "--keep", "--wait-for-reader", "--count", str(lines), "--rate", "10000", "--slots",
                    "8192" if lines < 8192 else "16384")
         harvester = self.harvester("")  # rings of this machine appear by themselves
         with self.camera(harvester, f"ring:{name}") as camera:
