@@ -49,7 +49,8 @@ inline void write_datagram_header(const DatagramHeader& header, std::uint8_t* by
   store_little_endian(bytes + spec::kDatagramLength, header.length);
 }
 
-// The header of a whole datagram; nothing if it is none, is cut, or does not consist of whole beats.
+// The header of a whole datagram; nothing if it is none, is cut, or does not consist of whole beats. A datagram without
+// a piece may end with up to a beat of filling, which a sender needs whose frames would be too short for Ethernet.
 inline std::optional<DatagramHeader> read_datagram_header(std::span<const std::uint8_t> datagram) {
   if (datagram.size() < spec::kDatagramHeaderBytes) {
     return std::nullopt;
@@ -60,9 +61,10 @@ inline std::optional<DatagramHeader> read_datagram_header(std::span<const std::u
                               .packet = load_little_endian<std::uint32_t>(bytes + spec::kDatagramPacket),
                               .offset = load_little_endian<std::uint16_t>(bytes + spec::kDatagramOffset),
                               .length = load_little_endian<std::uint16_t>(bytes + spec::kDatagramLength)};
-  if (load_little_endian<std::uint16_t>(bytes + spec::kDatagramMagicAt) != spec::kDatagramMagic ||
-      datagram.size() != spec::kDatagramHeaderBytes + header.length || header.offset % spec::kPacketBeatBytes != 0 ||
-      header.length % spec::kPacketBeatBytes != 0) {
+  const std::size_t behind = datagram.size() - spec::kDatagramHeaderBytes;
+  const bool whole = behind == header.length || (header.length == 0 && behind <= spec::kPacketBeatBytes);
+  if (load_little_endian<std::uint16_t>(bytes + spec::kDatagramMagicAt) != spec::kDatagramMagic || !whole ||
+      header.offset % spec::kPacketBeatBytes != 0 || header.length % spec::kPacketBeatBytes != 0) {
     return std::nullopt;
   }
   return header;

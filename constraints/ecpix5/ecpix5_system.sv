@@ -205,6 +205,24 @@ module ecpix5_system #(
   );
   assign datagram_o = datagram_valid && datagram_ready && datagram_last;
 
+  // LiteEth fills short frames up in whole words of 32 bits. A datagram of 16 bytes makes a frame of
+  // 62, two less than Ethernet allows, and LiteEth takes it for long enough. It gets a word more.
+  localparam logic [15:0] TooShort = 16'd16;
+  logic        fill_q;  // the word more is at the output
+  logic        short_frame, packets_valid, packets_ready, packets_last;
+  logic [15:0] packets_bytes;
+  logic [31:0] packets_data;
+  assign short_frame    = datagram_bytes == TooShort;
+  assign packets_valid  = fill_q || datagram_valid;
+  assign packets_last   = fill_q || datagram_last && !short_frame;
+  assign packets_data   = fill_q ? '0 : datagram_data;
+  assign packets_bytes  = fill_q || short_frame ? TooShort + 16'd4 : datagram_bytes;
+  assign datagram_ready = packets_ready && !fill_q;
+  always_ff @(posedge bus_clk_i) begin
+    if (bus_rst_i || packets_ready && fill_q) fill_q <= 1'b0;
+    else if (datagram_valid && datagram_ready && datagram_last && short_frame) fill_q <= 1'b1;
+  end
+
   // --- Ethernet ---
   // Words are whole; LiteEth marks the last byte of the last word.
   localparam logic [3:0] WholeWord = 4'b1000;
@@ -259,12 +277,12 @@ module ecpix5_system #(
     .packets_source_dst_port  (unused_packets_dst),
     .packets_source_src_port  (unused_packets_src),
     .packets_source_error     (unused_packets_error),
-    .packets_sink_valid       (datagram_valid),
-    .packets_sink_ready       (datagram_ready),
-    .packets_sink_last        (datagram_last),
-    .packets_sink_last_be     (datagram_last ? WholeWord : 4'b0000),
-    .packets_sink_data        (datagram_data),
-    .packets_sink_length      (datagram_bytes),
+    .packets_sink_valid       (packets_valid),
+    .packets_sink_ready       (packets_ready),
+    .packets_sink_last        (packets_last),
+    .packets_sink_last_be     (packets_last ? WholeWord : 4'b0000),
+    .packets_sink_data        (packets_data),
+    .packets_sink_length      (packets_bytes),
     .packets_sink_ip_address  (datagram_to),
     .packets_sink_dst_port    (PacketPort),
     .packets_sink_src_port    (PacketPort)

@@ -115,6 +115,18 @@ TEST(Datagrams, NumbersWrapAndAReaderComesLate) {
   EXPECT_GT(counters.bytes_discarded, 0U);
 }
 
+// A frame of Ethernet can be too short for the header alone.
+TEST(Datagrams, WithoutAPieceTheyMayBeFilledUp) {
+  Bytes idle;
+  DatagramCutter(1).idle(
+      [&](std::span<const std::uint8_t> datagram) { idle.assign(datagram.begin(), datagram.end()); });
+  for (const std::size_t filling : {std::size_t{0}, std::size_t{4}, std::size_t{16}, std::size_t{17}}) {
+    Bytes datagram = idle;
+    datagram.resize(idle.size() + filling);
+    EXPECT_EQ(read_datagram_header(datagram).has_value(), filling <= 16) << filling;
+  }
+}
+
 TEST(Datagrams, NewSessionAndALateOneOfTheOld) {
   Counters counters;
   DatagramAssembler assembler(counters);
