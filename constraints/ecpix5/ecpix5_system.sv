@@ -206,7 +206,7 @@ module ecpix5_system #(
   assign datagram_o = datagram_valid && datagram_ready && datagram_last;
 
   // LiteEth fills short frames up in whole words of 32 bits. A datagram of 16 bytes makes a frame
-  // of 62, two less than Ethernet allows, and LiteEth takes it for long enough: it gets a word more.
+  // of 62, two less than Ethernet allows, which LiteEth takes for long enough. A word is added.
   localparam logic [15:0] TooShort = 16'd16;
   logic        fill_q;  // the word more is at the output
   logic        short_frame, packets_valid, packets_ready, packets_last;
