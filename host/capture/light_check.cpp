@@ -93,7 +93,7 @@ bool is_negative(const Image& pattern, const Image& negative) {
 }
 
 bool adds_up(const Image& pattern, const Image& negative, const WhiteAndBlack& levels) {
-  constexpr double kMost = 0.2;
+  constexpr double kMost = 0.1;
   const auto light = [&](std::size_t i) {
     return static_cast<double>(pattern.pixels[i] + negative.pixels[i] - 2 * levels.black.pixels[i]);
   };

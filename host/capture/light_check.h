@@ -25,7 +25,7 @@ bool is_negative(const Image& pattern, const Image& negative);
 
 // Whether the images of a pattern and its negative have together the light of white and black. They have not if one of
 // them shows another pattern, or several patterns at once. All of the light may be up to a quarter more or less; a
-// block may differ by 20 % of its light and 3 grey values.
+// block may differ by 10 % of its light and 3 grey values.
 bool adds_up(const Image& pattern, const Image& negative, const WhiteAndBlack& levels);
 
 // Whether two images show the same light: a block may differ by 10 % of its light and 3 grey values.
