@@ -53,7 +53,7 @@ def main(folder):
                       for way in ("homography", "direct")}
     found["plane"] = plane(read(folder / "scanner/depth/summary.json"), 550)
     results.write("calibration_chain",
-                  "Both rigs calibrated from captures of a virtual chessboard, and a plane measured by that",
+                  "Both rigs calibrated from captures of a virtual chessboard, and a plane measured with the result",
                   "scripts/calibration_chain.sh", found)
 
 

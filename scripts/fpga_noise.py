@@ -37,7 +37,7 @@ MAPPED = [board("xc6s", fpga.CONFIGURATIONS[0]), board("xc6s", fpga.CONFIGURATIO
           *(Mapped(f"{family}_codes_path", "`sp_codes_path`", family, "sp_codes_path", CODES)
             for family in ("ecp5", "ice40"))]
 ORDERS = 7  # the first is that of the tables, the others are drawn
-ABOUT = "LUTs of the circuits with their sources in several orders, for two states of the circuits"
+ABOUT = "LUTs of two versions of the circuits, with the source files in several orders"
 
 
 def at_commit(commit, folder):

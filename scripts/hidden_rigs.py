@@ -348,7 +348,7 @@ def main():
     effort_words = " --quick" if options.quick else " --small" if options.small else ""
     if options.given:
         found = {f"given_{'_'.join(options.given)}": found}
-    results.write("hidden_rigs", "Rigs that nobody knows, from images alone, against the truth",
+    results.write("hidden_rigs", "Simulated rigs calibrated from images alone, compared with their true values",
                   "scripts/hidden_rigs.py" + effort_words, {**earlier(), **found})
     return 1 if failures else 0
 

@@ -97,8 +97,8 @@ def main():
             if options.record and name == "limits":
                 keep("reader_limits", "Memory and time of every reader of files",
                      "scripts/attack.sh --only limits --record", outcome)
-                keep("check_word", "The share of all pairs of flipped bits in a packet of grey moments that its check "
-                     "word misses, by its columns", "scripts/attack.sh --only limits --record",
+                keep("check_word", "The share of all pairs of flipped bits in a packet of grey moments that the check "
+                     "word misses, by number of columns", "scripts/attack.sh --only limits --record",
                      {str(columns): missed_pairs(columns) for columns in (64, 512, 2048)})
             elif options.record:
                 record(figures)
