@@ -76,7 +76,8 @@ def main():
     for name, counts in figures.items():
         print(f"{name}: {counts['near']} of {counts['columns']} columns within {NEAR} rows of the owner's line, "
               f"{counts['share']:.1%}; {counts['ambiguous']} ambiguous")
-    results.write("laser_lines", "selfproj lines on captures of a laser line, beside the rows that the owner of the captures marked",
+    results.write("laser_lines",
+                  "selfproj lines on captures of a laser line, beside the rows that the owner of the captures marked",
                   "scripts/laser_lines.py laser-chrisspen/images", figures | {"columns_with_several_runs": several})
     return 0
 
