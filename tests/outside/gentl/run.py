@@ -13,32 +13,14 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-import venv
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "tests" / "outside"))
+sys.path[:0] = [str(ROOT / "tests" / "outside"), str(ROOT / "scripts")]
 import consumer  # noqa: E402
+import pypi  # noqa: E402
 
-HOME = ROOT / "build" / "gentl-tests"
-PYTHON = HOME / "bin" / "python3"
-READY = HOME / "ready"  # holds the packages that are there
-PACKAGES = ["genicam==1.6.0", "harvesters==1.4.3", "numpy==2.4.6"]
-
-
-def get():
-    """Brings the packages, and returns whether they are there."""
-    if READY.exists() and READY.read_text(encoding="utf-8") == "\n".join(PACKAGES):
-        return True
-    try:
-        venv.create(HOME, with_pip=True, clear=True)
-    except subprocess.CalledProcessError:
-        return False
-    done = subprocess.run([PYTHON, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", "--only-binary",
-                           ":all:", "--retries", "1", *PACKAGES], capture_output=True, text=True, check=False)
-    if done.returncode:
-        return False
-    READY.write_text("\n".join(PACKAGES), encoding="utf-8")
-    return True
+HARVESTER = pypi.Environment(ROOT / "build" / "gentl-tests",
+                             ["genicam==1.6.0", "harvesters==1.4.3", "numpy==2.4.6"], "--only-binary", ":all:")
 
 
 def run_example(variables, producer, programs):
@@ -47,7 +29,7 @@ def run_example(variables, producer, programs):
     with tempfile.TemporaryDirectory() as name:
         consumer.record(programs / "selfproj-sim", pathlib.Path(name) / "line.slfp")
         (pathlib.Path(name) / "libselfproj.cti").symlink_to(producer)
-        out = consumer.run(PYTHON, "-c", block, cwd=name,
+        out = consumer.run(HARVESTER.python, "-c", block, cwd=name,
                            env={**variables, "SELFPROJ_GENTL_DEVICES": "file:line.slfp"})
     consumer.require("(32768, 3)" in out, f"another shape: {out}")
     print(out.splitlines()[-1])
@@ -55,13 +37,13 @@ def run_example(variables, producer, programs):
 
 def main():
     producer, programs = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
-    if not get():
-        print(f"skipped: {', '.join(PACKAGES)} cannot be had from PyPI")
+    if not HARVESTER.get():
+        print(HARVESTER.missing())
         return 77
     variables = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "SELFPROJ_PRODUCER": str(producer),
                  "SELFPROJ_PROGRAM": str(programs / "selfproj"), "SELFPROJ_SIMULATION": str(programs / "selfproj-sim")}
     tests = pathlib.Path(__file__).with_name("harvest.py")
-    if subprocess.run([PYTHON, tests, *sys.argv[3:]], env=variables, check=False).returncode:
+    if subprocess.run([HARVESTER.python, tests, *sys.argv[3:]], env=variables, check=False).returncode:
         return 1
     run_example(variables, producer, programs)
     return 0

@@ -52,11 +52,11 @@ def main():
         print("bench_kernels.py: usage: bench_kernels.py BUILD", file=sys.stderr)
         return 2
     build = pathlib.Path(sys.argv[1]).resolve()
-    wrong = environment.install(build) if environment.get() else "PyPI is not reached"
+    wrong = environment.install(build) if environment.PACKAGE.get() else "PyPI is not reached"
     if wrong:
         print(f"bench_kernels.py: {wrong}", file=sys.stderr)
         return 2
-    return subprocess.run([environment.PYTHON, __file__, "--measure"], check=False).returncode
+    return subprocess.run([environment.PACKAGE.python, __file__, "--measure"], check=False).returncode
 
 
 if __name__ == "__main__":

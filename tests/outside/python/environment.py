@@ -2,39 +2,20 @@
 
 import os
 import pathlib
-import subprocess
-import venv
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-HOME = ROOT / "build" / "python-tests"
-PYTHON = HOME / "bin" / "python3"
-READY = HOME / "ready"  # written after a successful installation; lists the packages
-PACKAGES = ["nanobind==3.1.0", "numpy==2.4.6", "scikit-build-core==1.1.2"]
+sys.path.insert(0, str(ROOT / "scripts"))
+import pypi  # noqa: E402
 
-
-def pip(*words):
-    return subprocess.run([PYTHON, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", *map(str, words)],
-                          capture_output=True, text=True, check=False)
-
-
-def get():
-    """Creates the environment with PACKAGES, unless it exists with just these. Returns False if PyPI or venv fails."""
-    if READY.exists() and READY.read_text(encoding="utf-8") == "\n".join(PACKAGES):
-        return True
-    try:
-        venv.create(HOME, with_pip=True, clear=True)
-    except subprocess.CalledProcessError:
-        return False
-    if pip("--only-binary", ":all:", "--retries", "1", *PACKAGES).returncode:
-        return False
-    READY.write_text("\n".join(PACKAGES), encoding="utf-8")
-    return True
+PACKAGE = pypi.Environment(ROOT / "build" / "python-tests",
+                           ["nanobind==3.1.0", "numpy==2.4.6", "scikit-build-core==1.1.2"], "--only-binary", ":all:")
 
 
 def install(build):
     """Installs selfproj with the libraries of a build. Returns pip's output if it failed, otherwise an empty string."""
-    done = pip("--no-build-isolation", "--no-deps", "--no-index", "--config-settings",
-               f"cmake.define.SELFPROJ_BUILT={build}", ROOT)
+    done = PACKAGE.pip("--no-build-isolation", "--no-deps", "--no-index", "--config-settings",
+                       f"cmake.define.SELFPROJ_BUILT={build}", ROOT)
     return done.stdout + done.stderr if done.returncode else ""
 
 

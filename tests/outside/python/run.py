@@ -30,8 +30,8 @@ def run_examples(variables, programs):
                       ["scene", "render", "desk", "--bits", "4", "--count", "8", "--out", "captures"]):
             subprocess.run([programs / "selfproj-sim", *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
         for block in blocks:
-            done = subprocess.run([environment.PYTHON, "-c", block], cwd=folder, env=variables, capture_output=True,
-                                  text=True, check=False)
+            done = subprocess.run([environment.PACKAGE.python, "-c", block], cwd=folder, env=variables,
+                                  capture_output=True, text=True, check=False)
             if done.returncode or not done.stdout:
                 return f"{block}\n{done.stdout}{done.stderr}"
             print(done.stdout.splitlines()[-1])
@@ -41,8 +41,8 @@ def run_examples(variables, programs):
 
 def main():
     build, programs = (pathlib.Path(word).resolve() for word in sys.argv[1:])
-    if not environment.get():
-        print(f"skipped: {', '.join(environment.PACKAGES)} cannot be had from PyPI")
+    if not environment.PACKAGE.get():
+        print(environment.PACKAGE.missing())
         return 77
     variables = environment.variables(build, programs)
     wrong = environment.install(build)
@@ -50,7 +50,7 @@ def main():
         print(wrong)
         return 1
     tests = pathlib.Path(__file__).with_name("test_package.py")
-    if subprocess.run([environment.PYTHON, tests], env=variables, check=False).returncode:
+    if subprocess.run([environment.PACKAGE.python, tests], env=variables, check=False).returncode:
         return 1
     wrong = run_examples(variables, programs)
     print(wrong)
