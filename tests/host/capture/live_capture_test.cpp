@@ -30,6 +30,7 @@
 #include "tests/cli/program.h"
 #include "tests/host/camera/gige_camera.h"
 #include "tests/host/capture/live_world.h"
+#include "tests/host/capture/small_scanner.h"
 #include "tests/support/virtual_screen.h"
 
 namespace selfproj::test {
@@ -94,14 +95,6 @@ Errors errors_of(const std::filesystem::path& file, const std::vector<float>& tr
   return {off.size(), off.empty() ? 0 : off[off.size() / 2]};
 }
 
-double mean_difference(const Image& a, const Image& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
-    sum += std::abs(a.pixels[i] - b.pixels[i]);
-  }
-  return sum / static_cast<double>(a.pixels.size());
-}
-
 TEST_F(LiveCapture, DepthThroughRandomDelaysAndLostPackets) {
   look({.least_delay_ms = 0, .most_delay_ms = 60, .lost = 0.005});
   const Outcome captured = capture();
@@ -124,7 +117,7 @@ TEST_F(LiveCapture, DepthThroughRandomDelaysAndLostPackets) {
         read_image((folder_ / "seen" / record["images"][i]["image"].get<std::string>()).string(), std::nullopt);
     for (std::size_t k = 0; k < recorded.size(); ++k) {
       const double off = mean_difference(seen, recorded[k]);
-      EXPECT_EQ(off < 4, k == i) << "image " << i << " under pattern " << k << ": " << off;
+      EXPECT_EQ(off < kOtherPattern, k == i) << "image " << i << " under pattern " << k << ": " << off;
     }
   }
   const std::string bits = std::to_string(kBits);
@@ -173,7 +166,7 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
       const std::string seen = (folder_ / "scan" / fmt::format("image_{:04}.png", i + 1)).string();
       const double off = mean_difference(read_image(seen, std::nullopt), recorded[i]);
       most_off = std::max(most_off, off);
-      wrong_images += off < 4 ? 0 : 1;
+      wrong_images += off < kOtherPattern ? 0 : 1;
     }
     const auto record = nlohmann::json::parse(read_text(folder_ / "scan" / "capture.json"));
     lost += record["retaken_incomplete"].get<std::uint64_t>() + record["retaken_missing"].get<std::uint64_t>();

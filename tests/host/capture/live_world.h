@@ -21,30 +21,16 @@
 
 #include "host/io/float_image.h"
 #include "host/io/image_files.h"
-#include "host/rig/rig.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
 #include "tests/host/camera/gige_camera.h"
+#include "tests/host/capture/small_scanner.h"
 #include "tests/support/random_cases.h"
 #include "tests/support/virtual_screen.h"
 
 namespace selfproj::test {
-
-// Rig B with fewer pixels along each side, by these factors.
-inline Rig small_scanner(int camera, int projector) {
-  Rig rig = load_rig("scanner");
-  rig.camera.rows /= camera;
-  rig.camera.columns /= camera;
-  rig.camera.pixel_pitch_mm *= camera;
-  rig.projector.lines /= projector;
-  rig.projector.columns /= projector;
-  rig.projector.line_pitch_mm *= projector;
-  rig.projector.column_pitch_mm *= projector;
-  rig.measure.max_z_per_line_mm *= projector;
-  return rig;
-}
 
 // How the projector and the network behave.
 struct WorldFaults {
@@ -151,7 +137,8 @@ class LiveWorld {
         const bool torn = !last.empty() && random_.between(1, 100) <= faults_.torn_percent;
         const std::lock_guard lock(mutex_);
         if (torn) {
-          shown_.push_back({newest, torn_picture(last, now)});
+          shown_.push_back(
+              {newest, torn_++ % 2 == 0 ? torn_below(last, now, random_.between(10, 90)) : torn_across(last, now)});
           newest += std::chrono::milliseconds(faults_.torn_ms);
         }
         last = now;
@@ -159,17 +146,6 @@ class LiveWorld {
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-  }
-
-  std::vector<std::uint8_t> torn_picture(const std::vector<std::uint8_t>& old, std::vector<std::uint8_t> now) {
-    if (torn_++ % 2 == 0) {
-      const auto from = static_cast<std::ptrdiff_t>(now.size()) * random_.between(10, 90) / 100;
-      std::copy(old.begin() + from, old.end(), now.begin() + from);
-    } else {
-      std::transform(old.begin(), old.end(), now.begin(), now.begin(),
-                     [](int a, int b) { return static_cast<std::uint8_t>((a + b) / 2); });
-    }
-    return now;
   }
 
   void draw(const Picture& picture) {
