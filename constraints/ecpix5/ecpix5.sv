@@ -4,9 +4,10 @@
 // gives the third, of RGMII. Reset: while the PLL is not locked or the button is held, and 256
 // clocks more.
 //
-// LEDs, by changes, so that it does not matter which level lights them: LED 0 green changes three
-// times a second as the bus clock runs, LED 1 green with every 1024th frame of the camera, LED 2
-// green with every 1024th datagram, LED 3 red with every frame of the sensor that is cut off.
+// LEDs show events by changes, so that it does not matter which level lights them. LED 0, green,
+// blinks three times a second while the bus clock runs. LED 1, green, changes after every 1024
+// frames of the camera; LED 2, green, after every 1024 datagrams; LED 3, red, with every frame of
+// the sensor that is cut off.
 `default_nettype none
 
 module ecpix5 #(

@@ -68,8 +68,8 @@ KILLED = [("selfproj", "depth"), ("selfproj", "match"), ("selfproj", "pattern", 
 
 
 def without_good_call(attacker):
-    """Commands whose calls do not end well here. The fake camera of Aravis does not see what a display shows; the test
-    LiveCapture has one that does."""
+    """Commands whose calls do not succeed here. The program's simulated camera does not see what a display shows; the
+    test LiveCapture has one that does."""
     cameras = {("selfproj", "capture"), ("selfproj", "scan"), ("selfproj", "measure", "gamma")}
     return cameras | set([] if attacker.screen else [("selfproj", "project")])
 

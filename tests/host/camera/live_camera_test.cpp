@@ -1,4 +1,4 @@
-// Tests cameras and the board in software live: a GigE camera of Aravis over sockets, at its highest rate and with
+// Tests cameras and the board in software live: Aravis' fake GigE camera over sockets, at its highest rate and with
 // packets lost.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Tests the way of a newcomer live: calibrate, then scan, with a GigE camera of Aravis that looks at a scene which a
-// virtual display lights. Nothing in the program knows that they are not real.
+// Tests a newcomer's steps live: calibrate, then scan. Aravis' fake GigE camera looks at a scene that a virtual display
+// lights. Nothing in the program knows that they are not real.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 

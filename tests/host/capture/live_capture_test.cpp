@@ -1,4 +1,4 @@
-// Tests captures live: a GigE camera of Aravis looks at a scene that a virtual display lights.
+// Tests live captures: Aravis' fake GigE camera looks at a scene that a virtual display lights.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -192,8 +192,8 @@ TEST_F(LiveCapture, ScanByGrayCodes) {
   EXPECT_FALSE(read_text(folder_ / "scan" / "cloud.ply").empty());
   write_results(
       "live_scans",
-      "Scans live, through a camera of Aravis and a virtual display: delays of 0 to 120 ms at random, 0.5 % of "
-      "the network packets lost, 1 % of the pictures torn for 300 ms",
+      "Live scans with Aravis' fake camera and a virtual display: random delays of 0 to 120 ms, 0.5 % of the network "
+      "packets lost, 1 % of the pictures torn for 300 ms",
       {{"scans", scans},
        {"images", static_cast<std::uint64_t>(scans) * recorded.size()},
        {"images_of_another_pattern", wrong_images},

@@ -1,5 +1,5 @@
-// Tests experiment B4 live, by both methods: a GigE camera of Aravis looks at its cuboids, which a virtual display
-// lights. The depth is as good as by the recorded route: the same scenes by the renderer, measured from files.
+// Tests experiment B4 live, by both methods: Aravis' fake GigE camera looks at its cuboids, which a virtual display
+// lights. The depth must be as good as that of the same scenes rendered into files and measured from these.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -161,8 +161,8 @@ TEST_F(LiveCuboids, BothMethodsAreAsGoodAsFromFiles) {
   }
   write_results(
       "live_cuboids",
-      "Experiment B4 live, through a camera of Aravis and a virtual display; the depths from files of the same "
-      "images are the same",
+      "Experiment B4 live, with Aravis' fake camera and a virtual display; files of the same images give the "
+      "same depths",
       {{"camera", fmt::format("{} x {}", rig_.camera.columns, rig_.camera.rows)},
        {"projector", fmt::format("{} x {}", rig_.projector.columns, rig_.projector.lines)},
        {"gray_codes", figures_json(gray)},

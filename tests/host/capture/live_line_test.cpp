@@ -1,4 +1,4 @@
-// Tests the light section live, and what ends a capture from outside: a GigE camera of Aravis looks at a scene which a
+// Tests the light section live, and what ends a capture from outside: Aravis' fake GigE camera looks at a scene that a
 // virtual display lights.
 #include <gtest/gtest.h>
 #include <unistd.h>

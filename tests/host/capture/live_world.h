@@ -1,4 +1,4 @@
-// A world for live captures: a GigE camera of Aravis looks at a scene that the pattern of a virtual display lights.
+// A world for live captures: Aravis' fake GigE camera looks at a scene that the pattern of a virtual display lights.
 // Nothing here knows the code under test: the camera is on a network, and the pattern is read from the frame buffer.
 #ifndef SELFPROJ_TESTS_HOST_CAPTURE_LIVE_WORLD_H
 #define SELFPROJ_TESTS_HOST_CAPTURE_LIVE_WORLD_H
