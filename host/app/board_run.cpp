@@ -12,7 +12,8 @@
 namespace selfproj {
 namespace {
 
-// The control beside the device. A device whose registers have no file is taken as it is.
+// The URI of the control that belongs to the device. Empty if there is none, or its file does not exist: the board then
+// keeps its settings.
 std::string control_of(const std::string& device) {
   const std::string uri = control_uri(device);
   std::error_code unused;
@@ -49,7 +50,7 @@ BoardRun::~BoardRun() {
   if (control_ != nullptr && !ran_) {
     try {
       control_->write("control.run", 0);
-    } catch (const UserError&) {  // a board that has gone needs no stop
+    } catch (const UserError&) {  // a board that does not answer any more cannot be stopped
     }
   }
 }

@@ -1,4 +1,5 @@
-// How a question is answered: its type, its size, and its value if there is room for it.
+// Returns a piece of information to a consumer that has asked for it: its type, its size, and its value if there is
+// room.
 #ifndef SELFPROJ_HOST_GENTL_ANSWER_H
 #define SELFPROJ_HOST_GENTL_ANSWER_H
 
@@ -13,14 +14,14 @@
 
 namespace selfproj::gentl {
 
-// Where an answer goes. Without a buffer only the size is asked for. The type may be null.
+// Where an answer goes. If the buffer is null, the consumer asks only for the size. The type may be null.
 struct Answer {
   INFO_DATATYPE* type = nullptr;
   void* buffer = nullptr;
   std::size_t* size = nullptr;
 };
 
-// Writes these bytes. Throws GC_ERR_BUFFER_TOO_SMALL if there is no room; nothing is then written.
+// Writes `count` bytes. If there is no room, it throws GC_ERR_BUFFER_TOO_SMALL and writes nothing.
 inline void give_bytes(INFO_DATATYPE type, const void* bytes, std::size_t count, const Answer& to) {
   require_pointer(to.size);
   if (to.buffer != nullptr) {
@@ -47,12 +48,12 @@ inline void give(std::int32_t value, const Answer& to) { give_bytes(INFO_DATATYP
 inline void give(std::uint32_t value, const Answer& to) { give_bytes(INFO_DATATYPE_UINT32, &value, sizeof value, to); }
 inline void give(std::uint64_t value, const Answer& to) { give_bytes(INFO_DATATYPE_UINT64, &value, sizeof value, to); }
 
-// Numbers that the standard wants as size_t.
+// For numbers that are size_t in the standard.
 inline void give_size(std::size_t value, const Answer& to) {
   give_bytes(INFO_DATATYPE_SIZET, &value, sizeof value, to);
 }
 
-// The error of a question that this producer does not answer.
+// Throws the error for information that this producer does not have.
 [[noreturn]] inline void no_answer(std::int32_t command) {
   throw GenTLError(GC_ERR_NOT_IMPLEMENTED, "there is no answer to question " + std::to_string(command));
 }

@@ -13,10 +13,10 @@
 namespace selfproj::gentl {
 
 enum class BufferState : std::uint8_t {
-  unqueued,  // belongs to the consumer
+  unqueued,  // the consumer has it
   input,     // waits to be filled
   filling,
-  output,  // waits for the consumer
+  output,  // filled, waits for the consumer
 };
 
 // What a delivered buffer holds.
@@ -28,7 +28,7 @@ struct BufferContents {
   std::uint64_t time_stamp = 0;  // of the first line, in clocks of the board
   std::uint64_t time_stamp_ns = 0;
 
-  // What is in the part for all lines, in bytes.
+  // Bytes of the part for all lines that it holds.
   [[nodiscard]] std::size_t part_bytes(const FramePart& part) const {
     return static_cast<std::size_t>(layout.columns) * static_cast<std::size_t>(lines) * part.pixel_bytes;
   }
@@ -36,7 +36,7 @@ struct BufferContents {
 
 class Buffer final : public Module {
  public:
-  // Memory of the consumer, or its own if `memory` is null.
+  // Uses the consumer's memory, or allocates its own if `memory` is null.
   Buffer(std::string id, void* memory, std::size_t bytes, void* user)
       : Module("TLBuffer", std::move(id)),
         own_(memory == nullptr ? bytes : 0),
@@ -61,9 +61,9 @@ class Buffer final : public Module {
   void* user_;
 };
 
-// Answers DSGetBufferInfo and DSGetBufferPartInfo. Throws GC_ERR_NOT_IMPLEMENTED for what it does not know,
-// GC_ERR_NO_DATA before there are data, GC_ERR_NOT_AVAILABLE for what buffers of parts do not have, and
-// GC_ERR_INVALID_INDEX.
+// Answer DSGetBufferInfo and DSGetBufferPartInfo. Throw GC_ERR_NOT_IMPLEMENTED for a command that they do not know,
+// GC_ERR_NO_DATA before there are data, GC_ERR_NOT_AVAILABLE for information that a buffer with parts does not have,
+// and GC_ERR_INVALID_INDEX.
 void give_buffer_info(const Buffer& buffer, const BufferContents& contents, BUFFER_INFO_CMD command, const Answer& to);
 void give_part_info(const Buffer& buffer, const BufferContents& contents, std::uint32_t index,
                     BUFFER_PART_INFO_CMD command, const Answer& to);

@@ -15,7 +15,7 @@
 
 namespace selfproj::gentl {
 
-// Between the features AcquisitionStart and AcquisitionStop and the thread that acquires.
+// Connects the features AcquisitionStart and AcquisitionStop with the thread that acquires.
 struct AcquisitionGate {
   std::mutex mutex;
   std::condition_variable changed;
@@ -24,7 +24,7 @@ struct AcquisitionGate {
 
 class Camera final : public Module {
  public:
-  // Throws as LineSource does, and UserError if a control is named that does not answer.
+  // Throws as LineSource does, and UserError if the entry names a control that does not answer.
   Camera(const DeviceEntry& entry, bool writable);
 
   [[nodiscard]] std::string model() const override { return source_.rig().name; }
@@ -57,7 +57,7 @@ class Camera final : public Module {
   DeviceEntry entry_;
   bool writable_;
   LineSource source_;
-  std::unique_ptr<Control> control_;  // null: the measurement cannot be set
+  std::unique_ptr<Control> control_;  // null: the settings of the measurement can only be read
   std::string control_problem_;
   AcquisitionGate gate_;
   bool locked_ = false;  // TLParamsLocked

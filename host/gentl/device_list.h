@@ -10,14 +10,14 @@
 
 namespace selfproj::gentl {
 
-// One device, as the variable says: URI[?KEY=VALUE[&KEY=VALUE]...]. Keys are rig, reference, control and name.
+// One device, in the variable as URI[?KEY=VALUE[&KEY=VALUE]...]. Keys are rig, reference, control and name.
 struct DeviceEntry {
   std::string id = {};  // the URI without the keys: the device's ID
   std::string rig = "light-section";
   std::string reference = {};  // empty: the plane
-  std::string control = {};    // empty: the one that belongs to the device, if there is one
+  std::string control = {};    // empty: the control that belongs to the device, if there is one
   std::string name = {};       // empty: the ID
-  std::string problem = {};    // what is wrong with its text; empty if nothing
+  std::string problem = {};    // what is wrong with the text; empty: nothing
   bool usable = true;          // false: a ring that could not be opened when the list was made
   bool in_use = false;         // another process reads it
 
@@ -26,11 +26,11 @@ struct DeviceEntry {
   [[nodiscard]] const std::string& display_name() const { return name.empty() ? id : name; }
 };
 
-// The devices of a text as the variable has it, separated by `;`. A part that is not understood is an entry with a
-// problem.
+// The devices of a text in the format of the variable, separated by `;`. A part that cannot be parsed becomes an entry
+// with a problem.
 std::vector<DeviceEntry> parse_devices(const std::string& text);
 
-// The devices that are there now: first those of the variable, then the other rings.
+// The present devices: first those of the variable, then the other rings.
 std::vector<DeviceEntry> list_devices();
 
 }  // namespace selfproj::gentl

@@ -1,4 +1,4 @@
-// A queue of events with consumers that wait for them. For any number of threads at once.
+// A queue of events for consumers that wait for them. Any number of threads can use it at once.
 #ifndef SELFPROJ_HOST_GENTL_EVENT_QUEUE_H
 #define SELFPROJ_HOST_GENTL_EVENT_QUEUE_H
 
@@ -18,7 +18,7 @@
 
 namespace selfproj::gentl {
 
-// The data of EVENT_ERROR, as EventGetData gives them.
+// The data of EVENT_ERROR, as EventGetData returns them.
 struct ErrorEventData {
   GC_ERROR code = GC_ERR_SUCCESS;
   char text[508] = {};  // ends with 0
@@ -26,7 +26,7 @@ struct ErrorEventData {
 
 struct Event {
   std::vector<std::uint8_t> data;
-  std::function<void()> taken = {};  // is called when it leaves the queue, under the queue's lock
+  std::function<void()> taken = {};  // called under the queue's lock when the event leaves the queue
 };
 
 class EventQueue {
@@ -38,16 +38,17 @@ class EventQueue {
 
   void push(Event event);
 
-  // Gives the next event, and waits for it up to timeout_ms; GENTL_INFINITE: for ever. Without a buffer it gives only
-  // the size, and leaves the event. Throws GC_ERR_TIMEOUT, GC_ERR_ABORT after kill() or close(), or the error of end().
+  // Copies the next event into the buffer, and waits for it up to timeout_ms (GENTL_INFINITE: for ever). If the buffer
+  // is null, it returns only the size, and the event stays. Throws GC_ERR_TIMEOUT, GC_ERR_ABORT after kill() or
+  // close(), or the error of end().
   void get(void* buffer, std::size_t* size, std::uint64_t timeout_ms);
 
-  // Ends one get(): the one that waits, or else the next one.
+  // Ends one get(): one that waits, or else the next.
   void kill();
-  // Ends all that wait, and all later ones until reopen(). Returns when nobody waits any more.
+  // Ends every get() that waits, and every later one until reopen(). Returns when no thread waits any more.
   void close();
   void reopen();
-  // No further event comes until begin(), for this reason: get() throws it once the queue is empty.
+  // Says that no further event comes until begin(). Once the queue is empty, get() throws this code and reason.
   void end(GC_ERROR code, const std::string& reason);
   void begin();
 
@@ -61,7 +62,7 @@ class EventQueue {
     std::string reason;
   };
 
-  // Counts a get() as long as it lives. Under the lock.
+  // Counts a get() in waiting_ during its lifetime. Used under the lock.
   class Waiting {
    public:
     explicit Waiting(EventQueue& queue) : queue_(queue) { ++queue_.waiting_; }

@@ -15,7 +15,7 @@ namespace selfproj::gentl {
 
 enum class FeatureKind : std::uint8_t { integer, real, text, choice, flag, command, chunk };
 
-// An entry of a choice. Entries of the standard have its numbers.
+// An entry of a choice. Entries that the standard defines have the standard's numbers.
 struct FeatureEntry {
   std::string name;
   std::int64_t value = 0;
@@ -26,7 +26,7 @@ struct FeatureEntry {
 struct Feature {
   FeatureKind kind = FeatureKind::integer;
   std::string name = {};
-  std::string category = {};  // empty: for other features alone
+  std::string category = {};  // empty: not shown; only other features use it
   std::string tip = {};
   std::function<std::int64_t()> get = {};  // integer, choice (the entry's number), flag
   std::function<void(std::int64_t)> set = {};
@@ -45,10 +45,10 @@ struct Feature {
   std::size_t stride = 0;
 };
 
-// What the XML says of the whole.
+// What the XML says of the module.
 struct FeatureSetName {
   std::string model;     // without spaces
-  std::string tip;       // what it is
+  std::string tip;       // what the module is
   std::string standard;  // name space of the standard: None, GEV, ...
 };
 
@@ -61,14 +61,14 @@ class FeatureSet {
 
   void add(Feature feature);
 
-  // The XML, and where it is read: kXmlAddress. Made from the features added so far.
+  // The XML of the features added so far, and the URL by which a consumer finds it at kXmlAddress.
   [[nodiscard]] const std::string& xml();
   [[nodiscard]] std::string url();
   [[nodiscard]] const FeatureSetName& name() const { return name_; }
 
-  // Reads or writes a register, part of it, or the XML. Throws GC_ERR_INVALID_ADDRESS outside of them,
-  // GC_ERR_ACCESS_DENIED where a register can only be read, and GC_ERR_INVALID_VALUE for a value that is not one of
-  // the feature's.
+  // Read or write a register, a part of one, or the XML. Throw GC_ERR_INVALID_ADDRESS for any other address,
+  // GC_ERR_ACCESS_DENIED for writes to what can only be read, and GC_ERR_INVALID_VALUE for a value that the feature
+  // cannot have.
   void read(std::uint64_t address, std::span<std::uint8_t> to);
   void write(std::uint64_t address, std::span<const std::uint8_t> from);
 
@@ -84,7 +84,7 @@ class FeatureSet {
   std::string xml_;
 };
 
-// The address of the register of feature `index`, and its bytes.
+// The address of the register of feature `index`, and the number of bytes of a feature's register.
 constexpr std::uint64_t feature_address(std::size_t index) {
   return 0x1000 + static_cast<std::uint64_t>(index) * FeatureSet::kTextBytes;
 }

@@ -18,10 +18,10 @@ inline constexpr std::uint64_t kCoord3dAbc32f = 0x026000C0;
 inline constexpr std::int64_t kIntensityId = 1;
 inline constexpr std::int64_t kRangeId = 4;
 
-// The chunks: numbers of 8 bytes, little endian.
+// IDs of the chunks, which hold 8-byte numbers, little endian.
 inline constexpr std::uint32_t kFrameChunk = 0x5E1F0001;  // frame ID, time stamp in ns, lines
 inline constexpr std::uint32_t kCountersChunk =
-    0x5E1F0002;                                           // Counters in the order of kCounterNames, two of the source
+    0x5E1F0002;  // Counters in the order of kCounterNames, then two of the source
 inline constexpr std::uint32_t kLinesChunk = 0x5E1F0003;  // for each line: frame number, time stamp in ns, encoder
 inline constexpr std::size_t kFrameChunkBytes = 24;
 inline constexpr std::size_t kCountersChunkBytes = 8 * (kCounterNames.size() + 2);
@@ -39,7 +39,7 @@ struct FramePart {
 struct FrameLayout {
   int columns = 0;
   int height = 0;     // lines of a full buffer
-  bool range = true;  // at least one of the two
+  bool range = true;  // at least one of range and intensity is true
   bool intensity = false;
   bool abc = true;  // Coord3D_ABC32f, else Coord3D_C32f
   bool chunks = false;
@@ -66,7 +66,7 @@ struct FrameLayout {
     return aligned(last.offset + pixels() * last.pixel_bytes);
   }
 
-  // The chunks of a buffer with so many lines.
+  // The places of the chunks in a buffer with this number of lines.
   [[nodiscard]] std::vector<SINGLE_CHUNK_DATA> chunk_places(int lines) const {
     if (!chunks) {
       return {};

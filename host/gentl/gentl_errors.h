@@ -29,7 +29,7 @@ inline void require(bool good, GC_ERROR code, const char* text) {
   }
 }
 
-// Throws GC_ERR_INVALID_PARAMETER unless the pointer, which the caller must give, is there.
+// Throws GC_ERR_INVALID_PARAMETER if a pointer that the caller must give is null.
 inline void require_pointer(const void* pointer) {
   require(pointer != nullptr, GC_ERR_INVALID_PARAMETER, "a pointer that is needed is null");
 }

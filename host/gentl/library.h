@@ -16,7 +16,7 @@ namespace selfproj::gentl {
 class Module;
 class System;
 
-// Handles are numbers that never come again, so that one of a module that was closed is known to be invalid.
+// Handles are numbers that are never used twice, so that the handle of a closed module is known to be invalid.
 class Library {
  public:
   std::mutex mutex;
@@ -56,7 +56,8 @@ inline void require_initialized() {
   require(library().initialized, GC_ERR_NOT_INITIALIZED, "GCInitLib was not called");
 }
 
-// A function of the interface: under the lock, after GCInitLib, without exceptions.
+// Runs the work of a function of the interface: under the lock, only after GCInitLib, and without letting an exception
+// out.
 template <typename Work>
 GC_ERROR call(const Work& work) noexcept {
   return guarded([&] {

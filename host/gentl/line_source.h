@@ -22,39 +22,40 @@
 
 namespace selfproj::gentl {
 
-// What the source itself counts, beside the driver.
+// What the driver counts, and what the source itself counts.
 struct SourceCounts {
   Counters driver;
   std::uint64_t other_size = 0;   // frames of another size than the rig's camera
   std::uint64_t not_moments = 0;  // packets of images and codes
 };
 
-// next() and what it gives are for one thread at a time. counts() and newest() are for all.
+// Only one thread at a time may call next() and use the line that it gives. Any thread may call counts() and newest().
 class LineSource {
  public:
   // Opens the device, and looks at its first packet if there is one. Throws UserError if the device, the rig or the
-  // reference cannot be used, and GC_ERR_RESOURCE_IN_USE if somebody else reads it.
+  // reference cannot be used, and GC_ERR_RESOURCE_IN_USE if another reader has the device.
   explicit LineSource(const DeviceEntry& entry);
 
-  // The next frame as a line. Frames that are broken, of another size, or no moments are counted and left out. Throws
-  // UserError if the first frame is of another size than the rig's camera.
+  // Gives the next frame as a line. Broken frames, frames of another size, and packets without moments are counted and
+  // left out. Throws UserError if the first frame has another size than the rig's camera.
   Next next(std::chrono::nanoseconds timeout);
 
-  // The line that next() gave: its header, its points, and how many pixels of each column are lit. x is that of the
-  // camera's frame, or carried back by the way of the belt since begin(), as in the clouds of `selfproj inspect`.
+  // The line that next() gave: its header, its points, and how many pixels of each column are lit. x is in the camera's
+  // coordinates. If it is carried back, the way of the belt since begin() is subtracted, as in the clouds of
+  // `selfproj inspect`.
   [[nodiscard]] const PacketHeader& header() const { return header_; }
   [[nodiscard]] const Profile& profile() const { return profile_; }
   [[nodiscard]] const std::vector<std::uint32_t>& lit() const { return runs_.moments.n; }
 
-  // The belt begins at 0 with the next line. `carried`: x is carried back.
+  // Sets the belt's position to 0 at the next line. `carried`: x is carried back.
   void begin(bool carried);
 
   [[nodiscard]] const Rig& rig() const { return rig_; }
   [[nodiscard]] const std::string& uri() const { return device_->uri(); }
 
-  // As of the last call of next().
+  // The counts at the last call of next().
   [[nodiscard]] SourceCounts counts() const;
-  // What the newest frame says of the measurement; before the first one what the rig says.
+  // The settings of the measurement in the newest frame; before the first frame those of the rig.
   [[nodiscard]] Measure newest() const;
 
  private:

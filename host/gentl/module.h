@@ -14,7 +14,7 @@
 namespace selfproj::gentl {
 
 inline constexpr const char* kVendor = "selfproj";
-inline constexpr const char* kTransport = "Custom";  // the standard's name of a transport that is none of its own
+inline constexpr const char* kTransport = "Custom";  // the standard's name for a transport that it does not define
 
 // A module that has a handle. Used under the library's lock.
 class Module {
@@ -29,17 +29,17 @@ class Module {
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] virtual std::string model() const { return kind_; }
 
-  // Whether its registers can be written at all.
+  // False if all of its registers can only be read.
   [[nodiscard]] virtual bool writable() const { return true; }
 
   FeatureSet& features();
 
-  // Registers an event and returns its handle. Throws GC_ERR_RESOURCE_IN_USE if it is registered, and
+  // Registers an event and returns its handle. Throws GC_ERR_RESOURCE_IN_USE if it is registered already, and
   // GC_ERR_NOT_IMPLEMENTED if the module has no such event.
   EVENT_HANDLE register_event(EVENT_TYPE type);
   void unregister_event(EVENT_TYPE type);
 
-  // Closes what is below it, and unregisters its events; the handles are then gone. Its own handle stays.
+  // Closes the modules below this one, and unregisters its events. Their handles become invalid; its own stays valid.
   virtual void close();
 
   EVENTSRC_HANDLE handle = nullptr;
@@ -64,7 +64,7 @@ class Module {
 // Gives a new module its handle.
 void give_handle(const std::shared_ptr<Module>& module);
 
-// Features that only say something.
+// Features that can only be read: a text, and a number.
 Feature text_feature(std::string category, std::string name, std::string tip, std::function<std::string()> get);
 Feature number_feature(std::string category, std::string name, std::string tip, std::function<std::int64_t()> get);
 

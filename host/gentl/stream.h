@@ -19,14 +19,14 @@ namespace selfproj::gentl {
 
 inline constexpr const char* kStreamId = "lines";
 
-// As long as no buffer is queued no line is taken from the device: a recording waits, and a ring or a socket keeps
-// lines as long as it has room, and counts what it loses.
+// While no buffer is queued, no line is taken from the device. A recording waits; a ring or a socket keeps lines as
+// long as it has room, and counts what it loses.
 class Stream final : public Module {
  public:
   Stream(std::shared_ptr<Camera> camera, void* parent);
   ~Stream() override { stop(ACQ_STOP_FLAGS_KILL); }
 
-  // Throw errors of the standard.
+  // These functions throw the errors of the standard.
   std::shared_ptr<Buffer> announce(void* memory, std::size_t bytes, void* user);
   void revoke(const std::shared_ptr<Buffer>& buffer);
   void queue(const std::shared_ptr<Buffer>& buffer);
@@ -39,13 +39,13 @@ class Stream final : public Module {
   void give_info(STREAM_INFO_CMD command, const Answer& to) const;
   [[nodiscard]] std::shared_ptr<Buffer> buffer_at(std::size_t index) const;
   [[nodiscard]] BufferContents contents_of(const Buffer& buffer) const;
-  // Throws GC_ERR_INVALID_HANDLE if the buffer is one of another stream.
+  // Throws GC_ERR_INVALID_HANDLE if the buffer belongs to another stream.
   void require_own(const std::shared_ptr<Buffer>& buffer) const;
 
   void close() override;
 
  private:
-  // What is written at the moment; only the thread uses it.
+  // The buffer that is being filled; only the thread uses this.
   struct Filling {
     std::shared_ptr<Buffer> buffer;
     BufferContents contents;
@@ -73,9 +73,9 @@ class Stream final : public Module {
   std::shared_ptr<EventQueue> errors_;  // null unless EVENT_ERROR was registered
   std::thread thread_;
   bool stopping_ = false;
-  bool discarding_ = false;  // a buffer that is not full is not delivered at the stop
+  bool discarding_ = false;  // at the stop, a buffer that is not full is not delivered
   bool grabbing_ = false;
-  std::uint64_t payload_ = 0;  // of the present acquisition
+  std::uint64_t payload_ = 0;  // bytes of a buffer in the present acquisition
   std::uint64_t announced_ = 0;
   std::uint64_t delivered_ = 0;
   std::uint64_t started_ = 0;

@@ -53,7 +53,7 @@ class Interface final : public Module {
   [[nodiscard]] void* parent() const { return parent_; }
   [[nodiscard]] const std::vector<DeviceEntry>& devices() const { return devices_; }
 
-  // Looks for devices; returns whether there are others than before.
+  // Looks for devices. Returns whether the list has changed.
   bool update();
 
   // Throw GC_ERR_INVALID_ID for a device that the last update() did not find.
@@ -92,7 +92,7 @@ class System final : public Module {
 // Closes everything.
 void close_system();
 
-// Answers to questions about the producer, the interface, and a device. `opened` is null if the device is closed.
+// Return information about the producer, the interface, and a device. `opened` is null if the device is closed.
 void give_producer_info(TL_INFO_CMD command, const Answer& to);
 void give_interface_info(INTERFACE_INFO_CMD command, const Answer& to);
 void give_device_info(const DeviceEntry& entry, const LocalDevice* opened, DEVICE_INFO_CMD command, const Answer& to);

@@ -1,9 +1,9 @@
-// One field of a packet header: taken in the clock in which it is known, and passed on until the
-// header before it is out.
+// One field of a packet header. It is taken in the clock in which it is known, and delayed until
+// the header of the frame before has left.
 //
-// Guarantees: value_o is that of a frame from Shown clocks after its start until Shown clocks after
-// the next start, however close the two are. There is one register for each clock between Known and
-// Shown.
+// Guarantees: value_o has the value of a frame from Shown clocks after its start until Shown clocks
+// after the next start, however close the two starts are. There is one register for each clock
+// between Known and Shown.
 `default_nettype none
 
 module sp_header_field #(
@@ -13,7 +13,7 @@ module sp_header_field #(
 ) (
   input  wire logic                 clk_i,
 
-  input  wire logic [Shown-1:Known] started_i,  // a frame started so many clocks ago
+  input  wire logic [Shown-1:Known] started_i,  // bit k: a frame started k clocks ago
   input  wire logic [Width-1:0]     value_i,    // of the frame that started Known clocks ago
   output logic      [Width-1:0]     value_o
 );
@@ -25,7 +25,7 @@ module sp_header_field #(
   end
 `endif
 
-  // taken after Known clocks, Known + 1, ...; the earliest lowest
+  // Values taken Known, Known + 1, ... clocks after the start, the earliest in the lowest bits
   logic [(Shown-Known)*Width-1:0] value_q;
 
   for (genvar k = Known; k < Shown; k++) begin : gen_stage

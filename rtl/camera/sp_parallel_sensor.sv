@@ -3,23 +3,23 @@
 //   sensor's clock: pixels ─▶ beats of four ─▶ sp_async_fifo ─▶ video, in the board's clock
 //
 // Guarantees: while frame valid and line valid are high, every clock of the sensor brings
-// PixelsPerClock pixels. The upper 8 bits of each go on, four pixels a beat. A beat with m_start_o
-// is the first of a frame; one with m_end_o is the last of its line. Pixels at the end of a line
-// that do not fill a beat are left out. Lines and frames may follow each other after a single
-// clock of the sensor. After a reset the first frame is the next that begins.
+// PixelsPerClock pixels. The upper 8 bits of each pixel go to the board, four pixels a beat. A beat
+// with m_start_o is the first of a frame; one with m_end_o is the last of its line. Pixels at the
+// end of a line that do not fill a beat are left out. One clock of the sensor between two lines or
+// frames is enough. After a reset, output starts with the next frame that begins.
 //
-// Overflow: the board takes every beat, so the FIFO only fills where the sensor's clock brings more
-// pixels than four for each clock of the board. Then the rest of the frame is left out: it ends in
-// the middle and never goes on with beats of another one, so that the frame tracker of sp_board
-// counts and marks it as broken. overrun_o is high for a clock for each such frame, if frames last
-// four clocks of the board or more. The frame after it is whole again if there is room.
+// Overflow: the board takes every beat, so the FIFO fills only if the sensor brings more than four
+// pixels in each clock of the board. Then the rest of the frame is left out. The frame ends in the
+// middle and never continues with beats of another one, so that the frame tracker of sp_board
+// counts and marks it as broken. overrun_o is high for one clock for each such frame, if frames
+// last four clocks of the board or more. The next frame is whole again if there is room.
 //
-// Reset: rst_i alone. The sensor's clock may stand still, stop and start at any time. After rst_i
-// the front end waits for it to run.
+// Reset: rst_i alone. The sensor's clock may stop and start at any time. After rst_i the front end
+// waits until this clock runs.
 //
-// Latency: a beat goes into the FIFO one clock of the sensor after the last pixel of the beat
-// behind it, or after the end of its line. sp_async_fifo takes another clock of the sensor and 3 to
-// 4 of the board. The end of a line, with one pixel a clock:
+// Latency: a beat goes into the FIFO one clock of the sensor after the last pixel of the next beat,
+// or after the end of its line. sp_async_fifo takes another clock of the sensor and 3 to 4 of the
+// board. The end of a line, with one pixel a clock:
 //
 //   sensor      0   1   2   3   4   5   6   7   8   9
 //   frame_i    /1111111111111111111111111111111111111
@@ -31,8 +31,8 @@
 `default_nettype none
 
 module sp_parallel_sensor #(
-  parameter int Bits = 10,  // of a pixel: 8..12
-  parameter int PixelsPerClock = 1,  // 1 or 2; the left one in the lower bits
+  parameter int Bits = 10,  // bits of a pixel: 8..12
+  parameter int PixelsPerClock = 1,  // 1 or 2; the left pixel is in the lower bits
   parameter int LogDepth = 4  // log2 of the beats in the FIFO
 ) (
   // Sensor
@@ -48,7 +48,7 @@ module sp_parallel_sensor #(
   output logic      [31:0]                    m_data_o,   // leftmost pixel in 7..0
   output logic                                m_start_o,  // first beat of a frame
   output logic                                m_end_o,    // last beat of a line
-  output logic                                overrun_o   // a frame is cut off
+  output logic                                overrun_o   // pulse: a frame was cut off
 );
 
 `ifndef SYNTHESIS
@@ -60,12 +60,12 @@ module sp_parallel_sensor #(
   end
 `endif
 
-  // --- Reset of both sides: the board's side asks, the sensor's side does it and says so ---
-  logic       ask_q;        // the sensor's side is to be in reset
-  logic       asked;        // it, in the sensor's clock
-  logic [7:0] resting_q;    // it was, in the last clocks of the sensor
-  logic       rested_q;     // enough of them
-  logic       rested;       // it, in the board's clock
+  // --- Reset of both sides: the board's side asks, the sensor's side resets and confirms ---
+  logic       ask_q;        // the sensor's side must be in reset
+  logic       asked;        // ask_q in the sensor's clock
+  logic [7:0] resting_q;    // asked in the last clocks of the sensor
+  logic       rested_q;     // the sensor's side was in reset for long enough
+  logic       rested;       // rested_q in the board's clock
   logic       sensor_rst_q;
 
   always_ff @(posedge clk_i) begin
@@ -99,11 +99,11 @@ module sp_parallel_sensor #(
 
   logic                        frame_q, frame_q2, line_q;
   logic [8*PixelsPerClock-1:0] pixels_q;
-  logic                        first_q;   // no beat of the frame has come
+  logic                        first_q;   // no beat of the frame is complete yet
   logic                        open_q;    // the frame goes to the board
-  logic [StepBits-1:0]         step_q;    // of the beat that is gathered
-  logic [31:8*PixelsPerClock]  gather_q;  // of the beat, the newest pixels in the upper bits
-  logic [31:0]                 beat;      // with those of this clock
+  logic [StepBits-1:0]         step_q;    // clock within the beat that is gathered
+  logic [31:8*PixelsPerClock]  gather_q;  // pixels of this beat, the newest in the upper bits
+  logic [31:0]                 beat;      // these pixels and those of this clock
   logic                        whole_q;   // a beat waits in held_q
   logic [31:0]                 held_q;
   logic                        held_first_q;
@@ -114,7 +114,6 @@ module sp_parallel_sensor #(
   logic                        overrun_q;  // changes with every frame that is cut off
 
   for (genvar i = 0; i < PixelsPerClock; i++) begin : gen_pixel
-    // The lower bits are left out.
     always_ff @(posedge sensor_clk_i) pixels_q[8*i+:8] <= data_i[Bits*(i+1)-1-:8];
   end
 

@@ -3,21 +3,27 @@
 //
 // Guarantees: while run_i is high, a frame of Columns x Rows pixels begins every FrameClocks
 // clocks. Its beats of four pixels follow each other without a gap. When run_i falls, the frame
-// that has begun comes to its end. The first frame after run_i rises is frame 0.
+// that has begun is completed. The first frame after run_i rises is frame 0.
 //
-// From the first rise of trigger_i on, each rise begins a frame instead; one that comes less than
-// FrameClocks after the begin of a frame is missed, as a camera's trigger would be. 2^LogPause
-// clocks after the last rise the camera runs free again.
+// From the first rise of trigger_i on, frames begin only at its rises. As with a real camera, a
+// trigger is missed if it comes less than FrameClocks after a frame has begun. 2^LogPause clocks
+// after the last rise the camera runs free again.
 //
-// The picture: a line that is four rows high. It begins in row f modulo (Rows - 3) in the leftmost
-// eight pixels of frame f. With every further eight pixels it begins one row lower; behind the last
-// row that has room for it, it begins again in row 0. A pixel of column x is, in the line's first
-// row, 128 + (x + f) modulo 64; in its second and third row 255; in its fourth row 191 - (x + f)
-// modulo 64; and everywhere else (x exclusive or row) modulo 32. So M0, M1 and N change from column
-// to column and from frame to frame, and every column of a frame has one line.
+// The picture is a line four rows high on a dark background; x and y count from 0. In frame f the
+// line begins in row f modulo (Rows - 3) in the leftmost eight columns, and one row lower in each
+// further eight columns. After row Rows - 4, the last with room for the line, it begins in row 0.
+// The pixels of column x have these values:
 //
-// Latency: the first beat comes two clocks after run_i or trigger_i rises. Nothing is lost: nobody
-// can stall a camera. 8 x 5 pixels, so that a frame has two beats a row, with FrameClocks = 12:
+//   line's first row              128 + (x + f) modulo 64
+//   line's second and third row   255
+//   line's fourth row             191 - (x + f) modulo 64
+//   background, row y             (x exclusive or y) modulo 32
+//
+// So M0, M1 and N change from column to column and from frame to frame, and every column of a frame
+// crosses one line.
+//
+// Latency: the first beat comes two clocks after run_i or trigger_i rises. Beats cannot be stalled,
+// so none is lost here. Example: 8 x 5 pixels, which are two beats a row, with FrameClocks = 12:
 //
 //   clock       0   1   2   3   4   5   6   7   8   9  10  11  12  13  14
 //   run_i      /111111111111111111111111111111111111111111111111111111111
@@ -31,12 +37,12 @@ module sp_test_camera #(
   parameter int Columns = 512,  // a multiple of 8, up to 2048
   parameter int Rows = 96,  // 5..1023
   parameter int FrameClocks = 12_500,  // at least Columns / 4 * Rows; 10,000 a second at 125 MHz
-  parameter int LogPause = 24  // log2 of the clocks without a trigger until it runs free again
+  parameter int LogPause = 24  // log2 of the clocks from the last trigger until it runs free again
 ) (
   input  wire logic         clk_i,
   input  wire logic         rst_i,      // active high, synchronous
-  input  wire logic         run_i,      // frames are wanted
-  input  wire logic         trigger_i,  // each rise is for one frame
+  input  wire logic         run_i,      // make frames
+  input  wire logic         trigger_i,  // each rise begins a frame
 
   // Video, to the board's s_axis ports
   output logic              m_valid_o,
@@ -49,7 +55,8 @@ module sp_test_camera #(
   localparam int BeatBits = $clog2(Beats);
   localparam int RowBits = $clog2(Rows);
   localparam int ClockBits = $clog2(FrameClocks);
-  localparam logic [RowBits-1:0] LastPlace = RowBits'(Rows - 4);  // lowest row that it begins in
+  // The lowest row in which the line begins
+  localparam logic [RowBits-1:0] LastPlace = RowBits'(Rows - 4);
 
 `ifndef SYNTHESIS
   initial begin
@@ -66,11 +73,11 @@ module sp_test_camera #(
   // --- When a frame begins ---
   logic                 trigger_q;    // trigger_i, one clock ago
   logic                 rise;
-  logic                 triggered_q;  // triggers count
-  logic [LogPause-1:0]  pause_q;      // clocks since the last one
+  logic                 triggered_q;  // frames begin at triggers only
+  logic [LogPause-1:0]  pause_q;      // clocks since the last trigger
   logic                 frame_end;    // last of the FrameClocks of a frame
-  logic                 idle_q;       // there is no frame, and a frame may begin
-  logic                 begins;       // in the next clock
+  logic                 idle_q;       // no frame is under way, and one may begin
+  logic                 begins;       // a frame begins in the next clock
   logic                 first_q;      // the next frame is frame 0
 
   assign rise   = trigger_i && !trigger_q;
@@ -93,12 +100,12 @@ module sp_test_camera #(
 
   // --- Where the next beat is ---
   logic                 beat_q;   // there is a beat
-  logic [ClockBits-1:0] clock_q;  // of the frame
+  logic [ClockBits-1:0] clock_q;  // clocks since the frame began
   logic [BeatBits-1:0]  column_q;  // beat of the row
   logic [RowBits-1:0]   row_q;
   logic [RowBits-1:0]   place_q;  // row in which the line begins at the beat
-  logic [RowBits-1:0]   base_q;   // and at the first beat of a row
-  logic [RowBits-1:0]   base;     // of the next frame
+  logic [RowBits-1:0]   base_q;   // row in which it begins at the first beat of a row
+  logic [RowBits-1:0]   base;     // base_q of the next frame
   logic [5:0]           frame_q;  // number of the frame, as far as pixels depend on it
   logic                 row_end, last_beat;
 

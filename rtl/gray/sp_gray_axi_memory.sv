@@ -5,14 +5,14 @@
 //   memory port ─▶ FIFO ─▶ write bursts, behind it                  any latency and stalls
 //
 // The words of a frame lie one after another from base_i on, 16 bytes each. base_i is a multiple of
-// 16 · BurstWords. After every frame (end_i) the module completes the writes, waits for their
-// answers and discards the words that were read too far: up to 2^LogDepth words after the last one
-// of the frame. Then it reads the first words of the next frame.
+// 16 · BurstWords. After every frame (end_i) the module completes the writes and waits for their
+// answers. It discards the words that it has read beyond the frame's last one, up to 2^LogDepth of
+// them. Then it reads the first words of the next frame.
 //
-// rd_late_o says that a word came too late; then nothing more of that frame is read or written.
-// This happens when a frame starts before its first word has come, when a later word does not come
-// in time, and when the write FIFO might have no room. At most 2^(LogDepth + 1) - 1 bursts are
-// written and not yet answered. Error responses are ignored.
+// rd_late_o says that a word came too late. After that nothing more of the frame is read or
+// written. It happens when a frame starts before its first word has come, when a later word does
+// not come in time, and when the write FIFO might have no room. At most 2^(LogDepth + 1) - 1 bursts
+// are written and not yet answered. Error responses are ignored.
 //
 // Timing: rd_data_o and rd_late_o are valid two clocks after rd_en_i. A word of a frame is written
 // at most WriteDelay clocks after it was asked for.
@@ -61,12 +61,12 @@ module sp_gray_axi_memory #(
   localparam int Depth = 1 << LogDepth;
 
   // --- The frame ---
-  logic                draining_q;  // after a frame, until nothing is read ahead any more
+  logic                draining_q;  // a frame has ended, and its transfers are not complete
   logic                fresh_q;     // the word at the output of the FIFO is the first of a frame
   logic                frame_ok_q;  // no word of the frame came too late
   logic                drained, clear;
   logic                ok, pop, room;
-  logic [WriteDelay:1] ok_q;        // the same for the words on their way through the decoder
+  logic [WriteDelay:1] ok_q;        // pop of the last clocks: words inside the decoder
 
 `ifdef FORMAL
   // words into the FIFOs, and out of them
@@ -232,8 +232,9 @@ module sp_gray_axi_memory #(
   end
 
 `ifdef FORMAL
-  // One reset at the beginning. The base stands still. A word that was asked for is written back,
-  // or it came too late. Words may be asked for, and frames may begin and end, at any time.
+  // Assumptions: one reset at the beginning; base_i does not change; a word that was asked for is
+  // written back, unless it came too late. Words may be asked for, and frames may begin and end, at
+  // any time.
   localparam int FBurstBytes = 16 * BurstWords;
   // counts modulo a power of two that is larger than any number under way
   localparam int FBits = LogDepth + 2;
@@ -252,7 +253,7 @@ module sp_gray_axi_memory #(
 
   (* anyconst *) logic [FBits-1:0] f_burst;  // for rule 4
 
-  // Counts since the frame began (to be read ahead), modulo
+  // Counts since reading ahead for the frame began, modulo a power of two
   logic [AddressBits-1:0] f_ar_q, f_aw_q;          // read bursts; write bursts
   logic [FBits-1:0]       f_r_q, f_pop_q;          // words that came; words taken
   logic [FBits-1:0]       f_put_q, f_w_q;          // words given; words sent

@@ -4,23 +4,23 @@
 //   packets, 128 bits ─┬▶ ring of beats ─▶ datagrams, 32 bits
 //   header of a piece ─┘
 //
-// Guarantees: every beat of a packet leaves once, in order, in the datagram whose header tells of
-// it. A datagram leaves only after all of it has come. From its first word to its last, m_valid_o
-// stays high. All pieces of a packet but the last are as long as DatagramBytes allows. Nothing is
-// lost here: where the ring is full, packets wait, and the packet FIFO before it counts what it has
-// no room for.
+// Guarantees: every beat of a packet leaves once, in order, in a datagram whose header says where
+// the beat belongs. A datagram starts to leave only when all of it has come. From its first word to
+// its last, m_valid_o stays high. All pieces of a packet but the last are as long as DatagramBytes
+// allows. Nothing is lost here: when the ring is full, packets wait. The packet FIFO in front of
+// this module counts the packets for which it has no room.
 //
 // A session begins when enable_i is high. It takes the number session_i, and counts its datagrams
 // and packets from 0. When enable_i is low, the session ends after the packet that has begun.
 // Further packets wait; what is in the ring still leaves. session_i must differ from session to
-// session, also after a reset (a counter that never stands still will do). A session with nothing
-// to send for IdleClocks sends a datagram without a piece, and another one after each further
-// IdleClocks. So the receiver notices that a last packet was lost. Reset: together with the source
-// of the packets.
+// session, also after a reset (a counter that never stops will do). A session that has nothing to
+// send for IdleClocks sends a datagram without a piece, and another one after each further
+// IdleClocks. From these the receiver notices that the last packet was lost. Reset: together with
+// the source of the packets.
 //
 // Latency: the first word of a datagram leaves four clocks after the last beat of its piece came.
 // A piece takes one clock more than it has beats. Datagrams leave without a gap between them if
-// they come fast enough. A packet of three beats with DatagramBytes = 48, so in pieces of two:
+// packets come fast enough. A packet of three beats with DatagramBytes = 48, two beats a piece:
 //
 //   clock       0   1   2   3   4   5   6   7   8   9       15  16  17      23  24  25
 //   s_valid_i  /111111111111111\_______________________...______________...____________
@@ -33,7 +33,7 @@
 //   m_bytes_o  --------------------<48                 ...        ><32  ...       >----
 //   m_last_o   ________________________________________...____/111\_____...____/111\____
 //
-//   (a) what is written: the header of a piece, a or b, goes before its beats
+//   (a) what is written; the header of a piece, a or b, is stored in front of its beats
 `default_nettype none
 
 module sp_datagram_cutter #(
@@ -44,7 +44,7 @@ module sp_datagram_cutter #(
 ) (
   input  wire logic         clk_i,
   input  wire logic         rst_i,      // active high, synchronous
-  input  wire logic         enable_i,   // datagrams are wanted
+  input  wire logic         enable_i,   // send datagrams
   input  wire logic [15:0]  session_i,  // number of a session that begins in this clock
 
   // Packets
@@ -83,7 +83,7 @@ module sp_datagram_cutter #(
   logic                 open_q;      // a session is open
   logic                 inside_q;    // a packet has begun; the header of its last piece is missing
   logic                 header_q;    // the header of the piece is written in this clock
-  logic                 ended_q;     // with it: the piece is the last of its packet
+  logic                 ended_q;     // with header_q: the piece is the last of its packet
   logic [LogDepth:0]    head_q;      // place of the piece's header; what is before it may leave
   logic [LogDepth:0]    put_q;       // place of the next beat
   logic [LogDepth:0]    get_q;       // place of the next beat to leave
@@ -185,9 +185,9 @@ module sp_datagram_cutter #(
 
   // --- Out of the ring ---
   logic                 there_q;   // a beat waits behind the output
-  logic                 first_q;   // it is the first of its datagram, the header
-  logic [1:0]           word_q;    // its next word
-  logic [CountBits-1:0] left_q;    // beats of the datagram that are left, with this one
+  logic                 first_q;   // that beat is the first of its datagram, the header
+  logic [1:0]           word_q;    // next word of that beat
+  logic [CountBits-1:0] left_q;    // beats of the datagram that are left, including this one
   logic [CountBits-1:0] length;
   logic                 move;      // the word goes to the output
   logic                 end_beat;  // the beat is the last of its datagram
@@ -250,9 +250,9 @@ module sp_datagram_cutter #(
   always_comb assume (rst_i == !f_ran_q);
   always_comb if (f_begins && f_begun_q) assume (session_i > f_session_q);
 
-  // Rule 1: headers are written in order. They number the datagrams of a session from 0. Each is of
-  // the next piece of the packet, if the one before is full, or begins the next packet, or tells of
-  // a silence before it.
+  // Rule 1: headers are written in order. They number the datagrams of a session from 0. Each
+  // header belongs to the next piece of the packet (then the piece before is full), begins the next
+  // packet, or reports silence before the next packet.
   logic                 f_wrote_q, f_last_ends_q;  // a header was written; its packet ended with it
   logic [127:0]         f_last_q;                  // the last one written
   logic                 f_new_session, f_open;     // f_open: a session may write a header
@@ -316,7 +316,7 @@ module sp_datagram_cutter #(
     if (f_held > (LogDepth + 2)'(1 << LogDepth)) assert (beats_q == '0 && !header_q);
   end
 
-  // Rule 3: what may leave is whole datagrams: a header and as many beats as it tells, and so on.
+  // Rule 3: what may leave is whole datagrams: a header, then as many beats as it says, and so on.
   localparam int FDepth = 4;  // the proof is with LogDepth = 2
   logic [FDepth-1:0]     f_is_header_q, f_header_of;  // of the places; as they leave
   logic [FDepth*128-1:0] f_words;
@@ -348,8 +348,8 @@ module sp_datagram_cutter #(
     end
   end
 
-  // Rule 4: from the first word of a datagram to its last there is no gap, and the length stands
-  // and is what leaves; a word that waits does not change.
+  // Rule 4: from the first word of a datagram to its last there is no gap. The length is shown all
+  // the time, and as many bytes leave. A word that waits does not change.
   logic [15:0] f_words_q;  // words of this datagram that have left
   logic        f_start;    // the next word that moves is the first of a datagram
   logic        f_goes_on_q, f_waits_q, f_moved_q;  // one clock ago: no last word left; none left;
@@ -384,9 +384,9 @@ module sp_datagram_cutter #(
     end
   end
 
-  // Rule 5: every beat leaves once, in order, behind a header that tells its session, its packet
-  // and its place. The last beat of a packet is the last of its datagram. Any one place in the
-  // round of the pointers, and the last beat that came there:
+  // Rule 5: every beat leaves once, in order, after a header with its session, its packet and its
+  // place. The last beat of a packet is the last of its datagram. The rule is proved for any one
+  // place of the pointers, and the last beat that came there:
   (* anyconst *) logic [LogDepth:0] f_mark;
   logic                 f_marked_q, f_shown_q, f_beat_last_q;  // in the ring; shown; s_last_i
   logic [127:0]         f_beat_q, f_there, f_header;  // the ring has at the place, for its header

@@ -1,22 +1,22 @@
-// Etherbone, as LiteX speaks it: accesses to registers, asked for and answered in the payloads of
-// UDP datagrams. host/driver/etherbone.h has the format.
+// Etherbone, as LiteX speaks it: hosts read and write registers by requests in the payloads of UDP
+// datagrams, and answers return in the same way. host/driver/etherbone.h has the format.
 //
-//   questions ─▶ words ─▶ judge ─▶ accesses, one after the other ─▶ words ─▶ answers
+//   requests ─▶ words ─▶ judge ─▶ accesses, one after the other ─▶ words ─▶ answers
 //
 // Guarantees: a datagram that is exactly one record of at most 2^LogWords words is performed as a
 // whole: first its writes, then its reads, in order. If it reads, it is answered; a probe is
-// answered, too. Nothing else is: no datagram that is cut, too long, of another format or marked by
-// s_error_i, and nothing that comes while a question is performed. Its sender asks again. Words
-// behind s_bytes_i (an Ethernet frame is filled up to 60 bytes) do not count. So the source never
-// waits, and an answer is never longer than its question. An answer goes to the address that the
-// question came from, and leaves without a gap.
+// answered, too. All other datagrams are ignored: those that are cut, too long, of another format
+// or marked by s_error_i, and those that come while a request is performed. The sender has to
+// repeat them. Words after s_bytes_i (an Ethernet frame is filled up to 60 bytes) do not count. So
+// the source never waits, and an answer is never longer than its request. An answer goes to the
+// address that the request came from, and leaves without a gap.
 //
-// Accesses: request_o is high for one clock. Address, data and sender stand still until answer_i,
+// Accesses: request_o is high for one clock. Address, data and sender do not change until answer_i,
 // which comes in a later clock. Reset: together with the registers.
 //
-// Latency: the first request comes three clocks after the last word of a record, two clocks if it
-// reads only. The first word of an answer comes two clocks after the last answer_i. A record that
-// reads one register, whose access takes two clocks:
+// Latency: the first request_o comes three clocks after the last word of a record, or two clocks if
+// the record only reads. The first word of an answer comes two clocks after the last answer_i.
+// Example: a record that reads one register, with an access of two clocks:
 //
 //   clock       0   1   2   3   4   5   6   7   8   9  10  11  12
 //   s_valid_i  /1111111111111111111\_______________________________
@@ -36,13 +36,13 @@ module sp_etherbone #(
   input  wire logic        clk_i,
   input  wire logic        rst_i,      // active high, synchronous
 
-  // Questions
-  input  wire logic        s_valid_i,  // a word; nothing waits
+  // Requests
+  input  wire logic        s_valid_i,  // a word, which is taken at once
   input  wire logic        s_last_i,   // last word of a datagram
   input  wire logic        s_error_i,  // with the last word: the datagram is damaged
   input  wire logic [31:0] s_data_i,   // first byte of a word in 7..0
   input  wire logic [15:0] s_bytes_i,  // bytes of the datagram, with every word
-  input  wire logic [31:0] s_from_i,   // address of its sender, with every word
+  input  wire logic [31:0] s_from_i,   // address of the sender, with every word
 
   // Answers
   output logic             m_valid_o,  // from the first word of a datagram to its last
@@ -50,14 +50,14 @@ module sp_etherbone #(
   output logic             m_last_o,
   output logic      [31:0] m_data_o,   // first byte of a word in 7..0
   output logic      [15:0] m_bytes_o,  // bytes of the datagram, with every word
-  output logic      [31:0] m_to_o,     // address of its receiver, with every word
+  output logic      [31:0] m_to_o,     // address of the receiver, with every word
 
   // Registers
   output logic             request_o,
   output logic             write_o,
   output logic      [31:0] address_o,  // in bytes
   output logic      [31:0] data_o,
-  output logic      [31:0] from_o,     // who asks
+  output logic      [31:0] from_o,     // address of the sender of the request
   input  wire logic        answer_i,
   input  wire logic [31:0] data_i      // what was read, with answer_i
 );
@@ -84,13 +84,13 @@ module sp_etherbone #(
     swapped = {word[7:0], word[15:8], word[23:16], word[31:24]};
   endfunction
 
-  // --- A question comes ---
+  // --- A request comes ---
   logic [2:0]        state_q;
   logic              inside_q;   // a datagram has begun
-  logic              mine_q;     // it is taken
+  logic              mine_q;     // that datagram is taken
   logic              first;      // first word of a datagram that is taken
   logic              taken;      // a word is taken
-  logic [LogWords:0] count_q;    // words taken, and whether there were more than there is room for
+  logic [LogWords:0] count_q;    // words taken; the top bit: there is no room for more
   logic [LogWords:0] count;
   logic [31:0]       head_q;
   logic [15:0]       record_q;   // numbers of writes and of reads

@@ -1,15 +1,15 @@
-// The board on a network: its packets leave in datagrams, and its registers are read and written by
-// Etherbone. Between sp_board and a UDP core of any kind.
+// The board on a network: its packets leave in datagrams, and hosts read and write its registers by
+// Etherbone. This module sits between sp_board and any UDP core.
 //
-//   questions ─▶ sp_etherbone ─▶ sp_link_registers ─▶ AXI4-Lite, to the board
+//   requests ──▶ sp_etherbone ─▶ sp_link_registers ─▶ AXI4-Lite, to the board
 //   answers ◀─┘                    │ start, owner
 //                               sp_link_session
 //                                  │ session, receiver
 //   packets of the board ─▶ sp_datagram_cutter ─▶ datagrams
 //
-// Guarantees: those of the blocks. Packets go only to the address from which the board was started,
-// and nothing is sent before that but answers, none longer than its question. While the board runs,
-// nobody else writes its registers. Reset: together with the board.
+// Guarantees: those of the blocks. Packets go only to the address from which the board was started.
+// Before the first start the link sends only answers, and none is longer than its request. While
+// the board runs, no other address can write its registers. Reset: together with the board.
 `default_nettype none
 
 module sp_link #(
@@ -21,13 +21,13 @@ module sp_link #(
   input  wire logic         clk_i,
   input  wire logic         rst_i,              // active high, synchronous
 
-  // Questions, payloads that came to the UDP port of Etherbone, 1234
-  input  wire logic         ask_valid_i,        // a word; nothing waits
+  // Requests: payloads that came to the UDP port of Etherbone, 1234
+  input  wire logic         ask_valid_i,        // a word, which is taken at once
   input  wire logic         ask_last_i,         // last word of a datagram
   input  wire logic         ask_error_i,        // with the last word: the datagram is damaged
   input  wire logic [31:0]  ask_data_i,         // first byte of a word in 7..0
   input  wire logic [15:0]  ask_bytes_i,        // bytes of the datagram, with every word
-  input  wire logic [31:0]  ask_from_i,         // address of its sender, with every word
+  input  wire logic [31:0]  ask_from_i,         // address of the sender, with every word
 
   // Answers, to the same port of the sender
   output logic              answer_valid_o,     // from the first word of a datagram to its last
@@ -37,7 +37,7 @@ module sp_link #(
   output logic      [15:0]  answer_bytes_o,
   output logic      [31:0]  answer_to_o,        // address of the receiver
 
-  // Packets in datagrams, to the UDP port of packets, 1235
+  // Packets in datagrams, to the UDP port for packets, 1235
   output logic              datagram_valid_o,   // from the first word of a datagram to its last
   input  wire logic         datagram_ready_i,
   output logic              datagram_last_o,

@@ -1,19 +1,20 @@
-// The registers of a board as the network sees them: those of sp_board, and behind them the mailbox
-// for writes (docs/register-reference.md). model/write_mailbox.h is the model of the mailbox.
+// The registers of a board as the network sees them: those of sp_board, and above them those of the
+// mailbox for writes (docs/register-reference.md). model/write_mailbox.h is the model of the
+// mailbox.
 //
-// Guarantees: each request is answered once. Below LinkId an access goes to the board. From LinkId
-// on stand the registers of the link: a write of LinkValue is performed if its ticket follows that
-// of the last write performed. So a write is performed once, however often its datagram comes. What
-// the board or the link refuses reads as 0.
+// Guarantees: each request is answered once. An access below the address LinkId goes to the board.
+// The registers of the link begin at LinkId. A write of LinkValue is performed if its ticket is the
+// one after that of the last write performed. So a write is performed once, however often its
+// datagram comes. A read that the board or the link refuses gives 0.
 //
-// The board belongs to the host that has written 1 into the bit run of the register control while
-// it was 0, until that bit is 0 again. In this time a write from any other address changes nothing,
-// neither in the board nor in the mailbox. Reads are free. start_o is high for a clock when the
-// board gets an owner, whose address stands in owner_o from then on.
+// A host that writes 1 into the bit run of the register control while it is 0 owns the board until
+// that bit is 0 again. During this time a write from any other address changes nothing, neither in
+// the board nor in the mailbox. Every host may read. start_o is high for a clock when the board
+// gets an owner, and owner_o has the owner's address from then on.
 //
-// An access of the mailbox is answered one clock after its request, and so is one that changes
-// nothing; an access of the board three clocks and more, as the board's AXI4-Lite port answers.
-// Reset: together with the board.
+// Latency: an access of the board, and a write that the mailbox performs, are answered after three
+// clocks or more, depending on the board's AXI4-Lite port. All other accesses are answered after
+// one clock. Reset: together with the board.
 `default_nettype none
 
 module sp_link_registers (
@@ -21,7 +22,7 @@ module sp_link_registers (
   input  wire logic        rst_i,      // active high, synchronous
 
   // Accesses from the network
-  input  wire logic        request_i,  // one clock; the rest stands still until answer_o
+  input  wire logic        request_i,  // one clock; the inputs below hold until answer_o
   input  wire logic        write_i,
   input  wire logic [31:0] address_i,  // in bytes
   input  wire logic [31:0] data_i,
@@ -30,7 +31,7 @@ module sp_link_registers (
   output logic      [31:0] data_o,
 
   output logic             start_o,    // the board has a new owner
-  output logic      [31:0] owner_o,    // its address
+  output logic      [31:0] owner_o,    // address of the owner
 
   // AXI4-Lite, to the board
   output logic             m_axil_awvalid_o,
@@ -62,8 +63,8 @@ module sp_link_registers (
   logic [AddressBits-1:0] address_q;
   logic                   refused_q;
 
-  logic                   waits_q;    // for the board
-  logic                   mailed_q;   // for a write of the mailbox
+  logic                   waits_q;    // an access waits for the board
+  logic                   mailed_q;   // that access is a write of the mailbox
   logic                   running_q;  // the board has an owner
   logic                   foreign;    // a write that changes nothing
   logic                   of_board, ticket_is_next, performs;

@@ -1,27 +1,27 @@
 // Which host gets a board's packets, and when a session of sp_datagram_cutter begins.
 //
-// Guarantees: nothing is sent before the first start_i. With each start_i the session that is open
-// comes to its end, and after its last datagram has left another begins, for the host owner_i. So
-// to_o changes only between two datagrams, and no datagram goes to another host than the one that
-// its session is for. A further start_i before that takes the place of the one before. The session
-// stays open when its owner stops the board, so that its last packets leave. session_o counts
-// clocks, also through a reset.
+// Guarantees: nothing is sent before the first start_i. Each start_i ends the session that is open.
+// After the last datagram of that session has left, a new session begins for the host owner_i. So
+// to_o changes only between two datagrams, and a datagram goes only to the host that its session is
+// for. If another start_i comes before the new session begins, it replaces the earlier one. The
+// session stays open when its owner stops the board, so that the last packets leave. session_o
+// counts clocks, and a reset does not stop it.
 //
-// Latency: with nothing under way, a session begins nine clocks after start_i.
+// Latency: if no packet or datagram is under way, a session begins nine clocks after start_i.
 `default_nettype none
 
 module sp_link_session (
   input  wire logic        clk_i,
   input  wire logic        rst_i,        // active high, synchronous
   input  wire logic        start_i,      // a session is to begin
-  input  wire logic [31:0] owner_i,      // address of its host, from start_i on
+  input  wire logic [31:0] owner_i,      // address of the session's host, from start_i on
 
   // The cutter
   output logic             enable_o,
   output logic      [15:0] session_o,
-  input  wire logic        beat_i,       // it takes a beat of a packet
-  input  wire logic        beat_last_i,  // the last one
-  input  wire logic        sending_i,    // its m_valid_o
+  input  wire logic        beat_i,       // the cutter takes a beat of a packet
+  input  wire logic        beat_last_i,  // that beat is the last of its packet
+  input  wire logic        sending_i,    // m_valid_o of the cutter
 
   output logic      [31:0] to_o          // address of the host that gets the datagrams
 );

@@ -12,17 +12,18 @@
 
 namespace selfproj {
 
-// Makes a depth image after every pair of images. The conventional method with 8 bits measures the same frames beside
-// the self-projected codes of 4 bits. Both also measure the things at rest, where they were in the middle of a window
-// of 2m frames; this shows what motion adds.
+// The experiment makes a depth image after every pair of images. It compares two methods on the same motion:
+// conventional Gray codes of 8 bits, and self-projected codes of 4 bits. Each method also measures the things at rest,
+// at their position in the middle of a window of 2m frames, where m is the number of bits. The difference is the error
+// from motion.
 struct MovingOptions {
   Rig rig;
   RenderOptions render;
-  ScanMethod scan = ScanMethod::lines;  // scan of the reference
-  int e = 0;                            // e of (4.20)
+  ScanMethod scan = ScanMethod::lines;  // how the reference is scanned
+  int e = 0;                            // e of (4.20) in the thesis: cells below the reference that are searched
   int first = 0;                        // first frame
   int pairs = 0;                        // depth images by each method; 0: all of the scene from `first` on
-  int strips = 10;  // pictures of each method, or a few more; things are also measured at rest at these instants
+  int strips = 10;  // pictures by each method, or a few more; at these instants things are also measured at rest
 };
 
 // `name` is "B7" or "B8". In the result, `series` has one row of figures for each depth image and thing. Throws

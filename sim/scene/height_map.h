@@ -13,7 +13,7 @@ namespace selfproj {
 
 class HeightMap : public ConveyedScene {
  public:
-  // The map must have pixels and the scale be positive. Throws UserError if heights are infinite or not below the
+  // The map must have pixels, and the scale must be positive. Throws UserError if heights are infinite or not below the
   // camera and the projector.
   HeightMap(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig, const std::string& source);
 
@@ -36,10 +36,10 @@ class HeightMap : public ConveyedScene {
 };
 
 // A part from a map of its heights above the plane, mm. The map is oriented like the measured heights: its first row
-// reaches the line first (largest x), its columns lie along y, and its middle is at y = 0. A pixel is a square of side
-// mm_per_pixel with its height at its centre; heights are linear in between. The map ends in vertical faces, and NaN is
-// bare plane. Throws UserError about `source` if there are no pixels, the scale is not positive, or heights are not
-// below the camera and the projector.
+// reaches the line first (largest x), y grows with the column, and its middle is at y = 0. A pixel is a square with
+// sides of mm_per_pixel and its height at its centre; between the centres heights are interpolated linearly. The map
+// ends in vertical faces. NaN stands for the bare plane. Throws UserError about `source` if there are no pixels, the
+// scale is not positive, or heights are not below the camera and the projector.
 std::unique_ptr<Scene> height_map_scene(const FloatImage& height_mm, double mm_per_pixel, const Rig& rig,
                                         const std::string& source = "height map");
 

@@ -65,7 +65,7 @@ It is <!-- =speed/share:.1% -->54.1 %<!-- end -->, see `<!-- table x -->`.
 
 
 class Tree:
-    """A tree with documents and results, in which git knows the files."""
+    """A git repository with one document and results, in a temporary folder."""
 
     def __init__(self, document=GOOD, tables=TABLES, speed=SPEED):
         self.folder = tempfile.TemporaryDirectory()

@@ -1,4 +1,4 @@
-// Soak of the link: random questions of three hosts, good and malformed, every answer and every register compared with
+// Soak of the link: random requests from three hosts, good and malformed, every answer and every register compared with
 // the model.
 //
 //     link_soak [QUESTIONS] [FIRST_SEED]      1,000,000 questions from seed 1 on by default
@@ -32,7 +32,7 @@ TEST(Soak, EveryQuestionIsAnsweredAsTheModelDoes) {
   }
   std::printf("asked %llu questions, %llu answers, 0 mismatches\n", static_cast<unsigned long long>(figures.questions),
               static_cast<unsigned long long>(figures.answers));
-  write_results("link_soak", "The link's RTL against the models, random questions, good and malformed",
+  write_results("link_soak", "The link's RTL against the models, random requests, good and malformed",
                 {{"questions", figures.questions}, {"answers", figures.answers}, {"mismatches", 0}});
 }
 
