@@ -31,7 +31,8 @@ Json lens_json(const LensParameters& value, const LensParameters& deviation, int
   return json;
 }
 
-// The lens as the camera sees it: rows of a mirrored projector count from its first row again.
+// The projector's lens for rows that count from its first row. During the fit, rows of a mirrored projector count from
+// the last one.
 LensParameters projector_lens(const CalibrationReport& report) {
   const Lens& l = report.calibration.projector;
   return {l.fx, l.fy, l.cx, l.cy, l.k[0], l.k[1], l.k[2], l.k[3], l.k[4]};
@@ -240,14 +241,14 @@ std::string report_text(const CalibrationReport& report) {
   if (report.belt) {
     const BeltReport& belt = *report.belt;
     text += fmt::format(
-        "belt       {:.3f} mm away, its direction known to {:.4f}°; squares {:.6f} ± {:.6f} of those given\n",
+        "belt       {:.3f} mm away, tilt known to ± {:.4f}°; squares are {:.6f} ± {:.6f} of the given size\n",
         belt.plane_z_mm, belt.lean_deg_sd, belt.squares, belt.squares_sd);
     if (belt.moved) {
-      text += fmt::format("           runs at {:.4f}° from the camera's columns; moves {:.5f} mm for each mm said\n",
+      text += fmt::format("           runs at {:.4f}° to the camera's columns; moves {:.5f} mm for each given mm\n",
                           kDegreesARadian * std::atan2(belt.pose.direction[0], belt.pose.direction[1]), belt.way);
     }
   }
-  text += fmt::format("starts     {} of {} lead here, {} to worse fits\n", report.model.agreeing,
+  text += fmt::format("starts     {} of {} reach this fit, {} reach worse ones\n", report.model.agreeing,
                       report.model.agreeing + report.model.worse + report.model.failed, report.model.worse);
   text += checks_text(report.checks);
   if (report.mirrored) {

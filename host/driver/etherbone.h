@@ -1,6 +1,6 @@
 // Etherbone as LiteX speaks it: records of 32-bit words in UDP datagrams, big endian, one record a datagram.
 //
-//     8 bytes: 4E 6F, 1 << 4 | flags, 44, 0, 0, 0, 0    flags: 1 question (probe), 2 answer to one
+//     8 bytes: 4E 6F, 1 << 4 | flags, 44, 0, 0, 0, 0    flags: 1 probe, 2 answer to a probe
 //     4 bytes: cycle flags, byte enable, words to write, words to read
 //     to write:  4 bytes first address, 4 bytes a word
 //     to read:   4 bytes tag, 4 bytes an address
@@ -23,7 +23,7 @@ inline constexpr std::uint16_t kEtherbonePort = 1234;
 // Also a probe, which has no words.
 struct EtherboneRecord {
   bool probe = false;         // asks whether somebody is there
-  bool probe_answer = false;  // answers such a question
+  bool probe_answer = false;  // answers a probe
   std::uint32_t write_address = 0;
   std::vector<std::uint32_t> writes{};
   std::uint32_t tag = 0;

@@ -27,7 +27,7 @@
 namespace selfproj {
 namespace {
 
-constexpr std::size_t kMostReads = 8;  // words of one question
+constexpr std::size_t kMostReads = 8;  // reads of one request
 
 // What the mailbox says of the last write that it has performed.
 struct LastWrite {
@@ -87,7 +87,7 @@ class EtherbonePort final : public RegisterPort {
   [[nodiscard]] const std::string& uri() const override { return uri_; }
 
  private:
-  // Asks until an answer comes. Every question has a tag of its own, and any answer to one of this call's will do.
+  // Asks until an answer comes. Every request has its own tag; an answer to any request of this call will do.
   std::vector<std::uint32_t> ask(EtherboneRecord& question, int tries) {
     const std::uint32_t first_tag = tag_;
     auto patience = std::chrono::duration_cast<std::chrono::nanoseconds>(options_.patience);

@@ -1,4 +1,4 @@
-// The types, values and functions of the C interface of GenICam GenTL 1.5, copied from the text of the standard. All
+// The types, values and functions of the C interface of GenICam GenTL 1.5, written from the text of the standard. All
 // names are the standard's own, so that its text explains them.
 #ifndef SELFPROJ_HOST_GENTL_GENTL_TYPES_H
 #define SELFPROJ_HOST_GENTL_GENTL_TYPES_H

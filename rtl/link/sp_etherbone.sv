@@ -145,8 +145,8 @@ module sp_etherbone #(
   logic                move;     // the next word goes to the output
   logic                last;     // it is the last
 
-  // Written as a question comes and as registers are read; what was read stands in the place of
-  // its address.
+  // Words of the request. The value of a register that was read replaces its address, so that the
+  // answer lies here in the end.
   logic [31:0] memory [1 << LogWords];
   logic        put;
   always_ff @(posedge clk_i) begin
