@@ -23,9 +23,9 @@ bool all_black(const Image& image, const WhiteAndBlack& levels);
 // Whether the second pattern is black where the first is white and the other way round, and both have no greys.
 bool is_negative(const Image& pattern, const Image& negative);
 
-// Whether the images of a pattern and its negative have together the light of white and black. They have not if one of
-// them shows another pattern, or several patterns at once. All of the light may be 15 % less or 20 % more. Beyond that a
-// block may differ by 5 % of its light, and its pixels by 10 % and 3 grey values in the mean. Where the pattern is
+// Whether the images of a pattern and its negative together have the light of white and black. They do not if one of
+// them shows another pattern, or several patterns at once. All of the light may be 15 % less or 20 % more. Beyond that,
+// a block may differ by 5 % of its light, and its pixels by 10 % and 3 grey values in the mean. Where the pattern is
 // bright, a block may differ from where it is dark by 5 % of their contrast, or by what noise explains.
 bool adds_up(const Image& pattern, const Image& negative, const WhiteAndBlack& levels);
 
