@@ -64,6 +64,7 @@ set_target_properties(selfproj_calibration PROPERTIES EXPORT_NAME calibration)
 export(TARGETS ${selfproj_core} ${selfproj_vision} selfproj_calibration NAMESPACE selfproj::
   FILE "${PROJECT_BINARY_DIR}/selfproj_libraries.cmake")
 
+install(FILES host/driver/selfproj.lua DESTINATION ${CMAKE_INSTALL_DATADIR}/selfproj COMPONENT programs)
 install(FILES capi/dpi/selfproj_dpi_pkg.sv capi/dpi/selfproj_dpi.c DESTINATION ${CMAKE_INSTALL_DATADIR}/selfproj/dpi
   COMPONENT development)
 install(FILES capi/selfproj.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)

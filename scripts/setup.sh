@@ -32,6 +32,7 @@ for_tests=(
   chromium-driver                            # the live page in a browser
   pkg-config dpkg-dev                        # what is installed and packaged is tried
   iproute2 util-linux                        # networks of their own
+  tshark                                     # the dissector for Wireshark
 )
 
 fail() {

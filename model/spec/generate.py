@@ -5,8 +5,8 @@
     generate.py --check    write nothing; exit 1 and name each file that differs
 
 Outputs: the C++ header (C++14), the table of registers by name (C++20, register_table.py), the SystemVerilog package,
-and the tables (tables.py) between the markers `<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the
-Markdown files listed in TABLES.
+what the dissector for Wireshark knows of packets (lua_format.py), and the tables (tables.py) between the markers
+`<!-- BEGIN GENERATED name -->` and `<!-- END GENERATED name -->` of the Markdown files listed in TABLES.
 Standard library only. Every number format is proved here: the largest value that can occur is computed from the sizes
 and must fit its field. If one does not fit, the generator says so and writes nothing.
 """
@@ -19,6 +19,7 @@ import operator
 import pathlib
 import sys
 
+import lua_format
 import register_table
 import tables
 
@@ -29,6 +30,7 @@ HEADER = HERE / "generated" / "selfproj_spec.h"
 REGISTERS = HERE / "generated" / "register_table.h"
 DATAGRAM = HERE / "generated" / "datagram_format.h"
 PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
+DISSECTOR = ROOT / "host" / "driver" / "selfproj.lua"
 TABLES = {
     ROOT / "docs" / "packet-reference.md": ["formats", "header", "versions", "trailer", "values", "check",
                                                 "reader", "datagram"],
@@ -379,8 +381,8 @@ def sv_package(spec):
     return "\n".join(out) + "\n"
 
 
-def with_table(path, text, name, lines):
-    begin, end = f"<!-- BEGIN GENERATED {name} -->", f"<!-- END GENERATED {name} -->"
+def with_table(path, text, name, lines, mark="<!-- {} -->"):
+    begin, end = mark.format(f"BEGIN GENERATED {name}"), mark.format(f"END GENERATED {name}")
     if text.count(begin) != 1 or text.count(end) != 1:
         raise SpecError(f"{path}: markers of table '{name}' are missing or doubled")
     head, rest = text.split(begin)
@@ -396,6 +398,8 @@ def outputs(spec):
         for name in names:
             text = with_table(path, text, name, tables.MAKERS[name](spec))
         files[path] = text
+    files[DISSECTOR] = with_table(DISSECTOR, DISSECTOR.read_text(encoding="utf-8"), "format",
+                                  lua_format.lua_format(spec), "-- {}")
     return files
 
 

@@ -106,10 +106,7 @@ PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int th
     header.kind = spec::kKindMoments;
     header.sequence = static_cast<std::uint64_t>(frame);
     header.encoder = static_cast<std::uint32_t>(frame) * kEncoderPerFrame;
-    header.columns = static_cast<std::uint16_t>(columns);
-    header.rows = static_cast<std::uint16_t>(rows);
-    header.mode = static_cast<std::uint8_t>(mode);
-    header.threshold = static_cast<std::uint8_t>(threshold);
+    describe_frame(header, rows, columns, {.mode = mode, .threshold = threshold});
     packet.clear();
     append_packet(header, payload, 0, packet);
     recording.add(header, packet);
