@@ -65,8 +65,8 @@ for key, value in json.loads((folder / "counts.json").read_text()).items():
 PYTHON
 grep -E '^(cpu_share|profiles|lost_network|datagrams_overflow)=' "$folder/figures.txt" | sed 's/^/    /'
 if $keep; then
-  mapfile -t figures < <(sed "s|^|$rate${more[0]:+ jumbo}/|" "$folder/figures.txt")
-  python3 scripts/results.py record network_to_host \
+  mapfile -t figures < <(sed "s|^|$rate/|" "$folder/figures.txt")
+  SELFPROJ_RESULTS=results python3 -B scripts/results.py record "network_to_host${more[0]:+_jumbo}" \
     --about "Two processes, a board that sends so many frames a second in datagrams over the loopback to the host" \
-    --command "scripts/network_to_host.sh --keep" "${figures[@]}"
+    --command "scripts/network_to_host.sh${more[0]:+ --jumbo} --keep" "${figures[@]}"
 fi
