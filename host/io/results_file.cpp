@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -12,10 +13,12 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <numeric>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "host/io/user_error.h"
 
@@ -54,6 +57,21 @@ std::string git(const std::string& words) {
   return output_of("git -C '" + program().parent_path().string() + "' " + words + " 2>/dev/null");
 }
 
+// The settings of this project in the environment, as typed before a command. Folders and files of this machine are
+// left out.
+std::string own_settings() {
+  std::vector<std::string> settings;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string setting = *entry;
+    if (setting.starts_with("SELFPROJ_") && setting.find('/') == std::string::npos &&
+        !setting.starts_with(std::string(kResultsFolder) + "=")) {
+      settings.push_back(setting + " ");
+    }
+  }
+  std::sort(settings.begin(), settings.end());
+  return std::accumulate(settings.begin(), settings.end(), std::string());
+}
+
 // The command of this process, as typed in the root of the sources.
 std::string own_command() {
   const std::filesystem::path root = git("rev-parse --show-toplevel");
@@ -67,7 +85,7 @@ std::string own_command() {
     }
     command += (command.empty() ? "" : " ") + word;
   }
-  return command;
+  return own_settings() + command;
 }
 
 // The commit of the sources, with "+" if tracked files other than results and documents differ from it.

@@ -11,9 +11,9 @@ namespace selfproj {
 inline constexpr const char* kResultsFolder = "SELFPROJ_RESULTS";
 
 // Writes NAME.json into the folder that kResultsFolder names; does nothing if the variable is unset or empty. The file
-// holds `results`, what was measured (`about`, one sentence), the command of this process, the date, the commit and the
-// machine. scripts/results.py writes the same form, and generates the tables of the documents from it. Throws UserError
-// if the file cannot be written.
+// holds `results`, what was measured (`about`, one sentence), the command of this process with the settings SELFPROJ_*
+// of its environment, the date, the commit and the machine. scripts/results.py writes the same form, and generates the
+// tables of the documents from it. Throws UserError if the file cannot be written.
 void write_results(const std::string& name, const std::string& about, const nlohmann::ordered_json& results);
 
 }  // namespace selfproj

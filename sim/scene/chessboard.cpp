@@ -124,7 +124,11 @@ double ChessboardScene::height(double x, double y, double /*t*/) const {
   constexpr int kSteps = 8;  // each takes away more than nine tenths of the error
   for (int i = 0; bent_ && i < kSteps; ++i) {
     const Point3 from = Point3{x, y, z} - place_.middle;
-    z = level + bend(dot(from, place_.right), dot(from, place_.below)) / normal_.z;
+    const double next = level + bend(dot(from, place_.right), dot(from, place_.below)) / normal_.z;
+    if (next == z) {
+      break;  // and stays so
+    }
+    z = next;
   }
   return plane_z_ - z;
 }

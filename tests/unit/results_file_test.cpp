@@ -44,6 +44,21 @@ TEST_F(ResultsFile, HasTheEnvelope) {
   EXPECT_EQ(file["results"], (Json{{"per_s", 38834.2}, {"steps", {0.123457, 3}}}));
 }
 
+// A run that was made larger by a setting can be repeated; paths of this machine are nobody's business.
+TEST_F(ResultsFile, CommandHasTheSettings) {
+  name_folder(folder_ / "results");
+  setenv("SELFPROJ_TEST_SCANS", "100", 1);
+  setenv("SELFPROJ_TEST_FILE", "/somewhere/file", 1);
+  write_results("speed", "", {});
+  unsetenv("SELFPROJ_TEST_SCANS");
+  unsetenv("SELFPROJ_TEST_FILE");
+  const auto command = Json::parse(read_text(folder_ / "results/speed.json"))["command"].get<std::string>();
+  EXPECT_NE(command.find("SELFPROJ_TEST_SCANS=100 "), std::string::npos) << command;
+  EXPECT_LT(command.find("SELFPROJ_TEST_SCANS=100 "), command.find("unit_results"));
+  EXPECT_EQ(command.find("SELFPROJ_TEST_FILE"), std::string::npos) << command;
+  EXPECT_EQ(command.find("SELFPROJ_RESULTS"), std::string::npos) << command;
+}
+
 TEST_F(ResultsFile, IsNotWrittenUnlessAFolderIsNamed) {
   unsetenv(kResultsFolder);
   write_results("speed", "", {{"per_s", 1}});
