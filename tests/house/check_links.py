@@ -4,7 +4,8 @@
     check_links.py [ROOT]
 
 An anchor must be that of a heading, both in Markdown viewers and on the site that mkdocs builds. A picture has a text
-that says what it shows. Every page of docs/ is in the navigation of mkdocs.yml, and every page there exists.
+that says what it shows. Every page of docs/ and every README of a folder is in the navigation of mkdocs.yml, and every
+page there exists.
 """
 
 import pathlib
@@ -54,12 +55,13 @@ def problems_of_navigation(root, pages):
         return
     text = site.read_text(encoding="utf-8")
     listed = re.findall(r"(?<=[\s:])([\w./-]+\.md)\s*$", text, re.MULTILINE)
-    there = {page.name.removeprefix("docs/") for page in pages if page.name.startswith("docs/")}
-    for name in sorted(set(listed) - there):
-        if not (root / name).exists():  # a README of a folder, which the site takes in
-            yield f"mkdocs.yml: no page {name}"
-    for name in sorted(there - set(listed)):
-        yield f"mkdocs.yml: docs/{name} is not in the navigation"
+    # The site takes in the READMEs of the folders (scripts/site_pages.py). Its name of a page of docs/ is without docs/.
+    there = {page.name.removeprefix("docs/"): page.name for page in pages
+             if page.name.startswith("docs/") or page.name.endswith("/README.md")}
+    for name in sorted(set(listed) - set(there)):
+        yield f"mkdocs.yml: no page {name}"
+    for name in sorted(set(there) - set(listed)):
+        yield f"mkdocs.yml: {there[name]} is not in the navigation"
     for name in sorted({name for name in listed if listed.count(name) > 1}):
         yield f"mkdocs.yml: {name} is there twice"
 

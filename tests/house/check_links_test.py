@@ -51,6 +51,8 @@ class CheckLinks(unittest.TestCase):
 
     def test_navigation(self):
         self.expect("mkdocs.yml: docs/more.md is not in the navigation", **{"docs/more.md": "# More\n"})
+        self.expect("mkdocs.yml: host/README.md is not in the navigation", **{"host/README.md": "# Host\n"})
+        self.expect("mkdocs.yml: no page host/a.h.md", **{"mkdocs.yml": "nav:\n  - index.md\n  - A: host/a.h.md\n"})
         self.expect("mkdocs.yml: no page gone.md", **{"mkdocs.yml": "nav:\n  - index.md\n  - Gone: gone.md\n"})
         self.expect("mkdocs.yml: index.md is there twice", **{"mkdocs.yml": "nav:\n  - index.md\n  - A: index.md\n"})
 
