@@ -85,17 +85,20 @@ async def golden_board(dut):
     board = Board(dut)
     await board.start()
     board.sink.set_pause_generator(board.stalls(50))
-    for channel in (board.axil.write_if.aw_channel, board.axil.write_if.w_channel, board.axil.write_if.b_channel):
+    for channel in (board.axil.write_if.aw_channel, board.axil.write_if.w_channel, board.axil.write_if.b_channel,
+                    board.axil.read_if.ar_channel, board.axil.read_if.r_channel):
         channel.set_pause_generator(board.stalls(50))
     await board.set("control", run=1)
     for number, image, threshold, mode in Frames():
         rows, columns = image.shape
         await board.set("size", columns=columns, rows=rows)
         await board.set("measure", threshold=threshold, mode=mode.value, stream=number)
+        await board.expect_register("size", columns=columns, rows=rows)
         await board.frame(image, gaps=30)
         got = bytes((await board.sink.recv(compact=False)).tdata)
         header = packets.parse(got).header
         assert (header.sequence, header.stream, header.lost) == (number, number, 0)
         # Of the packet, time and encoder are the board's; everything else is the model's.
         assert got == packets.moments_packet(image, threshold, mode, header=header).tobytes(), f"frame {number}"
+    assert (await board.read("frames"), await board.read("broken"), await board.read("lost_moments")) == (FRAMES, 0, 0)
     assert (await board.axil.read(0xFC, 4)).resp == AxiResp.SLVERR
