@@ -38,16 +38,6 @@ Measure measure_of_rig(const Rig& rig, const std::string& select) {
   return measure;
 }
 
-CameraDefaults camera_of_rig(const Rig& rig, const Measure& measure) {
-  return {.region = CameraRegion{.columns = rig.camera.columns, .rows = rig.camera.rows},
-          .board = {.mode = measure.mode,
-                    .threshold = measure.threshold,
-                    .select = measure.select,
-                    .gap = measure.gap,
-                    .window = measure.window,
-                    .pixel_clock_hz = rig.pixel_clock_hz()}};
-}
-
 void add_section_options(CLI::App& command, SectionOptions& options) {
   command.add_option("--rig", options.rig, "Built-in rig or YAML file.")->type_name("RIG")->capture_default_str();
   command

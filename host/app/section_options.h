@@ -28,9 +28,6 @@ struct SectionOptions {
 // What the board is told to measure: as the rig says, except for what --select says, if it is not empty.
 Measure measure_of_rig(const Rig& rig, const std::string& select = {});
 
-// What a camera is told whose images this program makes packets of.
-CameraDefaults camera_of_rig(const Rig& rig, const Measure& measure);
-
 // Adds --rig, --reference and --pixel-clock-hz.
 void add_section_options(CLI::App& command, SectionOptions& options);
 

@@ -129,6 +129,16 @@ std::unique_ptr<Device> make_camera_device(std::unique_ptr<Camera> camera, const
   return std::make_unique<CameraDevice>(std::move(camera), board, options);
 }
 
+CameraDefaults camera_of_rig(const Rig& rig, const Measure& measure) {
+  return {.region = CameraRegion{.columns = rig.camera.columns, .rows = rig.camera.rows},
+          .board = {.mode = measure.mode,
+                    .threshold = measure.threshold,
+                    .select = measure.select,
+                    .gap = measure.gap,
+                    .window = measure.window,
+                    .pixel_clock_hz = rig.pixel_clock_hz()}};
+}
+
 std::unique_ptr<Device> open_any_device(const std::string& uri, const DeviceOptions& options,
                                         const CameraDefaults& defaults) {
   if (!is_camera_uri(uri)) {

@@ -9,6 +9,8 @@
 #include "host/camera/camera.h"
 #include "host/camera/camera_uri.h"
 #include "host/driver/device.h"
+#include "host/rig/rig.h"
+#include "model/column_runs.h"
 
 namespace selfproj {
 
@@ -27,6 +29,9 @@ struct CameraDefaults {
   std::optional<CameraRegion> region = {};
   CameraBoardSettings board = {};
 };
+
+// What a camera of a light section is told: the size of the rig's camera, its pixel clock, and what to measure.
+CameraDefaults camera_of_rig(const Rig& rig, const Measure& measure);
 
 // Opens a device of any kind: camera:NAME (camera_uri.h), or one of the driver (driver/open_device.h). Throws
 // UserError.

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "host/camera/camera_uri.h"
 #include "host/driver/open_control.h"
 #include "host/gentl/gentl_errors.h"
 #include "host/io/user_error.h"
@@ -17,6 +18,10 @@ Camera::Camera(const DeviceEntry& entry, bool writable)
 void Camera::open_board(const DeviceEntry& entry) {
   if (!entry.control.empty()) {
     control_ = open_control(entry.control);
+    return;
+  }
+  if (is_camera_uri(entry.id)) {
+    control_problem_ = "none: " + entry.id + " is a camera without a board; its settings stand behind '?'";
     return;
   }
   if (control_uri(entry.id).empty()) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 
+#include "host/camera/camera_uri.h"
 #include "host/driver/ring_list.h"
 
 namespace selfproj::gentl {
@@ -26,6 +27,17 @@ void set_key(DeviceEntry& entry, const std::string& word) {
                                                                {"name", &DeviceEntry::name}};
   const std::size_t equals = word.find('=');
   const auto key = keys.find(word.substr(0, equals));
+  if (is_camera_uri(entry.id)) {
+    if (key == keys.end()) {  // the camera's own, which is checked when it is opened
+      entry.parameters += (entry.parameters.empty() ? "" : "&") + word;
+      return;
+    }
+    if (key->first == "control") {
+      entry.problem =
+          entry.id + ": SELFPROJ_GENTL_DEVICES has '" + word + "', but a camera without a board has no control";
+      return;
+    }
+  }
   if (key == keys.end() || equals == std::string::npos || equals + 1 == word.size()) {
     entry.problem = entry.id + ": SELFPROJ_GENTL_DEVICES has '" + word +
                     "' behind '?'; use rig=RIG, reference=DIR, control=URI or name=TEXT";

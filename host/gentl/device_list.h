@@ -10,9 +10,11 @@
 
 namespace selfproj::gentl {
 
-// One device, in the variable as URI[?KEY=VALUE[&KEY=VALUE]...]. Keys are rig, reference, control and name.
+// One device, in the variable as URI[?KEY=VALUE[&KEY=VALUE]...]. Keys are rig, reference, control and name. A camera
+// without a board, camera:NAME, has no control, and also takes the keys of camera/camera_uri.h.
 struct DeviceEntry {
-  std::string id = {};  // the URI without the keys: the device's ID
+  std::string id = {};          // the URI without the keys: the device's ID
+  std::string parameters = {};  // of a camera: its own keys, KEY=VALUE[&KEY=VALUE]...
   std::string rig = "light-section";
   std::string reference = {};  // empty: the plane
   std::string control = {};    // empty: the control that belongs to the device, if there is one
@@ -22,6 +24,9 @@ struct DeviceEntry {
   bool in_use = false;         // another process reads it
 
   bool operator==(const DeviceEntry&) const = default;
+
+  // The URI with which the device is opened.
+  [[nodiscard]] std::string uri() const { return parameters.empty() ? id : id + "?" + parameters; }
 
   [[nodiscard]] const std::string& display_name() const { return name.empty() ? id : name; }
 };

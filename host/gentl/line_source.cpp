@@ -6,8 +6,9 @@
 #include <cstddef>
 #include <string>
 
+#include "host/camera/camera_device.h"
+#include "host/camera/camera_uri.h"
 #include "host/driver/clock.h"
-#include "host/driver/open_device.h"
 #include "host/driver/ring_list.h"
 #include "host/gentl/gentl_errors.h"
 #include "host/io/user_error.h"
@@ -18,24 +19,41 @@
 namespace selfproj::gentl {
 namespace {
 
+// The settings of the board in software that the URI of a camera has; none for another device.
+CameraBoardSettings board_of(const DeviceEntry& entry) {
+  return is_camera_uri(entry.id) && entry.problem.empty() ? parse_camera_uri(entry.uri()).board : CameraBoardSettings{};
+}
+
+// The rig, with the pixel clock that the URI of a camera has.
 Rig rig_of(const DeviceEntry& entry) {
   Rig rig = load_any_rig(entry.rig);
   if (rig.kind != RigKind::light_section) {
     throw UserError(entry.rig, "is not a rig of kind light-section");
   }
+  if (const std::optional<double> clock = board_of(entry).pixel_clock_hz) {
+    rig.board = RigBoard{.pixel_clock_hz = *clock};
+  }
   return rig;
+}
+
+// What is measured before the first frame says it.
+Measure measure_of(const DeviceEntry& entry, const Rig& rig) {
+  const Measure measure = rig.measure.of_board();
+  const CameraBoardSettings board = board_of(entry);
+  return {.mode = board.mode.value_or(measure.mode),
+          .threshold = board.threshold.value_or(measure.threshold),
+          .select = board.select.value_or(measure.select),
+          .gap = board.gap.value_or(measure.gap),
+          .window = board.window.value_or(measure.window)};
 }
 
 ReferenceProfile reference_of(const DeviceEntry& entry, const Rig& rig) {
   return entry.reference.empty() ? reference_of_plane(rig) : load_reference(rig, entry.reference);
 }
 
-std::unique_ptr<Device> open_entry(const DeviceEntry& entry) {
+std::unique_ptr<Device> open_entry(const DeviceEntry& entry, const Rig& rig) {
   if (!entry.problem.empty()) {
     throw GenTLError(GC_ERR_IO, entry.problem);
-  }
-  if (entry.id.starts_with("camera:")) {
-    throw UserError(entry.id, "is a camera without a board; the producer takes ring:NAME, file:PATH and udp:HOST");
   }
   for (const RingInfo& ring : list_rings()) {
     if (entry.id != "ring:" + ring.name) {
@@ -48,7 +66,7 @@ std::unique_ptr<Device> open_entry(const DeviceEntry& entry) {
       throw UserError(entry.id, ring.problem);
     }
   }
-  return open_device(entry.id, {.wait = Wait::blocking});
+  return open_any_device(entry.uri(), {.wait = Wait::blocking}, camera_of_rig(rig, rig.measure.of_board()));
 }
 
 }  // namespace
@@ -56,9 +74,9 @@ std::unique_ptr<Device> open_entry(const DeviceEntry& entry) {
 LineSource::LineSource(const DeviceEntry& entry)
     : rig_(rig_of(entry)),
       profiler_(rig_, reference_of(entry, rig_)),
-      device_(open_entry(entry)),
+      device_(open_entry(entry, rig_)),
       belt_(rig_),
-      newest_(rig_.measure.of_board()) {
+      newest_(measure_of(entry, rig_)) {
   profile_.resize(profiler_.columns());
   runs_.resize(Select::strongest, profiler_.columns());
   look(std::chrono::nanoseconds(0));

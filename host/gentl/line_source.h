@@ -55,7 +55,7 @@ class LineSource {
 
   // The counts at the last call of next().
   [[nodiscard]] SourceCounts counts() const;
-  // The settings of the measurement in the newest frame; before the first frame those of the rig.
+  // The settings of the measurement in the newest frame; before the first frame those of the URI or the rig.
   [[nodiscard]] Measure newest() const;
 
  private:

@@ -202,7 +202,7 @@ void give_interface_info(INTERFACE_INFO_CMD command, const Answer& to) {
     case INTERFACE_INFO_ID:
       return give(kInterfaceId, to);
     case INTERFACE_INFO_DISPLAYNAME:
-      return give("selfproj: rings, files and boards on the network", to);
+      return give("selfproj: boards, recordings and cameras", to);
     case INTERFACE_INFO_TLTYPE:
       return give(kTransport, to);
     default:

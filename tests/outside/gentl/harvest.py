@@ -158,6 +158,36 @@ class Recording(Case):
 
 
 class Live(Case):
+    def test_a_camera_without_a_board(self):
+        """Aravis simulates a camera within this program."""
+        harvester = self.harvester("camera:Fake_1?region=512x96&mode=grey&threshold=100&rate=100")
+        try:
+            camera = harvester.create(0)
+        except gentl.IoException as error:
+            if "Aravis" in str(error):
+                self.skipTest("the producer was built without Aravis")
+            raise
+        with camera:
+            nodes = camera.remote_device.node_map
+            self.assertEqual((nodes.Threshold.value, nodes.MomentsMode.value), (100, "Grey"))
+            self.assertIn("a camera without a board", nodes.BoardControl.value)
+            nodes.Height.value = 16
+            nodes.ComponentSelector.value = "Intensity"
+            nodes.ComponentEnable.value = True
+            nodes.ChunkModeActive.value = True
+            camera.start()
+            line = 0
+            for frame in range(4):
+                with camera.fetch(timeout=TIMEOUT) as buffer:
+                    depth, lit = buffer.payload.components
+                    self.assertEqual((buffer.module.frame_id, depth.width, depth.height), (frame, 512, 16))
+                    # The camera's ramp has 256 grey values, of which a column sees 96.
+                    self.assertEqual((lit.data.min(), lit.data.max()), (0, 96))
+                    for i in range(16):
+                        nodes.ChunkScanLineSelector.value = i
+                        self.assertGreaterEqual(nodes.ChunkLineFrameNumber.value, line)
+                        line = nodes.ChunkLineFrameNumber.value + 1
+
     def board(self, *words):
         board = subprocess.Popen([SIMULATION, "board", "--replay", str(self.file), *words],
                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

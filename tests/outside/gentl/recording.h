@@ -19,8 +19,10 @@ constexpr int kRows = 96;
 constexpr int kColumns = 512;
 constexpr Measure kMeasure{.mode = Mode::grey_over, .threshold = 60};
 
+constexpr int kCountsOfFrame = 10;  // of the encoder, from frame to frame
+
 // Frame `number`: a line of light 3 to 6 rows thick at random rows, and columns without light.
-inline std::vector<std::uint8_t> packet_of_frame(std::uint64_t number, int columns = kColumns) {
+inline std::vector<std::uint8_t> pixels_of_frame(std::uint64_t number, int columns = kColumns) {
   std::mt19937_64 random(number + 1);
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(kRows) * static_cast<std::size_t>(columns));
   for (int column = 0; column < columns; ++column) {
@@ -31,6 +33,12 @@ inline std::vector<std::uint8_t> packet_of_frame(std::uint64_t number, int colum
       pixels[static_cast<std::size_t>(row * columns + column)] = static_cast<std::uint8_t>(61 + (draw >> 16U) % 190);
     }
   }
+  return pixels;
+}
+
+// Its packet.
+inline std::vector<std::uint8_t> packet_of_frame(std::uint64_t number, int columns = kColumns) {
+  const std::vector<std::uint8_t> pixels = pixels_of_frame(number, columns);
   Runs runs;
   runs.resize(Select::all, columns);
   measure_columns({pixels.data(), kRows, columns, columns}, kMeasure, runs.view());
@@ -41,7 +49,7 @@ inline std::vector<std::uint8_t> packet_of_frame(std::uint64_t number, int colum
   describe_frame(header, kRows, columns, kMeasure);
   header.sequence = number;
   header.time_stamp = 15120 * number;
-  header.encoder = static_cast<std::uint32_t>(10 * number);
+  header.encoder = static_cast<std::uint32_t>(kCountsOfFrame * number);
   std::vector<std::uint8_t> packet;
   append_packet(header, payload, 0, packet);
   return packet;
