@@ -83,10 +83,6 @@ class Images {
     return {array_.data() + from, static_cast<int>(rows()), static_cast<int>(columns()),
             static_cast<std::ptrdiff_t>(array_.stride(array_.ndim() - 2))};
   }
-  // The shape of results that have one entry for each column.
-  [[nodiscard]] std::vector<std::size_t> shape_of_columns() const {
-    return several() ? std::vector<std::size_t>{count(), columns()} : std::vector<std::size_t>{columns()};
-  }
 
  private:
   static constexpr std::size_t kMostSide = std::size_t{1} << 30U;

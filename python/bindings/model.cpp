@@ -86,6 +86,17 @@ Out<std::uint16_t> match(const ModelCodes& codes, const ModelCodes& table) {
   return lines;
 }
 
+// Properties of Moments.
+template <std::size_t Which>
+Out<std::uint32_t> words_of(nb::pointer_and_handle<MomentsResult> self) {
+  return self.p->words_array(Which, self.h);
+}
+
+template <std::size_t Which>
+std::optional<Out<std::uint8_t>> bytes_of(nb::pointer_and_handle<MomentsResult> self) {
+  return self.p->bytes_array(Which, self.h);
+}
+
 }  // namespace
 
 void bind_model(nb::module_& module) {
@@ -98,13 +109,12 @@ void bind_model(nb::module_& module) {
       .value("STRONGEST", Select::strongest, "Its strongest run of lit pixels.");
   nb::class_<MomentsResult>(module, "Moments",
                             "Moments of every column: arrays of shape (columns,) or (images, columns).")
-      .def_ro("m0", &MomentsResult::m0, nb::rv_policy::reference, "Sum of the weights w, uint32.")
-      .def_ro("m1", &MomentsResult::m1, nb::rv_policy::reference, "Sum of row * w, rows from 1, uint32.")
-      .def_ro("n", &MomentsResult::n, nb::rv_policy::reference, "Number of lit pixels, uint32.")
-      .def_ro("runs", &MomentsResult::runs, nb::rv_policy::reference,
-              "Select.STRONGEST: number of runs, 3 for three or more, uint8. Else None.")
-      .def_ro("second", &MomentsResult::second, nb::rv_policy::reference,
-              "Select.STRONGEST: sixteenths of M0 that the second run has, uint8. Else None.");
+      .def_prop_ro("m0", words_of<0>, "Sum of the weights w, uint32.")
+      .def_prop_ro("m1", words_of<1>, "Sum of row * w, rows from 1, uint32.")
+      .def_prop_ro("n", words_of<2>, "Number of lit pixels, uint32.")
+      .def_prop_ro("runs", bytes_of<0>, "Select.STRONGEST: number of runs, 3 for three or more, uint8. Else None.")
+      .def_prop_ro("second", bytes_of<1>,
+                   "Select.STRONGEST: sixteenths of M0 that the second run has, uint8. Else None.");
   def_moments(
       module, measure_columns,
       "Column moments of an image, as sp_column_moments gives them, to the last bit.\n\n"

@@ -2,42 +2,67 @@
 #ifndef SELFPROJ_PYTHON_BINDINGS_MOMENTS_RESULT_H
 #define SELFPROJ_PYTHON_BINDINGS_MOMENTS_RESULT_H
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
-#include <vector>
 
 #include "model/column_runs.h"
 #include "python/bindings/arrays.h"
 
 namespace selfproj::python {
 
-// New arrays for the moments of one or several images, and, for the strongest run, for the runs.
-struct MomentsResult {
-  MomentsResult(Select select, const std::vector<std::size_t>& shape)
-      : m0(new_array<std::uint32_t>(shape)), m1(new_array<std::uint32_t>(shape)), n(new_array<std::uint32_t>(shape)) {
-    if (select == Select::strongest) {
-      runs = new_array<std::uint8_t>(shape);
-      second = new_array<std::uint8_t>(shape);
-    }
-  }
+// The moments of one or several images, and, for the strongest run, the runs. They lie in one piece of memory; arrays
+// of it are made when Python asks for them, and keep the object alive.
+class MomentsResult {
+ public:
+  // Without `images` it is of one image, and the arrays have one dimension.
+  MomentsResult(Select select, std::optional<std::size_t> images, std::size_t columns)
+      : shape_{images.value_or(1), columns},
+        dimensions_(images ? 2 : 1),
+        count_(shape_[0] * columns),
+        has_runs_(select == Select::strongest),
+        words_(new std::uint32_t[kWords * count_ + (has_runs_ ? (2 * count_ + 3) / 4 : 0)]) {}
 
   // The entries from `first` on.
   [[nodiscard]] RunsView view(std::size_t first) const {
-    return {{m0.data() + first, m1.data() + first, n.data() + first},
-            runs ? runs->data() + first : nullptr,
-            second ? second->data() + first : nullptr};
+    std::uint8_t* const runs = has_runs_ ? bytes() + first : nullptr;
+    return {{words(0) + first, words(1) + first, words(2) + first}, runs, runs != nullptr ? runs + count_ : nullptr};
   }
 
-  Out<std::uint32_t> m0, m1, n;
-  std::optional<Out<std::uint8_t>> runs, second;
+  // M0, M1 and N are words 0, 1 and 2. `self` is this object in Python.
+  [[nodiscard]] Out<std::uint32_t> words_array(std::size_t which, nb::handle self) const {
+    return {words(which), dimensions_, shape(), self};
+  }
+  // The runs are bytes 0, the second runs bytes 1; nothing unless the strongest run was measured.
+  [[nodiscard]] std::optional<Out<std::uint8_t>> bytes_array(std::size_t which, nb::handle self) const {
+    if (!has_runs_) {
+      return std::nullopt;
+    }
+    return Out<std::uint8_t>(bytes() + which * count_, dimensions_, shape(), self);
+  }
+
+ private:
+  static constexpr std::size_t kWords = 3;
+
+  [[nodiscard]] std::uint32_t* words(std::size_t which) const { return words_.get() + which * count_; }
+  [[nodiscard]] std::uint8_t* bytes() const { return reinterpret_cast<std::uint8_t*>(words(kWords)); }
+  [[nodiscard]] const std::size_t* shape() const { return shape_.data() + (dimensions_ == 1 ? 1 : 0); }
+
+  std::array<std::size_t, 2> shape_;
+  std::size_t dimensions_;
+  std::size_t count_;
+  bool has_runs_;
+  std::unique_ptr<std::uint32_t[]> words_;
 };
 
 // The moments of images by `kernel`, which has the arguments of measure_columns.
 template <typename Kernel>
 MomentsResult measure_images(const In<std::uint8_t>& array, const Measure& measure, const Kernel& kernel) {
   const Images images(array);
-  MomentsResult result(measure.select, images.shape_of_columns());
+  MomentsResult result(measure.select, images.several() ? std::optional(images.count()) : std::nullopt,
+                       images.columns());
   without_gil([&] {
     for (std::size_t i = 0; i < images.count(); ++i) {
       kernel(images.view(i), measure, result.view(i * images.columns()));

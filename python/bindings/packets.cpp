@@ -75,7 +75,7 @@ MomentsResult moments_of(const PacketHandle& packet) {
   const PacketView& view = packet.view();
   require(view.header.kind == spec::kKindMoments && !view.payload.empty(), "the packet has no moments");
   const auto select = static_cast<Select>(view.header.select);
-  MomentsResult result(select, {view.header.columns});
+  MomentsResult result(select, std::nullopt, view.header.columns);
   const PacketHandle::Use use(packet);
   without_gil([&] {
     unpack_columns(select, static_cast<Mode>(view.header.mode), view.header.columns, view.payload.data(),

@@ -55,7 +55,7 @@ def problems_of_navigation(root, pages):
         return
     text = site.read_text(encoding="utf-8")
     listed = re.findall(r"(?<=[\s:])([\w./-]+\.md)\s*$", text, re.MULTILINE)
-    # The site takes in the READMEs of the folders (scripts/site_pages.py). Its name of a page of docs/ is without docs/.
+    # The site takes in the READMEs of the folders (scripts/site_pages.py). It names a page of docs/ without docs/.
     there = {page.name.removeprefix("docs/"): page.name for page in pages
              if page.name.startswith("docs/") or page.name.endswith("/README.md")}
     for name in sorted(set(listed) - set(there)):
