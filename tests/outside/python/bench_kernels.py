@@ -3,10 +3,10 @@
 
     bench_kernels.py BUILD
 
-Images come as stacks of 1000, and for comparison one by one. Both figures are medians: over the stacks, and over rounds
-of 100 images one by one. Another program that takes the processor away stops few of these rounds, and would else be
-counted wherever it happened to come. BUILD is a build with preset release, such as build/release; the package is
-installed as the tests do it. The results go where SELFPROJ_RESULTS says.
+Images come as stacks of 100, and for comparison one by one. Both figures are medians over rounds of 100 images. Another
+program that takes the processor away stops few of these rounds, and would else be counted wherever it happened to come.
+BUILD is a build with preset release, such as build/release; the package is installed as the tests do it. The results go
+where SELFPROJ_RESULTS says.
 """
 
 import pathlib
@@ -17,14 +17,13 @@ import time
 
 import environment
 
-IMAGES, STACK, ROUND = 100_000, 1000, 100
+IMAGES, DIFFERENT, STACK = 100_000, 1000, 100
 
 
 def measure(light_section, core, images, one_by_one):
-    """For each round its images, the seconds that passed, and the share of them inside the kernels."""
-    step = ROUND if one_by_one else STACK
-    for first in list(range(0, STACK, step)) * (IMAGES // STACK):
-        part = images[first:first + step]
+    """For each round the seconds that passed, and the share of them inside the kernels."""
+    for first in list(range(0, DIFFERENT, STACK)) * (IMAGES // DIFFERENT):
+        part = images[first:first + STACK]
         begin, kernels = time.perf_counter_ns(), core.kernel_ns()
         if one_by_one:
             for image in part:
@@ -32,7 +31,7 @@ def measure(light_section, core, images, one_by_one):
         else:
             light_section.moments(part, 20)
         passed, inside = time.perf_counter_ns() - begin, core.kernel_ns() - kernels
-        yield step, passed * 1e-9, inside / passed
+        yield passed * 1e-9, inside / passed
 
 
 def measure_all():
@@ -40,12 +39,12 @@ def measure_all():
     from selfproj import _core, light_section
     sys.path.insert(0, str(environment.ROOT / "scripts"))
     import results
-    images = numpy.random.default_rng(1).integers(0, 256, (STACK, 96, 512), dtype="uint8")
+    images = numpy.random.default_rng(1).integers(0, 256, (DIFFERENT, 96, 512), dtype="uint8")
     found = {"images": IMAGES}
     for name, one_by_one in (("stacks", False), ("one_by_one", True)):
-        counts, passed, shares = zip(*measure(light_section, _core, images, one_by_one))
+        passed, shares = zip(*measure(light_section, _core, images, one_by_one))
         found[name] = {"share_in_kernels": round(statistics.median(shares), 4),
-                       "images_per_second": round(counts[0] / statistics.median(passed))}
+                       "images_per_second": round(STACK / statistics.median(passed))}
     print(found)
     results.write("bench_python", "Time of a Python program inside the compiled kernels, grey-over moments of 96 x 512",
                   "tests/outside/python/bench_kernels.py build/release", found)
