@@ -147,7 +147,7 @@ void run_inspect(const InspectOptions& options) {
   }
   Inspection* const kept = inspection ? &*inspection : nullptr;
   const StopSignal stop;  // before the line can be seen
-  std::optional<LineRun> line;
+  std::optional<SectionLineRun> line;
   if (options.line.any()) {
     line.emplace(options.line, rig, reference, profiler, fmt::format("{}: {}", rig.name, options.device));
   }
@@ -158,6 +158,7 @@ void run_inspect(const InspectOptions& options) {
                           .inspection = kept};
   if (line) {
     target.line = &line->line();
+    target.image = [&](const PacketView& packet) { line->camera(packet); };
     target.more = [&] { return line->text(); };
     target.seen = [&](const InspectionWork& work, const Counters& counters) {
       line->seen(counters, facts_of(work, counters));
@@ -184,7 +185,7 @@ void run_inspect(const InspectOptions& options) {
   }
   print_outcome(options, loop.work(), counters, kept);
   if (line) {
-    line->print();
+    fmt::print("{}", line->end_text());
   }
   if (options.check) {
     check(options, loop.work(), counters);

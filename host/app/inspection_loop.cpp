@@ -96,6 +96,9 @@ bool InspectionLoop::make_profile(const PacketView& packet, const std::string& u
   const PacketHeader& header = packet.header;
   if (header.kind != spec::kKindMoments) {
     ++work_.not_moments;
+    if (target_.image) {
+      target_.image(packet);
+    }
     return false;
   }
   if (header.columns != rig_.camera.columns || header.rows != rig_.camera.rows) {

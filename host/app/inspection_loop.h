@@ -54,12 +54,13 @@ std::string losses_text(const Counters& counters);
 
 // Who takes the profiles, and when it ends.
 struct InspectionTarget {
-  std::optional<Select> select = {};       // what the board must have selected; nothing: whatever comes
-  std::uint64_t count = 0;                 // profiles; 0: no limit
-  double seconds = 0;                      // after the first packet; 0: no limit
-  Inspection* inspection = nullptr;        // keeps them, if given
-  PartLine* line = nullptr;                // makes parts of them, if given
-  std::function<std::string()> more = {};  // what the line on a terminal says more
+  std::optional<Select> select = {};                  // what the board must have selected; nothing: whatever comes
+  std::uint64_t count = 0;                            // profiles; 0: no limit
+  double seconds = 0;                                 // after the first packet; 0: no limit
+  Inspection* inspection = nullptr;                   // keeps them, if given
+  PartLine* line = nullptr;                           // makes parts of them, if given
+  std::function<void(const PacketView&)> image = {};  // gets the packets of raw images, if given
+  std::function<std::string()> more = {};             // what the line on a terminal says more
   std::function<void(const InspectionWork&, const Counters&)> seen = {};  // called five times a second
 };
 

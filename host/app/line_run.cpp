@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "host/app/inspection_loop.h"
 #include "host/driver/clock.h"
 #include "host/io/command_line.h"
 #include "host/io/user_error.h"
-#include "host/parts/part_cutter.h"
+#include "host/parts/depth_cutter.h"
 #include "host/parts/section_reference.h"
 #include "host/parts/tolerance.h"
 #include "host/report/counter_facts.h"
@@ -44,8 +46,8 @@ void add_line_options(CLI::App& command, LineOptions& options) {
       ->type_name("PORT");
 }
 
-LineRun::LineRun(const LineOptions& options, const Rig& rig, const ReferenceProfile& reference,
-                 const DifferentialProfiler& profiler, const std::string& title)
+LineRun::LineRun(const LineOptions& options, const Rig& rig, const std::string& title,
+                 const std::function<Judge(const Tolerance&, const std::string& source)>& make_judge)
     : options_(options) {
   const bool judges = !options.folder.empty() || !options.modbus.empty();
   if (options.tolerance.empty() && judges) {
@@ -55,23 +57,56 @@ LineRun::LineRun(const LineOptions& options, const Rig& rig, const ReferenceProf
     if (!rig.parts) {
       throw UserError(rig.name, "has no section `parts`, which says how the stream is cut into parts");
     }
-    judge_.emplace(rig, section_of(rig, reference, profiler), load_tolerance(options.tolerance), options.tolerance);
+    judge_.emplace(make_judge(load_tolerance(options.tolerance), options.tolerance));
   }
-  PartLine::Listeners listeners;
-  listeners.part = [this](const PartResult& result, const PlacedMaps& maps) { take(result, maps); };
   if (!options.live.empty()) {
     live_.emplace(endpoint_of_text("--live", options.live), rig, title);
-    listeners.profile = [this](const PacketHeader&, const ProfileView& profile) { live_->profile(profile); };
+    camera_.emplace([this] { return live_->watched(); },
+                    [this, kind = rig.kind, measure = rig.measure](const PacketHeader& header, const ImageView& image) {
+                      const std::vector<float> line =
+                          kind == RigKind::light_section ? line_in_image(image, measure) : std::vector<float>();
+                      live_->camera(header, image, line, judge_exposure(image, line, measure));
+                    });
     fmt::print(stderr, "live page: {}\n", live_->url());
   }
-  line_.emplace(rig, judge_ ? &*judge_ : nullptr, listeners);
-  if (!options.modbus.empty()) {
-    modbus_.emplace(endpoint_of_text("--modbus", options.modbus),
-                    [this] { return modbus_registers(line_->state(), lost_, line_->heartbeat(), now_ns()); });
+}
+
+void LineRun::open() {
+  if (!options_.modbus.empty()) {
+    modbus_.emplace(endpoint_of_text("--modbus", options_.modbus),
+                    [this] { return modbus_registers(worker().state(), lost_, worker().heartbeat(), now_ns()); });
   }
-  if (!options.folder.empty()) {
-    files_.emplace(options.folder, options.keep);
+  if (!options_.folder.empty()) {
+    files_.emplace(options_.folder, options_.keep);
   }
+}
+
+SectionLineRun::SectionLineRun(const LineOptions& options, const Rig& rig, const ReferenceProfile& reference,
+                               const DifferentialProfiler& profiler, const std::string& title)
+    : LineRun(options, rig, title, [&](const Tolerance& tolerance, const std::string& source) {
+        return Judge(rig, section_of(rig, reference, profiler), tolerance, source);
+      }) {
+  PartLine::Listeners listeners;
+  listeners.part = [this](const PartResult& result, const PlacedMaps& maps) { take(result, maps); };
+  if (live() != nullptr) {
+    listeners.profile = [this](const PacketHeader&, const ProfileView& profile) { live()->profile(profile); };
+  }
+  line_.emplace(rig, judge(), listeners);
+  open();
+}
+
+DepthLineRun::DepthLineRun(const LineOptions& options, const Rig& rig, const FloatImage& reference_depth, int patterns,
+                           const std::string& title)
+    : LineRun(options, rig, title, [&](const Tolerance& tolerance, const std::string& source) {
+        return Judge(rig, DepthGrid(rig).cells(reference_depth), tolerance, source);
+      }) {
+  DepthLine::Listeners listeners;
+  listeners.part = [this](const PartResult& result, const PlacedMaps& maps) { take(result, maps); };
+  if (live() != nullptr) {
+    listeners.image = [this](const PacketHeader&, const DepthLine::Maps& maps) { live()->depth(maps.difference); };
+  }
+  line_.emplace(rig, patterns, judge(), listeners);
+  open();
 }
 
 void LineRun::take(const PartResult& result, const PlacedMaps& maps) {
@@ -96,21 +131,21 @@ std::string LineRun::text() const {
   if (!judge_) {
     return "";
   }
-  const LineState state = line_->state();
+  const LineState state = worker().state();
   return fmt::format(", {} parts: {} OK, {} not OK, {} cannot tell", state.parts(), state.verdicts[0],
                      state.verdicts[1], state.verdicts[2]);
 }
 
 void LineRun::finish() {
-  line_->finish();
+  worker().finish();
   if (files_) {
-    files_->finish(line_->statistics());
+    files_->finish(worker().statistics());
   }
 }
 
 std::vector<Fact> LineRun::facts() const {
-  const LineState state = line_->state();
-  const DurationHistogram delays = line_->delays();
+  const LineState state = worker().state();
+  const DurationHistogram delays = worker().delays();
   const auto ms = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-6; };
   std::vector<Fact> facts;
   if (live_) {
@@ -135,14 +170,14 @@ std::vector<Fact> LineRun::facts() const {
   return facts;
 }
 
-void LineRun::print() const {
+std::string LineRun::end_text() const {
   if (!judge_) {
-    return;
+    return "";
   }
-  const DurationHistogram delays = line_->delays();
-  fmt::print("{}; result after the last frame p50 {}, p99 {}{}\n", text().substr(2),
-             time_text(delays.percentile_ns(0.5)), time_text(delays.percentile_ns(0.99)),
-             files_ ? " → " + options_.folder : std::string());
+  const DurationHistogram delays = worker().delays();
+  return fmt::format("{}; result after the last frame p50 {}, p99 {}{}\n", text().substr(2),
+                     time_text(delays.percentile_ns(0.5)), time_text(delays.percentile_ns(0.99)),
+                     files_ ? " → " + options_.folder : std::string());
 }
 
 }  // namespace selfproj

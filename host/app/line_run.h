@@ -1,19 +1,22 @@
-// What `selfproj inspect` does with parts: judges them and tells of them.
+// What `selfproj inspect` and `selfproj match` do with parts: judge them and tell of them.
 #ifndef SELFPROJ_HOST_APP_LINE_RUN_H
 #define SELFPROJ_HOST_APP_LINE_RUN_H
 
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "host/app/inspection_loop.h"
 #include "host/driver/counters.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/reference_profile.h"
+#include "host/line/camera_view.h"
+#include "host/line/depth_line.h"
+#include "host/line/line_worker.h"
 #include "host/line/live_page.h"
 #include "host/line/modbus_server.h"
 #include "host/line/part_files.h"
@@ -21,6 +24,7 @@
 #include "host/parts/judge.h"
 #include "host/report/facts.h"
 #include "host/rig/rig.h"
+#include "model/packet.h"
 
 namespace selfproj {
 
@@ -31,23 +35,39 @@ struct LineOptions {
   std::string modbus;
   std::string live;
 
-  [[nodiscard]] bool any() const { return !folder.empty() || !tolerance.empty() || !modbus.empty() || !live.empty(); }
+  // The first option that was given; empty: none.
+  [[nodiscard]] std::string first() const {
+    return !tolerance.empty() ? "--tolerance"
+           : !folder.empty()  ? "--parts"
+           : !modbus.empty()  ? "--modbus"
+           : !live.empty()    ? "--live"
+                              : "";
+  }
+  [[nodiscard]] bool any() const { return !first().empty(); }
 };
 
 // Adds --tolerance, --parts, --keep-parts, --modbus and --live.
 void add_line_options(CLI::App& command, LineOptions& options);
 
+// The judge, the files, the page and the registers of a line, whatever it brings.
 class LineRun {
  public:
-  // Throws UserError about options, rig, tolerance and ports.
-  LineRun(const LineOptions& options, const Rig& rig, const ReferenceProfile& reference,
-          const DifferentialProfiler& profiler, const std::string& title);
-
-  // Where the profiles go.
-  [[nodiscard]] PartLine& line() { return *line_; }
+  // Throws UserError about options, rig and tolerance. `make_judge` is called where there is a tolerance.
+  LineRun(const LineOptions& options, const Rig& rig, const std::string& title,
+          const std::function<Judge(const Tolerance&, const std::string& source)>& make_judge);
+  LineRun(const LineRun&) = delete;
+  LineRun& operator=(const LineRun&) = delete;
+  virtual ~LineRun() = default;
 
   // Takes what has been counted so far, and the figures that stand for it.
   void seen(const Counters& counters, std::vector<Fact> figures);
+
+  // Takes a packet, of which the page may show the raw image. Only for the thread that takes packets.
+  void camera(const PacketView& packet) {
+    if (camera_) {
+      camera_->add(packet);
+    }
+  }
 
   // For the line on a terminal: ", 12 parts: 10 OK, ...".
   [[nodiscard]] std::string text() const;
@@ -57,18 +77,72 @@ class LineRun {
 
   // What is counted in the end.
   [[nodiscard]] std::vector<Fact> facts() const;
-  void print() const;
+  [[nodiscard]] std::string end_text() const;  // for the terminal: one line, or nothing where no parts are judged
 
- private:
+ protected:
+  // The thread that judges; there until the end.
+  [[nodiscard]] virtual const LineWorker& worker() const = 0;
+  virtual LineWorker& worker() = 0;
+
+  // To be called when the worker is there: now controllers may ask. Throws UserError about ports and folders.
+  void open();
+
+  [[nodiscard]] const Judge* judge() const { return judge_ ? &*judge_ : nullptr; }
+  [[nodiscard]] LivePage* live() { return live_ ? &*live_ : nullptr; }
   void take(const PartResult& result, const PlacedMaps& maps);
 
+  // To be called before the worker goes.
+  void close() { modbus_.reset(); }
+
+ private:
   LineOptions options_;
   std::atomic<std::uint64_t> lost_{0};
   std::optional<Judge> judge_;
   std::optional<PartFiles> files_;
   std::optional<LivePage> live_;
-  std::optional<PartLine> line_;  // before what asks it
+  std::optional<CameraView> camera_;
   std::optional<ModbusServer> modbus_;
+};
+
+// The line of a light section.
+class SectionLineRun final : public LineRun {
+ public:
+  // Throws UserError about options, rig, tolerance and ports.
+  SectionLineRun(const LineOptions& options, const Rig& rig, const ReferenceProfile& reference,
+                 const DifferentialProfiler& profiler, const std::string& title);
+  SectionLineRun(const SectionLineRun&) = delete;
+  SectionLineRun& operator=(const SectionLineRun&) = delete;
+  ~SectionLineRun() override { close(); }
+
+  // Where the profiles go.
+  [[nodiscard]] PartLine& line() { return *line_; }
+
+ private:
+  [[nodiscard]] const LineWorker& worker() const override { return *line_; }
+  LineWorker& worker() override { return *line_; }
+
+  std::optional<PartLine> line_;
+};
+
+// The line of structured light.
+class DepthLineRun final : public LineRun {
+ public:
+  // `reference_depth` is z_R in mm, NaN where there is none, and `patterns` are the frames of a depth image. Throws
+  // UserError about options, rig, tolerance and ports.
+  DepthLineRun(const LineOptions& options, const Rig& rig, const FloatImage& reference_depth, int patterns,
+               const std::string& title);
+  DepthLineRun(const DepthLineRun&) = delete;
+  DepthLineRun& operator=(const DepthLineRun&) = delete;
+  ~DepthLineRun() override { close(); }
+
+  // Where the depth images go.
+  [[nodiscard]] DepthLine& line() { return *line_; }
+
+ private:
+  [[nodiscard]] const LineWorker& worker() const override { return *line_; }
+  LineWorker& worker() override { return *line_; }
+
+  std::optional<DepthLine> line_;
 };
 
 }  // namespace selfproj

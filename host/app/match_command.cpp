@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/app/depth_options.h"
+#include "host/app/line_run.h"
 #include "host/app/match_run.h"
 #include "host/camera/camera_device.h"
 #include "host/io/command_line.h"
@@ -26,6 +27,7 @@ struct MatchCommand {
   MatchOptions match;
   std::string channel;
   std::string out;
+  std::string list;
   MatchDevice device;
   std::vector<std::string> images;
 };
@@ -37,11 +39,14 @@ void match_device(const MatchCommand& options) {
   }
   const MatchRun run(options.match);
   OutputFolder folder(options.out);
+  DepthList list(options.list);
   const CameraBoardSettings decoder{.code_bits = run.patterns() / 2, .code_threshold = run.threshold()};
-  const std::unique_ptr<Device> device =
-      open_any_device(options.device.uri, {.wait_for_board = options.device.wait_for_board}, {.board = decoder});
-  const MatchResult result = run.measure(options.device, *device, folder);
+  const auto open = [&] {
+    return open_any_device(options.device.uri, {.wait_for_board = options.device.wait_for_board}, {.board = decoder});
+  };
+  const MatchResult result = run.measure(options.device, open, folder, &list);
   folder.commit();
+  list.commit();
   fmt::print("{}", result.text);
 }
 
@@ -50,8 +55,10 @@ void run_match(const MatchCommand& options) {
     match_device(options);
     return;
   }
-  if (options.device.count > 0 || options.device.save > 0) {
-    throw UserError(options.device.count > 0 ? "--count" : "--save", "goes only with --device");
+  const std::string line = options.device.line.first();
+  if (options.device.count > 0 || options.device.save > 0 || !line.empty()) {
+    throw UserError(options.device.count > 0 ? "--count" : (options.device.save > 0 ? "--save" : line),
+                    "goes only with --device");
   }
   const MatchRun run(options.match);
   const std::size_t count = options.images.size();
@@ -62,8 +69,10 @@ void run_match(const MatchCommand& options) {
   }
   ImageSequence images(options.images, channel_of(options.channel));
   OutputFolder folder(options.out);
-  const MatchResult result = run.measure(images, folder);
+  DepthList list(options.list);
+  const MatchResult result = run.measure(images, folder, &list);
   folder.commit();
+  list.commit();
   fmt::print("{}", result.text);
 }
 
@@ -106,6 +115,7 @@ selfproj match --reference reference --e 8 --device ring:line1 --out today
   add_threshold_option(*command, options->match.threshold, "the rig's");
   add_channel_option(*command, options->channel);
   add_search_options(*command, options->match);
+  add_line_options(*command, options->device.line);
   begin_group(*command, "Input and output");
   command
       ->add_option("--device", options->device.uri,
@@ -127,6 +137,11 @@ selfproj match --reference reference --e 8 --device ring:line1 --out today
       ->transform(whole_number(1))
       ->type_name("N")
       ->default_str("none");
+  command
+      ->add_option("--list", options->list,
+                   "Table of all depth images: number of the pair, pixels with a depth, and a word each for depth and "
+                   "difference that is another one where a bit differs, so that two runs can be compared.")
+      ->type_name("FILE");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   add_files(*command, "IMAGE", options->images, "8-bit images of the camera's size. These or --device are needed.");
   command->callback([options] { run_match(*options); });

@@ -5,16 +5,25 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 
+#include "host/app/line_run.h"
 #include "host/driver/device.h"
 #include "host/io/image_files.h"
 #include "host/io/image_sequence.h"
+#include "host/io/output_file.h"
 #include "host/io/output_folder.h"
 #include "host/report/match_output.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/match_table.h"
+#include "host/structured_light/scan_stream.h"
 #include "host/structured_light/self_reference.h"
+#include "host/structured_light/self_scanner.h"
+#include "model/packet.h"
 
 namespace selfproj {
 
@@ -40,6 +49,22 @@ struct MatchDevice {
   bool wait_for_board = false;
   std::size_t count = 0;  // end after so many depth images; 0: any number
   std::size_t save = 0;   // depth images of which depth and difference are written
+  LineOptions line;
+};
+
+// A table with a line for each depth image: the number of its pair, its pixels with a depth, and the digests of depth
+// and difference.
+class DepthList {
+ public:
+  // Throws UserError. An empty name: no table.
+  explicit DepthList(const std::string& file);
+
+  void add(std::uint64_t pair, const SelfScanner& scanner);
+  void commit();
+
+ private:
+  std::optional<OutputFile> file_;
+  std::optional<OutputStream> stream_;
 };
 
 // What a run tells besides its files.
@@ -56,14 +81,18 @@ class MatchRun {
 
   [[nodiscard]] const Rig& rig() const { return rig_; }
   [[nodiscard]] int patterns() const { return 2 * reference_.stripes.bits; }
+  [[nodiscard]] const SelfReference& reference() const { return reference_; }
+  [[nodiscard]] const MatchOptions& options() const { return options_; }
 
   // Takes all images, patterns() or more and an even number, positive and negative of each bit in turn. Shows progress,
   // and writes into the folder without a commit. Throws UserError about an image of another size.
-  MatchResult measure(ImageSequence& images, OutputFolder& folder) const;
+  MatchResult measure(ImageSequence& images, OutputFolder& folder, DepthList* list = nullptr) const;
 
   // The same from the codes or images of a device, until it ends, so many depth images have been made, or Ctrl-C.
-  // Throws UserError if none could be made, or about a size.
-  MatchResult measure(const MatchDevice& of, Device& device, OutputFolder& folder) const;
+  // `open` is called when everything else is ready, because a board may begin as soon as somebody listens. Throws
+  // UserError if no depth image could be made, or about a size, and about the options of the line.
+  MatchResult measure(const MatchDevice& of, const std::function<std::unique_ptr<Device>()>& open, OutputFolder& folder,
+                      DepthList* list = nullptr) const;
 
   // θ_b of (4.15).
   [[nodiscard]] int threshold() const {
@@ -74,6 +103,27 @@ class MatchRun {
   MatchOptions options_;
   Rig rig_;
   SelfReference reference_;
+};
+
+// Depth images from the packets of a device. The constructor takes seconds, for the table of matches.
+class MatchStream {
+ public:
+  // `run` must outlive it.
+  explicit MatchStream(const MatchRun& run);
+
+  // Takes a packet; true if it has completed a depth image. Throws UserError, naming `uri`, about an image of another
+  // size.
+  bool take(const PacketView& packet, const std::string& uri);
+
+  [[nodiscard]] const MatchTable& table() const { return table_; }
+  [[nodiscard]] const SelfScanner& scanner() const { return scanner_; }
+  [[nodiscard]] const ScanStream& stream() const { return stream_; }
+
+ private:
+  const MatchRun& run_;
+  MatchTable table_;
+  SelfScanner scanner_;
+  ScanStream stream_;
 };
 
 }  // namespace selfproj

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/camera/camera_device.h"
@@ -50,13 +51,16 @@ std::unique_ptr<Device> open_device(const PacketRunOptions& options) {
 
 void run_packets(Device& device, const PacketRunOptions& options,
                  const std::function<std::uint64_t(const PacketView&)>& take,
-                 const std::function<std::string()>& status) {
+                 const std::function<std::string()>& status, const std::function<void()>& seen) {
   constexpr auto kPatience = std::chrono::milliseconds(50);  // so that Ctrl-C and the end of the time are noticed
   constexpr std::int64_t kShowNs = 200'000'000;
   const std::uint64_t most = options.count > 0 ? options.count : std::numeric_limits<std::uint64_t>::max();
   const std::int64_t time_ns =
       options.seconds > 0 ? static_cast<std::int64_t>(options.seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
-  const StopSignal stop;
+  std::optional<StopSignal> stop;
+  if (!options.stop_held) {
+    stop.emplace();
+  }
   StatusLine line;
   PacketView packet;
   std::uint64_t done = 0;
@@ -76,8 +80,13 @@ void run_packets(Device& device, const PacketRunOptions& options,
     if (first_ns != 0 && now - first_ns >= time_ns) {
       break;
     }
-    if (line.visible() && now >= next_show) {
-      line.show(status());
+    if (now >= next_show) {
+      if (line.visible()) {
+        line.show(status());
+      }
+      if (seen) {
+        seen();
+      }
       next_show = now + kShowNs;
     }
   }

@@ -21,6 +21,7 @@ struct PacketRunOptions {
   std::uint64_t count = 0;  // 0: no limit
   double seconds = 0;       // 0: no limit
   bool check = false;
+  bool stop_held = false;  // the caller has a StopSignal already
 };
 
 // Adds --device, --wait-for-board, --newest, --count, --seconds and --check, whose help says that `what` are counted.
@@ -32,10 +33,11 @@ void add_end_of_run(CLI::App& command, std::uint64_t& count, double& seconds, co
 std::unique_ptr<Device> open_device(const PacketRunOptions& options);
 
 // Gives every packet to `take`, which returns how many of the things that --count counts there are so far. Ends at
-// --count, --seconds after the first packet, Ctrl-C, or the end of the device. `status` makes the line on a terminal.
+// --count, --seconds after the first packet, Ctrl-C, or the end of the device. `status` makes the line on a terminal;
+// `seen` is called five times a second.
 void run_packets(Device& device, const PacketRunOptions& options,
                  const std::function<std::uint64_t(const PacketView&)>& take,
-                 const std::function<std::string()>& status);
+                 const std::function<std::string()>& status, const std::function<void()>& seen = {});
 
 // Throws CheckFailed if --check was given and the driver counted a fault, or `more` is not 0.
 void check_packets(const PacketRunOptions& options, const Counters& counters, std::uint64_t more = 0);

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <opencv2/core.hpp>
@@ -23,6 +26,38 @@ namespace {
 constexpr float kMostFloat = 1e9F;  // no length in mm, no row and no column is larger
 
 }  // namespace
+
+std::uint64_t digest(const FloatImage& image) {
+  constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15U;  // 2^64 over the golden ratio: its multiples are spread evenly
+  constexpr std::size_t kLanes = 4;                    // multiplications that need not wait for each other
+  std::array<std::uint64_t, kLanes> lanes{1, 2, 3, 4};
+  const auto add = [](std::uint64_t& lane, std::uint64_t word) { lane = std::rotl((lane ^ word) * kOdd, 31); };
+  const std::size_t pairs = image.values.size() / 2;
+  const float* from = image.values.data();
+  const auto pair_at = [&](std::size_t i) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, from + 2 * i, sizeof(word));
+    return word;
+  };
+  std::size_t i = 0;
+  for (; i + kLanes <= pairs; i += kLanes) {
+    add(lanes[0], pair_at(i));
+    add(lanes[1], pair_at(i + 1));
+    add(lanes[2], pair_at(i + 2));
+    add(lanes[3], pair_at(i + 3));
+  }
+  for (; i < pairs; ++i) {
+    add(lanes[0], pair_at(i));
+  }
+  if (image.values.size() % 2 != 0) {
+    add(lanes[0], std::bit_cast<std::uint32_t>(image.values.back()));
+  }
+  std::uint64_t result = static_cast<std::uint64_t>(image.rows) << 32U | static_cast<std::uint64_t>(image.columns);
+  for (const std::uint64_t lane : lanes) {
+    add(result, lane);
+  }
+  return result ^ result >> 29U;
+}
 
 FloatImage read_float_tiff(const std::string& file) {
   check_image_file(file);

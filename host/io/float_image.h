@@ -3,6 +3,7 @@
 #define SELFPROJ_HOST_IO_FLOAT_IMAGE_H
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -28,6 +29,10 @@ struct FloatImage {
   [[nodiscard]] const float* row(int r) const { return values.data() + static_cast<std::ptrdiff_t>(r) * columns; }
   bool operator==(const FloatImage&) const = default;
 };
+
+// A word of the size and of every bit of the pixels, by which images of two runs can be compared. Two images that
+// differ have the same word by chance in one of 2^64 cases; it is no protection against intent.
+std::uint64_t digest(const FloatImage& image);
 
 // Reads a TIFF file of one channel of 32-bit floating-point numbers. Throws UserError, naming the file, if it is
 // unreadable, not such an image, or has a number greater than 1e9.

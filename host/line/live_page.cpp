@@ -30,7 +30,8 @@ namespace {
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr int kRowsPerSecond = 100;    // of the waterfall
 constexpr std::size_t kMostRows = 64;  // in one message
-constexpr int kMostCells = 256;        // along each side of a part's map, as the page shows it
+constexpr int kMostPixels = 640;       // along each side of a camera image, as the page shows it
+constexpr int kMostCells = 256;        // along each side of a map, as the page shows it
 
 void append_number(std::string& text, std::size_t number) {
   for (unsigned shift = 0; shift < 32; shift += 8) {
@@ -53,7 +54,7 @@ std::string message_of(const std::string& json, const std::string& floats) {
   return bytes + json + padding + floats;
 }
 
-// Every n-th cell, so that the page draws no more than it can show.
+// Every n-th cell of a map, so that the page draws no more than it can show.
 FloatImage thinned(const FloatImage& map, int every) {
   FloatImage result((map.rows + every - 1) / every, (map.columns + every - 1) / every);
   for (int r = 0; r < result.rows; ++r) {
@@ -64,6 +65,8 @@ FloatImage thinned(const FloatImage& map, int every) {
   return result;
 }
 
+int every_cell(int rows, int columns) { return std::max(1, (std::max(rows, columns) + kMostCells - 1) / kMostCells); }
+
 // three.js of this machine; nothing where it is not installed, and the page says that there is no 3-D view.
 std::string three_js() {
   try {
@@ -73,13 +76,15 @@ std::string three_js() {
   }
 }
 
-std::vector<PageServer::File> files_of_page(std::function<PageServer::Text()> part) {
+std::vector<PageServer::File> files_of_page(std::function<PageServer::Text()> part,
+                                            std::function<PageServer::Text()> camera) {
   constexpr const char* kScript = "text/javascript; charset=utf-8";
   return {PageServer::fixed("/", "text/html; charset=utf-8", kLiveHtml),
           PageServer::fixed("/live.js", kScript, kLiveJs),
           PageServer::fixed("/live.css", "text/css; charset=utf-8", kLiveCss),
           PageServer::fixed("/three.js", kScript, three_js()),
-          {"/part", "application/octet-stream", std::move(part)}};
+          {"/part", "application/octet-stream", std::move(part)},
+          {"/camera", "application/octet-stream", std::move(camera)}};
 }
 
 }  // namespace
@@ -88,7 +93,8 @@ std::vector<PageServer::File> files_of_page(std::function<PageServer::Text()> pa
 class LivePage::Server : public PageServer {
  public:
   Server(LivePage& page, const Endpoint& endpoint, const std::string& token)
-      : PageServer("--live", endpoint, token, files_of_page([&page] { return page.last_part(); }),
+      : PageServer("--live", endpoint, token,
+                   files_of_page([&page] { return page.last_part(); }, [&page] { return page.last_image(); }),
                    Stream{.path = "/stream",
                           .next =
                               [&page](std::uint64_t& number) {
@@ -111,6 +117,7 @@ LivePage::LivePage(const Endpoint& endpoint, const Rig& rig, const std::string& 
       token_(page_token(endpoint)) {
   rows_.reserve(kMostRows * static_cast<std::size_t>(columns_));
   part_ = std::make_shared<const std::string>(message_of("{\"part\": 0}", ""));
+  camera_ = std::make_shared<const std::string>(message_of("{\"rows\": 0}", ""));
   server_ = std::make_unique<Server>(*this, endpoint, token_);
 }
 
@@ -133,6 +140,42 @@ std::shared_ptr<const std::string> LivePage::last_part() {
   return part_;
 }
 
+std::shared_ptr<const std::string> LivePage::last_image() {
+  const std::lock_guard lock(mutex_);
+  return camera_;
+}
+
+void LivePage::camera(const PacketHeader& header, const ImageView& image, const std::vector<float>& line,
+                      const ExposureFigures& exposure) {
+  const int every = std::max(1, (std::max(image.rows, image.columns) + kMostPixels - 1) / kMostPixels);
+  const int rows = (image.rows + every - 1) / every;
+  const int columns = (image.columns + every - 1) / every;
+  std::string bytes;
+  for (std::size_t c = 0; c < line.size(); c += static_cast<std::size_t>(every)) {
+    append_floats(bytes, &line[c], 1);
+  }
+  for (int r = 0; r < rows; ++r) {
+    const std::uint8_t* const row = image.pixels + static_cast<std::ptrdiff_t>(r) * every * image.stride;
+    for (int c = 0; c < columns; ++c) {
+      bytes += static_cast<char>(row[c * every]);
+    }
+  }
+  const nlohmann::ordered_json json = {{"frame", header.sequence},
+                                       {"rows", rows},
+                                       {"columns", columns},
+                                       {"every", every},
+                                       {"line", line.empty() ? 0 : columns},
+                                       {"saturated", exposure.saturated},
+                                       {"dark", exposure.dark},
+                                       {"bright_grey", exposure.bright_grey},
+                                       {"good", exposure.good},
+                                       {"judgement", exposure.judgement}};
+  auto message = std::make_shared<const std::string>(message_of(json.dump(), bytes));
+  const std::lock_guard lock(mutex_);
+  camera_ = std::move(message);
+  ++camera_images_;
+}
+
 void LivePage::add_row(const ProfileView& profile) {
   if (rows_.size() >= kMostRows * static_cast<std::size_t>(columns_)) {
     return;
@@ -151,10 +194,9 @@ void LivePage::profile(const ProfileView& profile) {
     next_row_ns_ = std::max(now, next_row_ns_ + kSecondNs / kRowsPerSecond);
     add_row(profile);
   }
-  if (now < next_message_ns_) {
+  if (!message_is_due()) {
     return;
   }
-  next_message_ns_ = std::max(now, next_message_ns_ + kSecondNs / kPerSecond);
   std::string floats;
   append_floats(floats, profile.y, static_cast<std::size_t>(columns_));
   std::vector<float> heights(static_cast<std::size_t>(columns_));
@@ -166,6 +208,30 @@ void LivePage::profile(const ProfileView& profile) {
   append_floats(floats, heights.data(), heights.size());
   append_floats(floats, differences.data(), differences.size());
   append_floats(floats, rows_.data(), rows_.size());
+  send("profiles", static_cast<int>(rows_.size()) / columns_, columns_, floats);
+  rows_.clear();
+}
+
+void LivePage::depth(const FloatImage& difference) {
+  if (watchers_ == 0 || !message_is_due()) {
+    return;
+  }
+  const FloatImage shown = thinned(difference, every_cell(difference.rows, difference.columns));
+  std::string floats;
+  append_floats(floats, shown.values.data(), shown.values.size());
+  send("depth", shown.rows, shown.columns, floats);
+}
+
+bool LivePage::message_is_due() {
+  const std::int64_t now = now_ns();
+  if (now < next_message_ns_) {
+    return false;
+  }
+  next_message_ns_ = std::max(now, next_message_ns_ + kSecondNs / kPerSecond);
+  return true;
+}
+
+void LivePage::send(const std::string& kind, int rows, int columns, const std::string& floats) {
   {
     const std::lock_guard lock(mutex_);
     std::string parts;
@@ -174,18 +240,17 @@ void LivePage::profile(const ProfileView& profile) {
     }
     const std::uint64_t number = message_.number + 1;
     const std::string json =
-        fmt::format(R"({{"message":{},"dropped":{},"title":{},"columns":{},"rows":{},"figures":{},"parts":[{}],)"
-                    R"("statistics":{}}})",
-                    number, dropped_.load(), nlohmann::json(title_).dump(), columns_,
-                    rows_.size() / static_cast<std::size_t>(columns_), figures_, parts, statistics_);
+        fmt::format(R"({{"message":{},"kind":"{}","dropped":{},"title":{},"columns":{},"rows":{},"camera":{},)"
+                    R"("figures":{},"parts":[{}],"statistics":{}}})",
+                    number, kind, dropped_.load(), nlohmann::json(title_).dump(), columns, rows, camera_images_,
+                    figures_, parts, statistics_);
     message_ = {number, std::make_shared<const std::string>(message_of(json, floats))};
   }
-  rows_.clear();
   changed_.notify_all();
 }
 
 void LivePage::part(const PartResult& result, const PlacedMaps& maps) {
-  const int every = std::max(1, (std::max(maps.grid.rows, maps.grid.columns) + kMostCells - 1) / kMostCells);
+  const int every = every_cell(maps.grid.rows, maps.grid.columns);
   const FloatImage height = thinned(maps.height, every);
   const FloatImage difference = thinned(maps.difference, every);
   nlohmann::ordered_json json = part_json(result);

@@ -13,12 +13,16 @@
 #include <thread>
 #include <vector>
 
+#include "host/io/float_image.h"
 #include "host/light_section/profile.h"
+#include "host/line/camera_view.h"
 #include "host/line/part_text.h"
 #include "host/parts/part_result.h"
 #include "host/report/facts.h"
 #include "host/rig/rig.h"
 #include "host/web/endpoint.h"
+#include "model/column_moments.h"
+#include "model/packet.h"
 
 namespace selfproj {
 
@@ -26,9 +30,12 @@ namespace selfproj {
 //   /         the page, its script and its style; three.js of this machine. Nothing comes from anywhere else
 //   /stream   what there is to see, kPerSecond times a second at most, in chunks without end. Each message is
 //                 bytes of the JSON, 32 bits, little endian; bytes of the floats, likewise; JSON; floats
-//             where the floats are the newest profile (y, height, difference of each column) and `rows` rows of
-//             differences since the last message, all mm
+//             where the floats of kind `profiles` are the newest profile (y, height, difference of each column) and
+//             `rows` rows of differences since the last message, and those of kind `depth` the differences of the
+//             newest depth image, every n-th of rows x columns; all mm
 //   /part     the last part's placed maps: the same form; floats are height, then difference
+//   /camera   the newest raw image that came while somebody watched: the same form; in the place of the floats are the
+//             row of the line in each column (none for a scanner), and then the image's bytes, every n-th pixel
 //
 // A browser gets the newest message when it has taken the one before. Messages in between are dropped for it and
 // counted. The line's thread only makes messages, and only while somebody watches.
@@ -49,7 +56,15 @@ class LivePage {
 
   // For the line's thread.
   void profile(const ProfileView& profile);
+  void depth(const FloatImage& difference);
   void part(const PartResult& result, const PlacedMaps& maps);
+
+  // For the thread that takes packets: a raw image, and the row of the line in each column (empty for a scanner).
+  void camera(const PacketHeader& header, const ImageView& image, const std::vector<float>& line,
+              const ExposureFigures& exposure);
+
+  // Whether anybody watches.
+  [[nodiscard]] bool watched() const { return watchers_ > 0; }
 
   // For any thread: the figures that the page shows.
   void seen(const std::vector<Fact>& figures);
@@ -70,7 +85,10 @@ class LivePage {
   // The newest message after `number`, or none within a second or at the end.
   Message next_message(std::uint64_t number);
   std::shared_ptr<const std::string> last_part();
+  std::shared_ptr<const std::string> last_image();
   void add_row(const ProfileView& profile);
+  bool message_is_due();
+  void send(const std::string& kind, int rows, int columns, const std::string& floats);
 
   Endpoint endpoint_;
   int columns_;
@@ -94,6 +112,8 @@ class LivePage {
   std::string statistics_ = "{}";
   PartStatistics figures_of_parts_;
   std::shared_ptr<const std::string> part_;
+  std::shared_ptr<const std::string> camera_;
+  std::uint64_t camera_images_ = 0;
   std::unique_ptr<Server> server_;
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/light_section/profile.h"
+#include "host/parts/cell_sums.h"
 #include "host/parts/map_grid.h"
 #include "host/rig/rig.h"
 
@@ -29,25 +30,20 @@ class HeightGrid {
   void add(double belt_mm, const ProfileView& profile);
 
   // The map of the part so far, without rows that have no point: along counts from the belt_mm of begin().
-  [[nodiscard]] HeightCells cells() const;
+  [[nodiscard]] HeightCells cells() const { return sums_.cells(); }
 
   // How much of the profile is higher than above_mm of the rig, across, mm.
   [[nodiscard]] double width_above(const ProfileView& profile) const;
 
-  [[nodiscard]] const MapGrid& grid() const { return grid_; }
+  [[nodiscard]] const MapGrid& grid() const { return sums_.grid(); }
 
  private:
-  void put(double row, double column, float height);
-
   int columns_;  // of the camera
   double plane_z_;
   double above_;
   double column_mm_;  // distance of the camera's columns on the plane
-  MapGrid grid_;
   double begin_ = 0;
-  int first_ = 0;  // rows that got a point
-  int last_ = -1;
-  std::vector<float> sums_;  // of weights and of heights, by turns
+  CellSums sums_;
   struct Point {
     float row = 0, column = 0, height = 0;
     bool there = false;

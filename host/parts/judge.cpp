@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -15,6 +16,7 @@
 
 #include "host/io/float_image.h"
 #include "host/parts/map_grid.h"
+#include "host/parts/map_reference.h"
 #include "host/parts/placement.h"
 
 namespace selfproj {
@@ -107,8 +109,12 @@ Judge::Judge(const Rig& rig, const SectionReference& section, const Tolerance& t
   grid_ = placed_grid(rig.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
   const double column = rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm;
   const double widest = 3 * column;
+  reference_ = FloatImage(grid_.rows, grid_.columns);
   for (int c = 0; c < grid_.columns; ++c) {
-    reference_.push_back(section.at(grid_.across_of(c), widest));
+    const auto height = static_cast<float>(section.at(grid_.across_of(c), widest));
+    for (int r = 0; r < grid_.rows; ++r) {
+      reference_.row(r)[c] = height;
+    }
   }
   for (const auto& [from, to] : section.walls(widest)) {
     walls_.emplace_back(from - kBesideWalls * column, to + kBesideWalls * column);
@@ -118,14 +124,20 @@ Judge::Judge(const Rig& rig, const SectionReference& section, const Tolerance& t
   }
 }
 
-FloatImage Judge::difference(const FloatImage& heights) const {
-  FloatImage result(heights.rows, heights.columns, kNoValue);
-  for (int r = 0; r < heights.rows; ++r) {
-    for (int c = 0; c < heights.columns; ++c) {
-      result.row(r)[c] =
-          static_cast<float>(static_cast<double>(heights.row(r)[c]) - reference_[static_cast<std::size_t>(c)]);
-    }
+Judge::Judge(const Rig& rig, const HeightCells& reference, const Tolerance& tolerance, const std::string& source)
+    : tolerance_(tolerance) {
+  check_map_tolerance(tolerance, rig, reference, source);
+  grid_ = placed_grid(rig.parts->grid_mm, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
+  reference_ = without_steep_places(placed_heights(reference, Placement{}, grid_), rig);
+  for (const ToleranceRegion& region : tolerance_.regions) {
+    regions_.push_back(region_cells(region, grid_));
   }
+}
+
+FloatImage Judge::difference(const FloatImage& heights) const {
+  FloatImage result(heights.rows, heights.columns);
+  std::transform(heights.values.begin(), heights.values.end(), reference_.values.begin(), result.values.begin(),
+                 std::minus<>());
   return result;
 }
 
@@ -151,6 +163,9 @@ void Judge::place(const CutPart& part, PartResult& result) const {
 }
 
 HeightCells Judge::without_walls(HeightCells cells) const {
+  if (walls_.empty()) {
+    return cells;
+  }
   for (int c = 0; c < cells.grid.columns; ++c) {
     const double across = cells.grid.across_of(c);
     if (std::none_of(walls_.begin(), walls_.end(),

@@ -31,14 +31,14 @@ int defect_side(double smallest_mm2, double pitch_mm);
 cv::Mat1b region_cells(const ToleranceRegion& region, const MapGrid& grid);
 
 // Places and judges parts. Keeps what is the same for all of them.
-//
-// The pattern has a jump at each wall of the reference, and columns beside it see light of both sides. It stays where
-// it is when a part is shifted, and then falls on a surface; kBesideWalls columns beside it count as without a point.
-inline constexpr double kBesideWalls = 3.5;
 class Judge {
  public:
   // Throws UserError, naming `source`, as check_tolerance does.
   Judge(const Rig& rig, const SectionReference& section, const Tolerance& tolerance, const std::string& source);
+
+  // The same for depth images, whose reference is a map on the rig's grid. Parts lie where the reference did. Throws as
+  // check_map_tolerance does.
+  Judge(const Rig& rig, const HeightCells& reference, const Tolerance& tolerance, const std::string& source);
 
   // The result of the part but for its number and delay, and its maps.
   //
@@ -55,10 +55,10 @@ class Judge {
   [[nodiscard]] HeightCells without_walls(HeightCells cells) const;
   void find_defects(const PlacedMaps& maps, PartResult& result) const;
 
-  double above_;
+  double above_ = 0;
   Tolerance tolerance_;
   MapGrid grid_;
-  std::vector<double> reference_;                 // heights of the grid's columns
+  FloatImage reference_;                          // heights, NaN where there is none
   std::vector<std::pair<double, double>> walls_;  // of the reference, and what is beside them: across, mm
   std::vector<cv::Mat1b> regions_;
 };

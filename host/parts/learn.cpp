@@ -13,6 +13,7 @@
 #include "host/io/rounded.h"
 #include "host/io/user_error.h"
 #include "host/parts/judge.h"
+#include "host/parts/map_reference.h"
 #include "host/parts/placement.h"
 #include "host/parts/running_figures.h"
 
@@ -43,6 +44,9 @@ std::pair<std::optional<double>, std::optional<double>> section_edges(const Sect
 Learner::Learner(const Rig& rig, SectionReference section, const LearnOptions& options)
     : rig_(rig), section_(std::move(section)), options_(options) {}
 
+Learner::Learner(const Rig& rig, HeightCells reference, const LearnOptions& options)
+    : rig_(rig), map_(std::move(reference)), options_(options) {}
+
 void Learner::add(CutPart&& part) {
   if (parts_.size() >= kMostGoodParts) {
     ++not_kept_;
@@ -51,10 +55,31 @@ void Learner::add(CutPart&& part) {
   parts_.push_back(std::move(part));
 }
 
+Tolerance Learner::whole_view() const {
+  Tolerance tolerance;
+  tolerance.by_edges = false;
+  const double pitch = rig_.parts->grid_mm;
+  const double pixel = rig_.plane_z_mm * rig_.camera.pixel_pitch_mm / rig_.camera.focal_length_mm;
+  tolerance.length_mm = std::floor(rig_.camera.rows * pixel / pitch) * pitch;
+  tolerance.right_mm = std::floor(0.5 * rig_.camera.columns * pixel / pitch) * pitch;
+  tolerance.left_mm = -tolerance.right_mm;
+  tolerance.most_shift_mm = options_.most_shift_mm;
+  tolerance.most_turn_deg = options_.most_turn_deg;
+  tolerance.most_residual_mm = 1e6;
+  tolerance.smallest_mm2 = options_.smallest_mm2;
+  tolerance.section_step_mm = kSectionStep;
+  tolerance.section_mm = middle_section(*map_, tolerance, kSectionStep);
+  const MapGrid grid = placed_grid(pitch, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
+  tolerance.regions = map_regions(without_steep_places(placed_heights(*map_, Placement{}, grid), rig_), grid,
+                                  options_.edge_mm, options_.smallest_mm2);
+  return tolerance;
+}
+
+Judge Learner::judge_of(const Tolerance& tolerance, const std::string& source) const {
+  return map_ ? Judge(rig_, *map_, tolerance, source) : Judge(rig_, section_, tolerance, source);
+}
+
 Tolerance Learner::outline(const std::string& source) const {
-  if (parts_.size() < kLeastGoodParts) {
-    throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kLeastGoodParts));
-  }
   RunningFigures length;
   RunningFigures width;
   RunningFigures middle;
@@ -132,8 +157,13 @@ std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const S
 }
 
 Tolerance Learner::learn(const std::string& source) const {
-  Tolerance tolerance = outline(source);
-  tolerance.regions = tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
+  if (parts_.size() < kLeastGoodParts) {
+    throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kLeastGoodParts));
+  }
+  Tolerance tolerance = map_ ? whole_view() : outline(source);
+  if (!map_) {
+    tolerance.regions = tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
+  }
   if (tolerance.regions.empty()) {
     throw UserError(
         source, fmt::format("no surface of the part is wider than the strips of {} mm at its edges", options_.edge_mm));
@@ -144,7 +174,7 @@ Tolerance Learner::learn(const std::string& source) const {
   std::vector<Seen> seen(tolerance.regions.size());
   RunningFigures residual;
   {
-    const Judge judge(rig_, section_, tolerance, source);
+    const Judge judge = judge_of(tolerance, source);
     PlacedMaps maps;
     for (const CutPart& part : parts_) {
       const PartResult result = judge.judge(part, maps);

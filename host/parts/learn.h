@@ -3,9 +3,12 @@
 #define SELFPROJ_HOST_PARTS_LEARN_H
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host/parts/judge.h"
+#include "host/parts/map_grid.h"
 #include "host/parts/part_cutter.h"
 #include "host/parts/section_reference.h"
 #include "host/parts/tolerance.h"
@@ -31,9 +34,13 @@ inline constexpr std::size_t kMostGoodParts = 200;
 //   - the band of each: mean over the parts of the highest level that the smallest area reaches (defect_levels), and
 //     `spreads` standard deviations; likewise the lowest
 //   - the share of missing points and the residual of the placement: mean and `spreads` standard deviations
+//
+// Of depth images, whose reference is a map, the outline is the whole view, parts lie where the reference did, and the
+// regions are the surfaces of the reference (map_regions).
 class Learner {
  public:
   Learner(const Rig& rig, SectionReference section, const LearnOptions& options);
+  Learner(const Rig& rig, HeightCells reference, const LearnOptions& options);
 
   // Keeps the part's map. Parts after kMostGoodParts are only counted.
   void add(CutPart&& part);
@@ -47,8 +54,11 @@ class Learner {
 
  private:
   [[nodiscard]] Tolerance outline(const std::string& source) const;
+  [[nodiscard]] Tolerance whole_view() const;
+  [[nodiscard]] Judge judge_of(const Tolerance& tolerance, const std::string& source) const;
 
   Rig rig_;
+  std::optional<HeightCells> map_;  // the reference of depth images
   SectionReference section_;
   LearnOptions options_;
   std::vector<CutPart> parts_;

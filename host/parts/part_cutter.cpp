@@ -134,6 +134,8 @@ void PartCutter::add(const PacketHeader& header, const ProfileView& profile, std
       }
       break;
     }
+    case PartCut::image:  // has no profiles; a rig of a light section cannot have it
+      break;
     case PartCut::distance:
     case PartCut::trigger: {
       const bool by_distance = rule_.cut == PartCut::distance;

@@ -8,6 +8,7 @@
 #include "host/io/float_image.h"
 #include "host/report/depth_output.h"
 #include "host/report/depth_summary.h"
+#include "host/report/facts_json.h"
 #include "host/report/map_picture.h"
 
 namespace selfproj {
@@ -27,6 +28,9 @@ std::string summary(const MatchTable& table, const MatchReport& report) {
                               {"codes_with_several_candidates", table.doubled()}};
   if (report.counts) {
     json["device"] = device_json(report.device, *report.counts);
+  }
+  if (!report.line.empty()) {
+    json["line"] = facts_json(report.line);
   }
   for (int i = 0; i < kPointStates; ++i) {
     const auto state = static_cast<PointState>(i);

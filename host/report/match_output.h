@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/io/output_folder.h"
+#include "host/report/facts.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/depth_shares.h"
@@ -28,6 +29,7 @@ struct MatchReport {
   std::string device = {};                       // its URI, if there is one
   std::size_t depth_images = 0;
   std::optional<DeviceCounts> counts = {};
+  std::vector<Fact> line = {};  // what was counted of the parts of a running line
 };
 
 // The newest depth image and its difference from the reference in colours, as PNG.

@@ -38,6 +38,8 @@ const std::vector<std::pair<const char*, RigKind>> kKinds = {{"light-section", R
                                                              {"scanner", RigKind::scanner}};
 const std::vector<std::pair<const char*, PartCut>> kCuts = {
     {"profile", PartCut::profile}, {"distance", PartCut::distance}, {"trigger", PartCut::trigger}};
+const std::vector<std::pair<const char*, PartCut>> kScannerCuts = {{"image", PartCut::image},
+                                                                   {"trigger", PartCut::trigger}};
 const std::vector<std::pair<const char*, bool>> kBelts = {{"encoder", true}, {"clock", false}};
 
 template <class LensT, class Visitor>
@@ -103,8 +105,15 @@ void visit_heights(HeightsT& heights, Visitor& v) {
 }
 
 template <class PartsT, class Visitor>
-void visit_parts(PartsT& parts, Visitor& v) {
+void visit_parts(PartsT& parts, RigKind kind, Visitor& v) {
   v.begin("parts");
+  if (kind == RigKind::scanner) {
+    v.choice("cut", parts.cut, kScannerCuts);
+    v.number("grid_mm", parts.grid_mm, 1, {.low = 0.01, .high = 100});
+    v.number("pause_ms", parts.pause_s, kMilli, kPositive);
+    v.end();
+    return;
+  }
   v.choice("cut", parts.cut, kCuts);
   v.choice("belt", parts.by_encoder, kBelts);
   v.number("grid_mm", parts.grid_mm, 1, {.low = 0.01, .high = 100});
@@ -207,7 +216,7 @@ void visit_rig(RigT& rig, Visitor& v) {
     visit_heights(*rig.heights, v);
   }
   if (v.has_any({"parts"}, rig.parts)) {
-    visit_parts(*rig.parts, v);
+    visit_parts(*rig.parts, rig.kind, v);
   }
 }
 
@@ -236,12 +245,11 @@ void check_sections(const Rig& rig, const std::string& source) {
   const char* const section = rig.light_plane ? "light_plane"
                               : rig.belt_pose ? "belt_pose"
                               : rig.heights   ? "heights"
-                              : rig.parts     ? "parts"
                                               : nullptr;
   if (section != nullptr && rig.kind != RigKind::light_section) {
     throw UserError(source, fmt::format("{} goes only with kind light-section", section));
   }
-  if (rig.parts) {
+  if (rig.parts && rig.kind == RigKind::light_section) {
     const RigParts& parts = *rig.parts;
     if (!(parts.min_length_mm < parts.length_mm)) {
       throw UserError(source, fmt::format("parts.length_mm is {}, parts.min_length_mm {}; it must be greater",

@@ -161,9 +161,11 @@ enum class PartCut : std::uint8_t {
   profile,   // a part begins where profiles are higher than above_mm, and ends where they are not any more
   distance,  // every length_mm of the belt is a part
   trigger,   // frames come only while a part is there: a pause of pause_s ends it
+  image,     // a scanner: every depth image is a part
 };
 
-// How the stream of profiles is cut into parts, and the grid of their maps.
+// How the stream of profiles, or of depth images, is cut into parts, and the grid of their maps. A scanner has cut,
+// grid_mm and pause_s only; the rest says nothing.
 struct RigParts {
   PartCut cut = PartCut::profile;
   bool by_encoder = true;    // the belt is where the encoder says; otherwise where speed and time stamps say

@@ -144,6 +144,9 @@ class DeviceScan {
       set_background(setup_, *run_.triangulation, *scanner_);
     }
     check_size("an earlier image", run_.triangulation->rows(), run_.triangulation->columns(), source);
+    if (got == ScanStream::Got::image && !stream_.follows()) {
+      scanner_->restart();
+    }
     if (got == ScanStream::Got::codes) {
       scanner_->take_codes(stream_.codes().data());
     } else if (!scanner_->take(stream_.image(), stream_.pattern(2 * setup_.geometry.bits))) {

@@ -14,6 +14,8 @@ ScanStream::Got ScanStream::add(const PacketView& packet) {
     kind_ = Got::image;
     newest_ = 1 - newest_;
     pixels_.at(newest_) = images_.pixels();
+    follows_ = last_ && *last_ + 1 == images_.header().sequence;
+    last_ = images_.header().sequence;
     return Got::image;
   }
   return Got::nothing;

@@ -33,6 +33,10 @@ class ScanStream {
     return static_cast<int>(header().sequence % static_cast<std::uint64_t>(patterns));
   }
 
+  // Whether the image follows the one that was completed before it: none between them was lost. A decoder must begin
+  // anew where it does not, because after a whole number of sequences the pattern alone does not tell.
+  [[nodiscard]] bool follows() const { return follows_; }
+
   // The number of its pair of images, from 0: that of the depth image that it completes.
   [[nodiscard]] std::uint64_t pair() const { return header().sequence / 2; }
 
@@ -45,6 +49,8 @@ class ScanStream {
   std::optional<Got> kind_;
   std::array<std::vector<std::uint8_t>, 2> pixels_;  // of the newest image and the one before, by turns
   std::size_t newest_ = 0;
+  std::optional<std::uint64_t> last_;  // sequence of the newest image
+  bool follows_ = false;
 };
 
 }  // namespace selfproj

@@ -31,6 +31,9 @@ class Scanner {
   // `good` is false for a flagged frame.
   bool take(const ImageView& image, int pattern, bool good = true);
 
+  // The next frame does not follow the one before: decoding begins anew.
+  void restart() { decoder_.restart(); }
+
   // Takes a code image that was decoded elsewhere (on the board), rows · columns words.
   void take_codes(const std::uint16_t* codes);
 

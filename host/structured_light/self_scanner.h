@@ -38,6 +38,9 @@ class SelfScanner {
   // codes (4.15 to 4.18), match (4.19, 4.20), triangulation (4.8), difference. `good` is false for a flagged frame.
   bool take(const ImageView& image, int pattern, bool good = true);
 
+  // The next frame does not follow the one before: decoding begins anew.
+  void restart() { decoder_.restart(); }
+
   // Takes a code image that was decoded elsewhere (on the board), rows x columns words. Codes of more than m bits are
   // not measurable.
   void take_codes(const std::uint16_t* words);

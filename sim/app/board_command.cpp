@@ -16,21 +16,19 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "host/driver/clock.h"
 #include "host/driver/ring_list.h"
 #include "host/driver/ring_writer.h"
 #include "host/io/command_line.h"
-#include "host/io/frame_options.h"
 #include "host/io/output_file.h"
 #include "host/io/progress.h"
 #include "host/io/status_line.h"
 #include "host/io/stop_signal.h"
 #include "host/io/user_error.h"
-#include "model/column_moments.h"
 #include "model/packet.h"
 #include "model/pixel_clock.h"
+#include "sim/app/board_source.h"
 #include "sim/board/etherbone_board.h"
 #include "sim/board/packet_recording.h"
 #include "sim/board/played_registers.h"
@@ -43,11 +41,7 @@ constexpr double kDefaultRate = 10000;
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 
 struct BoardOptions {
-  std::string replay;
-  std::string line;  // COLUMNSxROWS
-  std::string mode = "grey-over";
-  int threshold = 60;
-  int line_frames = 100;
+  BoardSource source;
   std::string ring;
   std::string udp;
   std::string from;  // empty: any address and port
@@ -70,46 +64,22 @@ void sleep_until(std::int64_t time_ns) {
   }
 }
 
-PacketRecording make_line(const BoardOptions& options) {
-  const auto [rows, columns] = size_of_text("--line", options.line, std::max(spec::kMaxColumns, spec::kMaxRows));
-  if (columns > spec::kMaxColumns || columns % spec::kPixelsPerBeat != 0 || rows > spec::kMaxRows) {
-    throw UserError("--line " + options.line,
-                    fmt::format("is not an image size such as 512x96: columns a multiple of {} up to {}, rows up to {}",
-                                spec::kPixelsPerBeat, spec::kMaxColumns, spec::kMaxRows));
-  }
-  return moving_line(rows, columns, options.line_frames, mode_of(options.mode), options.threshold);
-}
-
-PacketRecording source_of(const BoardOptions& options) {
-  if (options.replay.empty() == options.line.empty()) {
-    throw UserError("--replay, --line", "give one of them, not both");
-  }
-  if (!options.line.empty()) {
-    return make_line(options);
-  }
-  Counters counters;
-  PacketRecording recording = read_recording(options.replay, counters);
-  if (counters.bad + counters.missing + counters.bytes_discarded > 0) {
-    fmt::print(stderr, "selfproj-sim: {}: {} bad packets and {} missing frames in the recording are left out\n",
-               options.replay, counters.bad, counters.missing);
-  }
-  return recording;
-}
-
 // The clock of the new time stamps.
 double clocks_per_frame(const BoardOptions& options) {
   return options.pixel_clock_hz / (options.rate > 0 ? options.rate : kDefaultRate);
 }
 
-// How many frames are to be played; the largest number if it is endless.
-std::uint64_t frames_to_play(const BoardOptions& options, const PacketRecording& source) {
+// How many frames the options ask for; the largest number if it is endless, 0 for those of the source once.
+std::uint64_t frames_wanted(const BoardOptions& options) {
   if (options.count > 0) {
     return options.count;
   }
-  if (options.loop || options.seconds > 0) {
-    return std::numeric_limits<std::uint64_t>::max();
-  }
-  return source.frames();
+  return options.loop || options.seconds > 0 ? std::numeric_limits<std::uint64_t>::max() : 0;
+}
+
+std::uint64_t frames_to_play(const BoardOptions& options, const PacketRecording& source) {
+  const std::uint64_t wanted = frames_wanted(options);
+  return wanted > 0 ? wanted : source.frames();
 }
 
 void record(const BoardOptions& options, const PacketRecording& source) {
@@ -260,7 +230,7 @@ void run_board(const BoardOptions& options) {
   if (!(options.seconds >= 0) || options.seconds > 1e9) {
     throw UserError("--seconds", "a number from 0 to 1e9 is needed");
   }
-  const PacketRecording source = source_of(options);
+  const PacketRecording source = read_source(options.source, frames_wanted(options));
   if (!options.record.empty()) {
     record(options, source);
     return;
@@ -289,42 +259,26 @@ void add_board_command(CLI::App& app) {
       {.name = "board",
        .purpose = "Plays a board in real time, into a shared-memory ring or over the network.",
        .details =
-           "Packets come from a recording (--replay) or from a line of light that moves (--line); they go into a "
-           "ring (--ring), to a host on the network (--udp) or into a file (--record). Sequence numbers, time stamps, "
-           "encoder counts and check words "
-           "are written anew, so that repetitions follow each other as one run.\n\n"
+           "Packets come from a recording (--replay), from recorded images (--images) or from a line of light that "
+           "moves (--line); they go into a ring (--ring), to a host on the network (--udp) or into a file (--record). "
+           "Sequence numbers, time stamps, encoder counts and check words are written anew, so that repetitions follow "
+           "each other as one run. At each repetition the board begins to decode anew.\n\n"
            "Frames are due at fixed times from the start. A late frame follows immediately. The last line says how "
            "many frames were played, how many found the ring full, and how late the latest was.",
        .examples = R"(
 # Record the packets of a moving line.
 selfproj-sim board --line 512x96 --record line.slfp
 
+# What a board decodes of recorded images, as packets.
+selfproj-sim scene render desk --bits 4 --count 16 --out codes
+selfproj-sim board --images codes/*.png --bits 4 --record codes.slfp
+
 # Play them at 10,000 frames a second for 2 seconds, to a reader in another process.
 selfproj-sim board --replay line.slfp --ring line1 --seconds 2 --wait-for-reader &
 selfproj inspect --device ring:line1 --wait-for-board --seconds 3
 )"});
   const auto options = std::make_shared<BoardOptions>();
-  begin_group(*command, "Source (one of --replay and --line is required)");
-  command
-      ->add_option("--replay", options->replay,
-                   "Recorded packets, of --record or of `selfproj-sim cosim --packets`. Bad ones are left out.")
-      ->type_name("FILE");
-  command
-      ->add_option("--line", options->line,
-                   "A line of light that moves in frames of this size, in pixels, sent through the model of the board.")
-      ->type_name("WxH");
-  command->add_option("--mode", options->mode, "With --line: what a lit pixel weighs.")
-      ->check(one_of(mode_names()))
-      ->type_name("MODE")
-      ->capture_default_str();
-  command->add_option("--threshold", options->threshold, "With --line: a pixel is lit where its grey value is greater.")
-      ->transform(whole_number(0, 255))
-      ->type_name("T")
-      ->capture_default_str();
-  command->add_option("--line-frames", options->line_frames, "With --line: frames until the line is where it began.")
-      ->transform(whole_number(1, 100000))
-      ->type_name("N")
-      ->capture_default_str();
+  add_source_options(*command, options->source);
   begin_group(*command, "Destination (one of --ring, --udp and --record is required)");
   command->add_option("--ring", options->ring, "Ring to write into. A driver reads it as ring:NAME.")
       ->type_name("NAME");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <span>
@@ -14,6 +15,7 @@
 
 #include "host/driver/open_device.h"
 #include "host/io/user_error.h"
+#include "model/board.h"
 #include "model/packet.h"
 
 namespace selfproj {
@@ -110,6 +112,38 @@ PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int th
     packet.clear();
     append_packet(header, payload, 0, packet);
     recording.add(header, packet);
+  }
+  return recording;
+}
+
+PacketRecording recording_of_images(const BoardSettings& settings, std::size_t images, int patterns,
+                                    const std::function<ImageView(std::size_t)>& image) {
+  constexpr std::uint64_t kPause = 100;  // clocks between two frames: enough for the decoder
+  PacketRecording recording;
+  std::vector<std::uint8_t> packet;
+  BoardModel board(
+      [&](BoardPacket&& made) {
+        packet.clear();
+        append_packet(made.header, made.payload, made.status, packet);
+        recording.add(made.header, packet);
+      },
+      settings.median);
+  board.write(settings);
+  BoardInputs inputs;
+  VideoBeat beat;
+  for (std::size_t i = 0; i < images; ++i) {
+    const ImageView view = image(i);
+    inputs.clock += kPause;
+    inputs.pattern = static_cast<std::uint16_t>(i % static_cast<std::size_t>(patterns));
+    for (int row = 0; row < settings.rows; ++row) {
+      for (int column = 0; column < settings.columns; column += spec::kPixelsPerBeat) {
+        ++inputs.clock;
+        beat.start = row == 0 && column == 0;
+        beat.line_end = column + spec::kPixelsPerBeat == settings.columns;
+        std::copy_n(view.pixels + row * view.stride + column, beat.pixels.size(), beat.pixels.begin());
+        board.beat(inputs, beat);
+      }
+    }
   }
   return recording;
 }

@@ -4,11 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "host/driver/counters.h"
+#include "model/board.h"
 #include "model/column_moments.h"
 #include "model/packet.h"
 
@@ -69,6 +71,11 @@ PacketRecording read_recording(const std::string& file, Counters& counters);
 //
 // Every pixel and moment is thus known. Throws std::invalid_argument if a number is out of the circuit's range.
 PacketRecording moving_line(int rows, int columns, int frames, Mode mode, int threshold);
+
+// The packets that the model of the board makes of `images` images, image i under pattern i % patterns. The settings
+// say their size and what is sent besides the moments. `image` is asked in order.
+PacketRecording recording_of_images(const BoardSettings& settings, std::size_t images, int patterns,
+                                    const std::function<ImageView(std::size_t)>& image);
 
 }  // namespace selfproj
 

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """A running line under requests that are none, by HTTP and Modbus, and how fast its results come.
 
-    line_requests.py PROGRAMS MAKE_PARTS [--requests N] [--rate R] [--seconds S] [--nice P] [--record]
+    line_requests.py PROGRAMS MAKE_PARTS [--requests N] [--rate R] [--seconds S] [--browsers B] [--nice P] [--record]
 
 A board repeats parts, every third with a dent, through a ring. For S seconds, at R frames a second, nobody disturbs
-the line; --nice gives it a priority on a machine that has other work. Then, in a run at 1,500 frames a second,
-N HTTP requests and N Modbus requests come that are damaged, cut or random bytes, or ask to write. Afterwards every
-part must have been judged as before, nothing may be lost, and page and registers must still tell what the files tell.
+the line, but B browsers show its page, each a process of its own without a window; --nice gives the line a priority on
+a machine that has other work. Nothing may be lost, and the line's memory is kept at the beginning and at the end.
+Then, in a run at 1,500 frames a second, N HTTP requests and N Modbus requests come that are damaged, cut or random
+bytes, or ask to write. Afterwards every part must have been judged as before, nothing may be lost, and page and
+registers must still tell what the files tell.
 --record keeps the figures in the folder results.
 """
 
@@ -15,6 +17,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import signal
 import socket
 import struct
@@ -24,17 +27,12 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"))
+import chromium  # noqa: E402
 import results  # noqa: E402
 
 CYCLE = ["OK", "OK", "not OK"]
 REGISTERS = 21
 ATTACKED_RATE = 1500  # frames a second: not the machine's speed is to be measured then
-
-
-def free_port():
-    with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
-        return s.getsockname()[1]
 
 
 def modbus(port, function=4, first=0, count=REGISTERS):
@@ -104,7 +102,7 @@ class Line:
 
     def __init__(self, programs, folder, out, rate, niceness=0):
         ring = f"requests-{os.getpid()}-{out}"
-        self.folder, self.out, self.live, self.modbus = folder, out, free_port(), free_port()
+        self.folder, self.out, self.live, self.modbus = folder, out, chromium.free_port(), chromium.free_port()
         self.board = subprocess.Popen([programs / "selfproj-sim", "board", "--replay", "run.packets", "--ring", ring,
                                        "--rate", str(rate), "--loop", "--wait-for-reader"], cwd=folder,
                                       stdout=subprocess.DEVNULL)
@@ -116,7 +114,7 @@ class Line:
         if niceness:
             for pid in (self.board.pid, self.host.pid):  # before they make threads
                 os.setpriority(os.PRIO_PROCESS, pid, niceness)
-        self.host.stderr.readline()
+        self.url = self.host.stderr.readline().split()[-1]
         self.wait_for_parts(1)
 
     def wait_for_parts(self, least):
@@ -156,6 +154,45 @@ class Line:
         return counts
 
 
+def resident_mib(pid):
+    """The memory that a process has in RAM."""
+    status = pathlib.Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
+    return int(re.search(r"^VmRSS:\s+(\d+) kB", status, re.M)[1]) / 1024
+
+
+def watch(programs, folder, args):
+    """The line for args.seconds with args.browsers at its page. Returns the figures of the run."""
+    pages = [chromium.Chromium() for _ in range(args.browsers)]
+    try:
+        line = Line(programs, folder, "quiet", args.rate, args.nice)
+        for page in pages:
+            page.open(line.url)
+        for page in pages:
+            page.wait_for("return document.querySelectorAll('#parts tbody tr').length >= 4", "no parts on the page")
+        seen = [int(page.figures()["profiles"]) for page in pages]
+        begin = most = resident_mib(line.host.pid)
+        load, end = [], time.monotonic() + args.seconds
+        while time.monotonic() < end:
+            time.sleep(min(1, args.seconds / 4))
+            most = max(most, resident_mib(line.host.pid))
+            load.append(os.getloadavg()[0])
+        final = resident_mib(line.host.pid)
+        # Every page is still live: it shows what came in the meantime, and no error.
+        for page, before in zip(pages, seen):
+            assert int(page.figures()["profiles"]) > before
+            assert not page.errors(), page.errors()
+    finally:
+        for page in pages:
+            page.close()
+    counts = line.end()
+    return {"profiles": counts["profiles"], "parts": counts["parts"], "rate_per_s": args.rate,
+            "seconds": args.seconds, "browsers": args.browsers, "niceness": args.nice, "cores": os.cpu_count(),
+            "load": round(sum(load) / len(load), 1), "result_delay_p50_ms": counts["result_delay_p50_ms"],
+            "result_delay_p99_ms": counts["result_delay_p99_ms"], "delay_max_ms": counts["delay_max_us"] / 1000,
+            "lost": 0, "pictures_dropped": counts["live_dropped"], "memory_begin_mib": round(begin, 1),
+            "memory_most_mib": round(most, 1), "memory_end_mib": round(final, 1)}
+
+
 def attack(line, requests, seed):
     rng = random.Random(seed)
     for i in range(requests):
@@ -173,6 +210,7 @@ def main():
     parser.add_argument("--requests", type=int, default=100)
     parser.add_argument("--rate", type=int, default=10000)
     parser.add_argument("--seconds", type=float, default=0)
+    parser.add_argument("--browsers", type=int, default=0)
     parser.add_argument("--nice", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--record", action="store_true")
@@ -186,14 +224,8 @@ def main():
                        stdout=subprocess.DEVNULL)
         found = {}
         if args.seconds:
-            line = Line(programs, folder, "quiet", args.rate, args.nice)
-            time.sleep(args.seconds)
-            quiet = line.end()
-            found["with_priority" if args.nice < 0 else "undisturbed"] = {
-                "profiles": quiet["profiles"], "parts": quiet["parts"], "rate_per_s": args.rate,
-                "seconds": args.seconds, "niceness": args.nice, "load": os.getloadavg()[0],
-                "result_delay_p50_ms": quiet["result_delay_p50_ms"],
-                "result_delay_p99_ms": quiet["result_delay_p99_ms"], "lost": 0}
+            name = "watched" if args.browsers else "undisturbed"
+            found[name + "_with_priority" * (args.nice < 0)] = watch(programs, folder, args)
             print(json.dumps(found), flush=True)
         if args.requests:
             line = Line(programs, folder, "attacked", ATTACKED_RATE)

@@ -7,14 +7,12 @@ PROGRAMS is the folder of selfproj and selfproj-sim, MAKE_PARTS the program that
 the tests with a browser are skipped. --pictures keeps what the browser shows.
 """
 
-import base64
 import http.client
 import json
 import os
 import pathlib
 import random
 import re
-import shutil
 import signal
 import socket
 import struct
@@ -24,14 +22,10 @@ import tempfile
 import time
 import unittest
 
+import chromium
+
 PROGRAMS = MAKE_PARTS = PICTURES = None
 RING = f"live-test-{os.getpid()}"
-
-
-def free_port():
-    with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
-        return s.getsockname()[1]
 
 
 def message_of(read):
@@ -96,7 +90,7 @@ class Http(Made):
         return answer, body
 
     def test_tells_what_the_files_tell_and_takes_nothing(self):
-        line = Line(self.folder, "http", free_port())
+        line = Line(self.folder, "http", chromium.free_port())
         self.addCleanup(lambda: line.host.poll() is None and line.stop())
         connection = http.client.HTTPConnection("127.0.0.1", line.port, timeout=10)
         connection.request("GET", "/stream")
@@ -133,7 +127,7 @@ class Http(Made):
         self.assertIn("live_dropped", counts)
 
     def test_another_address_needs_the_token(self):
-        line = Line(self.folder, "token", free_port(), "0.0.0.0")
+        line = Line(self.folder, "token", chromium.free_port(), "0.0.0.0")
         self.addCleanup(lambda: line.host.poll() is None and line.stop())
         token = re.fullmatch(r"http://0\.0\.0\.0:\d+/\?token=([0-9a-f]{32})", line.url).group(1)
         self.assertEqual(self.get(line.port, "/")[0].status, 403)
@@ -153,84 +147,31 @@ class Http(Made):
                          (2, f"selfproj: --live 127.0.0.1:{port}: Address already in use\n"))
 
 
-@unittest.skipUnless(shutil.which("chromedriver"), "chromedriver is not installed")
+@unittest.skipUnless(chromium.THERE, "chromedriver is not installed")
 class Browser(Made):
-    """Chromium, by the protocol of its driver."""
-
-    def call(self, method, path, body=None):
-        connection = http.client.HTTPConnection("127.0.0.1", self.driver_port, timeout=60)
-        connection.request(method, path, json.dumps(body) if body is not None else None,
-                           {"Content-Type": "application/json"})
-        answer = json.loads(connection.getresponse().read())
-        connection.close()
-        value = answer["value"]
-        self.assertFalse(isinstance(value, dict) and "error" in value, answer)
-        return value
-
-    def in_session(self, method, path, body=None):
-        return self.call(method, f"/session/{self.session}{path}", body)
-
-    def script(self, text):
-        return self.in_session("POST", "/execute/sync", {"script": text, "args": []})
-
-    def command(self, name, parameters):
-        return self.in_session("POST", "/goog/cdp/execute", {"cmd": name, "params": parameters})
-
     def setUp(self):
-        self.driver_port = free_port()
-        self.driver = subprocess.Popen(["chromedriver", f"--port={self.driver_port}"], stdout=subprocess.DEVNULL,
-                                       stderr=subprocess.DEVNULL)
-        self.addCleanup(self.driver.wait)
-        self.addCleanup(self.driver.terminate)
-        for _ in range(200):
-            try:
-                self.call("GET", "/status")
-                break
-            except OSError:
-                time.sleep(0.05)
-        options = {"args": ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1280,1000",
-                            "--enable-unsafe-swiftshader", "--disable-background-networking"]}
-        wanted = {"goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"}}
-        self.session = self.call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
-        self.addCleanup(lambda: self.in_session("DELETE", ""))
-
-    def wait_for(self, text, what):
-        for _ in range(400):
-            if self.script(text):
-                return
-            time.sleep(0.05)
-        self.fail(what)
-
-    def picture(self, name):
-        if PICTURES:
-            data = self.command("Page.captureScreenshot", {"captureBeyondViewport": True})["data"]
-            (PICTURES / f"{name}.png").write_bytes(base64.b64decode(data))
-
-    def rows_shown(self):
-        return self.script("return [...document.querySelectorAll('#parts tbody tr')]"
-                           ".map(r => [...r.cells].map(c => c.textContent))")
+        self.page = chromium.Chromium()
+        self.addCleanup(self.page.close)
 
     def test_shows_what_the_files_tell(self):
-        line = Line(self.folder, "first", free_port())
+        line = Line(self.folder, "first", chromium.free_port())
         self.addCleanup(lambda: line.host.poll() is None and line.stop())
-        self.in_session("POST", "/url", {"url": line.url})
-        self.wait_for("return document.querySelectorAll('#parts tbody tr').length >= 4", "no parts on the page")
-        self.wait_for("return Number(document.getElementById('solid').dataset.triangles || 0) > 1000", "no 3-D view")
-        self.wait_for("const c = document.getElementById('waterfall');"
-                      "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
-                      "return d.some((v, i) => i % 4 === 3 && v === 255)", "no waterfall")
+        self.page.open(line.url)
+        self.page.wait_for("return document.querySelectorAll('#parts tbody tr').length >= 4", "no parts on the page")
+        self.page.wait_for("return Number(document.getElementById('solid').dataset.triangles || 0) > 1000",
+                           "no 3-D view")
+        self.page.wait_for("const c = document.getElementById('waterfall');"
+                           "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+                           "return d.some((v, i) => i % 4 === 3 && v === 255)", "no waterfall")
         for scheme in ("light", "dark"):
-            self.command("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme",
-                                                                      "value": scheme}]})
             for name, width in (("desktop", 1280), ("phone", 390)):
-                self.command("Emulation.setDeviceMetricsOverride", {"width": width, "height": 1000,
-                                                                    "deviceScaleFactor": 1, "mobile": width < 600})
+                self.page.show_as(scheme, width)
                 time.sleep(0.3 if PICTURES else 0)
-                self.assertLessEqual(self.script("return document.documentElement.scrollWidth"), width, name)
-                self.picture(f"{name}-{scheme}")
-        shown = self.rows_shown()
-        figures = self.script("return Object.fromEntries([...document.querySelectorAll('#figures dd')]"
-                              ".map(d => [d.dataset.key, d.textContent]))")
+                self.assertLessEqual(self.page.script("return document.documentElement.scrollWidth"), width, name)
+                if PICTURES:
+                    self.page.picture(PICTURES / f"{name}-{scheme}.png")
+        shown = self.page.rows("parts")
+        figures = self.page.figures()
         self.assertGreater(int(figures["profiles"]), 1000)
         self.assertEqual(figures["lost_ring"], "0")
         # The program restarts, and the page finds it again.
@@ -244,22 +185,67 @@ class Browser(Made):
             self.assertEqual(row[5], str(len(part["defects"])))
         again = Line(self.folder, "again", line.port, rate=150)  # its parts stay few until the page is back
         self.addCleanup(lambda: again.host.poll() is None and again.stop())
-        self.wait_for("const r = document.querySelector('#parts tbody tr td');"
+        self.page.wait_for("const r = document.querySelector('#parts tbody tr td');"
                       "return document.getElementById('connection').textContent === 'connected'"
                       f" && r && Number(r.textContent) < {max(int(r[0]) for r in shown)}", "not connected again")
         again.stop()
         # No error but that of the time without a program, and nothing from elsewhere.
-        errors = [entry for entry in self.in_session("POST", "/se/log", {"type": "browser"})
-                  if entry["level"] == "SEVERE" and "ERR_CONNECTION_REFUSED" not in entry["message"]
-                  and "ERR_INCOMPLETE_CHUNKED_ENCODING" not in entry["message"]]
-        self.assertEqual(errors, [])
-        asked = [event["params"]["request"]["url"] for entry in self.in_session("POST", "/se/log",
-                                                                                 {"type": "performance"})
-                 for event in [json.loads(entry["message"])["message"]]
-                 if event["method"] == "Network.requestWillBeSent"]
+        self.assertEqual(self.page.errors(), [])
+        asked = self.page.asked()
         self.assertTrue(asked)
         for url in asked:
             self.assertTrue(url.startswith(line.url), url)
+
+
+    def test_shows_the_camera_while_one_sets_up(self):
+        """Raw images: the line is drawn where it was found, and the exposure is judged."""
+        folder = self.folder / "camera"
+        folder.mkdir()
+        run = lambda *words: subprocess.run([PROGRAMS / words[0], *words[1:]], cwd=folder, check=True,
+                                            stdout=subprocess.DEVNULL)
+        run("selfproj-sim", "scene", "render", "stairs-marked", "--count", "4", "--out", "frames")
+        frames = sorted(map(str, (folder / "frames").glob("frame_*.png")))
+        board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--images", *frames, "--threshold", "20",
+                                   "--ring", RING, "--rate", "100", "--loop"], cwd=folder,
+                                 stdout=subprocess.DEVNULL)
+        host = subprocess.Popen([PROGRAMS / "selfproj", "inspect", "--device", "ring:" + RING, "--wait-for-board",
+                                 "--live", str(chromium.free_port()), "--json", "counts.json"], cwd=folder,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(lambda: [process.kill() for process in (board, host) if process.poll() is None])
+        self.page.open(host.stderr.readline().split()[-1])
+        self.page.wait_for("return Number(document.getElementById('camera').dataset.found || 0) > 300",
+                           "no line in the camera's image")
+        # The colour of the line is where the image is bright, not somewhere else.
+        on_line = self.page.script(
+            "const c = document.getElementById('camera'), g = c.getContext('2d');"
+            "const d = g.getImageData(0, 0, c.width, c.height).data; let green = 0, near = 0;"
+            "const grey = (x, y) => { const i = 4 * (y * c.width + x); return d[i] === d[i + 1] ? d[i] : 0; };"
+            "for (let y = 1; y + 1 < c.height; ++y) for (let x = 0; x < c.width; ++x) {"
+            "  const i = 4 * (y * c.width + x);"
+            "  if (d[i + 1] < 150 || d[i] > 60) continue;"
+            "  ++green; near += Math.max(grey(x, y - 1), grey(x, y + 1)) > 40; }"
+            "return [green, near];")
+        self.assertGreater(on_line[0], 300)
+        self.assertGreater(on_line[1], 0.95 * on_line[0], on_line)
+        self.assertIn("exposure", self.page.script("return document.getElementById('exposure').textContent"))
+        self.assertRegex(self.page.script("return document.getElementById('shares').textContent"),
+                         r"^frame \d+; line in \d+\.\d % of the columns, \d+\.\d % of it saturated$")
+        first = self.page.script("return document.getElementById('shares').textContent")
+        self.page.wait_for(f"return document.getElementById('shares').textContent !== {json.dumps(first)}",
+                           "the image stands still")
+        for scheme in ("light", "dark"):
+            self.page.show_as(scheme, 1280)
+            if PICTURES:
+                time.sleep(0.3)
+                self.page.picture(PICTURES / f"camera-{scheme}.png")
+        self.assertEqual(self.page.errors(), [])
+        board.send_signal(signal.SIGINT)
+        self.assertEqual(board.wait(30), 0)
+        host.send_signal(signal.SIGINT)
+        host.stderr.close()
+        self.assertEqual(host.wait(30), 0)
+        counts = json.loads((folder / "counts.json").read_text())
+        self.assertEqual(counts["lost_ring"] + counts["missing"] + counts["bad"], 0)
 
 
 if __name__ == "__main__":

@@ -230,6 +230,16 @@ TEST_F(MatchCommand, OnLineIsLikeOffLine) {
     EXPECT_FALSE(fs::exists(folder_ / (kind + ".less/depth_0005.tiff")));
     EXPECT_TRUE(read_text(folder_ / "offline/depth.tiff") == read_text(folder_ / (kind + ".less/depth.tiff")));
   }
+  // A whole sequence of raw images is lost: the patterns go on as if nothing were, and no depth image has pairs of both
+  // sides of the gap.
+  std::string bytes = packets(names, false);
+  const std::size_t frame = bytes.size() / names.size();
+  bytes.erase(9 * frame, 8 * frame);
+  write_text(folder_ / "gap", bytes);
+  const Outcome outcome = run(with({"--device", "file:gap", "--save", "9", "--out", "gap.out"}));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.rfind("1 depth images: ", 0), 0U) << outcome.out;
+  EXPECT_TRUE(fs::exists(folder_ / "gap.out/depth_0003.tiff"));
   refused(with({"--device", "file:codes", "--out", "out", "image_0.png"}), {"IMAGE: does not go with --device"});
   refused(with({"--save", "3", "--out", "out", "image_0.png"}), {"--save: goes only with --device"});
   write_text(folder_ / "few", packets({names.begin(), names.begin() + 6}, false));

@@ -13,7 +13,7 @@
     const end = s < 0 ? [33, 102, 172] : [178, 24, 43];
     return end.map((c) => 255 + (c - 255) * Math.abs(s));
   };
-  const REACH = 0.5; // mm, of the colours
+  let reach = 0.5; // mm, of the colours; of depth images it follows their differences
 
   // A message: two lengths, JSON, floats.
   const parse = (bytes, offset, json, floats) => ({
@@ -70,10 +70,33 @@
     for (let r = 0; r < rows; ++r) {
       for (let c = 0; c < columns; ++c) {
         const at = 4 * ((rows - 1 - r) * columns + c); // the newest above
-        const [red, green, blue] = colour(values[3 * columns + r * columns + c] / REACH);
+        const [red, green, blue] = colour(values[3 * columns + r * columns + c] / reach);
         image.data.set([red, green, blue, 255], at);
       }
     }
+    g.putImageData(image, 0, 0);
+  };
+
+  // The colours reach to what 98 % of the differences stay below, rounded up to 1, 2 or 5 times a power of ten. They
+  // change only where that is more, or less than a third, so that the picture does not flicker.
+  const setReach = (values) => {
+    const sizes = [...values].filter((v) => !Number.isNaN(v)).map(Math.abs).sort((a, b) => a - b);
+    if (sizes.length === 0) return;
+    const most = Math.max(0.01, sizes[Math.floor(0.98 * (sizes.length - 1))]);
+    if (most <= reach && most > reach / 3) return;
+    const power = 10 ** Math.floor(Math.log10(most));
+    reach = power * ([1, 2, 5].find((step) => step * power >= most) || 10);
+    text($('reach'), `−${Number(reach.toPrecision(1))} to +${Number(reach.toPrecision(1))} mm`);
+  };
+
+  const drawMap = (columns, rows, values) => {
+    const canvas = $('waterfall');
+    if (canvas.width !== columns) canvas.width = columns;
+    if (canvas.height !== rows) canvas.height = rows;
+    setReach(values);
+    const g = canvas.getContext('2d');
+    const image = g.createImageData(columns, rows);
+    for (let i = 0; i < rows * columns; ++i) image.data.set([...colour(values[i] / reach), 255], 4 * i);
     g.putImageData(image, 0, 0);
   };
 
@@ -132,8 +155,8 @@
           const i = r * columns + c;
           const up = Number.isNaN(values[i]) ? 0 : values[i] - middle;
           positions.set([(r - rows / 2) * pitch, (c - columns / 2) * pitch, up], 3 * i);
-          const reach = Number.isNaN(head.zero) ? 0 : head.zero;
-          colours.set(colour((values[cells + i] - reach) / REACH).map((v) => v / 255), 3 * i);
+          const zero = Number.isNaN(head.zero) ? 0 : head.zero;
+          colours.set(colour((values[cells + i] - zero) / reach).map((v) => v / 255), 3 * i);
           if (r + 1 < rows && c + 1 < columns) {
             const corners = [i, i + 1, i + columns, i + columns + 1];
             if (corners.every((k) => !Number.isNaN(values[k]))) {
@@ -157,7 +180,8 @@
     };
   })();
 
-  let shown = 0; // number of the part in the 3-D view
+  let shown = 0, solidShown = 0; // numbers of the parts in the table and in the 3-D view
+  let drawing = false, nextSolid = 0;
   const fetchPart = async () => {
     const bytes = new Uint8Array(await (await fetch('part', {credentials: 'same-origin'})).arrayBuffer());
     const [json, floats] = lengths(bytes, 0);
@@ -167,6 +191,46 @@
     const means = head.regions.map((region) => region.mean_mm);
     head.zero = means.reduce((sum, v) => sum + v, 0) / Math.max(1, means.length);
     solid(head, values);
+  };
+
+  let imageShown = 0, asking = false;
+  const fetchCamera = async () => {
+    const bytes = new Uint8Array(await (await fetch('camera', {credentials: 'same-origin'})).arrayBuffer());
+    const [json] = lengths(bytes, 0);
+    const head = JSON.parse(new TextDecoder().decode(bytes.subarray(8, 8 + json)));
+    if (!head.rows) return;
+    const canvas = $('camera');
+    if (canvas.width !== head.columns) canvas.width = head.columns;
+    if (canvas.height !== head.rows) canvas.height = head.rows;
+    const g = canvas.getContext('2d');
+    const image = g.createImageData(head.columns, head.rows);
+    const line = new Float32Array(bytes.slice(8 + json, 8 + json + 4 * head.line).buffer);
+    const pixels = bytes.subarray(8 + json + 4 * head.line);
+    let saturated = 0;
+    for (let i = 0; i < head.rows * head.columns; ++i) {
+      const grey = pixels[i];
+      // Saturated pixels are red.
+      image.data.set(grey === 255 ? [255, 60, 60, 255] : [grey, grey, grey, 255], 4 * i);
+      saturated += grey === 255;
+    }
+    g.putImageData(image, 0, 0);
+    g.fillStyle = style('--found');
+    let found = 0;
+    for (let c = 0; c < head.line; ++c) {
+      if (Number.isNaN(line[c])) continue;
+      g.fillRect(c, Math.round(line[c] / head.every), 1, 1);
+      ++found;
+    }
+    const percent = (share) => `${(100 * share).toFixed(1)} %`;
+    text($('exposure'), head.judgement);
+    $('exposure').className = head.good ? 'OK' : 'not';
+    text($('shares'), head.line
+      ? `frame ${head.frame}; line in ${percent(1 - head.dark)} of the columns, ` +
+        `${percent(head.saturated)} of it saturated`
+      : `frame ${head.frame}; ${percent(head.saturated)} of the pixels saturated, ${percent(head.dark)} dark`);
+    canvas.dataset.found = String(found);
+    canvas.dataset.saturated = String(saturated);
+    $('camera-now').hidden = false;
   };
 
   const row = (cells, kind) => {
@@ -181,7 +245,8 @@
   };
 
   const LABELS = {
-    frames_per_second: 'frames a second', profiles: 'profiles', parts: 'parts', parts_ok: 'OK', parts_not_ok: 'not OK',
+    frames_per_second: 'frames a second', profiles: 'profiles', depth_images: 'depth images',
+    depth_images_per_second: 'depth images a second', incomplete: 'incomplete images', parts: 'parts', parts_ok: 'OK', parts_not_ok: 'not OK',
     parts_cannot_tell: 'cannot tell', specks: 'too short for a part',
     result_delay_p50_ms: 'result after last frame, median (ms)',
     result_delay_p99_ms: 'result after last frame, 99 % (ms)', delay_p50_us: 'packet to profile, median (µs)',
@@ -192,17 +257,29 @@
   const show = (head, values) => {
     text($('title'), head.title);
     document.title = head.title;
-    drawProfile(head.columns, values);
-    drawWaterfall(head.columns, head.rows, values);
+    const depth = head.kind === 'depth';
+    $('profile-now').hidden = depth;
+    text($('map-title'), depth ? 'Difference now' : 'Difference, running');
+    if (depth) {
+      drawMap(head.columns, head.rows, values);
+    } else {
+      drawProfile(head.columns, values);
+      drawWaterfall(head.columns, head.rows, values);
+    }
     const known = Object.entries(LABELS).filter(([key]) => key in head.figures);
     $('figures').replaceChildren(...known.flatMap(([key, label]) => {
       const dt = document.createElement('dt'), dd = document.createElement('dd');
       dt.textContent = label;
       const value = head.figures[key];
-      dd.textContent = Number.isInteger(value) ? String(value) : value.toFixed(key === 'frames_per_second' ? 0 : 2);
+      dd.textContent = Number.isInteger(value) ? String(value) : value.toFixed(key.endsWith('_per_second') ? 0 : 2);
       dd.dataset.key = key;
       return [dt, dd];
     }));
+    if (head.camera !== imageShown && !asking) {
+      imageShown = head.camera;
+      asking = true;
+      fetchCamera().catch(() => {}).finally(() => { asking = false; });
+    }
     const newest = head.parts[0];
     if (newest && newest.part !== shown) {
       shown = newest.part;
@@ -218,7 +295,15 @@
       }));
       $('statistics').tBodies[0].replaceChildren(...Object.entries(head.statistics).map(([name, f]) =>
         row([name, number(f.mean, 4), number(f.spread, 4), number(f.rise_in_1000_parts, 4)])));
-      fetchPart().catch(() => {});
+    }
+    // The 3-D view takes a browser much longer than the tables: two parts a second are enough for the eye.
+    if (newest && newest.part !== solidShown && !drawing && performance.now() >= nextSolid) {
+      solidShown = newest.part;
+      drawing = true;
+      fetchPart().catch(() => {}).finally(() => {
+        drawing = false;
+        nextSolid = performance.now() + 500;
+      });
     }
   };
 
@@ -226,7 +311,7 @@
   const watch = async () => {
     const response = await fetch('stream', {credentials: 'same-origin'});
     if (!response.ok) throw new Error(await response.text());
-    shown = 0;
+    shown = solidShown = imageShown = 0;
     text($('connection'), 'connected');
     const reader = response.body.getReader();
     let bytes = new Uint8Array(0);

@@ -1,36 +1,36 @@
-// Profiles from the thread that takes packets to the thread that makes parts of them.
-#ifndef SELFPROJ_HOST_LINE_PROFILE_QUEUE_H
-#define SELFPROJ_HOST_LINE_PROFILE_QUEUE_H
+// Profiles or depth images from the thread that takes packets to the thread that makes parts of them.
+#ifndef SELFPROJ_HOST_LINE_SLOT_QUEUE_H
+#define SELFPROJ_HOST_LINE_SLOT_QUEUE_H
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "host/light_section/profile.h"
 #include "model/packet.h"
 
 namespace selfproj {
 
 // A bounded queue for one writer and one reader, without locks and, after the start, without allocation. The writer
-// computes a profile in its place. Nothing is dropped: a writer that finds the queue full has to wait.
-class ProfileQueue {
+// computes a thing in its place. Nothing is dropped: a writer that finds the queue full has to wait.
+template <class Thing>
+class SlotQueue {
  public:
   struct Slot {
     PacketHeader header;
     std::int64_t arrival_ns = 0;
-    Profile profile;
+    Thing thing;
   };
 
-  // `slots` is a power of two.
-  ProfileQueue(int columns, std::size_t slots) : slots_(slots) {
+  // `slots` is a power of two; `prepare` gives each thing its size.
+  template <class Prepare>
+  SlotQueue(std::size_t slots, const Prepare& prepare) : slots_(slots) {
     for (Slot& slot : slots_) {
-      slot.profile.resize(columns);
+      prepare(slot.thing);
     }
   }
 
-  // The writer's side: the place of the next profile, or null while the queue is full; the same until publish().
+  // The writer's side: the place of the next thing, or null while the queue is full; the same until publish().
   Slot* claim() {
     const std::uint64_t written = written_.load(std::memory_order_relaxed);
     if (written - read_seen_ >= slots_.size()) {
@@ -43,7 +43,7 @@ class ProfileQueue {
   }
   void publish() { written_.store(written_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
 
-  // The reader's side: the oldest profile, or null if there is none; it stays until release().
+  // The reader's side: the oldest thing, or null if there is none; it stays until release().
   Slot* front() {
     const std::uint64_t read = read_.load(std::memory_order_relaxed);
     return read == written_.load(std::memory_order_acquire) ? nullptr : &slots_[read & (slots_.size() - 1)];
@@ -59,4 +59,4 @@ class ProfileQueue {
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_HOST_LINE_PROFILE_QUEUE_H
+#endif  // SELFPROJ_HOST_LINE_SLOT_QUEUE_H

@@ -1,0 +1,36 @@
+// What the board of `selfproj-sim board` plays: recorded packets, recorded images, or a line that moves.
+#ifndef SELFPROJ_SIM_APP_BOARD_SOURCE_H
+#define SELFPROJ_SIM_APP_BOARD_SOURCE_H
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/board/packet_recording.h"
+
+namespace selfproj {
+
+// Exactly one of replay, images and line is given.
+struct BoardSource {
+  std::string replay;
+  std::vector<std::string> images;
+  std::string channel;
+  int bits = 0;  // of the Gray code in the images; 0: the images are sent as they are
+  std::optional<int> code_threshold;
+  std::string line;  // COLUMNSxROWS
+  std::string mode = "grey-over";
+  int threshold = 60;
+  int line_frames = 100;
+};
+
+// Adds the group of --replay, --images, --line and what goes with them.
+void add_source_options(CLI::App& command, BoardSource& options);
+
+// The packets, of which `frames` are to be played. Throws UserError about options and files.
+PacketRecording read_source(const BoardSource& options, std::uint64_t frames);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_APP_BOARD_SOURCE_H
