@@ -37,7 +37,7 @@ std::vector<float> line_in_image(const ImageView& image, const RigMeasure& measu
 
 // Judges an image of a light section, whose line is `line`, or of a scanner, where `line` is empty. Too bright is an
 // image of which more than kMostSaturated are saturated. Too dark is one whose bright_grey is below kLeastBright, or
-// for a light section below the threshold and half of what is left above it.
+// for a light section below the middle between its threshold and 255.
 ExposureFigures judge_exposure(const ImageView& image, const std::vector<float>& line, const RigMeasure& measure);
 
 // Puts raw images together out of the packets of a device, kPerSecond at most, and only while `wanted` says so. A

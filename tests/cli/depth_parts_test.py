@@ -61,6 +61,14 @@ class DepthParts(unittest.TestCase):
         return subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--replay", "run.packets", "--ring", RING, *more],
                                 cwd=self.folder, stdout=subprocess.DEVNULL)
 
+    def registers_at_the_end(self, port):
+        """The registers when everything that was in the ring is judged."""
+        before = None
+        while (now := modbus(port)[3:11]) != before:
+            before = now
+            time.sleep(1)
+        return modbus(port)
+
     def expect_cycle(self, part, bad):
         """A part without the block is OK; one with it has one defect, where the block stands and as high as it is."""
         self.assertEqual(part["verdict"], "not OK" if bad else "OK", part)
@@ -140,10 +148,10 @@ class DepthParts(unittest.TestCase):
     def test_the_page_and_the_registers_show_what_the_files_tell(self):
         page, live, port = chromium.Chromium(), chromium.free_port(), chromium.free_port()
         self.addCleanup(page.close)
-        board = self.board("--rate", "240", "--loop")
+        board = self.board("--rate", "80", "--loop")
         host = subprocess.Popen([PROGRAMS / "selfproj", *self.match(
             "rig", "--device", "ring:" + RING, "--wait-for-board", "--parts", "seen", "--live", str(live), "--modbus",
-            str(port), "--out", "newest")], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            str(port), "--keep-parts", "4", "--out", "newest")], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                 text=True)
         self.addCleanup(lambda: [(process.kill(), process.wait()) for process in (board, host)
                                  if process.poll() is None])
@@ -168,8 +176,7 @@ class DepthParts(unittest.TestCase):
         self.assertGreater(int(figures["depth_images"]), 20)
         board.send_signal(signal.SIGINT)
         self.assertEqual(board.wait(30), 0)
-        time.sleep(0.5)  # what is in the ring is judged
-        registers = modbus(port)
+        registers = self.registers_at_the_end(port)
         connection = http.client.HTTPConnection("127.0.0.1", live, timeout=10)
         connection.request("POST", "/")
         self.assertEqual(connection.getresponse().status, 405)

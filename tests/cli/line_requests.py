@@ -129,6 +129,11 @@ class Line:
             time.sleep(0.1)
         raise TimeoutError("no part was judged")
 
+    def kill(self):
+        for process in (self.board, self.host):
+            process.kill()
+            process.wait()
+
     def end(self):
         """Stops the board and then the host, and checks what the run tells. Returns its counts."""
         self.board.send_signal(signal.SIGINT)
@@ -163,6 +168,7 @@ def resident_mib(pid):
 def watch(programs, folder, args):
     """The line for args.seconds with args.browsers at its page. Returns the figures of the run."""
     pages = [chromium.Chromium() for _ in range(args.browsers)]
+    line = None
     try:
         line = Line(programs, folder, "quiet", args.rate, args.nice)
         for page in pages:
@@ -180,7 +186,12 @@ def watch(programs, folder, args):
         # Every page is still live: it shows what came in the meantime, and no error.
         for page, before in zip(pages, seen):
             assert int(page.figures()["profiles"]) > before
-            assert not page.errors(), page.errors()
+            errors = page.errors()
+            assert not errors, errors
+    except BaseException:
+        if line:
+            line.kill()
+        raise
     finally:
         for page in pages:
             page.close()

@@ -246,7 +246,8 @@
 
   const LABELS = {
     frames_per_second: 'frames a second', profiles: 'profiles', depth_images: 'depth images',
-    depth_images_per_second: 'depth images a second', incomplete: 'incomplete images', parts: 'parts', parts_ok: 'OK', parts_not_ok: 'not OK',
+    depth_images_per_second: 'depth images a second', incomplete: 'incomplete images', parts: 'parts',
+    parts_ok: 'OK', parts_not_ok: 'not OK',
     parts_cannot_tell: 'cannot tell', specks: 'too short for a part',
     result_delay_p50_ms: 'result after last frame, median (ms)',
     result_delay_p99_ms: 'result after last frame, 99 % (ms)', delay_p50_us: 'packet to profile, median (µs)',
