@@ -151,8 +151,8 @@ class DepthParts(unittest.TestCase):
         board = self.board("--rate", "80", "--loop")
         host = subprocess.Popen([PROGRAMS / "selfproj", *self.match(
             "rig", "--device", "ring:" + RING, "--wait-for-board", "--parts", "seen", "--live", str(live), "--modbus",
-            str(port), "--keep-parts", "4", "--out", "newest")], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                                text=True)
+            str(port), "--keep-parts", "4", "--out", "newest")], cwd=self.folder, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, text=True)
         self.addCleanup(lambda: [(process.kill(), process.wait()) for process in (board, host)
                                  if process.poll() is None])
         page.open(host.stderr.readline().split()[-1])

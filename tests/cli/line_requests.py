@@ -4,8 +4,9 @@
     line_requests.py PROGRAMS MAKE_PARTS [--requests N] [--rate R] [--seconds S] [--browsers B] [--nice P] [--record]
 
 A board repeats parts, every third with a dent, through a ring. For S seconds, at R frames a second, nobody disturbs
-the line, but B browsers show its page, each a process of its own without a window; --nice gives the line a priority on
-a machine that has other work. Nothing may be lost, and the line's memory is kept at the beginning and at the end.
+the line, but B browsers show its page, each a process of its own without a window. They have a lower priority than the
+line, because they draw in software and would be on other machines. --nice gives the line a priority on a machine that
+has other work. Nothing may be lost, and the line's memory is kept at the beginning and at the end.
 Then, in a run at 1,500 frames a second, N HTTP requests and N Modbus requests come that are damaged, cut or random
 bytes, or ask to write. Afterwards every part must have been judged as before, nothing may be lost, and page and
 registers must still tell what the files tell.
@@ -32,6 +33,7 @@ import results  # noqa: E402
 
 CYCLE = ["OK", "OK", "not OK"]
 REGISTERS = 21
+BROWSER_NICENESS = 10
 ATTACKED_RATE = 1500  # frames a second: not the machine's speed is to be measured then
 
 
@@ -167,7 +169,7 @@ def resident_mib(pid):
 
 def watch(programs, folder, args):
     """The line for args.seconds with args.browsers at its page. Returns the figures of the run."""
-    pages = [chromium.Chromium() for _ in range(args.browsers)]
+    pages = [chromium.Chromium(BROWSER_NICENESS) for _ in range(args.browsers)]
     line = None
     try:
         line = Line(programs, folder, "quiet", args.rate, args.nice)
@@ -197,7 +199,8 @@ def watch(programs, folder, args):
             page.close()
     counts = line.end()
     return {"profiles": counts["profiles"], "parts": counts["parts"], "rate_per_s": args.rate,
-            "seconds": args.seconds, "browsers": args.browsers, "niceness": args.nice, "cores": os.cpu_count(),
+            "seconds": args.seconds, "browsers": args.browsers, "browser_niceness": BROWSER_NICENESS,
+            "niceness": args.nice, "cores": os.cpu_count(),
             "load": round(sum(load) / len(load), 1), "result_delay_p50_ms": counts["result_delay_p50_ms"],
             "result_delay_p99_ms": counts["result_delay_p99_ms"], "delay_max_ms": counts["delay_max_us"] / 1000,
             "lost": 0, "pictures_dropped": counts["live_dropped"], "memory_begin_mib": round(begin, 1),
