@@ -2,7 +2,8 @@
 # coverage.sh [--no-build]: line and toggle coverage of rtl/ by the tests of its blocks and of the board. It builds them
 # with counting models in build/coverage, runs them (the first 20 cases of each random test), lists every point that no
 # test reached, and compares the list with tests/rtl/coverage_exceptions.txt.
-# The exit status is 1 if a point was not reached and no exception gives a reason.
+# The exit status is 1 if a point was not reached and no exception gives a reason, or if an exception is not needed any
+# more.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
