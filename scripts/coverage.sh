@@ -27,7 +27,7 @@ mkdir -p "$build/counts"
 export SELFPROJ_CASES=20 SELFPROJ_COVERAGE_FILE="$PWD/$build/counts/coverage.dat"
 # The longest first. Each runs in one program, so that the tests share a model and its resets are counted.
 # shellcheck disable=SC2016  # $0 and $1 are those of the inner bash
-printf '%s\n' 'board/board_test Board.*' 'board/board_codes_test CodesBoard.*' 'blocks/rtl_blocks *' |
+printf '%s\n' 'board/board_test Board.*' 'board/board_codes_test CodesBoard.*:RunsBoard.*' 'blocks/rtl_blocks *' |
   (cd "$build/tests/rtl" && xargs -L 1 -P "$(nproc)" bash -c '"./$0" --gtest_brief=1 "--gtest_filter=$1"')
 unset SELFPROJ_CASES SELFPROJ_COVERAGE_FILE
 python3 scripts/coverage_report.py --exceptions tests/rtl/coverage_exceptions.txt "$build/counts"
