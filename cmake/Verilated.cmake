@@ -1,4 +1,4 @@
-# selfproj_verilate(TARGET TOP module PREFIX name [TRACE] [UNCOUNTED] [OPEN file] [CLOCKS port...]
+# selfproj_verilate(TARGET TOP module PREFIX name [TRACE] [UNCOUNTED] [SMALL] [OPEN file] [CLOCKS port...]
 #                   [PARAMETERS Name=Value...])
 #
 # Adds the Verilated model of an RTL module to the library TARGET, as class `name` (header `name`.h). Verilator gets all
@@ -12,6 +12,8 @@
 # clocks.h).
 #
 # With UNCOUNTED the model counts no coverage, even where SELFPROJ_COVERAGE is set, because other models count the same.
+#
+# With SMALL the code is compiled as two files even where it counts coverage.
 
 # Set in advance, because Verilator's package takes seconds to determine them, and uses only -pthread.
 set(VERILATOR_CFLAGS "")
@@ -26,7 +28,7 @@ list(REMOVE_ITEM SELFPROJ_RTL "${PROJECT_SOURCE_DIR}/rtl/common/sp_spec_pkg.sv")
 list(PREPEND SELFPROJ_RTL "${PROJECT_SOURCE_DIR}/rtl/common/sp_spec_pkg.sv")
 
 function(selfproj_verilate target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "TRACE;UNCOUNTED" "TOP;PREFIX;OPEN" "CLOCKS;PARAMETERS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "TRACE;UNCOUNTED;SMALL" "TOP;PREFIX;OPEN" "CLOCKS;PARAMETERS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_TOP OR NOT arg_PREFIX)
     message(FATAL_ERROR "selfproj_verilate(${target}): TOP or PREFIX missing, or unknown: ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -61,18 +63,21 @@ function(selfproj_verilate target)
   verilate(${target} ${features} SOURCES ${SELFPROJ_RTL} TOP_MODULE ${arg_TOP} PREFIX ${arg_PREFIX}
     VERILATOR_ARGS ${options} OPT_FAST ${optimization} OPT_SLOW ${seldom_optimization} OPT_GLOBAL -O2)
   # Verilator writes a dozen files a model, and each reads the same headers. So the code that runs seldom is compiled as
-  # one file, and the code that runs often as another. (Not with coverage, which has too many functions for one file.)
+  # one file, and the code that runs often as another. (Not with coverage, which gives a large model too many functions
+  # for one file.)
   get_target_property(seldom ${target} SOURCES)
   list(FILTER seldom INCLUDE REGEX "/${arg_PREFIX}[.]dir/[^/]*[.]cpp$")
   set(often ${seldom})
   list(FILTER seldom INCLUDE REGEX "__Syms[.]cpp$|Slow[.]cpp$|__ConstPool_[0-9]+[.]cpp$")
   list(REMOVE_ITEM often ${seldom})
-  if(NOT counted)
+  set(joined FALSE)
+  if(arg_SMALL OR NOT counted)
+    set(joined TRUE)
     selfproj_join_sources(${target} ${arg_PREFIX}__seldom ${seldom_optimization} ${seldom})
   endif()
   if(arg_CLOCKS)
     selfproj_verilated_clocks(${target} ${arg_PREFIX} ${arg_TRACE} ${counted} "${optimization}" ${arg_CLOCKS})
-  elseif(NOT counted)
+  elseif(joined)
     selfproj_join_sources(${target} ${arg_PREFIX}__often "${optimization}" ${often})
   endif()
   # Verilator's header is most of the cost of a small file. The runtime includes it in another way.

@@ -18,9 +18,14 @@ class DatagramCutter {
   // Receives a whole datagram.
   using Sink = std::function<void(std::span<const std::uint8_t> datagram)>;
 
-  // `datagram_bytes`: the longest datagram, 32..65535.
-  explicit DatagramCutter(std::uint16_t session, std::size_t datagram_bytes = kDatagramBytes)
-      : session_(session), piece_(datagram_piece(datagram_bytes)), datagram_(datagram_bytes) {}
+  // `datagram_bytes`: the longest datagram, 32..65535. So many datagrams and packets of the session came before.
+  explicit DatagramCutter(std::uint16_t session, std::size_t datagram_bytes = kDatagramBytes,
+                          std::uint32_t datagrams = 0, std::uint32_t packets = 0)
+      : session_(session),
+        piece_(datagram_piece(datagram_bytes)),
+        sequence_(datagrams),
+        packet_(packets),
+        datagram_(datagram_bytes) {}
 
   // Gives the datagrams of a packet of whole beats, up to 65,535 bytes.
   void packet(std::span<const std::uint8_t> packet, const Sink& sink);
@@ -33,8 +38,8 @@ class DatagramCutter {
  private:
   std::uint16_t session_;
   std::size_t piece_;
-  std::uint32_t sequence_ = 0;
-  std::uint32_t packet_ = 0;
+  std::uint32_t sequence_;
+  std::uint32_t packet_;
   std::vector<std::uint8_t> datagram_;
 };
 

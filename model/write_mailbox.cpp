@@ -13,7 +13,8 @@ constexpr std::uint32_t kAddressMask = (1U << spec::kLinkAddressBytesBits) - 1;
 
 }  // namespace
 
-WriteMailbox::WriteMailbox(Access board) : board_(std::move(board)) {}
+WriteMailbox::WriteMailbox(Access board, std::uint32_t ticket)
+    : board_(std::move(board)), performed_{.ticket = ticket} {}
 
 RegisterAnswer WriteMailbox::read(std::uint32_t address) {
   switch (address) {

@@ -15,7 +15,8 @@ class WriteMailbox {
   // An access to the registers of the board.
   using Access = std::function<RegisterAnswer(bool write, std::uint32_t address, std::uint32_t data)>;
 
-  explicit WriteMailbox(Access board);
+  // `ticket`: of the last write performed before.
+  explicit WriteMailbox(Access board, std::uint32_t ticket = 0);
 
   // Accesses from the network. Below 0x100 they go to the board as they are. Behind the last register of the link they
   // are refused.

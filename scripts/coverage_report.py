@@ -4,7 +4,8 @@
 Points are merged over all programs, models, parameters and instances. A point is a place in a source file (toggle: a
 bit of a signal), and is covered where any instance reached it (toggle: in both directions). An exception is a line
 `file | pattern | reason`, which indented lines continue. File and pattern are regular expressions; the pattern is for a
-whole signal name with its bit (toggle) or for a whole source line (line).
+whole signal name with its bit (toggle) or for a whole source line (line). The exit status is 1 if a point is neither
+covered nor excepted, or if an exception is not needed any more.
 """
 import argparse
 import collections
@@ -109,7 +110,8 @@ def main():
     print(f"{len(files)} files of counts")
     tally.print()
     print(f"line {percent(*tally.total['line'])}, toggle {percent(*tally.total['toggle'])}, "
-          f"{tally.excused} points under {len(exceptions)} exceptions, {len(tally.missing)} uncovered")
+          f"{tally.excused} points under {len(exceptions)} exceptions, {len(tally.missing)} uncovered, "
+          f"{len(tally.not_needed)} exceptions not needed")
     results.write(
         "coverage",
         "Lines and toggles of rtl/ that the tests of its blocks and of the board reach",
@@ -122,7 +124,7 @@ def main():
             "uncovered": len(tally.missing),
         },
     )
-    sys.exit(1 if tally.missing else 0)
+    sys.exit(1 if tally.missing or tally.not_needed else 0)
 
 
 if __name__ == "__main__":

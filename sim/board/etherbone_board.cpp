@@ -20,9 +20,10 @@
 
 namespace selfproj {
 
-EtherboneBoard::EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox) : registers_(registers) {
+EtherboneBoard::EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox, std::uint32_t ticket)
+    : registers_(registers) {
   if (mailbox) {
-    mailbox_.emplace(registers);
+    mailbox_.emplace(registers, ticket);
   }
 }
 

@@ -17,8 +17,8 @@ namespace selfproj {
 // The registers of a board behind its link.
 class EtherboneBoard {
  public:
-  // `mailbox`: whether the link has the mailbox for writes.
-  explicit EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox = true);
+  // `mailbox`: whether the link has the mailbox for writes. `ticket`: of the last write that it performed before.
+  explicit EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox = true, std::uint32_t ticket = 0);
 
   // Does what a record asks for. Returns the answer, if one belongs to it.
   std::optional<EtherboneRecord> answer(const EtherboneRecord& question);

@@ -92,12 +92,12 @@ void expect_frames_of_the_model(int columns, int rows, int gap) {
     }
   }
 }
-TEST(TestCamera, FramesOfTheModel) { expect_frames_of_the_model<Vsp_test_camera>(64, 11, 200 - 64 / 4 * 11); }
+TEST(TestCamera, FramesOfTheModel) { expect_frames_of_the_model<Vsp_test_camera>(64, 13, 240 - 64 / 4 * 13); }
 TEST(TestCamera, FramesWithoutAGap) { expect_frames_of_the_model<Vsp_test_camera_tight>(16, 9, 0); }
 
 // Frames by triggers, one of them while a frame is under way, and free again after a pause.
 TEST(TestCamera, FramesByTriggers) {
-  constexpr int kFrameClocks = 200;
+  constexpr int kFrameClocks = 240;
   constexpr int kPause = 1024;
   Clocked<Vsp_test_camera> camera;
   camera->run_i = 1;
@@ -109,7 +109,7 @@ TEST(TestCamera, FramesByTriggers) {
     for (int i = 0; i < count; ++i) {
       camera.settle();
       if (camera->m_valid_o && camera->m_start_o) {
-        EXPECT_EQ(beat_of(camera), model_frame(64, 11, number++).front());
+        EXPECT_EQ(beat_of(camera), model_frame(64, 13, number++).front());
         starts.push_back(camera.clock());
       }
       camera.rise();

@@ -76,7 +76,10 @@ class Model {
 #endif
   struct Held {
     Held() : dut((context.randReset(kBegin), context.randSeed(++models_), &context)) {}
-    ~Held() { dut.final(); }
+    ~Held() {
+      Verilated::threadContextp(&context);  // from which a model with open registers takes itself out
+      dut.final();
+    }
     VerilatedContext context;
     Dut dut;
 #ifdef SELFPROJ_COVERAGE

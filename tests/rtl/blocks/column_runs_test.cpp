@@ -42,7 +42,7 @@ std::vector<bool> long_runs(Random& random, int rows) {
     row += 4;  // ends it, whatever the gap
   };
   if (random.chance(50)) {
-    const int strong = random.between(rows / 4, 3 * rows / 4);
+    const int strong = random.between(rows / 4, 7 * rows / 8);
     const int second = strong * random.between(1, 16) / 16 + random.between(-1, 1);
     const bool strong_first = random.chance(50);
     run(strong_first ? strong : second);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "Vsp_datagram_cutter_jumbo_ports.h"
+#include "Vsp_datagram_cutter_largest_ports.h"
 #include "Vsp_datagram_cutter_ports.h"
 #include "Vsp_datagram_cutter_small_ports.h"
 #include "host/driver/datagram_assembler.h"
@@ -20,6 +21,7 @@
 #include "tests/host/driver/packets.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/rtl/blocks/streams_bench.h"
+#include "tests/rtl/inner_register.h"
 #include "tests/support/datagram_network.h"
 #include "tests/support/random_cases.h"
 
@@ -63,11 +65,20 @@ class CutterBench {
 
   // Begins a session in the next clock. None is open.
   void begin_session(std::uint16_t number) {
+    session_ = number;
     model_.emplace(number, datagram_bytes_);
     cutter_->enable_i = 1;
     cutter_->session_i = number;
     clock(0, 100);
     cutter_->session_i = static_cast<SData>(~number);
+  }
+
+  // The session goes on as if so many datagrams and packets of it had come.
+  void go_on_after(std::uint32_t datagrams, std::uint32_t packets) {
+    model_.emplace(session_, datagram_bytes_, datagrams, packets);
+    Verilated::threadContextp(cutter_->contextp());
+    InnerRegister("TOP.sp_datagram_cutter.sequence_q").set(datagrams);
+    InnerRegister("TOP.sp_datagram_cutter.packet_q").set(packets);
   }
 
   // One clock, with inputs that come with these chances in percent. Returns whether a word left.
@@ -169,6 +180,7 @@ class CutterBench {
   }
 
   std::size_t datagram_bytes_;
+  std::uint16_t session_ = 0;
   Clocked<Cutter> cutter_;
   Random random_{1};
   std::optional<DatagramCutter> model_;
@@ -234,6 +246,49 @@ TEST(DatagramCutter, SessionsOfRandomPackets) { expect_equals_model<Vsp_datagram
 TEST(DatagramCutter, SessionsOfLongPackets) { expect_equals_model<Vsp_datagram_cutter>(kDatagramBytes, 250, 3); }
 TEST(DatagramCutter, SessionsInJumboFrames) {
   expect_equals_model<Vsp_datagram_cutter_jumbo>(kJumboDatagramBytes, 1029, 2);
+}
+
+// The longest packets that a header can tell of, in the shortest datagrams and in the longest.
+template <typename Cutter>
+void expect_longest_packets(std::size_t datagram_bytes) {
+  CutterBench<Cutter> bench(datagram_bytes);
+  bench.begin_session(5);
+  Random random(1);
+  std::size_t pieces = 0;
+  for (const std::size_t beats : {4095U, 4094U, 2048U, 4095U, 1U}) {
+    bench.queue(random.bytes(kBeatBytes * beats));
+    pieces += datagrams_of(kBeatBytes * beats, datagram_piece(datagram_bytes));
+  }
+  bench.drain();
+  ASSERT_FALSE(::testing::Test::HasFailure());
+  EXPECT_GE(bench.datagrams().size(), pieces);
+}
+TEST(DatagramCutter, TheLongestPackets) { expect_longest_packets<Vsp_datagram_cutter_small>(kSmallBytes); }
+TEST(DatagramCutter, TheLongestDatagrams) { expect_longest_packets<Vsp_datagram_cutter_largest>(65535); }
+
+// Days later: the numbers of datagrams and of packets carry and wrap.
+TEST(DatagramCutter, NumbersCarryAndWrapInALongSession) {
+  Random random(1);
+  for (const std::uint32_t place : {0U, 0x8000'0000U, 0x0100'0000U, 0x5A5A'0000U}) {
+    SCOPED_TRACE(place);
+    CutterBench<Vsp_datagram_cutter_small> bench(kSmallBytes);
+    bench.begin_session(static_cast<std::uint16_t>(random.bits()));
+    bench.clock(0, 100);
+    bench.go_on_after(place - 20, place - 6);
+    bench.clock(0, 100);
+    for (int packet = 0; packet < 12; ++packet) {
+      bench.queue(random_packet(random, 14));
+    }
+    bench.drain();
+    for (int i = 0; i < 10 * kSmallIdle; ++i) {
+      bench.clock(0, 100);
+    }
+    ASSERT_FALSE(::testing::Test::HasFailure());
+    const std::optional<DatagramHeader> last = read_datagram_header(bench.datagrams().back());
+    ASSERT_TRUE(last);
+    EXPECT_EQ(last->packet, place + 6);
+    EXPECT_LT(last->sequence - place, 60U) << "beyond the carry";
+  }
 }
 
 // The clocks at the head of the module.

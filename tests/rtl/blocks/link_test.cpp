@@ -1,6 +1,7 @@
 // Tests the link of a board on the network: registers by Etherbone, the mailbox, the owner, and sessions.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -28,17 +29,62 @@ TEST(Link, AnswersAndRegistersAreThoseOfTheModel) {
   }
 }
 
-// The words of the record that needs all the room, and of one that needs more.
+// The ticket of a write by the mailbox passes the middle of its range and its end.
+TEST(Link, TicketsWrap) {
+  for (const std::uint32_t place : {0U, 0x8000'0000U, 0x0001'0000U}) {
+    SCOPED_TRACE(place);
+    LinkFigures figures;
+    expect_link_equals_model(place + 1, 60, figures, place - 8);
+    ASSERT_FALSE(HasFailure());
+    EXPECT_GT(figures.answers, 15U);
+  }
+}
+
+EtherboneRecord random_record(Random& random, int writes, int reads) {
+  EtherboneRecord record{.write_address = 0x20, .tag = static_cast<std::uint32_t>(random.bits())};
+  for (int i = 0; i < writes; ++i) {
+    record.writes.push_back(static_cast<std::uint32_t>(random.bits()));
+  }
+  for (int i = 0; i < reads; ++i) {
+    record.reads.push_back(static_cast<std::uint32_t>(4 * i % 0xE0));
+  }
+  return record;
+}
+
+// Records that need all the room of 64 words with any number of writes, and records that need more.
 TEST(Link, RecordsUpTo64Words) {
+  Random random(1);
   LinkBench bench(1);
-  for (const int reads : {60, 61}) {
-    EtherboneRecord record{.tag = 7};
-    for (int i = 0; i < reads; ++i) {
-      record.reads.push_back(static_cast<std::uint32_t>(4 * i % 0xC0));
+  LinkModel model;
+  EXPECT_TRUE(expect_answer_of_model(bench, model, etherbone_bytes(random_record(random, 0, 60)), random_host(random)));
+  EXPECT_FALSE(
+      expect_answer_of_model(bench, model, etherbone_bytes(random_record(random, 0, 61)), random_host(random)));
+  expect_answer_of_model(bench, model, etherbone_bytes(random_record(random, 60, 0)), random_host(random));
+  for (int writes = 1; writes < 59; ++writes) {
+    const Bytes fits = etherbone_bytes(random_record(random, writes, 59 - writes));
+    EXPECT_TRUE(expect_answer_of_model(bench, model, fits, random_host(random)));
+    const Bytes longer = etherbone_bytes(random_record(random, writes, 60 - writes));
+    EXPECT_FALSE(expect_answer_of_model(bench, model, longer, random_host(random)));
+    ASSERT_FALSE(HasFailure()) << writes << " writes";
+  }
+  for (const int words : {128, 255}) {
+    const Bytes longer = etherbone_bytes(random_record(random, words, words));
+    EXPECT_FALSE(expect_answer_of_model(bench, model, longer, random_host(random)));
+  }
+}
+
+// Of the datagrams that are longer than a record, up to the longest of UDP, only probes are answered.
+TEST(Link, DatagramsUpToTheLongest) {
+  Random random(1);
+  LinkBench bench(1);
+  LinkModel model;
+  for (std::size_t bytes = 1; bytes < 0x20000; bytes *= 2) {
+    for (const bool probe : {false, true}) {
+      Bytes question = etherbone_bytes(probe ? EtherboneRecord{.probe = true} : random_record(random, 1, 1));
+      question.resize(std::min<std::size_t>(bytes, 0xFFFF));
+      EXPECT_EQ(expect_answer_of_model(bench, model, question, random_host(random)), probe && bytes >= 8);
+      ASSERT_FALSE(HasFailure()) << question.size() << " bytes";
     }
-    bench.ask(etherbone_bytes(record), kHosts[0]);
-    const std::optional<LinkBench::Datagram> answer = bench.settle();
-    EXPECT_EQ(answer.has_value(), reads == 60);
   }
 }
 
@@ -81,13 +127,13 @@ TEST(Link, PacketsGoToTheOwner) {
     EXPECT_TRUE(bench.datagrams.empty()) << "before anybody has started the board";
     std::map<std::uint16_t, std::uint32_t> hosts;
     for (int round = 0; round < 6; ++round) {
-      const std::uint32_t owner = kHosts[static_cast<std::size_t>(round % 2)];
+      const std::uint32_t owner = random_host(random);
       bench.ask(write_of(spec::kRegControl, 1), owner);
       queue(random.between(1, 5));
       bench.idle(random.between(0, 3000));
       // Nobody else can stop it, start it anew or take it over.
       for (const std::uint32_t value : {0U, 1U}) {
-        bench.ask(write_of(spec::kRegControl, value), kHosts[2]);
+        bench.ask(write_of(spec::kRegControl, value), owner ^ 1U << static_cast<unsigned>(random.between(0, 31)));
         bench.idle(100);
         EXPECT_TRUE(bench.registers.runs());
       }

@@ -8,9 +8,9 @@
 
 #include "Vboard_codes.h"
 #include "sim/board/clocks.h"
-#include "tests/rtl/board/board_register.h"
 #include "tests/rtl/board/random_codes.h"
 #include "tests/rtl/board/scoreboard.h"
+#include "tests/rtl/inner_register.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -21,9 +21,9 @@ void count(const std::string& counter, int bits, std::uint64_t more) {
   constexpr int kLow = 8;                // bits of the lowest chain
   const int size = bits > 32 ? 14 : 12;  // of those above it
   const std::uint64_t ones = (1ULL << size) - 1;
-  BoardRegister low(counter + ".low_q");
-  BoardRegister told(counter + ".told_q");
-  BoardRegister upper(counter + ".upper_q");
+  InnerRegister low(counter + ".low_q");
+  InnerRegister told(counter + ".told_q");
+  InnerRegister upper(counter + ".upper_q");
   const std::uint64_t ahead = (low.get() - told.get()) & 0xFFU;  // counts that do not show yet
   const std::uint64_t value = (upper.get() << kLow | told.get()) + more;
   std::uint32_t full = 0;
@@ -35,9 +35,9 @@ void count(const std::string& counter, int bits, std::uint64_t more) {
   low.set((value + ahead) & 0xFFU);
   told.set(value & 0xFFU);
   upper.set(value >> kLow & ((1ULL << (bits - kLow)) - 1));
-  BoardRegister(counter + ".go_q").set(ahead != 0 && ((value + ahead) & 0xFFU) == 0 ? 1 : 0);
-  BoardRegister(counter + ".full_q").set(full);
-  BoardRegister(counter + ".below_q").set(below);
+  InnerRegister(counter + ".go_q").set(ahead != 0 && ((value + ahead) & 0xFFU) == 0 ? 1 : 0);
+  InnerRegister(counter + ".full_q").set(full);
+  InnerRegister(counter + ".below_q").set(below);
 }
 
 void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
@@ -51,7 +51,7 @@ void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
   count(top + "u_moments_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindMoments));
   count(top + "gen_image.u_image_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindImage));
   count(top + "gen_codes.u_codes_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindCodes));
-  BoardRegister abandoned(top + "gen_codes.u_codes_path.u_core.u_decoder.abandoned_o");
+  InnerRegister abandoned(top + "gen_codes.u_codes_path.u_core.u_decoder.abandoned_o");
   abandoned.set((abandoned.get() + counts.abandoned) & 0xFFFF'FFFFU);
   settle(model);
   board.counted_before(counts);

@@ -24,8 +24,8 @@
 #include "model/board.h"
 #include "sim/board/board_device.h"
 #include "sim/board/packet_judge.h"
-#include "tests/rtl/board/board_register.h"
 #include "tests/rtl/board/frames.h"
+#include "tests/rtl/inner_register.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -366,7 +366,7 @@ class RacingBoard {
   BoardDevice<Model> device_;
   PacketJudge judge_;
   BoardModel model_;
-  std::optional<BoardRegister> request_;
+  std::optional<InnerRegister> request_;
 
   std::uint64_t clock_ = 0;
   RaceRegisters registers_;  // as they stand in this clock

@@ -1,6 +1,7 @@
 // Compares the board with the strongest runs, of the grey modes and binary, with the model, byte by byte.
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstdint>
 
 #include "Vboard_codes.h"
@@ -36,6 +37,48 @@ TEST(BinaryRunsBoard, RandomSmallFramesEqualTheModel) {
 }
 TEST(BinaryRunsBoard, RandomFaultsEqualTheModel) {
   play_all<Vboard_codes_raw>(10, {.grey = false, .image = false, .runs = true, .fault_percent = 40});
+}
+
+// An image with two long bright runs in each column, the second of which may end with the frame.
+TestImage two_runs_image(Random& random, int rows, int columns, int gap) {
+  TestImage image = constant_image(rows, columns, 0);
+  for (int column = 0; column < columns; ++column) {
+    const int first = random.between(1, rows);
+    const int second = first + gap + 1;
+    const int end = random.chance(50) ? rows : random.between(1, rows);
+    for (int row = 0; row < rows; ++row) {
+      const bool lit = row < first || (row >= second && row < end);
+      image.pixels[static_cast<std::size_t>(row * columns + column)] = lit ? 255 : 0;
+    }
+  }
+  return image;
+}
+
+// The tallest frames: large sums and rows, and second runs nearly as strong as the strongest.
+TEST(RunsBoard, TallFramesOfTwoLongRuns) {
+  constexpr int kColumns = 64;
+  constexpr int kRows = 40;
+  constexpr int kFrames = 4;  // of equal settings
+  Random random(1);
+  Scoreboard<Vboard_codes> board;
+  std::uint64_t frames = 0;
+  for (const Mode mode : {Mode::binary, Mode::grey, Mode::grey_over}) {
+    for (int gap = 0; gap < 4; ++gap) {
+      board.write({.columns = kColumns,
+                   .rows = kRows,
+                   .mode = mode,
+                   .threshold = random.between(0, 8),
+                   .select = Select::strongest,
+                   .gap = gap});
+      for (int i = 0; i < kFrames; ++i, ++frames) {
+        board.device().send(two_runs_image(random, kRows, kColumns, gap).view());
+        board.device().gap(200);
+      }
+      board.play();
+    }
+  }
+  board.finish();
+  EXPECT_EQ(board.delivered(spec::kKindMoments), frames);
 }
 
 // The packets lost of 20 frames of equal settings with so many clocks after the last beat of each.

@@ -1,7 +1,7 @@
-// A register inside the Verilated board, read and set by its name: those that
-// tests/rtl/board/counters.vlt makes public.
-#ifndef SELFPROJ_TESTS_RTL_BOARD_BOARD_REGISTER_H
-#define SELFPROJ_TESTS_RTL_BOARD_BOARD_REGISTER_H
+// A register inside a Verilated model, read and set by its name: one of those that the counters.vlt of the model makes
+// public.
+#ifndef SELFPROJ_TESTS_RTL_INNER_REGISTER_H
+#define SELFPROJ_TESTS_RTL_INNER_REGISTER_H
 
 #include <verilated_vpi.h>
 
@@ -13,16 +13,16 @@
 namespace selfproj::test {
 
 // Belongs to the model whose context is the thread's (Verilated::threadContextp) when it is made.
-class BoardRegister {
+class InnerRegister {
  public:
-  explicit BoardRegister(std::string name) : handle_(vpi_handle_by_name(name.data(), nullptr)) {
+  explicit InnerRegister(std::string name) : handle_(vpi_handle_by_name(name.data(), nullptr)) {
     if (handle_ == nullptr) {
       throw std::runtime_error("no register " + name);
     }
   }
-  BoardRegister(const BoardRegister&) = delete;
-  BoardRegister& operator=(const BoardRegister&) = delete;
-  ~BoardRegister() { vpi_release_handle(handle_); }
+  InnerRegister(const InnerRegister&) = delete;
+  InnerRegister& operator=(const InnerRegister&) = delete;
+  ~InnerRegister() { vpi_release_handle(handle_); }
 
   // up to 64 bits
   [[nodiscard]] std::uint64_t get() const {
@@ -50,4 +50,4 @@ class BoardRegister {
 
 }  // namespace selfproj::test
 
-#endif  // SELFPROJ_TESTS_RTL_BOARD_BOARD_REGISTER_H
+#endif  // SELFPROJ_TESTS_RTL_INNER_REGISTER_H
