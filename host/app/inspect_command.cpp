@@ -228,10 +228,9 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
       ->type_name("URI")
       ->required();
   command
-      ->add_option(
-          "--control", options->control,
-          "The board's registers, which get the rig's image size and all that it measures: bar:PATH[+OFFSET], "
-          "udp:HOST[:PORT], or none.")
+      ->add_option("--control", options->control,
+                   "The board's registers, which get the rig's image size and all that it measures: bar:PATH[+OFFSET], "
+                   "udp:HOST[:PORT], or none.")
       ->type_name("URI")
       ->default_str("those beside the device, if it has any");
   add_section_options(*command, options->section);

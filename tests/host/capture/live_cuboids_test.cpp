@@ -159,14 +159,13 @@ TEST_F(LiveCuboids, BothMethodsAreAsGoodAsFromFiles) {
   if (sides_divided_by() == 1) {
     expect_published_heights(self);
   }
-  write_results(
-      "live_cuboids",
-      "Experiment B4 live, with Aravis' fake camera and a virtual display; files of the same images give the "
-      "same depths",
-      {{"camera", fmt::format("{} x {}", rig_.camera.columns, rig_.camera.rows)},
-       {"projector", fmt::format("{} x {}", rig_.projector.columns, rig_.projector.lines)},
-       {"gray_codes", figures_json(gray)},
-       {"self_projected", figures_json(self)}});
+  write_results("live_cuboids",
+                "Experiment B4 live, with Aravis' fake camera and a virtual display; files of the same images give the "
+                "same depths",
+                {{"camera", fmt::format("{} x {}", rig_.camera.columns, rig_.camera.rows)},
+                 {"projector", fmt::format("{} x {}", rig_.projector.columns, rig_.projector.lines)},
+                 {"gray_codes", figures_json(gray)},
+                 {"self_projected", figures_json(self)}});
 }
 
 }  // namespace
