@@ -43,7 +43,7 @@ def drawn(results):
     for i, ((low, high), points) in enumerate(curves(results["curves"])):
         path = "".join(f"{'L' if k else 'M'}{x(size):.1f} {y(share):.1f}" for k, (size, share) in enumerate(points))
         colour = COLOURS[i % len(COLOURS)]
-        svg.append(f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        svg.append(f'<path d="{path}"\n  fill="none" stroke="{colour}" stroke-width="2"/>')
         svg += [f'<circle cx="{x(size):.1f}" cy="{y(share):.1f}" r="2.5" fill="{colour}"/>' for size, share in points]
         svg.append(f'<text x="{LEFT + WIDTH + 12}" y="{TOP + 12 + 18 * i}" fill="{colour}">{low:g}–{high:g} mm deep'
                    '</text>')
