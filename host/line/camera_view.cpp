@@ -50,7 +50,7 @@ std::vector<float> line_in_image(const ImageView& image, const RigMeasure& measu
   fast_measure_columns(image, of_board, runs.view());
   std::vector<float> line(static_cast<std::size_t>(image.columns), kNoValue);
   for (std::size_t c = 0; c < line.size(); ++c) {
-    const int lit = runs.moments.n[c];
+    const auto lit = static_cast<int>(runs.moments.n[c]);
     if (runs.moments.m0[c] > 0 && lit >= measure.min_lit_px && lit <= measure.max_lit_px) {
       // Moments count rows from 1.
       line[c] = static_cast<float>(static_cast<double>(runs.moments.m1[c]) / runs.moments.m0[c] - 1);

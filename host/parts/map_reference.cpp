@@ -40,7 +40,7 @@ FloatImage without_steep_places(const FloatImage& heights, const Rig& rig) {
   const double pitch = rig.parts.value().grid_mm;
   const cv::Mat1f map(heights.rows, heights.columns, const_cast<float*>(heights.values.data()));  // NOLINT
   // A place without a height is neither a hill nor a hole.
-  const cv::Mat there = map == map;
+  const cv::Mat there = map == map;  // NOLINT(misc-redundant-expression): NaN differs from itself
   cv::Mat1f low = map.clone();
   cv::Mat1f high = map.clone();
   low.setTo(cv::Scalar(1e9), ~there);
