@@ -169,6 +169,32 @@ TEST(Board, ExtremeSizesEqualTheModel) {
   }
 }
 
+// Windows that begin, end, or lie in between at rows with a single bit, up to the last row of the tallest frames.
+TEST(Board, WindowsOfTallFrames) {
+  constexpr int kColumns = 8;
+  constexpr int kRows = spec::kMaxRows;
+  Random random(12);
+  Scoreboard<Vboard> board;
+  std::uint64_t frames = 0;
+  for (int row = 1; row <= kRows; row *= 2) {
+    for (const RowWindow window : {RowWindow{row, 0}, RowWindow{0, row}, RowWindow{row, kRows - row}}) {
+      board.write({.columns = kColumns,
+                   .rows = kRows,
+                   .mode = static_cast<Mode>(random.between(0, 2)),
+                   .threshold = random.between(0, 254),
+                   .window = window});
+      TestImage image = constant_image(kRows, kColumns, 0);
+      image.pixels = random.bytes(image.pixels.size());
+      board.device().send(image.view());
+      board.device().gap(100);
+      board.play();
+      ++frames;
+    }
+  }
+  board.finish();
+  EXPECT_EQ(board.delivered(kMoments), frames);
+}
+
 // The frames of the thesis: 200 of 96 x 512, with stalls on both sides.
 TEST(Board, FullFramesWithStallsEqualTheModel) {
   for (const std::uint64_t seed : seeds(1)) {
