@@ -22,7 +22,6 @@
 #include "sim/board/etherbone_board.h"
 #include "tests/host/driver/packets.h"
 #include "tests/rtl/blocks/clocked.h"
-#include "tests/rtl/inner_register.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -140,11 +139,7 @@ class LinkBench {
     }
   }
 
-  // As if the mailbox had performed so many writes.
-  void set_ticket(std::uint32_t ticket) {
-    Verilated::threadContextp(link_->contextp());
-    InnerRegister("TOP.sp_link.u_registers.ticket_q").set(ticket);
-  }
+  Vsp_link* operator->() { return link_.operator->(); }
 
   // The answer to what was asked, once no access is under way any more. (Those of the link itself do not show.)
   std::optional<Datagram> settle() {
@@ -355,13 +350,9 @@ inline bool expect_answer_of_model(LinkBench& bench, LinkModel& model, const Byt
   return due.has_value();
 }
 
-// Asks so many questions. `ticket`: of the last write that the mailbox performed before.
-inline void expect_link_equals_model(std::uint64_t seed, int questions, LinkFigures& figures,
-                                     std::uint32_t ticket = 0) {
-  Random random(seed);
-  LinkBench bench(seed);
-  LinkModel model(ticket);
-  bench.set_ticket(ticket);
+// Asks so many questions.
+inline void expect_link_equals_model(LinkBench& bench, LinkModel& model, Random& random, int questions,
+                                     LinkFigures& figures) {
   const Hosts hosts = {random_host(random), random_host(random), random_host(random)};
   for (int i = 0; i < questions; ++i) {
     const std::optional<Bytes> last = model.answer(etherbone_bytes({.reads = {spec::kLinkTicket}}), 0);
@@ -373,6 +364,12 @@ inline void expect_link_equals_model(std::uint64_t seed, int questions, LinkFigu
     ++figures.questions;
     ASSERT_FALSE(::testing::Test::HasFailure()) << "question " << i;
   }
+}
+inline void expect_link_equals_model(std::uint64_t seed, int questions, LinkFigures& figures) {
+  Random random(seed);
+  LinkBench bench(seed);
+  LinkModel model;
+  expect_link_equals_model(bench, model, random, questions, figures);
 }
 
 }  // namespace selfproj::test

@@ -29,17 +29,6 @@ TEST(Link, AnswersAndRegistersAreThoseOfTheModel) {
   }
 }
 
-// The ticket of a write by the mailbox passes the middle of its range and its end.
-TEST(Link, TicketsWrap) {
-  for (const std::uint32_t place : {0U, 0x8000'0000U, 0x0001'0000U}) {
-    SCOPED_TRACE(place);
-    LinkFigures figures;
-    expect_link_equals_model(place + 1, 60, figures, place - 8);
-    ASSERT_FALSE(HasFailure());
-    EXPECT_GT(figures.answers, 15U);
-  }
-}
-
 EtherboneRecord random_record(Random& random, int writes, int reads) {
   EtherboneRecord record{.write_address = 0x20, .tag = static_cast<std::uint32_t>(random.bits())};
   for (int i = 0; i < writes; ++i) {
