@@ -9,23 +9,13 @@
 
 #include "host/report/report.h"
 #include "host/rig/rig.h"
+#include "tests/host/capture/small_scanner.h"
 
 namespace selfproj {
 namespace {
 
 // Rig B with so many times fewer pixels along each side.
-Rig small_rig(int factor = 4) {
-  Rig rig = load_rig("scanner");
-  rig.camera.rows /= factor;
-  rig.camera.columns /= factor;
-  rig.camera.pixel_pitch_mm *= factor;
-  rig.projector.lines /= factor;
-  rig.projector.columns /= factor;
-  rig.projector.line_pitch_mm *= factor;
-  rig.projector.column_pitch_mm *= factor;
-  rig.measure.max_z_per_line_mm *= factor;
-  return rig;
-}
+Rig small_rig(int factor = 4) { return test::small_scanner(factor, factor); }
 
 ReportTable table_of(const std::string& name, const GrayMotionOptions& options, std::size_t table) {
   std::size_t done = 0;
