@@ -108,7 +108,7 @@ class Bench:
         return (int(line[1]), int(line[2])) if line else None
 
     def stall(self, ring, host, board):
-        """Stops the reader in the middle of the run until packets are lost."""
+        """Stops the reader until packets are lost, and the board when the reader has gone on for a while."""
         def until(done):
             while not done(self.ring(ring)):
                 assert board.poll() is None, "the board ended too early"
@@ -117,36 +117,44 @@ class Bench:
         host.send_signal(signal.SIGSTOP)
         until(lambda seen: seen and seen[1] > 100)
         host.send_signal(signal.SIGCONT)
+        written = self.ring(ring)[0]
+        until(lambda seen: seen and seen[0] > written + 10000)
+        board.send_signal(signal.SIGINT)
 
-    def stream(self, name, codes, rate, frames, slots, stall=False):
-        """Plays so many frames through a ring. Returns what the two processes tell."""
+    def stream(self, name, codes, rate, frames, slots):
+        """Plays so many frames through a ring, or where `frames` is None until the reader has been stopped for a while
+        and has gone on. Returns what the two processes tell."""
         ring = f"depth-stream-{os.getpid()}-{name}"
         source = ["--images", *self.frames(), *(["--bits", BITS] if codes else [])]
+        length = ["--loop"] if frames is None else ["--count", str(frames)]
         board = subprocess.Popen([self.programs / "selfproj-sim", "board", *map(str, source), "--ring", ring, "--rate",
-                                  str(rate), "--count", str(frames), "--wait-for-reader", "--keep", "--slots",
-                                  str(slots)], cwd=self.folder, stdout=subprocess.PIPE, text=True)
+                                  str(rate), *length, "--wait-for-reader", "--keep", "--slots", str(slots)],
+                                 cwd=self.folder, stdout=subprocess.PIPE, text=True)
+        host = None
         try:
             # The ring exists until both processes have ended, so that the reader gets every packet.
             while not re.search(rf"ring:{ring} +process", self.run("selfproj", "devices")):
                 assert board.poll() is None, "the board ended before it began"
                 time.sleep(0.05)
-            with subprocess.Popen([*self.match(name), "--device", "ring:" + ring], cwd=self.folder,
-                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as host:
-                if stall:
-                    self.stall(ring, host, board)
-                complaint = host.stderr.read()
+            host = subprocess.Popen([*self.match(name), "--device", "ring:" + ring], cwd=self.folder,
+                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            if frames is None:
+                self.stall(ring, host, board)
+            complaint = host.communicate(timeout=600)[1]
             assert host.returncode == 0, complaint
             said = board.communicate(timeout=600)[0]
         finally:
-            board.kill()
-            board.wait()
+            for process in (host, board):
+                if process is not None:
+                    process.kill()  # ends one that is stopped, too
+                    process.wait()
             subprocess.run([self.programs / "selfproj", "devices", "--remove", ring], check=False,
                            stderr=subprocess.DEVNULL)
         told = re.search(r"(\d+) frames in ([\d.]+) s: .* (\d+) packets, (\d+) lost in the full ring.*latest frame "
                          r"([\d.]+) ms late", said)
-        assert told and int(told[1]) == frames, said
+        assert told and int(told[1]) == (frames or int(told[1])), said
         device = json.loads((self.folder / (name + ".out/summary.json")).read_text(encoding="utf-8"))["device"]
-        return {"frames": frames, "seconds": float(told[2]), "packets": int(told[3]), "lost": int(told[4]),
+        return {"frames": int(told[1]), "seconds": float(told[2]), "packets": int(told[3]), "lost": int(told[4]),
                 "latest_frame_ms": float(told[5]), "device": device}
 
     def judge(self, name, offline, count, codes, sent):
@@ -198,7 +206,7 @@ def main():
                 figures = bench.judge(kind, offline, count, codes, sent)
                 print(name, kind, json.dumps(figures), flush=True)
                 if args.coarse:
-                    sent = bench.stream(kind + "-lost", codes, args.rate, 3 * args.rate, 1024, stall=True)
+                    sent = bench.stream(kind + "-lost", codes, args.rate, None, 1024)
                     lost = bench.judge(kind + "-lost", offline, count, codes, sent)
                     print(name, kind, "with a reader that was stopped", json.dumps(lost), flush=True)
                     assert lost["packets_lost"] > 0 and lost["not_made"] > 0, lost
