@@ -77,7 +77,8 @@ tidy() {
   scripts/tidy.sh "${files[@]}"
 }
 
-test_all() { ctest --preset release --parallel "$(nproc)" --progress; }
+# One more at a time than processors: those that wait for cameras and screens need little of one.
+test_all() { ctest --preset release --parallel "$(($(nproc) + 1))" --progress; }
 
 # Their names, and what they do.
 steps=(check_generated check_rules check_scripts check_format lint_rtl build_sanitized test_sanitized build_all tidy
