@@ -49,7 +49,8 @@ struct LineOptions {
 // Adds --tolerance, --parts, --keep-parts, --modbus and --live.
 void add_line_options(CLI::App& command, LineOptions& options);
 
-// The judge, the files, the page and the registers of a line, whatever it brings.
+// What judges and reports the parts of a production line: the judge, the files, the live page and the registers. The
+// parts may come as profiles or as depth images.
 class LineRun {
  public:
   // Throws UserError about options, rig and tolerance. `make_judge` is called where there is a tolerance.
@@ -59,20 +60,20 @@ class LineRun {
   LineRun& operator=(const LineRun&) = delete;
   virtual ~LineRun() = default;
 
-  // Takes what has been counted so far, and the figures that stand for it.
+  // Takes the counters so far, and the figures that the page shows.
   void seen(const Counters& counters, std::vector<Fact> figures);
 
-  // Takes a packet, of which the page may show the raw image. Only for the thread that takes packets.
+  // Takes a packet. If it belongs to a raw image, the page may show it. Only for the thread that receives packets.
   void camera(const PacketView& packet) {
     if (camera_) {
       camera_->add(packet);
     }
   }
 
-  // For the line on a terminal: ", 12 parts: 10 OK, ...".
+  // The end of the status line on a terminal: ", 12 parts: 10 OK, ...".
   [[nodiscard]] std::string text() const;
 
-  // Judges and writes what is left. Throws UserError.
+  // Judges the parts that are left, and writes their results. Throws UserError.
   void finish();
 
   // What is counted in the end.
@@ -80,18 +81,19 @@ class LineRun {
   [[nodiscard]] std::string end_text() const;  // for the terminal: one line, or nothing where no parts are judged
 
  protected:
-  // The thread that judges; there until the end.
+  // The thread that judges. It lives as long as this object.
   [[nodiscard]] virtual const LineWorker& worker() const = 0;
   virtual LineWorker& worker() = 0;
 
-  // To be called when the worker is there: now controllers may ask. Throws UserError about ports and folders.
+  // Starts the Modbus server and opens the folder of results. Call it once the worker exists, because the server asks
+  // the worker. Throws UserError about ports and folders.
   void open();
 
   [[nodiscard]] const Judge* judge() const { return judge_ ? &*judge_ : nullptr; }
   [[nodiscard]] LivePage* live() { return live_ ? &*live_ : nullptr; }
   void take(const PartResult& result, const PlacedMaps& maps);
 
-  // To be called before the worker goes.
+  // Stops the Modbus server. Call it before the worker is destroyed.
   void close() { modbus_.reset(); }
 
  private:

@@ -1,4 +1,4 @@
-// Packets from datagrams that may be lost, doubled, reordered or cut.
+// Puts packets together from datagrams that may be lost, doubled, reordered or cut.
 #ifndef SELFPROJ_HOST_DRIVER_DATAGRAM_ASSEMBLER_H
 #define SELFPROJ_HOST_DRIVER_DATAGRAM_ASSEMBLER_H
 
@@ -15,9 +15,10 @@
 
 namespace selfproj {
 
-// Gives whole packets in the order in which they were sent. Every packet of a session, from the first one that could
-// come whole, is given once or counted, in lost_network or, if it is complete and wrong, in bad. Datagrams may overtake
-// each other by up to kPackets packets.
+// Gives whole packets in the order in which they were sent. A session is one run of the sender. A reader that comes
+// late ignores the packet in whose middle it begins. Each later packet of the session is given once or counted: in
+// `bad` if it is complete but wrong, otherwise in `lost_network`. Datagrams may overtake each other by up to kPackets
+// packets.
 //
 //     for (each datagram) {
 //       do {
@@ -31,17 +32,17 @@ class DatagramAssembler {
   static constexpr std::size_t kPackets = 64;      // packets in assembly at a time
   static constexpr std::size_t kSequences = 1024;  // datagrams that are remembered
 
-  // Counts in `counters`, which must outlive it.
+  // Counts in `counters`, which must outlive the assembler.
   explicit DatagramAssembler(Counters& counters);
 
-  // Takes a whole datagram. Returns false if it needs a place that older packets still have: call next() until it
-  // returns false, and add the datagram again.
+  // Takes a whole datagram. Returns false if an older packet still has the place that the datagram needs. Then call
+  // next() until it returns false, and add the datagram again.
   bool add(std::span<const std::uint8_t> datagram);
 
   // Returns the next packet, which stays valid until the next call. Returns false if none is complete.
   bool next(PacketView& packet);
 
-  // Call when nothing has come for so long that nothing late will come: what is incomplete is lost.
+  // Call when nothing has come for so long that no late datagram is expected. Incomplete packets then count as lost.
   void flush();
 
  private:
@@ -64,17 +65,17 @@ class DatagramAssembler {
   Counters& counters_;
   std::array<Slot, kPackets> slots_;
   std::bitset<kSequences> seen_;     // of the last kSequences datagrams, by sequence modulo kSequences
-  std::uint32_t next_sequence_ = 0;  // behind the newest datagram
+  std::uint32_t next_sequence_ = 0;  // the number after that of the newest datagram
   std::uint32_t next_packet_ = 0;    // the next packet to give
-  std::uint32_t end_packet_ = 0;     // behind the newest packet of which a piece has come
+  std::uint32_t end_packet_ = 0;     // the number after that of the newest packet of which a piece has come
   std::uint32_t given_up_ = 0;       // packets before this one will not be completed any more
   std::uint32_t joined_ = 0;         // the packet in whose middle the reader began
   std::uint16_t session_ = 0;
   std::uint16_t old_session_ = 0;
   bool started_ = false;
-  bool had_session_ = false;  // old_session_ is one
-  bool in_middle_ = false;    // joined_ is one
-  bool held_ = false;         // the packet before next_packet_ is given out
+  bool had_session_ = false;  // old_session_ has a meaning
+  bool in_middle_ = false;    // joined_ has a meaning
+  bool held_ = false;         // the user still reads the packet before next_packet_
 };
 
 }  // namespace selfproj

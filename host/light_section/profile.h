@@ -16,7 +16,7 @@ enum class Validity : std::uint8_t {
   too_wide,      // more lit pixels than the rig's max_lit_px
   cut_off,       // the line reaches the image's first or last row and may continue beyond it: see line_is_cut_off
   no_reference,  // the reference has no point in this column
-  out_of_range,  // triangulation is impossible there (section 1 of the method)
+  out_of_range,  // triangulation is impossible there
   ambiguous,     // the second run is nearly as strong as the strongest: see the rig's ambiguous_from
 };
 inline constexpr int kValidities = 8;

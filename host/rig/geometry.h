@@ -1,4 +1,4 @@
-// The geometry of camera and projector (method, section 1), in double precision. Lengths are in mm. Rows of a centroid
+// The geometry of camera and projector (docs/rigs.md), in double precision. Lengths are in mm. Rows of a centroid
 // count from 1 as in (3.2); columns and projector lines count from 0 as in files.
 #ifndef SELFPROJ_HOST_RIG_GEOMETRY_H
 #define SELFPROJ_HOST_RIG_GEOMETRY_H

@@ -1,4 +1,4 @@
-// A pinhole with the lens distortion of OpenCV's calibration, for camera and projector.
+// The lens of a camera or projector: a pinhole with the distortion model of OpenCV's calibration.
 #ifndef SELFPROJ_HOST_RIG_LENS_H
 #define SELFPROJ_HOST_RIG_LENS_H
 
@@ -26,7 +26,8 @@ struct Lens {
   // The same, and its derivative by x and y.
   [[nodiscard]] cv::Vec2d pixel(const cv::Vec2d& ray, cv::Matx22d& derivative) const;
 
-  // The ray (x, y, 1) of a pixel, to 1e-9 pixels; nothing if the lens maps no ray near the middle to this pixel.
+  // The ray (x, y, 1) that falls on a pixel, to 1e-9 pixels. Far from the axis the distortion model may fold the image
+  // over; rays from there do not count. Returns nothing if no other ray falls on this pixel.
   [[nodiscard]] std::optional<cv::Vec2d> ray(const cv::Vec2d& pixel) const;
 };
 

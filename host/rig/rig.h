@@ -1,7 +1,7 @@
 // A rig: camera, projector, conveyor, and how it is measured and simulated. Rigs are read from YAML and written to it,
 // with the units in the names of the keys (light-section.yaml beside this file shows them all).
 //
-// World frame (method, section 1): origin at the camera's optical centre, z along its optical axis, x the conveying
+// World frame (docs/rigs.md): origin at the camera's optical centre, z along its optical axis, x the conveying
 // direction. Row, line and column numbers count from 0 here.
 //     image row (down)     <-> Xc <-> x       projector line   <-> Xp
 //     image column (right) <-> Yc <-> y       projector column <-> Yp

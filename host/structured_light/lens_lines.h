@@ -31,8 +31,9 @@ class LensLines {
   // What z of a fit may be off, mm.
   static constexpr double kMostError = 0.001;
 
-  // `ranges`: for each pixel, row by row. Throws std::invalid_argument if there are not as many as pixels, and
-  // UserError if even the greatest degree (9) misses kMostError at some pixel.
+  // `ranges`: for each pixel, row by row. A pixel at which even the greatest degree (9) misses kMostError has no depth.
+  // Throws std::invalid_argument if there are not as many ranges as pixels, and UserError if more than 10 % of the
+  // pixels have no depth for this reason.
   LensLines(const Rig& rig, const std::vector<LineRange>& ranges, const DepthLimits& limits);
 
   // Depths of the pixels of one row, as PlaneTriangulation::depth_of_lines; NaN also outside of the pixel's range.

@@ -1,4 +1,4 @@
-// Finds moved pixels by comparing a depth image with the background's (section 7 of the method).
+// Finds moved pixels by comparing a depth image with that of the background.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_MOVED_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_MOVED_H
 

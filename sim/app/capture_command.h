@@ -7,7 +7,8 @@ class App;
 
 namespace selfproj {
 
-// selfproj-sim capture: what the camera sees under each pattern of a folder, of a scene or of a chessboard in poses.
+// Adds `selfproj-sim capture`, which renders what the camera sees under each pattern of a folder. The camera looks at a
+// scene, at a chessboard in several poses, or at a plate or a block of treads.
 void add_capture_command(CLI::App& app);
 
 }  // namespace selfproj

@@ -1,5 +1,5 @@
-// Plays random frames through the kernel of the column moments, plain or of the strongest runs, and compares every beat
-// of payload with the model.
+// Plays random frames through the HLS kernel of the column moments, or through that of the strongest runs, and compares
+// every beat of payload with the model.
 #ifndef SELFPROJ_TESTS_HLS_MOMENTS_BENCH_H
 #define SELFPROJ_TESTS_HLS_MOMENTS_BENCH_H
 
@@ -45,18 +45,18 @@ class MomentsBench {
   // How a frame ends.
   enum class End {
     whole,
-    early,  // its last beat has a tlast that should not be there
-    late,   // its last beat lacks tlast at a line's end
-    cut,    // it has no end: the next one begins
+    early,  // its last beat has tlast, although no line ends there
+    late,   // its last beat lacks tlast, although a line ends there
+    cut,    // the next frame begins before this one has ended
   };
 
-  // Plays the first `beats` beats of a frame; in `gaps` percent of the steps there is no beat. `beats` ends a line for
-  // End::late, and does not for End::early.
+  // Plays the first `beats` beats of a frame. In `gaps` percent of the steps there is no beat. With End::late, `beats`
+  // must be whole lines; with End::early, it must not.
   void play(const MomentsFrame& frame, int gaps, Random& random, End end = End::whole, int beats = -1) {
     const int groups = frame.columns / 4;
     const int all = groups * frame.rows;
     beats = end == End::whole ? all : beats;
-    while (!video_.empty()) {  // the settings count when a frame's start is read
+    while (!video_.empty()) {  // the kernel takes the settings when it reads the first beat of a frame
       step();
     }
     setup_.columns = frame.columns;
@@ -180,7 +180,7 @@ inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, 
   return frame;
 }
 
-// The same with several runs in a column, equal ones too.
+// A random frame with several runs in a column. Some of them are equally strong.
 inline MomentsFrame random_runs_frame(Random& random, int columns, int rows, Mode mode) {
   MomentsFrame frame = random_moments_frame(random, columns, rows, mode);
   frame.select = random.chance(80) ? Select::strongest : Select::all;
@@ -196,7 +196,8 @@ inline MomentsFrame random_runs_frame(Random& random, int columns, int rows, Mod
 
 using MakeFrame = MomentsFrame(Random& random, int columns, int rows, Mode mode);
 
-// Plays `frames` frames of changing size, mode and threshold. Some break, with stray beats behind them; gaps anywhere.
+// Plays `frames` frames of changing size, mode and threshold. Some of them break, and stray beats may follow. Gaps may
+// come anywhere.
 inline void play_moments_frames(MomentsBench& bench, int frames, Random& random,
                                 MakeFrame& make = random_moments_frame) {
   int columns = 4;

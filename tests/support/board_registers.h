@@ -1,4 +1,4 @@
-// Registers of boards without a board: behind a port that answers, and in a file as a bus would show them.
+// Registers for tests without a board: behind a port that the model answers, and as the bytes that a bus would show.
 #ifndef SELFPROJ_TESTS_SUPPORT_BOARD_REGISTERS_H
 #define SELFPROJ_TESTS_SUPPORT_BOARD_REGISTERS_H
 
@@ -12,7 +12,7 @@
 
 namespace selfproj::test {
 
-// A port to the model of the register file, which must outlive it.
+// A port to `board`, the model of the register file. `board` must outlive the port.
 inline std::unique_ptr<RegisterPort> port_of(RegisterFile& board, const BoardState& state = {}) {
   return std::make_unique<AccessPort>([&board, state](bool write, std::uint32_t address, std::uint32_t data) {
     return write ? board.write(address, data) : board.read(address, state);

@@ -25,7 +25,7 @@
 namespace selfproj::test {
 namespace {
 
-// The section of the part in the middle of its way.
+// The section of the part that the camera sees in the middle frame.
 ReferenceCurve section_of(const Rig& rig, const Scene& scene) {
   ReferenceCurve curve;
   const int middle = scene.frames() / 2;
@@ -57,13 +57,13 @@ std::vector<double> seen_on(const Rig& rig, const Scene& part, const FloatImage&
 struct Errors {
   int points = 0;
   int left_out = 0;    // within 3 pixels of a step or edge
-  double largest = 0;  // of the height, mm
-  double square = 0;
+  double largest = 0;  // error of the height, mm
+  double square = 0;   // sum of the squared errors, mm²
   double least_row = 1e9;
   double greatest_row = 0;
-  int least_peak = 255;                       // of a column's pixels
+  int least_peak = 255;                       // the brightest pixel of the darkest column
   std::map<int, std::vector<double>> levels;  // measured heights, by true height in whole mm
-  std::vector<double> differences;            // of the points where `part` is 1 mm lower than the reference
+  std::vector<double> differences;            // measured where the part is 1 mm lower than the reference
   [[nodiscard]] double rms() const { return std::sqrt(square / points); }
   [[nodiscard]] double range() const { return greatest_row - least_row; }
 };
@@ -180,7 +180,7 @@ TEST(SelfProjection, MarksOfAMillimetreOnStairs) {
   const ReferenceProfile reference = reference_of_curve(rig, curve);
   Errors errors =
       measure(rig, *part, draw_pattern(rig, pattern_of_curve(rig, curve)), reference, frames_between(600, 800, 20));
-  EXPECT_GT(errors.points, 11 * 300);  // of 512; the marks' edges leave many out
+  EXPECT_GT(errors.points, 11 * 300);  // of 11 * 512; many lie near the edges of the marks
   EXPECT_GT(errors.points + errors.left_out, 11 * 490);
   EXPECT_LE(errors.largest, 0.10);
   EXPECT_LE(errors.rms(), 0.03);
@@ -196,7 +196,7 @@ TEST(SelfProjection, MarksOfAMillimetreOnStairs) {
   }
 }
 
-// The pattern comes from a sweep over the part itself, with every fourth line to save time.
+// The pattern is made from a scan of the part itself. The scan shows only every fourth line, to save time.
 TEST(SelfProjection, ScanOfTheMountain) {
   const Rig rig = load_rig("light-section");
   const std::unique_ptr<Scene> part = make_scene("mountain", rig);
@@ -223,7 +223,7 @@ TEST(SelfProjection, ScanOfTheMountain) {
   EXPECT_LE(errors.rms(), 0.03);
 }
 
-// A projector that is turned by 0.02 degrees against the rig: the residual shows it.
+// The real projector is turned by 0.02 degrees against the rig. Once the residual is removed, the error is gone.
 TEST(SelfProjection, ResidualTakesOutAWrongRig) {
   const Rig rig = load_rig("light-section");
   Rig real = rig;
@@ -251,7 +251,7 @@ TEST(SelfProjection, ResidualTakesOutAWrongRig) {
   const double after = error_with(corrected);
   RecordProperty("before", std::to_string(before));
   RecordProperty("after", std::to_string(after));
-  EXPECT_GT(before, 0.3);  // 0.02 degrees are 0.24 mm on the plane, one row, which is 0.39 mm of z
+  EXPECT_GT(before, 0.3);  // 0.02 degrees move the line by 0.24 mm on the plane: one row, or 0.39 mm of z
   EXPECT_LE(after, 0.05);
 }
 

@@ -1,4 +1,5 @@
-// Tests writing and reading of PLY files, and compares distances with those of all pairs.
+// Tests that PLY files are read as they were written, and compares distances between clouds with those found by trying
+// all pairs of points.
 
 #include "host/structured_light/point_cloud.h"
 
@@ -21,7 +22,7 @@ namespace {
 
 using test::Random;
 
-// Coordinates of few values, so that many are equal.
+// The coordinates have few different values, so that many of them are equal.
 std::vector<Point3f> random_points(Random& random, int count) {
   std::vector<Point3f> points;
   const int spread = random.between(1, 60);
