@@ -40,9 +40,10 @@ void add_line_options(CLI::App& command, LineOptions& options) {
           "Answer Modbus TCP at this port of this machine, or at ADDRESS:PORT, with counters and the last result.")
       ->type_name("PORT");
   command
-      .add_option("--live", options.live,
-                  "Show the line in a browser at this port of this machine, or at ADDRESS:PORT, which then needs the "
-                  "token that is printed.")
+      .add_option(
+          "--live", options.live,
+          "Serve a page at this port of this machine, or at ADDRESS:PORT, that shows profiles, parts and results in "
+          "a browser while they come. At ADDRESS:PORT it asks for the token that is printed.")
       ->type_name("PORT");
 }
 
@@ -158,8 +159,8 @@ std::vector<Fact> LineRun::facts() const {
       {"parts", "parts", fact_number(state.parts())},
       {"parts_ok", "parts that are OK", fact_number(state.verdicts[0])},
       {"parts_not_ok", "parts that are not OK", fact_number(state.verdicts[1])},
-      {"parts_cannot_tell", "parts that cannot be told", fact_number(state.verdicts[2])},
-      {"specks", "things shorter than a part", fact_number(state.specks)},
+      {"parts_cannot_tell", "parts whose result is cannot tell", fact_number(state.verdicts[2])},
+      {"specks", "objects too short to be a part", fact_number(state.specks)},
       {"result_delay_p50_ms", "a part's last frame to its result, median", ms(delays.percentile_ns(0.5)), "ms"},
       {"result_delay_p99_ms", "a part's last frame to its result, 99 %", ms(delays.percentile_ns(0.99)), "ms"}};
   facts.insert(facts.end(), of_parts.begin(), of_parts.end());

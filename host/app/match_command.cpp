@@ -138,9 +138,10 @@ selfproj match --reference reference --e 8 --device ring:line1 --out today
       ->type_name("N")
       ->default_str("none");
   command
-      ->add_option("--list", options->list,
-                   "Table of all depth images: number of the pair, pixels with a depth, and a word each for depth and "
-                   "difference that is another one where a bit differs, so that two runs can be compared.")
+      ->add_option(
+          "--list", options->list,
+          "Table of all depth images, which is for comparing two runs: number of the pair, pixels with a depth, "
+          "and a checksum each of depth map and difference map.")
       ->type_name("FILE");
   command->add_option("--out", options->out, "Folder for the results.")->type_name("DIR")->required();
   add_files(*command, "IMAGE", options->images, "8-bit images of the camera's size. These or --device are needed.");

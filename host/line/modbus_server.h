@@ -31,7 +31,7 @@ enum class ModbusRegister : std::size_t {
   depth_um = 14,    // of its largest defect, two's complement
   delay_us = 15,    // from its last frame to its result, 2 registers
   lost = 17,        // packets lost so far, 2 registers
-  specks = 19,      // things shorter than a part, 2 registers
+  specks = 19,      // objects too short to be a part, 2 registers
 };
 inline constexpr std::size_t kModbusRegisters = 21;
 

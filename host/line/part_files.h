@@ -21,8 +21,9 @@ namespace selfproj {
 
 // Writes into a new or empty folder
 //   parts.jsonl, parts.csv   a line for each part, whole, as soon as it is judged
-//   part_NNNNNN/             for each part that is not OK or cannot be told, up to a number of folders: result.json,
-//                            height.tiff, difference.tiff, difference.png with the defects marked; it appears whole
+//   part_NNNNNN/             for each part whose result is not OK or cannot tell, up to a number of folders:
+//                            result.json, height.tiff, difference.tiff, difference.png with the defects marked; it
+//                            appears whole
 //   statistics.json          at the end
 // The folders are written by a thread of their own. If it falls behind by more than kMostWaiting parts, folders are
 // left out and counted; the lines never are.

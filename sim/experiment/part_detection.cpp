@@ -349,12 +349,12 @@ ReportTable Detection::summary_table(const PartDetectionResult& result) const {
       {"what", "result"},
       {{fmt::format("{:g} mm wide, {:g} mm deep, on the judged surface", kGoalSize, kGoalDepth), percent(result.goal)},
        {"the same, partly in the strips along edges and walls", percent(result.goal_at_edges)},
-       {"any size and depth, partly in these strips", percent(tally_->at_edges())},
+       {"any size and depth, partly or wholly in these strips", percent(tally_->at_edges())},
        {"their depth, mean error and spread, mm", fmt::format("{:+.3f}, {:.3f}", mean, spread)},
        {"parts judged, with and without planted defects",
         fmt::format("{} + {}", tally_->counts().parts, good_->counts().parts)},
        {"parts with a false defect", fmt::format("{} + {}", tally_->counts().false_parts, good_->counts().false_parts)},
-       {"parts that cannot be told",
+       {"parts whose result is cannot tell",
         fmt::format("{} + {}", tally_->counts().cannot_tell, good_->counts().cannot_tell)}},
       ""};
 }
