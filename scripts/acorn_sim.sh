@@ -29,7 +29,8 @@ search=()
 for room in rtl/*/; do search+=(-y "${room%/}"); done
 sources=(sim/target/litepcie.vlt rtl/common/sp_spec_pkg.sv constraints/acorn/{acorn_dma,acorn_system,acorn}.sv
   sim/target/xilinx7_cells.sv "$core" "$home/pcie_s7.v")
-checks=(-Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT '+define+SELFPROJ_PCIE_S7_BODY="sim/target/pcie_s7.svh"' --top-module acorn)
+checks=(-Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT --top-module acorn
+  '+define+SELFPROJ_PCIE_S7_BODY="sim/target/pcie_s7.svh"')
 # Fails where Verilator has an error or a warning.
 checked() {
   local log=$1

@@ -3,9 +3,9 @@
 
     crossings.py [--rtl FOLDER] [--target FILE...] [--parameters NAME=VALUE ...]
 
-Yosys elaborates the board, or the module of the first FILE, which has the board in it as u_board. A crossing is a register or memory of one clock whose inputs depend on a register or memory
-of another. Each must be a synchronizer's first flop (sp_sync) with no logic before it, or stand in rtl/crossings.txt,
-whose lines are
+Yosys elaborates the board, or the module of the first FILE, which has the board as u_board. A crossing is a register or
+memory of one clock whose inputs depend on a register or memory of another. Each must be a synchronizer's first flop
+(sp_sync) with no logic before it, or stand in rtl/crossings.txt, whose lines are
 
     from | to | why it is safe
 
@@ -133,8 +133,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rtl", type=pathlib.Path, default=ROOT / "rtl", metavar="FOLDER", help="default: rtl/")
     parser.add_argument("--target", nargs="+", type=pathlib.Path, default=[], metavar="FILE",
-                        help="instead of sp_board: the file of a module that has it as u_board, and files that it needs")
-    parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of the board, or that module")
+                        help="instead of sp_board: the file of a module that has it as u_board, and what it needs")
+    parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of that module")
     arguments = parser.parse_args()
     try:
         rules = reason_list.read(LIST)

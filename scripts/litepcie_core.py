@@ -33,9 +33,9 @@ def only(found, what):
 def widths(text):
     """Returns the width of each wire and register of the core by its name."""
     found = {}
-    for high, names in re.findall(r"^\s*(?:input |output |inout |)\s*(?:wire|reg)\s+(?:\[(\d+):0\])?\s*(\w+)", text,
-                                  re.M):
-        found[names] = int(high) + 1 if high else 1
+    declared = r"^\s*(?:input |output |inout |)\s*(?:wire|reg)\s+(?:\[(\d+):0\])?\s*(\w+)"
+    for high, name in re.findall(declared, text, re.M):
+        found[name] = int(high) + 1 if high else 1
     return found
 
 
@@ -61,7 +61,7 @@ def ports(text):
 def block(text):
     lines = [f"  {direction} wire {f'[{width - 1}:0] ' if width > 1 else ''}{name}"
              for direction, width, name in ports(text)]
-    return ("// The ports of the block for PCI Express, as LitePCIe connects them. Written by scripts/litepcie_core.py.\n"
+    return ("// The ports of the block for PCI Express, as LitePCIe connects them; by scripts/litepcie_core.py.\n"
             f"(* blackbox *)\nmodule {BLOCK} (\n" + ",\n".join(lines) + f"\n);\n{BODY}endmodule\n")
 
 

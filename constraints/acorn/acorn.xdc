@@ -1,5 +1,5 @@
-# Pins and clocks of an Acorn CLE-215(+) or CLE-101, NiteFury or LiteFury, as PyPI's litex-boards 2023.12 has them
-# (sqrl_acorn), for Vivado. acorn.tcl reads this file. It has not been run yet, because the vendor's tools were not at
+# Pins and clocks of an Acorn CLE-215(+) or CLE-101, NiteFury or LiteFury, as PyPI's litex-boards 2023.12 has
+# them, for Vivado. acorn.tcl reads this file. It has not been run yet, because the vendor's tools were not at
 # hand. On the connector P2 any other assignment will do.
 set_property INTERNAL_VREF 0.750 [get_iobanks 34]
 set_property CFGBVS VCCO [current_design]
@@ -12,8 +12,8 @@ set_property BITSTREAM.GENERAL.COMPRESS TRUE [current_design]
 create_clock -name clk200 -period 5.000 [get_ports clk200_p_i]
 create_clock -name pcie_reference -period 10.000 [get_ports pcie_clk_p_i]
 
-# Between the pixel clock and LitePCIe's clock: the bits of a Gray-coded pointer or a toggle may arrive at most one period
-# of the sending clock apart; words that cross are stable for more than two periods (rtl/crossings.txt).
+# Between the pixel clock and LitePCIe's clock: the bits of a Gray-coded pointer or a toggle may arrive at most one
+# period of the sending clock apart; words that cross are stable for more than two periods (rtl/crossings.txt).
 set pixel [get_clocks -of_objects [get_pins u_clk/O]]
 set bus [get_clocks -of_objects [get_nets bus_clk]]
 set_max_delay -datapath_only -from $pixel -to $bus 8.000

@@ -1,4 +1,4 @@
-// What is in the FPGA of an Acorn or LiteFury apart from clocks, resets and LitePCIe: camera, board,
+// What is in the FPGA of an Acorn or LiteFury apart from clocks, resets and LitePCIe: camera, board
 // and the way to LitePCIe's DMA.
 //
 //   sp_test_camera ─▶ sp_board ─▶ acorn_dma ─▶ DMA writer ┐

@@ -1,8 +1,8 @@
 // LitePCIe as a program sees it: the requests of its kernel driver, and the places of registers in its core.
 //
-// These are facts of the package litepcie 2024.12 on PyPI (litepcie/software/kernel/litepcie.h, config.h and main.c),
-// and of the core that constraints/acorn/litepcie.yml describes. scripts/litepcie_core.sh compares them with what
-// LitePCIe's generator writes.
+// These are facts of the package litepcie 2024.12 on PyPI (its folder litepcie/software/kernel), and of the core that
+// constraints/acorn/litepcie.yml describes. scripts/litepcie_core.sh compares the places with what LitePCIe's generator
+// writes.
 #ifndef SELFPROJ_HOST_DRIVER_LITEPCIE_INTERFACE_H
 #define SELFPROJ_HOST_DRIVER_LITEPCIE_INTERFACE_H
 

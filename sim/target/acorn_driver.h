@@ -22,7 +22,7 @@ namespace selfproj {
 // Any number of ports may have the one driver.
 class AcornDriver {
  public:
-  // As LitePCIe's config.h has them
+  // As LitePCIe's driver has them
   static constexpr std::uint32_t kBuffers = 256;
   static constexpr std::uint32_t kBytes = 8192;
   static constexpr std::uint32_t kBuffersAnInterrupt = 32;

@@ -1,5 +1,6 @@
-// The cells of 7-series FPGAs that the Acorn's top and LitePCIe's core have, for simulation: the clocks of PLLs are their
-// inputs, and nothing is delayed. So the bench drives the board's oscillator with the pixel clock.
+// The cells of 7-series FPGAs that the Acorn's top and LitePCIe's core have, for simulation: the
+// clocks of PLLs are their inputs, and nothing is delayed. So the simulation gives the pixel clock
+// in the place of the card's oscillator.
 `default_nettype none
 
 module IBUFDS (
