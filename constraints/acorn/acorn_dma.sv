@@ -53,13 +53,13 @@ module acorn_dma #(
   logic [LogBuffer-1:0] place_q;   // place in the buffer of the next beat to the output
   logic                 seen_q;    // a packet has passed since the last zeros began
   logic [IdleBits-1:0]  idle_q;    // clocks without a beat of a packet
-  logic [1:0]           fill_q;    // buffers to be ended with zeros
+  logic [1:0]           fill_q;    // buffers to be ended with zeros; 0 within a packet
 
   assign free       = !m_valid_o || m_ready_i;
   assign s_ready_o  = !open_q || free;
   assign taken      = s_valid_i && s_ready_o;
   assign passes     = taken && open_q;
-  assign fills      = open_q && free && !s_valid_i && !within_q && fill_q != '0;
+  assign fills      = open_q && free && !s_valid_i && fill_q != '0;
   assign buffer_end = (passes || fills) && place_q == '1;
 
   always_ff @(posedge clk_i) begin

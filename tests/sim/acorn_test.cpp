@@ -12,6 +12,7 @@
 #include "host/driver/device.h"
 #include "host/driver/litepcie_device.h"
 #include "host/driver/litepcie_port.h"
+#include "model/packet.h"
 #include "sim/target/camera_judge.h"
 #include "tests/sim/acorn_bench.h"
 #include "tests/support/random_cases.h"
@@ -34,6 +35,8 @@ class Host {
 
   AcornBench& bench() { return bench_; }
   Counters counters() const { return device_->counters(); }
+  std::uint64_t newest_frame() const { return newest_frame_; }
+  int of_newest_frame() const { return of_newest_frame_; }  // packets
   std::uint64_t of(const char* name) { return control_.read(name); }
   // Packets that the board says it has made and not lost.
   std::uint64_t sent() { return packets_ + packets_of_run() - of("lost_moments") - of("lost_image"); }
@@ -73,6 +76,8 @@ class Host {
     PacketView packet;
     while (device_->next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
       ASSERT_TRUE(judge_->judge(packet)) << "frame " << packet.header.sequence << ", kind " << int{packet.header.kind};
+      of_newest_frame_ = packet.header.sequence == newest_frame_ ? of_newest_frame_ + 1 : 1;
+      newest_frame_ = packet.header.sequence;
     }
   }
 
@@ -83,6 +88,8 @@ class Host {
   Control control_;
   std::optional<CameraJudge> judge_;
   std::unique_ptr<Device> device_;
+  std::uint64_t newest_frame_ = 0;
+  int of_newest_frame_ = 0;
   std::uint64_t packets_ = 0;  // of earlier runs
   std::uint64_t frames_ = 0;   // before this run
   bool image_ = false;
@@ -125,7 +132,19 @@ TEST(Acorn, WhatTheBoardLosesIsCounted) {
   EXPECT_EQ(counters.bad + counters.bytes_discarded + counters.read_errors, 0U);
 }
 
-// Whenever the DMA starts, its first byte is that of a packet.
+// Zeros only behind the last packet of a burst: the camera's frames follow each other within IdleClocks.
+TEST(Acorn, NoZerosWhilePacketsFollow) {
+  Host host(1);
+  host.open();
+  host.start(false);
+  host.run(100);
+  host.stop();
+  const std::uint64_t bytes = host.counters().delivered * packet_bytes(8 * AcornBench::kColumns);
+  EXPECT_GT(bytes, 10U * 8192);
+  EXPECT_LE(host.bench().player().finished(), bytes / 8192 + 2);
+}
+
+// Whenever the DMA starts, its first byte is that of a packet, and none stays behind.
 TEST(Acorn, TheDmaStartsAnewInTheMiddle) {
   Host host(1);
   Random random(1);
@@ -136,6 +155,12 @@ TEST(Acorn, TheDmaStartsAnewInTheMiddle) {
     EXPECT_GT(host.counters().delivered, 0U);
     EXPECT_EQ(host.counters().bytes_discarded, 0U);
     EXPECT_EQ(host.counters().bad, 0U);
+    if (i % 2 == 1) {
+      host.stop();
+      EXPECT_EQ(host.newest_frame() + 1, host.of("frames"));
+      EXPECT_EQ(host.of_newest_frame(), 1 + AcornBench::kRows);
+      host.start(true);
+    }
     host.close();
     host.bench().run(static_cast<std::uint64_t>(random.between(1, 700)));
   }
