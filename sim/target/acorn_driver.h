@@ -11,21 +11,32 @@
 #include <optional>
 #include <stdexcept>
 
-#include "csr.h"  // of the core, by LitePCIe's generator
 #include "host/driver/device_port.h"
 #include "host/driver/litepcie_interface.h"
+#include "litepcie.h"  // of LitePCIe's driver, with the places of registers in this core
 #include "sim/target/pcie_host.h"
-#include "soc.h"
 
 namespace selfproj {
+
+// What this project says of the driver is what the driver says of itself.
+static_assert(litepcie::kAccess == LITEPCIE_IOCTL_REG && litepcie::kDmaWriter == LITEPCIE_IOCTL_DMA_WRITER &&
+              litepcie::kBuffers == LITEPCIE_IOCTL_MMAP_DMA_INFO && litepcie::kLock == LITEPCIE_IOCTL_LOCK &&
+              litepcie::kRead == LITEPCIE_IOCTL_MMAP_DMA_WRITER_UPDATE);
+static_assert(offsetof(litepcie::Access, write) == offsetof(litepcie_ioctl_reg, is_write) &&
+              offsetof(litepcie::DmaWriter, sw_count) == offsetof(litepcie_ioctl_dma_writer, sw_count) &&
+              offsetof(litepcie::Lock, writer_request) == offsetof(litepcie_ioctl_lock, dma_writer_request) &&
+              offsetof(litepcie::Lock, writer_release) == offsetof(litepcie_ioctl_lock, dma_writer_release) &&
+              offsetof(litepcie::Lock, writer_status) == offsetof(litepcie_ioctl_lock, dma_writer_status) &&
+              offsetof(litepcie::Buffers, rx_offset) == offsetof(litepcie_ioctl_mmap_dma_info, dma_rx_buf_offset) &&
+              offsetof(litepcie::Buffers, rx_bytes) == offsetof(litepcie_ioctl_mmap_dma_info, dma_rx_buf_size) &&
+              offsetof(litepcie::Buffers, rx_count) == offsetof(litepcie_ioctl_mmap_dma_info, dma_rx_buf_count));
+static_assert(litepcie::kLoopStatus == CSR_PCIE_DMA0_BASE + PCIE_DMA_WRITER_TABLE_LOOP_STATUS_OFFSET);
 
 // Any number of ports may have the one driver.
 class AcornDriver {
  public:
-  // As LitePCIe's driver has them
-  static constexpr std::uint32_t kBuffers = 256;
-  static constexpr std::uint32_t kBytes = 8192;
-  static constexpr std::uint32_t kBuffersAnInterrupt = 32;
+  static constexpr std::uint32_t kBuffers = DMA_BUFFER_COUNT;
+  static constexpr std::uint32_t kBytes = DMA_BUFFER_SIZE;
 
   // `step` runs the simulation by a clock of PCI Express.
   AcornDriver(PcieHost& host, std::function<void()> step) : host_(host), step_(std::move(step)) {}
@@ -58,10 +69,8 @@ class AcornDriver {
       write(CSR_PCIE_DMA0_WRITER_TABLE_RESET_ADDR, 1);
       write(CSR_PCIE_DMA0_WRITER_TABLE_LOOP_PROG_N_ADDR, 0);
       for (std::uint32_t i = 0; i < kBuffers; ++i) {
-        constexpr std::uint32_t kNoInterrupt = 1U << 24U;
-        constexpr std::uint32_t kNoLast = 1U << 25U;
         write(CSR_PCIE_DMA0_WRITER_TABLE_VALUE_ADDR,
-              kNoLast | (i % kBuffersAnInterrupt == 0 ? 0 : kNoInterrupt) | kBytes);
+              DMA_LAST_DISABLE | (i % DMA_BUFFER_PER_IRQ == 0 ? 0U : DMA_IRQ_DISABLE) | kBytes);
         write(CSR_PCIE_DMA0_WRITER_TABLE_VALUE_ADDR + 4, PcieHost::kMemory + i * kBytes);
         write(CSR_PCIE_DMA0_WRITER_TABLE_WE_ADDR, 0);
       }
