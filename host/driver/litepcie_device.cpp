@@ -27,8 +27,8 @@ namespace {
 
 // The driver's interrupt comes after 32 buffers, which is late. So a sleeping reader looks this often by itself.
 constexpr std::int64_t kDmaLookNs = 200'000;
-constexpr std::uint64_t kMostDmaBuffers = 1U
-                                       << 15U;  // so that the register of the loop never looks like a board that left
+// Fewer than a register that reads as ones would mean
+constexpr std::uint64_t kMostDmaBuffers = 1U << 15U;
 
 class LitePcieDevice final : public Device {
  public:
