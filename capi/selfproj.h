@@ -192,7 +192,8 @@ typedef struct selfproj_device_options {
   int32_t discard_backlog; /* 1: skip what was written to a ring before */
 } selfproj_device_options;
 
-/* Opens a device by its URI (docs/driver.md): ring:NAME, file:PATH or udp:HOST[:PORT]. `options` may be null. */
+/* Opens a device by its URI (docs/driver.md): ring:NAME, file:PATH, udp:HOST[:PORT] or litepcie:PATH. `options` may be
+   null. */
 int32_t selfproj_device_open(const char* uri, const selfproj_device_options* options, selfproj_device** out);
 void selfproj_device_close(selfproj_device* device); /* null is allowed */
 

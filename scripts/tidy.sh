@@ -22,10 +22,10 @@ rm -f "$folder"/UnifiedSource_*.cpp
 if (($# > 0)); then
   sources=("$@")
 else
-  # The fuzzer is built by clang alone, and the simulation of the ECPIX-5 with LiteEth, each in a build of its own
-  # (scripts/fuzz.sh, scripts/target_sim.sh).
+  # The fuzzer is built by clang alone, and the simulations of the ECPIX-5 and the Acorn with LiteEth and LitePCIe, each
+  # in a build of its own (scripts/fuzz.sh, scripts/target_sim.sh, scripts/acorn_sim.sh).
   mapfile -t sources < <(git ls-files --cached --others --exclude-standard '*.cpp' |
-    grep -v -e '/generated/' -e '^tests/fuzz/' -e '^sim/target/ecpix5_sim.cpp$')
+    grep -v -e '/generated/' -e '^tests/fuzz/' -e '^sim/target/\(ecpix5\|acorn\)_sim.cpp$')
 fi
 
 # One line a file to check: the file, and STATE:SOURCE for each source in it. The list ends with the word "end".

@@ -137,8 +137,8 @@ CLI::App* add_on_board(CLI::App& parent, const CommandText& text, const std::fun
   const auto device = std::make_shared<std::string>();
   command
       ->add_option("--device", *device,
-                   "The board: udp:HOST on the network; bar:PATH[+OFFSET] for registers in a file mapped into memory; "
-                   "or file:/dev/xdma0_c2h_0 for those beside this device.")
+                   "The board: udp:HOST on the network; litepcie:PATH behind LitePCIe's driver; bar:PATH[+OFFSET] for "
+                   "registers in a file mapped into memory; or file:/dev/xdma0_c2h_0 for those beside this device.")
       ->type_name("URI")
       ->required();
   command->callback([device, act] { act(*open_control(*device)); });
@@ -213,10 +213,11 @@ void add_board_command(CLI::App& app) {
 selfproj board list
 )"});
   board->require_subcommand(1);
-  CLI::App* list = add_command(*board, {.name = "list",
-                                        .purpose = "Lists the boards of this machine and of hosts on the network.",
-                                        .details = "Looks at /dev/xdma*_user and /dev/uio*, and asks every HOST given.",
-                                        .examples = R"(
+  CLI::App* list = add_command(
+      *board, {.name = "list",
+               .purpose = "Lists the boards of this machine and of hosts on the network.",
+               .details = "Looks at /dev/xdma*_user, /dev/uio* and /dev/litepcie*, and asks every HOST given.",
+               .examples = R"(
 # List the boards of this machine.
 selfproj board list
 )"});

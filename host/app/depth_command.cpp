@@ -287,7 +287,8 @@ selfproj depth --rig scanner --bits 8 --device ring:line1 \
   begin_group(*command, "Input and output");
   command
       ->add_option("--device", options->device,
-                   "Instead of images, a board: ring:NAME, udp:HOST[:PORT] or file:PATH. It sends codes, or images, "
+                   "Instead of images, a board: ring:NAME, udp:HOST[:PORT], litepcie:PATH or file:PATH. It sends "
+                   "codes, or images, "
                    "which are decoded here. Or a camera that the projector triggers, camera:NAME. Image k, by the "
                    "board's or the camera's own number, shows pattern k modulo 2M. The run ends with the device, "
                    "--count or Ctrl-C.")

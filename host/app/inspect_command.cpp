@@ -221,8 +221,9 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
   begin_group(*command, "Input");
   command
       ->add_option("--device", options->device,
-                   "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, file:PATH for a "
-                   "recording, a pipe or a character device, or camera:NAME[?KEY=VALUE&...] for a camera, of whose "
+                   "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, litepcie:PATH for "
+                   "one on PCI Express, file:PATH for a recording, a pipe or a character device, or "
+                   "camera:NAME[?KEY=VALUE&...] for a camera, of whose "
                    "images this program makes the packets itself, as the rig says. `selfproj devices` lists cameras "
                    "and their settings.")
       ->type_name("URI")
@@ -230,7 +231,7 @@ selfproj inspect --device file:/dev/xdma0_c2h_0 --reference good-part --check --
   command
       ->add_option("--control", options->control,
                    "The board's registers, which get the rig's image size and all that it measures: bar:PATH[+OFFSET], "
-                   "udp:HOST[:PORT], or none.")
+                   "litepcie:PATH, udp:HOST[:PORT], or none.")
       ->type_name("URI")
       ->default_str("those beside the device, if it has any");
   add_section_options(*command, options->section);

@@ -33,8 +33,9 @@ void add_packet_run_options(CLI::App& command, PacketRunOptions& options, const 
   begin_group(command, "Input");
   command
       .add_option("--device", options.device,
-                  "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, file:PATH for a "
-                  "recording, a pipe or a character device, or camera:NAME[?KEY=VALUE&...] for a camera, of whose "
+                  "Where packets come from: ring:NAME, udp:HOST[:PORT] for a board on the network, litepcie:PATH for "
+                  "one on PCI Express, file:PATH for a recording, a pipe or a character device, or "
+                  "camera:NAME[?KEY=VALUE&...] for a camera, of whose "
                   "images this program makes the packets itself.")
       ->type_name("URI")
       ->required();

@@ -164,7 +164,8 @@ selfproj match --rig my-scanner.yaml --reference stripes --device ring:line1 \
   begin_group(*command, "Input");
   command
       ->add_option("--device", options->device,
-                   "Where packets of good parts come from: ring:NAME, udp:HOST[:PORT], file:PATH or camera:NAME.")
+                   "Where packets of good parts come from: ring:NAME, udp:HOST[:PORT], litepcie:PATH, file:PATH "
+                   "or camera:NAME.")
       ->type_name("URI")
       ->required();
   add_section_options(*command, options->section);

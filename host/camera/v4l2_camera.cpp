@@ -57,7 +57,7 @@ std::string text_of_array(const __u8* text, std::size_t size) {
 }
 
 // What the device says of itself, if it gives images through mapped memory.
-std::optional<v4l2_capability> capability_of(VideoPort& port) {
+std::optional<v4l2_capability> capability_of(DevicePort& port) {
   v4l2_capability capability{};
   if (port.control(VIDIOC_QUERYCAP, &capability) != 0) {
     return std::nullopt;
@@ -70,7 +70,7 @@ std::optional<v4l2_capability> capability_of(VideoPort& port) {
 
 class V4l2Camera final : public Camera {
  public:
-  V4l2Camera(const CameraUri& uri, std::unique_ptr<VideoPort> port)
+  V4l2Camera(const CameraUri& uri, std::unique_ptr<DevicePort> port)
       : uri_(uri.uri), settings_(uri.camera), port_(std::move(port)) {
     if (!capability_of(*port_)) {
       throw UserError(uri_, "gives no images through the interface V4L2");
@@ -350,7 +350,7 @@ class V4l2Camera final : public Camera {
 
   std::string uri_;
   CameraParameters settings_;
-  std::unique_ptr<VideoPort> port_;
+  std::unique_ptr<DevicePort> port_;
   PixelFormat format_{};
   int raw_rows_ = 0;
   int raw_columns_ = 0;
@@ -380,7 +380,7 @@ std::vector<CameraEntry> list_v4l2_cameras() {
   for (const std::string& path : paths) {
     CameraEntry place{.uri = "camera:" + path, .kind = "V4L2", .model = "", .address = path, .problem = ""};
     try {
-      const std::unique_ptr<VideoPort> port = open_video_port(path);
+      const std::unique_ptr<DevicePort> port = open_device_port(path, "camera:" + path);
       const std::optional<v4l2_capability> capability = capability_of(*port);
       if (!capability) {
         continue;
@@ -394,12 +394,12 @@ std::vector<CameraEntry> list_v4l2_cameras() {
   return cameras;
 }
 
-std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri, std::unique_ptr<VideoPort> port) {
+std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri, std::unique_ptr<DevicePort> port) {
   return std::make_unique<V4l2Camera>(uri, std::move(port));
 }
 
 std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri) {
-  return open_v4l2_camera(uri, open_video_port(uri.name));
+  return open_v4l2_camera(uri, open_device_port(uri.name, "camera:" + uri.name));
 }
 
 }  // namespace selfproj

@@ -8,7 +8,7 @@
 #include "host/camera/camera.h"
 #include "host/camera/camera_list.h"
 #include "host/camera/camera_uri.h"
-#include "host/camera/video_port.h"
+#include "host/driver/device_port.h"
 
 namespace selfproj {
 
@@ -21,7 +21,7 @@ std::vector<CameraEntry> list_v4l2_cameras();
 std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri);
 
 // The same on a port that is open.
-std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri, std::unique_ptr<VideoPort> port);
+std::unique_ptr<Camera> open_v4l2_camera(const CameraUri& uri, std::unique_ptr<DevicePort> port);
 
 }  // namespace selfproj
 

@@ -18,6 +18,8 @@ std::vector<BoardPlace> list_boards(const std::filesystem::path& devices, const 
     const std::string name = entry.path().filename().string();
     if ((name.starts_with("xdma") && name.ends_with("_user")) || name.starts_with("uio")) {
       boards.push_back({.uri = "bar:" + entry.path().string(), .problem = ""});
+    } else if (name.starts_with("litepcie")) {
+      boards.push_back({.uri = "litepcie:" + entry.path().string(), .problem = ""});
     }
   }
   std::sort(boards.begin(), boards.end(), [](const auto& one, const auto& other) { return one.uri < other.uri; });

@@ -13,8 +13,9 @@ struct BoardPlace {
   std::string problem;  // why no board can be opened there; empty if one was
 };
 
-// Looks for boards, and tries to open the registers of each. First come the files xdma*_user and uio* in `devices`, as
-// bar:FILE, sorted as text; then `hosts`, as udp:HOST. A folder that cannot be read counts as empty.
+// Looks for boards, and tries to open the registers of each. First come the files of `devices`, sorted as text:
+// xdma*_user and uio* as bar:FILE, litepcie* as litepcie:FILE. Then come `hosts`, as udp:HOST. A folder that cannot be
+// read counts as empty.
 std::vector<BoardPlace> list_boards(const std::filesystem::path& devices = "/dev",
                                     const std::vector<std::string>& hosts = {});
 

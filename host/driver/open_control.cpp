@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "host/driver/bar_port.h"
 #include "host/driver/etherbone_port.h"
+#include "host/driver/litepcie_port.h"
 #include "host/io/user_error.h"
 
 namespace selfproj {
@@ -21,7 +23,7 @@ std::string registers_beside(const std::string& path) {
 }  // namespace
 
 std::string control_uri(const std::string& uri) {
-  if (uri.starts_with("bar:") || uri.starts_with("udp:")) {
+  if (uri.starts_with("bar:") || uri.starts_with("udp:") || uri.starts_with("litepcie:")) {
     return uri;
   }
   if (uri.starts_with("file:")) {
@@ -41,12 +43,16 @@ std::unique_ptr<Control> open_control(const std::string& uri) {
     const std::string place = uri.substr(4);
     return std::make_unique<Control>(make_etherbone_port(place.substr(0, place.find(':'))));
   }
-  if (uri == "bar:") {
+  constexpr std::string_view kLitePcie = "litepcie:";
+  if (uri.starts_with(kLitePcie) && uri.size() > kLitePcie.size()) {
+    return std::make_unique<Control>(make_litepcie_port(uri.substr(kLitePcie.size())));
+  }
+  if (uri == "bar:" || uri == kLitePcie) {
     throw UserError(uri, "the path of the file is missing");
   }
   const bool device = uri.starts_with("ring:") || uri.starts_with("file:");
-  throw UserError(uri, device ? "has no control of a board beside it; use bar:PATH or udp:HOST"
-                              : "is not the control of a board; use bar:PATH or udp:HOST");
+  throw UserError(uri, device ? "has no control of a board beside it; use bar:PATH, litepcie:PATH or udp:HOST"
+                              : "is not the control of a board; use bar:PATH, litepcie:PATH or udp:HOST");
 }
 
 }  // namespace selfproj

@@ -3,6 +3,7 @@
 //     udp:HOST[:PORT]     a board on the network (etherbone_port.h); PORT is that of its packets
 //     bar:PATH[+OFFSET]   registers in a file mapped into memory: /dev/xdma0_user, /dev/uio0, a PCI resource
 //                         (bar_port.h)
+//     litepcie:PATH       a board behind LitePCIe's kernel driver: /dev/litepcie0 (litepcie_port.h)
 //     file:PATH           the control beside a streaming device: /dev/xdma0_user of /dev/xdma0_c2h_0
 //     sim:                inside selfproj-sim only
 #ifndef SELFPROJ_HOST_DRIVER_OPEN_CONTROL_H

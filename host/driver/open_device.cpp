@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/driver/file_device.h"
+#include "host/driver/litepcie_device.h"
 #include "host/driver/ring_device.h"
 #include "host/driver/udp_device.h"
 #include "host/io/user_error.h"
@@ -14,8 +15,9 @@ std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions&
   const std::size_t colon = uri.find(':');
   const std::string scheme = uri.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : uri.substr(colon + 1);
-  if (colon == std::string::npos || (scheme != "ring" && scheme != "file" && scheme != "udp" && scheme != "sim")) {
-    throw UserError(uri, "is not a device; use ring:NAME, file:PATH, udp:HOST or camera:NAME");
+  if (colon == std::string::npos ||
+      (scheme != "ring" && scheme != "file" && scheme != "udp" && scheme != "litepcie" && scheme != "sim")) {
+    throw UserError(uri, "is not a device; use ring:NAME, file:PATH, udp:HOST, litepcie:PATH or camera:NAME");
   }
   if (scheme == "sim") {
     throw UserError(uri, "exists only inside selfproj-sim");
@@ -25,6 +27,9 @@ std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions&
   }
   if (rest.empty()) {
     throw UserError(uri, scheme == "ring" ? "the name of the ring is missing" : "the path of the file is missing");
+  }
+  if (scheme == "litepcie") {
+    return make_litepcie_device(rest, options);
   }
   return scheme == "ring" ? make_ring_device(rest, options) : make_file_device(rest, options);
 }

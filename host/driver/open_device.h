@@ -3,6 +3,7 @@
 //     ring:NAME   a ring in shared memory, written by a board's driver or by selfproj-sim board   (ring_layout.h)
 //     file:PATH   a recorded stream, a pipe, or a streaming character device such as /dev/xdma0_c2h_0
 //     udp:HOST[:PORT]   a board on the network, which sends packets in datagrams   (udp_device.h)
+//     litepcie:PATH     a board on PCI Express behind LitePCIe's kernel driver: /dev/litepcie0   (litepcie_device.h)
 //     sim:        inside selfproj-sim only: SimDevice (sim_device.h)
 //
 // camera:NAME, a camera without a board, is opened by camera/camera_device.h.

@@ -26,8 +26,8 @@ PacketError judge(Bytes bytes, PacketView& packet) {
 
 }  // namespace
 
-PacketStreamReader::PacketStreamReader(Counters& counters, std::size_t capacity)
-    : counters_(counters), buffer_(std::max(capacity, 2 * kLargestPacketBytes)) {}
+PacketStreamReader::PacketStreamReader(Counters& counters, std::size_t capacity, std::size_t fill)
+    : counters_(counters), fill_(fill), buffer_(std::max(capacity, 2 * kLargestPacketBytes)) {}
 
 std::span<std::uint8_t> PacketStreamReader::room_in_place() { return std::span(buffer_).subspan(end_); }
 
@@ -52,8 +52,18 @@ void PacketStreamReader::restart() {
   finished_ = false;
 }
 
+void PacketStreamReader::skip_fill() {
+  const auto is_zero = [](std::uint8_t byte) { return byte == 0; };
+  while (fill_ > 0 && held() >= fill_ && std::all_of(&buffer_[begin_], &buffer_[begin_] + fill_, is_zero)) {
+    begin_ += fill_;
+  }
+}
+
 bool PacketStreamReader::next(PacketView& packet) {
   while (begin_ < end_) {
+    if (due_) {
+      skip_fill();
+    }
     const Bytes bytes(buffer_.data() + begin_, held());
     const PacketError error = judge(bytes, packet);
     if (error == PacketError::none) {

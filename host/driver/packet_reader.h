@@ -26,8 +26,9 @@ class PacketStreamReader {
   static constexpr std::size_t kDefaultCapacity = std::size_t{1} << 20U;
 
   // Counts bad, other_spec, resynchronized and bytes_discarded in `counters`, which must outlive it. `capacity` is the
-  // size of the buffer in bytes, and is raised to two of the largest packets.
-  explicit PacketStreamReader(Counters& counters, std::size_t capacity = kDefaultCapacity);
+  // size of the buffer in bytes, and is raised to two of the largest packets. Unless `fill` is 0, any number of units
+  // of so many zeros may follow a good packet. They are left out, and not counted; bytes must then come in whole units.
+  explicit PacketStreamReader(Counters& counters, std::size_t capacity = kDefaultCapacity, std::size_t fill = 0);
 
   // The place for the next bytes of the stream. It is never empty after next() has returned all packets. Earlier
   // packets become invalid.
@@ -59,8 +60,10 @@ class PacketStreamReader {
 
  private:
   void discard(std::size_t bytes);
+  void skip_fill();
 
   Counters& counters_;
+  std::size_t fill_;
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0;  // first byte not returned yet
   std::size_t end_ = 0;    // behind the last byte

@@ -191,7 +191,8 @@ void bind_driver(nb::module_& module) {
   bind_device(module);
   module.def("open", &open, nb::arg("uri"), nb::arg("wait") = Wait::polling_then_blocking,
              nb::arg("wait_for_board") = false, nb::arg("discard_backlog") = false,
-             "Opens a device: ring:NAME, file:PATH or udp:HOST[:PORT] (docs/driver.md). InputError if there is none.");
+             "Opens a device: ring:NAME, file:PATH, udp:HOST[:PORT] or litepcie:PATH (docs/driver.md). InputError if "
+             "there is none.");
   nb::class_<Assembler>(module, "ImageAssembler", "Images from packets of lines of one stream.")
       .def(nb::init<int, int>(), nb::arg("kind"), nb::arg("stream") = 0,
            "kind: packets.KIND_IMAGE or packets.KIND_CODES.")

@@ -71,7 +71,7 @@ TEST_F(BoardCommand, Errors) {
   write_text(folder_ / "bar", std::string(4096, '\xFF'));
   EXPECT_EQ(error({"info"}), "selfproj: bar:bar: no selfproj board is there: its first register is 0xFFFFFFFF\n");
   EXPECT_EQ(run({"board", "info", "--device", "ring:a"}).err,
-            "selfproj: ring:a: has no control of a board beside it; use bar:PATH or udp:HOST\n");
+            "selfproj: ring:a: has no control of a board beside it; use bar:PATH, litepcie:PATH or udp:HOST\n");
 }
 
 // The same commands over the network, to a board at an address of its own.

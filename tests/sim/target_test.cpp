@@ -1,4 +1,4 @@
-// Tests the wire between the simulated FPGA and the host: RGMII, and a network with faults.
+// Tests what is between simulated FPGAs and the host: RGMII, a network with faults, and packets of PCI Express.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/target/faulty_network.h"
+#include "sim/target/pcie_host.h"
 #include "sim/target/rgmii.h"
 #include "tests/support/random_cases.h"
 
@@ -75,6 +76,53 @@ TEST(FaultyNetwork, CountsWhatItDoes) {
   EXPECT_GT(counts.dropped, 100U);
   EXPECT_GT(counts.doubled, 100U);
   EXPECT_GT(counts.reordered, 100U);
+}
+
+// What the FPGA sends in one packet, four words a beat.
+void send(PcieHost& host, const std::vector<std::uint32_t>& words) {
+  for (std::size_t at = 0; at < words.size(); at += 4) {
+    PcieHost::From from{.taken = true, .last = at + 4 >= words.size()};
+    for (std::size_t i = 0; i < 4 && at + i < words.size(); ++i) {
+      from.beat[i] = words[at + i];
+      from.keep = static_cast<std::uint16_t>(from.keep | 0xFU << (4 * i));
+    }
+    host.clock(from);
+  }
+}
+
+TEST(PcieHost, WritesOfTheFpga) {
+  PcieHost host(8192, 100, 1);
+  send(host, {0x4000'0002, 0x0100'00FF, PcieHost::kMemory + 8, 0x1122'3344, 0x5566'7788});
+  EXPECT_EQ(host.writes(), 1U);
+  const std::vector<std::uint8_t> bytes(host.memory().begin() + 8, host.memory().begin() + 16);
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}));
+  // A length that is not the packet's, memory that is not the FPGA's, and a boundary of 4 KiB within the packet
+  send(host, {0x4000'0003, 0x0100'00FF, PcieHost::kMemory, 1, 2});
+  send(host, {0x4000'0001, 0x0100'000F, PcieHost::kMemory + 8192, 1});
+  send(host, {0x4000'0001, 0x0100'000F, PcieHost::kMemory - 4, 1});
+  send(host, {0x4000'0002, 0x0100'00FF, PcieHost::kMemory + 4092, 1, 2});
+  EXPECT_EQ(host.writes(), 1U);
+  EXPECT_EQ(host.strangers(), 4U);
+}
+
+TEST(PcieHost, AccessesToTheFpga) {
+  PcieHost host(4096, 100, 1);
+  host.write(0x1'0010, 0x0102'0304);
+  host.read(0x1'0014);
+  PcieHost::To to = host.clock({});
+  EXPECT_TRUE(to.valid && !to.read);
+  EXPECT_EQ(to.beat, (PcieHost::Beat{0x4000'0001, 0x0008'000F, 0x1'0010, 0x0403'0201}));
+  EXPECT_EQ(host.clock({}).beat, to.beat);  // stays until it is taken
+  to = host.clock({.given = true});
+  EXPECT_TRUE(to.valid && to.read && host.busy());
+  EXPECT_EQ(to.beat[0], 0x0000'0001U);
+  EXPECT_FALSE(host.clock({.given = true}).valid);
+  EXPECT_FALSE(host.busy());
+  EXPECT_FALSE(host.take_answer());
+  send(host, {0x4A00'0001, 0x0100'0004, 0x0008'0014, 0xAABB'CCDD});
+  EXPECT_EQ(host.take_answer(), 0xDDCC'BBAAU);
+  EXPECT_FALSE(host.take_answer());
+  EXPECT_EQ(host.strangers(), 0U);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@
 
 #include "host/camera/camera.h"
 #include "host/camera/camera_uri.h"
-#include "host/camera/video_port.h"
+#include "host/driver/device_port.h"
 #include "host/io/user_error.h"
 
 namespace selfproj::test {
@@ -52,7 +52,7 @@ struct Player {
   std::size_t queued_most = 0;
 };
 
-class PlayerPort final : public VideoPort {
+class PlayerPort final : public DevicePort {
  public:
   explicit PlayerPort(Player& player) : player_(player) {}
 

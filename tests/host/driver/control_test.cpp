@@ -146,7 +146,7 @@ TEST(BarPort, WhatCannotBeOpened) {
             std::string::npos);
   EXPECT_NE(error_of([&] { open_control("bar:" + folder.path().string()); }).find("directory"), std::string::npos);
   EXPECT_EQ(error_of([] { open_control("ring:line1"); }),
-            "ring:line1: has no control of a board beside it; use bar:PATH or udp:HOST");
+            "ring:line1: has no control of a board beside it; use bar:PATH, litepcie:PATH or udp:HOST");
   EXPECT_EQ(control_uri("file:/dev/xdma1_c2h_0"), "bar:/dev/xdma1_user");
   EXPECT_EQ(control_uri("file:line.slfp"), "");
 }

@@ -1,4 +1,4 @@
-#include "host/camera/video_port.h"
+#include "host/driver/device_port.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -22,15 +22,16 @@
 namespace selfproj {
 namespace {
 
-class KernelVideoPort final : public VideoPort {
+class KernelDevicePort final : public DevicePort {
  public:
-  explicit KernelVideoPort(const std::string& path) : file_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {
+  KernelDevicePort(const std::string& path, const std::string& uri)
+      : file_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {
     if (file_.number() < 0) {
-      throw UserError("camera:" + path, error_text(errno));
+      throw UserError(uri, error_text(errno));
     }
   }
 
-  ~KernelVideoPort() override {
+  ~KernelDevicePort() override {
     for (const auto& [bytes, size] : mapped_) {
       munmap(bytes, size);
     }
@@ -71,6 +72,8 @@ class KernelVideoPort final : public VideoPort {
 
 }  // namespace
 
-std::unique_ptr<VideoPort> open_video_port(const std::string& path) { return std::make_unique<KernelVideoPort>(path); }
+std::unique_ptr<DevicePort> open_device_port(const std::string& path, const std::string& uri) {
+  return std::make_unique<KernelDevicePort>(path, uri);
+}
 
 }  // namespace selfproj

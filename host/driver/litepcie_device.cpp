@@ -1,0 +1,236 @@
+#include "host/driver/litepcie_device.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "host/driver/clock.h"
+#include "host/driver/counters.h"
+#include "host/driver/device.h"
+#include "host/driver/device_port.h"
+#include "host/driver/litepcie_interface.h"
+#include "host/driver/packet_reader.h"
+#include "host/driver/packet_tally.h"
+#include "host/io/file_descriptor.h"
+#include "host/io/user_error.h"
+#include "model/packet.h"
+
+namespace selfproj {
+namespace {
+
+// The driver's interrupt comes after 32 buffers, which is late. So a sleeping reader looks this often by itself.
+constexpr std::int64_t kDmaLookNs = 200'000;
+// Fewer than a register that reads as ones would mean
+constexpr std::uint64_t kMostDmaBuffers = 1U << 15U;
+
+class LitePcieDevice final : public Device {
+ public:
+  LitePcieDevice(std::unique_ptr<DevicePort> port, std::string uri, const DeviceOptions& options)
+      : uri_(std::move(uri)),
+        options_(options),
+        port_(std::move(port)),
+        reader_(counters_, options.buffer_bytes, spec::kPacketBeatBytes),
+        tally_(counters_) {
+    litepcie::Buffers buffers;
+    const int error = port_->control(litepcie::kBuffers, &buffers);
+    if (error != 0) {
+      fail("is no device of LitePCIe's driver", error);
+    }
+    bytes_ = static_cast<std::size_t>(buffers.rx_bytes);
+    count_ = buffers.rx_count;
+    // The reader has room for at least one more of the largest packets.
+    if (bytes_ == 0 || bytes_ % spec::kPacketBeatBytes != 0 || bytes_ > kLargestPacketBytes || count_ < 4 ||
+        count_ > kMostDmaBuffers) {
+      throw UserError(uri_, "its driver has " + std::to_string(count_) + " buffers of " + std::to_string(bytes_) +
+                                " bytes, with which this program cannot work");
+    }
+    ring_ = port_->map(bytes_ * count_, static_cast<std::int64_t>(buffers.rx_offset));
+    if (ring_ == nullptr) {
+      fail("its buffers cannot be mapped", errno);
+    }
+    litepcie::Lock lock{.writer_request = 1};
+    check(port_->control(litepcie::kLock, &lock), "its DMA cannot be taken");
+    if (lock.writer_status == 0) {
+      throw UserError(uri_, "already has a reader");
+    }
+    locked_ = true;
+    start();
+  }
+  LitePcieDevice(const LitePcieDevice&) = delete;
+  LitePcieDevice& operator=(const LitePcieDevice&) = delete;
+  // A board that has gone cannot be stopped, and the driver frees what is left when the file is closed.
+  ~LitePcieDevice() override {
+    if (locked_) {
+      static_cast<void>(enable(false));
+      litepcie::Lock lock{.writer_release = 1};
+      static_cast<void>(port_->control(litepcie::kLock, &lock));
+    }
+  }
+
+  Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
+    const std::int64_t started = now_ns();
+    for (;;) {
+      while (reader_.next(packet)) {
+        if (tally_.accept(packet.header)) {
+          ++counters_.delivered;
+          counters_.flagged += packet.status != 0 ? 1 : 0;
+          return Next::packet;
+        }
+      }
+      const std::int64_t waited = now_ns() - started;
+      if (take_buffers()) {
+        continue;
+      }
+      if (waited >= timeout.count()) {
+        return Next::timeout;
+      }
+      wait(waited, timeout.count());
+    }
+  }
+
+  void release() override {}  // the reader's buffer moves only within next()
+
+  [[nodiscard]] std::int64_t arrival_ns() const override { return arrival_ns_; }
+  [[nodiscard]] Counters counters() const override { return counters_; }
+  [[nodiscard]] const std::string& uri() const override { return uri_; }
+
+ private:
+  [[noreturn]] void fail(const std::string& what, int error) const {
+    throw UserError(uri_, what + ": " + error_text(error));
+  }
+
+  void check(int error, const std::string& what) const {
+    if (error != 0) {
+      fail(error == ENODEV || error == EIO ? "the board has gone" : what, error);
+    }
+  }
+
+  [[nodiscard]] int enable(bool on) {
+    litepcie::DmaWriter writer{.enable = static_cast<std::uint8_t>(on ? 1 : 0)};
+    return port_->control(litepcie::kDmaWriter, &writer);
+  }
+
+  // The DMA starts at buffer 0, whatever it has done before.
+  void start() {
+    check(enable(false), "its DMA cannot be stopped");
+    check(enable(true), "its DMA cannot be started");
+    done_ = 0;
+    read_ = 0;
+    status_ = 0;
+  }
+
+  // Brings done_ up to date. Returns false if the board has begun anew, because of which the DMA was started again.
+  bool look() {
+    litepcie::Access access{.address = litepcie::kLoopStatus};
+    check(port_->control(litepcie::kAccess, &access), "its DMA does not answer");
+    const std::uint64_t buffer = access.value & 0xFFFFU;
+    if (buffer >= count_) {  // a board that is not there reads as ones
+      throw UserError(uri_, "the board has gone: its registers read as ones");
+    }
+    // The register wraps after 65536 rounds.
+    const std::uint64_t period = count_ << 16U;
+    const std::uint64_t status = (access.value >> 16U) * count_ + buffer;
+    const std::uint64_t more = (status + period - status_) % period;
+    if (more > period / 2) {
+      ++counters_.reattached;
+      reader_.restart();
+      tally_.begin_anew();
+      start();
+      return false;
+    }
+    status_ = status;
+    done_ += more;
+    return true;
+  }
+
+  // The first buffer that the DMA cannot have begun to write over. Buffer done_ + 1 is under way, in the place of
+  // buffer done_ + 1 - count_.
+  [[nodiscard]] std::uint64_t oldest() const { return done_ + 2 > count_ ? done_ + 2 - count_ : 0; }
+
+  // Copies finished buffers into the reader. Returns whether there were any, or anything else that changed.
+  bool take_buffers() {
+    if (!look()) {
+      return true;
+    }
+    arrival_ns_ = now_ns();
+    if (read_ < oldest()) {
+      skip();
+      return true;
+    }
+    if (read_ == done_) {
+      return false;
+    }
+    const std::span<std::uint8_t> room = reader_.room();
+    const std::uint64_t buffers = std::min<std::uint64_t>(done_ - read_, room.size() / bytes_);
+    for (std::uint64_t i = 0; i < buffers; ++i) {
+      std::memcpy(room.data() + i * bytes_, ring_ + (read_ + i) % count_ * bytes_, bytes_);
+    }
+    if (!look()) {
+      return true;
+    }
+    if (read_ < oldest()) {
+      skip();
+      return true;
+    }
+    reader_.added(buffers * bytes_);
+    read_ += buffers;
+    return true;
+  }
+
+  // The DMA has come round. Half of the ring is given up, so that the reader does not lose the next buffer as well.
+  void skip() {
+    const std::uint64_t to = std::max(oldest(), done_ - std::min(done_, count_ / 2));
+    ++counters_.read_errors;
+    counters_.bytes_discarded += (to - read_) * bytes_;
+    reader_.restart();
+    read_ = to;
+  }
+
+  // Waits according to the policy.
+  void wait(std::int64_t waited, std::int64_t timeout) {
+    if (options_.wait == Wait::polling ||
+        (options_.wait == Wait::polling_then_blocking && waited < options_.spin.count())) {
+      relax();
+      return;
+    }
+    litepcie::Read read{.sw_count = static_cast<std::int64_t>(read_)};
+    check(port_->control(litepcie::kRead, &read), "its DMA does not answer");
+    static_cast<void>(port_->wait(std::chrono::nanoseconds(std::min(kDmaLookNs, timeout - waited))));
+  }
+
+  std::string uri_;
+  DeviceOptions options_;
+  std::unique_ptr<DevicePort> port_;
+  Counters counters_;
+  PacketStreamReader reader_;
+  PacketTally tally_;
+  const std::uint8_t* ring_ = nullptr;
+  std::size_t bytes_ = 0;     // of a buffer
+  std::uint64_t count_ = 0;   // buffers of the ring
+  std::uint64_t status_ = 0;  // the register of the loop, as a number of buffers
+  std::uint64_t done_ = 0;    // buffers before this one are finished
+  std::uint64_t read_ = 0;    // buffers before this one were read or given up
+  std::int64_t arrival_ns_ = 0;
+  bool locked_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Device> make_litepcie_device(const std::string& path, const DeviceOptions& options) {
+  const std::string uri = "litepcie:" + path;
+  return make_litepcie_device(open_device_port(path, uri), uri, options);
+}
+
+std::unique_ptr<Device> make_litepcie_device(std::unique_ptr<DevicePort> port, const std::string& uri,
+                                             const DeviceOptions& options) {
+  return std::make_unique<LitePcieDevice>(std::move(port), uri, options);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,33 @@
+// The device litepcie:PATH for open_device.
+#ifndef SELFPROJ_HOST_DRIVER_LITEPCIE_DEVICE_H
+#define SELFPROJ_HOST_DRIVER_LITEPCIE_DEVICE_H
+
+#include <memory>
+#include <string>
+
+#include "host/driver/device.h"
+#include "host/driver/device_port.h"
+
+namespace selfproj {
+
+// Packets of a board behind LitePCIe's DMA, at the path of its device file, such as /dev/litepcie0.
+//
+// The DMA writes into a ring of buffers in this machine's memory and does not wait for the reader. So a packet in the
+// ring could change while a caller looks at it. The device therefore copies whole buffers out of the mapped ring, looks
+// how far the DMA is by then, and gives out only what it cannot have written over during the copy. What was written
+// over counts in read_errors, once each time, and in bytes_discarded; missing counts the frames.
+//
+// The board fills the rest of a buffer with zeros when it has nothing to send. These bytes are not counted.
+//
+// A board that is reset or loaded anew is started again, and counts in reattached. The device has no end. next() throws
+// UserError with the URI when the board has gone. Throws UserError if the file cannot be opened, is no device of
+// LitePCIe's driver, or has a reader already.
+std::unique_ptr<Device> make_litepcie_device(const std::string& path, const DeviceOptions& options);
+
+// The same on a port that is open.
+std::unique_ptr<Device> make_litepcie_device(std::unique_ptr<DevicePort> port, const std::string& uri,
+                                             const DeviceOptions& options);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_DRIVER_LITEPCIE_DEVICE_H
