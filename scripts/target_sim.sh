@@ -1,11 +1,14 @@
 #!/usr/bin/env bash
-# target_sim.sh [--frames N] [--drop P] [--double P] [--reorder P] [--damage P] [--images] [--keep] [-- COMMAND...]:
+# target_sim.sh [--frames N | --replay DIR] [--drop P] [--double P] [--reorder P] [--damage P] [--images] [--keep]
+# [-- COMMAND...]:
 # simulates the FPGA of the ECPIX-5 (constraints/ecpix5), LiteEth included, from the test camera to the pins of RGMII.
 # In a network namespace of its own a TAP interface takes the place of the cable. The kernel's own stack and the
 # programs in build/bin reach the board at 192.168.1.50. By default the board sends N frames (40), and each packet that
 # was recorded must be that of the models; what the network dropped (P percent of datagrams), doubled and reordered must
-# be counted exactly. --damage hits the frames to the board. --images has raw images sent as well. --keep records the
-# figures in the folder results. With a COMMAND, that command runs instead, as long as it likes. SELFPROJ_PROGRAMS and
+# be counted exactly. With --replay the images of a folder, 512 x 96 pixels each, take the place of the test camera:
+# selfproj board replay sends them to the board. The faults hit its datagrams, too, but then every image must arrive.
+# --damage hits the frames to the board. --images has raw images sent as well. --keep records the figures in the folder
+# results. With a COMMAND, that command runs instead, as long as it likes. SELFPROJ_PROGRAMS and
 # SELFPROJ_JUDGE name programs elsewhere, for the test. Where PyPI is not reached, or a TAP interface is not allowed,
 # the script says so and exits with status 77.
 set -euo pipefail
@@ -14,6 +17,7 @@ here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 frames=40
+replay=
 faults=()
 images=false
 keep=false
@@ -21,6 +25,7 @@ command=()
 while (($# > 0)); do
   case $1 in
     --frames) frames=${2:?"target_sim.sh: --frames needs a number"}; shift 2 ;;
+    --replay) replay=$(cd "$here" && realpath -e -- "${2:?"target_sim.sh: --replay needs a folder"}"); shift 2 ;;
     --drop | --double | --reorder | --damage) faults+=("$1" "${2:?"target_sim.sh: $1 needs a percentage"}"); shift 2 ;;
     --images) images=true; shift ;;
     --keep) keep=true; shift ;;
@@ -31,7 +36,7 @@ done
 
 programs=${SELFPROJ_PROGRAMS:-$PWD/build/bin}
 judge=${SELFPROJ_JUDGE:-$PWD/build/release/sim/target/test_camera_judge}
-for program in "$programs/selfproj" "$judge"; do
+for program in "$programs/selfproj" "$judge" "${judge%/*}/replay_judge"; do
   [[ -x $program ]] || { echo "target_sim.sh: $program is missing; run scripts/build.sh release all" >&2; exit 2; }
 done
 unshare --map-root-user --net ip tuntap add dev tap0 mode tap 2>/dev/null ||
@@ -55,7 +60,7 @@ if grep -m 5 '^%Warning' "$folder/build.log" >&2; then exit 1; fi
 
 work=$(mktemp -d "$PWD/build/target-sim-XXXXXX")
 trap 'rm -rf "$work"' EXIT
-export here folder work programs frames images
+export here folder work programs frames images replay
 status=0
 # The host's programs do not interrupt the simulation when a datagram wakes them up. A host takes 20 ms of silence for
 # the end of a packet. Where the simulation had to wait for a processor in the middle of one, it counts that (held_up).
@@ -86,6 +91,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   mode=2 # grey_over
   $images && image=1 || image=0
   selfproj board set "${board[@]}" "measure.mode=$mode" measure.threshold=100 "control.image=$image" >/dev/null
+  [[ -z $replay ]] || selfproj board source replay "${board[@]}"
   selfproj record "${board[@]}" --out "$work/packets" >"$work/record.txt" 2>&1 & record=$!
   echo "$record" >"$work/record.pid"
   until grep -q ":04D3 " /proc/net/udp || ! kill -0 "$record"; do sleep 0.05; done # port 1235 is open
@@ -98,6 +104,8 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
     done
     sed -n "s/^0x.. $1 .* count=//p" <<<"$said"
   }
+  [[ -z $replay ]] || selfproj board replay "${board[@]}" "$replay" | tee "$work/replay.txt"
+  [[ -z $replay ]] || frames=1 # all of them have left
   sent=0
   while ((sent < frames)); do
     sleep 0.2
@@ -113,7 +121,11 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
 ' target_sim "${faults[@]}" -- "${command[@]}" || status=$?
 ((${#command[@]} == 0 && status == 0)) || exit "$status"
 
-"$judge" "$work/packets" 512x96 12500 >"$work/judged.json" || status=$?
+if [[ -n $replay ]]; then
+  "${judge%/*}/replay_judge" "$work/packets" "$replay" >"$work/judged.json" || status=$?
+else
+  "$judge" "$work/packets" 512x96 12500 >"$work/judged.json" || status=$?
+fi
 python3 -B - "$work" "$images" <<'PYTHON' || status=$?
 import json, pathlib, re, sys
 folder, images = pathlib.Path(sys.argv[1]), sys.argv[2] == "true"
@@ -126,18 +138,25 @@ sent = int(board["frames"]) * (97 if images else 1) - int(board["lost_moments"])
 figures = {"frames": int(board["frames"]), "packets_sent": sent, "recorded": judged["packets"],
            "equal": judged["equal"], "lost_board": int(board["lost_moments"]) + int(board["lost_image"]),
            "lost_network": number("lost in the network"), "bad": number("bad packets"), **sim}
+images_replayed = "images" in judged
+if images_replayed:
+    replayed = (folder / "replay.txt").read_text()
+    figures |= {"images": judged["images"], "left": int(re.search(r": ([\d,]+) frames left", replayed)[1]),
+                "repeated": int(re.search(r"([\d,]+) of them again", replayed)[1])}
 (folder / "figures.txt").write_text("".join(f"{key}={value}\n" for key, value in figures.items()))
 print("".join(f"    {key} {value}\n" for key, value in figures.items()), end="")
 good = (figures["recorded"] == figures["equal"] and figures["recorded"] + figures["lost_network"] == sent
         and figures["bad"] == 0 and sim["from_board_damaged"] == 0 and sim["refused_by_kernel"] == 0
-        and figures["lost_network"] <= sim["dropped"] + sim["held_up"])
+        and figures["lost_network"] <= sim["dropped"] + sim["held_up"]
+        and (not images_replayed or figures["images"] == figures["left"] == figures["frames"]))
 print("every packet equals the models', and delivered + lost = sent" if good else "the counts do not fit")
 sys.exit(0 if good else 1)
 PYTHON
 ((status == 0)) || exit "$status"
 if $keep; then
   mapfile -t figures <"$work/figures.txt"
-  SELFPROJ_RESULTS=results python3 -B scripts/results.py record "target_sim${faults[0]:+_faults}" \
+  [[ -n $replay ]] && source="--replay ${replay##*/}" || source="--frames $frames"
+  SELFPROJ_RESULTS=results python3 -B scripts/results.py record "target_sim${replay:+_replay}${faults[0]:+_faults}" \
     --about "The FPGA of an ECPIX-5 in simulation, test camera to RGMII, and the host behind the kernel's stack" \
-    --command "scripts/target_sim.sh --frames $frames${faults[*]/#/ } --keep" "${figures[@]}"
+    --command "scripts/target_sim.sh $source${faults[*]/#/ } --keep" "${figures[@]}"
 fi
