@@ -32,6 +32,7 @@ struct ReplayCommandOptions {
   std::vector<std::string> images;
   Preparation preparation;
   std::optional<double> rate;  // frames a second
+  bool jumbo = false;
 };
 
 // HOST of udp:HOST[:PORT].
@@ -62,7 +63,7 @@ void replay(const ReplayCommandOptions& options) {
                     fmt::format("gives frames of {} x {} pixels, and the board is set to {} x {}", images.columns(),
                                 images.rows(), columns, rows));
   }
-  ReplaySender sender(port, host);
+  ReplaySender sender(port, host, {.datagram_bytes = options.jumbo ? kJumboDatagramBytes : kDatagramBytes});
   Progress progress("frame", images.count());
   const auto begin = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < images.count(); ++i) {
@@ -99,6 +100,7 @@ selfproj board replay --device udp:192.168.1.50 images
   command->add_option("--rate", options->rate, "Most frames a second; without it, as many as the board takes.")
       ->transform(number_above_zero())
       ->type_name("HZ");
+  command->add_flag("--jumbo", options->jumbo, "Send datagrams for frames of 9,000 bytes, not 1,500.");
   command->callback([options] { replay(*options); });
 }
 
