@@ -22,6 +22,7 @@ module ecpix5_system #(
   parameter bit Sensor = 1'b0,       // 1: the parallel sensor is the camera; 0: the test camera
   parameter bit Replay = 1'b1,       // frames from the host, with a memory for one of the largest
   parameter int FrameClocks = 12_500,  // of the test camera: 10,000 frames a second at 125 MHz
+  parameter int DatagramBytes = 1472,  // longest datagram with packets; 8972 in jumbo frames
   parameter int LinkLogDepth = 12,   // 64 KiB: 1 ms of packets while the network looks for a host
   parameter int IdleClocks = 2_500_000  // 50 ms
 ) (
@@ -63,13 +64,14 @@ module ecpix5_system #(
 
   // --- Camera, test camera, replay ---
   // Sources of the switch; source i of the register source is the switch's source i, but without a
-  // sensor the test camera is the camera.
+  // sensor the test camera is the camera, and it shows the patterns, too.
   localparam int Sources = 3;
-  localparam logic [3:0] Built = {1'b0, Replay, 2'b11};
+  localparam logic [3:0] Built = {1'b1, Replay, 2'b11};
 
   logic [Sources-1:0]    source_valid, source_start, source_end, select_q;
   logic [Sources*32-1:0] source_data;
   logic [1:0]            source;
+  logic                  patterns_q;
   logic                  video_valid, video_start, video_end;
   logic [31:0]           video_data;
 
@@ -100,15 +102,25 @@ module ecpix5_system #(
     assign source_end[0]   = source_end[1];
   end
 
+  logic patterns;
+  sp_sync u_patterns (
+    .clk_i(clk_i),
+    .rst_i(rst_i),
+    .d_i  (patterns_q),
+    .q_o  (patterns)
+  );
+
   sp_test_camera #(
     .Columns    (MaxColumns),
     .Rows       (96),
-    .FrameClocks(FrameClocks)
+    .FrameClocks(FrameClocks),
+    .CodeBits   (CodeBits)
   ) u_test_camera (
-    .clk_i    (clk_i),
-    .rst_i    (rst_i),
-    .run_i    (1'b1),
-    .trigger_i(camera_trigger_o),
+    .clk_i     (clk_i),
+    .rst_i     (rst_i),
+    .run_i     (1'b1),
+    .trigger_i (camera_trigger_o),
+    .patterns_i(patterns),
     .m_valid_o(source_valid[sp_spec_pkg::SourceTestCamera]),
     .m_data_o (source_data[32*sp_spec_pkg::SourceTestCamera+:32]),
     .m_start_o(source_start[sp_spec_pkg::SourceTestCamera]),
@@ -161,7 +173,11 @@ module ecpix5_system #(
     assign source_end[2]       = 1'b0;
   end
 
-  always_ff @(posedge bus_clk_i) select_q <= Sources'(1) << source;
+  always_ff @(posedge bus_clk_i) begin
+    patterns_q <= source == sp_spec_pkg::SourcePatterns;
+    select_q   <= Sources'(1) << (source == sp_spec_pkg::SourcePatterns ?
+                                  sp_spec_pkg::SourceTestCamera : source);
+  end
 
   sp_video_switch #(
     .Sources(Sources)
@@ -240,6 +256,7 @@ module ecpix5_system #(
   logic [15:0] ask_bytes, answer_bytes, datagram_bytes;
 
   sp_link #(
+    .DatagramBytes(DatagramBytes),
     .LogDepth     (LinkLogDepth),
     .IdleClocks   (IdleClocks),
     .Sources      (Built),

@@ -24,10 +24,11 @@ struct SourceName {
   std::uint32_t value;    // of the register `source`
 };
 
-inline constexpr std::array<SourceName, 3> kSourceNames{{
+inline constexpr std::array<SourceName, 4> kSourceNames{{
     {"camera", spec::kSourceCamera},
     {"test-camera", spec::kSourceTestCamera},
     {"replay", spec::kSourceReplay},
+    {"patterns", spec::kSourcePatterns},
 }};
 
 // Where the board's frames come from: the register `source`.

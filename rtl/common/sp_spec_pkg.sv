@@ -334,6 +334,7 @@ package sp_spec_pkg;
   localparam logic [1:0] SourceCamera = 2'd0;
   localparam logic [1:0] SourceTestCamera = 2'd1;
   localparam logic [1:0] SourceReplay = 2'd2;
+  localparam logic [1:0] SourcePatterns = 2'd3;
 
   // Datagrams of replay: port, and the header's fields
   localparam logic [15:0] ReplayPort = 16'd1236;

@@ -227,6 +227,7 @@ inline constexpr int kLinkReplayIgnoredCountBits = 32;
 inline constexpr std::uint32_t kSourceCamera = 0;  // the camera of the build
 inline constexpr std::uint32_t kSourceTestCamera = 1;  // the test camera
 inline constexpr std::uint32_t kSourceReplay = 2;  // frames that the host sends
+inline constexpr std::uint32_t kSourcePatterns = 3;  // Gray-code patterns that the test camera sees, one with each trigger of the camera
 
 }  // namespace selfproj::spec
 
