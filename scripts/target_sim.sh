@@ -178,5 +178,5 @@ if $keep; then
   $codes && source+=" --codes" && name+=_codes
   SELFPROJ_RESULTS=results python3 -B scripts/results.py record "$name${faults[0]:+_faults}" \
     --about "The FPGA of an ECPIX-5 in simulation, test camera to RGMII, and the host behind the kernel's stack" \
-    --command "scripts/target_sim.sh $source${faults[*]/#/ } --keep" "${figures[@]}"
+    --command "scripts/target_sim.sh $source${faults[*]:+ ${faults[*]}} --keep" "${figures[@]}"
 fi
