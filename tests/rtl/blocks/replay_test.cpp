@@ -93,7 +93,8 @@ TEST(Replay, EveryFrameOverABadNetwork) {
     Faults network(bench, random);
     std::vector<ReplayFrame> sent;
     std::uint32_t number = 0;
-    std::uint16_t session = 0;
+    auto session = static_cast<std::uint16_t>(random.bits());
+    bench.begin(session);
     for (int i = 0; i < 15; ++i, ++number) {
       if (random.chance(10)) {  // with datagrams of the old session on their way
         session = static_cast<std::uint16_t>(session + random.between(1, 9));
@@ -176,13 +177,17 @@ TEST(Replay, DatagramsOfAnyKind) {
       return static_cast<std::uint16_t>(random.chance(95) ? likely : random.chance(50) ? likely + 1 : random.bits());
     };
     ReplayHeader size{.columns = 8, .rows = 2};
+    const auto host = static_cast<std::uint32_t>(random.bits());
+    const auto session = static_cast<std::uint16_t>(random.bits());
+    bench.set_host(host);
+    bench.begin(session);
     for (int i = 0; i < 400; ++i) {
       if (random.chance(5)) {
         size.columns = static_cast<std::uint16_t>(random.between(0, kReplayBuild.columns + 4));
         size.rows = static_cast<std::uint16_t>(random.between(0, kReplayBuild.rows + 2));
       }
       const ReplayCounts at = bench.counts();
-      ReplayHeader header{.session = number16(0), .columns = number16(size.columns), .rows = number16(size.rows)};
+      ReplayHeader header{.session = number16(session), .columns = number16(size.columns), .rows = number16(size.rows)};
       header.frame = at.frame + static_cast<std::uint32_t>(random.chance(80)   ? 0
                                                            : random.chance(80) ? random.between(-3, 3)
                                                                                : static_cast<int>(random.bits()));
@@ -200,7 +205,7 @@ TEST(Replay, DatagramsOfAnyKind) {
       if (random.chance(3)) {
         datagram[static_cast<std::size_t>(random.between(0, 1))] ^= 0x10;
       }
-      ReplayBench::Sent how{.damaged = random.chance(5), .filling = random.chance(20) ? 3U : 0U};
+      ReplayBench::Sent how{.from = host, .damaged = random.chance(5), .filling = random.chance(20) ? 3U : 0U};
       if (random.chance(5)) {
         how.bytes = datagram.size() + static_cast<std::size_t>(random.between(-8, 8));
       }
