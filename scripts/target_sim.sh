@@ -1,28 +1,38 @@
 #!/usr/bin/env bash
-# target_sim.sh [--frames N] [--drop P] [--double P] [--reorder P] [--damage P] [--images] [--keep] [-- COMMAND...]:
-# simulates the FPGA of the ECPIX-5 (constraints/ecpix5), LiteEth included, from the test camera to the pins of RGMII.
-# In a network namespace of its own a TAP interface takes the place of the cable. The kernel's own stack and the
-# programs in build/bin reach the board at 192.168.1.50. By default the board sends N frames (40), and each packet that
-# was recorded must be that of the models; what the network dropped (P percent of datagrams), doubled and reordered must
-# be counted exactly. --damage hits the frames to the board. --images has raw images sent as well. --keep records the
-# figures in the folder results. With a COMMAND, that command runs instead, as long as it likes. SELFPROJ_PROGRAMS and
-# SELFPROJ_JUDGE name programs elsewhere, for the test. Where PyPI is not reached, or a TAP interface is not allowed,
-# the script says so and exits with status 77.
+# target_sim.sh [--frames N] [--replay DIR | --codes] [--drop P] [--double P] [--reorder P] [--damage P] [--images]
+# [--jumbo] [--keep] [-- COMMAND...]: simulates the FPGA of the ECPIX-5 (constraints/ecpix5), LiteEth included, from the
+# test camera to the pins of RGMII. In a network namespace of its own a TAP interface takes the place of the cable. The
+# kernel's own stack and the programs in build/bin reach the board at 192.168.1.50. By default the board sends N frames
+# (40), and each packet that was recorded must be that of the models; what the network dropped (P percent of datagrams),
+# doubled and reordered must be counted exactly. With --replay the images of a folder, 512 x 96 pixels each, take the
+# place of the test camera: selfproj board replay sends them to the board. The faults hit its datagrams, too, but every
+# image must arrive. With --codes the board is built with the Gray-code decoder, and the test camera shows its patterns,
+# one every millisecond; code images must be those of the models, too. --damage hits the frames to the board. --images
+# has raw images sent as well. --jumbo builds the board for datagrams of up to 8,972 bytes, and gives the network frames
+# of 9,000 bytes. --keep records the figures in the folder results. With a COMMAND, that command runs instead, as long
+# as it likes. SELFPROJ_PROGRAMS and SELFPROJ_JUDGE name programs elsewhere, for the test. Where PyPI is not reached, or
+# a TAP interface is not allowed, the script says so and exits with status 77.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 frames=40
+replay=
+codes=false
 faults=()
 images=false
+mtu=1500
 keep=false
 command=()
 while (($# > 0)); do
   case $1 in
     --frames) frames=${2:?"target_sim.sh: --frames needs a number"}; shift 2 ;;
+    --replay) replay=$(cd "$here" && realpath -e -- "${2:?"target_sim.sh: --replay needs a folder"}"); shift 2 ;;
+    --codes) codes=true; shift ;;
     --drop | --double | --reorder | --damage) faults+=("$1" "${2:?"target_sim.sh: $1 needs a percentage"}"); shift 2 ;;
     --images) images=true; shift ;;
+    --jumbo) mtu=9000; shift ;;
     --keep) keep=true; shift ;;
     --) command=("${@:2}"); break ;;
     *) echo "target_sim.sh: $1: unknown; --help lists the options" >&2; exit 2 ;;
@@ -31,7 +41,8 @@ done
 
 programs=${SELFPROJ_PROGRAMS:-$PWD/build/bin}
 judge=${SELFPROJ_JUDGE:-$PWD/build/release/sim/target/test_camera_judge}
-for program in "$programs/selfproj" "$judge"; do
+[[ -z $replay ]] || ! $codes || { echo "target_sim.sh: --replay and --codes exclude each other" >&2; exit 2; }
+for program in "$programs/selfproj" "$judge" "${judge%/*}/replay_judge"; do
   [[ -x $program ]] || { echo "target_sim.sh: $program is missing; run scripts/build.sh release all" >&2; exit 2; }
 done
 unshare --map-root-user --net ip tuntap add dev tap0 mode tap 2>/dev/null ||
@@ -41,12 +52,15 @@ unshare --map-root-user --net ip tuntap add dev tap0 mode tap 2>/dev/null ||
 # not linted. ---
 core=$(scripts/liteeth_core.sh)
 folder=build/ecpix5/sim
+build=()
+((mtu == 1500)) || { folder+=-jumbo && build+=("-GDatagramBytes=$((mtu - 28))"); } # without headers of IP and UDP
+$codes && folder+=-codes && build+=("-GGrey=1'b0" "-GImage=1'b0" "-GCodes=1'b1") # as bitstream.py does
 search=()
 for room in rtl/*/; do search+=(-y "${room%/}"); done
 mkdir -p "$folder"
 verilator --cc --exe --build -j 2 -O3 -Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT \
   --x-assign fast --x-initial fast --assert \
-  --top-module ecpix5_system -GIdleClocks=100000 "${search[@]}" -Mdir "$folder" -o ecpix5_sim \
+  --top-module ecpix5_system -GIdleClocks=100000 "${build[@]}" "${search[@]}" -Mdir "$folder" -o ecpix5_sim \
   -CFLAGS "-std=c++20 -O2 -I$PWD" sim/target/liteeth.vlt rtl/common/sp_spec_pkg.sv \
   constraints/ecpix5/ecpix5_system.sv sim/target/ecp5_cells.sv "$core" \
   "$PWD"/sim/target/{ecpix5_sim,rgmii,tap}.cpp >"$folder/build.log" 2>&1 ||
@@ -55,7 +69,7 @@ if grep -m 5 '^%Warning' "$folder/build.log" >&2; then exit 1; fi
 
 work=$(mktemp -d "$PWD/build/target-sim-XXXXXX")
 trap 'rm -rf "$work"' EXIT
-export here folder work programs frames images
+export here folder work programs frames images replay codes mtu
 status=0
 # The host's programs do not interrupt the simulation when a datagram wakes them up. A host takes 20 ms of silence for
 # the end of a packet. Where the simulation had to wait for a processor in the middle of one, it counts that (held_up).
@@ -71,7 +85,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   trap "kill -TERM $sim 2>/dev/null || true" EXIT
   until grep -q ready "$work/sim.txt" || ! kill -0 "$sim" 2>/dev/null; do sleep 0.05; done
   ip addr add 192.168.1.1/24 dev tap0
-  ip link set tap0 up
+  ip link set tap0 mtu "$mtu" up
   PATH=$programs:$PATH
   board=(--device udp:192.168.1.50)
   end() { kill -TERM "$sim"; wait "$sim"; trap - EXIT; }
@@ -83,9 +97,13 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   fi
 
   selfproj board info "${board[@]}"
-  mode=2 # grey_over
   $images && image=1 || image=0
-  selfproj board set "${board[@]}" "measure.mode=$mode" measure.threshold=100 "control.image=$image" >/dev/null
+  ((mtu == 1500)) && jumbo= || jumbo=--jumbo
+  settings=(measure.mode=grey-over "control.image=$image")
+  $codes && settings=(decode.bits=8 decode.codes=1)
+  selfproj board set "${board[@]}" measure.threshold=100 "${settings[@]}" >/dev/null
+  [[ -z $replay ]] || selfproj board source replay "${board[@]}"
+  $codes && selfproj board source patterns "${board[@]}"
   selfproj record "${board[@]}" --out "$work/packets" >"$work/record.txt" 2>&1 & record=$!
   echo "$record" >"$work/record.pid"
   until grep -q ":04D3 " /proc/net/udp || ! kill -0 "$record"; do sleep 0.05; done # port 1235 is open
@@ -98,6 +116,9 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
     done
     sed -n "s/^0x.. $1 .* count=//p" <<<"$said"
   }
+  $codes && selfproj board trigger --period 125000 --patterns 16 "${board[@]}"
+  [[ -z $replay ]] || selfproj board replay "${board[@]}" $jumbo "$replay" | tee "$work/replay.txt"
+  [[ -z $replay ]] || frames=1 # all of them have left
   sent=0
   while ((sent < frames)); do
     sleep 0.2
@@ -105,7 +126,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   done
   selfproj board stop "${board[@]}"
   sleep 1 # much more than the link takes to tell that nothing follows
-  for name in frames lost_moments lost_image; do echo "$name=$(count "$name")"; done >"$work/board.txt"
+  for name in frames lost_moments lost_image lost_codes; do echo "$name=$(count "$name")"; done >"$work/board.txt"
   rm "$work/record.pid"
   kill -INT "$record"
   wait "$record"
@@ -113,31 +134,49 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
 ' target_sim "${faults[@]}" -- "${command[@]}" || status=$?
 ((${#command[@]} == 0 && status == 0)) || exit "$status"
 
-"$judge" "$work/packets" 512x96 12500 >"$work/judged.json" || status=$?
-python3 -B - "$work" "$images" <<'PYTHON' || status=$?
+if [[ -n $replay ]]; then
+  "${judge%/*}/replay_judge" "$work/packets" "$replay" >"$work/judged.json" || status=$?
+else
+  $codes && form=(codes=8) || form=(12500)
+  "$judge" "$work/packets" 512x96 "${form[@]}" >"$work/judged.json" || status=$?
+fi
+python3 -B - "$work" "$images" "$codes" <<'PYTHON' || status=$?
 import json, pathlib, re, sys
-folder, images = pathlib.Path(sys.argv[1]), sys.argv[2] == "true"
+folder, images, codes = pathlib.Path(sys.argv[1]), sys.argv[2] == "true", sys.argv[3] == "true"
 said = (folder / "record.txt").read_text()
 print("record: " + said.strip())
 number = lambda what: int(re.search(rf"{what} ([\d,]+)", said)[1].replace(",", ""))
-board = dict(line.split("=") for line in (folder / "board.txt").read_text().split())
+board = {name: int(value or 0) for name, value in
+         (line.split("=") for line in (folder / "board.txt").read_text().split())}
+lost_board = board["lost_moments"] + board["lost_image"] + board["lost_codes"]
+code_images = max(0, board["frames"] - 14) // 2 if codes else 0  # after 8 pairs, and after each further pair
 sim, judged = (json.loads((folder / f"{name}.json").read_text()) for name in ("sim", "judged"))
-sent = int(board["frames"]) * (97 if images else 1) - int(board["lost_moments"]) - int(board["lost_image"])
-figures = {"frames": int(board["frames"]), "packets_sent": sent, "recorded": judged["packets"],
-           "equal": judged["equal"], "lost_board": int(board["lost_moments"]) + int(board["lost_image"]),
+sent = board["frames"] * (97 if images else 1) + 96 * code_images - lost_board
+figures = {"frames": board["frames"], "packets_sent": sent, "recorded": judged["packets"],
+           "equal": judged["equal"], "lost_board": lost_board,
            "lost_network": number("lost in the network"), "bad": number("bad packets"), **sim}
+images_replayed = "images" in judged
+if images_replayed:
+    replayed = (folder / "replay.txt").read_text()
+    figures |= {"images": judged["images"], "left": int(re.search(r": ([\d,]+) frames left", replayed)[1]),
+                "repeated": int(re.search(r"([\d,]+) of them again", replayed)[1])}
 (folder / "figures.txt").write_text("".join(f"{key}={value}\n" for key, value in figures.items()))
 print("".join(f"    {key} {value}\n" for key, value in figures.items()), end="")
 good = (figures["recorded"] == figures["equal"] and figures["recorded"] + figures["lost_network"] == sent
         and figures["bad"] == 0 and sim["from_board_damaged"] == 0 and sim["refused_by_kernel"] == 0
-        and figures["lost_network"] <= sim["dropped"] + sim["held_up"])
+        and figures["lost_network"] <= sim["dropped"] + sim["held_up"]
+        and (not images_replayed or figures["images"] == figures["left"] == figures["frames"]))
 print("every packet equals the models', and delivered + lost = sent" if good else "the counts do not fit")
 sys.exit(0 if good else 1)
 PYTHON
 ((status == 0)) || exit "$status"
 if $keep; then
   mapfile -t figures <"$work/figures.txt"
-  SELFPROJ_RESULTS=results python3 -B scripts/results.py record "target_sim${faults[0]:+_faults}" \
+  [[ -n $replay ]] && source="--replay ${replay##*/}" || source="--frames $frames"
+  name=target_sim${replay:+_replay}
+  ((mtu == 1500)) || { source+=" --jumbo" && name+=_jumbo; }
+  $codes && source+=" --codes" && name+=_codes
+  SELFPROJ_RESULTS=results python3 -B scripts/results.py record "$name${faults[0]:+_faults}" \
     --about "The FPGA of an ECPIX-5 in simulation, test camera to RGMII, and the host behind the kernel's stack" \
-    --command "scripts/target_sim.sh --frames $frames${faults[*]/#/ } --keep" "${figures[@]}"
+    --command "scripts/target_sim.sh $source${faults[*]:+ ${faults[*]}} --keep" "${figures[@]}"
 fi

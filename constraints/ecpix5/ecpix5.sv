@@ -19,7 +19,8 @@ module ecpix5 #(
   parameter bit Codes = 1'b0,
   parameter int CodeBits = 8,
   parameter bit Sensor = 1'b0,       // 1: the parallel sensor; 0: the test camera
-  parameter int FrameClocks = 12_500  // of the test camera: 10,000 frames a second
+  parameter int FrameClocks = 12_500,  // of the test camera: 10,000 frames a second
+  parameter int DatagramBytes = 1472  // longest datagram with packets; 8972 in jumbo frames
 ) (
   input  wire logic       clk100_i,
   input  wire logic       rst_n_i,      // button
@@ -142,15 +143,16 @@ module ecpix5 #(
   logic frame, datagram, overrun;
 
   ecpix5_system #(
-    .Address    (Address),
-    .MaxColumns (MaxColumns),
-    .MaxRows    (MaxRows),
-    .Grey       (Grey),
-    .Image      (Image),
-    .Codes      (Codes),
-    .CodeBits   (CodeBits),
-    .Sensor     (Sensor),
-    .FrameClocks(FrameClocks)
+    .Address      (Address),
+    .MaxColumns   (MaxColumns),
+    .MaxRows      (MaxRows),
+    .Grey         (Grey),
+    .Image        (Image),
+    .Codes        (Codes),
+    .CodeBits     (CodeBits),
+    .Sensor       (Sensor),
+    .FrameClocks  (FrameClocks),
+    .DatagramBytes(DatagramBytes)
   ) u_system (
     .clk_i              (clk),
     .rst_i              (rst_q),

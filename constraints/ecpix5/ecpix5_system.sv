@@ -1,8 +1,11 @@
 // What is in the FPGA of an ECPIX-5 apart from clocks and resets: camera, board, link, Ethernet.
 //
-//   sp_test_camera or sp_parallel_sensor ─▶ sp_board ─▶ sp_link ─▶ LiteEth ─▶ RGMII
-//                                              ▲          │
-//                                              └ registers┘
+//   sp_test_camera ─────┐
+//   sp_parallel_sensor ─┼▶ sp_video_switch ─▶ sp_board ─▶ sp_link ─▶ LiteEth ─▶ RGMII
+//   sp_replay ──────────┘       ▲                ▲          │ │        │
+//      ▲                        │                └ registers┘ │        │
+//      │                        └───────── register source ───┘        │
+//      └────────────────── frames from the host ───────────────────────┘
 //
 // selfproj_liteeth is generated from liteeth.yml: MAC, ARP, IP, UDP, ICMP. The PHY chip brings the
 // clock of RGMII. Both resets together, four clocks or more.
@@ -16,8 +19,10 @@ module ecpix5_system #(
   parameter bit Image = 1'b1,
   parameter bit Codes = 1'b0,
   parameter int CodeBits = 8,
-  parameter bit Sensor = 1'b0,       // 1: the parallel sensor; 0: the test camera
+  parameter bit Sensor = 1'b0,       // 1: the parallel sensor is the camera; 0: the test camera
+  parameter bit Replay = 1'b1,       // frames from the host, with a memory for one of the largest
   parameter int FrameClocks = 12_500,  // of the test camera: 10,000 frames a second at 125 MHz
+  parameter int DatagramBytes = 1472,  // longest datagram with packets; 8972 in jumbo frames
   parameter int LinkLogDepth = 12,   // 64 KiB: 1 ms of packets while the network looks for a host
   parameter int IdleClocks = 2_500_000  // 50 ms
 ) (
@@ -53,13 +58,23 @@ module ecpix5_system #(
   output logic            overrun_o     // a frame of the sensor is cut off
 );
 
-  // UDP ports, as host/driver has them
+  // UDP ports, as host/driver has them; that of replay is sp_spec_pkg::ReplayPort
   localparam logic [15:0] ControlPort = 16'd1234;
   localparam logic [15:0] PacketPort = 16'd1235;
 
-  // --- Camera ---
-  logic        video_valid, video_start, video_end;
-  logic [31:0] video_data;
+  // --- Camera, test camera, replay ---
+  // Sources of the switch; source i of the register source is the switch's source i, but without a
+  // sensor the test camera is the camera, and it shows the patterns, too.
+  localparam int Sources = 3;
+  localparam logic [3:0] Built = {1'b1, Replay, 2'b11};
+
+  logic [Sources-1:0]    source_valid, source_start, source_end, select_q;
+  logic [Sources*32-1:0] source_data;
+  logic [1:0]            source;
+  logic                  patterns_q;
+  logic                  video_valid, video_start, video_end;
+  logic [31:0]           video_data;
+
   if (Sensor) begin : gen_sensor
     sp_parallel_sensor #(
       .Bits          (10),
@@ -71,31 +86,114 @@ module ecpix5_system #(
       .data_i      (sensor_data_i),
       .clk_i       (clk_i),
       .rst_i       (rst_i),
-      .m_valid_o   (video_valid),
-      .m_data_o    (video_data),
-      .m_start_o   (video_start),
-      .m_end_o     (video_end),
+      .m_valid_o   (source_valid[sp_spec_pkg::SourceCamera]),
+      .m_data_o    (source_data[32*sp_spec_pkg::SourceCamera+:32]),
+      .m_start_o   (source_start[sp_spec_pkg::SourceCamera]),
+      .m_end_o     (source_end[sp_spec_pkg::SourceCamera]),
       .overrun_o   (overrun_o)
     );
-  end else begin : gen_test_camera
-    sp_test_camera #(
-      .Columns    (MaxColumns),
-      .Rows       (96),
-      .FrameClocks(FrameClocks)
-    ) u_camera (
-      .clk_i    (clk_i),
-      .rst_i    (rst_i),
-      .run_i    (1'b1),
-      .trigger_i(camera_trigger_o),
-      .m_valid_o(video_valid),
-      .m_data_o (video_data),
-      .m_start_o(video_start),
-      .m_end_o  (video_end)
-    );
+  end else begin : gen_no_sensor
     logic unused;
     assign unused = ^{sensor_clk_i, sensor_frame_i, sensor_line_i, sensor_data_i};
-    assign overrun_o = 1'b0;
+    assign overrun_o       = 1'b0;
+    assign source_valid[0] = source_valid[1];
+    assign source_data[0+:32] = source_data[32+:32];
+    assign source_start[0] = source_start[1];
+    assign source_end[0]   = source_end[1];
   end
+
+  logic patterns;
+  sp_sync u_patterns (
+    .clk_i(clk_i),
+    .rst_i(rst_i),
+    .d_i  (patterns_q),
+    .q_o  (patterns)
+  );
+
+  sp_test_camera #(
+    .Columns    (MaxColumns),
+    .Rows       (96),
+    .FrameClocks(FrameClocks),
+    .CodeBits   (CodeBits)
+  ) u_test_camera (
+    .clk_i     (clk_i),
+    .rst_i     (rst_i),
+    .run_i     (1'b1),
+    .trigger_i (camera_trigger_o),
+    .patterns_i(patterns),
+    .m_valid_o(source_valid[sp_spec_pkg::SourceTestCamera]),
+    .m_data_o (source_data[32*sp_spec_pkg::SourceTestCamera+:32]),
+    .m_start_o(source_start[sp_spec_pkg::SourceTestCamera]),
+    .m_end_o  (source_end[sp_spec_pkg::SourceTestCamera])
+  );
+
+  logic        replay_valid, replay_last, replay_error, replay_enable, replay_begin;
+  logic [15:0] replay_bytes, replay_session;
+  logic [31:0] replay_data, replay_from;
+  logic [31:0] replay_frame, replay_offset, replay_frames, replay_dropped, replay_ignored;
+  logic [31:0] datagram_to;
+
+  if (Replay) begin : gen_replay
+    sp_replay #(
+      .MaxColumns(MaxColumns),
+      .MaxRows   (MaxRows)
+    ) u_replay (
+      .bus_clk_i(bus_clk_i),
+      .bus_rst_i(bus_rst_i),
+      .s_valid_i(replay_valid),
+      .s_last_i (replay_last),
+      .s_error_i(replay_error),
+      .s_data_i (replay_data),
+      .s_bytes_i(replay_bytes),
+      .s_from_i (replay_from),
+      .enable_i (replay_enable),
+      .host_i   (datagram_to),
+      .begin_i  (replay_begin),
+      .session_i(replay_session),
+      .frame_o  (replay_frame),
+      .offset_o (replay_offset),
+      .frames_o (replay_frames),
+      .dropped_o(replay_dropped),
+      .ignored_o(replay_ignored),
+      .clk_i    (clk_i),
+      .rst_i    (rst_i),
+      .m_valid_o(source_valid[sp_spec_pkg::SourceReplay]),
+      .m_data_o (source_data[32*sp_spec_pkg::SourceReplay+:32]),
+      .m_start_o(source_start[sp_spec_pkg::SourceReplay]),
+      .m_end_o  (source_end[sp_spec_pkg::SourceReplay])
+    );
+  end else begin : gen_no_replay
+    logic unused;
+    assign unused = ^{replay_valid, replay_last, replay_error, replay_data, replay_bytes,
+                      replay_from, replay_enable, replay_begin, replay_session};
+    assign {replay_frame, replay_offset, replay_frames, replay_dropped, replay_ignored} = '0;
+    assign source_valid[2]     = 1'b0;
+    assign source_data[64+:32] = '0;
+    assign source_start[2]     = 1'b0;
+    assign source_end[2]       = 1'b0;
+  end
+
+  always_ff @(posedge bus_clk_i) begin
+    patterns_q <= source == sp_spec_pkg::SourcePatterns;
+    select_q   <= Sources'(1) << (source == sp_spec_pkg::SourcePatterns ?
+                                  sp_spec_pkg::SourceTestCamera : source);
+  end
+
+  sp_video_switch #(
+    .Sources(Sources)
+  ) u_switch (
+    .clk_i    (clk_i),
+    .rst_i    (rst_i),
+    .select_i (select_q),
+    .s_valid_i(source_valid),
+    .s_data_i (source_data),
+    .s_start_i(source_start),
+    .s_end_i  (source_end),
+    .m_valid_o(video_valid),
+    .m_data_o (video_data),
+    .m_start_o(video_start),
+    .m_end_o  (video_end)
+  );
   assign frame_o = video_valid && video_start;
 
   // --- Board ---
@@ -154,12 +252,16 @@ module ecpix5_system #(
   // --- Link ---
   logic        ask_valid, ask_last, ask_error, answer_valid, answer_ready, answer_last;
   logic        datagram_valid, datagram_ready, datagram_last;
-  logic [31:0] ask_data, ask_from, answer_data, answer_to, datagram_data, datagram_to;
+  logic [31:0] ask_data, ask_from, answer_data, answer_to, datagram_data;
   logic [15:0] ask_bytes, answer_bytes, datagram_bytes;
 
   sp_link #(
-    .LogDepth  (LinkLogDepth),
-    .IdleClocks(IdleClocks)
+    .DatagramBytes(DatagramBytes),
+    .LogDepth     (LinkLogDepth),
+    .IdleClocks   (IdleClocks),
+    .Sources      (Built),
+    .ReplayColumns(Replay ? MaxColumns : 0),
+    .ReplayRows   (Replay ? MaxRows : 0)
   ) u_link (
     .clk_i           (bus_clk_i),
     .rst_i           (bus_rst_i),
@@ -181,6 +283,15 @@ module ecpix5_system #(
     .datagram_data_o (datagram_data),
     .datagram_bytes_o(datagram_bytes),
     .datagram_to_o   (datagram_to),
+    .source_o        (source),
+    .replay_enable_o (replay_enable),
+    .replay_begin_o  (replay_begin),
+    .replay_session_o(replay_session),
+    .replay_frame_i  (replay_frame),
+    .replay_offset_i (replay_offset),
+    .replay_frames_i (replay_frames),
+    .replay_dropped_i(replay_dropped),
+    .replay_ignored_i(replay_ignored),
     .s_axis_tvalid   (packet_valid),
     .s_axis_tready   (packet_ready),
     .s_axis_tdata    (packet_data),
@@ -228,7 +339,9 @@ module ecpix5_system #(
   localparam logic [3:0] WholeWord = 4'b1000;
 
   logic        unused_rst_n, unused_packets_error, unused_packets_last;
-  logic        unused_packets_valid;
+  logic        unused_packets_valid, unused_replay_ready;
+  logic [3:0]  unused_replay_last_be;
+  logic [15:0] unused_replay_dst, unused_replay_src;
   logic [3:0]  unused_control_last_be, unused_packets_last_be;
   logic [15:0] unused_control_dst, unused_control_src, unused_packets_dst, unused_packets_length;
   logic [15:0] unused_packets_src;
@@ -285,7 +398,26 @@ module ecpix5_system #(
     .packets_sink_length      (packets_bytes),
     .packets_sink_ip_address  (datagram_to),
     .packets_sink_dst_port    (PacketPort),
-    .packets_sink_src_port    (PacketPort)
+    .packets_sink_src_port    (PacketPort),
+    .replay_source_valid      (replay_valid),
+    .replay_source_ready      (1'b1),
+    .replay_source_last       (replay_last),
+    .replay_source_last_be    (unused_replay_last_be),
+    .replay_source_data       (replay_data),
+    .replay_source_length     (replay_bytes),
+    .replay_source_ip_address (replay_from),
+    .replay_source_dst_port   (unused_replay_dst),
+    .replay_source_src_port   (unused_replay_src),
+    .replay_source_error      (replay_error),
+    .replay_sink_valid        (1'b0),
+    .replay_sink_ready        (unused_replay_ready),
+    .replay_sink_last         (1'b0),
+    .replay_sink_last_be      (4'b0000),
+    .replay_sink_data         (32'd0),
+    .replay_sink_length       (16'd0),
+    .replay_sink_ip_address   (32'd0),
+    .replay_sink_dst_port     (sp_spec_pkg::ReplayPort),
+    .replay_sink_src_port     (sp_spec_pkg::ReplayPort)
   );
 
 endmodule

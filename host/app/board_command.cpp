@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/app/board_replay.h"
 #include "host/driver/board_list.h"
 #include "host/driver/board_test.h"
 #include "host/driver/control.h"
@@ -254,6 +255,7 @@ selfproj board stop --device bar:/dev/xdma0_user
 )"},
                [](Control& control) { control.write("control.run", 0); });
   add_trigger_command(*board);
+  add_board_replay_commands(*board);
   add_on_board(*board,
                {.name = "selftest",
                 .purpose = "Tests the way to a board's registers: patterns written and read, refusals, the clock.",

@@ -33,8 +33,8 @@ PACKAGE = ROOT / "rtl" / "common" / "sp_spec_pkg.sv"
 DISSECTOR = ROOT / "host" / "driver" / "selfproj.lua"
 TABLES = {
     ROOT / "docs" / "packet-reference.md": ["formats", "header", "versions", "trailer", "values", "check",
-                                                "reader", "datagram"],
-    ROOT / "docs" / "register-reference.md": ["registers", "fields", "link"],
+                                                "reader", "datagram", "replay"],
+    ROOT / "docs" / "register-reference.md": ["registers", "fields", "link", "sources"],
     ROOT / "docs" / "circuits" / "gray.md": ["gray_memory"],
 }
 
@@ -75,9 +75,10 @@ def with_whole_descriptions(node):
 def spec_hash(spec):
     """First 32 bits of the SHA-256 of the specification without its prose, keys sorted.
 
-    Datagrams and the link only carry packets and accesses, and have their own magic numbers; they do not count.
+    Datagrams, replay and the link only carry packets, frames and accesses, and have their own magic numbers; they do
+    not count.
     """
-    agreed = {key: value for key, value in spec.items() if key not in ("datagram", "link")}
+    agreed = {key: value for key, value in spec.items() if key not in ("datagram", "replay", "link")}
     canonical = json.dumps(without_descriptions(agreed), sort_keys=True, separators=(",", ":"))
     return int.from_bytes(hashlib.sha256(canonical.encode()).digest()[:4], "big")
 
@@ -120,6 +121,9 @@ class Spec:
         self.datagram_magic = int.from_bytes(self.raw["datagram"]["magic"].encode(), "little")
         self.datagram_header = self._lay_out(self.raw["datagram"]["header"])
         self.datagram_header_bytes = self._bytes(self.datagram_header)
+        self.replay_magic = int.from_bytes(self.raw["replay"]["magic"].encode(), "little")
+        self.replay_header = self._lay_out(self.raw["replay"]["header"])
+        self.replay_header_bytes = self._bytes(self.replay_header, self.sizes["pixels_per_beat"], "header of replay")
         self.header_bytes = self._bytes(self.header)
         self.trailer_bytes = self._bytes(self.trailer)
         self._prove_formats()
@@ -136,10 +140,10 @@ class Spec:
                 raise SpecError(f"packet field {field['name']} is not aligned")
         return fields
 
-    def _bytes(self, fields):
+    def _bytes(self, fields, beat_bytes=None, what="header or trailer"):
         total = fields[-1]["lsb"] + fields[-1]["bits"]
-        if total % (8 * self.sizes["packet_beat_bytes"]):
-            raise SpecError("header or trailer is not a whole number of beats")
+        if total % (8 * (beat_bytes or self.sizes["packet_beat_bytes"])):
+            raise SpecError(f"{what} is not a whole number of beats")
         return total // 8
 
     def _prove_formats(self):
@@ -302,7 +306,20 @@ def sv_link(spec):
         for field in reg["fields"]:
             out.append(f"  localparam int {name}{camel(field['name'])}Lsb = {field['lsb']};")
             out.append(f"  localparam int {name}{camel(field['name'])}Bits = {field['bits']};")
+    bits = next(reg for reg in spec.raw["link"]["registers"] if reg["name"] == "source")["fields"][0]["bits"]
+    out += [f"  localparam logic [{bits - 1}:0] Source{camel(item['name'])} = {bits}'d{item['value']};"
+            for item in spec.raw["link"]["sources"]]
     return out
+
+
+def sv_replay(spec):
+    """The datagrams of replay."""
+    out = ["  // Datagrams of replay: port, and the header's fields",
+           f"  localparam logic [15:0] ReplayPort = 16'd{spec.raw['replay']['port']};",
+           f"  localparam logic [15:0] ReplayMagic = 16'h{spec.replay_magic:04X};",
+           f"  localparam int ReplayHeaderBytes = {spec.replay_header_bytes};"]
+    return out + [f"  localparam int Replay{camel(field['name'])}{what.capitalize()} = {field[what]};"
+                  for field in spec.replay_header for what in ("lsb", "bits")]
 
 
 def sv_package(spec):
@@ -374,6 +391,8 @@ def sv_package(spec):
     emit(f"  localparam logic [{REGISTER_WORDS - 1}:0] RegisterWords = {bits};")
     emit("")
     out += sv_link(spec)
+    emit("")
+    out += sv_replay(spec)
     emit("")
     out += sv_frame_mask()
     emit("")

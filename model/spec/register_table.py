@@ -74,12 +74,23 @@ def cpp_register_table(spec):
         for field in reg["fields"]:
             out.append(f"inline constexpr int {name}{camel(field['name'])}Lsb = {field['lsb']};")
             out.append(f"inline constexpr int {name}{camel(field['name'])}Bits = {field['bits']};")
+    out += ["", "// Where the frames come from: values of the register source."]
+    out += [f"inline constexpr std::uint32_t kSource{camel(item['name'])} = {item['value']};  // {item['description']}"
+            for item in spec.raw["link"]["sources"]]
     out += ["", "}  // namespace selfproj::spec", "", "#endif  // SELFPROJ_SPEC_GENERATED_REGISTER_TABLE_H"]
     return "\n".join(out) + "\n"
 
 
+def header_offsets(prefix, fields):
+    out = []
+    for field in fields:
+        name = "MagicAt" if field["name"] == "magic" else camel(field["name"])
+        out.append(f"inline constexpr std::size_t k{prefix}{name} = {field['lsb'] // 8};  // {field['bits']} bits")
+    return out
+
+
 def cpp_datagram(spec):
-    datagram = spec.raw["datagram"]
+    datagram, replay = spec.raw["datagram"], spec.raw["replay"]
     out = ["// Generated from model/spec/selfproj.json by model/spec/generate.py; do not edit.",
            "#ifndef SELFPROJ_SPEC_GENERATED_DATAGRAM_FORMAT_H",
            "#define SELFPROJ_SPEC_GENERATED_DATAGRAM_FORMAT_H",
@@ -92,9 +103,11 @@ def cpp_datagram(spec):
            "// Byte offsets in the header of a datagram; docs/packet-reference.md says what the fields mean.",
            f'inline constexpr std::uint16_t kDatagramMagic = 0x{spec.datagram_magic:04X};  // "{datagram["magic"]}"',
            f"inline constexpr std::size_t kDatagramHeaderBytes = {spec.datagram_header_bytes};"]
-    for field in spec.datagram_header:
-        name = "MagicAt" if field["name"] == "magic" else camel(field["name"])
-        out.append(f"inline constexpr std::size_t kDatagram{name} = {field['lsb'] // 8};"
-                   f"  // {field['bits']} bits")
+    out += header_offsets("Datagram", spec.datagram_header)
+    out += ["", "// The same of the datagrams of replay, and the port at which boards take them.",
+            f"inline constexpr std::uint16_t kReplayPort = {replay['port']};",
+            f'inline constexpr std::uint16_t kReplayMagic = 0x{spec.replay_magic:04X};  // "{replay["magic"]}"',
+            f"inline constexpr std::size_t kReplayHeaderBytes = {spec.replay_header_bytes};"]
+    out += header_offsets("Replay", spec.replay_header)
     return "\n".join(out + ["", "}  // namespace selfproj::spec", "",
                             "#endif  // SELFPROJ_SPEC_GENERATED_DATAGRAM_FORMAT_H"]) + "\n"

@@ -179,6 +179,16 @@ def datagram(spec):
     return fields_by_byte(spec.raw["datagram"]["header"])
 
 
-MAKERS = {"formats": formats, "header": header, "versions": versions, "trailer": trailer, "values": values,
-          "check": check, "reader": reader, "datagram": datagram, "link": link, "registers": registers,
-          "fields": fields, "gray_memory": gray_memory}
+def sources(spec):
+    out = ["| source | name | frames |", "|---:|---|---|"]
+    return out + [f"| {item['value']} | {item['name']} | {item['description']} |"
+                  for item in spec.raw["link"]["sources"]]
+
+
+def replay(spec):
+    return fields_by_byte(spec.replay_header)
+
+
+MAKERS = {"formats": formats, "header": header, "versions": versions, "trailer": trailer, "values": values, "check":
+          check, "reader": reader, "datagram": datagram, "link": link, "replay": replay, "sources": sources,
+          "registers": registers, "fields": fields, "gray_memory": gray_memory}

@@ -22,6 +22,19 @@
 // So M0, M1 and N change from column to column and from frame to frame, and every column of a frame
 // crosses one line.
 //
+// While patterns_i is high the camera sees the Gray-code patterns of a projector instead, so that a
+// decoder has codes that are known. Frames begin at triggers only. Pattern 0 comes with the first
+// trigger after patterns_i has risen, or after a pause of 2^LogPause clocks. Every trigger, also
+// one that is missed, moves on to the next of 2 CodeBits patterns, as the index of sp_board does.
+// So both agree from the start of the board's sequencer on. Pattern 2p is the positive of plane p,
+// where plane 0 is the highest bit, and pattern 2p + 1 its negative. The code of a pixel is
+// (x + y) modulo 2^CodeBits, and a pixel has these values:
+//
+//   positive, where the plane's bit of the Gray code is 1   255 - (x exclusive or y) modulo 32
+//   positive, where it is 0                                 (x exclusive or y) modulo 32
+//   negative                                                the other one of the two
+//   last row                                                128 in every pattern, which is no code
+//
 // Latency: the first beat comes two clocks after run_i or trigger_i rises. Beats cannot be stalled,
 // so none is lost here. Example: 8 x 5 pixels, which are two beats a row, with FrameClocks = 12:
 //
@@ -37,12 +50,14 @@ module sp_test_camera #(
   parameter int Columns = 512,  // a multiple of 8, up to 2048
   parameter int Rows = 96,  // 5..1023
   parameter int FrameClocks = 12_500,  // at least Columns / 4 * Rows; 10,000 a second at 125 MHz
-  parameter int LogPause = 24  // log2 of the clocks from the last trigger until it runs free again
+  parameter int LogPause = 24,  // log2 of the clocks from the last trigger until it runs free again
+  parameter int CodeBits = 8  // bits of the codes of the patterns: 1..12
 ) (
   input  wire logic         clk_i,
   input  wire logic         rst_i,      // active high, synchronous
   input  wire logic         run_i,      // make frames
   input  wire logic         trigger_i,  // each rise begins a frame
+  input  wire logic         patterns_i,  // Gray-code patterns instead of the line
 
   // Video, to the board's s_axis ports
   output logic              m_valid_o,
@@ -67,6 +82,8 @@ module sp_test_camera #(
     if (FrameClocks < Beats * Rows)
       $fatal(1, "sp_test_camera: a frame has %0d beats, FrameClocks is %0d", Beats * Rows,
              FrameClocks);
+    if (CodeBits < 1 || CodeBits > 12)
+      $fatal(1, "sp_test_camera: CodeBits is %0d, not in 1..12", CodeBits);
   end
 `endif
 
@@ -81,7 +98,7 @@ module sp_test_camera #(
   logic                 first_q;      // the next frame is frame 0
 
   assign rise   = trigger_i && !trigger_q;
-  assign begins = (idle_q || frame_end) && run_i && (rise || !triggered_q);
+  assign begins = (idle_q || frame_end) && run_i && (rise || !triggered_q && !patterns_i);
 
   always_ff @(posedge clk_i) begin
     trigger_q <= trigger_i;
@@ -98,6 +115,29 @@ module sp_test_camera #(
     pause_q <= rise ? '0 : pause_q + 1'b1;
   end
 
+  // --- Which pattern it shows ---
+  logic [CodeBits-1:0] plane_q;     // one bit: the plane of the last trigger's pattern
+  logic                negative_q;  // it is the negative
+  logic                fresh_q;     // pattern 0 comes with the next trigger
+  logic [CodeBits-1:0] plane;       // the same of a trigger in this clock
+  logic                negative;
+
+  localparam logic [CodeBits-1:0] HighestPlane = CodeBits'(1) << (CodeBits - 1);
+
+  assign negative = !fresh_q && !negative_q;
+  assign plane    = fresh_q || negative_q && plane_q[0] ? HighestPlane :
+                    negative_q ? plane_q >> 1 : plane_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i || !patterns_i) fresh_q <= 1'b1;
+    else if (rise) fresh_q <= 1'b0;
+    else if (!triggered_q) fresh_q <= 1'b1;
+    if (rise) begin
+      plane_q    <= plane;
+      negative_q <= negative;
+    end
+  end
+
   // --- Where the next beat is ---
   logic                 beat_q;   // there is a beat
   logic [ClockBits-1:0] clock_q;  // clocks since the frame began
@@ -107,6 +147,9 @@ module sp_test_camera #(
   logic [RowBits-1:0]   base_q;   // row in which it begins at the first beat of a row
   logic [RowBits-1:0]   base;     // base_q of the next frame
   logic [5:0]           frame_q;  // number of the frame, as far as pixels depend on it
+  logic                 coded_q;  // it shows a pattern: plane and negative
+  logic [CodeBits-1:0]  frame_plane_q;
+  logic                 frame_negative_q;
   logic                 row_end, last_beat;
 
   assign frame_end = !idle_q && clock_q == ClockBits'(FrameClocks - 1);
@@ -125,6 +168,9 @@ module sp_test_camera #(
       place_q  <= base;
       base_q   <= base;
       frame_q  <= first_q ? '0 : frame_q + 1'b1;
+      coded_q  <= patterns_i;
+      frame_plane_q    <= plane;
+      frame_negative_q <= negative;
     end else begin
       clock_q <= clock_q + 1'b1;
       if (beat_q) begin
@@ -143,12 +189,19 @@ module sp_test_camera #(
   assign below = row_q - place_q;
 
   for (genvar i = 0; i < 4; i++) begin : gen_pixel
-    logic [5:0] column, weight;
-    logic [7:0] pixel;
+    logic [5:0]          column, weight;
+    logic [4:0]          shade;
+    logic [CodeBits-1:0] code;
+    logic                bright;
+    logic [7:0]          pixel;
     assign column = 6'({column_q, 2'(i)});
     assign weight = column + frame_q;
+    assign shade  = column[4:0] ^ 5'(row_q);
+    assign code   = CodeBits'({column_q, 2'(i)}) + CodeBits'(row_q);
+    assign bright = (((code ^ code >> 1) & frame_plane_q) != '0) != frame_negative_q;
     always_comb begin
-      if (row_q < place_q || below > RowBits'(3)) pixel = {3'd0, column[4:0] ^ 5'(row_q)};
+      if (coded_q) pixel = row_q == RowBits'(Rows - 1) ? 8'd128 : {3'd0, shade} ^ {8{bright}};
+      else if (row_q < place_q || below > RowBits'(3)) pixel = {3'd0, shade};
       else if (below == '0) pixel = {2'b10, weight};
       else if (below == RowBits'(3)) pixel = {2'b10, ~weight};
       else pixel = 8'd255;

@@ -10,13 +10,21 @@
 // Guarantees: those of the blocks. Packets go only to the address from which the board was started.
 // Before the first start the link sends only answers, and none is longer than its request. While
 // the board runs, no other address can write its registers. Reset: together with the board.
+//
+// source_o says where the video of the board comes from. A build with sp_replay wires its ports to
+// the ports replay_*, and says by Sources, ReplayColumns and ReplayRows what it has.
+// replay_enable_o is high while replay is the source and a session of packets is open; only the
+// host datagram_to_o may replay then.
 `default_nettype none
 
 module sp_link #(
   parameter int DatagramBytes = 1472,  // longest datagram: 32..65535; 8972 in jumbo frames
   // log2 of the beats of 16 bytes that wait for the network: a whole datagram or more
   parameter int LogDepth = DatagramBytes > 8192 ? $clog2(DatagramBytes / 16 + 1) : 9,
-  parameter int IdleClocks = 5_000_000  // silence after which the receiver is told: 2 or more
+  parameter int IdleClocks = 5_000_000,  // silence after which the receiver is told: 2 or more
+  parameter logic [3:0] Sources = 4'b0001,  // bit i: the build has source i of the register source
+  parameter int ReplayColumns = 0,  // largest frame of replay; 0 without replay
+  parameter int ReplayRows = 0
 ) (
   input  wire logic         clk_i,
   input  wire logic         rst_i,              // active high, synchronous
@@ -44,6 +52,17 @@ module sp_link #(
   output logic      [31:0]  datagram_data_o,
   output logic      [15:0]  datagram_bytes_o,
   output logic      [31:0]  datagram_to_o,      // address of the receiver
+
+  // Source of the video, and replay
+  output logic      [1:0]   source_o,           // value of the register source
+  output logic              replay_enable_o,
+  output logic              replay_begin_o,     // one clock: a session of replay begins
+  output logic      [15:0]  replay_session_o,   // its number, from then on
+  input  wire logic [31:0]  replay_frame_i,     // what the registers of these names show
+  input  wire logic [31:0]  replay_offset_i,
+  input  wire logic [31:0]  replay_frames_i,
+  input  wire logic [31:0]  replay_dropped_i,
+  input  wire logic [31:0]  replay_ignored_i,
 
   // The board
   input  wire logic         s_axis_tvalid,      // packets
@@ -97,7 +116,13 @@ module sp_link #(
     .data_i   (answer_data)
   );
 
-  sp_link_registers u_registers (
+  assign replay_enable_o = enable && source_o == sp_spec_pkg::SourceReplay;
+
+  sp_link_registers #(
+    .Sources      (Sources),
+    .ReplayColumns(ReplayColumns),
+    .ReplayRows   (ReplayRows)
+  ) u_registers (
     .clk_i           (clk_i),
     .rst_i           (rst_i),
     .request_i       (request),
@@ -109,6 +134,14 @@ module sp_link #(
     .data_o          (answer_data),
     .start_o         (start),
     .owner_o         (owner),
+    .source_o        (source_o),
+    .replay_begin_o  (replay_begin_o),
+    .replay_session_o(replay_session_o),
+    .replay_frame_i  (replay_frame_i),
+    .replay_offset_i (replay_offset_i),
+    .replay_frames_i (replay_frames_i),
+    .replay_dropped_i(replay_dropped_i),
+    .replay_ignored_i(replay_ignored_i),
     .m_axil_awvalid_o(m_axil_awvalid),
     .m_axil_awready_i(m_axil_awready),
     .m_axil_awaddr_o (m_axil_awaddr),

@@ -7,17 +7,25 @@
 // one after that of the last write performed. So a write is performed once, however often its
 // datagram comes. A read that the board or the link refuses gives 0.
 //
+// The registers LinkSource and LinkReplaySession are written by the mailbox, too, and by nothing
+// else. source_o takes only values that the build has. replay_begin_o is high for a clock, and
+// replay_session_o is new, when a session of replay begins.
+//
 // A host that writes 1 into the bit run of the register control while it is 0 owns the board until
 // that bit is 0 again. During this time a write from any other address changes nothing, neither in
 // the board nor in the mailbox. Every host may read. start_o is high for a clock when the board
 // gets an owner, and owner_o has the owner's address from then on.
 //
-// Latency: an access of the board, and a write that the mailbox performs, are answered after three
-// clocks or more, depending on the board's AXI4-Lite port. All other accesses are answered after
+// Latency: an access of the board, also by the mailbox, is answered after three clocks or more,
+// depending on the board's AXI4-Lite port. All other accesses are answered after
 // one clock. Reset: together with the board.
 `default_nettype none
 
-module sp_link_registers (
+module sp_link_registers #(
+  parameter logic [3:0] Sources = 4'b0001,  // bit i: the build has source i of the register source
+  parameter int ReplayColumns = 0,  // largest frame of replay; 0 without replay
+  parameter int ReplayRows = 0
+) (
   input  wire logic        clk_i,
   input  wire logic        rst_i,      // active high, synchronous
 
@@ -32,6 +40,16 @@ module sp_link_registers (
 
   output logic             start_o,    // the board has a new owner
   output logic      [31:0] owner_o,    // address of the owner
+
+  // Source of the video
+  output logic      [1:0]  source_o,
+  output logic             replay_begin_o,
+  output logic      [15:0] replay_session_o,
+  input  wire logic [31:0] replay_frame_i,    // what the registers of these names show
+  input  wire logic [31:0] replay_offset_i,
+  input  wire logic [31:0] replay_frames_i,
+  input  wire logic [31:0] replay_dropped_i,
+  input  wire logic [31:0] replay_ignored_i,
 
   // AXI4-Lite, to the board
   output logic             m_axil_awvalid_o,
@@ -68,6 +86,8 @@ module sp_link_registers (
   logic                   running_q;  // the board has an owner
   logic                   foreign;    // a write that changes nothing
   logic                   of_board, ticket_is_next, performs;
+  logic                   mails_board;             // a write that the mailbox passes to the board
+  logic                   sets_source, sets_session;
   logic [31:0]            there;      // what a register of the link holds
   logic                   refused;    // by the board, with its answer
 
@@ -75,6 +95,11 @@ module sp_link_registers (
   assign foreign  = write_i && running_q && from_i != owner_o;
   assign performs = write_i && address_i == sp_spec_pkg::LinkValue && ticket_is_next;
   assign ticket_is_next = asked_ticket_q == ticket_q + 32'd1;
+  assign mails_board    = performs && 32'(asked_address_q) < sp_spec_pkg::LinkId;
+  assign sets_source    = 32'(asked_address_q) == sp_spec_pkg::LinkSource && data_i < 32'd4 &&
+                          Sources[data_i[1:0]];
+  assign sets_session   = 32'(asked_address_q) == sp_spec_pkg::LinkReplaySession &&
+                          data_i[31:16] == '0 && ReplayColumns != 0;
 
   always_comb begin
     case (address_i)
@@ -83,6 +108,16 @@ module sp_link_registers (
       sp_spec_pkg::LinkAddress: there = {{(32 - AddressBits){1'b0}}, address_q};
       sp_spec_pkg::LinkValue: there = value_q;
       sp_spec_pkg::LinkAnswer: there = 32'(refused_q) << sp_spec_pkg::LinkAnswerRefusedLsb;
+      sp_spec_pkg::LinkSource: there = 32'(source_o);
+      sp_spec_pkg::LinkReplaySession: there = 32'(replay_session_o);
+      sp_spec_pkg::LinkVideo: there = 32'(Sources) << sp_spec_pkg::LinkVideoSourcesLsb |
+                                      32'(ReplayRows) << sp_spec_pkg::LinkVideoReplayRowsLsb |
+                                      32'(ReplayColumns);
+      sp_spec_pkg::LinkReplayFrame: there = replay_frame_i;
+      sp_spec_pkg::LinkReplayOffset: there = replay_offset_i;
+      sp_spec_pkg::LinkReplayFrames: there = replay_frames_i;
+      sp_spec_pkg::LinkReplayDropped: there = replay_dropped_i;
+      sp_spec_pkg::LinkReplayIgnored: there = replay_ignored_i;
       default: there = 32'd0;
     endcase
   end
@@ -93,9 +128,12 @@ module sp_link_registers (
   assign refused         = write_i ? m_axil_bresp_i[1] : m_axil_rresp_i[1];
 
   always_ff @(posedge clk_i) begin
-    answer_o <= 1'b0;
-    start_o  <= 1'b0;
+    answer_o       <= 1'b0;
+    start_o        <= 1'b0;
+    replay_begin_o <= 1'b0;
     if (rst_i) begin
+      source_o         <= sp_spec_pkg::SourceCamera;
+      replay_session_o <= '0;
       asked_ticket_q   <= '0;
       asked_address_q  <= '0;
       ticket_q         <= '0;
@@ -113,13 +151,13 @@ module sp_link_registers (
       if (m_axil_arready_i) m_axil_arvalid_o <= 1'b0;
 
       if (request_i) begin
-        if (!foreign && (of_board || performs)) begin
+        if (!foreign && (of_board || mails_board)) begin
           waits_q          <= 1'b1;
           mailed_q         <= !of_board;
           m_axil_awvalid_o <= write_i;
           m_axil_wvalid_o  <= write_i;
           m_axil_arvalid_o <= !write_i;
-          m_axil_awaddr_o  <= of_board ? address_i[7:0] : 8'(asked_address_q);
+          m_axil_awaddr_o  <= of_board ? address_i[7:0] : asked_address_q[7:0];
           m_axil_araddr_o  <= address_i[7:0];
           m_axil_wdata_o   <= data_i;
         end else begin
@@ -128,6 +166,15 @@ module sp_link_registers (
           if (!foreign && write_i) begin
             if (address_i == sp_spec_pkg::LinkTicket) asked_ticket_q <= data_i;
             if (address_i == sp_spec_pkg::LinkAddress) asked_address_q <= data_i[AddressBits-1:0];
+            if (performs) begin
+              ticket_q       <= asked_ticket_q;
+              address_q      <= asked_address_q;
+              value_q        <= data_i;
+              refused_q      <= !sets_source && !sets_session;
+              replay_begin_o <= sets_session;
+              if (sets_source) source_o <= data_i[1:0];
+              if (sets_session) replay_session_o <= data_i[15:0];
+            end
           end
         end
       end

@@ -20,10 +20,11 @@
 
 namespace selfproj {
 
-EtherboneBoard::EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox, std::uint32_t ticket)
+EtherboneBoard::EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox, std::uint32_t ticket,
+                               const VideoBuild& video, ReplayModel* replay)
     : registers_(registers) {
   if (mailbox) {
-    mailbox_.emplace(registers, ticket);
+    mailbox_.emplace(registers, ticket, video, replay);
   }
 }
 

@@ -17,11 +17,16 @@ namespace selfproj {
 // The registers of a board behind its link.
 class EtherboneBoard {
  public:
-  // `mailbox`: whether the link has the mailbox for writes. `ticket`: of the last write that it performed before.
-  explicit EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox = true, std::uint32_t ticket = 0);
+  // `mailbox`: whether the link has the mailbox for writes, and the registers beside it. The rest is that of
+  // WriteMailbox.
+  explicit EtherboneBoard(const WriteMailbox::Access& registers, bool mailbox = true, std::uint32_t ticket = 0,
+                          const VideoBuild& video = {}, ReplayModel* replay = nullptr);
 
   // Does what a record asks for. Returns the answer, if one belongs to it.
   std::optional<EtherboneRecord> answer(const EtherboneRecord& question);
+
+  // The register `source`.
+  [[nodiscard]] std::uint32_t source() const { return mailbox_ ? mailbox_->source() : spec::kSourceCamera; }
 
  private:
   WriteMailbox::Access registers_;

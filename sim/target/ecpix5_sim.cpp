@@ -4,8 +4,9 @@
 //                [--counts FILE] [--paused FILE]
 //
 // The circuits are those of constraints/ecpix5/ecpix5_system.sv, LiteEth included, which Verilator has compiled; PLL
-// and pins are not. INTERFACE becomes a TAP interface. The first three faults hit datagrams with packets. --damage hits
-// any frame to the board, so that its check fails. Runs until SIGTERM or SIGINT, then writes what was sent as JSON.
+// and pins are not. INTERFACE becomes a TAP interface. The first three faults hit datagrams with packets, and those of
+// replay. --damage hits any frame to the board, so that its check fails. Runs until SIGTERM or SIGINT, then writes what
+// was sent as JSON.
 //
 // A simulated second takes minutes. So that a host, whose clock is real, does not see pauses within a burst of packets,
 // their frames wait here, as in a switch, until the board's side has been silent for 10 us. The process whose number
@@ -30,6 +31,7 @@
 #include <vector>
 
 #include "Vecpix5_system.h"
+#include "model/spec/generated/datagram_format.h"
 #include "sim/target/faulty_network.h"
 #include "sim/target/rgmii.h"
 #include "sim/target/tap.h"
@@ -107,6 +109,7 @@ class Simulation {
       : model_(std::make_unique<Vecpix5_system>(&context_)),
         tap_(options.interface),
         network_(kPacketPort, options.faults, options.seed),
+        to_board_(spec::kReplayPort, options.faults, options.seed + 1),
         paused_(options.paused),
         damaged_(options.damaged / 100),
         random_(options.seed) {
@@ -141,11 +144,14 @@ class Simulation {
 
   void write_counts(const std::string& path) const {
     const FaultyNetwork::Counts& counts = network_.counts();
+    const FaultyNetwork::Counts& replayed = to_board_.counts();
     std::ofstream file(path);
     file << "{\"simulated_us\": " << now_ / 1'000'000 << ", \"datagrams\": " << counts.datagrams
          << ", \"dropped\": " << counts.dropped << ", \"doubled\": " << counts.doubled
          << ", \"reordered\": " << counts.reordered << ", \"refused_by_kernel\": " << refused_
-         << ", \"held_up\": " << held_up_ << ", \"to_board_damaged\": " << to_board_damaged_
+         << ", \"held_up\": " << held_up_ << ", \"replay_datagrams\": " << replayed.datagrams
+         << ", \"replay_dropped\": " << replayed.dropped << ", \"replay_doubled\": " << replayed.doubled
+         << ", \"replay_reordered\": " << replayed.reordered << ", \"to_board_damaged\": " << to_board_damaged_
          << ", \"from_board_damaged\": " << receiver_.damaged() << "}\n";
     if (!file.flush()) {
       throw std::runtime_error(path + ": cannot be written");
@@ -186,9 +192,12 @@ class Simulation {
       }
     }
     while (std::optional<EthernetFrame> frame = tap_.receive()) {
-      const bool damage = damaged_(random_);
-      to_board_damaged_ += damage ? 1 : 0;
-      sender_.send(*frame, damage);
+      // One that is held back, and to which nothing follows, is lost.
+      for (const EthernetFrame& one : to_board_.pass(*std::move(frame))) {
+        const bool damage = damaged_(random_);
+        to_board_damaged_ += damage ? 1 : 0;
+        sender_.send(one, damage);
+      }
     }
   }
 
@@ -213,6 +222,7 @@ class Simulation {
   std::unique_ptr<Vecpix5_system> model_;
   Tap tap_;
   FaultyNetwork network_;
+  FaultyNetwork to_board_;
   std::string paused_;
   std::bernoulli_distribution damaged_;  // whether a frame to the board is
   std::mt19937_64 random_;

@@ -1,9 +1,12 @@
 // Compares recorded packets of a board that looks at the test camera with the models, byte by byte.
 //
 //     test_camera_judge FILE COLUMNSxROWS FRAME_CLOCKS
+//     test_camera_judge FILE COLUMNSxROWS codes=BITS
 //
-// Which frame a packet is of follows from its time stamp. The settings are those of its header. Prints JSON. Exit
-// status 1 if a packet differs, or if there is none.
+// Which frame a packet is of follows from its time stamp. The settings are those of its header. In the second form the
+// test camera showed patterns of so many bits in turn, the first one with the first packet, and the board decoded them;
+// which frame it is follows from its number. Prints JSON. Exit status 1 if a packet differs, or if there is none.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -11,26 +14,82 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/io/input_file.h"
 #include "model/packet.h"
 #include "sim/target/camera_judge.h"
+#include "sim/target/frame_packets.h"
 
 namespace selfproj {
 namespace {
 
+// Patterns in turn, from the first packet's frame on.
+class CodesJudge {
+ public:
+  CodesJudge(int columns, int rows, int bits)
+      : columns_(columns),
+        rows_(rows),
+        bits_(bits),
+        model_([this](BoardPacket&& packet) { expected_.expect(std::move(packet)); }) {
+    settings_.columns = columns;
+    settings_.rows = rows;
+    settings_.threshold = kThreshold;
+    settings_.codes = true;
+    settings_.code_bits = bits;
+  }
+
+  // Returns whether the packet is that of the models. Packets come in the order of their frames.
+  bool judge(const PacketView& packet) {
+    const PacketHeader& header = packet.header;
+    if (!begun_) {
+      begun_ = true;
+      first_ = frames_ = header.sequence;
+    }
+    if (header.sequence < frames_ && header.sequence + 1 != frames_) {
+      return false;
+    }
+    for (; frames_ <= header.sequence; ++frames_) {
+      settings_.stream = header.stream;
+      model_.write(settings_);
+      expected_.clear();
+      const auto pattern = static_cast<int>((frames_ - first_) % static_cast<std::uint64_t>(2 * bits_));
+      show_frame(model_, test_camera_pattern(columns_, rows_, bits_, pattern), columns_,
+                 {.clock = (frames_ + 1) * kFrameClocks, .pattern = static_cast<std::uint16_t>(pattern)});
+    }
+    return expected_.has(packet, header.sequence == first_);
+  }
+
+ private:
+  static constexpr int kThreshold = 100;  // of the moments
+  static constexpr std::uint64_t kFrameClocks = 125'000;
+
+  int columns_;
+  int rows_;
+  int bits_;
+  BoardSettings settings_;
+  FramePackets expected_;
+  BoardModel model_;
+  bool begun_ = false;
+  std::uint64_t first_ = 0;   // frame of the first packet, which has pattern 0
+  std::uint64_t frames_ = 0;  // the next one
+};
+
 int run(const std::vector<std::string>& words) {
   int columns = 0;
   int rows = 0;
+  int bits = 0;
   unsigned long long frame_clocks = 0;
   if (words.size() != 3 || std::sscanf(words[1].c_str(), "%dx%d", &columns, &rows) != 2 ||
-      std::sscanf(words[2].c_str(), "%llu", &frame_clocks) != 1 || frame_clocks == 0) {
-    throw std::runtime_error("usage: test_camera_judge FILE COLUMNSxROWS FRAME_CLOCKS");
+      (std::sscanf(words[2].c_str(), "codes=%d", &bits) != 1 &&
+       (std::sscanf(words[2].c_str(), "%llu", &frame_clocks) != 1 || frame_clocks == 0))) {
+    throw std::runtime_error("usage: test_camera_judge FILE COLUMNSxROWS FRAME_CLOCKS|codes=BITS");
   }
   const std::string text = read_input(words[0], std::size_t{1} << 32U);
   const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  CameraJudge judge(columns, rows, frame_clocks);
+  CameraJudge judge(columns, rows, std::max(frame_clocks, 1ULL));
+  CodesJudge codes(columns, rows, std::max(bits, 1));
   std::uint64_t packets = 0;
   std::uint64_t equal = 0;
   PacketView packet;
@@ -38,7 +97,7 @@ int run(const std::vector<std::string>& words) {
   while (at < bytes.size() && parse_packet(bytes.subspan(at), packet) == PacketError::none) {
     at += packet.size;
     ++packets;
-    equal += judge.judge(packet) ? 1 : 0;
+    equal += (bits != 0 ? codes.judge(packet) : judge.judge(packet)) ? 1 : 0;
   }
   std::printf("{\"packets\": %llu, \"equal\": %llu}\n", static_cast<unsigned long long>(packets),
               static_cast<unsigned long long>(equal));

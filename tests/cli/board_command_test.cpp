@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <future>

@@ -17,6 +17,19 @@ inline constexpr std::size_t kDatagramPacket = 8;  // 32 bits
 inline constexpr std::size_t kDatagramOffset = 12;  // 16 bits
 inline constexpr std::size_t kDatagramLength = 14;  // 16 bits
 
+// The same of the datagrams of replay, and the port at which boards take them.
+inline constexpr std::uint16_t kReplayPort = 1236;
+inline constexpr std::uint16_t kReplayMagic = 0x5253;  // "SR"
+inline constexpr std::size_t kReplayHeaderBytes = 20;
+inline constexpr std::size_t kReplayMagicAt = 0;  // 16 bits
+inline constexpr std::size_t kReplaySession = 2;  // 16 bits
+inline constexpr std::size_t kReplayFrame = 4;  // 32 bits
+inline constexpr std::size_t kReplayOffset = 8;  // 32 bits
+inline constexpr std::size_t kReplayLength = 12;  // 16 bits
+inline constexpr std::size_t kReplayColumns = 14;  // 16 bits
+inline constexpr std::size_t kReplayRows = 16;  // 16 bits
+inline constexpr std::size_t kReplayReserved = 18;  // 16 bits
+
 }  // namespace selfproj::spec
 
 #endif  // SELFPROJ_SPEC_GENERATED_DATAGRAM_FORMAT_H

@@ -180,7 +180,7 @@ inline constexpr int kLinkTicketNumberLsb = 0;
 inline constexpr int kLinkTicketNumberBits = 32;
 inline constexpr std::uint32_t kLinkAddress = 0x108;  // rw
 inline constexpr int kLinkAddressBytesLsb = 0;
-inline constexpr int kLinkAddressBytesBits = 8;
+inline constexpr int kLinkAddressBytesBits = 9;
 inline constexpr std::uint32_t kLinkValue = 0x10C;  // rw
 inline constexpr int kLinkValueWordLsb = 0;
 inline constexpr int kLinkValueWordBits = 32;
@@ -188,6 +188,46 @@ inline constexpr std::uint32_t kLinkAnswer = 0x110;  // ro
 inline constexpr std::uint32_t kLinkAnswerReset = 0x00000000U;
 inline constexpr int kLinkAnswerRefusedLsb = 0;
 inline constexpr int kLinkAnswerRefusedBits = 1;
+inline constexpr std::uint32_t kLinkSource = 0x114;  // rw
+inline constexpr int kLinkSourceVideoLsb = 0;
+inline constexpr int kLinkSourceVideoBits = 2;
+inline constexpr std::uint32_t kLinkReplaySession = 0x118;  // rw
+inline constexpr int kLinkReplaySessionNumberLsb = 0;
+inline constexpr int kLinkReplaySessionNumberBits = 16;
+inline constexpr std::uint32_t kLinkVideo = 0x11C;  // ro
+inline constexpr std::uint32_t kLinkVideoReset = 0x00000000U;
+inline constexpr int kLinkVideoReplayColumnsLsb = 0;
+inline constexpr int kLinkVideoReplayColumnsBits = 12;
+inline constexpr int kLinkVideoReplayRowsLsb = 16;
+inline constexpr int kLinkVideoReplayRowsBits = 10;
+inline constexpr int kLinkVideoSourcesLsb = 28;
+inline constexpr int kLinkVideoSourcesBits = 4;
+inline constexpr std::uint32_t kLinkReplayFrame = 0x120;  // ro
+inline constexpr std::uint32_t kLinkReplayFrameReset = 0x00000000U;
+inline constexpr int kLinkReplayFrameNumberLsb = 0;
+inline constexpr int kLinkReplayFrameNumberBits = 32;
+inline constexpr std::uint32_t kLinkReplayOffset = 0x124;  // ro
+inline constexpr std::uint32_t kLinkReplayOffsetReset = 0x00000000U;
+inline constexpr int kLinkReplayOffsetBytesLsb = 0;
+inline constexpr int kLinkReplayOffsetBytesBits = 32;
+inline constexpr std::uint32_t kLinkReplayFrames = 0x128;  // ro
+inline constexpr std::uint32_t kLinkReplayFramesReset = 0x00000000U;
+inline constexpr int kLinkReplayFramesCountLsb = 0;
+inline constexpr int kLinkReplayFramesCountBits = 32;
+inline constexpr std::uint32_t kLinkReplayDropped = 0x12C;  // ro
+inline constexpr std::uint32_t kLinkReplayDroppedReset = 0x00000000U;
+inline constexpr int kLinkReplayDroppedCountLsb = 0;
+inline constexpr int kLinkReplayDroppedCountBits = 32;
+inline constexpr std::uint32_t kLinkReplayIgnored = 0x130;  // ro
+inline constexpr std::uint32_t kLinkReplayIgnoredReset = 0x00000000U;
+inline constexpr int kLinkReplayIgnoredCountLsb = 0;
+inline constexpr int kLinkReplayIgnoredCountBits = 32;
+
+// Where the frames come from: values of the register source.
+inline constexpr std::uint32_t kSourceCamera = 0;  // the camera of the build
+inline constexpr std::uint32_t kSourceTestCamera = 1;  // the test camera
+inline constexpr std::uint32_t kSourceReplay = 2;  // frames that the host sends
+inline constexpr std::uint32_t kSourcePatterns = 3;  // Gray-code patterns that the test camera sees, one with each trigger of the camera
 
 }  // namespace selfproj::spec
 

@@ -1,5 +1,4 @@
-// Tests the cameras: the one inside the FPGA against its model, and the front end for parallel sensors with a sensor
-// whose clock jitters, stops and is too fast.
+// Tests the front end for parallel sensors with a sensor whose clock jitters, stops and is too fast.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -11,152 +10,12 @@
 
 #include "Vsp_parallel_sensor_ports.h"
 #include "Vsp_parallel_sensor_two_ports.h"
-#include "Vsp_test_camera_ports.h"
-#include "Vsp_test_camera_tight_ports.h"
-#include "model/column_moments.h"
-#include "model/test_camera.h"
+#include "tests/rtl/blocks/camera_bench.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
 namespace {
-
-struct Beat {
-  std::uint32_t pixels = 0;
-  bool start = false;
-  bool end = false;
-
-  bool operator==(const Beat&) const = default;
-};
-
-using Frame = std::vector<Beat>;
-
-template <typename Dut>
-Beat beat_of(Dut& dut) {
-  return {dut->m_data_o, dut->m_start_o != 0, dut->m_end_o != 0};
-}
-
-// The ports that count only with a beat, for the recorder.
-template <typename Camera>
-void name_ports(Camera& camera) {
-  for (const char* port : {"m_data_o", "m_start_o", "m_end_o"}) {
-    camera.valid_when(port, [&camera] { return camera->m_valid_o != 0; });
-  }
-}
-
-// --- Test camera ---
-
-Frame model_frame(int columns, int rows, std::uint32_t number) {
-  const std::vector<std::uint8_t> pixels = test_camera_frame(columns, rows, number);
-  Frame frame;
-  for (std::size_t at = 0; at < pixels.size(); at += 4) {
-    const std::uint32_t word = std::uint32_t{pixels[at]} | std::uint32_t{pixels[at + 1]} << 8U |
-                               std::uint32_t{pixels[at + 2]} << 16U | std::uint32_t{pixels[at + 3]} << 24U;
-    frame.push_back({word, at == 0, (at + 4) % static_cast<std::size_t>(columns) == 0});
-  }
-  return frame;
-}
-
-// Two runs: one of many frames, and one that ends in the middle of a frame. `gap`: clocks between two frames.
-template <typename Camera>
-void expect_frames_of_the_model(int columns, int rows, int gap) {
-  Clocked<Camera> camera;
-  name_ports(camera);
-  camera->run_i = 0;
-  camera->trigger_i = 0;
-  camera.reset();
-  const auto clock = [&] {
-    camera.settle();
-    const bool valid = camera->m_valid_o != 0;
-    camera.rise();
-    return valid;
-  };
-  const auto quiet = [&](int clocks) {
-    for (int i = 0; i < clocks; ++i) {
-      EXPECT_FALSE(clock()) << "clock " << camera.clock();
-    }
-  };
-  quiet(5);
-  for (const std::uint32_t frames : {70U, 3U}) {
-    camera->run_i = 1;
-    quiet(2);
-    for (std::uint32_t number = 0; number < frames; ++number) {
-      for (const Beat& due : model_frame(columns, rows, number)) {
-        camera->run_i = number + 1 < frames;
-        camera.settle();
-        ASSERT_TRUE(camera->m_valid_o) << "a gap in frame " << number;
-        ASSERT_EQ(beat_of(camera), due) << "frame " << number << ", clock " << camera.clock();
-        camera.rise();
-      }
-      quiet(number + 1 < frames ? gap : 50);
-    }
-  }
-}
-TEST(TestCamera, FramesOfTheModel) { expect_frames_of_the_model<Vsp_test_camera>(64, 13, 240 - 64 / 4 * 13); }
-TEST(TestCamera, FramesWithoutAGap) { expect_frames_of_the_model<Vsp_test_camera_tight>(16, 9, 0); }
-
-// Frames by triggers, one of them while a frame is under way, and free again after a pause.
-TEST(TestCamera, FramesByTriggers) {
-  constexpr int kFrameClocks = 240;
-  constexpr int kPause = 1024;
-  Clocked<Vsp_test_camera> camera;
-  camera->run_i = 1;
-  camera->trigger_i = 0;
-  camera.reset();
-  std::vector<std::int64_t> starts;
-  std::uint32_t number = 0;
-  const auto clocks = [&](int count) {
-    for (int i = 0; i < count; ++i) {
-      camera.settle();
-      if (camera->m_valid_o && camera->m_start_o) {
-        EXPECT_EQ(beat_of(camera), model_frame(64, 13, number++).front());
-        starts.push_back(camera.clock());
-      }
-      camera.rise();
-    }
-  };
-  clocks(3 * kFrameClocks);
-  EXPECT_EQ(starts.size(), 3U);
-  std::vector<std::int64_t> due = starts;
-  for (const int distance : {350, 290, 60, 700}) {  // to the next; the last comes while the frame before is under way
-    if (distance != 700) {
-      due.push_back(camera.clock() + 2);
-    }
-    camera->trigger_i = 1;
-    clocks(5);
-    camera->trigger_i = 0;
-    clocks(distance - 5);
-  }
-  EXPECT_EQ(starts, due);
-  clocks(kPause - 700 + 1);
-  EXPECT_EQ(starts.size(), due.size());
-  clocks(kFrameClocks);
-  EXPECT_EQ(starts.size(), due.size() + 1);
-}
-
-// The moments that the head of the module promises, from its words alone: binary, threshold 128.
-TEST(TestCamera, MomentsAreKnown) {
-  constexpr int kColumns = 512;
-  constexpr int kRows = 96;
-  for (const std::uint32_t number : {0U, 1U, 91U, 92U, 93U, 1000U}) {
-    const std::vector<std::uint8_t> pixels = test_camera_frame(kColumns, kRows, number);
-    Moments moments;
-    moments.resize(kColumns);
-    column_moments({.pixels = pixels.data(), .rows = kRows, .columns = kColumns, .stride = kColumns}, Mode::binary, 128,
-                   moments.view());
-    for (std::uint32_t x = 0; x < kColumns; ++x) {
-      const std::uint32_t first = (number + x / 8) % (kRows - 3);
-      const std::uint32_t weight = (x + number) % 64;
-      const std::uint32_t lit = 4 - (weight == 0 ? 1U : 0U) - (weight == 63 ? 1U : 0U);
-      // Rows count from 1.
-      const std::uint32_t sum = 4 * first + 10 - (weight == 0 ? first + 1 : 0) - (weight == 63 ? first + 4 : 0);
-      ASSERT_EQ(moments.m0[x], lit) << "frame " << number << ", column " << x;
-      ASSERT_EQ(moments.m1[x], sum) << "frame " << number << ", column " << x;
-    }
-  }
-}
-
-// --- Parallel sensor ---
 
 // A sensor and the board's side of its front end.
 template <typename Sensor>

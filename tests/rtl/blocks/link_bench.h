@@ -47,6 +47,10 @@ class PlainRegisters {
   std::array<std::uint32_t, 64> words_{};
 };
 
+// What CMakeLists.txt builds.
+inline constexpr VideoBuild kLinkVideo = {.sources = 1U << spec::kSourceCamera | 1U << spec::kSourceReplay,
+                                          .replay = {.columns = 512, .rows = 127}};
+
 // What a link does, by the models: EtherboneBoard and its mailbox, and the rule about the owner.
 class LinkModel {
  public:
@@ -56,7 +60,7 @@ class LinkModel {
   explicit LinkModel(std::uint32_t ticket = 0)
       : board_([this](bool write, std::uint32_t address,
                       std::uint32_t data) { return registers.access(write, address, data); },
-               true, ticket) {}
+               true, ticket, kLinkVideo, &replay) {}
 
   std::optional<Bytes> answer(const Bytes& question, std::uint32_t from) {
     std::optional<EtherboneRecord> record = etherbone_record(question);
@@ -75,6 +79,7 @@ class LinkModel {
   }
 
   PlainRegisters registers;
+  ReplayModel replay{kLinkVideo.replay};
 
  private:
   EtherboneBoard board_;
@@ -110,6 +115,7 @@ class LinkBench {
     link_->m_axil_arready = 0;
     link_->m_axil_bvalid = 0;
     link_->m_axil_rvalid = 0;
+    show_replay({});
     link_.reset();
   }
 
@@ -131,6 +137,15 @@ class LinkBench {
       clock();
       link_->ask_valid_i = 0;
     }
+  }
+
+  // What replay tells the link.
+  void show_replay(const ReplayCounts& counts) {
+    link_->replay_frame_i = counts.frame;
+    link_->replay_offset_i = counts.offset;
+    link_->replay_frames_i = counts.frames;
+    link_->replay_dropped_i = counts.dropped;
+    link_->replay_ignored_i = counts.ignored;
   }
 
   void idle(int clocks) {
@@ -184,7 +199,12 @@ class LinkBench {
       }
     }
     take_accesses();
+    const bool begins = link_->replay_begin_o != 0;
     link_.rise();
+    if (begins) {
+      link_->replay_frame_i = 0;
+      link_->replay_offset_i = 0;
+    }
   }
 
   PlainRegisters registers;
@@ -286,7 +306,7 @@ inline std::uint32_t random_address(Random& random) {
       return static_cast<std::uint32_t>(random.chance(50) ? random.bits() : random.bits() % 256);
     case 1:
     case 2:
-      return spec::kLinkId + static_cast<std::uint32_t>(random.between(0, 24));
+      return spec::kLinkId + static_cast<std::uint32_t>(random.between(0, 60));
     case 3:
       return spec::kRegControl;
     default:
@@ -300,8 +320,8 @@ inline Bytes random_question(Random& random, std::uint32_t next_ticket) {
   record.tag = static_cast<std::uint32_t>(random.bits());
   if (random.chance(50)) {  // a write by the mailbox, mostly of the next ticket
     record.write_address = spec::kLinkTicket;
-    record.writes = {next_ticket - (random.chance(20) ? 1U : 0U), random_address(random) % 256,
-                     static_cast<std::uint32_t>(random.bits())};
+    record.writes = {next_ticket - (random.chance(20) ? 1U : 0U), random_address(random),
+                     static_cast<std::uint32_t>(random.bits() >> (random.chance(50) ? 32 : random.between(32, 63)))};
     record.reads = {spec::kLinkTicket, spec::kLinkAddress, spec::kLinkValue, spec::kLinkAnswer};
   } else {
     record.write_address = random_address(random);

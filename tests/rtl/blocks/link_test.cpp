@@ -147,5 +147,45 @@ TEST(Link, PacketsGoToTheOwner) {
   }
 }
 
+// The source changes by the mailbox only; replay is open to the host of the session, while it is the source; and what
+// replay says of itself is read.
+TEST(Link, SourceAndReplay) {
+  LinkBench bench(1);
+  std::uint32_t ticket = 0;
+  const auto read = [&](std::uint32_t address) {
+    bench.ask(etherbone_bytes({.tag = 1, .reads = {address}}), kHosts[0]);
+    return etherbone_record(bench.settle()->bytes)->writes.front();
+  };
+  const auto mail = [&](std::uint32_t address, std::uint32_t value) {
+    bench.ask(etherbone_bytes({.write_address = spec::kLinkTicket, .writes = {++ticket, address, value}}), kHosts[0]);
+    bench.settle();
+    return (read(spec::kLinkAnswer) & 1U) == 0;
+  };
+  EXPECT_EQ(read(spec::kLinkVideo), 5U << 28U | 127U << 16U | 512U);
+  bench.ask(write_of(spec::kLinkSource, spec::kSourceReplay), kHosts[0]);
+  bench.settle();
+  EXPECT_EQ(read(spec::kLinkSource), spec::kSourceCamera);
+  EXPECT_FALSE(mail(spec::kLinkSource, spec::kSourceTestCamera)) << "this build has none";
+  EXPECT_FALSE(mail(spec::kLinkSource, 6));
+  EXPECT_FALSE(mail(spec::kLinkReplaySession, 0x10000));
+  EXPECT_TRUE(mail(spec::kLinkSource, spec::kSourceReplay));
+  EXPECT_EQ(read(spec::kLinkSource), spec::kSourceReplay);
+  EXPECT_EQ(bench->source_o, spec::kSourceReplay);
+  EXPECT_FALSE(bench->replay_enable_o) << "no host has the session";
+  EXPECT_TRUE(mail(spec::kRegControl, 1));
+  EXPECT_TRUE(bench->replay_enable_o);
+  EXPECT_EQ(bench->datagram_to_o, kHosts[0]);
+  EXPECT_TRUE(mail(spec::kLinkReplaySession, 0xABCD));
+  EXPECT_EQ(bench->replay_session_o, 0xABCD);
+  bench.show_replay({.frame = 0x12345678, .offset = 0x9ABCDEF0, .frames = 3, .dropped = 4, .ignored = 5});
+  EXPECT_EQ(read(spec::kLinkReplayFrame), 0x12345678U);
+  EXPECT_EQ(read(spec::kLinkReplayOffset), 0x9ABCDEF0U);
+  EXPECT_EQ(read(spec::kLinkReplayFrames), 3U);
+  EXPECT_EQ(read(spec::kLinkReplayDropped), 4U);
+  EXPECT_EQ(read(spec::kLinkReplayIgnored), 5U);
+  EXPECT_TRUE(mail(spec::kLinkSource, spec::kSourceCamera));
+  EXPECT_FALSE(bench->replay_enable_o);
+}
+
 }  // namespace
 }  // namespace selfproj::test

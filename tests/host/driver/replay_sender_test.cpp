@@ -1,0 +1,96 @@
+// Tests the host of replay against the model of the board, over a network that loses, doubles and reorders datagrams.
+#include "host/driver/replay_sender.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/driver/control.h"
+#include "host/driver/etherbone_port.h"
+#include "host/io/user_error.h"
+#include "model/spec/generated/register_table.h"
+#include "tests/support/random_cases.h"
+#include "tests/support/replay_board.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr VideoBuild kBuild = {.sources = 0b111, .replay = {.columns = 512, .rows = 127}};
+
+std::unique_ptr<RegisterPort> port_of(const ReplayBoard& board) {
+  return make_etherbone_port(board.etherbone_place(), {.patience = std::chrono::milliseconds(200)});
+}
+
+ReplayFrame random_frame(Random& random, int columns, int rows) {
+  ReplayFrame frame{.columns = columns, .rows = rows};
+  frame.pixels = random.bytes(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  return frame;
+}
+
+ImageView view(const ReplayFrame& frame) { return {frame.pixels.data(), frame.rows, frame.columns, frame.columns}; }
+
+std::string error_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Every frame arrives once, as it was sent, and in order, whatever the network does.
+TEST(ReplaySender, EveryFrameThroughABadNetwork) {
+  for (const int percent : {0, 10}) {
+    Random random(1);
+    ReplayBoard board(kBuild, percent, 7);
+    const std::unique_ptr<RegisterPort> port = port_of(board);
+    EXPECT_EQ(port->write(spec::kRegControl, 1), Written::taken);
+    std::vector<ReplayFrame> sent;
+    for (int session = 0; session < 2; ++session) {
+      ReplaySender sender(*port, "127.0.0.3", {.port = board.replay_port()});
+      for (int i = 0; i < 25; ++i) {
+        sent.push_back(random_frame(random, 4 * random.between(1, 128), random.between(1, 127)));
+        sender.send(view(sent.back()));
+      }
+      EXPECT_EQ(sender.frames(), 25U);
+      EXPECT_EQ(sender.repeated() > 0, percent > 0);
+      EXPECT_GE(sender.datagrams(), 25U);
+      sender.end();
+    }
+    board.stop();
+    EXPECT_TRUE(board.frames() == sent);
+    EXPECT_EQ(board.source(), spec::kSourceCamera);
+    EXPECT_EQ(board.lost() > 10, percent > 0);
+  }
+}
+
+TEST(ReplaySender, Errors) {
+  Random random(1);
+  {
+    const ReplayBoard none({}, 0, 1);
+    const std::unique_ptr<RegisterPort> port = port_of(none);
+    EXPECT_NE(error_of([&] { const ReplaySender sender(*port, "127.0.0.3"); }).find("this board has no replay"),
+              std::string::npos);
+    EXPECT_NE(error_of([&] { set_video_source(*port, spec::kSourceReplay); }).find("the board refuses"),
+              std::string::npos);
+  }
+  const ReplayBoard board(kBuild, 0, 1);
+  const std::unique_ptr<RegisterPort> port = port_of(board);
+  ReplaySender sender(*port, "127.0.0.3", {.port = board.replay_port(), .tries = 3});
+  EXPECT_NE(error_of([&] { sender.send(view(random_frame(random, 516, 4))); }).find("the largest has 512 x 127"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { sender.send(view(random_frame(random, 6, 4))); }).find("no multiple of 4"),
+            std::string::npos);
+  // Nobody has started it.
+  EXPECT_NE(error_of([&] { sender.send(view(random_frame(random, 8, 4))); }).find("takes no frames from this host"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace selfproj::test
