@@ -21,7 +21,7 @@ struct GrayMotionOptions {
   RenderOptions render;
   int paths = 10;  // B1: drawn paths of the fist, each with noise of its own, beside that on which the filter is tuned
   int pools = 6;   // B2: pools of other depths, of 20 and 40 mm first, then drawn ones
-  int frames = 0;  // even; of each path, pool or set of taps; 0: a turn, 0.38 s from the impact on, five taps
+  int frames = 0;  // even; of each path, pool or set of taps; 0: a turn, until 0.55 s after the impact, five taps
 };
 
 // `name` is "B1", "B2" or "B3".

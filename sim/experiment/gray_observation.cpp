@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 
 #include "host/rig/rig.h"
 #include "host/structured_light/rig_triangulation.h"
@@ -49,12 +50,14 @@ void observe(const GrayMotionOptions& options, const GrayShot& shot, const std::
     }
   }
   const PatternRenderer renderer(rig, shot.scene, options.render);
-  FloatImage truth(rig.camera.rows, rig.camera.columns);
+  FloatImage truth(rig.camera.rows, rig.camera.columns, std::numeric_limits<float>::quiet_NaN());
   play(
       renderer, stream, shot.first, shot.frames,
       [&](int frame) {
         const int middle = frame - kGrayBits;
-        renderer.lit_depth(middle, truth.values, least);
+        if (shot.truth) {
+          renderer.lit_depth(middle, truth.values, least);
+        }
         see({middle / rig.camera.frame_rate_hz, stream.triangulation(), stream.depth(), background, truth,
              true_background});
       },

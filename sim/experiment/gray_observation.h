@@ -33,6 +33,7 @@ struct GrayShot {
   int first = 0;   // frame
   int frames = 0;  // even
   std::int64_t noise_seed = 1;
+  bool truth = true;  // false: the true depths are left out, and NaN
 };
 
 // Calls `see` with each depth image of the scene, and `done` after each image of it and of its background.

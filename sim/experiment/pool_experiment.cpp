@@ -27,9 +27,8 @@ namespace {
 
 constexpr double kNoCrest = std::numeric_limits<double>::quiet_NaN();
 constexpr double kShortestWave = 60;  // mm; shorter ones do not feel the ground
-constexpr double kFirstWave = 0.04;  // s after the impact from which the heights are those of waves
-constexpr int kWaveFrames = 366;      // until 0.39 s after the impact
-constexpr double kMostRise = 20;      // mm
+constexpr double kAfter = 0.56;       // s that the wave is seen after the impact
+constexpr int kWaveFrames = 486;      // from kWaveFrom until 0.55 s after it
 constexpr double kMostOff = 0.05;     // of the speed of long waves
 
 // What is measured of the wave in one pool, in the host's depth images and in the true ones.
@@ -38,7 +37,7 @@ struct WaveSeen {
   std::vector<double> crest;
 
   void take(const Seen& seen, const FloatImage& depth, const FloatImage& background, const RingMeans& rings) {
-    waves.add(seen.t, seen.triangulation, depth, background, kMostRise);
+    waves.add(seen.t, seen.triangulation, depth, background, kMostWave);
     crest.push_back(is_open_wave(seen.t - PoolWave::kImpact)
                         ? foremost_crest(rings, rings.means(depth, background, kMostWave), kLeastWave)
                         : kNoCrest);
@@ -55,18 +54,29 @@ constexpr double kCmPerMm = 0.1;
 std::string cm_text(double mm) { return figure_text(mm * kCmPerMm, 1); }
 std::string cm_text(double mm, double deviation) { return fmt::format("{} ± {}", cm_text(mm), cm_text(deviation)); }
 
-PoolSeen observe_pool(const GrayMotionOptions& options, const PoolDrop& drop, int frames, std::int64_t noise_seed,
+// How a pool is observed; without the truth there is none of the wave.
+struct PoolShot {
+  int frames;
+  std::int64_t noise_seed;
+  bool truth;
+};
+
+PoolSeen observe_pool(const GrayMotionOptions& options, PoolDrop drop, const PoolShot& how,
                       const std::function<void()>& done) {
+  drop.after = kAfter;
   const auto pool = make_pool(options.rig, drop.depth);
   const auto waves = make_waves(options.rig, drop);
-  const int first = static_cast<int>(std::lround((PoolWave::kImpact + kFirstWave) * options.rig.camera.frame_rate_hz));
+  const int first = static_cast<int>(std::lround((PoolWave::kImpact + kWaveFrom) * options.rig.camera.frame_rate_hz));
   PoolSeen found;
-  observe(options, {*waves, *pool, first - kGrayCycle, frames, noise_seed}, done, [&](const Seen& seen) {
-    const RingMeans rings = pool_rings(seen.triangulation, drop.x, drop.y);
-    found.t.push_back(seen.t);
-    found.measured.take(seen, seen.depth, seen.background, rings);
-    found.truth.take(seen, seen.truth, seen.true_background, rings);
-  });
+  observe(options, {*waves, *pool, first - kGrayCycle, how.frames, how.noise_seed, how.truth}, done,
+          [&](const Seen& seen) {
+            const RingMeans rings = pool_rings(seen.triangulation, drop.x, drop.y);
+            found.t.push_back(seen.t);
+            found.measured.take(seen, seen.depth, seen.background, rings);
+            if (how.truth) {
+              found.truth.take(seen, seen.truth, seen.true_background, rings);
+            }
+          });
   return found;
 }
 
@@ -127,7 +137,7 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
     return figure_text(100 * off, 1);
   };
   const auto speed_of = [](const PoolDrop& drop) { return std::sqrt(kStandardGravity * drop.depth); };
-  const PoolSeen pool = observe_pool(options, {}, frames, options.rig.imaging.seed, count);
+  const PoolSeen pool = observe_pool(options, {}, {frames, options.rig.imaging.seed, true}, count);
   const WaveDispersion measured(pool.measured.waves);
   const WaveDispersion in_truth(pool.truth.waves);
   const LongWaves found = measured.long_waves();
@@ -144,7 +154,7 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
   };
   for (int i = 0; i < options.pools; ++i) {
     const auto [name, drop] = other_pool(i);
-    row_of(name, drop, observe_pool(options, drop, frames, options.rig.imaging.seed + 100 * (i + 1), count));
+    row_of(name, drop, observe_pool(options, drop, {frames, options.rig.imaging.seed + 100 * (i + 1), false}, count));
   }
   result.tables = {
       {"B2: speed of the wave, cm/s",

@@ -143,8 +143,9 @@ class Water final : public Body {
   static constexpr double kX1 = PoolWave::kCentreX + PoolWave::kWidth / 2;
   static constexpr double kY0 = -PoolWave::kLength / 2;
   static constexpr double kY1 = PoolWave::kLength / 2;
-  static std::array<double, 3> images(double place, double low, double high) {
-    return {place, 2 * low - place, 2 * high - place};
+  static std::array<double, 5> images(double place, double low, double high) {
+    const double way = 2 * (high - low);
+    return {place, 2 * low - place, 2 * high - place, place - way, place + way};
   }
 
   double z_;
@@ -182,9 +183,10 @@ class Pool : public Table {
 class Waves final : public Pool {
  public:
   Waves(const Rig& rig, const PoolDrop& drop)
-      : Pool(rig, static_cast<int>(std::lround((PoolWave::kImpact + kAfter) * rig.camera.frame_rate_hz)), drop.depth),
+      : Pool(rig, static_cast<int>(std::lround((PoolWave::kImpact + drop.after) * rig.camera.frame_rate_hz)),
+             drop.depth),
         drop_(drop),
-        wave_(drop.depth, drop.crater, drop.size, kLongest) {}
+        wave_(drop.depth, drop.crater, drop.size, drop.after + 0.05) {}
 
   // The body falls from rest, and disappears in the white water.
   [[nodiscard]] Bodies bodies(double t) const override {
@@ -201,8 +203,6 @@ class Waves final : public Pool {
   [[nodiscard]] double body_speed() const override { return 1500; }  // the greatest speed of the fall
 
  private:
-  static constexpr double kAfter = 0.4;  // s
-  static constexpr double kLongest = 0.45;
   static constexpr double kFall = 100;  // mm
   static constexpr double kSink = 700;  // mm/s
 

@@ -68,6 +68,7 @@ struct PoolDrop {
   // The crater of RingWave: its depth, and s, which is the radius of a circle as large as the body's side of 27 x 23.
   double crater = 14;
   double size = 14;
+  double after = 0.4;  // s from the impact to the last frame; mirror images are right up to 0.8 s
 };
 
 // A drop drawn by a seed: water 15 to 45 mm deep, another place, another crater.
