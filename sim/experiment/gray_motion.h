@@ -5,24 +5,15 @@
 
 #include <string>
 
-#include "host/rig/rig.h"
 #include "host/structured_light/moved.h"
+#include "sim/experiment/gray_observation.h"
 #include "sim/experiment/structured_light.h"
-#include "sim/scene/renderer.h"
 
 namespace selfproj {
 
 // What counts as moved: so far from the background (mm), and these further conditions, which B1 finds best.
 inline constexpr double kMovedMm = 10;
 inline constexpr SteadySettings kSteady{10, 6};
-
-struct GrayMotionOptions {
-  Rig rig;
-  RenderOptions render;
-  int paths = 10;  // B1: drawn paths of the fist, each with noise of its own, beside that on which the filter is tuned
-  int pools = 6;   // B2: pools of other depths, of 20 and 40 mm first, then drawn ones
-  int frames = 0;  // even; of each path, pool or set of taps; 0: a turn, until 0.55 s after the impact, five taps
-};
 
 // `name` is "B1", "B2" or "B3".
 // B1: every filter of a grid is measured on the path of the thesis, and the best of them on the drawn paths.

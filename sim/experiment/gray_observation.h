@@ -7,14 +7,23 @@
 #include <functional>
 
 #include "host/io/float_image.h"
+#include "host/rig/rig.h"
 #include "host/structured_light/triangulation.h"
-#include "sim/experiment/gray_motion.h"
+#include "sim/scene/renderer.h"
 #include "sim/scene/scene.h"
 
 namespace selfproj {
 
 inline constexpr int kGrayBits = 8;
 inline constexpr int kGrayCycle = 2 * kGrayBits;  // frames
+
+struct GrayMotionOptions {
+  Rig rig;
+  RenderOptions render;
+  int paths = 10;  // B1: drawn paths of the fist, each with noise of its own, beside that on which the filter is tuned
+  int pools = 6;   // B2: pools of other depths, of 20 and 40 mm first, then drawn ones
+  int frames = 0;  // even; of each path, pool or set of taps; 0: a turn, until 0.55 s after the impact, five taps
+};
 
 // A depth image and its truth, in the middle of its cycle.
 struct Seen {

@@ -2,7 +2,7 @@
 #ifndef SELFPROJ_SIM_EXPERIMENT_POOL_EXPERIMENT_H
 #define SELFPROJ_SIM_EXPERIMENT_POOL_EXPERIMENT_H
 
-#include "sim/experiment/gray_motion.h"
+#include "sim/experiment/gray_observation.h"
 #include "sim/experiment/structured_light.h"
 
 namespace selfproj {

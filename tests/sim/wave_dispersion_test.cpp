@@ -61,16 +61,26 @@ BasinWaves seen(const std::vector<Turning>& waves, double noise_mm, std::uint64_
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, noise_mm);
   BasinWaves measured(kBasin, 60, 1);
+  std::vector<std::vector<double>> shapes(waves.size());
+  for (std::size_t pixel = 0; pixel < background.values.size(); ++pixel) {
+    const Point3f p = triangulation.point(pixel, static_cast<float>(kLevel));
+    const double x = std::numbers::pi * (static_cast<double>(p.x) - kBasin.x0) / (kBasin.x1 - kBasin.x0);
+    const double y = std::numbers::pi * (static_cast<double>(p.y) - kBasin.y0) / (kBasin.y1 - kBasin.y0);
+    for (std::size_t w = 0; w < waves.size(); ++w) {
+      shapes[w].push_back(waves[w].mm * std::cos(waves[w].m * x) * std::cos(waves[w].n * y));
+    }
+  }
   for (int i = 0; i < 20; ++i) {
     const double t = 1.44 + 0.016 * i;
     FloatImage depth = background;
+    std::vector<double> turns;
+    for (const Turning& wave : waves) {
+      turns.push_back(std::cos(wave.omega * t + wave.phase));
+    }
     for (std::size_t pixel = 0; pixel < depth.values.size(); ++pixel) {
-      const Point3f p = triangulation.point(pixel, static_cast<float>(kLevel));
-      const double x = std::numbers::pi * (static_cast<double>(p.x) - kBasin.x0) / (kBasin.x1 - kBasin.x0);
-      const double y = std::numbers::pi * (static_cast<double>(p.y) - kBasin.y0) / (kBasin.y1 - kBasin.y0);
       double rise = noise(random);
-      for (const Turning& wave : waves) {
-        rise += wave.mm * std::cos(wave.m * x) * std::cos(wave.n * y) * std::cos(wave.omega * t + wave.phase);
+      for (std::size_t w = 0; w < waves.size(); ++w) {
+        rise += shapes[w][pixel] * turns[w];
       }
       depth.values[pixel] = pixel % 101 == 0  ? std::numeric_limits<float>::quiet_NaN()
                             : pixel % 97 == 0 ? static_cast<float>(kLevel) - 90  // a wrong code
