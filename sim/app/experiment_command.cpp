@@ -30,6 +30,7 @@ void add_experiment_command(CLI::App& app) {
                        "- B7: structured light on a moving mouse\n"
                        "- B8: structured light on two moving hands\n"
                        "- robustness: A2 and B4 under each of the disturbances of --disturb, over its strength\n"
+                       "- remedies: what helps B4 against the disturbances that break it\n"
                        "- parts: which defects, planted into parts that pass, are found, and how often one is found "
                        "where there is none\n\n"
                        "The exit status is 1 where a figure is not reached.",
@@ -51,7 +52,7 @@ selfproj-sim experiment parts --out detection
 )"});
   command->add_option("NAME", options->name, "Name of the experiment.")
       ->required()
-      ->check(one_of({"A1", "A2", "B1", "B2", "B3", "B4", "B7", "B8", "robustness", "parts"}));
+      ->check(one_of({"A1", "A2", "B1", "B2", "B3", "B4", "B7", "B8", "robustness", "remedies", "parts"}));
   begin_group(*command, "Settings");
   command->add_option("--rig", options->rig, "Built-in rig or YAML file.")
       ->type_name("RIG")
@@ -82,9 +83,13 @@ selfproj-sim experiment parts --out detection
       "Do not measure and remove the residual of the reference.");
   command->add_flag("--sources", options->sources,
                     "Also print the table of error sources: the null test with each of them off in turn.");
-  begin_group(*command, "Structured light (B1, B4, B7, B8)");
+  begin_group(*command, "Structured light (B1, B2, B4, B7, B8)");
   command->add_option("--paths", options->paths, "B1: paths of the fist on which its filter was not chosen.")
       ->transform(whole_number(1, 1000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--pools", options->pools, "B2: pools of other depths, beside that of the thesis.")
+      ->transform(whole_number(0, 1000))
       ->type_name("N")
       ->capture_default_str();
   command->add_flag_callback(
@@ -94,13 +99,14 @@ selfproj-sim experiment parts --out detection
       ->transform(whole_number(0, (1 << Stripes{}.bits) - 1))
       ->type_name("E")
       ->default_str("8 for B4, 0 for B7 and B8");
-  begin_group(*command, "Disturbances (robustness, which also takes --every and --world)");
+  begin_group(*command, "Disturbances (robustness, which also takes --every and --world; remedies)");
   const auto number = [&](const char* name, int& value, int most, const char* text) {
     command->add_option(name, value, text)->transform(whole_number(1, most))->type_name("N")->capture_default_str();
   };
   number("--cameras", options->cameras, 1000, "Cameras with defect pixels of their own.");
   number("--strengths", options->strengths, 5, "Strengths of each disturbance.");
   number("--coarser", options->coarser, 8, "Give the scanner N times fewer pixels along each side.");
+  number("--seeds", options->seeds, 100, "Remedies: seeds on which each is measured, beside that on which it is set.");
   begin_group(*command, "Parts (which also takes --null-test and --real-rig-seed, and ends early at Ctrl-C)");
   const auto count = [&](const char* name, std::uint64_t& value, std::int64_t least, const char* text) {
     command->add_option(name, value, text)

@@ -20,6 +20,7 @@
 #include "host/light_section/profile.h"
 #include "host/light_section/reference.h"
 #include "host/structured_light/match_table.h"
+#include "host/structured_light/moved.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
@@ -135,6 +136,18 @@ std::vector<std::vector<double>> centroids_of_reference(const Rig& rig, const Sc
   return result;
 }
 
+// The depths that have at least so many neighbours within 10 mm; NaN elsewhere.
+std::vector<float> with_neighbours(const FloatImage& depth, int least) {
+  if (least == 0) {
+    return depth.values;
+  }
+  constexpr float kNear = 10;                                    // mm
+  const std::vector<float> nowhere(depth.values.size(), -1e6F);  // so that every point differs from it
+  SteadyFilter filter(depth.rows, depth.columns, {.most_change_mm = kNear, .least_neighbours = least});
+  filter.take(depth.values.data(), nowhere.data(), kNear);
+  return {filter.kept(), filter.kept() + depth.values.size()};
+}
+
 }  // namespace
 
 DisturbedStairs::DisturbedStairs(const Rig& rig, int every, int reference_frames)
@@ -219,6 +232,17 @@ int DisturbedStairs::half_of_the_line(const World& world) const {
   return *middle / 2;
 }
 
+Rig coarser_rig(Rig rig, int factor) {
+  rig.camera.rows /= factor;
+  rig.camera.columns /= factor;
+  rig.camera.pixel_pitch_mm *= factor;
+  rig.projector.lines /= factor;
+  rig.projector.columns /= factor;
+  rig.projector.line_pitch_mm *= factor;
+  rig.projector.column_pitch_mm *= factor;
+  return rig;
+}
+
 DisturbedCuboids::DisturbedCuboids(const Rig& rig)
     : rig_(rig),
       part_(make_scene("cuboids-marked", rig)),
@@ -232,33 +256,49 @@ DisturbedCuboids::DisturbedCuboids(const Rig& rig)
   }
 }
 
-std::vector<WayOfMeasuring> DisturbedCuboids::measure(const World& world) const {
+std::vector<WayOfMeasuring> DisturbedCuboids::measure(const World& world, const CuboidSettings& settings,
+                                                      std::int64_t noise_seed) const {
   constexpr int kBits = 8;
   constexpr int kBelow = 8;  // e of (4.20), as in B4
+  Rig rig = rig_;
+  rig.imaging.seed = noise_seed;
+  rig.measure.code_threshold =
+      settings.threshold > 0 ? static_cast<int>(settings.threshold) : rig.measure.code_threshold;
   RenderOptions options;
   options.world = world;
+  if (settings.exposure != 1) {
+    options.world.saturation = world.saturation.value_or(Saturation{});
+    options.world.saturation->exposure *= settings.exposure;
+  }
+  DepthLimits limits;
+  if (settings.highest > 0) {
+    constexpr double kBelowPlane = 15;  // mm
+    limits = {rig.plane_z_mm - settings.highest, rig.plane_z_mm + kBelowPlane};
+  }
   const auto errors_of = [&](const FloatImage& depth) {
+    const std::vector<float> kept = with_neighbours(depth, static_cast<int>(settings.neighbours));
     ErrorSpread errors;
     for (std::size_t i = 0; i < truth_.values.size(); ++i) {
       if (!std::isnan(truth_.values[i])) {
-        errors.add(static_cast<double>(depth.values[i]) - static_cast<double>(truth_.values[i]));
+        errors.add(static_cast<double>(kept[i]) - static_cast<double>(truth_.values[i]));
       }
     }
     return errors;
   };
   const auto unseen = [](int /*i*/, const ImageView& /*image*/) {};
   const SelfReference reference =
-      make_self_reference(rig_, scan_points(rig_, *good_, options, ScanMethod::gray_codes, [] {}), Stripes{});
-  const MatchTable table(rig_, reference, MatchSettings{.e = kBelow});
-  const PatternRenderer renderer(rig_, *part_, options);
-  SelfScanner self(rig_, reference, table, rig_.measure.code_threshold);
+      make_self_reference(rig, scan_points(rig, *good_, options, ScanMethod::gray_codes, [] {}),
+                          Stripes{.width = static_cast<int>(settings.width)});
+  const MatchTable table(rig, reference, MatchSettings{.e = kBelow});
+  const PatternRenderer renderer(rig, *part_, options);
+  SelfScanner self(rig, reference, table, rig.measure.code_threshold, limits);
   scan_cycle(
       renderer, 0, reference.stripes.bits, [&](int i) { return self_projected_pattern(reference, i); }, unseen, self);
-  const int coded = std::min(kCodedLines, rig_.projector.lines);
-  const PlaneTriangulation triangulation(rig_, kBits, {}, coded);
-  Scanner scanner(triangulation, {.threshold = rig_.measure.code_threshold});
+  const int coded = std::min(kCodedLines, rig.projector.lines);
+  const PlaneTriangulation triangulation(rig, kBits, limits, coded);
+  Scanner scanner(triangulation, {.threshold = rig.measure.code_threshold});
   scan_cycle(
-      renderer, 0, kBits, [&](int i) { return gray_pattern(rig_, kBits, coded, i); }, unseen, scanner);
+      renderer, 0, kBits, [&](int i) { return gray_pattern(rig, kBits, coded, i); }, unseen, scanner);
   return {{"self-projected, 4 bits", errors_of(self.depth())}, {"conventional, 8 bits", errors_of(scanner.depth())}};
 }
 

@@ -47,12 +47,26 @@ class DisturbedStairs {
   FloatImage truth_;  // height, mm; rows are frames_; NaN where nothing is compared
 };
 
+// The scanner's rig with so many times fewer pixels along each side of camera and projector.
+Rig coarser_rig(Rig rig, int factor);
+
+// How the cuboids are measured.
+struct CuboidSettings {
+  double threshold = 0;   // of the binarization, grey values; 0: the rig's
+  double width = 2;       // of the narrowest self-projected stripe, camera rows
+  double highest = 0;     // mm over the plane; what is higher, or deeper than 15 mm below it, is no point; 0: any is
+  double neighbours = 0;  // 0..8 neighbours that a point must have within 10 mm of z
+  double exposure = 1;    // factor of all light, with which a pixel's well fills at white
+};
+
 // B4: the marked cuboids by 4 self-projected bits, whose reference is scanned by Gray codes in the same world, and by 8
 // conventional bits. The interiors of all faces count, the plane as well.
 class DisturbedCuboids {
  public:
   explicit DisturbedCuboids(const Rig& rig);
-  [[nodiscard]] std::vector<WayOfMeasuring> measure(const World& world) const;
+  // `noise_seed` is that of the images' noise.
+  [[nodiscard]] std::vector<WayOfMeasuring> measure(const World& world, const CuboidSettings& settings = {},
+                                                    std::int64_t noise_seed = 1) const;
 
  private:
   Rig rig_;

@@ -18,7 +18,9 @@
 #include "host/report/inspection_output.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"
+#include "sim/experiment/cuboid_remedies.h"
 #include "sim/experiment/cuboids.h"
+#include "sim/experiment/disturbed_measurements.h"
 #include "sim/experiment/gray_motion.h"
 #include "sim/experiment/moving_things.h"
 #include "sim/experiment/part_detection.h"
@@ -119,12 +121,14 @@ std::vector<std::string> run_structured_light(const ExperimentOptions& options, 
   StructuredLightResult result;
   {
     ShownProgress progress("image");
-    result = is_gray_motion(options)
-                 ? run_gray_motion(options.name, {.rig = rig, .render = options.render(), .paths = options.paths},
-                                   std::ref(progress))
-             : options.name == "B4"
-                 ? run_cuboids(structured_light_options<CuboidsOptions>(options, rig), std::ref(progress))
-                 : run_moving(options.name, structured_light_options<MovingOptions>(options, rig), std::ref(progress));
+    result =
+        is_gray_motion(options)
+            ? run_gray_motion(options.name,
+                              {.rig = rig, .render = options.render(), .paths = options.paths, .pools = options.pools},
+                              std::ref(progress))
+        : options.name == "B4"
+            ? run_cuboids(structured_light_options<CuboidsOptions>(options, rig), std::ref(progress))
+            : run_moving(options.name, structured_light_options<MovingOptions>(options, rig), std::ref(progress));
   }
   for (const ReportTable& table : result.tables) {
     print(table);
@@ -217,6 +221,31 @@ std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optio
   return result.not_reached;
 }
 
+std::vector<std::string> run_remedies(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
+  if (options.world.any() || !options.rig.empty()) {
+    throw UserError(options.world.any() ? "--disturb" : "--rig", "does not go with remedies, which sets it itself");
+  }
+  const DisturbedCuboids cuboids(coarser_rig(load_rig("scanner"), options.coarser));
+  std::vector<TriedRemedy> tried;
+  {
+    ShownProgress progress("world");
+    tried = try_cuboid_remedies(cuboids, options.parameters, options.seeds, std::ref(progress));
+  }
+  ReportPage page;
+  page.title = "Experiment remedies";
+  page.subtitle = "What helps B4 in a world that is not ideal";
+  page.tables = {remedies_table(tried, options.seeds)};
+  print(page.tables[0]);
+  nlohmann::ordered_json figures = {{"tables", json_of(page.tables)}};
+  figures.update(nlohmann::ordered_json::parse(remedies_data(tried)));
+  write_results("remedies", "What helps B4 against the disturbances that break it", figures);
+  if (folder) {
+    folder->append("report.html", page_html(page));
+    folder->commit();
+  }
+  return {};
+}
+
 std::vector<std::string> run_parts(const ExperimentOptions& options, std::optional<OutputFolder>& folder) {
   if (!options.rig.empty()) {
     throw UserError("--rig", "does not go with parts, which sets it itself");
@@ -258,6 +287,7 @@ void run_experiment(const ExperimentOptions& options) {
     folder.emplace(options.out);
   }
   conclude(options.name, options.name == "robustness" ? run_worlds(options, folder)
+                         : options.name == "remedies" ? run_remedies(options, folder)
                          : options.name == "parts"    ? run_parts(options, folder)
                          : structured_light           ? run_structured_light(options, folder)
                                                       : run_light_section(options, folder));

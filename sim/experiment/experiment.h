@@ -15,7 +15,7 @@ namespace selfproj {
 
 // The options of an experiment.
 struct ExperimentOptions {
-  std::string name;                   // A1, A2, B1 to B4, B7, B8, robustness, parts
+  std::string name;                   // A1, A2, B1 to B4, B7, B8, robustness, remedies, parts
   std::string rig = {};               // built-in or a file; empty: that of the experiment
   std::string out = {};               // folder for the report and the files behind it; empty: none
   std::vector<std::string> off = {};  // names of kDisturbances
@@ -27,11 +27,13 @@ struct ExperimentOptions {
     return result;
   }
 
-  // For robustness:
-  WorldFile parameters = {};  // of the disturbances
+  // For robustness, and but for the next two remedies:
   int cameras = 40;
   int strengths = 5;
+  WorldFile parameters = {};  // of the disturbances
   int coarser = 1;
+
+  int seeds = 2;  // for remedies: on which each is measured
 
   // For A1, A2 and, but for the last three, parts:
   bool null_test = false;           // Route::null_test
@@ -47,6 +49,9 @@ struct ExperimentOptions {
 
   // For B1:
   int paths = 10;  // GrayMotionOptions::paths
+
+  // For B2:
+  int pools = 6;  // GrayMotionOptions::pools
 
   // For B4, B7 and B8:
   ScanMethod scan = ScanMethod::lines;

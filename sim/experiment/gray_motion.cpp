@@ -16,90 +16,17 @@
 #include <vector>
 
 #include "host/report/report.h"
-#include "host/structured_light/rig_triangulation.h"
-#include "host/structured_light/scanner.h"
-#include "host/structured_light/self_reference.h"
-#include "sim/experiment/depth_stream.h"
+#include "sim/experiment/gray_observation.h"
 #include "sim/experiment/motion_analysis.h"
-#include "sim/experiment/pool_wave.h"
-#include "sim/scene/pattern_renderer.h"
+#include "sim/experiment/pool_experiment.h"
 #include "sim/scene/scanner_scenes.h"
 #include "sim/scene/scene_list.h"
 
 namespace selfproj {
 namespace {
 
-constexpr int kBits = 8;
-constexpr int kCycle = 2 * kBits;
-constexpr double kBelowPlane = 15;  // mm; a depth further below the plane comes from a wrong code
-constexpr double kWrongMm = 15;     // a depth that is more than this off is wrong
+constexpr double kWrongMm = 15;  // a depth that is more than this off is wrong
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-// Gray codes over all of the projector's lines.
-class WholeStream final : public GrayStream {
- public:
-  explicit WholeStream(const Rig& rig)
-      : GrayStream(rig, triangulation_of_rig(rig, kBits, {0, rig.plane_z_mm + kBelowPlane}), kBits,
-                   rig.projector.lines) {}
-};
-
-// A depth image and its truth, in the middle of its cycle.
-struct Seen {
-  double t;  // s
-  const Triangulation& triangulation;
-  const FloatImage& depth;
-  const FloatImage& background;
-  const FloatImage& truth;
-  const FloatImage& true_background;  // NaN where the background has no depth
-};
-
-// What is observed: a scene over its background.
-struct Shot {
-  const Scene& scene;
-  const Scene& background;
-  int first = 0;   // frame
-  int frames = 0;  // even
-  std::int64_t noise_seed = 1;
-};
-
-void observe(const GrayMotionOptions& options, const Shot& shot, const std::function<void()>& done,
-             const std::function<void(const Seen&)>& see) {
-  Rig rig = options.rig;
-  rig.imaging.seed = shot.noise_seed;
-  Rig still_rig = rig;
-  ++still_rig.imaging.seed;
-  WholeStream stream(rig);
-  FloatImage background;
-  FloatImage true_background(rig.camera.rows, rig.camera.columns);
-  const auto least = static_cast<float>(rig.measure.code_threshold);
-  {
-    const PatternRenderer still(still_rig, shot.background, options.render);
-    WholeStream before(still_rig);
-    play(
-        still, before, 0, kCycle, [](int /*frame*/) {}, done);
-    background = before.depth();
-    still.lit_depth(0, true_background.values, least);
-  }
-  stream.set_reference(background);
-  for (std::size_t i = 0; i < background.values.size(); ++i) {
-    if (std::isnan(background.values[i])) {
-      true_background.values[i] = background.values[i];
-    }
-  }
-  const PatternRenderer renderer(rig, shot.scene, options.render);
-  FloatImage truth(rig.camera.rows, rig.camera.columns);
-  play(
-      renderer, stream, shot.first, shot.frames,
-      [&](int frame) {
-        const int middle = frame - kBits;
-        renderer.lit_depth(middle, truth.values, least);
-        see({middle / rig.camera.frame_rate_hz, stream.triangulation(), stream.depth(), background, truth,
-             true_background});
-      },
-      done);
-}
-
-std::size_t images_of(int shots, int frames) { return static_cast<std::size_t>(shots) * (kCycle + frames); }
 
 // ------------------------------------------------------------------ B1
 
@@ -241,47 +168,6 @@ StructuredLightResult run_fist(const GrayMotionOptions& options, const ProgressO
   return result;
 }
 
-// ------------------------------------------------------------------ B2
-
-StructuredLightResult run_waves(const GrayMotionOptions& options, const ProgressOfImages& progress) {
-  const int frames = options.frames > 0 ? options.frames : 116;
-  const double rate = options.rig.camera.frame_rate_hz;
-  const auto pool = make_scene("pool", options.rig);
-  const auto waves = make_scene("waves", options.rig);
-  std::size_t done = 0;
-  std::vector<double> t;
-  std::array<std::vector<double>, 2> crest;  // measured, true
-  const int first = static_cast<int>(std::lround((PoolWave::kImpact + kWaveFrom) * rate)) - kCycle;
-  observe(
-      options, {*waves, *pool, first, frames, options.rig.imaging.seed},
-      [&] { progress(++done, images_of(1, frames)); },
-      [&](const Seen& seen) {
-        t.push_back(seen.t);
-        const RingMeans rings = pool_rings(seen.triangulation);
-        const auto add = [&](std::size_t i, const FloatImage& depth, const FloatImage& background) {
-          crest.at(i).push_back(is_open_wave(seen.t - PoolWave::kImpact)
-                                    ? foremost_crest(rings, rings.means(depth, background, kMostWave), kLeastWave)
-                                    : kNone);
-        };
-        add(0, seen.depth, seen.background);
-        add(1, seen.truth, seen.true_background);
-      });
-  constexpr double kCmPerMm = 0.1;
-  const auto speed = [&](std::size_t i) { return figure_text(crest_speed(t, crest.at(i)) * kCmPerMm, 1); };
-  StructuredLightResult result;
-  result.tables = {{"B2: speed of the wave, cm/s",
-                    {"", "published", "measured", "in the true depths"},
-                    {{"foremost crest", "54", speed(0), speed(1)}},
-                    fmt::format("Published: √(g h) = {:.1f} cm/s, which the thesis states and does not measure. Water "
-                                "3 cm deep disperses: only waves much longer than that run so fast.",
-                                PoolWave::kSpeed * kCmPerMm)}};
-  result.page.plots.push_back({"Foremost crest of the wave",
-                               "time, s",
-                               "distance from the impact, mm",
-                               {{t, crest[0], "a", "measured"}, {t, crest[1], "b", "in the true depths"}}});
-  return result;
-}
-
 // ------------------------------------------------------------------ B3
 
 StructuredLightResult run_keys(const GrayMotionOptions& options, const ProgressOfImages& progress) {
@@ -346,7 +232,7 @@ StructuredLightResult run_keys(const GrayMotionOptions& options, const ProgressO
 
 StructuredLightResult run_gray_motion(const std::string& name, const GrayMotionOptions& options,
                                       const ProgressOfImages& progress) {
-  if (options.frames != 0 && (options.frames < kCycle || options.frames % 2 != 0)) {
+  if (options.frames != 0 && (options.frames < kGrayCycle || options.frames % 2 != 0)) {
     throw std::invalid_argument("gray motion: a cycle of the patterns takes 16 frames");
   }
   StructuredLightResult result = name == "B1"   ? run_fist(options, progress)
@@ -357,7 +243,7 @@ StructuredLightResult run_gray_motion(const std::string& name, const GrayMotionO
                          : name == "B2" ? "Waves on water 3 cm deep"
                                         : "Two fingers on keys";
   result.page.tables = result.tables;
-  result.page.settings = {{"bits", "bits of the Gray codes", std::int64_t{kBits}},
+  result.page.settings = {{"bits", "bits of the Gray codes", std::int64_t{kGrayBits}},
                           {"seed", "seed", options.rig.imaging.seed}};
   return result;
 }

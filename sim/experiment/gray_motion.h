@@ -5,10 +5,9 @@
 
 #include <string>
 
-#include "host/rig/rig.h"
 #include "host/structured_light/moved.h"
+#include "sim/experiment/gray_observation.h"
 #include "sim/experiment/structured_light.h"
-#include "sim/scene/renderer.h"
 
 namespace selfproj {
 
@@ -16,16 +15,10 @@ namespace selfproj {
 inline constexpr double kMovedMm = 10;
 inline constexpr SteadySettings kSteady{10, 6};
 
-struct GrayMotionOptions {
-  Rig rig;
-  RenderOptions render;
-  int paths = 10;  // B1: drawn paths of the fist, each with noise of its own, beside that on which the filter is tuned
-  int frames = 0;  // even; of each path or set of taps, and of B2; 0: a turn, five taps, the wave before the walls
-};
-
 // `name` is "B1", "B2" or "B3".
 // B1: every filter of a grid is measured on the path of the thesis, and the best of them on the drawn paths.
-// B2: the speed of the foremost crest, measured and in the true depths.
+// B2: the speed of long waves, which follows from the frequencies of all standing waves in the pool, that of the
+// foremost crest, and those of all lengths; the first also in other pools.
 // B3: the taps of the thesis, and a second set with other frequencies, strokes and phases.
 // Throws std::invalid_argument if `frames` is less than one cycle of the patterns.
 StructuredLightResult run_gray_motion(const std::string& name, const GrayMotionOptions& options,

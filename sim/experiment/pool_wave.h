@@ -7,6 +7,7 @@
 
 #include "host/structured_light/triangulation.h"
 #include "sim/experiment/motion_analysis.h"
+#include "sim/experiment/wave_dispersion.h"
 #include "sim/scene/scanner_scenes.h"
 
 namespace selfproj {
@@ -28,16 +29,19 @@ inline double crest_speed(const std::vector<double>& t, const std::vector<double
   return slope_between_jumps(t, distance, kShort, kLong);
 }
 
+// The water, between the walls of the pool.
+inline constexpr Basin pool_basin() {
+  return {PoolWave::kCentreX - PoolWave::kWidth / 2, PoolWave::kCentreX + PoolWave::kWidth / 2, -PoolWave::kLength / 2,
+          PoolWave::kLength / 2};
+}
+
 // Rings around the place of the impact, within the pool.
-inline RingMeans pool_rings(const Triangulation& triangulation) {
+inline RingMeans pool_rings(const Triangulation& triangulation, double x = PoolWave::kImpactX,
+                            double y = PoolWave::kImpactY) {
   constexpr double kStep = 3;  // mm
   constexpr std::size_t kRings = 40;
-  constexpr double kX = PoolWave::kWidth / 2;
-  constexpr double kY = PoolWave::kLength / 2;
-  return {triangulation,
-          {PoolWave::kImpactX, PoolWave::kImpactY, PoolWave::kCentreX - kX, PoolWave::kCentreX + kX, -kY, kY},
-          kStep,
-          kRings};
+  constexpr Basin kPool = pool_basin();
+  return {triangulation, {x, y, kPool.x0, kPool.x1, kPool.y0, kPool.y1}, kStep, kRings};
 }
 
 }  // namespace selfproj

@@ -98,7 +98,7 @@ class Robustness {
       : options_(options),
         progress_(progress),
         stairs_(load_rig("light-section"), options.every, options.reference_frames),
-        cuboids_(coarser(load_rig("scanner"), options.coarser)) {
+        cuboids_(coarser_rig(load_rig("scanner"), options.coarser)) {
     all_ = 2 * (1 + kCurves.size() * options.strengths + options.world.presets.size()) +
            options.world.presets.size() * (1 + kCurves.size() + 2 * static_cast<std::size_t>(options.cameras)) +
            2 * kRemedies.size();
@@ -121,17 +121,6 @@ class Robustness {
 
  private:
   using Measure = std::function<std::vector<WayOfMeasuring>(const World&)>;
-
-  static Rig coarser(Rig rig, int factor) {
-    rig.camera.rows /= factor;
-    rig.camera.columns /= factor;
-    rig.camera.pixel_pitch_mm *= factor;
-    rig.projector.lines /= factor;
-    rig.projector.columns /= factor;
-    rig.projector.line_pitch_mm *= factor;
-    rig.projector.column_pitch_mm *= factor;
-    return rig;
-  }
 
   std::vector<WayOfMeasuring> counted(const Measure& measure, const World& world) {
     std::vector<WayOfMeasuring> ways = measure(world);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
@@ -138,6 +139,68 @@ HeightRange ChessboardScene::range(const Box& box, double t0, double /*t1*/) con
   const double half = 0.5 * ((std::abs(dx_) + steepest_bend_) * (box.x1 - box.x0) +
                              (std::abs(dy_) + steepest_bend_) * (box.y1 - box.y0));
   return {middle - half, middle + half};
+}
+
+ChessboardScene::Part ChessboardScene::part_in(const Box& box) const {
+  double slack = 0;  // what the bend moves a place on the board, seen along z, at most
+  for (const double part : flaws_.bend_mm) {
+    slack += std::abs(part) / std::abs(normal_.z);
+  }
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Part part{kFar, -kFar, kFar, -kFar};
+  for (const double x : {box.x0, box.x1}) {
+    for (const double y : {box.y0, box.y1}) {
+      const double z = place_.middle.z + dx_ * (x - place_.middle.x) + dy_ * (y - place_.middle.y);
+      const Point3 from = Point3{x, y, z} - place_.middle;
+      const double right = dot(from, place_.right);
+      const double below = dot(from, place_.below);
+      part = {std::min(part.right_0, right - slack), std::max(part.right_1, right + slack),
+              std::min(part.below_0, below - slack), std::max(part.below_1, below + slack)};
+    }
+  }
+  return part;
+}
+
+// The bend ends with a kink at the middles of the outermost squares.
+Smoothness ChessboardScene::smoothness(const Box& box) const {
+  Smoothness bounds;
+  bounds.slope = std::hypot(dx_, dy_) + steepest_bend_;
+  const Part part = part_in(box);
+  const double half_right = shape_.square_mm * shape_.across / 2;
+  const double half_below = shape_.square_mm * shape_.down / 2;
+  const auto has_kink = [](double low, double high, double half) {
+    return (low <= half && high >= half) || (low <= -half && high >= -half);
+  };
+  if (bent_ && (has_kink(part.right_0, part.right_1, half_right) || has_kink(part.below_0, part.below_1, half_below))) {
+    return bounds;
+  }
+  const double least = std::min(half_right, half_below);
+  double curvature = 0;  // over the board's plane
+  for (const double b : flaws_.bend_mm) {
+    curvature += 2 * std::abs(b) / (least * least);
+  }
+  constexpr double kRoom = 2;  // for how z turns with the slope
+  bounds.curvature = kRoom * curvature / std::abs(normal_.z * normal_.z * normal_.z);
+  bounds.change = kRoom * bounds.curvature * bounds.curvature;
+  return bounds;
+}
+
+// Beside the board, or within one of its squares.
+bool ChessboardScene::is_plain(const Box& box) const {
+  const Part part = part_in(box);
+  const double across = shape_.square_mm * flaws_.across_scale;
+  const double down = shape_.square_mm * flaws_.down_scale;
+  const std::array<double, 2> a{part.right_0 / across + (shape_.across - 1) / 2.0,
+                                part.right_1 / across + (shape_.across - 1) / 2.0};
+  const std::array<double, 2> d{part.below_0 / down + (shape_.down - 1) / 2.0,
+                                part.below_1 / down + (shape_.down - 1) / 2.0};
+  const auto beside = [&](const std::array<double, 2>& at, int corners) {
+    return at[1] <= -1 - edge_ || at[0] >= corners + edge_;
+  };
+  const auto between_edges = [&](const std::array<double, 2>& at) {
+    return std::floor(at[0] - edge_) == std::floor(at[1] + edge_);
+  };
+  return beside(a, shape_.across) || beside(d, shape_.down) || (between_edges(a) && between_edges(d));
 }
 
 double ChessboardScene::albedo(double x, double y, double t) const {

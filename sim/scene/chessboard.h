@@ -53,6 +53,8 @@ class ChessboardScene : public Scene {
   [[nodiscard]] HeightRange range(const Box& box, double t0, double t1) const override;
   [[nodiscard]] double albedo(double x, double y, double t) const override;
   [[nodiscard]] bool even_albedo() const override { return false; }
+  [[nodiscard]] Smoothness smoothness(const Box& box) const override;
+  [[nodiscard]] bool is_plain(const Box& box) const override;
   [[nodiscard]] double speed() const override { return 0; }
 
   static constexpr double kBlack = 0.06;  // albedo of a black square
@@ -60,6 +62,12 @@ class ChessboardScene : public Scene {
  private:
   // The distance of the board's surface from its plane at a place on it, mm from its middle.
   [[nodiscard]] double bend(double right, double below) const;
+
+  // Bounds of the places on the board of what lies in the rectangle, mm from its middle.
+  struct Part {
+    double right_0, right_1, below_0, below_1;
+  };
+  [[nodiscard]] Part part_in(const Box& box) const;
 
   ChessboardShape shape_;
   ChessboardPlace place_;

@@ -12,6 +12,17 @@ namespace {
 constexpr double kSlopeStep = 5e-3;  // mm to either side, for the slope of the surface
 constexpr double kEverywhere = 1e6;  // mm
 
+// Bounds of x and y of the sights through a rectangle of the image.
+Box tangents_between(const Pinhole& camera, PixelPoint first, PixelPoint last) {
+  const std::array<Point3, 4> corners = camera.corner_sights(first, last);
+  const auto by_x = [](Point3 a, Point3 b) { return a.x < b.x; };
+  const auto by_y = [](Point3 a, Point3 b) { return a.y < b.y; };
+  return {std::min_element(corners.begin(), corners.end(), by_x)->x,
+          std::max_element(corners.begin(), corners.end(), by_x)->x,
+          std::min_element(corners.begin(), corners.end(), by_y)->y,
+          std::max_element(corners.begin(), corners.end(), by_y)->y};
+}
+
 }  // namespace
 
 LitSurface::LitSurface(const RealRig& real, const Scene& scene, bool falloff, const World& world)
@@ -19,7 +30,9 @@ LitSurface::LitSurface(const RealRig& real, const Scene& scene, bool falloff, co
       plane_z_(real.rig.plane_z_mm),
       falloff_(falloff),
       camera_(real.camera),
+      sights_(SightTable::of(real.camera, real.rig.camera)),
       projector_(real.projector.centre()),
+      steepest_(scene.smoothness({-kEverywhere, kEverywhere, -kEverywhere, kEverywhere}).slope),
       gloss_(world.gloss) {
   if (world.texture) {
     texture_.emplace(*world.texture, world.seed);
@@ -30,27 +43,28 @@ HeightRange LitSurface::all_heights(double t0, double t1) const {
   return scene_.range({-kEverywhere, kEverywhere, -kEverywhere, kEverywhere}, t0, t1);
 }
 
+Box LitSurface::between(const Box& tangents, HeightRange heights) const {
+  const Point3 centre = camera_.centre();
+  const double near = plane_z_ - heights.high - centre.z;
+  const double far = plane_z_ - heights.low - centre.z;
+  return {
+      centre.x + tangents.x0 * (tangents.x0 < 0 ? far : near), centre.x + tangents.x1 * (tangents.x1 > 0 ? far : near),
+      centre.y + tangents.y0 * (tangents.y0 < 0 ? far : near), centre.y + tangents.y1 * (tangents.y1 > 0 ? far : near)};
+}
+
+Box LitSurface::footprint(PixelPoint first, PixelPoint last, HeightRange heights) const {
+  return between(tangents_between(camera_, first, last), heights);
+}
+
 // The footprint between two heights gives bounds of the surface in it. These give a smaller footprint, and so on.
 HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_pixel, double t0, double t1,
                                         HeightRange all) const {
-  const std::array<Point3, 4> corners = camera_.corner_sights(first_pixel, last_pixel);
-  const auto by_x = [](Point3 a, Point3 b) { return a.x < b.x; };
-  const auto by_y = [](Point3 a, Point3 b) { return a.y < b.y; };
-  const double x0 = std::min_element(corners.begin(), corners.end(), by_x)->x;
-  const double x1 = std::max_element(corners.begin(), corners.end(), by_x)->x;
-  const double y0 = std::min_element(corners.begin(), corners.end(), by_y)->y;
-  const double y1 = std::max_element(corners.begin(), corners.end(), by_y)->y;
-  const Point3 centre = camera_.centre();
+  const Box tangents = tangents_between(camera_, first_pixel, last_pixel);
   HeightRange heights = all;
   constexpr int kTries = 8;
   constexpr double kWorthwhile = 0.9;
   for (int i = 0; i < kTries; ++i) {
-    const double near = plane_z_ - heights.high - centre.z;
-    const double far = plane_z_ - heights.low - centre.z;
-    const HeightRange found =
-        scene_.range({centre.x + x0 * (x0 < 0 ? far : near), centre.x + x1 * (x1 > 0 ? far : near),
-                      centre.y + y0 * (y0 < 0 ? far : near), centre.y + y1 * (y1 > 0 ? far : near)},
-                     t0, t1);
+    const HeightRange found = scene_.range(between(tangents, heights), t0, t1);
     const double before = heights.high - heights.low;
     heights = {std::max(heights.low, found.low), std::min(heights.high, found.high)};
     if (heights.high - heights.low > kWorthwhile * before) {
@@ -61,7 +75,7 @@ HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_
 }
 
 LitSurface::Hit LitSurface::hit(PixelPoint pixel, double t, HeightRange heights) const {
-  const Point3 sight = camera_.sight(pixel);
+  const Point3 sight = sights_ ? sights_->sight(pixel) : camera_.sight(pixel);
   const Point3 centre = camera_.centre();
   const double z = plane_z_ - centre.z;
   const bool level = heights.high - heights.low <= kHeightTolerance;
@@ -105,7 +119,16 @@ bool LitSurface::in_shadow(Point3 point, Point3 normal, double t, double highest
   }
   const double dx = (projector_.x - start.x) / (top - low);
   const double dy = (projector_.y - start.y) / (top - low);
+  if (is_above_all(start)) {
+    return false;
+  }
   return is_blocked(scene_, {start.x - dx * low, dx, start.y - dy * low, dy}, t, low, high);
+}
+
+bool LitSurface::is_above_all(Point3 point) const {
+  constexpr double kSurely = 0.9;
+  const double up = point.z - projector_.z;
+  return up > 0 && steepest_ * std::hypot(projector_.x - point.x, projector_.y - point.y) < kSurely * up;
 }
 
 // The texture is carried along with the part.

@@ -3,11 +3,13 @@
 #ifndef SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 #define SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 
+#include <memory>
 #include <optional>
 
 #include "sim/scene/pinhole.h"
 #include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/sight_table.h"
 #include "sim/scene/world.h"
 
 namespace selfproj {
@@ -31,6 +33,17 @@ class LitSurface {
   // heights.
   [[nodiscard]] HeightRange heights_between(PixelPoint first, PixelPoint last, double t0, double t1,
                                             HeightRange all) const;
+
+  // Bounds of the places at which those rays meet heights in this range.
+  [[nodiscard]] Box footprint(PixelPoint first, PixelPoint last, HeightRange heights) const;
+
+  // How smooth the surface is there; nothing is known of it unless it scatters evenly and has one albedo.
+  [[nodiscard]] Smoothness smoothness(const Box& box) const {
+    return gloss_ || texture_ || !scene_.is_plain(box) ? Smoothness{} : scene_.smoothness(box);
+  }
+
+  // Whether the way from a point at this height to the projector is so steep that no part of the surface can cross it.
+  [[nodiscard]] bool is_above_all(Point3 point) const;
 
   // The first point that the ray of a pixel meets at the time t, if the surface is known to lie between these heights.
   [[nodiscard]] Hit hit(PixelPoint pixel, double t, HeightRange heights) const;
@@ -61,11 +74,16 @@ class LitSurface {
   [[nodiscard]] double lit_share(const Hit& hit, double t, double highest) const;
 
  private:
+  // Where sights of these tangents meet heights in this range.
+  [[nodiscard]] Box between(const Box& tangents, HeightRange heights) const;
+
   const Scene& scene_;
   double plane_z_;
   bool falloff_;
   Pinhole camera_;
-  Point3 projector_;  // centre of the projector
+  std::shared_ptr<const SightTable> sights_;  // null: the camera itself is as fast
+  Point3 projector_;                          // centre of the projector
+  double steepest_;                           // slope of the surface
   std::optional<Gloss> gloss_;
   std::optional<TextureField> texture_;
 };

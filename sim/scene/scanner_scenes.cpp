@@ -72,11 +72,15 @@ class Fist final : public Desk {
 // images.
 class Water final : public Body {
  public:
-  Water(double z, const RingWave& wave, double t)
+  // At rest.
+  explicit Water(double z) : z_(z) {}
+
+  // With the wave at `t` after the impact at (x, y).
+  Water(double z, const RingWave& wave, double t, double impact_x, double impact_y)
       : z_(z), most_(t < 0 ? 0 : 2 * wave.most()), profile_(wave.profile(t)) {
     const double reach = profile_.reach();
-    for (const double x : images(PoolWave::kImpactX, kX0, kX1)) {
-      for (const double y : images(PoolWave::kImpactY, kY0, kY1)) {
+    for (const double x : images(impact_x, kX0, kX1)) {
+      for (const double y : images(impact_y, kY0, kY1)) {
         const double dx = std::max({kX0 - x, 0.0, x - kX1});
         const double dy = std::max({kY0 - y, 0.0, y - kY1});
         if (std::hypot(dx, dy) < reach) {
@@ -139,12 +143,13 @@ class Water final : public Body {
   static constexpr double kX1 = PoolWave::kCentreX + PoolWave::kWidth / 2;
   static constexpr double kY0 = -PoolWave::kLength / 2;
   static constexpr double kY1 = PoolWave::kLength / 2;
-  static std::array<double, 3> images(double place, double low, double high) {
-    return {place, 2 * low - place, 2 * high - place};
+  static std::array<double, 5> images(double place, double low, double high) {
+    const double way = 2 * (high - low);
+    return {place, 2 * low - place, 2 * high - place, place - way, place + way};
   }
 
   double z_;
-  double most_;
+  double most_ = 0;
   RingWave::Profile profile_;
   std::vector<Source> sources_;
 };
@@ -152,60 +157,57 @@ class Water final : public Body {
 // The pool and its wall, which is as high as the water.
 class Pool : public Table {
  public:
-  explicit Pool(const Rig& rig, int frames) : Table(frames), plane_z_(rig.plane_z_mm) {
+  Pool(const Rig& rig, int frames, double depth) : Table(frames), level_(rig.plane_z_mm - depth) {
     constexpr double kWall = 6;
     constexpr double kX = PoolWave::kWidth / 2;
     constexpr double kY = PoolWave::kLength / 2;
     constexpr double kMiddle = PoolWave::kCentreX;
-    add<TableSlab>(Box{kMiddle - kX - kWall, kMiddle - kX, -kY - kWall, kY + kWall}, PoolWave::kDepth);
-    add<TableSlab>(Box{kMiddle + kX, kMiddle + kX + kWall, -kY - kWall, kY + kWall}, PoolWave::kDepth);
-    add<TableSlab>(Box{kMiddle - kX, kMiddle + kX, -kY - kWall, -kY}, PoolWave::kDepth);
-    add<TableSlab>(Box{kMiddle - kX, kMiddle + kX, kY, kY + kWall}, PoolWave::kDepth);
+    add<TableSlab>(Box{kMiddle - kX - kWall, kMiddle - kX, -kY - kWall, kY + kWall}, depth);
+    add<TableSlab>(Box{kMiddle + kX, kMiddle + kX + kWall, -kY - kWall, kY + kWall}, depth);
+    add<TableSlab>(Box{kMiddle - kX, kMiddle + kX, -kY - kWall, -kY}, depth);
+    add<TableSlab>(Box{kMiddle - kX, kMiddle + kX, kY, kY + kWall}, depth);
   }
   [[nodiscard]] Bodies bodies(double /*t*/) const override {
     Bodies bodies;
-    bodies.push_back(water(-1));
+    bodies.push_back(std::make_unique<Water>(level_));
     return bodies;
   }
 
  protected:
-  // The water at `t` after the impact.
-  [[nodiscard]] std::unique_ptr<Body> water(double t) const {
-    constexpr double kCrater = 14;
-    constexpr double kSize = 14;
-    constexpr double kLongest = 0.45;
-    static const RingWave wave(PoolWave::kDepth, kCrater, kSize, kLongest);
-    return std::make_unique<Water>(plane_z_ - PoolWave::kDepth, wave, t);
-  }
-  [[nodiscard]] double plane_z() const { return plane_z_; }
+  [[nodiscard]] double level() const { return level_; }  // z of the water at rest
 
  private:
-  double plane_z_;
+  double level_;
 };
 
 class Waves final : public Pool {
  public:
-  explicit Waves(const Rig& rig)
-      : Pool(rig, static_cast<int>(std::lround((PoolWave::kImpact + kAfter) * rig.camera.frame_rate_hz))) {}
+  Waves(const Rig& rig, const PoolDrop& drop)
+      : Pool(rig, static_cast<int>(std::lround((PoolWave::kImpact + drop.after) * rig.camera.frame_rate_hz)),
+             drop.depth),
+        drop_(drop),
+        wave_(drop.depth, drop.crater, drop.size, drop.after + 0.05) {}
 
   // The body falls from rest, and disappears in the white water.
   [[nodiscard]] Bodies bodies(double t) const override {
     constexpr double kAcceleration = 9800;  // mm/s²
     const double left = PoolWave::kImpact - t;
     const double fall = std::min(kFall, left > 0 ? kAcceleration / 2 * left * left : kSink * left);
-    const double bottom = plane_z() - PoolWave::kDepth - fall;  // z of its lower side
+    const double bottom = level() - fall;  // z of its lower side
     Bodies bodies;
-    bodies.push_back(water(-left));
-    bodies.push_back(std::make_unique<Block>(Cuboid{{PoolWave::kImpactX - 13.5, PoolWave::kImpactY - 11.5, bottom - 11},
-                                                    {PoolWave::kImpactX + 13.5, PoolWave::kImpactY + 11.5, bottom}}));
+    bodies.push_back(std::make_unique<Water>(level(), wave_, -left, drop_.x, drop_.y));
+    bodies.push_back(std::make_unique<Block>(
+        Cuboid{{drop_.x - 13.5, drop_.y - 11.5, bottom - 11}, {drop_.x + 13.5, drop_.y + 11.5, bottom}}));
     return bodies;
   }
   [[nodiscard]] double body_speed() const override { return 1500; }  // the greatest speed of the fall
 
  private:
-  static constexpr double kAfter = 0.4;  // s
-  static constexpr double kFall = 100;   // mm
-  static constexpr double kSink = 700;   // mm/s
+  static constexpr double kFall = 100;  // mm
+  static constexpr double kSink = 700;  // mm/s
+
+  PoolDrop drop_;
+  RingWave wave_;
 };
 
 // ------------------------------------------------------------------ B3
@@ -324,6 +326,21 @@ FistPath drawn_path(std::uint64_t seed) {
 
 std::unique_ptr<Scene> make_fist(const Rig& rig, const FistPath& path) { return std::make_unique<Fist>(rig, path); }
 
+PoolDrop drawn_drop(std::uint64_t seed) {
+  EvenNumbers random(seed);
+  PoolDrop drop;
+  drop.depth = 30 + random.within(15);
+  drop.x += random.within(30);
+  drop.y += random.within(40);
+  drop.crater += random.within(3);
+  drop.size += random.within(2);
+  return drop;
+}
+
+std::unique_ptr<Scene> make_pool(const Rig& rig, double depth) { return std::make_unique<Pool>(rig, 1, depth); }
+
+std::unique_ptr<Scene> make_waves(const Rig& rig, const PoolDrop& drop) { return std::make_unique<Waves>(rig, drop); }
+
 std::unique_ptr<Scene> make_keys(const Rig& rig, const Taps& taps) { return std::make_unique<Keys>(rig, taps); }
 
 const std::vector<SceneInfo>& scanner_scenes() {
@@ -340,13 +357,13 @@ const std::vector<SceneInfo>& scanner_scenes() {
       {.name = "pool",
        .description = "still water of 3 cm, 34 x 25 cm",
        .method = SceneMethod::gray_codes,
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Pool>(rig, 1); }},
+       .make = [](const Rig& rig) { return make_pool(rig, PoolWave::kDepth); }},
       {.name = "waves",
        .description = "B2: a body falls into the pool at 1.36 s, and makes a wave",
        .method = SceneMethod::gray_codes,
        .reference = "pool",
        .analysis = SceneAnalysis::wave_front,
-       .make = [](const Rig& rig) -> std::unique_ptr<Scene> { return std::make_unique<Waves>(rig); }},
+       .make = [](const Rig& rig) { return make_waves(rig, {}); }},
       {.name = "keyboard",
        .description = "keys on a pitch of 18 mm",
        .method = SceneMethod::gray_codes,

@@ -61,6 +61,23 @@ FistPath drawn_path(std::uint64_t seed);
 // The scene `fist` on a path.
 std::unique_ptr<Scene> make_fist(const Rig& rig, const FistPath& path);
 
+// Water in the pool, and what falls into it. Lengths in mm.
+struct PoolDrop {
+  double depth = PoolWave::kDepth;  // of the water
+  double x = PoolWave::kImpactX, y = PoolWave::kImpactY;
+  // The crater of RingWave: its depth, and s, which is the radius of a circle as large as the body's side of 27 x 23.
+  double crater = 14;
+  double size = 14;
+  double after = 0.4;  // s from the impact to the last frame; mirror images are right up to 0.8 s
+};
+
+// A drop drawn by a seed: water 15 to 45 mm deep, another place, another crater.
+PoolDrop drawn_drop(std::uint64_t seed);
+
+// The scenes `pool` and `waves` with other water.
+std::unique_ptr<Scene> make_pool(const Rig& rig, double depth);
+std::unique_ptr<Scene> make_waves(const Rig& rig, const PoolDrop& drop);
+
 // How the two fingers tap.
 struct Taps {
   std::array<double, 2> frequency{KeyTaps::kFrequency, KeyTaps::kFrequency};  // taps a second

@@ -3,6 +3,7 @@
 #define SELFPROJ_SIM_SCENE_SCENE_H
 
 #include <cstddef>
+#include <limits>
 
 #include "host/rig/rig.h"
 #include "sim/scene/body.h"
@@ -18,6 +19,13 @@ struct Box {
 // Bounds of the heights over a rectangle, mm.
 struct HeightRange {
   double low, high;
+};
+
+// Bounds of the first, second and third derivative of the height along any direction: 1, 1/mm, 1/mm².
+struct Smoothness {
+  double slope = std::numeric_limits<double>::infinity();
+  double curvature = std::numeric_limits<double>::infinity();
+  double change = std::numeric_limits<double>::infinity();  // of the curvature
 };
 
 // A surface z = plane_z − height(x, y, t) over the whole plane. A jump of the height is a vertical face. World frame of
@@ -45,6 +53,11 @@ class Scene {
 
   // Whether the albedo is the same everywhere at all times.
   [[nodiscard]] virtual bool even_albedo() const { return true; }
+
+  // How smooth the surface is over the rectangle, and whether its albedo is the same all over it, at all times. What is
+  // known to be smooth and plain is rendered faster.
+  [[nodiscard]] virtual Smoothness smoothness(const Box& /*box*/) const { return {}; }
+  [[nodiscard]] virtual bool is_plain(const Box& /*box*/) const { return even_albedo(); }
 
   // The greatest speed of any part of the surface, mm/s.
   [[nodiscard]] virtual double speed() const = 0;

@@ -1,6 +1,7 @@
 #include "sim/scene/still_surface.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -69,8 +70,36 @@ LightSpot StillSurface::trace(PixelPoint pixel, HeightRange heights) const {
                  surface_.reflectance(hit, 0));
 }
 
-// If the surface is level, the nodes suffice. Otherwise all sub-pixels are traced, and dropped again if the corners can
-// stand for them.
+// Whether the spots between a block's nodes are linear because the nodes are, well within the tolerances: the surface
+// bends too little over the block to show, is lit all over, has one albedo and throws no shadow on itself.
+bool StillSurface::is_smooth(int down, int across, HeightRange heights, const Block& block) const {
+  const Box box = surface_.footprint(grid_.node_pixel(2 * down, 2 * across),
+                                     grid_.node_pixel(2 * down + 2, 2 * across + 2), heights);
+  const Smoothness smooth = surface_.smoothness(box);
+  const double size = std::hypot(box.x1 - box.x0, box.y1 - box.y0);
+  const double off = smooth.curvature * size * size / 4;  // mm of z, from linear
+  if (!(off <= static_cast<double>(kDepthTolerance) / 2)) {
+    return false;
+  }
+  float light = 0;
+  for (const LightSpot& corner : block.corners) {
+    if (!(corner.light > 0)) {
+      return false;
+    }
+    light = std::max(light, corner.light);
+  }
+  const Point3 middle{(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2, static_cast<double>(block.corners[0].z)};
+  const PixelPoint here = projector_.project(middle);
+  const PixelPoint below = projector_.project(middle + Point3{0, 0, 1});
+  const double lines_a_mm = 2 * std::max(std::abs(below.row - here.row), std::abs(below.column - here.column));
+  const double tilted = size * size * (smooth.change + smooth.curvature * smooth.curvature);  // from linear
+  return off * lines_a_mm <= static_cast<double>(kPlaceTolerance) / 2 &&
+         4 * static_cast<double>(light) * tilted <= static_cast<double>(kGreyTolerance) / 2 &&
+         surface_.is_above_all(middle);
+}
+
+// If the surface is level or smooth, the nodes suffice. Otherwise all sub-pixels are traced, and dropped again if the
+// corners can stand for them.
 void StillSurface::trace_block(int down, int across, Block& block, std::vector<LightSpot>& samples) const {
   const auto node_of_block = [&](int d, int a) -> const LightSpot& {
     return nodes_[grid_.node(2 * down + d, 2 * across + a)];
@@ -79,14 +108,21 @@ void StillSurface::trace_block(int down, int across, Block& block, std::vector<L
   const HeightRange heights = surface_.heights_between(grid_.node_pixel(2 * down, 2 * across),
                                                        grid_.node_pixel(2 * down + 2, 2 * across + 2), 0, 0, heights_);
   constexpr LightSpot kLinear{kDepthTolerance, kPlaceTolerance, kPlaceTolerance, kGreyTolerance, kGreyTolerance};
+  constexpr LightSpot kHalf{kDepthTolerance / 2, kPlaceTolerance / 2, kPlaceTolerance / 2, kGreyTolerance / 2,
+                            kGreyTolerance / 2};
   bool linear = true;
+  bool surely = true;
   for (int d = 0; d <= 2; ++d) {
     for (int a = 0; a <= 2; ++a) {
-      linear = linear && alike(node_of_block(d, a),
-                               between(block.corners, static_cast<float>(d) / 2, static_cast<float>(a) / 2), kLinear);
+      const LightSpot straight = between(block.corners, static_cast<float>(d) / 2, static_cast<float>(a) / 2);
+      linear = linear && alike(node_of_block(d, a), straight, kLinear);
+      surely = surely && alike(node_of_block(d, a), straight, kHalf);
     }
   }
   if (linear && heights.high - heights.low <= kHeightTolerance && surface_.even_albedo()) {
+    return;
+  }
+  if (surely && is_smooth(down, across, heights, block)) {
     return;
   }
   const std::size_t first = samples.size();

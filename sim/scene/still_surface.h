@@ -64,6 +64,7 @@ class StillSurface {
 
  private:
   [[nodiscard]] LightSpot trace(PixelPoint pixel, HeightRange heights) const;
+  [[nodiscard]] bool is_smooth(int down, int across, HeightRange heights, const Block& block) const;
   void trace_block(int down, int across, Block& block, std::vector<LightSpot>& samples) const;
 
   RigImaging imaging_;

@@ -54,6 +54,18 @@ HeightRange FlatPlate::range(const Box& box, double t0, double /*t1*/) const {
   return {std::max(middle - reach, height_ - all), std::min(middle + reach, height_ + all)};
 }
 
+Smoothness FlatPlate::smoothness(const Box& /*box*/) const {
+  Smoothness bounds{0, 0, 0};
+  for (const Wave& w : waves_) {
+    const double k = std::hypot(w.along_x, w.along_y);
+    const double amplitude = std::abs(w.amplitude);
+    bounds.slope += amplitude * k;
+    bounds.curvature += amplitude * k * k;
+    bounds.change += amplitude * k * k * k;
+  }
+  return bounds;
+}
+
 StepBlock::StepBlock(std::vector<double> heights_mm, double tread_mm, double shift_mm, const TargetTolerance& tolerance,
                      std::uint64_t seed)
     : heights_(std::move(heights_mm)),

@@ -26,6 +26,7 @@ class FlatPlate : public Scene {
   [[nodiscard]] int frames() const override { return 1; }
   [[nodiscard]] double height(double x, double y, double t) const override;
   [[nodiscard]] HeightRange range(const Box& box, double t0, double t1) const override;
+  [[nodiscard]] Smoothness smoothness(const Box& box) const override;
   [[nodiscard]] double speed() const override { return 0; }
 
  private:

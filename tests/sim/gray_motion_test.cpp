@@ -31,22 +31,33 @@ ReportTable table_of(const std::string& name, const GrayMotionOptions& options, 
 
 // The filter makes the centroid better on a path on which it was not chosen.
 TEST(GrayMotion, FistOnAnotherPath) {
-  const ReportTable others = table_of("B1", {.rig = small_rig(), .render = {}, .paths = 1, .frames = 120}, 1);
+  const ReportTable others =
+      table_of("B1", {.rig = small_rig(), .render = {}, .paths = 1, .pools = 0, .frames = 120}, 1);
   ASSERT_EQ(others.rows.size(), 2U);
   EXPECT_LT(std::stod(others.rows[1][3]), std::stod(others.rows[1][8]));
   EXPECT_LT(std::stod(others.rows[1][3]), 40);
 }
 
-TEST(GrayMotion, WaveIsFollowed) {
-  const ReportTable table = table_of("B2", {.rig = small_rig(), .render = {}, .paths = 0, .frames = 0}, 0);
-  ASSERT_EQ(table.rows.size(), 1U);
-  EXPECT_GT(std::stod(table.rows[0][3]), 23) << "nothing on water is slower";
-  EXPECT_LT(std::stod(table.rows[0][3]), 45) << "crests this short are slower than long waves";
-  EXPECT_NE(table.rows[0][2], "–");
+// A scanner this coarse does not measure long waves of 0.02 mm, but the water that it sees has them: in the true depths
+// their speed comes out within the experiment's bound.
+TEST(GrayMotion, WavesAreThoseOfThreeCentimetres) {
+  std::size_t last = 0;
+  const StructuredLightResult result =
+      run_gray_motion("B2", {.rig = small_rig(), .render = {}, .paths = 0, .pools = 0, .frames = 316},
+                      [&](std::size_t now, std::size_t /*of*/) { last = now; });
+  EXPECT_EQ(last, 16U + 316);
+  ASSERT_EQ(result.tables.size(), 3U);
+  const auto& rows = result.tables[0].rows;
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_NEAR(std::stod(rows[0][3]), 54.2, 2.7);
+  EXPECT_GT(std::stod(rows[1][3]), 23) << "nothing on water is slower";
+  EXPECT_LT(std::stod(rows[1][3]), 45) << "crests this short are slower than long waves";
+  EXPECT_NE(rows[1][2], "–");
 }
 
 TEST(GrayMotion, BothSetsOfTaps) {
-  const ReportTable table = table_of("B3", {.rig = small_rig(2), .render = {}, .paths = 0, .frames = 320}, 0);
+  const ReportTable table =
+      table_of("B3", {.rig = small_rig(2), .render = {}, .paths = 0, .pools = 0, .frames = 320}, 0);
   ASSERT_EQ(table.rows.size(), 4U);
   for (const auto& row : table.rows) {
     EXPECT_NEAR(std::stod(row[2]), std::stod(row[1]), 0.4) << row[0];
@@ -54,7 +65,7 @@ TEST(GrayMotion, BothSetsOfTaps) {
 }
 
 TEST(GrayMotion, FewerFramesThanACycle) {
-  EXPECT_THROW(run_gray_motion("B1", {.rig = small_rig(), .render = {}, .paths = 0, .frames = 8}, {}),
+  EXPECT_THROW(run_gray_motion("B1", {.rig = small_rig(), .render = {}, .paths = 0, .pools = 0, .frames = 8}, {}),
                std::invalid_argument);
 }
 
