@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Lists every signal that crosses between the clocks of sp_board, and why the crossing is safe.
 
-    crossings.py [--rtl FOLDER] [--parameters NAME=VALUE ...]
+    crossings.py [--rtl FOLDER] [--top MODULE] [--parameters NAME=VALUE ...]
 
-Yosys elaborates the board. A crossing is a register or memory of one clock whose inputs depend on a register or memory
-of another. Each must be a synchronizer's first flop (sp_sync) with no logic before it, or stand in rtl/crossings.txt,
-whose lines are
+Yosys elaborates the board, or another module: the front end of a camera, with its list in rtl/camera. A crossing is a register or memory of one clock whose inputs depend on a register or memory
+of another. Each must be a synchronizer's first flop (sp_sync) with no logic before it, or stand in crossings.txt of
+rtl/ (of rtl/camera for a module there), whose lines are
 
     from | to | why it is safe
 
@@ -26,19 +26,25 @@ import reason_list
 import rtl_tree
 
 ROOT = rtl_tree.ROOT
-LIST = ROOT / "rtl" / "crossings.txt"
+BOARD = "sp_board"
 
 
 class CrossingError(Exception):
     """Yosys failed, or the list cannot be read."""
 
 
-def netlist(rtl, parameters):
-    """The flattened board after `proc` and `memory`, as Yosys's JSON."""
+def list_of(top):
+    """Returns the path of the list that has the crossings of a module."""
+    folder = next(path for path in rtl_tree.sources() if path.stem == top).parent
+    return (folder if folder.name == "camera" else ROOT / "rtl") / "crossings.txt"
+
+
+def netlist(rtl, top, parameters):
+    """The flattened module after `proc` and `memory`, as Yosys's JSON."""
     with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
         path = pathlib.Path(folder) / "board.json"
-        script = (rtl_tree.read_command("sp_board", parameters, files=rtl_tree.sources_of("sp_board", rtl))
-                  + "hierarchy -check -top sp_board; proc; flatten; opt -full; memory_dff; memory_collect; opt_clean; "
+        script = (rtl_tree.read_command(top, parameters, files=rtl_tree.sources_of(top, rtl))
+                  + f"hierarchy -check -top {top}; proc; flatten; opt -full; memory_dff; memory_collect; opt_clean; "
                   + f"write_json {path}")
         result = subprocess.run(["yosys", "-q", "-p", script], capture_output=True, text=True, check=False)
         if result.returncode != 0:
@@ -129,11 +135,14 @@ class Graph:
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rtl", type=pathlib.Path, default=ROOT / "rtl", metavar="FOLDER", help="default: rtl/")
-    parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of sp_board")
+    parser.add_argument("--top", default=BOARD, metavar="MODULE", choices=[path.stem for path in rtl_tree.sources()[1:]],
+                        help=f"default: {BOARD}")
+    parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of the module")
     arguments = parser.parse_args()
     try:
-        rules = reason_list.read(LIST)
-        graph = Graph(netlist(arguments.rtl, arguments.parameters))
+        reasons = list_of(arguments.top)
+        rules = reason_list.read(reasons)
+        graph = Graph(netlist(arguments.rtl, arguments.top, arguments.parameters))
         crossings = graph.crossings()
     except (CrossingError, OSError, ValueError) as error:
         print(f"crossings.py: {error}", file=sys.stderr)
@@ -151,7 +160,7 @@ def main():
             if not fitting:
                 print(
                     f"crossings.py: {source} ({source_clock}) -> {target} ({target_clock}): "
-                    f"neither a synchronizer nor in {LIST.relative_to(ROOT)}",
+                    f"neither a synchronizer nor in {reasons.relative_to(ROOT)}",
                     file=sys.stderr,
                 )
                 wrong += 1
@@ -162,7 +171,7 @@ def main():
     for i, (of, to, _) in enumerate(rules):
         if i not in used:
             print(
-                f"crossings.py: {LIST.relative_to(ROOT)}: nothing crosses from {of.pattern} to {to.pattern}",
+                f"crossings.py: {reasons.relative_to(ROOT)}: nothing crosses from {of.pattern} to {to.pattern}",
                 file=sys.stderr,
             )
             wrong += 1

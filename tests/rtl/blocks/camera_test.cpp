@@ -15,34 +15,12 @@
 #include "Vsp_test_camera_tight_ports.h"
 #include "model/column_moments.h"
 #include "model/test_camera.h"
+#include "tests/rtl/blocks/camera_beats.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
 namespace {
-
-struct Beat {
-  std::uint32_t pixels = 0;
-  bool start = false;
-  bool end = false;
-
-  bool operator==(const Beat&) const = default;
-};
-
-using Frame = std::vector<Beat>;
-
-template <typename Dut>
-Beat beat_of(Dut& dut) {
-  return {dut->m_data_o, dut->m_start_o != 0, dut->m_end_o != 0};
-}
-
-// The ports that count only with a beat, for the recorder.
-template <typename Camera>
-void name_ports(Camera& camera) {
-  for (const char* port : {"m_data_o", "m_start_o", "m_end_o"}) {
-    camera.valid_when(port, [&camera] { return camera->m_valid_o != 0; });
-  }
-}
 
 // --- Test camera ---
 
