@@ -1,10 +1,9 @@
 // Beats of video from the clock of a camera into that of the board: the end of every camera's front
 // end.
 //
-//   camera's clock: beats ─▶ held back by one ─▶ sp_async_fifo ─▶ video, in the board's clock
+//   camera's clock: beats ─▶ sp_beat_hold ─▶ sp_async_fifo ─▶ video, in the board's clock
 //
 // Guarantees: a beat with m_start_o is the first of a frame, and one with m_end_o is the last of
-// its line. So that the last one can be marked, each beat waits for the next beat or for the end of
 // its line. After a reset, output starts with the next frame that begins.
 //
 // A frame is left out from the beat on for which the FIFO has no room, or from cut_i on. It ends in
@@ -17,12 +16,6 @@
 //
 // Latency: one clock of the camera from the next beat, or the end of the line, and 3 to 4 of the
 // board.
-//
-//   camera      0   1   2   3   4   5
-//   begins_i   /111\___________________
-//   full_i     ____/111\___/111\_______   beats 0 and 1
-//   ending_i   ____________________/111
-//   written    ____________<0 >----<1 >   beat 1 with m_end_o
 `default_nettype none
 
 module sp_beat_crossing #(
@@ -85,42 +78,37 @@ module sp_beat_crossing #(
   assign camera_rst_o = camera_rst_q;
 
   // --- A beat waits for the next one, in the camera's clock ---
-  logic              first_q;    // no beat of the frame is complete yet
-  logic              open_q;     // the frame goes to the board
-  logic              whole_q;    // a beat waits in held_q
-  logic [31:0]       held_q;
-  logic              held_first_q;
-  logic              first, open;
-  logic              write, lost;
+  logic              write, start, line_end, lost;
+  logic [31:0]       beat;
   logic [LogDepth:0] free;
   logic              cutting_q;
   logic              overrun_q, cut_q;  // change with every frame that is cut off
 
-  assign first = first_q || begins_i;
-  assign open  = open_q || begins_i;
-  assign write = whole_q && (full_i || ending_i) && !cut_i;
-  assign lost  = write && free == '0;
+  sp_beat_hold u_hold (
+    .clk_i    (camera_clk_i),
+    .rst_i    (camera_rst_q),
+    .begins_i (begins_i),
+    .full_i   (full_i),
+    .beat_i   (beat_i),
+    .ending_i (ending_i),
+    .cut_i    (cut_i),
+    .room_i   (free != '0),
+    .m_valid_o(write),
+    .m_data_o (beat),
+    .m_start_o(start),
+    .m_end_o  (line_end),
+    .lost_o   (lost)
+  );
 
   always_ff @(posedge camera_clk_i) begin
     cutting_q <= cut_i;
     if (camera_rst_q) begin
-      open_q    <= 1'b0;
-      whole_q   <= 1'b0;
       overrun_q <= 1'b0;
       cut_q     <= 1'b0;
     end else begin
-      open_q <= open && !lost && !cut_i;
-      if (lost || cut_i) whole_q <= 1'b0;
-      else if (full_i) whole_q <= open;
-      else if (ending_i) whole_q <= 1'b0;
       if (lost) overrun_q <= !overrun_q;
       if (cut_i && !cutting_q) cut_q <= !cut_q;
     end
-    if (full_i) begin
-      held_q       <= beat_i;
-      held_first_q <= first;
-    end
-    first_q <= first && !full_i;
   end
 
   // --- Into the board's clock ---
@@ -132,8 +120,8 @@ module sp_beat_crossing #(
   ) u_fifo (
     .wr_clk_i  (camera_clk_i),
     .wr_rst_i  (camera_rst_q),
-    .wr_valid_i(write && !lost && !camera_rst_q),
-    .wr_data_i ({held_first_q, ending_i, held_q}),
+    .wr_valid_i(write),
+    .wr_data_i ({start, line_end, beat}),
     .wr_free_o (free),
     .rd_clk_i  (clk_i),
     .rd_rst_i  (ask_q),

@@ -128,7 +128,7 @@ module sp_beat_pairs #(
   end
   always_comb if (f_past_q) assert (f_waits_q <= (LogWait + 1)'(wait_q));
   always_ff @(posedge clk_i) if (f_past_q) begin
-    cover (apart_o && f_open_q);
+    cover (apart_o && f_again_q);
     cover (m_valid_o && m_start_o && f_again_q);
     cover (late);
   end

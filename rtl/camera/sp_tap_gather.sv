@@ -102,7 +102,7 @@ module sp_tap_gather #(
         if (full_o && f_place == 5'(i)) begin
           if (2'(i) < fill_q) assert (beat_o[8*i+:8] == f_pixel_q);
           for (int k = 0; k < Taps; k++) begin
-            if (i == int'(fill_q) + k) assert (beat_o[8*i+:8] == pixels_i[8*k+:8]);
+            if (5'(i) == 5'(fill_q) + 5'(k)) assert (beat_o[8*i+:8] == pixels_i[8*k+:8]);
           end
         end
       end
