@@ -31,7 +31,7 @@ module ecp5_camera_link #(
   output logic             overrun_o,
   output logic             lost_o,
   output logic             apart_o,
-  output logic      [1:0]  locked_o     // X, Y; each in its link's clock
+  output logic      [1:0]  locked_o     // X, Y; each in its link's clock, and low without it
 );
 
   logic [1:0]  sclk, locked, valid;
@@ -76,11 +76,13 @@ module ecp5_camera_link #(
         .word_o  (words[28*k+:28]),
         .error_o (unused)
       );
+      assign locked_o[k] = locked[k] && good_q[2];
     end else begin : gen_unused
       logic unused;
       assign unused         = ^{y_lanes_i, y_eclk_i, y_good_i, DelaysY};
       assign sclk[k]        = 1'b0;
       assign locked[k]      = 1'b0;
+      assign locked_o[k]    = 1'b0;
       assign valid[k]       = 1'b0;
       assign words[28*k+:28] = '0;
     end
@@ -108,8 +110,6 @@ module ecp5_camera_link #(
     .lost_o    (lost_o),
     .apart_o   (apart_o)
   );
-
-  assign locked_o = locked;
 
 endmodule
 

@@ -19,8 +19,9 @@
 //
 // Medium: X and Y may come with different delays, and in clocks of different phase, as long as they
 // stay within 15 clocks of the board and within the FIFOs. Where one has a line or a frame that the
-// other has not, the frame is cut off, and apart_o is high for one clock. From one beginning of a
-// frame to the next it must be 16 clocks of the board or more: frames are told apart by time.
+// other has not, the frame is cut off, and apart_o is high for one clock. A word whose data valid
+// only one of them has is noticed at the end of its line. From one beginning of a frame to the next
+// it must be 16 clocks of the board or more: frames are told apart by time.
 //
 // Overflow: as in sp_parallel_sensor, only if the camera brings more than a beat in each clock of
 // the board. The rest of the frame is left out, and overrun_o is high for one clock.
@@ -41,7 +42,7 @@ module sp_camera_link #(
   parameter int Taps = 2,  // pixels a word: 1, 2, 3 (Base) or 4 (Medium)
   parameter int Bits = 8,  // of a pixel: 8; with 1 or 2 taps also 10 or 12
   parameter bit DataValid = 1'b1,  // 0: data valid is taken for high
-  parameter int LogDepth = 4  // log2 of the beats in each FIFO
+  parameter int LogDepth = Taps == 4 ? 5 : 4  // log2 of the beats in each FIFO
 ) (
   // Channel Link X
   input  wire logic        x_clk_i,

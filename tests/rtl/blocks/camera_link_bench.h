@@ -45,9 +45,9 @@ struct LinkPins {
 
 // Outputs 0 to 27 of a receiver chip.
 inline std::uint32_t link_word(const LinkPins& pins) {
-  constexpr std::array<std::string_view, 28> kOutputs = {
-      "A0", "A1", "A2", "A3", "A4", "A7", "A5", "B0", "B1", "B2", "B6", "B7", "B3", "B4",
-      "B5", "C0", "C6", "C7", "C1", "C2", "C3", "C4", "C5", "S",  "L",  "F",  "D",  "A6"};
+  constexpr std::array<std::string_view, 28> kOutputs = {"A0", "A1", "A2", "A3", "A4", "A7", "A5", "B0", "B1", "B2",
+                                                         "B6", "B7", "B3", "B4", "B5", "C0", "C6", "C7", "C1", "C2",
+                                                         "C3", "C4", "C5", "S",  "L",  "F",  "D",  "A6"};
   std::uint32_t word = 0;
   for (std::size_t i = 0; i < kOutputs.size(); ++i) {
     word |= static_cast<std::uint32_t>(pins.bit(kOutputs[i])) << i;
@@ -84,9 +84,9 @@ class LinkCamera {
 
   struct Shape {
     int rows = 1;
-    int columns = 4;        // a multiple of the taps
-    int most_gap = 1;       // most words between two lines
-    int without_data = 0;   // percent of words of a line without data valid, before each group of pixels
+    int columns = 4;               // a multiple of the taps
+    int most_gap = 1;              // most words between two lines
+    int without_data = 0;          // percent of words of a line without data valid, before each group of pixels
     bool frame_ends_line = false;  // the last line ends with frame valid, while line valid stays
   };
 

@@ -1,5 +1,5 @@
-// Tests the front end for Camera Link from its LVDS lanes on: bits with skew and jitter, edges in picoseconds, sampled by
-// the ECP5's deserializer (sim/target/ecp5_gearing_cells.sv). The PLLs are here, in C++.
+// Tests the front end for Camera Link from its LVDS lanes on: bits with skew and jitter, edges in picoseconds, sampled
+// by the ECP5's deserializer (sim/target/ecp5_gearing_cells.sv). The PLLs are here, in C++.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -79,7 +79,8 @@ class LvdsLanes {
         const bool level = lane_bit(pins, lane, at);
         if (level != of.sent) {
           const auto wobble = random_.between(-static_cast<int>(jitter), static_cast<int>(jitter));
-          of.edges.push_back(start_ + (words_ * kBitsOfLane + at) * bit_ + skew[static_cast<std::size_t>(lane)] + wobble);
+          of.edges.push_back(start_ + (words_ * kBitsOfLane + at) * bit_ + skew[static_cast<std::size_t>(lane)] +
+                             wobble);
           of.sent = level;
         }
       }
@@ -107,7 +108,8 @@ class LvdsBench {
         step_(bit / samples),
         bit_(bit),
         board_(board),
-        links_{LvdsLanes(random_, 0, bit, 100'000), LvdsLanes(random_, 1, bit, 100'000 + random_.between(0, 7 * 1500))} {
+        links_{LvdsLanes(random_, 0, bit, 100'000),
+               LvdsLanes(random_, 1, bit, 100'000 + random_.between(0, 7 * 1500))} {
     dut_->x_good_i = dut_->y_good_i = 0;
     dut_->x_eclk_i = dut_->y_eclk_i = dut_->clk_i = 0;
     dut_->x_lanes_i = dut_->y_lanes_i = 0;
@@ -277,10 +279,10 @@ class LvdsBench {
   int apart_ = 0;
 };
 
-constexpr std::int64_t kBoard = 8000;         // 125 MHz
-constexpr int kShortestBit = 1681;            // 85 MHz
+constexpr std::int64_t kBoard = 8000;           // 125 MHz
+constexpr int kShortestBit = 1681;              // 85 MHz
 constexpr int kShortestBitSampledTwice = 2646;  // 54 MHz
-constexpr int kLongestBit = 7142;             // 20 MHz
+constexpr int kLongestBit = 7142;               // 20 MHz
 
 // Any skew, jitter and sampling window that together stay below the tolerance: every frame is whole.
 template <typename Dut>

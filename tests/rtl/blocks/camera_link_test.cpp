@@ -21,14 +21,15 @@
 namespace selfproj::test {
 namespace {
 
-// A camera, its one or two links, and the board's side of the front end. Times are in thousandths of the camera's clock.
+// A camera, its one or two links, and the board's side of the front end. Times are in thousandths of the camera's
+// clock.
 template <typename Dut>
 class LinkBench {
  public:
   static constexpr std::int64_t kWord = 1000;
 
-  // `board`: the board's period; `late`: of Y behind X; `pauses`: percent of clocks of a link without a word, which come
-  // in addition.
+  // `board`: the board's period; `late`: of Y behind X; `pauses`: percent of clocks of a link without a word, which
+  // come in addition.
   LinkBench(std::uint64_t seed, int taps, int bits, std::int64_t board, std::int64_t late = 0, int pauses = 0)
       : random_(seed), camera_(random_, taps, bits), board_(board), pauses_(pauses) {
     links_[1].next = late;
@@ -95,6 +96,7 @@ class LinkBench {
   [[nodiscard]] int apart() const { return apart_; }
   void all_may_break() { std::fill(may_break_.begin(), may_break_.end(), true); }
   void may_break(std::size_t frame) { may_break_.at(frame) = true; }
+  Frame& frame(std::size_t number) { return sent_.at(number); }  // as it is due
   void forget() {
     beats_.clear();
     sent_.clear();
@@ -110,7 +112,7 @@ class LinkBench {
   struct Link {
     std::deque<LinkCamera::Sent> queue;
     std::int64_t next = 0;
-    int unlocked = 4;  // clocks
+    int unlocked = 4;     // clocks
     bool missed = false;  // something, since the last word that was not lost
   };
 
@@ -217,8 +219,7 @@ void expect_every_beat(int taps, int bits) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const std::int64_t board = taps == 4 ? random.between(400, 999) : random.between(300, 1000 * 4 / taps - 20);
-    LinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 2000),
-                         taps == 4 || random.chance(50) ? 0 : 30);
+    LinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 2000), taps == 4 || random.chance(50) ? 0 : 30);
     bench.forget();
     for (int frame = 0; frame < 15; ++frame) {
       bench.send_any();
@@ -278,9 +279,8 @@ TEST(CameraLink, AFrameThatIsTooFastIsCutOffAndCounted) {
     LinkBench<Vsp_camera_link_three> bench(seed, 3, 8, random.between(1500, 3000));
     bench.forget();
     for (int frame = 0; frame < 30; ++frame) {
-      bench.send({.rows = random.between(2, 7),
-                  .columns = 3 * random.between(4, 30),
-                  .most_gap = random.chance(50) ? 2 : 60});
+      bench.send(
+          {.rows = random.between(2, 7), .columns = 3 * random.between(4, 30), .most_gap = random.chance(50) ? 2 : 60});
     }
     bench.all_may_break();
     bench.drain();
@@ -314,6 +314,13 @@ TEST(CameraLink, MediumNoticesLinksThatDoNotAgree) {
                                    [](const LinkCamera::Sent& sent) { return sent.links[1].line; });
       ASSERT_NE(at, words.end());
       at->links[1].data = false;
+      // It is noticed at the end of the line. Until then, Y is one pixel ahead.
+      const auto first = static_cast<std::size_t>(std::count_if(
+          words.begin(), at, [](const LinkCamera::Sent& sent) { return sent.links[1].line && sent.links[1].data; }));
+      Frame& due = bench.frame(1);
+      for (std::size_t beat = first; !due[beat].end; ++beat) {
+        due[beat].pixels = (due[beat].pixels & 0xFFFFFFU) | (due[beat + 1].pixels & 0xFF000000U);
+      }
     } else if (kind == 1) {  // the rest of a line is missing
       for (int i = random.between(6, 9); i < words_of_frame && words[static_cast<std::size_t>(i)].links[1].line; ++i) {
         words[static_cast<std::size_t>(i)].links[1].line = false;

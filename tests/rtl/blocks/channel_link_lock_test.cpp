@@ -19,7 +19,7 @@
 namespace selfproj::test {
 namespace {
 
-constexpr int kLatency = 3;   // clocks from the last samples of a word to the word
+constexpr int kLatency = 3;  // clocks from the last samples of a word to the word
 constexpr int kLogGood = 3;
 constexpr int kGood = 1 << kLogGood;
 
@@ -28,7 +28,8 @@ constexpr int kGood = 1 << kLogGood;
 template <typename Dut>
 class LockBench {
  public:
-  LockBench(std::uint64_t seed, int samples) : random_(seed), samples_(samples), at_(random_.between(0, 13)) {
+  LockBench(std::uint64_t seed, int samples)
+      : random_(seed), samples_(samples), at_(static_cast<std::int64_t>(seed % 14)) {
     dut_.valid_when("word_o", [this] { return dut_->valid_o != 0; });
     for (std::size_t word = 0; word < 4; ++word) {
       words_.push_back(random_pins());
