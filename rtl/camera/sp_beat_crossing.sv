@@ -19,27 +19,28 @@
 `default_nettype none
 
 module sp_beat_crossing #(
+  parameter int Width = 32,   // bits of a beat
   parameter int LogDepth = 4  // log2 of the beats in the FIFO
 ) (
   // Camera
-  input  wire logic        camera_clk_i,
-  output logic             camera_rst_o,  // the camera's side is in reset
-  input  wire logic        begins_i,      // a frame begins, with its first beat or before it
-  input  wire logic        full_i,        // a beat is complete
-  input  wire logic [31:0] beat_i,        // leftmost pixel in 7..0
-  input  wire logic        ending_i,      // the line has ended; not together with full_i
-  input  wire logic        cut_i,         // the rest of the frame is lost
+  input  wire logic             camera_clk_i,
+  output logic                  camera_rst_o,  // the camera's side is in reset
+  input  wire logic             begins_i,      // a frame begins, with its first beat or before it
+  input  wire logic             full_i,        // a beat is complete
+  input  wire logic [Width-1:0] beat_i,        // leftmost pixel in 7..0
+  input  wire logic             ending_i,      // the line has ended; not together with full_i
+  input  wire logic             cut_i,         // the rest of the frame is lost
 
   // Video
-  input  wire logic        clk_i,
-  input  wire logic        rst_i,         // active high, synchronous to clk_i
-  output logic             m_valid_o,
-  input  wire logic        m_ready_i,
-  output logic      [31:0] m_data_o,
-  output logic             m_start_o,     // first beat of a frame
-  output logic             m_end_o,       // last beat of a line
-  output logic             overrun_o,     // pulse: a frame was cut off for want of room
-  output logic             cut_o          // pulse: cut_i has risen
+  input  wire logic             clk_i,
+  input  wire logic             rst_i,         // active high, synchronous to clk_i
+  output logic                  m_valid_o,
+  input  wire logic             m_ready_i,
+  output logic      [Width-1:0] m_data_o,
+  output logic                  m_start_o,     // first beat of a frame
+  output logic                  m_end_o,       // last beat of a line
+  output logic                  overrun_o,     // pulse: a frame was cut off for want of room
+  output logic                  cut_o          // pulse: cut_i has risen
 );
 
   // --- Reset of both sides: the board's side asks, the camera's side resets and confirms ---
@@ -79,12 +80,14 @@ module sp_beat_crossing #(
 
   // --- A beat waits for the next one, in the camera's clock ---
   logic              write, start, line_end, lost;
-  logic [31:0]       beat;
+  logic [Width-1:0]  beat;
   logic [LogDepth:0] free;
   logic              cutting_q;
   logic              overrun_q, cut_q;  // change with every frame that is cut off
 
-  sp_beat_hold u_hold (
+  sp_beat_hold #(
+    .Width(Width)
+  ) u_hold (
     .clk_i    (camera_clk_i),
     .rst_i    (camera_rst_q),
     .begins_i (begins_i),
@@ -115,7 +118,7 @@ module sp_beat_crossing #(
   logic [1:0] changes, changes_q;
 
   sp_async_fifo #(
-    .Width   (34),
+    .Width   (Width + 2),
     .LogDepth(LogDepth)
   ) u_fifo (
     .wr_clk_i  (camera_clk_i),

@@ -2,8 +2,8 @@
 // of a line can be marked; and leaves out the rest of a frame that is lost.
 //
 // Guarantees: beats leave in order, each once, with m_start_o on the first of a frame and m_end_o
-// on the last of a line. From a beat on for which there is no room, and from cut_i on, nothing
-// leaves before the next frame begins. After a reset, nothing leaves before a frame begins.
+// on the last of a line. From a beat on for which there is no room, and after cut_i, nothing leaves
+// before the next frame begins. After a reset, nothing leaves before a frame begins.
 //
 // Latency: combinational. A beat leaves in the clock of the next one's full_i, or of ending_i. It
 // needs room_i there; where that is low, lost_o is high and the beat does not leave.
@@ -16,20 +16,22 @@
 //   m_data_o  ------------<0 >----<1 >   beat 1 with m_end_o
 `default_nettype none
 
-module sp_beat_hold (
-  input  wire logic        clk_i,
-  input  wire logic        rst_i,     // active high, synchronous
-  input  wire logic        begins_i,  // a frame begins, with its first beat or before it
-  input  wire logic        full_i,    // a beat is complete
-  input  wire logic [31:0] beat_i,
-  input  wire logic        ending_i,  // the line has ended; not together with full_i
-  input  wire logic        cut_i,     // the rest of the frame is lost
-  input  wire logic        room_i,    // a beat may leave
-  output logic             m_valid_o,
-  output logic      [31:0] m_data_o,
-  output logic             m_start_o,
-  output logic             m_end_o,
-  output logic             lost_o     // there is no room for a beat
+module sp_beat_hold #(
+  parameter int Width = 32  // bits of a beat
+) (
+  input  wire logic             clk_i,
+  input  wire logic             rst_i,     // active high, synchronous
+  input  wire logic             begins_i,  // a frame begins, with its first beat or before it
+  input  wire logic             full_i,    // a beat is complete
+  input  wire logic [Width-1:0] beat_i,
+  input  wire logic             ending_i,  // the line has ended; not together with full_i
+  input  wire logic             cut_i,     // the rest of the frame is lost
+  input  wire logic             room_i,    // a beat may leave
+  output logic                  m_valid_o,
+  output logic      [Width-1:0] m_data_o,
+  output logic                  m_start_o,
+  output logic                  m_end_o,
+  output logic                  lost_o     // there is no room for a beat
 );
 
   logic first_q;  // no beat of the frame is complete yet
@@ -39,7 +41,7 @@ module sp_beat_hold (
 
   assign first     = first_q || begins_i;
   assign open      = open_q || begins_i;
-  assign leaves    = whole_q && (full_i || ending_i) && !cut_i && !rst_i;
+  assign leaves    = whole_q && (full_i || ending_i) && !rst_i;
   assign lost_o    = leaves && !room_i;
   assign m_valid_o = leaves && room_i;
   assign m_end_o   = ending_i;
@@ -77,7 +79,7 @@ module sp_beat_hold (
   // Beats of a frame, modulo 16: complete, and left. A frame is good until it is lost.
   (* anyconst *) logic [3:0] f_mark;
   logic [3:0]  f_came_q, f_left_q;
-  logic [31:0] f_beat_q;  // beat f_mark, once it has come
+  logic [Width-1:0] f_beat_q;  // beat f_mark, once it has come
   logic        f_good_q, f_any_q;
   logic [3:0]  f_came;
   assign f_came = begins_i ? 4'd0 : f_came_q;

@@ -71,15 +71,21 @@ module sp_camera_link #(
 `ifndef SYNTHESIS
   initial begin
     if (Taps < 1 || Taps > 4) $fatal(1, "sp_camera_link: Taps is %0d, not in 1..4", Taps);
+    if (Taps == 4 && Bits != 8)
+      $fatal(1, "sp_camera_link: Medium has 8 bits, not %0d", Bits);
   end
 `endif
 
-  logic        x_valid, x_ready, x_start, x_end, x_overrun, x_lost;
-  logic [31:0] x_data;
+  localparam bit Medium = Taps == 4;
+  localparam int XBits = Medium ? 24 : 32;
+
+  logic             x_valid, x_ready, x_start, x_end, x_overrun, x_lost;
+  logic [XBits-1:0] x_data;
 
   sp_camera_link_channel #(
-    .Taps     (Taps),
+    .Taps     (Medium ? 3 : Taps),
     .Bits     (Bits),
+    .Part     (Medium),
     .DataValid(DataValid),
     .LogDepth (LogDepth)
   ) u_x (
@@ -98,14 +104,14 @@ module sp_camera_link #(
     .cut_o     (x_lost)
   );
 
-  if (Taps == 4) begin : gen_medium
-    logic        y_valid, y_ready, y_start, y_end, y_overrun, y_lost;
-    logic [31:0] y_data;
-    logic        unused;
+  if (Medium) begin : gen_medium
+    logic       y_valid, y_ready, y_start, y_end, y_overrun, y_lost;
+    logic [7:0] y_data;
 
     sp_camera_link_channel #(
-      .Taps     (Taps),
+      .Taps     (1),
       .Bits     (Bits),
+      .Part     (1'b1),
       .DataValid(DataValid),
       .LogDepth (LogDepth)
     ) u_y (
@@ -129,12 +135,12 @@ module sp_camera_link #(
       .rst_i    (rst_i),
       .x_valid_i(x_valid),
       .x_ready_o(x_ready),
-      .x_data_i (x_data[23:0]),
+      .x_data_i (x_data),
       .x_start_i(x_start),
       .x_end_i  (x_end),
       .y_valid_i(y_valid),
       .y_ready_o(y_ready),
-      .y_data_i (y_data[7:0]),
+      .y_data_i (y_data),
       .y_start_i(y_start),
       .y_end_i  (y_end),
       .m_valid_o(m_valid_o),
@@ -144,7 +150,6 @@ module sp_camera_link #(
       .apart_o  (apart_o)
     );
 
-    assign unused    = ^{x_data[31:24], y_data[31:8]};
     assign overrun_o = x_overrun || y_overrun;
     assign lost_o    = x_lost || y_lost;
   end else begin : gen_base

@@ -12,32 +12,35 @@
 // cut_o is high for one clock. The next frame is the first whose beginning comes after locked_i has
 // risen: a word without frame valid must have come before it.
 //
-// With Taps = 4 each word is a beat: ports A, B, C and 0. Overflow, reset: see sp_beat_crossing.
+// With Part = 1 each word is a part of a beat, with all its taps. Overflow, reset: see
+// sp_beat_crossing.
 // Latency: a word is one clock of the link before its begins_i, full_i or ending_i there.
 `default_nettype none
 
 module sp_camera_link_channel #(
-  parameter int Taps = 3,  // 1..4
+  parameter int Taps = 3,  // 1, 2 or 3
   parameter int Bits = 8,  // of a pixel: 8; with 1 or 2 taps also 10 or 12
+  parameter bit Part = 1'b0,  // 1: a word is a part of a beat; 0: beats of four pixels
   parameter bit DataValid = 1'b1,  // 0: data valid is taken for high
-  parameter int LogDepth = 4  // log2 of the beats in the FIFO
+  parameter int LogDepth = 4,  // log2 of the beats in the FIFO
+  parameter int Width = Part ? 8 * Taps : 32  // derived, do not set
 ) (
   // Link
-  input  wire logic        link_clk_i,
-  input  wire logic        locked_i,
-  input  wire logic        valid_i,    // a word; only while locked_i is high
-  input  wire logic [27:0] word_i,
+  input  wire logic             link_clk_i,
+  input  wire logic             locked_i,
+  input  wire logic             valid_i,    // a word; only while locked_i is high
+  input  wire logic [27:0]      word_i,
 
   // Video
-  input  wire logic        clk_i,
-  input  wire logic        rst_i,      // active high, synchronous to clk_i
-  output logic             m_valid_o,
-  input  wire logic        m_ready_i,
-  output logic      [31:0] m_data_o,
-  output logic             m_start_o,
-  output logic             m_end_o,
-  output logic             overrun_o,  // pulse: a frame was cut off for want of room
-  output logic             cut_o       // pulse: locked_i has fallen
+  input  wire logic             clk_i,
+  input  wire logic             rst_i,      // active high, synchronous to clk_i
+  output logic                  m_valid_o,
+  input  wire logic             m_ready_i,
+  output logic      [Width-1:0] m_data_o,
+  output logic                  m_start_o,
+  output logic                  m_end_o,
+  output logic                  overrun_o,  // pulse: a frame was cut off for want of room
+  output logic                  cut_o       // pulse: locked_i has fallen
 );
 
   logic              frame, line, data;
@@ -46,7 +49,7 @@ module sp_camera_link_channel #(
   logic              begins_q, take_q, ending_q, cut_q;
   logic [8*Taps-1:0] pixels_q;
   logic              full, link_rst;
-  logic [31:0]       beat;
+  logic [Width-1:0]  beat;
 
   sp_camera_link_taps #(
     .Taps(Taps),
@@ -69,19 +72,27 @@ module sp_camera_link_channel #(
     pixels_q <= pixels;
   end
 
-  sp_tap_gather #(
-    .Taps(Taps)
-  ) u_gather (
-    .clk_i   (link_clk_i),
-    .rst_i   (link_rst),
-    .take_i  (take_q),
-    .clear_i (ending_q || cut_q),
-    .pixels_i(pixels_q),
-    .full_o  (full),
-    .beat_o  (beat)
-  );
+  if (Part) begin : gen_part
+    logic unused;
+    assign unused = link_rst;
+    assign full   = take_q;
+    assign beat   = pixels_q;
+  end else begin : gen_whole
+    sp_tap_gather #(
+      .Taps(Taps)
+    ) u_gather (
+      .clk_i   (link_clk_i),
+      .rst_i   (link_rst),
+      .take_i  (take_q),
+      .clear_i (ending_q || cut_q),
+      .pixels_i(pixels_q),
+      .full_o  (full),
+      .beat_o  (beat)
+    );
+  end
 
   sp_beat_crossing #(
+    .Width   (Width),
     .LogDepth(LogDepth)
   ) u_crossing (
     .camera_clk_i(link_clk_i),

@@ -11,12 +11,11 @@
 //   10     B[1:0], A         B[5:4], C         none
 //   12     B[3:0], A         B[7:4], C         none
 //
-// With Taps = 4 the pixels are A, B, C and 0: the fourth tap comes from another word.
 // Combinational.
 `default_nettype none
 
 module sp_camera_link_taps #(
-  parameter int Taps = 3,  // 1..4
+  parameter int Taps = 3,  // 1, 2 or 3
   parameter int Bits = 8   // of a pixel: 8; with 1 or 2 taps also 10 or 12
 ) (
   input  wire logic [27:0]       word_i,
@@ -47,12 +46,12 @@ module sp_camera_link_taps #(
   assign data_o  = word_i[26];
 
   if (Bits == 8) begin : gen_8
-    logic [31:0] pixels;
-    assign pixels   = {8'd0, c, b, a};
+    logic [23:0] pixels;
+    assign pixels   = {c, b, a};
     assign pixels_o = pixels[8*Taps-1:0];
-    if (Taps < 4) begin : gen_rest
+    if (Taps < 3) begin : gen_rest
       logic unused_rest;
-      assign unused_rest = ^pixels[31:8*Taps];
+      assign unused_rest = ^pixels[23:8*Taps];
     end
   end else begin : gen_more
     localparam int Above = Bits - 8;  // bits of a pixel in port B

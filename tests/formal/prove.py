@@ -91,7 +91,7 @@ PROOFS = [
     Proof("tap_gather_of_three", "sp_tap_gather", ("Taps=3",), "induction", 2, 8),
     Proof("tap_gather_of_two", "sp_tap_gather", ("Taps=2",), "induction", 2, 8),
     Proof("tap_gather_of_one", "sp_tap_gather", ("Taps=1",), "induction", 2, 12),
-    Proof("beat_hold", "sp_beat_hold", (), "induction", 2, 12),
+    Proof("beat_hold", "sp_beat_hold", ("Width=8",), "induction", 2, 12),
     Proof("beat_pairs", "sp_beat_pairs", ("XBits=2", "YBits=1", "LogWait=2"), "induction", 2, 16),
     Proof("channel_link_lock", "sp_channel_link_lock", ("LogGood=2",), "induction", 3, 44),
     Proof("channel_link_lock_twice", "sp_channel_link_lock", ("Samples=2", "LogGood=1"), "induction", 3, 48),

@@ -269,23 +269,27 @@ TEST(CameraLink, AFrameEndsWhereTheLockIsLost) {
 }
 TEST(CameraLink, MediumEndsAFrameWhereOneLinkIsLost) { expect_cuts<Vsp_camera_link_medium>(4, 8); }
 
-// A board too slow: each frame comes whole, or it is the beginning of one, and counted.
-TEST(CameraLink, AFrameThatIsTooFastIsCutOffAndCounted) {
+// A board too slow: each frame comes whole, or it is the beginning of one, and counted. Both links of Medium count.
+template <typename Dut>
+void expect_overruns(int taps) {
   int cut_off = 0;
   int whole = 0;
   for (const std::uint64_t seed : seeds(12)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    LinkBench<Vsp_camera_link_three> bench(seed, 3, 8, random.between(1500, 3000));
+    LinkBench<Dut> bench(seed, taps, 8, random.between(1500, 3000));
     bench.forget();
     for (int frame = 0; frame < 30; ++frame) {
-      bench.send(
-          {.rows = random.between(2, 7), .columns = 3 * random.between(4, 30), .most_gap = random.chance(50) ? 2 : 60});
+      bench.send({.rows = random.between(2, 7),
+                  .columns = taps * random.between(taps == 4 ? 10 : 4, 30),
+                  .most_gap = random.chance(50) ? 2 : 60});
+      bench.all_may_break();
     }
-    bench.all_may_break();
     bench.drain();
     const int broken = bench.expect_frames_sent();
-    EXPECT_EQ(bench.overruns(), broken);
+    EXPECT_GE(bench.overruns(), broken);
+    EXPECT_LE(bench.overruns(), taps == 4 ? 2 * broken : broken);
+    EXPECT_EQ(bench.lost(), 0);
     cut_off += broken;
     whole += 30 - broken;
   }
@@ -294,6 +298,41 @@ TEST(CameraLink, AFrameThatIsTooFastIsCutOffAndCounted) {
     EXPECT_GT(whole, 50);
   }
 }
+TEST(CameraLink, AFrameThatIsTooFastIsCutOffAndCounted) { expect_overruns<Vsp_camera_link_three>(3); }
+TEST(CameraLink, MediumCutsAFrameThatIsTooFast) { expect_overruns<Vsp_camera_link_medium>(4); }
+
+// A board that is so slow that it takes nothing before a line has ended: a line of as many beats as the FIFO has places
+// comes whole, and of a longer one just as many beats.
+template <typename Dut>
+void expect_places(int taps, int places) {
+  for (const std::uint64_t seed : seeds(6)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    LinkBench<Dut> bench(seed, taps, 8, 20'000, random.between(0, 900));
+    const auto line = [&](int beats) {
+      bench.forget();
+      bench.send({.rows = 1, .columns = (4 * beats + taps - 1) / taps * taps});
+      bench.all_may_break();
+      bench.drain();
+      const int broken = bench.expect_frames_sent();
+      EXPECT_EQ(broken, beats > places ? 1 : 0) << beats << " beats";
+      EXPECT_EQ(bench.beats().size(), static_cast<std::size_t>(std::min(beats, places)));
+      return broken;
+    };
+    int broken = 0;
+    for (int round = 0; round < 12; ++round) {
+      line(random.between(1, places - 1));
+      line(places);
+      if (round % 3 == 2) {
+        broken += line(places + random.between(1, 2));
+      }
+    }
+    EXPECT_GE(bench.overruns(), broken);
+    EXPECT_EQ(bench.lost(), 0);
+  }
+}
+TEST(CameraLink, TheFifoHoldsAsManyBeatsAsItHasPlaces) { expect_places<Vsp_camera_link_three>(3, 16); }
+TEST(CameraLink, TheFifosOfMediumHoldAsManyBeatsAsTheyHavePlaces) { expect_places<Vsp_camera_link_medium>(4, 32); }
 
 // A word, or a line, or a whole frame that only X has: the frame ends there, and the next one is whole.
 TEST(CameraLink, MediumNoticesLinksThatDoNotAgree) {
