@@ -70,12 +70,12 @@ class LinkBench {
           .frame_ends_line = random_.chance(30)});
   }
 
-  // Until the links have sent everything, and 300 clocks of the board more.
-  void drain() {
+  // Until the links have sent everything, and `quiet` clocks of the board more.
+  void drain(int quiet = 300) {
     while (!links_[0].queue.empty() || !links_[1].queue.empty()) {
       step();
     }
-    clocks(300);
+    clocks(quiet);
   }
 
   // Clocks of the board.
@@ -313,7 +313,7 @@ void expect_places(int taps, int places) {
       bench.forget();
       bench.send({.rows = 1, .columns = (4 * beats + taps - 1) / taps * taps});
       bench.all_may_break();
-      bench.drain();
+      bench.drain(60);
       const int broken = bench.expect_frames_sent();
       EXPECT_EQ(broken, beats > places ? 1 : 0) << beats << " beats";
       EXPECT_EQ(bench.beats().size(), static_cast<std::size_t>(std::min(beats, places)));
