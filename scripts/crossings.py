@@ -3,9 +3,10 @@
 
     crossings.py [--rtl FOLDER] [--top MODULE] [--parameters NAME=VALUE ...]
 
-Yosys elaborates the board, or another module: the front end of a camera, with its list in rtl/camera. A crossing is a register or memory of one clock whose inputs depend on a register or memory
-of another. Each must be a synchronizer's first flop (sp_sync) with no logic before it, or stand in crossings.txt of
-rtl/ (of rtl/camera for a module there), whose lines are
+Yosys elaborates the board, or another module, such as the front end of a camera. A crossing is a register or memory of
+one clock whose inputs depend on a register or memory of another. Each must be a synchronizer's first flop (sp_sync)
+with no logic before it, or stand in rtl/crossings.txt (for modules of rtl/camera, in crossings.txt there), whose lines
+are
 
     from | to | why it is safe
 
@@ -135,8 +136,8 @@ class Graph:
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rtl", type=pathlib.Path, default=ROOT / "rtl", metavar="FOLDER", help="default: rtl/")
-    parser.add_argument("--top", default=BOARD, metavar="MODULE", choices=[path.stem for path in rtl_tree.sources()[1:]],
-                        help=f"default: {BOARD}")
+    parser.add_argument("--top", default=BOARD, metavar="MODULE", help=f"default: {BOARD}",
+                        choices=[path.stem for path in rtl_tree.sources()[1:]])
     parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of the module")
     arguments = parser.parse_args()
     try:

@@ -115,8 +115,8 @@ module sp_beat_pairs #(
     if (!f_open_q && pair) assert (x_start_i && y_start_i);
     // Rule 3: while the channels agree, every beat that is taken becomes part of an output beat.
     if (!apart_o && f_open_q && (f_x_taken_q || f_y_taken_q)) assert (m_valid_o);
-    // Rule 4: the beginning of a frame is left out only where the channels do not agree: its partner
-    // is late, or begins a frame with a line of another length.
+    // Rule 4: the beginning of a frame is left out only where the channels do not agree: its
+    // partner is late, or begins a frame with a line of another length.
     if (x_valid_i && x_ready_o && x_start_i && !pair) assert (late || both && y_start_i);
     if (y_valid_i && y_ready_o && y_start_i && !pair) assert (late || both && x_start_i);
   end

@@ -28,8 +28,8 @@
 //
 // Reset: rst_i alone. The clocks of the links may stop and start at any time.
 //
-// Latency: 2 clocks of the link from the last word of the next beat, or the word after the line, and
-// 3 to 4 of the board; with Medium one more.
+// Latency: 2 clocks of the link from the last word of the next beat, or the word after the line,
+// and 3 to 4 of the board; with Medium one more.
 //
 //   word      0   1   2   3   4   5      Taps = 2
 //   frame    /11111111111111111111111

@@ -1,6 +1,6 @@
 // The ports, valids and pixels in the 28 bits of a Channel Link word, as Camera Link assigns them.
 //
-// Bit i of the word is output i of the receiver chip (RxOUT i). Port A: bits 0 to 4, 6, 27, 5;
+// Bit i of the word is output i of the receiver chip. Port A: bits 0 to 4, 6, 27, 5;
 // port B: 7 to 9, 12 to 14, 10, 11; port C: 15, 18 to 22, 16, 17; each from its bit 0 to its bit 7.
 // Spare: 23, line valid: 24, frame valid: 25, data valid: 26.
 //

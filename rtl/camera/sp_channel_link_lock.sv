@@ -16,9 +16,9 @@
 //
 // What is noticed: with Samples = 2, a lane that is early or late by more than a quarter of a bit,
 // up to three quarters less its jitter: wherever its bit changes, the two samples differ. So no
-// wrong bit passes. With Samples = 1, a data lane that is off by more than half a bit gives wrong bits that nothing
-// in the link tells from right ones, because data lanes carry no pattern. The same holds with
-// Samples = 2 for a lane that is off by a whole bit.
+// wrong bit passes. With Samples = 1, a data lane that is off by more than half a bit gives wrong
+// bits that nothing in the link tells from right ones, because data lanes carry no pattern. The
+// same holds with Samples = 2 for a lane that is off by a whole bit.
 //
 // Latency: with Samples = 1 a word is at the output three clocks after its samples were at the
 // input; with Samples = 2, three clocks after its second half was.
