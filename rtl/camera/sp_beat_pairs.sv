@@ -51,20 +51,21 @@ module sp_beat_pairs #(
 );
 
   logic               skip_q;   // leave out beats up to the beginning of a frame on both
-  logic [LogWait-1:0] wait_q;   // clocks since a beat has been waiting for the other channel
+  logic [LogWait-1:0] wait_q;   // clocks since a beat has been waiting for the other channel;
+                                // anew from where they differ, while the rest of a frame goes
   logic               both, same, pair, differ, late, x_skips, y_skips;
 
   assign both    = x_valid_i && y_valid_i;
   assign same    = x_start_i == y_start_i && x_end_i == y_end_i;
-  assign late    = wait_q == '1;
-  assign pair    = both && same && (!skip_q || x_start_i) && !late;
+  assign late    = wait_q == '1 && !both;
+  assign pair    = both && same && (!skip_q || x_start_i);
   assign differ  = both && !same && (!skip_q || x_start_i && y_start_i);
   assign x_skips = x_valid_i && (late || differ || skip_q && !x_start_i);
   assign y_skips = y_valid_i && (late || differ || skip_q && !y_start_i);
 
   // A beat that differs from its partner is dropped, but not if a frame begins with it alone.
-  assign x_ready_o = pair || x_skips && !(differ && x_start_i && !y_start_i && !late);
-  assign y_ready_o = pair || y_skips && !(differ && y_start_i && !x_start_i && !late);
+  assign x_ready_o = pair || x_skips && !(differ && x_start_i && !y_start_i);
+  assign y_ready_o = pair || y_skips && !(differ && y_start_i && !x_start_i);
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -75,8 +76,8 @@ module sp_beat_pairs #(
     end else begin
       if (late || differ) skip_q <= 1'b1;
       else if (pair) skip_q <= 1'b0;
-      if (x_valid_i && !x_ready_o || y_valid_i && !y_ready_o) wait_q <= wait_q + 1'b1;
-      else wait_q <= '0;
+      if (differ || !(x_valid_i && !x_ready_o || y_valid_i && !y_ready_o)) wait_q <= '0;
+      else if (wait_q != '1) wait_q <= wait_q + 1'b1;
       m_valid_o <= pair;
       apart_o   <= late || differ;
     end
@@ -120,13 +121,13 @@ module sp_beat_pairs #(
     if (x_valid_i && x_ready_o && x_start_i && !pair) assert (late || both && y_start_i);
     if (y_valid_i && y_ready_o && y_start_i && !pair) assert (late || both && x_start_i);
   end
-  // Rule 5: no beat waits for more than 2^LogWait clocks.
+  // Rule 5: no beat waits for more than 2^LogWait clocks while the other channel has none.
   logic [LogWait:0] f_waits_q;
   always_ff @(posedge clk_i) begin
-    if (rst_i || !x_valid_i || x_ready_o) f_waits_q <= '0;
+    if (rst_i || !x_valid_i || x_ready_o || y_valid_i) f_waits_q <= '0;
     else f_waits_q <= f_waits_q + 1'b1;
   end
-  always_comb if (f_past_q) assert (f_waits_q <= (LogWait + 1)'(wait_q));
+  always_comb if (f_past_q) assert (f_waits_q <= {1'b0, wait_q});
   always_ff @(posedge clk_i) if (f_past_q) begin
     cover (apart_o && f_again_q);
     cover (m_valid_o && m_start_o && f_again_q);

@@ -80,6 +80,7 @@ class LinkCamera {
   struct Sent {
     std::array<LinkPins, 2> links;
     std::size_t frame = 0;  // number of the frame to which it belongs, or behind which it lies
+    bool pause = false;     // a clock without a word
   };
 
   struct Shape {
