@@ -48,7 +48,11 @@ class LockBench {
     const bool align = dut_->align_o != 0;
     if (align && !aligned_) {
       ++moves_;
+      EXPECT_GE(since_rise_, 16) << "the deserializer has no time";
+      since_rise_ = 0;
     }
+    EXPECT_EQ(align, since_rise_ < 4) << "align_o is high for four clocks";
+    ++since_rise_;
     EXPECT_FALSE(align && !aligned_ && locked()) << "the alignment moves in a lock";
     moving_.push_back(align && !aligned_);
     aligned_ = align;
@@ -95,6 +99,7 @@ class LockBench {
   void reset() {
     dut_->rst_i = 1;
     clock();
+    since_rise_ = 16;
     dut_->rst_i = 0;
   }
 
@@ -171,6 +176,7 @@ class LockBench {
   std::deque<std::optional<std::uint32_t>> due_;
   bool aligned_ = false;
   int moves_ = 0;
+  int since_rise_ = 16;  // clocks since align_o rose
   int words_given_ = 0;
 };
 
@@ -220,7 +226,7 @@ void expect_errors(int samples) {
       EXPECT_EQ(bench.words(), given);
       const auto clocks = bench.lock((kGood + 2) * samples);
       ASSERT_TRUE(clocks.has_value());
-      EXPECT_GE(*clocks, (kGood - 1) * samples);
+      EXPECT_EQ(*clocks, kGood * samples - 1);
       EXPECT_EQ(bench.words(), given);
       EXPECT_EQ(bench.moves(), moves);
       EXPECT_FALSE(bench.error_within(bench.random().between(3, 40)));
@@ -287,7 +293,7 @@ TEST(ChannelLinkLock, ResetEndsTheLock) {
     const int given = bench.words();
     const auto clocks = bench.lock(kGood + 20);
     ASSERT_TRUE(clocks.has_value());
-    EXPECT_GE(*clocks, kGood + 14) << "after a reset the deserializer gets time";
+    EXPECT_EQ(*clocks, kGood + 15) << "after a reset the deserializer gets time";
     EXPECT_EQ(bench.words(), given);
   }
 }
