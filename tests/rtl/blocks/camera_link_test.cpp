@@ -104,6 +104,16 @@ class LinkBench {
   }
   int expect_frames_sent() { return expect_frames(beats_, sent_, may_break_); }
 
+  // Makes the first line from this word on a line of one word.
+  static void shorten_line(std::deque<LinkCamera::Sent>& words, std::size_t from) {
+    while (!words[from].links[0].line) {
+      ++from;
+    }
+    for (++from; words[from].links[0].frame && words[from].links[0].line; ++from) {
+      words[from].links[0].line = words[from].links[1].line = false;
+    }
+  }
+
   // The words that wait, of X (0) or Y (1); a test may change them.
   std::deque<LinkCamera::Sent>& words(std::size_t link) { return links_[link].queue; }
 
@@ -389,6 +399,13 @@ TEST(CameraLink, MediumNoticesLinksThatDoNotAgree) {
     }
     if (kind < 3 && random.chance(50)) {
       bench.drain();
+    }
+    if (random.chance(50)) {  // after that, a frame whose first line has one word on one link: a start and an end
+      std::deque<LinkCamera::Sent>& more = bench.words(random.chance(50));
+      const std::size_t before = more.size();
+      bench.send({.rows = 2, .columns = 96, .most_gap = 1});
+      bench.shorten_line(more, before);
+      bench.frame(2).clear();
     }
     for (int frame = 0; frame < 3; ++frame) {
       bench.send_any();
