@@ -77,7 +77,7 @@ module sp_beat_pairs #(
       if (late || differ) skip_q <= 1'b1;
       else if (pair) skip_q <= 1'b0;
       if (differ || !(x_valid_i && !x_ready_o || y_valid_i && !y_ready_o)) wait_q <= '0;
-      else if (wait_q != '1) wait_q <= wait_q + 1'b1;
+      else wait_q <= wait_q + 1'b1;
       m_valid_o <= pair;
       apart_o   <= late || differ;
     end
