@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Lists every signal that crosses between the clocks of sp_board, and why the crossing is safe.
 
-    crossings.py [--rtl FOLDER] [--target FILE...] [--parameters NAME=VALUE ...]
+    crossings.py [--rtl FOLDER] [--top MODULE | --target FILE...] [--parameters NAME=VALUE ...]
 
-Yosys elaborates the board, or the module of the first FILE, which has the board as u_board. A crossing is a register or
-memory of one clock whose inputs depend on a register or memory of another. Each must be a synchronizer's first flop
-(sp_sync) with no logic before it, or stand in rtl/crossings.txt, whose lines are
+Yosys elaborates the board, or another module of rtl/, such as the front end of a camera, or the module of the first
+FILE, which has the board as u_board. A crossing is a register or memory of one clock whose inputs depend on a register
+or memory of another. Each must be a synchronizer's first flop (sp_sync) with no logic before it, or stand in
+rtl/crossings.txt (for modules of rtl/camera, in crossings.txt there), whose lines are
 
     from | to | why it is safe
 
@@ -26,16 +27,21 @@ import reason_list
 import rtl_tree
 
 ROOT = rtl_tree.ROOT
-LIST = ROOT / "rtl" / "crossings.txt"
+BOARD = "sp_board"
 
 
 class CrossingError(Exception):
     """Yosys failed, or the list cannot be read."""
 
 
-def netlist(rtl, parameters, target):
-    """The flattened board, or the module of the first file of `target`, after `proc` and `memory`, as Yosys's JSON."""
-    top = target[0].stem if target else "sp_board"
+def list_of(top):
+    """Returns the path of the list that has the crossings of a module of rtl/."""
+    folder = next(path for path in rtl_tree.sources() if path.stem == top).parent
+    return (folder if folder.name == "camera" else ROOT / "rtl") / "crossings.txt"
+
+
+def netlist(rtl, top, parameters, target):
+    """The flattened module after `proc` and `memory`, as Yosys's JSON; `target`: the files that it needs beside rtl/."""
     files = rtl_tree.sources_of(top, rtl, target)
     files += [path for path in target if path not in files]
     with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
@@ -132,13 +138,18 @@ class Graph:
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rtl", type=pathlib.Path, default=ROOT / "rtl", metavar="FOLDER", help="default: rtl/")
-    parser.add_argument("--target", nargs="+", type=pathlib.Path, default=[], metavar="FILE",
-                        help="instead of sp_board: the file of a module that has it as u_board, and what it needs")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--top", default=BOARD, metavar="MODULE", help=f"default: {BOARD}",
+                       choices=[path.stem for path in rtl_tree.sources()[1:]])
+    which.add_argument("--target", nargs="+", type=pathlib.Path, default=[], metavar="FILE",
+                       help="instead: the file of a module that has sp_board as u_board, and what it needs")
     parser.add_argument("--parameters", nargs="*", default=[], metavar="NAME=VALUE", help="of that module")
     arguments = parser.parse_args()
+    top = arguments.target[0].stem if arguments.target else arguments.top
     try:
-        rules = reason_list.read(LIST)
-        graph = Graph(netlist(arguments.rtl, arguments.parameters, arguments.target))
+        reasons = list_of(arguments.top)
+        rules = reason_list.read(reasons)
+        graph = Graph(netlist(arguments.rtl, top, arguments.parameters, arguments.target))
         crossings = graph.crossings()
     except (CrossingError, OSError, ValueError) as error:
         print(f"crossings.py: {error}", file=sys.stderr)
@@ -157,7 +168,7 @@ def main():
             if not fitting:
                 print(
                     f"crossings.py: {source} ({source_clock}) -> {target} ({target_clock}): "
-                    f"neither a synchronizer nor in {LIST.relative_to(ROOT)}",
+                    f"neither a synchronizer nor in {reasons.relative_to(ROOT)}",
                     file=sys.stderr,
                 )
                 wrong += 1
@@ -168,7 +179,7 @@ def main():
     for i, (of, to, _) in enumerate(rules):
         if i not in used:
             print(
-                f"crossings.py: {LIST.relative_to(ROOT)}: nothing crosses from {of.pattern} to {to.pattern}",
+                f"crossings.py: {reasons.relative_to(ROOT)}: nothing crosses from {of.pattern} to {to.pattern}",
                 file=sys.stderr,
             )
             wrong += 1

@@ -1,6 +1,6 @@
 // Front end for image sensors with a parallel port: pixel clock, frame valid, line valid, data.
 //
-//   sensor's clock: pixels ─▶ beats of four ─▶ sp_async_fifo ─▶ video, in the board's clock
+//   sensor's clock: pixels ─▶ sp_tap_gather ─▶ sp_beat_crossing ─▶ video, in the board's clock
 //
 // Guarantees: while frame valid and line valid are high, every clock of the sensor brings
 // PixelsPerClock pixels. The upper 8 bits of each pixel go to the board, four pixels a beat. A beat
@@ -60,58 +60,13 @@ module sp_parallel_sensor #(
   end
 `endif
 
-  // --- Reset of both sides: the board's side asks, the sensor's side resets and confirms ---
-  logic       ask_q;        // the sensor's side must be in reset
-  logic       asked;        // ask_q in the sensor's clock
-  logic [7:0] resting_q;    // asked in the last clocks of the sensor
-  logic       rested_q;     // the sensor's side was in reset for long enough
-  logic       rested;       // rested_q in the board's clock
-  logic       sensor_rst_q;
-
-  always_ff @(posedge clk_i) begin
-    if (rst_i) ask_q <= 1'b1;
-    else if (rested) ask_q <= 1'b0;
-  end
-
-  sp_sync u_asked (
-    .clk_i(sensor_clk_i),
-    .rst_i(1'b0),
-    .d_i  (ask_q),
-    .q_o  (asked)
-  );
-
-  always_ff @(posedge sensor_clk_i) begin
-    resting_q    <= asked ? {resting_q[6:0], 1'b1} : '0;
-    rested_q     <= asked && resting_q == '1;
-    sensor_rst_q <= asked;
-  end
-
-  sp_sync u_rested (
-    .clk_i(clk_i),
-    .rst_i(rst_i),
-    .d_i  (rested_q),
-    .q_o  (rested)
-  );
-
   // --- Pixels into beats, in the sensor's clock ---
-  localparam int Steps = 4 / PixelsPerClock;  // clocks of a beat
-  localparam int StepBits = $clog2(Steps);
-
   logic                        frame_q, frame_q2, line_q;
   logic [8*PixelsPerClock-1:0] pixels_q;
-  logic                        first_q;   // no beat of the frame is complete yet
-  logic                        open_q;    // the frame goes to the board
-  logic [StepBits-1:0]         step_q;    // clock within the beat that is gathered
-  logic [31:8*PixelsPerClock]  gather_q;  // pixels of this beat, the newest in the upper bits
-  logic [31:0]                 beat;      // these pixels and those of this clock
-  logic                        whole_q;   // a beat waits in held_q
-  logic [31:0]                 held_q;
-  logic                        held_first_q;
-  logic                        full;      // this clock completes a beat
-  logic                        ending;    // the line has ended
-  logic                        write, lost;
-  logic [LogDepth:0]           free;
-  logic                        overrun_q;  // changes with every frame that is cut off
+  logic                        full;        // this clock completes a beat
+  logic [31:0]                 beat;
+  logic                        sensor_rst;
+  logic                        unused_cut;
 
   for (genvar i = 0; i < PixelsPerClock; i++) begin : gen_pixel
     always_ff @(posedge sensor_clk_i) pixels_q[8*i+:8] <= data_i[Bits*(i+1)-1-:8];
@@ -125,67 +80,45 @@ module sp_parallel_sensor #(
     end
   end
 
-  assign beat   = {pixels_q, gather_q};
-  assign full   = line_q && step_q == StepBits'(Steps - 1);
-  assign ending = !line_q;
-  assign write  = whole_q && (full || ending);
-  assign lost   = write && free == '0;
-
   always_ff @(posedge sensor_clk_i) begin
     frame_q  <= frame_i;
     frame_q2 <= frame_q;
     line_q   <= line_i && frame_i;
-    if (sensor_rst_q) begin
-      open_q    <= 1'b0;
-      whole_q   <= 1'b0;
-      step_q    <= '0;
-      overrun_q <= 1'b0;
-    end else begin
-      if (frame_q && !frame_q2) open_q <= 1'b1;
-      else if (lost) open_q <= 1'b0;
-      step_q <= line_q ? step_q + 1'b1 : '0;
-      if (lost) whole_q <= 1'b0;
-      else if (full) whole_q <= open_q;
-      else if (ending) whole_q <= 1'b0;
-      if (lost) overrun_q <= !overrun_q;
-    end
-    if (line_q) gather_q <= beat[31:8*PixelsPerClock];
-    if (full) begin
-      held_q       <= beat;
-      held_first_q <= first_q;
-    end
-    if (frame_q && !frame_q2) first_q <= 1'b1;
-    else if (full) first_q <= 1'b0;
   end
 
+  sp_tap_gather #(
+    .Taps(PixelsPerClock)
+  ) u_gather (
+    .clk_i   (sensor_clk_i),
+    .rst_i   (sensor_rst),
+    .take_i  (line_q),
+    .clear_i (!line_q),
+    .pixels_i(pixels_q),
+    .full_o  (full),
+    .beat_o  (beat)
+  );
+
   // --- Into the board's clock ---
-  logic overrun_seen, overrun_seen_q;
-
-  sp_async_fifo #(
-    .Width   (34),
+  sp_beat_crossing #(
     .LogDepth(LogDepth)
-  ) u_fifo (
-    .wr_clk_i  (sensor_clk_i),
-    .wr_rst_i  (sensor_rst_q),
-    .wr_valid_i(write && !lost && !sensor_rst_q),
-    .wr_data_i ({held_first_q, ending, held_q}),
-    .wr_free_o (free),
-    .rd_clk_i  (clk_i),
-    .rd_rst_i  (ask_q),
-    .rd_valid_o(m_valid_o),
-    .rd_ready_i(1'b1),
-    .rd_data_o ({m_start_o, m_end_o, m_data_o})
+  ) u_crossing (
+    .camera_clk_i(sensor_clk_i),
+    .camera_rst_o(sensor_rst),
+    .begins_i    (frame_q && !frame_q2),
+    .full_i      (full),
+    .beat_i      (beat),
+    .ending_i    (!line_q),
+    .cut_i       (1'b0),
+    .clk_i       (clk_i),
+    .rst_i       (rst_i),
+    .m_valid_o   (m_valid_o),
+    .m_ready_i   (1'b1),
+    .m_data_o    (m_data_o),
+    .m_start_o   (m_start_o),
+    .m_end_o     (m_end_o),
+    .overrun_o   (overrun_o),
+    .cut_o       (unused_cut)
   );
-
-  sp_sync u_overrun (
-    .clk_i(clk_i),
-    .rst_i(ask_q),
-    .d_i  (overrun_q),
-    .q_o  (overrun_seen)
-  );
-
-  always_ff @(posedge clk_i) overrun_seen_q <= !ask_q && overrun_seen;
-  assign overrun_o = overrun_seen != overrun_seen_q;
 
 endmodule
 

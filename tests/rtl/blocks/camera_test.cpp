@@ -10,7 +10,7 @@
 
 #include "Vsp_parallel_sensor_ports.h"
 #include "Vsp_parallel_sensor_two_ports.h"
-#include "tests/rtl/blocks/camera_bench.h"
+#include "tests/rtl/blocks/camera_beats.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 

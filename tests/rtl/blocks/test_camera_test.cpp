@@ -13,7 +13,7 @@
 #include "model/code_word.h"
 #include "model/column_moments.h"
 #include "model/gray_decoder.h"
-#include "tests/rtl/blocks/camera_bench.h"
+#include "tests/rtl/blocks/camera_beats.h"
 #include "tests/rtl/blocks/clocked.h"
 
 namespace selfproj::test {

@@ -1,6 +1,6 @@
-// Beats of video as cameras give them.
-#ifndef SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_BENCH_H
-#define SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_BENCH_H
+// Beats of video, as the front ends of cameras give them to the board.
+#ifndef SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_BEATS_H
+#define SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_BEATS_H
 
 #include <cstdint>
 #include <vector>
@@ -17,6 +17,7 @@ struct Beat {
 
 using Frame = std::vector<Beat>;
 
+// What a camera's front end offers.
 template <typename Dut>
 Beat beat_of(Dut& dut) {
   return {dut->m_data_o, dut->m_start_o != 0, dut->m_end_o != 0};
@@ -32,4 +33,4 @@ void name_ports(Camera& camera) {
 
 }  // namespace selfproj::test
 
-#endif  // SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_BENCH_H
+#endif  // SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_BEATS_H

@@ -1,0 +1,116 @@
+// The front end for Camera Link on an ECP5: lanes of one or two cables into video for the board.
+//
+//   lanes ─▶ ecp5_channel_link ─▶ sp_channel_link_lock ─▶ sp_camera_link ─▶ video
+//
+// The edge clocks come from PLLs outside; ecp5_camera_link_pins has them. A link's own clock,
+// divided from its edge clock, has the camera's frequency with Samples = 1, and twice it with 2.
+// Base leaves the ports of Y alone.
+`default_nettype none
+
+module ecp5_camera_link #(
+  parameter int Taps = 2,  // 1, 2, 3: Base; 4: Medium
+  parameter int Bits = 8,
+  parameter int Samples = 1,  // of each bit: 1, or 2, which notices lanes out of place
+  parameter int LogGood = 8,  // log2 of the right words before a link is locked
+  parameter logic [34:0] DelaysX = '0,  // see ecp5_channel_link
+  parameter logic [34:0] DelaysY = '0
+) (
+  input  wire logic [4:0]  x_lanes_i,   // data 0 to 3, clock
+  input  wire logic        x_eclk_i,    // 3.5 or 7 times the camera's clock
+  input  wire logic        x_good_i,    // that clock is good (the PLL's lock)
+  input  wire logic [4:0]  y_lanes_i,
+  input  wire logic        y_eclk_i,
+  input  wire logic        y_good_i,
+
+  input  wire logic        clk_i,
+  input  wire logic        rst_i,       // active high, synchronous to clk_i
+  output logic             m_valid_o,
+  output logic      [31:0] m_data_o,
+  output logic             m_start_o,
+  output logic             m_end_o,
+  output logic             overrun_o,
+  output logic             lost_o,
+  output logic             apart_o,
+  output logic      [1:0]  locked_o     // X, Y; each in its link's clock, and low without it
+);
+
+  logic [1:0]  sclk, locked, valid;
+  logic [55:0] words;
+
+  for (genvar k = 0; k < 2; k++) begin : gen_link
+    if (k == 0 || Taps == 4) begin : gen_used
+      logic        good, align, unused;
+      logic [2:0]  good_q;
+      logic [34:0] samples;
+
+      assign good = k == 0 ? x_good_i : y_good_i;
+
+      ecp5_channel_link #(
+        .Delays(k == 0 ? DelaysX : DelaysY)
+      ) u_link (
+        .lanes_i  (k == 0 ? x_lanes_i : y_lanes_i),
+        .eclk_i   (k == 0 ? x_eclk_i : y_eclk_i),
+        .rst_i    (!good),
+        .align_i  (align),
+        .sclk_o   (sclk[k]),
+        .samples_o(samples)
+      );
+
+      // It falls with the PLL's lock, whose fall also stops the clock. So training begins anew, and
+      // the frame is cut off, when the clock is back.
+      always_ff @(posedge sclk[k] or negedge good) begin
+        if (!good) good_q <= '0;
+        else good_q <= {good_q[1:0], 1'b1};
+      end
+
+      sp_channel_link_lock #(
+        .Samples(Samples),
+        .LogGood(LogGood)
+      ) u_lock (
+        .clk_i   (sclk[k]),
+        .rst_i   (!good_q[2]),
+        .lanes_i (samples),
+        .align_o (align),
+        .locked_o(locked[k]),
+        .valid_o (valid[k]),
+        .word_o  (words[28*k+:28]),
+        .error_o (unused)
+      );
+      assign locked_o[k] = locked[k] && good_q[2];
+    end else begin : gen_unused
+      logic unused;
+      assign unused         = ^{y_lanes_i, y_eclk_i, y_good_i, DelaysY};
+      assign sclk[k]        = 1'b0;
+      assign locked[k]      = 1'b0;
+      assign locked_o[k]    = 1'b0;
+      assign valid[k]       = 1'b0;
+      assign words[28*k+:28] = '0;
+    end
+  end
+
+  sp_camera_link #(
+    .Taps(Taps),
+    .Bits(Bits)
+  ) u_front (
+    .x_clk_i   (sclk[0]),
+    .x_locked_i(locked[0]),
+    .x_valid_i (valid[0]),
+    .x_word_i  (words[27:0]),
+    .y_clk_i   (sclk[1]),
+    .y_locked_i(locked[1]),
+    .y_valid_i (valid[1]),
+    .y_word_i  (words[55:28]),
+    .clk_i     (clk_i),
+    .rst_i     (rst_i),
+    .m_valid_o (m_valid_o),
+    .m_data_o  (m_data_o),
+    .m_start_o (m_start_o),
+    .m_end_o   (m_end_o),
+    .overrun_o (overrun_o),
+    .lost_o    (lost_o),
+    .apart_o   (apart_o)
+  );
+
+endmodule
+
+`default_nettype wire

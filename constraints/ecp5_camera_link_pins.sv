@@ -1,0 +1,116 @@
+// The front end for Camera Link alone on an ECP5, with PLLs and pins, to place and route it.
+//
+// A PLL's oscillator runs at Divider times the camera's clock, which must be 400 to 800 MHz: with
+// Divider = 7 the camera has 58 to 108 MHz (only with Samples = 1), with 14 it has 29 to 57 MHz.
+// The samples are half a bit behind the edges of the clock lane with Samples = 1, and a quarter and
+// three quarters with 2, if all delays on the chip are equal; Phase corrects what they are not.
+`default_nettype none
+
+module ecp5_camera_link_pins #(
+  parameter int Taps = 3,
+  parameter int Samples = 1,
+  parameter int Divider = 7,  // 7 or 14
+  parameter int Phase = 8 * Divider / (14 * Samples)  // of the samples, in eighths of its period
+) (
+  input  wire logic [4:0]  x_lanes_i,   // data 0 to 3, clock
+  input  wire logic        x_pll_clk_i,  // the clock lane once more
+  input  wire logic [4:0]  y_lanes_i,
+  input  wire logic        y_pll_clk_i,
+
+  input  wire logic        clk_i,
+  input  wire logic        rst_i,
+  output logic             m_valid_o,
+  output logic      [31:0] m_data_o,
+  output logic             m_start_o,
+  output logic             m_end_o,
+  output logic             overrun_o,
+  output logic             lost_o,
+  output logic             apart_o
+);
+
+  localparam int EdgeDivider = 2 * Divider / (7 * Samples);
+
+  logic [1:0] eclk, good, unused_locked;
+
+  for (genvar k = 0; k < 2; k++) begin : gen_pll
+    if (k == 0 || Taps == 4) begin : gen_used
+      logic clk, unused_2, unused_3, unused_intlock, unused_refclk, unused_clkintfb;
+
+      (* ICP_CURRENT = "12", LPF_RESISTOR = "8" *)
+      EHXPLLL #(
+        .PLLRST_ENA     ("DISABLED"),
+        .INTFB_WAKE     ("DISABLED"),
+        .STDBY_ENABLE   ("DISABLED"),
+        .DPHASE_SOURCE  ("DISABLED"),
+        .OUTDIVIDER_MUXA("DIVA"),
+        .OUTDIVIDER_MUXB("DIVB"),
+        .OUTDIVIDER_MUXC("DIVC"),
+        .OUTDIVIDER_MUXD("DIVD"),
+        .CLKI_DIV       (1),
+        .CLKFB_DIV      (1),
+        .FEEDBK_PATH    ("CLKOP"),
+        .CLKOP_ENABLE   ("ENABLED"),
+        .CLKOP_DIV      (Divider),
+        .CLKOP_CPHASE   (Divider - 1),
+        .CLKOP_FPHASE   (0),
+        .CLKOS_ENABLE   ("ENABLED"),
+        .CLKOS_DIV      (EdgeDivider),
+        .CLKOS_CPHASE   (EdgeDivider - 1 + Phase / 8),
+        .CLKOS_FPHASE   (Phase % 8)
+      ) u_pll (
+        .CLKI        (k == 0 ? x_pll_clk_i : y_pll_clk_i),
+        .CLKFB       (clk),
+        .RST         (1'b0),
+        .STDBY       (1'b0),
+        .PHASESEL0   (1'b0),
+        .PHASESEL1   (1'b0),
+        .PHASEDIR    (1'b1),
+        .PHASESTEP   (1'b1),
+        .PHASELOADREG(1'b1),
+        .PLLWAKESYNC (1'b0),
+        .ENCLKOP     (1'b0),
+        .ENCLKOS     (1'b0),
+        .ENCLKOS2    (1'b0),
+        .ENCLKOS3    (1'b0),
+        .CLKOP       (clk),
+        .CLKOS       (eclk[k]),
+        .CLKOS2      (unused_2),
+        .CLKOS3      (unused_3),
+        .LOCK        (good[k]),
+        .INTLOCK     (unused_intlock),
+        .REFCLK      (unused_refclk),
+        .CLKINTFB    (unused_clkintfb)
+      );
+    end else begin : gen_unused
+      logic unused;
+      assign unused  = y_pll_clk_i;
+      assign eclk[k] = 1'b0;
+      assign good[k] = 1'b0;
+    end
+  end
+
+  ecp5_camera_link #(
+    .Taps   (Taps),
+    .Samples(Samples)
+  ) u_link (
+    .x_lanes_i(x_lanes_i),
+    .x_eclk_i (eclk[0]),
+    .x_good_i (good[0]),
+    .y_lanes_i(y_lanes_i),
+    .y_eclk_i (eclk[1]),
+    .y_good_i (good[1]),
+    .clk_i    (clk_i),
+    .rst_i    (rst_i),
+    .m_valid_o(m_valid_o),
+    .m_data_o (m_data_o),
+    .m_start_o(m_start_o),
+    .m_end_o  (m_end_o),
+    .overrun_o(overrun_o),
+    .lost_o   (lost_o),
+    .apart_o  (apart_o),
+    .locked_o (unused_locked)
+  );
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,188 @@
+// A Camera Link camera, and what the board must get from it.
+//
+// The tables of the bits have the standard's names: A0 is bit 0 of port A; L, F, D are line, frame and data valid, S is
+// the spare bit.
+#ifndef SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_BENCH_H
+#define SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_BENCH_H
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <string_view>
+#include <vector>
+
+#include "tests/rtl/blocks/camera_beats.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+
+// What one Channel Link carries in one clock.
+struct LinkPins {
+  bool frame = false;
+  bool line = false;
+  bool data = false;
+  bool spare = false;
+  std::array<std::uint8_t, 3> ports{};  // A, B, C of X; D, E, F of Y
+
+  [[nodiscard]] bool bit(std::string_view name) const {
+    switch (name[0]) {
+      case 'L':
+        return line;
+      case 'F':
+        return frame;
+      case 'D':
+        return data;
+      case 'S':
+        return spare;
+      default:
+        return (ports[static_cast<std::size_t>(name[0] - 'A')] >> static_cast<unsigned>(name[1] - '0') & 1U) != 0;
+    }
+  }
+};
+
+// Outputs 0 to 27 of a receiver chip.
+inline std::uint32_t link_word(const LinkPins& pins) {
+  constexpr std::array<std::string_view, 28> kOutputs = {"A0", "A1", "A2", "A3", "A4", "A7", "A5", "B0", "B1", "B2",
+                                                         "B6", "B7", "B3", "B4", "B5", "C0", "C6", "C7", "C1", "C2",
+                                                         "C3", "C4", "C5", "S",  "L",  "F",  "D",  "A6"};
+  std::uint32_t word = 0;
+  for (std::size_t i = 0; i < kOutputs.size(); ++i) {
+    word |= static_cast<std::uint32_t>(pins.bit(kOutputs[i])) << i;
+  }
+  return word;
+}
+
+constexpr int kLanes = 5;  // four of data, and the clock
+constexpr int kBitsOfLane = 7;
+constexpr int kClockLane = 4;
+
+// Bit `at` (0 is the first in time) of a lane.
+inline bool lane_bit(const LinkPins& pins, int lane, int at) {
+  constexpr std::array<std::array<std::string_view, kBitsOfLane>, kLanes - 1> kOrder = {
+      {{"B0", "A5", "A4", "A3", "A2", "A1", "A0"},
+       {"C1", "C0", "B5", "B4", "B3", "B2", "B1"},
+       {"D", "F", "L", "C5", "C4", "C3", "C2"},
+       {"S", "C7", "C6", "B7", "B6", "A7", "A6"}}};
+  if (lane == kClockLane) {
+    return at < 2 || at > 4;
+  }
+  return pins.bit(kOrder[static_cast<std::size_t>(lane)][static_cast<std::size_t>(at)]);
+}
+
+// A camera with a queue of what it sends: X and Y, clock by clock.
+class LinkCamera {
+ public:
+  LinkCamera(Random& random, int taps, int bits) : random_(random), taps_(taps), bits_(bits) {}
+
+  struct Sent {
+    std::array<LinkPins, 2> links;
+    std::size_t frame = 0;  // number of the frame to which it belongs, or behind which it lies
+    bool pause = false;     // a clock without a word
+  };
+
+  struct Shape {
+    int rows = 1;
+    int columns = 4;               // a multiple of the taps
+    int most_gap = 1;              // most words between two lines
+    int without_data = 0;          // percent of words of a line without data valid, before each group of pixels
+    bool frame_ends_line = false;  // the last line ends with frame valid, while line valid stays
+  };
+
+  // Queues a frame and at least one word without frame valid behind it. Returns it as the board is to get it.
+  Frame send(const Shape& shape) {
+    Frame due;
+    for (int lead = random_.between(0, 3); lead > 0; --lead) {
+      push(true, false, random_.chance(50));
+    }
+    for (int row = 0; row < shape.rows; ++row) {
+      std::uint32_t beat = 0;
+      for (int column = 0; column < shape.columns; column += taps_) {
+        while (random_.chance(shape.without_data)) {
+          push(true, true, false);
+        }
+        const std::vector<std::uint32_t> pixels = push(true, true, true);
+        for (int i = 0; i < taps_; ++i) {
+          beat = beat >> 8U | pixels[static_cast<std::size_t>(i)] >> static_cast<unsigned>(bits_ - 8) << 24U;
+          if ((column + i) % 4 == 3) {
+            due.push_back({beat, due.empty(), column + i + 4 >= shape.columns});
+          }
+        }
+      }
+      const bool last = row + 1 == shape.rows;
+      for (int gap = random_.between(1, shape.most_gap); gap > 0; --gap) {
+        push(!last, last && (shape.frame_ends_line || random_.chance(50)), random_.chance(50));
+      }
+    }
+    ++frames_;
+    return due;
+  }
+
+  std::deque<Sent>& queue() { return queue_; }
+  [[nodiscard]] std::size_t frames() const { return frames_; }
+
+ private:
+  // One clock with random pixels and random unused bits. Returns the pixels.
+  std::vector<std::uint32_t> push(bool frame, bool line, bool data) {
+    Sent sent;
+    sent.frame = frames_;
+    for (LinkPins& pins : sent.links) {
+      pins.frame = frame;
+      pins.line = line;
+      pins.data = data;
+      pins.spare = random_.chance(50);
+      for (std::uint8_t& port : pins.ports) {
+        port = static_cast<std::uint8_t>(random_.bits());
+      }
+    }
+    std::vector<std::uint32_t> pixels;
+    for (int tap = 0; tap < taps_; ++tap) {
+      pixels.push_back(static_cast<std::uint32_t>(random_.between(0, (1 << bits_) - 1)));
+      if (bits_ == 8) {
+        sent.links[tap == 3 ? 1 : 0].ports[tap == 3 ? 0 : static_cast<std::size_t>(tap)] =
+            static_cast<std::uint8_t>(pixels.back());
+      } else {  // the lower 8 bits in port A or C, the others in one half of B
+        std::array<std::uint8_t, 3>& ports = sent.links[0].ports;
+        ports[tap == 0 ? 0 : 2] = static_cast<std::uint8_t>(pixels.back());
+        const std::uint32_t above = pixels.back() >> 8U;
+        const std::uint32_t mask = (1U << static_cast<unsigned>(bits_ - 8)) - 1;
+        const unsigned at = tap == 0 ? 0 : 4;
+        ports[1] = static_cast<std::uint8_t>((ports[1] & ~(mask << at)) | above << at);
+      }
+    }
+    queue_.push_back(sent);
+    return pixels;
+  }
+
+  Random& random_;
+  int taps_;
+  int bits_;
+  std::size_t frames_ = 0;
+  std::deque<Sent> queue_;
+};
+
+// Checks beats against the frames that were sent: each comes whole, or ends early and never goes on. Only the frames of
+// `may_break` may end early or be missing. Returns how many are not whole.
+inline int expect_frames(const std::vector<Beat>& beats, const std::vector<Frame>& sent,
+                         const std::vector<bool>& may_break) {
+  std::size_t at = 0;
+  int broken = 0;
+  for (std::size_t number = 0; number < sent.size(); ++number) {
+    const Frame& frame = sent[number];
+    std::size_t same = 0;
+    while (same < frame.size() && at < beats.size() && beats[at] == frame[same]) {
+      ++at;
+      ++same;
+    }
+    broken += same < frame.size() ? 1 : 0;
+    EXPECT_TRUE(same == frame.size() || may_break[number]) << "frame " << number << " ends after " << same << " beats";
+  }
+  EXPECT_EQ(at, beats.size()) << "a beat that belongs to no frame, or to another one";
+  return broken;
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_RTL_BLOCKS_CAMERA_LINK_BENCH_H

@@ -1,0 +1,443 @@
+// Tests the front end for Camera Link with words: a camera with gaps, lines of any length, links that lose their lock,
+// and a board that is too slow; and the training of the deserializer with samples.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "Vsp_camera_link_medium_ports.h"
+#include "Vsp_camera_link_one_ports.h"
+#include "Vsp_camera_link_three_ports.h"
+#include "Vsp_camera_link_two_ports.h"
+#include "tests/rtl/blocks/camera_beats.h"
+#include "tests/rtl/blocks/camera_link_bench.h"
+#include "tests/rtl/blocks/clocked.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+namespace {
+
+// A camera, its one or two links, and the board's side of the front end. Times are in thousandths of the camera's
+// clock.
+template <typename Dut>
+class LinkBench {
+ public:
+  static constexpr std::int64_t kWord = 1000;
+
+  // `board`: the board's period; `late`: of Y behind X; `pauses`: percent of the clocks of both links without a word.
+  LinkBench(std::uint64_t seed, int taps, int bits, std::int64_t board, std::int64_t late = 0, int pauses = 0)
+      : random_(seed), camera_(random_, taps, bits), board_(board), pauses_(pauses) {
+    links_[1].next = late;
+    name_ports(dut_);
+    for (const char* port : {"overrun_o", "lost_o", "apart_o"}) {
+      dut_.valid_when(port, [this] { return known_; });
+    }
+    dut_->x_clk_i = dut_->y_clk_i = dut_->clk_i = 0;
+    dut_->x_locked_i = dut_->y_locked_i = 0;
+    dut_->x_valid_i = dut_->y_valid_i = 0;
+    dut_->x_word_i = dut_->y_word_i = 0;
+    reset();
+    known_ = true;
+    clocks(100);
+  }
+
+  void reset() {
+    dut_->rst_i = 1;
+    clocks(4);
+    dut_->rst_i = 0;
+    dut_.outputs_are_known();
+  }
+
+  // Queues a frame; its number is that of all frames before.
+  void send(const LinkCamera::Shape& shape) {
+    sent_.push_back(camera_.send(shape));
+    may_break_.push_back(false);
+    hand_out();
+  }
+
+  // A frame of any shape that the board can take; with Medium, one that lasts longer than links wait for each other.
+  void send_any(int without_data = 20) {
+    const int taps = taps_of();
+    send({.rows = random_.between(1, 6),
+          .columns = taps * random_.between(taps == 4 ? 20 : (3 + taps) / taps, 30),
+          .most_gap = random_.chance(50) ? 1 : 9,
+          .without_data = random_.chance(50) ? 0 : without_data,
+          .frame_ends_line = random_.chance(30)});
+  }
+
+  // Until the links have sent everything, and `quiet` clocks of the board more.
+  void drain(int quiet = 300) {
+    while (!links_[0].queue.empty() || !links_[1].queue.empty()) {
+      step();
+    }
+    clocks(quiet);
+  }
+
+  // Clocks of the board.
+  void clocks(int count) {
+    while (count > 0) {
+      count -= step() ? 1 : 0;
+    }
+  }
+
+  // The link loses its lock for some of its clocks. Words that it sends meanwhile are lost.
+  void lose_lock(int link, int clocks) { links_[static_cast<std::size_t>(link)].unlocked = clocks; }
+
+  [[nodiscard]] bool sending() const { return !links_[0].queue.empty(); }
+  Random& random() { return random_; }
+  [[nodiscard]] const std::vector<Beat>& beats() const { return beats_; }
+  [[nodiscard]] int overruns() const { return overruns_; }
+  [[nodiscard]] int lost() const { return lost_; }
+  [[nodiscard]] int apart() const { return apart_; }
+  void all_may_break() { std::fill(may_break_.begin(), may_break_.end(), true); }
+  void may_break(std::size_t frame) { may_break_.at(frame) = true; }
+  Frame& frame(std::size_t number) { return sent_.at(number); }  // as it is due
+  void forget() {
+    beats_.clear();
+    sent_.clear();
+    may_break_.clear();
+    first_ = camera_.frames();
+  }
+  int expect_frames_sent() { return expect_frames(beats_, sent_, may_break_); }
+
+  // Makes the first line from this word on a line of one word.
+  static void shorten_line(std::deque<LinkCamera::Sent>& words, std::size_t from) {
+    while (!words[from].links[0].line) {
+      ++from;
+    }
+    for (++from; words[from].links[0].frame && words[from].links[0].line; ++from) {
+      words[from].links[0].line = words[from].links[1].line = false;
+    }
+  }
+
+  // The words that wait, of X (0) or Y (1); a test may change them.
+  std::deque<LinkCamera::Sent>& words(std::size_t link) { return links_[link].queue; }
+
+ private:
+  struct Link {
+    std::deque<LinkCamera::Sent> queue;
+    std::int64_t next = 0;
+    int unlocked = 4;     // clocks
+    bool missed = false;  // something, since the last word that was not lost
+  };
+
+  [[nodiscard]] int taps_of() const { return camera_taps(dut_type()); }
+  static Dut* dut_type() { return nullptr; }
+  static int camera_taps(Vsp_camera_link_one* /*unused*/) { return 1; }
+  static int camera_taps(Vsp_camera_link_two* /*unused*/) { return 2; }
+  static int camera_taps(Vsp_camera_link_three* /*unused*/) { return 3; }
+  static int camera_taps(Vsp_camera_link_medium* /*unused*/) { return 4; }
+
+  void hand_out() {
+    for (LinkCamera::Sent& sent : camera_.queue()) {
+      while (random_.chance(pauses_)) {
+        links_[0].queue.push_back({.links = {}, .frame = 0, .pause = true});
+        links_[1].queue.push_back({.links = {}, .frame = 0, .pause = true});
+      }
+      links_[0].queue.push_back(sent);
+      links_[1].queue.push_back(sent);
+    }
+    camera_.queue().clear();
+  }
+
+  void breaks(std::size_t frame) {
+    if (frame >= first_ && frame - first_ < may_break_.size()) {
+      may_break_[frame - first_] = true;
+    }
+  }
+
+  // Sets the inputs of a link for its next clock.
+  void set(std::size_t number) {
+    Link& link = links_[number];
+    const bool locked = link.unlocked == 0;
+    const bool pause = !link.queue.empty() && link.queue.front().pause;
+    link.missed = link.missed || !locked;
+    std::uint32_t word = static_cast<std::uint32_t>(random_.bits()) & 0xFFFFFFFU;
+    if (!pause) {
+      word = link.queue.empty() ? link_word({.data = true}) : link_word(link.queue.front().links[number]);
+      if (!link.queue.empty() && link.missed) {
+        breaks(link.queue.front().frame);
+      }
+      link.missed = !locked;
+    }
+    if (!link.queue.empty()) {
+      link.queue.pop_front();
+    }
+    const bool valid = locked && !pause;
+    link.unlocked -= locked ? 0 : 1;
+    (number == 0 ? dut_->x_locked_i : dut_->y_locked_i) = locked;
+    (number == 0 ? dut_->x_valid_i : dut_->y_valid_i) = valid;
+    (number == 0 ? dut_->x_word_i : dut_->y_word_i) = word;
+  }
+
+  // The next rise of a clock; returns whether it is the board's.
+  bool step() {
+    const std::int64_t now = std::min({links_[0].next, links_[1].next, next_board_});
+    std::array<bool, 2> rises{};
+    for (std::size_t number = 0; number < 2; ++number) {
+      rises[number] = links_[number].next == now;
+      if (rises[number]) {
+        (number == 0 ? dut_->x_clk_i : dut_->y_clk_i) = 0;
+        set(number);
+        links_[number].next += kWord;
+      }
+    }
+    const bool board = next_board_ == now;
+    if (board) {
+      dut_->clk_i = 0;
+      next_board_ += board_;
+    }
+    dut_.eval();
+    if (board && known_) {
+      if (dut_->m_valid_o) {
+        beats_.push_back(beat_of(dut_));
+      }
+      overruns_ += dut_->overrun_o;
+      lost_ += dut_->lost_o;
+      apart_ += dut_->apart_o;
+    }
+    dut_->x_clk_i = rises[0] ? 1 : dut_->x_clk_i;
+    dut_->y_clk_i = rises[1] ? 1 : dut_->y_clk_i;
+    dut_->clk_i = board ? 1 : dut_->clk_i;
+    dut_.eval();
+    return board;
+  }
+
+  Random random_;
+  LinkCamera camera_;
+  std::int64_t board_;
+  int pauses_;
+  Model<Dut> dut_;
+  std::array<Link, 2> links_;
+  std::int64_t next_board_ = 0;
+  std::vector<Frame> sent_;
+  std::vector<bool> may_break_;
+  std::size_t first_ = 0;  // number of the first frame in sent_
+  std::vector<Beat> beats_;
+  int overruns_ = 0;
+  int lost_ = 0;
+  int apart_ = 0;
+  bool known_ = false;
+};
+
+// Frames of any shape come whole, with boards that are faster and slower than the links.
+template <typename Dut>
+void expect_every_beat(int taps, int bits) {
+  for (const std::uint64_t seed : seeds(12)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    const std::int64_t board = taps == 4 ? random.between(400, 999) : random.between(300, 1000 * 4 / taps - 20);
+    LinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 2000), random.chance(50) ? 0 : 30);
+    bench.forget();
+    for (int frame = 0; frame < 15; ++frame) {
+      bench.send_any();
+    }
+    bench.drain();
+    EXPECT_EQ(bench.expect_frames_sent(), 0);
+    EXPECT_EQ(bench.overruns() + bench.apart() + bench.lost(), 0);
+  }
+}
+TEST(CameraLink, OneTap) { expect_every_beat<Vsp_camera_link_one>(1, 10); }
+TEST(CameraLink, TwoTaps) { expect_every_beat<Vsp_camera_link_two>(2, 12); }
+TEST(CameraLink, ThreeTaps) { expect_every_beat<Vsp_camera_link_three>(3, 8); }
+TEST(CameraLink, Medium) { expect_every_beat<Vsp_camera_link_medium>(4, 8); }
+
+// Links that lose their lock: what they send meanwhile is lost, and the frames that it belongs to end there.
+template <typename Dut>
+void expect_cuts(int taps, int bits) {
+  int broken = 0;
+  for (const std::uint64_t seed : seeds(12)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed + 1000);
+    LinkBench<Dut> bench(seed, taps, bits, random.between(400, 700), random.between(0, 900),
+                         random.chance(50) ? 0 : 20);
+    bench.forget();
+    for (int frame = 0; frame < 30; ++frame) {
+      bench.send_any();
+    }
+    int losses = 0;
+    while (bench.sending()) {
+      bench.clocks(random.between(30, 400));
+      bench.lose_lock(taps == 4 ? random.between(0, 1) : 0, random.between(1, 40));
+      ++losses;
+      bench.clocks(120);
+    }
+    bench.drain();
+    broken += bench.expect_frames_sent();
+    EXPECT_EQ(bench.lost(), losses);
+    EXPECT_EQ(bench.overruns(), 0);
+  }
+  if (runs_all_cases()) {
+    EXPECT_GT(broken, 20);
+  }
+}
+TEST(CameraLink, AFrameEndsWhereTheLockIsLost) {
+  expect_cuts<Vsp_camera_link_one>(1, 10);
+  expect_cuts<Vsp_camera_link_three>(3, 8);
+}
+TEST(CameraLink, MediumEndsAFrameWhereOneLinkIsLost) { expect_cuts<Vsp_camera_link_medium>(4, 8); }
+
+// A board too slow: each frame comes whole, or it is the beginning of one, and counted. Both links of Medium count.
+template <typename Dut>
+void expect_overruns(int taps) {
+  int cut_off = 0;
+  int whole = 0;
+  for (const std::uint64_t seed : seeds(12)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    LinkBench<Dut> bench(seed, taps, 8, random.between(1500, 3000));
+    bench.forget();
+    for (int frame = 0; frame < 30; ++frame) {
+      bench.send({.rows = random.between(2, 7),
+                  .columns = taps * random.between(taps == 4 ? 10 : 4, 30),
+                  .most_gap = random.chance(50) ? 2 : 60});
+      bench.all_may_break();
+    }
+    bench.drain();
+    const int broken = bench.expect_frames_sent();
+    EXPECT_GE(bench.overruns(), broken);
+    EXPECT_LE(bench.overruns(), taps == 4 ? 2 * broken : broken);
+    EXPECT_EQ(bench.lost(), 0);
+    cut_off += broken;
+    whole += 30 - broken;
+  }
+  if (runs_all_cases()) {
+    EXPECT_GT(cut_off, 50);
+    EXPECT_GT(whole, 50);
+  }
+}
+TEST(CameraLink, AFrameThatIsTooFastIsCutOffAndCounted) { expect_overruns<Vsp_camera_link_three>(3); }
+TEST(CameraLink, MediumCutsAFrameThatIsTooFast) { expect_overruns<Vsp_camera_link_medium>(4); }
+
+// A board that is so slow that it takes nothing before a line has ended: a line of as many beats as the FIFO has places
+// comes whole, and of a longer one just as many beats.
+template <typename Dut>
+void expect_places(int taps, int places) {
+  for (const std::uint64_t seed : seeds(6)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    LinkBench<Dut> bench(seed, taps, 8, 20'000, random.between(0, 900));
+    const auto line = [&](int beats) {
+      bench.forget();
+      bench.send({.rows = 1, .columns = (4 * beats + taps - 1) / taps * taps});
+      bench.all_may_break();
+      // Y comes two clocks of the board later, so that X and Y tell their overruns in different clocks.
+      bench.words(1).insert(bench.words(1).begin(), 45, LinkCamera::Sent{});
+      bench.drain(60);
+      const int broken = bench.expect_frames_sent();
+      EXPECT_EQ(broken, beats > places ? 1 : 0) << beats << " beats";
+      EXPECT_EQ(bench.beats().size(), static_cast<std::size_t>(std::min(beats, places)));
+      return broken;
+    };
+    int broken = 0;
+    for (int round = 0; round < 12; ++round) {
+      line(random.between(1, places - 1));
+      line(places);
+      if (round % 3 == 2) {
+        broken += line(places + random.between(1, 2));
+      }
+    }
+    EXPECT_EQ(bench.overruns(), taps == 4 ? 2 * broken : broken);
+    EXPECT_EQ(bench.lost(), 0);
+  }
+}
+TEST(CameraLink, TheFifoHoldsAsManyBeatsAsItHasPlaces) { expect_places<Vsp_camera_link_three>(3, 16); }
+TEST(CameraLink, TheFifosOfMediumHoldAsManyBeatsAsTheyHavePlaces) { expect_places<Vsp_camera_link_medium>(4, 32); }
+
+// A word, the end of a line, a whole frame, or the last line of a frame that only one link has: the frame ends there,
+// and the next one is whole.
+TEST(CameraLink, MediumNoticesLinksThatDoNotAgree) {
+  for (const std::uint64_t seed : seeds(30)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    LinkBench<Vsp_camera_link_medium> bench(seed, 4, 8, random.between(400, 900), random.between(0, 900));
+    bench.forget();
+    bench.send_any();
+    bench.drain();
+    const int kind = static_cast<int>(seed % 5);
+    const int beats = kind < 3 ? 10 : 6;  // of a line
+    bench.send({.rows = 3, .columns = 4 * beats, .most_gap = kind < 3 ? 4 : 1});
+    const std::size_t link = kind < 3 ? random.chance(50) : static_cast<std::size_t>(kind - 3);
+    std::deque<LinkCamera::Sent>& words = bench.words(link);
+    const auto of_line = [link](const LinkCamera::Sent& sent) {
+      return sent.links[link].frame && sent.links[link].line;
+    };
+    Frame& due = bench.frame(1);
+    std::vector<std::size_t> pixels;  // where the words with pixels are
+    for (std::size_t at = 0; at < words.size(); ++at) {
+      if (of_line(words[at])) {
+        pixels.push_back(at);
+      }
+    }
+    const auto beat = static_cast<std::size_t>(random.between(10, 18));
+    if (kind == 0) {  // a word has no pixel: noticed at the end of the line, and until then the link is one pixel ahead
+      words[pixels[beat]].links[link].data = false;
+      const std::uint32_t mask = link == 0 ? 0xFFFFFFU : 0xFF000000U;
+      for (std::size_t after = beat; after < 18; ++after) {
+        due[after].pixels = (due[after].pixels & ~mask) | (due[after + 1].pixels & mask);
+      }
+      due.resize(18);
+    } else if (kind == 1) {  // the rest of a line is missing
+      for (std::size_t after = beat + 1; after < 20; ++after) {
+        words[pixels[after]].links[link].line = false;
+      }
+      due.resize(beat);
+    } else if (kind == 2) {  // the frame is missing
+      for (LinkCamera::Sent& sent : words) {
+        sent.links[link].frame = false;
+      }
+      due.clear();
+    } else {  // the last line is missing, and the next frame comes at once
+      for (std::size_t after = 12; after < 18; ++after) {
+        words[pixels[after]].links[link].line = false;
+      }
+      due.resize(12);
+    }
+    if (kind < 3 && random.chance(50)) {
+      bench.drain();
+    }
+    if (random.chance(50)) {  // after that, a frame whose first line has one word on one link: a start and an end
+      std::deque<LinkCamera::Sent>& more = bench.words(random.chance(50));
+      const std::size_t before = more.size();
+      bench.send({.rows = 2, .columns = 96, .most_gap = 1});
+      bench.shorten_line(more, before);
+      bench.frame(2).clear();
+    }
+    for (int frame = 0; frame < 3; ++frame) {
+      bench.send_any();
+    }
+    bench.drain();
+    EXPECT_EQ(bench.expect_frames_sent(), 0);
+    EXPECT_GE(bench.apart(), 1);
+    EXPECT_EQ(bench.lost(), 0);
+  }
+}
+
+// Resets in the middle of a frame: what comes after begins with a whole frame.
+TEST(CameraLink, AfterAResetTheNextFrameIsTheFirst) {
+  for (const std::uint64_t seed : seeds(12)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    LinkBench<Vsp_camera_link_medium> bench(seed, 4, 8, random.between(400, 900), random.between(0, 900));
+    for (int round = 0; round < 3; ++round) {
+      bench.send({.rows = 4, .columns = 60, .most_gap = 3});
+      bench.clocks(random.between(0, 60));
+      bench.reset();
+      bench.forget();
+      bench.drain();
+      EXPECT_TRUE(bench.beats().empty()) << "the rest of a frame";
+      bench.forget();
+      bench.send_any();
+      bench.drain();
+      EXPECT_EQ(bench.expect_frames_sent(), 0);
+    }
+    EXPECT_EQ(bench.lost(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace selfproj::test
