@@ -41,7 +41,7 @@ def list_of(top):
 
 
 def netlist(rtl, top, parameters, target):
-    """The flattened module after `proc` and `memory`, as Yosys's JSON; `target`: the files that it needs beside rtl/."""
+    """The flattened module after `proc` and `memory`, as Yosys's JSON. `target`: files that it needs beside rtl/."""
     files = rtl_tree.sources_of(top, rtl, target)
     files += [path for path in target if path not in files]
     with tempfile.TemporaryDirectory(prefix="crossings.") as folder:

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <future>
