@@ -72,14 +72,15 @@ module acorn_system #(
     .Rows       (Rows),
     .FrameClocks(FrameClocks)
   ) u_camera (
-    .clk_i    (clk_i),
-    .rst_i    (rst_i),
-    .run_i    (1'b1),
-    .trigger_i(camera_trigger_o),
-    .m_valid_o(video_valid),
-    .m_data_o (video_data),
-    .m_start_o(video_start),
-    .m_end_o  (video_end)
+    .clk_i     (clk_i),
+    .rst_i     (rst_i),
+    .run_i     (1'b1),
+    .trigger_i (camera_trigger_o),
+    .patterns_i(1'b0),  // the line
+    .m_valid_o (video_valid),
+    .m_data_o  (video_data),
+    .m_start_o (video_start),
+    .m_end_o   (video_end)
   );
   assign frame_o = video_valid && video_start;
 
