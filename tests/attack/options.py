@@ -71,6 +71,9 @@ def commands_of(made):
         ("selfproj", "board", "stop"): ["--device", "bar:bar.bin"],
         ("selfproj", "board", "trigger"): ["--device", "bar:bar.bin", "--period", "15120"],
         ("selfproj", "board", "selftest"): ["--device", "bar:bar.bin"],
+        # No board answers there.
+        ("selfproj", "board", "source"): ["--device", "udp:127.0.0.1", "patterns"],
+        ("selfproj", "board", "replay"): ["--device", "udp:127.0.0.1", *frames],
         ("selfproj-sim", "moments"): ["--engine", "model", "--out", "o.csv", *frames],
         ("selfproj-sim", "decode"): ["--engine", "model", "--bits", "2", "--out", "o", *frames],
         ("selfproj-sim", "cosim"): [
