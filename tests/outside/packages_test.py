@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the packages of Debian, unpacks them into a root of their own, and tries them there.
+"""Makes the packages of Debian, installs them with dpkg into a root of their own, tries them, and removes them.
 
     packages_test.py BUILD SIMULATION
 """
@@ -19,9 +19,14 @@ def fields_of(package):
     return dict(line.split(": ", 1) for line in out.splitlines() if ": " in line)
 
 
+def dpkg(root, *words):
+    """Runs dpkg on a root that has its own list of packages; what they depend on is outside of it."""
+    return consumer.run("dpkg", f"--root={root}", "--force-not-root,depends,script-chrootless", *words)
+
+
 def main():
     build = pathlib.Path(sys.argv[1])
-    for tool in ("cpack", "dpkg-deb", "dpkg-shlibdeps", "apt-get", "pkg-config"):
+    for tool in ("cpack", "dpkg", "dpkg-deb", "dpkg-shlibdeps", "apt-get", "pkg-config"):
         if not shutil.which(tool):
             print(f"skipped: {tool} is not installed")
             return 77
@@ -38,8 +43,13 @@ def main():
         # What they depend on is there, says apt, which changes nothing.
         consumer.run("apt-get", "--simulate", "install", *packages)
         root = folder / "root"
-        for package in packages:
-            consumer.run("dpkg-deb", "--extract", package, root)
+        for part in ("info", "updates", "triggers"):
+            (root / "var/lib/dpkg" / part).mkdir(parents=True)
+        (root / "var/lib/dpkg/status").touch()
+        dpkg(root, "--install", *packages)
+        for package in fields:
+            status = dpkg(root, "--status", package)
+            consumer.require("Status: install ok installed" in status, f"{package}: not installed")
         consumer.require("calibrate" in consumer.run(root / "usr/bin/selfproj", "--help"), "selfproj --help")
         packets = folder / "line.slfp"
         consumer.record(root / "usr/bin/selfproj-sim", packets)
@@ -47,6 +57,9 @@ def main():
         producer = ctypes.CDLL(str(root / "usr/lib/selfproj/libselfproj.cti"))
         consumer.require(producer.GCInitLib() == 0 and producer.GCCloseLib() == 0, "the GenTL producer")
         consumer.require("z 1167.000 mm" in consumer.build_c_example(root / "usr", folder), "the program in C")
+        dpkg(root, "--purge", *fields)
+        left = [path for path in (root / "usr").rglob("*") if not path.is_dir()]
+        consumer.require(not left, f"left behind: {left[:3]}")
         print(", ".join(f"{package.name} {package.stat().st_size // 1024} kB" for package in packages))
     return 0
 
