@@ -51,9 +51,7 @@ def core():
 def netlist(parameters, name):
     """Returns the text of the netlist."""
     made = core()
-    files = []
-    for top in TOPS:
-        files += [path for path in rtl_tree.sources_of(top) if path not in files]
+    files = rtl_tree.sources_of_all(TOPS)
     files += [BOARD / f"{module}.sv" for module in ("acorn_dma", "acorn_system", "acorn")]
     read = rtl_tree.read_command("acorn", [f"{key}={value}" for key, value in parameters.items()], files=files)
     path = made.parent / f"{name}.json"

@@ -24,8 +24,8 @@ UNREACHED = pypi.UNREACHED
 JUMBO_BYTES = 8972  # of a datagram in an Ethernet frame of 9,000 bytes
 TOPS = ["sp_board", "sp_link", "sp_parallel_sensor", "sp_replay", "sp_sync", "sp_test_camera", "sp_video_switch"]
 # Timing has more weight than by default, as in fpga.py. One thread, so that a seed gives the same again.
-PLACE = ["--um5g-85k", "--package", "CABGA554", "--speed", "8", "--lpf", str(BOARD / "ecpix5.lpf"),
-         "--placer-heap-timingweight", "30", "--placer-heap-critexp", "4", "--timing-allow-fail"]
+PLACE = ["--um5g-85k", "--package", "CABGA554", "--speed", "8", "--placer-heap-timingweight", "30",
+         "--placer-heap-critexp", "4", "--timing-allow-fail"]
 # What a design takes, by nextpnr's names
 COLUMNS = {"TRELLIS_COMB": ("lut4", "LUT4"), "TRELLIS_FF": ("ff", "flip-flops"), "DP16KD": ("ram", "block RAMs"),
            "TRELLIS_IO": ("pins", "pins"), "EHXPLLL": ("pll", "PLLs")}
@@ -71,9 +71,7 @@ def core():
 
 
 def netlist(parameters, name):
-    files = []
-    for top in TOPS:
-        files += [path for path in rtl_tree.sources_of(top) if path not in files]
+    files = rtl_tree.sources_of_all(TOPS)
     files += [BOARD / "ecpix5_system.sv", BOARD / "ecpix5.sv"]
     path = HOME / f"{name}.json"
     read = rtl_tree.read_command("ecpix5", [f"{key}={value}" for key, value in parameters.items()], files=files)
@@ -85,8 +83,8 @@ def netlist(parameters, name):
 def place(nextpnr, path, seed, name):
     """Returns nextpnr's report of a seed: utilization and clocks."""
     report = HOME / f"{name}.report.json"
-    run([nextpnr, *PLACE, "--json", path, "--seed", str(seed), "--textcfg", HOME / f"{name}.config",
-         "--report", report], HOME / "nextpnr.log")
+    run([nextpnr, *PLACE, "--lpf", BOARD / "ecpix5.lpf", "--json", path, "--seed", str(seed), "--textcfg",
+         HOME / f"{name}.config", "--report", report], HOME / "nextpnr.log")
     return json.loads(report.read_text(encoding="utf-8"))
 
 

@@ -20,8 +20,6 @@ ROOT = rtl_tree.ROOT
 HOME = bitstream.HOME
 FOLDER = ROOT / "constraints"
 TOP = "ecp5_camera_link_pins"
-PLACE = ["--um5g-85k", "--package", "CABGA554", "--speed", "8", "--lpf-allow-unconstrained",
-         "--placer-heap-timingweight", "30", "--placer-heap-critexp", "4", "--timing-allow-fail"]
 # What is placed: its parameters, and the camera's clock in MHz
 CONFIGURATIONS = {
     "Base, 3 taps": ({"Taps": "3"}, 85),
@@ -34,8 +32,7 @@ CELLS = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "gearing":
 
 def netlist(parameters):
     """Returns the path of the netlist."""
-    files = rtl_tree.sources_of("sp_camera_link")
-    files += [path for path in rtl_tree.sources_of("sp_channel_link_lock") if path not in files]
+    files = rtl_tree.sources_of_all(["sp_camera_link", "sp_channel_link_lock"])
     files += [FOLDER / f"{name}.sv" for name in ("ecp5_channel_link", "ecp5_camera_link", TOP)]
     path = HOME / "camera_link.json"
     read = rtl_tree.read_command(TOP, [f"{name}={value}" for name, value in parameters.items()], files=files)
@@ -49,8 +46,9 @@ def place(nextpnr, path, megahertz, seed):
     clocks = "".join(f'FREQUENCY PORT "{link}_pll_clk_i" {megahertz} MHZ;\n' for link in "xy")
     constraints.write_text((FOLDER / "ecp5_camera_link.lpf").read_text(encoding="utf-8") + clocks, encoding="utf-8")
     report = HOME / "camera_link.report.json"
-    bitstream.run([nextpnr, *PLACE, "--lpf", constraints, "--json", path, "--seed", str(seed), "--textcfg",
-                   HOME / "camera_link.config", "--report", report], HOME / "nextpnr.log")
+    bitstream.run([nextpnr, *bitstream.PLACE, "--lpf-allow-unconstrained", "--lpf", constraints, "--json", path,
+                   "--seed", str(seed), "--textcfg", HOME / "camera_link.config", "--report", report],
+                  HOME / "nextpnr.log")
     return json.loads(report.read_text(encoding="utf-8"))
 
 

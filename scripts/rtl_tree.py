@@ -41,6 +41,11 @@ def sources_of(top, rtl=ROOT / "rtl", more=()):
     return needed(top, {path: path.read_text() for path in [*sources(rtl), *more]})
 
 
+def sources_of_all(tops):
+    """Returns the files of rtl that any of the modules needs, each once."""
+    return list(dict.fromkeys(path for top in tops for path in sources_of(top)))
+
+
 def read_command(top, parameters=(), formal=False, files=()):
     """Returns Yosys's commands that read the files, or else all of rtl, and set parameters ("NAME=VALUE") of the module
     `top`."""
