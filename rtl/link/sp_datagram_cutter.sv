@@ -374,8 +374,7 @@ module sp_datagram_cutter #(
     if (f_moved_q) assert (m_data_o == f_shows_q[80:49]);
     if (!m_valid_o) assert (f_words_q == '0);
     else begin
-      assert (m_last_o == f_start);
-      assert (m_last_o == (m_bytes_o == {f_words_q[13:0] + 14'd1, 2'b00}));
+      assert (m_last_o == f_start && m_last_o == (m_bytes_o == {f_words_q[13:0] + 14'd1, 2'b00}));
       assert (m_bytes_o <= 16'(DatagramBytes) && m_bytes_o[3:0] == '0 && m_bytes_o != '0);
       assert (f_words_q < 16'(DatagramBytes / 4));
       if (!f_start && first_q)
@@ -403,10 +402,9 @@ module sp_datagram_cutter #(
     if (rst_i) {f_marked_q, f_shown_q} <= '0;
     else begin
       if (take && put_q == f_mark) begin
-        f_marked_q                                    <= 1'b1;
+        f_marked_q <= 1'b1;
         {f_beat_q, f_beat_session_q, f_beat_packet_q} <= {s_data_i, f_session_q, f_packets_q};
-        {f_beat_last_q, f_beat_at_q}                  <= {s_last_i, f_at_q};
-        f_behind_q                                    <= beats_q + 1'b1;
+        {f_beat_last_q, f_beat_at_q, f_behind_q} <= {s_last_i, f_at_q, CountBits'(beats_q) + 1'b1};
       end else if (fetch && get_q == f_mark) f_marked_q <= 1'b0;
       if (fetch) f_shown_q <= f_marked_q && get_q == f_mark;
       else if (move && word_q == 2'd3) f_shown_q <= 1'b0;
@@ -435,9 +433,7 @@ module sp_datagram_cutter #(
                 (first_q ? length : f_header_q[127:116]));
       end
     end
-    if (!first_q) begin
-      assert (left_q <= f_header_q[127:116] && f_header_q[127:116] <= CountBits'(PieceBeats));
-    end
+    if (!first_q) assert (left_q <= f_header_q[127:116]);
     if (f_shown_q) begin
       assert (there_q && !first_q && f_before == '1 && beat == f_beat_q && f_tells(f_header_q));
       assert (f_header_q[127:116] - left_q + 1'b1 == f_behind_q);
