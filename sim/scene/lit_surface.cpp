@@ -12,9 +12,9 @@ namespace {
 constexpr double kSlopeStep = 5e-3;  // mm to either side, for the slope of the surface
 constexpr double kEverywhere = 1e6;  // mm
 
-// Bounds of x and y of the sights through a rectangle of the image.
-Box tangents_between(const Pinhole& camera, PixelPoint first, PixelPoint last) {
-  const std::array<Point3, 4> corners = camera.corner_sights(first, last);
+}  // namespace
+
+Box tangents_of(const std::array<Point3, 4>& corners) {
   const auto by_x = [](Point3 a, Point3 b) { return a.x < b.x; };
   const auto by_y = [](Point3 a, Point3 b) { return a.y < b.y; };
   return {std::min_element(corners.begin(), corners.end(), by_x)->x,
@@ -22,8 +22,6 @@ Box tangents_between(const Pinhole& camera, PixelPoint first, PixelPoint last) {
           std::min_element(corners.begin(), corners.end(), by_y)->y,
           std::max_element(corners.begin(), corners.end(), by_y)->y};
 }
-
-}  // namespace
 
 LitSurface::LitSurface(const RealRig& real, const Scene& scene, bool falloff, const World& world)
     : scene_(scene),
@@ -53,13 +51,11 @@ Box LitSurface::between(const Box& tangents, HeightRange heights) const {
 }
 
 Box LitSurface::footprint(PixelPoint first, PixelPoint last, HeightRange heights) const {
-  return between(tangents_between(camera_, first, last), heights);
+  return between(tangents_of(camera_.corner_sights(first, last)), heights);
 }
 
 // The footprint between two heights gives bounds of the surface in it. These give a smaller footprint, and so on.
-HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_pixel, double t0, double t1,
-                                        HeightRange all) const {
-  const Box tangents = tangents_between(camera_, first_pixel, last_pixel);
+HeightRange LitSurface::heights_between(const Box& tangents, double t0, double t1, HeightRange all) const {
   HeightRange heights = all;
   constexpr int kTries = 8;
   constexpr double kWorthwhile = 0.9;

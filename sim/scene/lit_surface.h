@@ -3,6 +3,7 @@
 #ifndef SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 #define SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -13,6 +14,9 @@
 #include "sim/scene/world.h"
 
 namespace selfproj {
+
+// Bounds of x and y of the sights between these corners of a rectangle of the image (Pinhole::corner_sights).
+Box tangents_of(const std::array<Point3, 4>& corners);
 
 class LitSurface {
  public:
@@ -30,9 +34,12 @@ class LitSurface {
   [[nodiscard]] HeightRange all_heights(double t0, double t1) const;
 
   // Bounds of the heights that the rays through a rectangle of the image can meet from t0 to t1. `all` bounds all
-  // heights.
+  // heights, and `tangents` x and y of the sights of these rays.
   [[nodiscard]] HeightRange heights_between(PixelPoint first, PixelPoint last, double t0, double t1,
-                                            HeightRange all) const;
+                                            HeightRange all) const {
+    return heights_between(tangents_of(camera_.corner_sights(first, last)), t0, t1, all);
+  }
+  [[nodiscard]] HeightRange heights_between(const Box& tangents, double t0, double t1, HeightRange all) const;
 
   // Bounds of the places at which those rays meet heights in this range.
   [[nodiscard]] Box footprint(PixelPoint first, PixelPoint last, HeightRange heights) const;

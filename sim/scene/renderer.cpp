@@ -25,6 +25,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kGreyMaximum = 255;  // of an 8-bit image
+constexpr double kAnyTime = 1e6;     // s
 
 const FloatImage& checked(const FloatImage& pattern, const RigProjector& projector) {
   check_pattern(pattern, projector);
@@ -89,11 +90,15 @@ Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pa
       surface_(*lit_),
       disturbed_(DisturbedCamera::of(real, swinging_ ? *swinging_ : scene, surface_, options.world)),
       light_(throw_light(rig_, checked(pattern, rig_.projector), options)),
-      margin_(lens_margin(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
-      kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {}
+      grid_(rig_.camera, lens_margin(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
+      views_(real, grid_, surface_.all_heights(-kAnyTime, kAnyTime)),
+      kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {
+  views_.set_light(light_);
+}
 
 void Renderer::set_pattern(const FloatImage& pattern) {
   light_ = throw_light(rig_, checked(pattern, rig_.projector), options_);
+  views_.set_light(light_);
 }
 
 double Renderer::time_of_shot(int frame) const {
@@ -104,24 +109,9 @@ double Renderer::time_of_shot(int frame) const {
 
 double Renderer::true_height(int frame, double x, double y) const { return scene_.height(x, y, time_of(frame)); }
 
-HeightRange Renderer::block_heights(const Light& light, int row, int column) const {
-  return surface_.heights_between({row - 0.5, column - 0.5}, {row + kBlock - 0.5, column + kBlock - 0.5},
-                                  light.middle - light.exposure / 2, light.middle + light.exposure / 2, light.heights);
-}
-
-// Whether no light falls on the points that the rays through a block of pixels meet between these heights.
-bool Renderer::is_dark(int row, int column, HeightRange heights) const {
-  std::array<Point3, 8> corners{};
-  std::size_t count = 0;
-  const Point3 centre = camera_.centre();
-  for (const Point3 sight :
-       camera_.corner_sights({row - 0.5, column - 0.5}, {row + kBlock - 0.5, column + kBlock - 0.5})) {
-    for (const double h : {heights.low, heights.high}) {
-      corners.at(count++) = centre + (rig_.plane_z_mm - h - centre.z) * sight;
-    }
-  }
-  const std::optional<PixelBounds> b = projector_.bounds(corners);
-  return b && light_.is_dark(b->row_0, b->row_1, b->column_0, b->column_1);
+HeightRange Renderer::block_heights(const Light& light, std::size_t block) const {
+  return surface_.heights_between(views_.tangents(block), light.middle - light.exposure / 2,
+                                  light.middle + light.exposure / 2, light.heights);
 }
 
 // The grey value that the projector's light adds at a surface point.
@@ -186,9 +176,7 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
 
   constexpr int kSide = kBlock * kSub;
   const bool even = surface_.even_albedo();
-  const int blocks_across = (columns + 2 * margin_ + kBlock - 1) / kBlock;
-  const int blocks_down = (rows + 2 * margin_ + kBlock - 1) / kBlock;
-  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(blocks_across) * kSide;
+  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(grid_.across()) * kSide;
   std::vector<float> strip(static_cast<std::size_t>(stride) * kSide);
   std::vector<float> line(static_cast<std::size_t>(columns));
   std::array<float, static_cast<std::size_t>(kSide) * kSide> block{};
@@ -197,13 +185,20 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
   const double surroundings =
       rig_.imaging.dark + (even ? scene_.albedo(0, 0, light.middle) * (rig_.imaging.ambient - rig_.imaging.dark) : 0);
   std::fill(pixels.begin(), pixels.end(), static_cast<float>(surroundings));
-  for (int down = 0; down < blocks_down; ++down) {
-    const int row = down * kBlock - margin_;
+  for (int down = 0; down < grid_.down(); ++down) {
+    const int row = down * kBlock - grid_.margin();
     bool any = false;
-    for (int across = 0; across < blocks_across; ++across) {
-      const int column = across * kBlock - margin_;
-      const HeightRange heights = block_heights(light, row, column);
-      const bool dark = is_dark(row, column, heights);
+    for (int across = 0; across < grid_.across(); ++across) {
+      const int column = across * kBlock - grid_.margin();
+      const std::size_t index = grid_.block(down, across);
+      if (even && !views_.may_be_lit(index, light.heights)) {
+        continue;
+      }
+      const HeightRange heights = block_heights(light, index);
+      if (even && !views_.may_be_lit(index, heights)) {
+        continue;
+      }
+      const bool dark = views_.is_dark(index, heights, light_);
       if (dark && even) {
         continue;
       }
