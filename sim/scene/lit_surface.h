@@ -4,6 +4,7 @@
 #define SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -49,6 +50,11 @@ class LitSurface {
     return gloss_ || texture_ || !scene_.is_plain(box) ? Smoothness{} : scene_.smoothness(box);
   }
 
+  // How many of the points that the rays of a rectangle of the image meet at one height are in the shadow, at any time
+  // from t0 to t1. `some` if it is not plain to see. `highest` bounds all heights.
+  enum class Shadow : std::uint8_t { none, some, all };
+  [[nodiscard]] Shadow shadow_on_level(const Box& tangents, double height, double t0, double t1, double highest) const;
+
   // Whether the way from a point at this height to the projector is so steep that no part of the surface can cross it.
   [[nodiscard]] bool is_above_all(Point3 point) const;
 
@@ -83,6 +89,14 @@ class LitSurface {
  private:
   // Where sights of these tangents meet heights in this range.
   [[nodiscard]] Box between(const Box& tangents, HeightRange heights) const;
+
+  // The straight ways of light from a rectangle at the height `from` to the projector.
+  struct Beam {
+    Box start;
+    double from;
+    double t0, t1;
+  };
+  [[nodiscard]] Shadow shadow_in(const Beam& beam, HeightRange segment, int halvings) const;
 
   const Scene& scene_;
   double plane_z_;

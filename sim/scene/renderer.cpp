@@ -19,6 +19,7 @@
 #include "host/rig/rig.h"
 #include "sim/scene/noise.h"
 #include "sim/scene/parallel.h"
+#include "sim/scene/ray.h"
 
 namespace selfproj {
 namespace {
@@ -114,6 +115,13 @@ HeightRange Renderer::block_heights(const Light& light, std::size_t block) const
                                   light.middle + light.exposure / 2, light.heights);
 }
 
+LitSurface::Shadow Renderer::block_shadow(const Light& light, std::size_t block, HeightRange heights) const {
+  return heights.high - heights.low <= kHeightTolerance
+             ? surface_.shadow_on_level(views_.tangents(block), heights.low, light.middle - light.exposure / 2,
+                                        light.middle + light.exposure / 2, light.heights.high)
+             : LitSurface::Shadow::some;
+}
+
 // The grey value that the projector's light adds at a surface point.
 double Renderer::grey(const Hit& hit, double t, double highest) const {
   const double light = projector_.depth(hit.point) > 0 ? light_.at(projector_.project(hit.point), hit.point.z) : 0;
@@ -125,7 +133,8 @@ double Renderer::grey(const Hit& hit, double t, double highest) const {
 // Grey values of the sub-pixels of a block, (kSub kBlock) squared, less those of a dark surface. The instants of the
 // exposure are dealt out so that each comes equally often in every row and in every column of sub-pixels. A block
 // without projected light needs only one sample for each pixel.
-void Renderer::sample_block(const Light& light, int row, int column, HeightRange heights, bool dark, float* to) const {
+void Renderer::sample_block(const Light& light, std::size_t block, int row, int column, HeightRange heights, bool dark,
+                            float* to) const {
   constexpr int kSide = kBlock * kSub;
   const double ambient = surface_.even_albedo() ? 0 : rig_.imaging.ambient - rig_.imaging.dark;
   if (dark) {
@@ -144,6 +153,12 @@ void Renderer::sample_block(const Light& light, int row, int column, HeightRange
     }
     return;
   }
+  const LitSurface::Shadow shadow = block_shadow(light, block, heights);
+  if (shadow == LitSurface::Shadow::all && ambient == 0) {
+    std::fill_n(to, kSide * kSide, 0.0F);
+    return;
+  }
+  const double highest = shadow == LitSurface::Shadow::none ? heights.low : light.heights.high;
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
       const PixelPoint pixel{row - 0.5 + (i + 0.5) / kSub, column - 0.5 + (j + 0.5) / kSub};
@@ -152,7 +167,7 @@ void Renderer::sample_block(const Light& light, int row, int column, HeightRange
         const int instant = (i + j) % kSub * light.passes + pass;
         const double t = light.middle + light.exposure * ((instant + 0.5) / (kSub * light.passes) - 0.5);
         const Hit h = surface_.hit(pixel, t, heights);
-        sum += grey(h, t, light.heights.high);
+        sum += grey(h, t, highest);
         if (ambient > 0) {
           sum += ambient * surface_.albedo(h.point, t);
         }
@@ -206,7 +221,7 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
         std::fill(strip.begin(), strip.end(), 0.0F);
         any = true;
       }
-      sample_block(light, row, column, heights, dark, block.data());
+      sample_block(light, index, row, column, heights, dark, block.data());
       for (int i = 0; i < kSide; ++i) {
         std::copy_n(block.data() + i * kSide, kSide, strip.data() + i * stride + across * kSide);
       }

@@ -120,8 +120,10 @@ class Renderer {
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
   [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter
   [[nodiscard]] HeightRange block_heights(const Light& light, std::size_t block) const;
+  [[nodiscard]] LitSurface::Shadow block_shadow(const Light& light, std::size_t block, HeightRange heights) const;
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
-  void sample_block(const Light& light, int row, int column, HeightRange heights, bool dark, float* to) const;
+  void sample_block(const Light& light, std::size_t block, int row, int column, HeightRange heights, bool dark,
+                    float* to) const;
   void expose(int frame, std::span<float> pixels) const;
 
   Rig rig_;
