@@ -55,9 +55,9 @@ std::uint32_t BlockViews::lit_slices(std::size_t block, const ProjectedLight& li
   if (is_dark(block, range, light)) {
     return 0;
   }
-  return count == 1 ? std::uint32_t{1} << first
-                    : lit_slices(block, light, first, count / 2) |
-                          lit_slices(block, light, first + count / 2, count / 2);
+  return count == 1
+             ? std::uint32_t{1} << first
+             : lit_slices(block, light, first, count / 2) | lit_slices(block, light, first + count / 2, count / 2);
 }
 
 }  // namespace selfproj

@@ -135,8 +135,8 @@ LitSurface::Shadow LitSurface::shadow_on_level(const Box& tangents, double heigh
 // All ways pass the heights of the segment within a box. If the surface there is nowhere above the segment, it is above
 // none of the ways; if it is everywhere above the segment, it is above all of them.
 LitSurface::Shadow LitSurface::shadow_in(const Beam& beam, HeightRange segment, int halvings) const {
-  constexpr double kRounding = 1e-3;              // mm
-  constexpr double kShortest = 2 * kShadowLift;   // that in_shadow cannot overlook
+  constexpr double kRounding = 1e-3;             // mm
+  constexpr double kShortest = 2 * kShadowLift;  // that in_shadow cannot overlook
   const double top = plane_z_ - projector_.z;
   const double a = (segment.low - beam.from) / (top - beam.from);  // shares of the way to the projector
   const double b = (segment.high - beam.from) / (top - beam.from);
@@ -168,7 +168,8 @@ LitSurface::Shadow LitSurface::shadow_in(const Beam& beam, HeightRange segment, 
 bool LitSurface::is_above_all(Point3 point) const {
   constexpr double kSurely = 0.9;
   const double up = point.z - projector_.z;
-  return up > 0 && std::isfinite(steepest_) && steepest_ * std::hypot(projector_.x - point.x, projector_.y - point.y) < kSurely * up;
+  return up > 0 && std::isfinite(steepest_) &&
+         steepest_ * std::hypot(projector_.x - point.x, projector_.y - point.y) < kSurely * up;
 }
 
 // The texture is carried along with the part.

@@ -80,6 +80,21 @@ struct Renderer::Light {
   HeightRange heights;  // of the whole scene during the exposure
 };
 
+// The grey values of a row of blocks, sub-pixel by sub-pixel. Beside the columns first..last - 1 they are 0.
+struct Renderer::Strip {
+  explicit Strip(int sub_columns)
+      : width(sub_columns), samples(static_cast<std::size_t>(sub_columns) * static_cast<std::size_t>(rows())) {}
+
+  [[nodiscard]] static constexpr int rows() { return kBlock * kSub; }
+  [[nodiscard]] float* row(int i) { return samples.data() + static_cast<std::ptrdiff_t>(i) * width; }
+  [[nodiscard]] const float* row(int i) const { return samples.data() + static_cast<std::ptrdiff_t>(i) * width; }
+
+  int width;
+  int first = 0;
+  int last = 0;
+  std::vector<float> samples;
+};
+
 Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pattern, RenderOptions options)
     : rig_(real.rig),
       scene_(scene),
@@ -177,11 +192,84 @@ void Renderer::sample_block(const Light& light, std::size_t block, int row, int 
   }
 }
 
-// The image without noise. Rows of blocks are sampled. Each sub-pixel row is folded with the kernel along the columns,
-// and its contributions are added to the rows around it.
-void Renderer::expose(int frame, std::span<float> pixels) const {
+// Samples a row of blocks into `strip`. Without any that may be lit, nothing is sampled.
+void Renderer::sample_strip(const Light& light, int down, Strip& strip) const {
+  constexpr int kSide = kBlock * kSub;
+  const bool even = surface_.even_albedo();
+  std::array<float, static_cast<std::size_t>(kSide) * kSide> block{};
+  strip.first = strip.last = 0;
+  for (int across = 0; across < grid_.across(); ++across) {
+    const std::size_t index = grid_.block(down, across);
+    if (even && !views_.may_be_lit(index, light.heights)) {
+      continue;
+    }
+    const HeightRange heights = block_heights(light, index);
+    if (even && !views_.may_be_lit(index, heights)) {
+      continue;
+    }
+    const bool dark = views_.is_dark(index, heights, light_);
+    if (dark && even) {
+      continue;
+    }
+    if (strip.first == strip.last) {
+      std::fill(strip.samples.begin(), strip.samples.end(), 0.0F);
+      strip.first = across * kSide;
+    }
+    strip.last = (across + 1) * kSide;
+    sample_block(light, index, down * kBlock - grid_.margin(), across * kBlock - grid_.margin(), heights, dark,
+                 block.data());
+    for (int i = 0; i < kSide; ++i) {
+      std::copy_n(block.data() + i * kSide, kSide, strip.row(i) + across * kSide);
+    }
+  }
+}
+
+// Folds each row of the strip's sub-pixels with the kernel along the columns, and adds its contributions to the rows of
+// pixels around it. What is dark contributes nothing.
+void Renderer::add_strip(const Strip& strip, int down, std::span<float> pixels) const {
   const int rows = rig_.camera.rows;
   const int columns = rig_.camera.columns;
+  const int taps = static_cast<int>(kernel_.size());
+  const int first_column = std::max(0, (strip.first - taps + kSub) / kSub);
+  const int last_column = std::min(columns - 1, (strip.last - 1) / kSub);
+  std::array<std::vector<float>, kSub> phases;  // every kSub-th sub-pixel
+  for (std::vector<float>& phase : phases) {
+    phase.resize(static_cast<std::size_t>(strip.width / kSub));
+  }
+  std::vector<float> line(static_cast<std::size_t>(columns));
+  for (int i = 0; i < strip.rows(); ++i) {
+    const float* from = strip.row(i);
+    if (std::all_of(from + strip.first, from + strip.last, [](float value) { return value == 0; })) {
+      continue;
+    }
+    for (std::size_t c = 0; c < phases[0].size(); ++c) {
+      for (std::size_t phase = 0; phase < kSub; ++phase) {
+        phases[phase][c] = from[c * kSub + phase];
+      }
+    }
+    std::fill(line.begin(), line.end(), 0.0F);
+    for (int k = 0; k < taps; ++k) {
+      const float weight = kernel_[static_cast<std::size_t>(k)];
+      const float* shifted = phases.at(static_cast<std::size_t>(k % kSub)).data() + k / kSub;
+      for (int c = first_column; c <= last_column; ++c) {
+        line[static_cast<std::size_t>(c)] += weight * shifted[c];
+      }
+    }
+    const int sub_row = down * strip.rows() + i;  // from the first one of the margin
+    const int first = std::max(0, (sub_row - taps + kSub) / kSub);
+    const int last = std::min(rows - 1, sub_row / kSub);
+    for (int r = first; r <= last; ++r) {
+      const float weight = kernel_[static_cast<std::size_t>(sub_row - r * kSub)];
+      float* to = pixels.data() + static_cast<std::ptrdiff_t>(r) * columns;
+      for (int c = first_column; c <= last_column; ++c) {
+        to[c] += weight * line[static_cast<std::size_t>(c)];
+      }
+    }
+  }
+}
+
+// The image without noise.
+void Renderer::expose(int frame, std::span<float> pixels) const {
   Light light{time_of_shot(frame), options_.motion_blur ? rig_.camera.exposure_s : 0, 1, {}};
   light.heights = surface_.all_heights(light.middle - light.exposure / 2, light.middle + light.exposure / 2);
   const double way = scene_.speed() * light.exposure;  // in pixels of the nearest surface
@@ -189,65 +277,15 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
       way * rig_.camera.focal_length_mm / rig_.camera.pixel_pitch_mm / (rig_.plane_z_mm - light.heights.high);
   light.passes = std::clamp(static_cast<int>(std::ceil(way_px)), 1, 64);
 
-  constexpr int kSide = kBlock * kSub;
-  const bool even = surface_.even_albedo();
-  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(grid_.across()) * kSide;
-  std::vector<float> strip(static_cast<std::size_t>(stride) * kSide);
-  std::vector<float> line(static_cast<std::size_t>(columns));
-  std::array<float, static_cast<std::size_t>(kSide) * kSide> block{};
-  const int taps = static_cast<int>(kernel_.size());
-
   const double surroundings =
-      rig_.imaging.dark + (even ? scene_.albedo(0, 0, light.middle) * (rig_.imaging.ambient - rig_.imaging.dark) : 0);
+      rig_.imaging.dark +
+      (surface_.even_albedo() ? scene_.albedo(0, 0, light.middle) * (rig_.imaging.ambient - rig_.imaging.dark) : 0);
   std::fill(pixels.begin(), pixels.end(), static_cast<float>(surroundings));
+  Strip strip(grid_.across() * kBlock * kSub);
   for (int down = 0; down < grid_.down(); ++down) {
-    const int row = down * kBlock - grid_.margin();
-    bool any = false;
-    for (int across = 0; across < grid_.across(); ++across) {
-      const int column = across * kBlock - grid_.margin();
-      const std::size_t index = grid_.block(down, across);
-      if (even && !views_.may_be_lit(index, light.heights)) {
-        continue;
-      }
-      const HeightRange heights = block_heights(light, index);
-      if (even && !views_.may_be_lit(index, heights)) {
-        continue;
-      }
-      const bool dark = views_.is_dark(index, heights, light_);
-      if (dark && even) {
-        continue;
-      }
-      if (!any) {
-        std::fill(strip.begin(), strip.end(), 0.0F);
-        any = true;
-      }
-      sample_block(light, index, row, column, heights, dark, block.data());
-      for (int i = 0; i < kSide; ++i) {
-        std::copy_n(block.data() + i * kSide, kSide, strip.data() + i * stride + across * kSide);
-      }
-    }
-    if (!any) {
-      continue;
-    }
-    for (int i = 0; i < kSide; ++i) {
-      const float* from = strip.data() + i * stride;
-      for (int c = 0; c < columns; ++c) {
-        float sum = 0;
-        for (int k = 0; k < taps; ++k) {
-          sum += kernel_[static_cast<std::size_t>(k)] * from[c * kSub + k];
-        }
-        line[static_cast<std::size_t>(c)] = sum;
-      }
-      const int sub_row = down * kSide + i;  // from the first one of the margin
-      const int first = std::max(0, (sub_row - taps + kSub) / kSub);
-      const int last = std::min(rows - 1, sub_row / kSub);
-      for (int r = first; r <= last; ++r) {
-        const float weight = kernel_[static_cast<std::size_t>(sub_row - r * kSub)];
-        float* to = pixels.data() + static_cast<std::ptrdiff_t>(r) * columns;
-        for (int c = 0; c < columns; ++c) {
-          to[c] += weight * line[static_cast<std::size_t>(c)];
-        }
-      }
+    sample_strip(light, down, strip);
+    if (strip.first < strip.last) {
+      add_strip(strip, down, pixels);
     }
   }
 }

@@ -116,6 +116,7 @@ class Renderer {
 
   using Hit = LitSurface::Hit;
   struct Light;  // of one frame while it is rendered
+  struct Strip;
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
   [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter
@@ -124,6 +125,8 @@ class Renderer {
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
   void sample_block(const Light& light, std::size_t block, int row, int column, HeightRange heights, bool dark,
                     float* to) const;
+  void sample_strip(const Light& light, int down, Strip& strip) const;
+  void add_strip(const Strip& strip, int down, std::span<float> pixels) const;
   void expose(int frame, std::span<float> pixels) const;
 
   Rig rig_;
@@ -136,7 +139,7 @@ class Renderer {
   const LitSurface& surface_;
   std::shared_ptr<const DisturbedCamera> disturbed_;
   ProjectedLight light_;
-  BlockGrid grid_;             // with the margin around the image from which the lens gathers light
+  BlockGrid grid_;  // with the margin around the image from which the lens gathers light
   BlockViews views_;
   std::vector<float> kernel_;  // of pixel and lens, one weight for each sub-pixel: (2 margin + 1) kSub
 };

@@ -51,7 +51,7 @@ class SightTable {
   std::size_t rows_, columns_;  // of sub-pixels
   mutable std::vector<std::vector<Point3>> sights_;
   mutable std::vector<std::atomic<const Point3*>> ready_;  // the rows that are filled; null before
-  std::unique_ptr<std::once_flag[]> filled_;               // NOLINT(modernize-avoid-c-arrays): once_flag cannot be moved
+  std::unique_ptr<std::once_flag[]> filled_;  // NOLINT(modernize-avoid-c-arrays): once_flag cannot be moved
 };
 
 }  // namespace selfproj
