@@ -3,6 +3,8 @@
 #ifndef SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 #define SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -13,6 +15,9 @@
 #include "sim/scene/world.h"
 
 namespace selfproj {
+
+// Bounds of x and y of the sights between these corners of a rectangle of the image (Pinhole::corner_sights).
+Box tangents_of(const std::array<Point3, 4>& corners);
 
 class LitSurface {
  public:
@@ -30,9 +35,12 @@ class LitSurface {
   [[nodiscard]] HeightRange all_heights(double t0, double t1) const;
 
   // Bounds of the heights that the rays through a rectangle of the image can meet from t0 to t1. `all` bounds all
-  // heights.
+  // heights, and `tangents` x and y of the sights of these rays.
   [[nodiscard]] HeightRange heights_between(PixelPoint first, PixelPoint last, double t0, double t1,
-                                            HeightRange all) const;
+                                            HeightRange all) const {
+    return heights_between(tangents_of(camera_.corner_sights(first, last)), t0, t1, all);
+  }
+  [[nodiscard]] HeightRange heights_between(const Box& tangents, double t0, double t1, HeightRange all) const;
 
   // Bounds of the places at which those rays meet heights in this range.
   [[nodiscard]] Box footprint(PixelPoint first, PixelPoint last, HeightRange heights) const;
@@ -41,6 +49,11 @@ class LitSurface {
   [[nodiscard]] Smoothness smoothness(const Box& box) const {
     return gloss_ || texture_ || !scene_.is_plain(box) ? Smoothness{} : scene_.smoothness(box);
   }
+
+  // How many of the points that the rays of a rectangle of the image meet at one height are in the shadow, at any time
+  // from t0 to t1. `some` if it is not plain to see. `highest` bounds all heights.
+  enum class Shadow : std::uint8_t { none, some, all };
+  [[nodiscard]] Shadow shadow_on_level(const Box& tangents, double height, double t0, double t1, double highest) const;
 
   // Whether the way from a point at this height to the projector is so steep that no part of the surface can cross it.
   [[nodiscard]] bool is_above_all(Point3 point) const;
@@ -76,6 +89,14 @@ class LitSurface {
  private:
   // Where sights of these tangents meet heights in this range.
   [[nodiscard]] Box between(const Box& tangents, HeightRange heights) const;
+
+  // The straight ways of light from a rectangle at the height `from` to the projector.
+  struct Beam {
+    Box start;
+    double from;
+    double t0, t1;
+  };
+  [[nodiscard]] Shadow shadow_in(const Beam& beam, HeightRange segment, int halvings) const;
 
   const Scene& scene_;
   double plane_z_;

@@ -3,6 +3,7 @@
 #define SELFPROJ_SIM_SCENE_RENDERER_H
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -11,6 +12,8 @@
 
 #include "host/io/float_image.h"
 #include "host/rig/rig.h"
+#include "sim/scene/block_grid.h"
+#include "sim/scene/block_views.h"
 #include "sim/scene/disturbed_camera.h"
 #include "sim/scene/lens_kernel.h"
 #include "sim/scene/lit_surface.h"
@@ -109,17 +112,21 @@ class Renderer {
   // Sub-pixels along a side of a pixel.
   static constexpr int kSub = kSubPixels;
   // Pixels along a side of the blocks that are checked for light as a whole.
-  static constexpr int kBlock = 4;
+  static constexpr int kBlock = kBlockPixels;
 
   using Hit = LitSurface::Hit;
   struct Light;  // of one frame while it is rendered
+  struct Strip;
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
   [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter
-  [[nodiscard]] HeightRange block_heights(const Light& light, int row, int column) const;
-  [[nodiscard]] bool is_dark(int row, int column, HeightRange heights) const;
+  [[nodiscard]] HeightRange block_heights(const Light& light, std::size_t block) const;
+  [[nodiscard]] LitSurface::Shadow block_shadow(const Light& light, std::size_t block, HeightRange heights) const;
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
-  void sample_block(const Light& light, int row, int column, HeightRange heights, bool dark, float* to) const;
+  void sample_block(const Light& light, std::size_t block, int row, int column, HeightRange heights, bool dark,
+                    float* to) const;
+  void sample_strip(const Light& light, int down, Strip& strip) const;
+  void add_strip(const Strip& strip, int down, std::span<float> pixels) const;
   void expose(int frame, std::span<float> pixels) const;
 
   Rig rig_;
@@ -132,7 +139,8 @@ class Renderer {
   const LitSurface& surface_;
   std::shared_ptr<const DisturbedCamera> disturbed_;
   ProjectedLight light_;
-  int margin_;                 // pixels around the image from which the lens gathers light
+  BlockGrid grid_;  // with the margin around the image from which the lens gathers light
+  BlockViews views_;
   std::vector<float> kernel_;  // of pixel and lens, one weight for each sub-pixel: (2 margin + 1) kSub
 };
 
