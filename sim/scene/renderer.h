@@ -16,6 +16,7 @@
 #include "sim/scene/block_views.h"
 #include "sim/scene/disturbed_camera.h"
 #include "sim/scene/lens_kernel.h"
+#include "sim/scene/level_blocks.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
@@ -120,11 +121,18 @@ class Renderer {
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
   [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter
-  [[nodiscard]] HeightRange block_heights(const Light& light, std::size_t block) const;
-  [[nodiscard]] LitSurface::Shadow block_shadow(const Light& light, std::size_t block, HeightRange heights) const;
+  [[nodiscard]] double ambient() const;  // grey values of ambient light, unless they are the same all over
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
-  void sample_block(const Light& light, std::size_t block, int row, int column, HeightRange heights, bool dark,
+  void sample_dark(const Light& light, int row, int column, HeightRange heights, BlockValues& values) const;
+
+  // Samples a pixel of a block whose first sub-pixel is `first`; `to` is its value.
+  void sample_pixel(const Light& light, PixelPoint first, HeightRange heights, LitSurface::Shadow shadow,
                     float* to) const;
+
+  // Samples a block, unless it is known that all its values are 0: then returns false.
+  bool sample_block(const Light& light, int down, int across, BlockValues& values) const;
+
+  // Samples a row of blocks.
   void sample_strip(const Light& light, int down, Strip& strip) const;
   void add_strip(const Strip& strip, int down, std::span<float> pixels) const;
   void expose(int frame, std::span<float> pixels) const;
@@ -141,6 +149,7 @@ class Renderer {
   ProjectedLight light_;
   BlockGrid grid_;  // with the margin around the image from which the lens gathers light
   BlockViews views_;
+  std::shared_ptr<LevelBlocks> levels_;
   std::vector<float> kernel_;  // of pixel and lens, one weight for each sub-pixel: (2 margin + 1) kSub
 };
 
