@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -24,7 +23,6 @@
 namespace selfproj {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kGreyMaximum = 255;  // of an 8-bit image
 constexpr double kAnyTime = 1e6;     // s
 
@@ -86,6 +84,7 @@ Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pa
       grid_(rig_.camera, lens_margin(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
       views_(real, grid_, surface_.all_heights(-kAnyTime, kAnyTime)),
       levels_(std::make_shared<LevelBlocks>(grid_.blocks())),
+      column_views_(std::make_shared<ColumnViews>(real.camera, rig_.camera)),
       kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {
   views_.set_light(light_);
 }
@@ -231,56 +230,6 @@ void Renderer::render(int frame, std::span<std::uint8_t> pixels) const {
   std::vector<float> values(pixels.size());
   render(frame, values);
   quantize(values, pixels);
-}
-
-void Renderer::truth(int frame, std::span<float> heights, std::span<Point3> points) const {
-  const double t = time_of(frame);
-  const HeightRange all = surface_.all_heights(t, t);
-  for (int column = 0; column < rig_.camera.columns; ++column) {
-    // How far, in projector lines, what a row sees is from the light sheet.
-    const auto miss = [&](double row) {
-      const Hit h = surface_.hit({row, column + 0.0}, t, all);
-      if (projector_.depth(h.point) <= 0) {
-        return kNan;
-      }
-      const PixelPoint p = projector_.project(h.point);
-      return p.row - light_.line_centre(p.column);
-    };
-    int seen = 0;
-    double height = kNan;
-    double above = miss(-0.5);
-    for (int row = 0; row < rig_.camera.rows; ++row) {
-      const double below = miss(row + 0.5);
-      if ((above < 0) != (below < 0) && !std::isnan(above) && !std::isnan(below)) {
-        constexpr int kHalvings = 24;
-        double low = row - 0.5;
-        double high = row + 0.5;
-        for (int i = 0; i < kHalvings; ++i) {
-          const double middle = (low + high) / 2;
-          ((miss(middle) < 0) == (above < 0) ? low : high) = middle;
-        }
-        constexpr double kThere = 0.01;  // a jump of the surface across the sheet is no crossing
-        const Hit h = surface_.hit({low, column + 0.0}, t, all);
-        if (std::abs(miss(low)) < kThere && surface_.lit_share(h, t, all.high) > 0) {
-          ++seen;
-          height = h.height;
-          if (!points.empty()) {
-            points[static_cast<std::size_t>(column)] = h.point;
-          }
-        }
-      }
-      above = below;
-    }
-    heights[static_cast<std::size_t>(column)] = static_cast<float>(seen == 1 ? height : kNan);
-  }
-}
-
-FloatImage Renderer::truth(int first, int count, int threads) const {
-  FloatImage result(count, rig_.camera.columns);
-  parallel_for(count, threads, [&](int i) {
-    truth(first + i, {result.row(i), static_cast<std::size_t>(result.columns)});
-  });
-  return result;
 }
 
 }  // namespace selfproj

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "host/rig/rig.h"
 #include "sim/scene/block_grid.h"
 #include "sim/scene/block_views.h"
+#include "sim/scene/column_views.h"
 #include "sim/scene/disturbed_camera.h"
 #include "sim/scene/lens_kernel.h"
 #include "sim/scene/level_blocks.h"
@@ -134,6 +136,10 @@ class Renderer {
 
   // Samples a row of blocks.
   void sample_strip(const Light& light, int down, Strip& strip) const;
+  [[nodiscard]] double miss(Point3 sight, double t, HeightRange heights) const;
+  [[nodiscard]] std::optional<double> side_of_sheet(const Box& tangents, HeightRange heights) const;
+  [[nodiscard]] std::optional<Hit> hit_on_sheet(double row, int column, double above, double t,
+                                                HeightRange heights) const;
   void add_strip(const Strip& strip, int down, std::span<float> pixels) const;
   void expose(int frame, std::span<float> pixels) const;
 
@@ -150,6 +156,7 @@ class Renderer {
   BlockGrid grid_;  // with the margin around the image from which the lens gathers light
   BlockViews views_;
   std::shared_ptr<LevelBlocks> levels_;
+  std::shared_ptr<const ColumnViews> column_views_;
   std::vector<float> kernel_;  // of pixel and lens, one weight for each sub-pixel: (2 margin + 1) kSub
 };
 
