@@ -18,7 +18,6 @@
 #include "host/rig/rig.h"
 #include "sim/scene/noise.h"
 #include "sim/scene/parallel.h"
-#include "sim/scene/renderer_frame.h"
 
 namespace selfproj {
 namespace {

@@ -23,6 +23,7 @@
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/real_rig.h"
+#include "sim/scene/renderer_frame.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/world.h"
 
@@ -118,8 +119,8 @@ class Renderer {
   static constexpr int kBlock = kBlockPixels;
 
   using Hit = LitSurface::Hit;
-  struct Light;  // of one frame while it is rendered
-  struct Strip;
+  using Light = FrameLight;
+  using Strip = SubPixelStrip;
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
   [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter

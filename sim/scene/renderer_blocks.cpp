@@ -5,7 +5,6 @@
 
 #include "sim/scene/ray.h"
 #include "sim/scene/renderer.h"
-#include "sim/scene/renderer_frame.h"
 
 namespace selfproj {
 namespace {

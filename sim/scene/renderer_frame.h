@@ -5,12 +5,13 @@
 #include <cstddef>
 #include <vector>
 
-#include "sim/scene/renderer.h"
+#include "sim/scene/block_grid.h"
+#include "sim/scene/scene.h"
 
 namespace selfproj {
 
 // Values that are the same for all pixels of a frame.
-struct Renderer::Light {
+struct FrameLight {
   double middle;        // middle of the exposure, s
   double exposure;      // s; 0 without motion blur
   int passes;           // how many instants each sub-pixel is sampled at
@@ -22,11 +23,11 @@ struct Renderer::Light {
 
 // The grey values of a row of blocks, sub-pixel by sub-pixel, less those of a dark surface. Beside the columns
 // first..last - 1 they are 0.
-struct Renderer::Strip {
-  explicit Strip(int sub_columns)
+struct SubPixelStrip {
+  explicit SubPixelStrip(int sub_columns)
       : width(sub_columns), samples(static_cast<std::size_t>(sub_columns) * static_cast<std::size_t>(rows())) {}
 
-  [[nodiscard]] static constexpr int rows() { return kBlock * kSub; }
+  [[nodiscard]] static constexpr int rows() { return kBlockSide; }
   [[nodiscard]] float* row(int i) { return samples.data() + static_cast<std::ptrdiff_t>(i) * width; }
   [[nodiscard]] const float* row(int i) const { return samples.data() + static_cast<std::ptrdiff_t>(i) * width; }
 
