@@ -28,7 +28,7 @@ class BlockViews {
   // Whether no light falls on the points that the rays through a block meet between these heights.
   [[nodiscard]] bool is_dark(std::size_t block, HeightRange heights, const ProjectedLight& light) const;
 
-  // False only if the light of set_light cannot fall on those points. It is a look-up, and coarser than is_dark.
+  // False only if the light of set_light cannot fall on those points. It is a look-up, by slices of the heights.
   [[nodiscard]] bool may_be_lit(std::size_t block, HeightRange heights) const {
     if (!(heights.low >= heights_.low && heights.high <= heights_.high)) {
       return true;

@@ -14,13 +14,12 @@ constexpr double kEverywhere = 1e6;  // mm
 
 }  // namespace
 
-Box tangents_of(const std::array<Point3, 4>& corners) {
-  const auto by_x = [](Point3 a, Point3 b) { return a.x < b.x; };
-  const auto by_y = [](Point3 a, Point3 b) { return a.y < b.y; };
-  return {std::min_element(corners.begin(), corners.end(), by_x)->x,
-          std::max_element(corners.begin(), corners.end(), by_x)->x,
-          std::min_element(corners.begin(), corners.end(), by_y)->y,
-          std::max_element(corners.begin(), corners.end(), by_y)->y};
+Box tangents_of(std::span<const Point3> sights) {
+  Box box{sights[0].x, sights[0].x, sights[0].y, sights[0].y};
+  for (const Point3 sight : sights) {
+    box = {std::min(box.x0, sight.x), std::max(box.x1, sight.x), std::min(box.y0, sight.y), std::max(box.y1, sight.y)};
+  }
+  return box;
 }
 
 LitSurface::LitSurface(const RealRig& real, const Scene& scene, bool falloff, const World& world)
@@ -70,8 +69,23 @@ HeightRange LitSurface::heights_between(const Box& tangents, double t0, double t
   return heights;
 }
 
-LitSurface::Hit LitSurface::hit(PixelPoint pixel, double t, HeightRange heights) const {
-  const Point3 sight = sights_ ? sights_->sight(pixel) : camera_.sight(pixel);
+// Around such a point of a ray there is no slope, because all heights are the same number.
+HeightRange LitSurface::plateau(const Box& tangents, double t0, double t1, HeightRange heights) const {
+  if (!scene_.has_exact_levels()) {
+    return heights;
+  }
+  const HeightRange found = heights_between(tangents, t0, t1, heights);
+  if (found.low != found.high) {
+    return heights;
+  }
+  constexpr double kAround = 2 * kSlopeStep;
+  const Box box = between(tangents, found);
+  const HeightRange around =
+      scene_.range({box.x0 - kAround, box.x1 + kAround, box.y0 - kAround, box.y1 + kAround}, t0, t1);
+  return around.low == found.low && around.high == found.low ? found : heights;
+}
+
+LitSurface::Hit LitSurface::hit_along(Point3 sight, double t, HeightRange heights) const {
   const Point3 centre = camera_.centre();
   const double z = plane_z_ - centre.z;
   const bool level = heights.high - heights.low <= kHeightTolerance;

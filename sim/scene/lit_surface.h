@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "sim/scene/pinhole.h"
 #include "sim/scene/real_rig.h"
@@ -16,8 +17,9 @@
 
 namespace selfproj {
 
-// Bounds of x and y of the sights between these corners of a rectangle of the image (Pinhole::corner_sights).
-Box tangents_of(const std::array<Point3, 4>& corners);
+// Bounds of x and y of sights, and of all between them: of a rectangle of the image by its corners
+// (Pinhole::corner_sights).
+Box tangents_of(std::span<const Point3> sights);
 
 class LitSurface {
  public:
@@ -42,6 +44,11 @@ class LitSurface {
   }
   [[nodiscard]] HeightRange heights_between(const Box& tangents, double t0, double t1, HeightRange all) const;
 
+  // The height of all that rays between these bounds of sights meet from t0 to t1, if the surface is level there and
+  // for some way around; otherwise `heights`, which bound what they meet. A ray that is traced may end up to the
+  // tolerance of heights above or below it.
+  [[nodiscard]] HeightRange plateau(const Box& tangents, double t0, double t1, HeightRange heights) const;
+
   // Bounds of the places at which those rays meet heights in this range.
   [[nodiscard]] Box footprint(PixelPoint first, PixelPoint last, HeightRange heights) const;
 
@@ -59,7 +66,13 @@ class LitSurface {
   [[nodiscard]] bool is_above_all(Point3 point) const;
 
   // The first point that the ray of a pixel meets at the time t, if the surface is known to lie between these heights.
-  [[nodiscard]] Hit hit(PixelPoint pixel, double t, HeightRange heights) const;
+  [[nodiscard]] Hit hit(PixelPoint pixel, double t, HeightRange heights) const {
+    return hit_along(sight(pixel), t, heights);
+  }
+  [[nodiscard]] Hit hit_along(Point3 sight, double t, HeightRange heights) const;
+
+  // Pinhole::sight of the camera.
+  [[nodiscard]] Point3 sight(PixelPoint pixel) const { return sights_ ? sights_->sight(pixel) : camera_.sight(pixel); }
 
   // The normal of the surface there, of length 1, towards the camera.
   [[nodiscard]] Point3 normal(const Hit& hit, double t) const;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,12 +18,10 @@
 #include "host/rig/rig.h"
 #include "sim/scene/noise.h"
 #include "sim/scene/parallel.h"
-#include "sim/scene/ray.h"
 
 namespace selfproj {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kGreyMaximum = 255;  // of an 8-bit image
 constexpr double kAnyTime = 1e6;     // s
 
@@ -72,29 +69,6 @@ void check_pattern(const FloatImage& pattern, const RigProjector& projector, con
   }
 }
 
-// Values that are the same for all pixels of a frame.
-struct Renderer::Light {
-  double middle;        // middle of the exposure, s
-  double exposure;      // s; 0 without motion blur
-  int passes;           // how many instants each sub-pixel is sampled at
-  HeightRange heights;  // of the whole scene during the exposure
-};
-
-// The grey values of a row of blocks, sub-pixel by sub-pixel. Beside the columns first..last - 1 they are 0.
-struct Renderer::Strip {
-  explicit Strip(int sub_columns)
-      : width(sub_columns), samples(static_cast<std::size_t>(sub_columns) * static_cast<std::size_t>(rows())) {}
-
-  [[nodiscard]] static constexpr int rows() { return kBlock * kSub; }
-  [[nodiscard]] float* row(int i) { return samples.data() + static_cast<std::ptrdiff_t>(i) * width; }
-  [[nodiscard]] const float* row(int i) const { return samples.data() + static_cast<std::ptrdiff_t>(i) * width; }
-
-  int width;
-  int first = 0;
-  int last = 0;
-  std::vector<float> samples;
-};
-
 Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pattern, RenderOptions options)
     : rig_(real.rig),
       scene_(scene),
@@ -108,6 +82,8 @@ Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pa
       light_(throw_light(rig_, checked(pattern, rig_.projector), options)),
       grid_(rig_.camera, lens_margin(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
       views_(real, grid_, surface_.all_heights(-kAnyTime, kAnyTime)),
+      levels_(std::make_shared<LevelBlocks>(grid_.blocks())),
+      column_views_(std::make_shared<ColumnViews>(real.camera, rig_.camera)),
       kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {
   views_.set_light(light_);
 }
@@ -115,6 +91,7 @@ Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pa
 void Renderer::set_pattern(const FloatImage& pattern) {
   light_ = throw_light(rig_, checked(pattern, rig_.projector), options_);
   views_.set_light(light_);
+  levels_ = std::make_shared<LevelBlocks>(grid_.blocks());
 }
 
 double Renderer::time_of_shot(int frame) const {
@@ -124,105 +101,6 @@ double Renderer::time_of_shot(int frame) const {
 }
 
 double Renderer::true_height(int frame, double x, double y) const { return scene_.height(x, y, time_of(frame)); }
-
-HeightRange Renderer::block_heights(const Light& light, std::size_t block) const {
-  return surface_.heights_between(views_.tangents(block), light.middle - light.exposure / 2,
-                                  light.middle + light.exposure / 2, light.heights);
-}
-
-LitSurface::Shadow Renderer::block_shadow(const Light& light, std::size_t block, HeightRange heights) const {
-  return heights.high - heights.low <= kHeightTolerance
-             ? surface_.shadow_on_level(views_.tangents(block), heights.low, light.middle - light.exposure / 2,
-                                        light.middle + light.exposure / 2, light.heights.high)
-             : LitSurface::Shadow::some;
-}
-
-// The grey value that the projector's light adds at a surface point.
-double Renderer::grey(const Hit& hit, double t, double highest) const {
-  const double light = projector_.depth(hit.point) > 0 ? light_.at(projector_.project(hit.point), hit.point.z) : 0;
-  return light > 0 ? (rig_.imaging.white - rig_.imaging.ambient) * light * surface_.lit_share(hit, t, highest) *
-                         surface_.reflectance(hit, t)
-                   : 0;
-}
-
-// Grey values of the sub-pixels of a block, (kSub kBlock) squared, less those of a dark surface. The instants of the
-// exposure are dealt out so that each comes equally often in every row and in every column of sub-pixels. A block
-// without projected light needs only one sample for each pixel.
-void Renderer::sample_block(const Light& light, std::size_t block, int row, int column, HeightRange heights, bool dark,
-                            float* to) const {
-  constexpr int kSide = kBlock * kSub;
-  const double ambient = surface_.even_albedo() ? 0 : rig_.imaging.ambient - rig_.imaging.dark;
-  if (dark) {
-    for (int i = 0; i < kSide; ++i) {
-      for (int j = 0; j < kSide; ++j) {
-        if (i % kSub == 0 && j % kSub == 0) {
-          const int pixel_row = row + i / kSub;
-          const int pixel_column = column + j / kSub;
-          const Hit h =
-              surface_.hit({static_cast<double>(pixel_row), static_cast<double>(pixel_column)}, light.middle, heights);
-          to[i * kSide + j] = static_cast<float>(ambient * surface_.albedo(h.point, light.middle));
-        } else {
-          to[i * kSide + j] = to[(i - i % kSub) * kSide + j - j % kSub];
-        }
-      }
-    }
-    return;
-  }
-  const LitSurface::Shadow shadow = block_shadow(light, block, heights);
-  if (shadow == LitSurface::Shadow::all && ambient == 0) {
-    std::fill_n(to, kSide * kSide, 0.0F);
-    return;
-  }
-  const double highest = shadow == LitSurface::Shadow::none ? heights.low : light.heights.high;
-  for (int i = 0; i < kSide; ++i) {
-    for (int j = 0; j < kSide; ++j) {
-      const PixelPoint pixel{row - 0.5 + (i + 0.5) / kSub, column - 0.5 + (j + 0.5) / kSub};
-      double sum = 0;
-      for (int pass = 0; pass < light.passes; ++pass) {
-        const int instant = (i + j) % kSub * light.passes + pass;
-        const double t = light.middle + light.exposure * ((instant + 0.5) / (kSub * light.passes) - 0.5);
-        const Hit h = surface_.hit(pixel, t, heights);
-        sum += grey(h, t, highest);
-        if (ambient > 0) {
-          sum += ambient * surface_.albedo(h.point, t);
-        }
-      }
-      to[i * kSide + j] = static_cast<float>(sum / light.passes);
-    }
-  }
-}
-
-// Samples a row of blocks into `strip`. Without any that may be lit, nothing is sampled.
-void Renderer::sample_strip(const Light& light, int down, Strip& strip) const {
-  constexpr int kSide = kBlock * kSub;
-  const bool even = surface_.even_albedo();
-  std::array<float, static_cast<std::size_t>(kSide) * kSide> block{};
-  strip.first = strip.last = 0;
-  for (int across = 0; across < grid_.across(); ++across) {
-    const std::size_t index = grid_.block(down, across);
-    if (even && !views_.may_be_lit(index, light.heights)) {
-      continue;
-    }
-    const HeightRange heights = block_heights(light, index);
-    if (even && !views_.may_be_lit(index, heights)) {
-      continue;
-    }
-    const bool dark = views_.is_dark(index, heights, light_);
-    if (dark && even) {
-      continue;
-    }
-    if (strip.first == strip.last) {
-      std::fill(strip.samples.begin(), strip.samples.end(), 0.0F);
-      strip.first = across * kSide;
-    }
-    strip.last = (across + 1) * kSide;
-    sample_block(light, index, down * kBlock - grid_.margin(), across * kBlock - grid_.margin(), heights, dark,
-                 block.data());
-    for (int i = 0; i < kSide; ++i) {
-      std::copy_n(block.data() + i * kSide, kSide, strip.row(i) + across * kSide);
-    }
-  }
-}
 
 // Folds each row of the strip's sub-pixels with the kernel along the columns, and adds its contributions to the rows of
 // pixels around it. What is dark contributes nothing.
@@ -351,56 +229,6 @@ void Renderer::render(int frame, std::span<std::uint8_t> pixels) const {
   std::vector<float> values(pixels.size());
   render(frame, values);
   quantize(values, pixels);
-}
-
-void Renderer::truth(int frame, std::span<float> heights, std::span<Point3> points) const {
-  const double t = time_of(frame);
-  const HeightRange all = surface_.all_heights(t, t);
-  for (int column = 0; column < rig_.camera.columns; ++column) {
-    // How far, in projector lines, what a row sees is from the light sheet.
-    const auto miss = [&](double row) {
-      const Hit h = surface_.hit({row, column + 0.0}, t, all);
-      if (projector_.depth(h.point) <= 0) {
-        return kNan;
-      }
-      const PixelPoint p = projector_.project(h.point);
-      return p.row - light_.line_centre(p.column);
-    };
-    int seen = 0;
-    double height = kNan;
-    double above = miss(-0.5);
-    for (int row = 0; row < rig_.camera.rows; ++row) {
-      const double below = miss(row + 0.5);
-      if ((above < 0) != (below < 0) && !std::isnan(above) && !std::isnan(below)) {
-        constexpr int kHalvings = 24;
-        double low = row - 0.5;
-        double high = row + 0.5;
-        for (int i = 0; i < kHalvings; ++i) {
-          const double middle = (low + high) / 2;
-          ((miss(middle) < 0) == (above < 0) ? low : high) = middle;
-        }
-        constexpr double kThere = 0.01;  // a jump of the surface across the sheet is no crossing
-        const Hit h = surface_.hit({low, column + 0.0}, t, all);
-        if (std::abs(miss(low)) < kThere && surface_.lit_share(h, t, all.high) > 0) {
-          ++seen;
-          height = h.height;
-          if (!points.empty()) {
-            points[static_cast<std::size_t>(column)] = h.point;
-          }
-        }
-      }
-      above = below;
-    }
-    heights[static_cast<std::size_t>(column)] = static_cast<float>(seen == 1 ? height : kNan);
-  }
-}
-
-FloatImage Renderer::truth(int first, int count, int threads) const {
-  FloatImage result(count, rig_.camera.columns);
-  parallel_for(count, threads, [&](int i) {
-    truth(first + i, {result.row(i), static_cast<std::size_t>(result.columns)});
-  });
-  return result;
 }
 
 }  // namespace selfproj

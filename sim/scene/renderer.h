@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,12 +15,15 @@
 #include "host/rig/rig.h"
 #include "sim/scene/block_grid.h"
 #include "sim/scene/block_views.h"
+#include "sim/scene/column_views.h"
 #include "sim/scene/disturbed_camera.h"
 #include "sim/scene/lens_kernel.h"
+#include "sim/scene/level_blocks.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/real_rig.h"
+#include "sim/scene/renderer_frame.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/world.h"
 
@@ -115,17 +119,28 @@ class Renderer {
   static constexpr int kBlock = kBlockPixels;
 
   using Hit = LitSurface::Hit;
-  struct Light;  // of one frame while it is rendered
-  struct Strip;
+  using Light = FrameLight;
+  using Strip = SubPixelStrip;
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
   [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter
-  [[nodiscard]] HeightRange block_heights(const Light& light, std::size_t block) const;
-  [[nodiscard]] LitSurface::Shadow block_shadow(const Light& light, std::size_t block, HeightRange heights) const;
+  [[nodiscard]] double ambient() const;  // grey values of ambient light, unless they are the same all over
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
-  void sample_block(const Light& light, std::size_t block, int row, int column, HeightRange heights, bool dark,
+  void sample_dark(const Light& light, int row, int column, HeightRange heights, BlockValues& values) const;
+
+  // Samples a pixel of a block whose first sub-pixel is `first`; `to` is its value.
+  void sample_pixel(const Light& light, PixelPoint first, HeightRange heights, LitSurface::Shadow shadow,
                     float* to) const;
+
+  // Samples a block, unless it is known that all its values are 0: then returns false.
+  bool sample_block(const Light& light, int down, int across, BlockValues& values) const;
+
+  // Samples a row of blocks.
   void sample_strip(const Light& light, int down, Strip& strip) const;
+  [[nodiscard]] double miss(Point3 sight, double t, HeightRange heights) const;
+  [[nodiscard]] std::optional<double> side_of_sheet(const Box& tangents, HeightRange heights) const;
+  [[nodiscard]] std::optional<Hit> hit_on_sheet(double row, int column, double above, double t,
+                                                HeightRange heights) const;
   void add_strip(const Strip& strip, int down, std::span<float> pixels) const;
   void expose(int frame, std::span<float> pixels) const;
 
@@ -141,6 +156,8 @@ class Renderer {
   ProjectedLight light_;
   BlockGrid grid_;  // with the margin around the image from which the lens gathers light
   BlockViews views_;
+  std::shared_ptr<LevelBlocks> levels_;
+  std::shared_ptr<const ColumnViews> column_views_;
   std::vector<float> kernel_;  // of pixel and lens, one weight for each sub-pixel: (2 margin + 1) kSub
 };
 
