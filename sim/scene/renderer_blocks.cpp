@@ -29,7 +29,10 @@ void Renderer::sample_dark(const Light& light, int row, int column, HeightRange 
     for (int j = 0; j < kBlockSide; ++j) {
       float& value = values[static_cast<std::size_t>(i * kBlockSide + j)];
       if (i % kSub == 0 && j % kSub == 0) {
-        const Hit h = surface_.hit({row + i / kSub + 0.0, column + j / kSub + 0.0}, light.middle, heights);
+        const int pixel_row = row + i / kSub;
+        const int pixel_column = column + j / kSub;
+        const Hit h =
+            surface_.hit({static_cast<double>(pixel_row), static_cast<double>(pixel_column)}, light.middle, heights);
         value = static_cast<float>(ambient() * surface_.albedo(h.point, light.middle));
       } else {
         value = values[static_cast<std::size_t>((i - i % kSub) * kBlockSide + j - j % kSub)];
@@ -45,8 +48,10 @@ void Renderer::sample_pixel(const Light& light, PixelPoint first, HeightRange he
                             float* to) const {
   std::array<Point3, std::size_t{kSub} * kSub> sights{};
   for (std::size_t k = 0; k < sights.size(); ++k) {
+    const std::size_t down = k / kSub;
+    const std::size_t across = k % kSub;
     sights[k] = surface_.sight(
-        {first.row + static_cast<double>(k / kSub) / kSub, first.column + static_cast<double>(k % kSub) / kSub});
+        {first.row + static_cast<double>(down) / kSub, first.column + static_cast<double>(across) / kSub});
   }
   HeightRange level = heights;
   if (shadow == LitSurface::Shadow::some) {
