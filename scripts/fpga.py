@@ -297,7 +297,7 @@ def resource_tables(taken):
 
 def prepared(place):
     """Returns the text of the netlist that is placed, which holds the whole board."""
-    part, (_, _, parameters), _ = place
+    part, (_, _, parameters) = place
     family, change = PARTS[part].family, PARTS[part].change
     netlist = synthesize(family, parameters, PINS.stem)
     alone, pins = whole(family, tuple(parameters.items())), count(netlist)[1]
