@@ -290,6 +290,14 @@ void describe_frame(PacketHeader& header, int rows, int columns, const Measure& 
   header.lines = header.rows;
 }
 
+Measure measure_of(const PacketHeader& header) {
+  return {.mode = static_cast<Mode>(header.mode),
+          .threshold = header.threshold,
+          .select = static_cast<Select>(header.select),
+          .gap = header.gap,
+          .window = {header.first_row, header.last_row}};
+}
+
 PacketError parse_packet(std::span<const std::uint8_t> bytes, PacketView& out) {
   if (bytes.size() < spec::kHeaderBytes) {
     return PacketError::too_short;

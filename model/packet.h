@@ -112,6 +112,9 @@ void append_packet(const PacketHeader& header, std::span<const std::uint8_t> pay
 // Writes into `header` the size of a frame, how its columns are measured, and that the packet has all its lines.
 void describe_frame(PacketHeader& header, int rows, int columns, const Measure& measure);
 
+// How the header says that columns are measured. The header must be one that parse_packet finds right.
+Measure measure_of(const PacketHeader& header);
+
 // Looks for a packet at the beginning of `bytes`, which may hold more. Never reads beyond them; allocates nothing and
 // throws nothing. Writes `out` only if it returns PacketError::none.
 PacketError parse_packet(std::span<const std::uint8_t> bytes, PacketView& out);

@@ -249,7 +249,8 @@ class Tables:
         if "met" in columns:
             cells["met"] = self.cells.met(row.get("goal", ""))
         if "command" in columns:
-            cells["command"] = row.get("command") or self.cells.commands(row["result"])
+            cells["command"] = (self.cells.fill(row["command"]) if "command" in row else
+                                self.cells.commands(row["result"]))
         return [cells[key] for key in columns]
 
     def sources(self):

@@ -62,12 +62,14 @@ LineRun::LineRun(const LineOptions& options, const Rig& rig, const std::string& 
   }
   if (!options.live.empty()) {
     live_.emplace(endpoint_of_text("--live", options.live), rig, title);
-    camera_.emplace([this] { return live_->watched(); },
-                    [this, kind = rig.kind, measure = rig.measure](const PacketHeader& header, const ImageView& image) {
-                      const std::vector<float> line =
-                          kind == RigKind::light_section ? line_in_image(image, measure) : std::vector<float>();
-                      live_->camera(header, image, line, judge_exposure(image, line, measure));
-                    });
+    camera_.emplace(
+        [this] { return live_->watched(); },
+        [this, kind = rig.kind, measure = rig.measure](const PacketHeader& header, const ImageView& image) mutable {
+          measure.take(measure_of(header));  // a device may measure otherwise than the rig says
+          const std::vector<float> line =
+              kind == RigKind::light_section ? line_in_image(image, measure) : std::vector<float>();
+          live_->camera(header, image, line, judge_exposure(image, line, measure));
+        });
     fmt::print(stderr, "live page: {}\n", live_->url());
   }
 }

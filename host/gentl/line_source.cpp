@@ -116,12 +116,7 @@ void LineSource::note() {
   told_ = work_;
   told_.driver = device_->counters();
   if (held_) {
-    const PacketHeader& header = packet_.header;
-    newest_ = {.mode = static_cast<Mode>(header.mode),
-               .threshold = header.threshold,
-               .select = static_cast<Select>(header.select),
-               .gap = header.gap,
-               .window = {header.first_row, header.last_row}};
+    newest_ = measure_of(packet_.header);
   }
 }
 

@@ -254,10 +254,14 @@ def main():
     print(json.dumps(found, indent=1))
     if args.record:
         file = results.ROOT / "results/line_requests.json"
-        if file.exists():  # the runs with other options
-            found = json.loads(file.read_text(encoding="utf-8"))["results"] | found
-        results.write("line_requests", "A running line: time to a result, and requests that are none",
-                      "tests/cli/line_requests.py build/bin MAKE_PARTS " + " ".join(sys.argv[3:]), found,
+        command = "tests/cli/line_requests.py build/bin MAKE_PARTS " + " ".join(sys.argv[3:])
+        if file.exists():  # the runs with other options: each with the command and commit of its own
+            earlier = json.loads(file.read_text(encoding="utf-8"))
+            of_file = {key: earlier[key] for key in ("command", "commit")}
+            found = {name: of_file | entry for name, entry in earlier["results"].items()} | {
+                name: {"command": command, "commit": results.commit(results.ROOT)} | entry
+                for name, entry in found.items()}
+        results.write("line_requests", "A running line: time to a result, and requests that are none", command, found,
                       results.ROOT / "results")
 
 

@@ -247,6 +247,39 @@ class Browser(Made):
         counts = json.loads((folder / "counts.json").read_text())
         self.assertEqual(counts["lost_ring"] + counts["missing"] + counts["bad"], 0)
 
+    def test_shows_the_image_of_a_camera_without_a_board(self):
+        """The program makes the raw images' packets itself. Each image of Aravis' camera differs from the last one."""
+        device = "camera:Fake_1?rate=50&image=yes&threshold=248"
+        host = subprocess.Popen([PROGRAMS / "selfproj", "inspect", "--device", device, "--live",
+                                 str(chromium.free_port()), "--json", "fake.json"], cwd=self.folder,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(lambda: host.poll() is None and (host.kill(), host.wait()))
+        self.page.open(host.stderr.readline().split()[-1])
+        self.page.wait_for("return document.getElementById('shares').textContent.startsWith('frame')", "no image")
+        frame = lambda: int(self.page.script("return document.getElementById('shares').textContent.split(/[ ;]/)[1]"))
+        grey = lambda: self.page.script(
+            "const c = document.getElementById('camera'), g = c.getContext('2d');"
+            "return [c.width, c.height, ...g.getImageData(0, 0, c.width, 1).data];")
+        first, image = frame(), grey()
+        self.assertEqual(image[:2], [512, 96])
+        self.assertGreater(len(set(image[2::4])), 100, "the camera's ramp of grey values is not there")
+        self.page.wait_for("return Number(document.getElementById('shares').textContent.split(/[ ;]/)[1])"
+                           f" > {first + 50}", "the image stands still")
+        self.assertNotEqual(grey(), image)
+        # The threshold of the URI holds, not the rig's. Of every 255 grey values of the ramp six lie above it, so a
+        # good third of the columns has a line.
+        shares = self.page.script("return document.getElementById('shares').textContent")
+        self.assertAlmostEqual(float(re.search(r"line in ([\d.]+) %", shares)[1]), 100 * 96 / 255, delta=5)
+        self.assertIn("no line", self.page.script("return document.getElementById('exposure').textContent"))
+        shown = self.page.figures()
+        self.assertEqual(self.page.errors(), [])
+        host.send_signal(signal.SIGINT)
+        host.stderr.close()
+        self.assertEqual(host.wait(30), 0)
+        counts = json.loads((self.folder / "fake.json").read_text())
+        self.assertGreaterEqual(counts["profiles"], int(shown["profiles"]))
+        self.assertEqual(counts["missing"] + counts["bad"], 0)
+
 
 if __name__ == "__main__":
     words = sys.argv[1:]
