@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Makes a bitstream of the board for an ECPIX-5: Yosys, nextpnr-ecp5, ecppack. Called by bitstream.sh, which describes
-the options. Standard library only; the tools of PyPI come into a virtual environment in build/ecpix5.
+the options. Standard library only; the tools of PyPI come into a virtual environment in build/ecpix5. Netlists and
+placements are kept under hashes of all that they depend on (fpga.kept), so an unchanged circuit is not placed again.
 """
 
 import argparse
+import hashlib
 import ipaddress
 import json
 import pathlib
@@ -11,7 +13,9 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
+import fpga
 import pypi
 import results
 import rtl_tree
@@ -41,8 +45,8 @@ class NotReached(Exception):
     """PyPI is not reached."""
 
 
-def run(command, log):
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, cwd=ROOT)
+def run(command, log, folder=ROOT):
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, cwd=folder)
     log.write_text(done.stdout, encoding="utf-8")
     if done.returncode:
         errors = [line for line in done.stdout.splitlines() if "ERROR" in line] or done.stdout.splitlines()[-1:]
@@ -70,22 +74,41 @@ def core():
     return ROOT / done.stdout.strip()
 
 
-def netlist(parameters, name):
-    files = rtl_tree.sources_of_all(TOPS)
-    files += [BOARD / "ecpix5_system.sv", BOARD / "ecpix5.sv"]
-    path = HOME / f"{name}.json"
-    read = rtl_tree.read_command("ecpix5", [f"{key}={value}" for key, value in parameters.items()], files=files)
-    run(["yosys", "-q", "-p", f"read_verilog {core()}; {read}synth_ecp5 -abc9 -top ecpix5 -json {path}"],
-        HOME / "yosys.log")
-    return path
+def netlist(parameters):
+    """Returns the text of the netlist. Yosys names cells by the lines of the sources, and what follows depends on
+    names. So it reads them without comments, a line a statement, as in fpga.py."""
+    files = [*rtl_tree.sources_of_all(TOPS), BOARD / "ecpix5_system.sv", BOARD / "ecpix5.sv"]
+    texts = {path.relative_to(ROOT): rtl_tree.plain(path.read_text(encoding="utf-8")) for path in files}
+    read = rtl_tree.read_command("ecpix5", [f"{key}={value}" for key, value in parameters.items()], files=texts)
+    command = f"read_verilog liteeth.v; {read}synth_ecp5 -abc9 -top ecpix5 -json netlist.json"
+    texts["liteeth.v"] = core().read_text(encoding="utf-8")
+
+    def make():
+        with tempfile.TemporaryDirectory(dir=HOME) as folder:
+            rtl_tree.write(texts, folder)
+            run(["yosys", "-q", "-p", command], HOME / "yosys.log", folder)
+            return (pathlib.Path(folder) / "netlist.json").read_text(encoding="utf-8")
+
+    return fpga.kept([fpga.version("yosys"), command, *texts.values()], make)
 
 
-def place(nextpnr, path, seed, name):
-    """Returns nextpnr's report of a seed: utilization and clocks."""
-    report = HOME / f"{name}.report.json"
-    run([nextpnr, *PLACE, "--lpf", BOARD / "ecpix5.lpf", "--json", path, "--seed", str(seed), "--textcfg",
-         HOME / f"{name}.config", "--report", report], HOME / "nextpnr.log")
-    return json.loads(report.read_text(encoding="utf-8"))
+def place(nextpnr, text, seed):
+    """Returns nextpnr's report of a netlist and a seed (utilization and clocks), and the FPGA's configuration."""
+    pins = (BOARD / "ecpix5.lpf").read_text(encoding="utf-8")
+    texts = {"netlist.json": text, "pins.lpf": pins}
+    command = [*PLACE, "--lpf", "pins.lpf", "--json", "netlist.json", "--seed", str(seed), "--textcfg", "config",
+               "--report", "report.json"]
+
+    def make():
+        with tempfile.TemporaryDirectory(dir=HOME) as folder:
+            rtl_tree.write(texts, folder)
+            run([nextpnr, *command], HOME / "nextpnr.log", folder)
+            return json.dumps([(pathlib.Path(folder) / name).read_text(encoding="utf-8")
+                               for name in ("report.json", "config")])
+
+    key = [fpga.version(nextpnr), *command, pins, hashlib.sha256(text.encode()).hexdigest()]
+    report, config = json.loads(fpga.kept(key, make))
+    return json.loads(report), config
 
 
 def clocks_of(report):
@@ -127,10 +150,10 @@ def make(words):
     name += "-jumbo" if words.jumbo else ""
     nextpnr, ecppack = tools()
     datagrams = {"DatagramBytes": str(JUMBO_BYTES)} if words.jumbo else {}
-    path = netlist({"Address": f"32'h{int(words.address):08X}", **CONFIGURATIONS[configuration], **datagrams}, name)
+    text = netlist({"Address": f"32'h{int(words.address):08X}", **CONFIGURATIONS[configuration], **datagrams})
     used, seeds, good = {}, {}, None
     for seed in seeds_of(words):
-        report = place(nextpnr, path, seed, name)
+        report, config = place(nextpnr, text, seed)
         if not used:
             used = {key: report["utilization"][cell]["used"] for cell, (key, _) in COLUMNS.items()}
             print(f"{configuration} on an LFE5UM5G-85F")
@@ -143,6 +166,7 @@ def make(words):
         seeds[seed]["met"] = all(reached >= wanted for reached, wanted in clocks.values())
         if seeds[seed]["met"] and good is None:
             good = seed
+            (HOME / f"{name}.config").write_text(config, encoding="utf-8")
             run([ecppack, "--compress", HOME / f"{name}.config", HOME / f"{name}.bit"], HOME / "ecppack.log")
     if words.keep:
         results.write(f"bitstream_{configuration.replace(' ', '_').lower()}{'_jumbo' * words.jumbo}",
@@ -167,7 +191,7 @@ def main():
     except NotReached as error:
         print(f"bitstream.sh: {error}", file=sys.stderr)
         sys.exit(UNREACHED)
-    except BuildError as error:
+    except (BuildError, fpga.FpgaError) as error:
         print(f"bitstream.sh: {error}", file=sys.stderr)
         sys.exit(1)
 

@@ -8,6 +8,8 @@ import json
 import pathlib
 import tempfile
 
+import rtl_tree
+
 # What Yosys makes of the sources before it maps anything: one module of word-level cells, without what has no effect
 ELABORATE = "proc; flatten; opt_expr; opt_clean; opt_merge; memory_collect; opt_clean -purge"
 NAMES = {"MEMID"}  # parameters of cells that hold names
@@ -69,9 +71,6 @@ def circuit(run, read, texts, top):
     """Returns the hash of the module `top`. `run(command, folder)` runs a program; `read` are Yosys's commands that
     read the sources `texts` (text by name) and set parameters."""
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in texts.items():
-            to = pathlib.Path(folder) / name
-            to.parent.mkdir(parents=True, exist_ok=True)
-            to.write_text(text)
+        rtl_tree.write(texts, folder)
         run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; {ELABORATE}; write_json circuit.json"], folder)
         return structure((pathlib.Path(folder) / "circuit.json").read_text())

@@ -230,10 +230,7 @@ def synthesize(family, parameters, top, blocks=(), sources=None):
 
     def make():
         with tempfile.TemporaryDirectory(dir=KEPT) as folder:
-            for name, text in texts.items():
-                to = pathlib.Path(folder) / name
-                to.parent.mkdir(parents=True, exist_ok=True)
-                to.write_text(text)
+            rtl_tree.write(texts, folder)
             run(["yosys", "-q", "-p", f"{command}; write_json netlist.json"], folder)
             return (pathlib.Path(folder) / "netlist.json").read_text()
 

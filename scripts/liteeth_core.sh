@@ -12,8 +12,10 @@ settings=constraints/ecpix5/liteeth.yml
 core=$home/selfproj_liteeth.v
 mark="$package $(sha256sum <"$settings" | cut -c1-16) $(sha256sum <scripts/liteeth_core.sh | cut -c1-16)"
 
+mkdir -p "$home"
+exec {lock}>"$home/liteeth.lock" # two tests may need the core at once
+flock "$lock"
 if [[ ! -e $core || $(cat "$core.made" 2>/dev/null) != "$mark" ]]; then
-  mkdir -p "$home"
   programs=$(python3 -B scripts/pypi.py "$home/venv" "$package")
   "$programs/liteeth_gen" "$settings" --name selfproj_liteeth --output-dir "$home/liteeth" &>"$home/liteeth.log" ||
     { echo "liteeth_core.sh: liteeth_gen has failed ($home/liteeth.log)" >&2; exit 1; }

@@ -72,6 +72,14 @@ def plain_texts(more=(), root=ROOT):
     return {path.relative_to(root): plain(path.read_text()) for path in [*sources(root / "rtl"), *more]}
 
 
+def write(texts, folder):
+    """Writes the texts, by name, into the folder."""
+    for name, text in texts.items():
+        to = pathlib.Path(folder) / name
+        to.parent.mkdir(parents=True, exist_ok=True)
+        to.write_text(text)
+
+
 def plant(folder, file, old, new):
     """Copies rtl/ into folder, replaces the one occurrence of old in the file by new, and returns the path.
 

@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
-# target_sim.sh [--frames N] [--replay DIR | --codes] [--drop P] [--double P] [--reorder P] [--damage P] [--images]
-# [--jumbo] [--keep] [-- COMMAND...]: simulates the FPGA of the ECPIX-5 (constraints/ecpix5), LiteEth included, from the
-# test camera to the pins of RGMII. In a network namespace of its own a TAP interface takes the place of the cable. The
-# kernel's own stack and the programs in build/bin reach the board at 192.168.1.50. By default the board sends N frames
-# (40), and each packet that was recorded must be that of the models; what the network dropped (P percent of datagrams),
-# doubled and reordered must be counted exactly. With --replay the images of a folder, 512 x 96 pixels each, take the
-# place of the test camera: selfproj board replay sends them to the board. The faults hit its datagrams, too, but every
-# image must arrive. With --codes the board is built with the Gray-code decoder, and the test camera shows its patterns,
-# one every millisecond; code images must be those of the models, too. --damage hits the frames to the board. --images
-# has raw images sent as well. --jumbo builds the board for datagrams of up to 8,972 bytes, and gives the network frames
-# of 9,000 bytes. --keep records the figures in the folder results. With a COMMAND, that command runs instead, as long
-# as it likes. SELFPROJ_PROGRAMS and SELFPROJ_JUDGE name programs elsewhere, for the test. Where PyPI is not reached, or
-# a TAP interface is not allowed, the script says so and exits with status 77.
+# target_sim.sh [--frames N] [--replay DIR | --codes | --rows N] [--drop P] [--double P] [--reorder P] [--damage P]
+# [--images] [--jumbo] [--keep] [-- COMMAND...]: simulates the FPGA of the ECPIX-5 (constraints/ecpix5), LiteEth
+# included, from the test camera to the pins of RGMII. In a network namespace of its own a TAP interface takes the place
+# of the cable. The kernel's own stack and the programs in build/bin reach the board at 192.168.1.50. By default the
+# board sends N frames (40), and each packet that was recorded must be that of the models; what the network dropped (P
+# percent of datagrams), doubled and reordered must be counted exactly. With --replay the images of a folder, 512 x 96
+# pixels each, take the place of the test camera: selfproj board replay sends them to the board. The faults hit its
+# datagrams, too, but every image must arrive. With --codes the board is built with the Gray-code decoder, and the test
+# camera shows its patterns, one every millisecond; code images must be those of the models, too. With --rows the test
+# camera has N rows, 5 to 127, and makes no pause between frames: only its pixel clock limits their rate. --damage hits
+# the frames to the board. --images has raw images sent as well. --jumbo builds the board for datagrams of up to 8,972
+# bytes, and gives the network frames of 9,000 bytes. --keep records the figures in the folder results. With a COMMAND,
+# that command runs instead, as long as it likes; scripts/target_rates.py is one. SELFPROJ_PROGRAMS and SELFPROJ_JUDGE
+# name programs elsewhere, for the test. Where PyPI is not reached, or a TAP interface is not allowed, the script says
+# so and exits with status 77.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 here=$PWD
@@ -23,6 +25,7 @@ codes=false
 faults=()
 images=false
 mtu=1500
+rows=
 keep=false
 command=()
 while (($# > 0)); do
@@ -33,15 +36,21 @@ while (($# > 0)); do
     --drop | --double | --reorder | --damage) faults+=("$1" "${2:?"target_sim.sh: $1 needs a percentage"}"); shift 2 ;;
     --images) images=true; shift ;;
     --jumbo) mtu=9000; shift ;;
+    --rows) rows=${2:?"target_sim.sh: --rows needs a number"}; shift 2 ;;
     --keep) keep=true; shift ;;
     --) command=("${@:2}"); break ;;
     *) echo "target_sim.sh: $1: unknown; --help lists the options" >&2; exit 2 ;;
   esac
 done
 
+[[ -z $rows || $rows =~ ^[1-9][0-9]{0,2}$ && $rows -ge 5 && $rows -le 127 ]] ||
+  { echo "target_sim.sh: --rows: '$rows' is not a number from 5 to 127" >&2; exit 2; }
+((${#replay} > 0)) && given="--replay " || given=
+$codes && given+="--codes "
+[[ -z $rows ]] || given+="--rows "
+[[ $given != *" "*" " ]] || { echo "target_sim.sh: ${given}exclude each other" >&2; exit 2; }
 programs=${SELFPROJ_PROGRAMS:-$PWD/build/bin}
 judge=${SELFPROJ_JUDGE:-$PWD/build/release/sim/target/test_camera_judge}
-[[ -z $replay ]] || ! $codes || { echo "target_sim.sh: --replay and --codes exclude each other" >&2; exit 2; }
 for program in "$programs/selfproj" "$judge" "${judge%/*}/replay_judge"; do
   [[ -x $program ]] || { echo "target_sim.sh: $program is missing; run scripts/build.sh release all" >&2; exit 2; }
 done
@@ -54,6 +63,11 @@ core=$(scripts/liteeth_core.sh)
 folder=build/ecpix5/sim
 build=()
 ((mtu == 1500)) || { folder+=-jumbo && build+=("-GDatagramBytes=$((mtu - 28))"); } # without headers of IP and UDP
+frame_clocks=12500
+[[ -z $rows ]] || { # a beat is four pixels
+  frame_clocks=$((128 * rows))
+  folder+=-rows-$rows && build+=("-GCameraRows=$rows" "-GFrameClocks=$frame_clocks")
+}
 $codes && folder+=-codes && build+=("-GGrey=1'b0" "-GImage=1'b0" "-GCodes=1'b1") # as bitstream.py does
 search=()
 for room in rtl/*/; do search+=(-y "${room%/}"); done
@@ -69,7 +83,7 @@ if grep -m 5 '^%Warning' "$folder/build.log" >&2; then exit 1; fi
 
 work=$(mktemp -d "$PWD/build/target-sim-XXXXXX")
 trap 'rm -rf "$work"' EXIT
-export here folder work programs frames images replay codes mtu
+export here folder work programs judge frames images replay codes mtu rows
 status=0
 # The host's programs do not interrupt the simulation when a datagram wakes them up. A host takes 20 ms of silence for
 # the end of a packet. Where the simulation had to wait for a processor in the middle of one, it counts that (held_up).
@@ -99,7 +113,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   selfproj board info "${board[@]}"
   $images && image=1 || image=0
   ((mtu == 1500)) && jumbo= || jumbo=--jumbo
-  settings=(measure.mode=grey-over "control.image=$image")
+  settings=(measure.mode=grey-over "control.image=$image" ${rows:+"size.rows=$rows"})
   $codes && settings=(decode.bits=8 decode.codes=1)
   selfproj board set "${board[@]}" measure.threshold=100 "${settings[@]}" >/dev/null
   [[ -z $replay ]] || selfproj board source replay "${board[@]}"
@@ -137,12 +151,13 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
 if [[ -n $replay ]]; then
   "${judge%/*}/replay_judge" "$work/packets" "$replay" >"$work/judged.json" || status=$?
 else
-  $codes && form=(codes=8) || form=(12500)
-  "$judge" "$work/packets" 512x96 "${form[@]}" >"$work/judged.json" || status=$?
+  $codes && form=(codes=8) || form=("$frame_clocks")
+  "$judge" "$work/packets" "512x${rows:-96}" "${form[@]}" >"$work/judged.json" || status=$?
 fi
-python3 -B - "$work" "$images" "$codes" <<'PYTHON' || status=$?
+python3 -B - "$work" "$images" "$codes" "${rows:-96}" <<'PYTHON' || status=$?
 import json, pathlib, re, sys
 folder, images, codes = pathlib.Path(sys.argv[1]), sys.argv[2] == "true", sys.argv[3] == "true"
+rows = int(sys.argv[4])
 said = (folder / "record.txt").read_text()
 print("record: " + said.strip())
 number = lambda what: int(re.search(rf"{what} ([\d,]+)", said)[1].replace(",", ""))
@@ -151,7 +166,7 @@ board = {name: int(value or 0) for name, value in
 lost_board = board["lost_moments"] + board["lost_image"] + board["lost_codes"]
 code_images = max(0, board["frames"] - 14) // 2 if codes else 0  # after 8 pairs, and after each further pair
 sim, judged = (json.loads((folder / f"{name}.json").read_text()) for name in ("sim", "judged"))
-sent = board["frames"] * (97 if images else 1) + 96 * code_images - lost_board
+sent = board["frames"] * (1 + rows * images) + 96 * code_images - lost_board
 figures = {"frames": board["frames"], "packets_sent": sent, "recorded": judged["packets"],
            "equal": judged["equal"], "lost_board": lost_board,
            "lost_network": number("lost in the network"), "bad": number("bad packets"), **sim}
@@ -175,6 +190,7 @@ if $keep; then
   [[ -n $replay ]] && source="--replay ${replay##*/}" || source="--frames $frames"
   name=target_sim${replay:+_replay}
   ((mtu == 1500)) || { source+=" --jumbo" && name+=_jumbo; }
+  [[ -z $rows ]] || { source+=" --rows $rows" && name+=_rows; }
   $codes && source+=" --codes" && name+=_codes
   SELFPROJ_RESULTS=results python3 -B scripts/results.py record "$name${faults[0]:+_faults}" \
     --about "The FPGA of an ECPIX-5 in simulation, test camera to RGMII, and the host behind the kernel's stack" \

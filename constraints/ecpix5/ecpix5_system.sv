@@ -21,6 +21,7 @@ module ecpix5_system #(
   parameter int CodeBits = 8,
   parameter bit Sensor = 1'b0,       // 1: the parallel sensor is the camera; 0: the test camera
   parameter bit Replay = 1'b1,       // frames from the host, with a memory for one of the largest
+  parameter int CameraRows = 96,     // of the test camera's image
   parameter int FrameClocks = 12_500,  // of the test camera: 10,000 frames a second at 125 MHz
   parameter int DatagramBytes = 1472,  // longest datagram with packets; 8972 in jumbo frames
   parameter int LinkLogDepth = 12,   // 64 KiB: 1 ms of packets while the network looks for a host
@@ -112,7 +113,7 @@ module ecpix5_system #(
 
   sp_test_camera #(
     .Columns    (MaxColumns),
-    .Rows       (96),
+    .Rows       (CameraRows),
     .FrameClocks(FrameClocks),
     .CodeBits   (CodeBits)
   ) u_test_camera (

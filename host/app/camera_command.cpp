@@ -42,7 +42,7 @@ struct CameraOptions {
 
 constexpr std::array<const char*, kLensParameters> kNames{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
 
-// Checks the options and puts them into the settings.
+// Checks the options and fills the settings from them.
 void apply(CameraOptions& options) {
   constexpr int kMostCorners = 200;
   const FrameSize corners = size_of_text("--chessboard", options.chessboard, kMostCorners);
@@ -73,7 +73,7 @@ void apply(CameraOptions& options) {
   }
 }
 
-// The images of the laser, of the size of the camera's.
+// Reads the images of the laser. They must have the size of the chessboard's images.
 std::vector<Image> read_lines(const CameraOptions& options, const CameraReport& camera) {
   std::vector<Image> lines;
   for (const std::string& file : options.laser) {
@@ -202,8 +202,8 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
       ->required();
   command
       .add_option("--square", options.settings.chessboard.square_mm,
-                  "Side of a square in mm. Measure it: nothing shows that it is wrong, and all lengths are wrong by "
-                  "the same factor.")
+                  "Side of a square in mm. Measure it: if it is wrong, all lengths are wrong by the same factor, and "
+                  "nothing shows it.")
       ->transform(number_above_zero())
       ->type_name("MM")
       ->required();
@@ -244,8 +244,8 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
       ->capture_default_str();
   command
       .add_option("--rig", options.rig,
-                  "With --laser: rig of kind light-section whose pixel pitch, rates, conveyor and measuring are copied "
-                  "to rig.yaml.")
+                  "With --laser: rig of kind light-section whose pixel pitch, rates, conveyor and measuring settings "
+                  "are copied to rig.yaml.")
       ->type_name("RIG")
       ->capture_default_str();
   begin_group(command, "Output");
@@ -261,11 +261,12 @@ CLI::App* add_camera_command(CLI::App& calibrate) {
       calibrate,
       {.name = "camera",
        .purpose = "Calibrates a camera alone from plain images of a chessboard, and a laser's plane.",
-       .details = "Record the chessboard in 5 or more poses that lean in different directions. With --laser, record in "
-                  "each pose a second image with the laser's line on it; camera and laser are then a light section.\n\n"
-                  "The output folder gets camera.yaml (OpenCV YAML), report.json, and with --laser rig.yaml, which "
-                  "`selfproj inspect` takes. Where the poses do not determine the result, nothing is written and the "
-                  "exit status is 1.",
+       .details =
+           "Record the chessboard in 5 or more poses that lean in different directions. With --laser, record in "
+           "each pose a second image with the laser's line on it; camera and laser then form a light section.\n\n"
+           "The output folder gets camera.yaml (OpenCV YAML), report.json, and with --laser rig.yaml, which "
+           "`selfproj inspect` takes. If the poses do not determine the result, nothing is written and the "
+           "exit status is 1.",
        .examples = R"(
 # A camera and a laser's plane (needs your files)
 selfproj calibrate camera --chessboard 9x7 --square 20 --out line1 boards/*.png \
@@ -273,7 +274,7 @@ selfproj calibrate camera --chessboard 9x7 --square 20 --out line1 boards/*.png 
 )"});
   const auto options = std::make_shared<CameraOptions>();
   add_camera_options(*command, *options);
-  // What `calibrate` itself requires is not required here.
+  // The options that `calibrate` itself requires are not required for this command.
   command->preparse_callback([&calibrate](std::size_t /*arguments*/) {
     for (CLI::Option* option : calibrate.get_options()) {
       option->required(false);

@@ -233,8 +233,8 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
       command
           .add_option("--reference", options.reference,
                       "Shape of the part: a CSV table y_mm,z_mm of its section, or a TIFF of heights in mm "
-                      "with one column for each camera column. A folder that this command wrote, to take "
-                      "out its residual.")
+                      "with one column for each camera column. With --residual: a folder that this command "
+                      "wrote.")
           ->type_name("FILE|DIR");
   auto* scan = command
                    .add_option("--scan", options.scan,
@@ -242,10 +242,10 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
                    ->type_name("DIR");
   auto* line =
       command
-          .add_option("--line", options.line, "No part: a straight line at this line of the projector, counted from 0.")
+          .add_option("--line", options.line, "Without a part: a straight line at this projector line, counted from 0.")
           ->transform(real_number(0, 1e6))
           ->type_name("LINE");
-  auto* sweep = command.add_flag("--sweep", options.sweep, "No part: the straight lines with which a part is scanned.");
+  auto* sweep = command.add_flag("--sweep", options.sweep, "Writes the straight lines with which a part is scanned.");
   reference->excludes(scan)->excludes(line)->excludes(sweep);
   scan->excludes(line)->excludes(sweep);
   line->excludes(sweep);
@@ -253,8 +253,8 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
   command
       .add_option(
           "--residual", options.residual,
-          "Folder of camera images of the part under its own pattern. Their mean is taken as the straight line, "
-          "column by column.")
+          "Folder of camera images of the part under its own pattern. The pattern is corrected by the mean distance "
+          "of the line from the middle row, column by column.")
       ->type_name("DIR")
       ->excludes(line)
       ->excludes(sweep);
@@ -263,7 +263,7 @@ void add_source_options(CLI::App& command, PatternOptions& options) {
       ->type_name("N")
       ->default_str("the median of all frames")
       ->needs(reference);
-  command.add_option("--every", options.every, "Distance of two lines of a sweep, in projector lines.")
+  command.add_option("--every", options.every, "Distance between two lines of a sweep, in projector lines.")
       ->transform(whole_number(1, 64))
       ->type_name("N")
       ->capture_default_str()
@@ -279,10 +279,10 @@ void add_pattern_command(CLI::App& app) {
       app,
       {.name = "pattern",
        .purpose = "Computes the pattern that the camera sees as a straight line on a good part.",
-       .details = "The shape of the part is known (--reference) or scanned: --sweep writes straight lines to project, "
-                  "and --scan takes the camera images of them. The output folder gets pattern.png and pattern.tiff for "
-                  "the projector, preview.png, and reference.csv; `selfproj inspect --reference` takes this "
-                  "folder.\n\n"
+       .details = "The shape of the part is known (--reference) or scanned. To scan it, --sweep writes straight lines "
+                  "to project, and --scan takes the camera images of them. The output folder gets pattern.png and "
+                  "pattern.tiff for the projector, preview.png, and reference.csv. `selfproj inspect --reference` "
+                  "takes this folder.\n\n"
                   "The commands gray and stripes make patterns for structured light; chessboard draws a target for "
                   "calibration.",
        .examples = R"(
@@ -290,7 +290,7 @@ void add_pattern_command(CLI::App& app) {
 printf 'y_mm,z_mm\n-50,1167\n0,1147\n50,1167\n' > roof.csv
 selfproj pattern --reference roof.csv --out roof
 
-# The lines to scan a part with.
+# The lines with which to scan a part.
 selfproj pattern --sweep --every 4 --out lines
 
 # The pattern from the camera images of these lines on the part (needs your files)

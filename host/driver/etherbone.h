@@ -1,12 +1,13 @@
-// Etherbone as LiteX speaks it: records of 32-bit words in UDP datagrams, big endian, one record a datagram.
+// Etherbone as LiteX speaks it: records of 32-bit words in UDP datagrams, big endian, one record in each datagram.
 //
 //     8 bytes: 4E 6F, 1 << 4 | flags, 44, 0, 0, 0, 0    flags: 1 probe, 2 answer to a probe
 //     4 bytes: cycle flags, byte enable, words to write, words to read
-//     to write:  4 bytes first address, 4 bytes a word
-//     to read:   4 bytes tag, 4 bytes an address
+//     to write:  4 bytes first address, then 4 bytes for each word
+//     to read:   4 bytes tag, then 4 bytes for each address
 //
-// The answer to a record that reads is a record that writes: its first address is the tag, its words are what was read.
-// A board does the writes in order, then the reads. It answers from its port to the same port of the host.
+// The answer to a record that reads is a record that writes. Its first address is the tag, and its words are the values
+// that were read. A board does the writes in order, then the reads. It answers from its Etherbone port to the same port
+// of the host.
 #ifndef SELFPROJ_HOST_DRIVER_ETHERBONE_H
 #define SELFPROJ_HOST_DRIVER_ETHERBONE_H
 
@@ -20,7 +21,7 @@ namespace selfproj {
 
 inline constexpr std::uint16_t kEtherbonePort = 1234;
 
-// Also a probe, which has no words.
+// A record with words to write and addresses to read, or a probe, which has neither.
 struct EtherboneRecord {
   bool probe = false;         // asks whether somebody is there
   bool probe_answer = false;  // answers a probe
@@ -32,10 +33,10 @@ struct EtherboneRecord {
   bool operator==(const EtherboneRecord&) const = default;
 };
 
-// The datagram of a record of at most 255 words of each kind. Throws std::invalid_argument if there are more.
+// Encodes a record as a datagram. Throws std::invalid_argument if there are more than 255 words to write or to read.
 std::vector<std::uint8_t> etherbone_bytes(const EtherboneRecord& record);
 
-// The record in a datagram; nothing if it is not exactly one. Never reads beyond it.
+// Decodes a datagram. Returns nothing unless it is exactly one record. Never reads beyond the end of the datagram.
 std::optional<EtherboneRecord> etherbone_record(std::span<const std::uint8_t> datagram);
 
 }  // namespace selfproj

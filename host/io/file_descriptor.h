@@ -1,4 +1,4 @@
-// A file descriptor that is closed at the end. Only for the files of host/io.
+// Owns a file descriptor and closes it.
 #ifndef SELFPROJ_HOST_IO_FILE_DESCRIPTOR_H
 #define SELFPROJ_HOST_IO_FILE_DESCRIPTOR_H
 
@@ -16,7 +16,7 @@ namespace selfproj {
 // The system's text for an error number.
 inline std::string error_text(int error) { return std::generic_category().message(error); }
 
-// `close` reports errors, the destructor does not. A negative number means no file.
+// close() returns false if closing fails; the destructor ignores that. A negative number means no file.
 class FileDescriptor {
  public:
   explicit FileDescriptor(int number) : number_(number) {}
@@ -26,7 +26,7 @@ class FileDescriptor {
 
   [[nodiscard]] int number() const { return number_; }
 
-  // Closes the present descriptor, and takes another.
+  // Closes the current descriptor and takes another one.
   void reset(int number) {
     static_cast<void>(close());
     number_ = number;
@@ -42,7 +42,7 @@ class FileDescriptor {
   int number_;
 };
 
-// Writes all of the text. If it fails, errno has the reason.
+// Writes the whole text. Returns false if it fails; errno then has the reason.
 [[nodiscard]] inline bool write_all(int descriptor, std::string_view text) {
   while (!text.empty()) {
     const ssize_t count = ::write(descriptor, text.data(), text.size());

@@ -13,12 +13,12 @@
 namespace selfproj {
 namespace {
 
-// Four decimals of a millimetre, and of shares and degrees, are more than any of them is exact to.
+// Rounds to four decimals. No length in mm, share or angle in degrees is as accurate as that.
 double short_number(double value) { return rounded(value, 4); }
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
-// A field of a CSV table.
+// A quoted field of a CSV table.
 std::string csv_field(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {

@@ -1,56 +1,61 @@
-// Front end for Camera Link cameras, Base and Medium: words of the Channel Link chips, or of a
-// deserializer, into video.
+// Front end for Camera Link cameras, Base and Medium. It turns the 28-bit words of the Channel Link
+// receiver chips, or of a deserializer, into video.
 //
 //   Base    X's clock: words ─▶ sp_camera_link_channel ─▶ video, in the board's clock
 //   Medium  X's clock: words ─▶ sp_camera_link_channel ─┐
 //           Y's clock: words ─▶ sp_camera_link_channel ─┴▶ sp_beat_pairs ─▶ video
 //
-// Guarantees: Taps = 1, 2 or 3 is Base, and each word of X brings that many pixels, the leftmost
-// in tap 1. Taps = 4 is Medium: each word of X brings three pixels in ports A, B, C, and the word
-// of Y for it the fourth in port D, which makes a beat. The upper 8 bits of each pixel go to the
-// board. A pixel counts while frame, line and data valid are high. A line ends with line or frame
-// valid, whatever its length, and the board compares its length with the size that was set. Pixels
-// at the end of a line that do not fill a beat are left out. One word between two lines or frames
-// is enough. After a reset, output starts with the next frame that begins.
+// Guarantees: with Taps = 1, 2 or 3 (Base) each word of X brings that many pixels, the leftmost in
+// tap 1. With Taps = 4 (Medium) each word of X brings three pixels, in ports A, B and C. The
+// matching word of Y brings the fourth pixel, in port D. The four pixels make one beat. The upper 8
+// bits of each pixel go to the board.
 //
-// Loss of lock: while a link is not locked, there are no words. The frame that is under way is cut
-// off and never goes on, so that the frame tracker of sp_board counts and marks it as broken;
-// lost_o is high for one clock. The next frame whose beginning is seen is whole again.
+// A pixel counts while frame valid, line valid and data valid are high. A line ends when line valid
+// or frame valid falls. It may have any length; the board compares the length with the size that
+// was set. Pixels at the end of a line that do not fill a beat are dropped. A gap of one word
+// between two lines or frames is enough. After a reset, output starts with the next frame that
+// begins.
 //
-// Medium: X and Y may come with different delays, and in clocks of different phase, as long as they
-// stay within 15 clocks of the board and within the FIFOs. Where one has a line or a frame that the
-// other has not, the frame is cut off, and apart_o is high for one clock. A word whose data valid
-// only one of them has is noticed at the end of its line. From one beginning of a frame to the next
-// it must be 16 clocks of the board or more: frames are told apart by time.
+// Loss of lock: a link that is not locked brings no words. The current frame is cut off and never
+// continues, so that the frame tracker of sp_board counts it and marks it as broken. lost_o is high
+// for one clock. Output continues with the first frame that begins after the link has locked again.
 //
-// Overflow: as in sp_parallel_sensor, only if the camera brings more than a beat in each clock of
-// the board. The rest of the frame is left out, and overrun_o is high for one clock.
+// Medium: the delays of X and Y may differ by up to 15 clocks of the board, and by no more than the
+// FIFOs hold. The phases of their clocks may differ. If only one of the two links brings a line or
+// a frame, the frame is cut off, and apart_o is high for one clock. If only one of them has data
+// valid in a word, this is noticed at the end of the line. Frames must begin at least 16 clocks of
+// the board apart, because frames of X and Y are matched by the time at which they begin.
+//
+// Overflow: as in sp_parallel_sensor, the FIFO fills only if the camera brings more than one beat
+// in each clock of the board. Then the rest of the frame is dropped, and overrun_o is high for one
+// clock.
 //
 // Reset: rst_i alone. The clocks of the links may stop and start at any time.
 //
-// Latency: 2 clocks of the link from the last word of the next beat, or the word after the line,
-// and 3 to 4 of the board; with Medium one more.
+// Latency: a beat leaves after the word that completes the next beat, or after the word that ends
+// the line. From that word it takes 2 clocks of the link and 3 to 4 of the board, and with Medium
+// one more of the board.
 //
 //   word      0   1   2   3   4   5      Taps = 2
 //   frame    /11111111111111111111111
 //   line     /111111111111111\_______
 //   data     /1111111\___/111\_______
-//   A, B     <0,1><2,3>---<4,5>-------   a beat of pixels 0 to 3; 4 and 5 are left out
+//   A, B     <01><23>----<45>--------   pixels 0 to 3 make a beat; 4 and 5 are dropped
 `default_nettype none
 
 module sp_camera_link #(
-  parameter int Taps = 2,  // pixels a word: 1, 2, 3 (Base) or 4 (Medium)
-  parameter int Bits = 8,  // of a pixel: 8; with 1 or 2 taps also 10 or 12
-  parameter bit DataValid = 1'b1,  // 0: data valid is taken for high
+  parameter int Taps = 2,  // pixels in a word: 1, 2, 3 (Base) or 4 (Medium)
+  parameter int Bits = 8,  // bits of a pixel: 8; with 1 or 2 taps also 10 or 12
+  parameter bit DataValid = 1'b1,  // 0: ignore data valid, as if it were always high
   parameter int LogDepth = Taps == 4 ? 5 : 4  // log2 of the beats in each FIFO
 ) (
   // Channel Link X
-  input  wire logic        x_clk_i,
-  input  wire logic        x_locked_i,
+  input  wire logic        x_clk_i,     // clock of the words
+  input  wire logic        x_locked_i,  // low: the link brings no words
   input  wire logic        x_valid_i,   // a word; only while x_locked_i is high
   input  wire logic [27:0] x_word_i,    // bit i is output i of the receiver chip
 
-  // Channel Link Y, of Medium; not used with Base
+  // Channel Link Y, only for Medium; Base ignores it
   input  wire logic        y_clk_i,
   input  wire logic        y_locked_i,
   input  wire logic        y_valid_i,
@@ -63,7 +68,7 @@ module sp_camera_link #(
   output logic      [31:0] m_data_o,    // leftmost pixel in 7..0
   output logic             m_start_o,   // first beat of a frame
   output logic             m_end_o,     // last beat of a line
-  output logic             overrun_o,   // pulse: a frame was cut off for want of room
+  output logic             overrun_o,   // pulse: a frame was cut off because the FIFO was full
   output logic             lost_o,      // pulse: a link has lost its lock
   output logic             apart_o      // pulse: X and Y did not agree
 );

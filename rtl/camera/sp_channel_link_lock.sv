@@ -1,46 +1,48 @@
-// Trains the deserializer of a Channel Link, watches it, and gives the words of 28 bits.
+// Aligns the deserializer of a Channel Link to its 28-bit words, checks every word, and outputs
+// those that are right.
 //
-// The deserializer brings seven samples of each lane in every clock. With Samples = 1 these are the
-// seven bits of a word. With Samples = 2 it samples each bit twice, a quarter of a bit before and
-// behind its middle, and a word takes two clocks.
+// In every clock the deserializer brings seven samples of each lane. With Samples = 1 these are the
+// seven bits of a word. With Samples = 2 each bit is sampled twice, a quarter of a bit before and
+// after its middle, and a word takes two clocks.
 //
-// Word alignment: the clock lane reads 1100011 in every word. As long as it does not, align_o rises
-// once in 16 clocks, and each rise must move the words of all lanes by two samples. With Samples =
-// 2, every eighth time the other clock becomes the first one of a word instead. So every alignment
-// is tried. After 2^LogGood words in a row that were right, locked_o rises.
+// Word alignment: the clock lane reads 1100011 in every word. While it reads anything else and the
+// link is not locked, align_o rises about every 16 clocks. Each rise must shift the words of all
+// lanes by two samples. With Samples = 2, every eighth step does not raise align_o, but exchanges
+// the first and the second clock of a word. So every alignment is tried. After 2^LogGood right
+// words in a row, locked_o rises.
 //
-// Guarantees: a word is given only while locked_o is high, only if the clock lane reads 1100011 in
-// it, and, with Samples = 2, only if both samples of each of its bits agree. Anything else ends the
-// lock at once, and error_o is high for one clock. Training begins again if the next words of the
-// clock lane are wrong, too.
+// Guarantees: a word is output only while locked_o is high, only if the clock lane reads 1100011 in
+// it, and, with Samples = 2, only if the two samples of each bit agree. Any other word ends the
+// lock at once, and error_o is high for one clock. The alignment stays as it is until a later word
+// has a wrong clock lane.
 //
-// What is noticed: with Samples = 2, a lane that is early or late by more than a quarter of a bit,
-// up to three quarters less its jitter: wherever its bit changes, the two samples differ. So no
-// wrong bit passes. With Samples = 1, a data lane that is off by more than half a bit gives wrong
-// bits that nothing in the link tells from right ones, because data lanes carry no pattern. The
-// same holds with Samples = 2 for a lane that is off by a whole bit.
+// Lanes out of place: with Samples = 2, consider a lane that is early or late by more than a
+// quarter of a bit, but by less than three quarters minus its jitter. Wherever its bit changes, the
+// two samples differ, so no wrong bit is output. A data lane that is off by a whole bit is not
+// noticed. With Samples = 1, a data lane that is off by more than half a bit gives wrong bits, and
+// nothing in the link tells them from right ones, because data lanes carry no known pattern.
 //
-// Latency: with Samples = 1 a word is at the output three clocks after its samples were at the
-// input; with Samples = 2, three clocks after its second half was.
+// Latency: a word leaves three clocks after its samples were at the input; with Samples = 2, three
+// clocks after the samples of its second half were.
 //
 //   clock      0   1   2   3   4   5      Samples = 2
-//   lanes_i   <0a><0b><1a><1b><2a><2b>    a: the first seven samples of a word
+//   lanes_i   <0a><0b><1a><1b><2a><2b>    0a: the first seven samples of word 0
 //   valid_o   ________________/111\___
 //   word_o    ----------------<0 >----
 `default_nettype none
 
 module sp_channel_link_lock #(
-  parameter int Samples = 1,  // of each bit: 1 or 2
-  parameter int LogGood = 8   // log2 of the words that are right before it locks
+  parameter int Samples = 1,  // samples of each bit: 1 or 2
+  parameter int LogGood = 8   // log2 of the right words in a row before it locks
 ) (
-  input  wire logic        clk_i,     // of the deserializer
-  input  wire logic        rst_i,     // active high, synchronous; while that clock is not good
-  input  wire logic [34:0] lanes_i,   // lane n in 7n+6..7n, the first sample in 7n; clock: lane 4
-  output logic             align_o,   // each rise moves the words by two samples
+  input  wire logic        clk_i,     // clock of the deserializer's samples
+  input  wire logic        rst_i,     // active high, synchronous; high while clk_i is not stable
+  input  wire logic [34:0] lanes_i,   // lane n in 7n+6..7n, its first sample in 7n; 4: clock lane
+  output logic             align_o,   // each rise shifts the words by two samples
   output logic             locked_o,
-  output logic             valid_o,   // a word
+  output logic             valid_o,   // word_o holds a word
   output logic      [27:0] word_o,    // bit i is output i of a receiver chip
-  output logic             error_o    // pulse: the lock is lost
+  output logic             error_o    // pulse: the lock was lost
 );
 
 `ifndef SYNTHESIS
@@ -58,7 +60,7 @@ module sp_channel_link_lock #(
   logic        complete;  // this clock completes a word
   logic        steady;    // the two samples of each bit of the clock lane are equal
   logic        agree;     // those of the data lanes are
-  logic        other;     // the other clock becomes the first one
+  logic        other;     // exchange the first and the second clock of a word
 
   always_ff @(posedge clk_i) lanes_q <= lanes_i;
 
@@ -91,7 +93,7 @@ module sp_channel_link_lock #(
     assign agree    = differ[27:0] == '0;
   end
 
-  // --- Is it right? ---
+  // --- Is the word right? ---
   logic        complete_q, pattern_q, agree_q;
   logic [27:0] data_q;
   logic        right;
@@ -106,8 +108,8 @@ module sp_channel_link_lock #(
 
   // --- Training ---
   logic [LogGood:0] good_q;    // words in a row that were right
-  logic [3:0]       settle_q;  // clocks until the last movement is seen in complete_q and further
-  logic [2:0]       tries_q;   // movements
+  logic [3:0]       settle_q;  // clocks until complete_q and later stages show the last shift
+  logic [2:0]       tries_q;   // shifts tried, modulo 8
   logic             judge, move;
 
   assign locked_o = good_q[LogGood];
@@ -134,8 +136,8 @@ module sp_channel_link_lock #(
     end
   end
 
-  // Lane by lane in time, the outputs of the receiver chip: 7 6 4 3 2 1 0, 18 15 14 13 12 9 8,
-  // 26 25 24 22 21 20 19, 23 17 16 11 10 5 27
+  // The outputs of the receiver chip, lane by lane, in the order in which their bits arrive:
+  // 7 6 4 3 2 1 0, 18 15 14 13 12 9 8, 26 25 24 22 21 20 19, 23 17 16 11 10 5 27
   always_ff @(posedge clk_i) begin
     {word_o[0], word_o[1], word_o[2], word_o[3], word_o[4], word_o[6], word_o[7]} <= data_q[6:0];
     {word_o[8], word_o[9], word_o[12], word_o[13], word_o[14], word_o[15], word_o[18]} <=

@@ -66,6 +66,7 @@ module sp_datagram_cutter #(
   localparam int HeaderBytes = sp_spec_pkg::DatagramHeaderBytes;  // one beat
   localparam int PieceBeats = (DatagramBytes - HeaderBytes) / BeatBytes;
   localparam int CountBits = 16 - LogBeatBytes;  // beats of a packet
+  localparam int PieceBits = $clog2(PieceBeats + 1);  // beats of a piece
   localparam int IdleBits = $clog2(IdleClocks);
 
 `ifndef SYNTHESIS
@@ -88,7 +89,7 @@ module sp_datagram_cutter #(
   logic [LogDepth:0]    put_q;       // place of the next beat
   logic [LogDepth:0]    get_q;       // place of the next beat to leave
   logic [LogDepth:0]    held;        // beats in the ring, and the place of a header
-  logic [CountBits-1:0] beats_q;     // beats of the piece
+  logic [PieceBits-1:0] beats_q;     // beats of the piece
   logic [CountBits-1:0] offset_q;    // beats of the packet before the piece
   logic [15:0]          session_q;
   logic [31:0]          sequence_q;
@@ -120,7 +121,7 @@ module sp_datagram_cutter #(
       if (!open_q) open_q <= enable_i;
       else if (!enable_i && !take && (!inside_q || header_q && ended_q)) open_q <= 1'b0;
 
-      header_q <= take ? s_last_i || beats_q == CountBits'(PieceBeats - 1) :
+      header_q <= take ? s_last_i || beats_q == PieceBits'(PieceBeats - 1) :
                   open_q && !inside_q && !header_q && room && idle_due;
       idle_q   <= !open_q || inside_q || take || header_q ? '0 :
                   idle_due ? idle_q : idle_q + 1'b1;
@@ -133,7 +134,7 @@ module sp_datagram_cutter #(
         inside_q <= inside_q && !ended_q;
         ended_q  <= 1'b0;
         beats_q  <= '0;
-        offset_q <= ended_q ? '0 : offset_q + beats_q;
+        offset_q <= ended_q ? '0 : offset_q + CountBits'(beats_q);
         head_q   <= put_q;
         put_q    <= put_q + 1'b1;
       end
@@ -156,7 +157,7 @@ module sp_datagram_cutter #(
   assign header[sp_spec_pkg::DatagramOffsetLsb+:sp_spec_pkg::DatagramOffsetBits] =
       {offset_q, LogBeatBytes'(0)};
   assign header[sp_spec_pkg::DatagramLengthLsb+:sp_spec_pkg::DatagramLengthBits] =
-      {beats_q, LogBeatBytes'(0)};
+      {CountBits'(beats_q), LogBeatBytes'(0)};
 
   // A place is written only after its beat has left, and read only after the header behind which it
   // lies is written: never both in one clock.
@@ -187,14 +188,14 @@ module sp_datagram_cutter #(
   logic                 there_q;   // a beat waits behind the output
   logic                 first_q;   // that beat is the first of its datagram, the header
   logic [1:0]           word_q;    // next word of that beat
-  logic [CountBits-1:0] left_q;    // beats of the datagram that are left, including this one
-  logic [CountBits-1:0] length;
+  logic [PieceBits-1:0] left_q;    // beats of the datagram that are left, including this one
+  logic [PieceBits-1:0] length;
   logic                 move;      // the word goes to the output
   logic                 end_beat;  // the beat is the last of its datagram
   logic [31:0]          word;
 
-  assign length   = beat[sp_spec_pkg::DatagramLengthLsb+LogBeatBytes+:CountBits];
-  assign end_beat = first_q ? length == '0 : left_q == CountBits'(1);
+  assign length   = beat[sp_spec_pkg::DatagramLengthLsb+LogBeatBytes+:PieceBits];
+  assign end_beat = first_q ? length == '0 : left_q == PieceBits'(1);
   assign move     = there_q && (!m_valid_o || m_ready_i);
   assign fetch    = get_q != head_q && (!there_q || move && word_q == 2'd3);
 
@@ -231,7 +232,7 @@ module sp_datagram_cutter #(
       m_data_o <= word;
       m_last_o <= word_q == 2'd3 && end_beat;
       if (first_q && word_q == 2'd0)
-        m_bytes_o <= {length + CountBits'(HeaderBytes / BeatBytes), LogBeatBytes'(0)};
+        m_bytes_o <= {CountBits'(length) + CountBits'(HeaderBytes / BeatBytes), LogBeatBytes'(0)};
       if (word_q == 2'd3) left_q <= first_q ? length : left_q - 1'b1;
     end
   end
@@ -365,7 +366,7 @@ module sp_datagram_cutter #(
   end
   always_comb if (f_ran_q && !rst_i) begin
     assert (f_rest <= CountBits'(f_whole));
-    if (there_q && first_q) assert (length <= CountBits'(PieceBeats));
+    if (there_q && first_q) assert (beat[127:116] <= CountBits'(PieceBeats));
     if (!first_q) assert (left_q != '0 && left_q <= CountBits'(PieceBeats));
     if (!f_start) assert (there_q && m_valid_o);
     if (f_goes_on_q) assert (m_valid_o && m_bytes_o == f_shows_q[15:0]);
@@ -373,8 +374,7 @@ module sp_datagram_cutter #(
     if (f_moved_q) assert (m_data_o == f_shows_q[80:49]);
     if (!m_valid_o) assert (f_words_q == '0);
     else begin
-      assert (m_last_o == f_start);
-      assert (m_last_o == (m_bytes_o == {f_words_q[13:0] + 14'd1, 2'b00}));
+      assert (m_last_o == f_start && m_last_o == (m_bytes_o == {f_words_q[13:0] + 14'd1, 2'b00}));
       assert (m_bytes_o <= 16'(DatagramBytes) && m_bytes_o[3:0] == '0 && m_bytes_o != '0);
       assert (f_words_q < 16'(DatagramBytes / 4));
       if (!f_start && first_q)
@@ -402,9 +402,9 @@ module sp_datagram_cutter #(
     if (rst_i) {f_marked_q, f_shown_q} <= '0;
     else begin
       if (take && put_q == f_mark) begin
-        f_marked_q                                    <= 1'b1;
+        f_marked_q <= 1'b1;
         {f_beat_q, f_beat_session_q, f_beat_packet_q} <= {s_data_i, f_session_q, f_packets_q};
-        {f_beat_last_q, f_beat_at_q, f_behind_q}      <= {s_last_i, f_at_q, beats_q + 1'b1};
+        {f_beat_last_q, f_beat_at_q, f_behind_q} <= {s_last_i, f_at_q, CountBits'(beats_q) + 1'b1};
       end else if (fetch && get_q == f_mark) f_marked_q <= 1'b0;
       if (fetch) f_shown_q <= f_marked_q && get_q == f_mark;
       else if (move && word_q == 2'd3) f_shown_q <= 1'b0;

@@ -44,8 +44,8 @@ namespace {
 constexpr float kNotCompared = std::numeric_limits<float>::quiet_NaN();
 constexpr double kReachOnPart = 63;  // mm along the belt from the part's middle: 2 mm from its ends
 
-// Whether the surface is level around a place: within 0.7 mm across the belt, three columns, and within 1.4 mm along
-// it, where the light sheet may meet it.
+// Whether the surface is level around a place: within 0.7 mm (three columns) across the belt, and within 1.4 mm along
+// it, because the light sheet may meet the surface there.
 bool is_level(const Scene& scene, double x, double y, double t) {
   constexpr double kAcross = 0.7;
   constexpr double kAlong = 1.4;
@@ -71,8 +71,9 @@ std::string name_of(const Measure& measure) {
   return std::string(name->first) + (measure.select == Select::strongest ? ", strongest run" : "");
 }
 
-// A rendered frame, and what is measured in it: by way of a packet's payload, as the host gets it. So what is invalid
-// to the host is invalid here, columns with two runs of like strength among it.
+// A rendered frame, and the profile measured in it. The moments pass through a packet's payload, as on the way to the
+// host. So a column that the host takes as invalid is invalid here as well, for example one with two runs of similar
+// strength.
 class ColumnsOfFrame {
  public:
   explicit ColumnsOfFrame(const Rig& rig) : camera_(rig.camera), pixels_(rig.camera.pixels()) {
@@ -102,8 +103,9 @@ class ColumnsOfFrame {
   Profile profile_;
 };
 
-// The mean centroids of the good part under its own pattern for each of the settings, over `count` frames with noise of
-// their own in the middle of its way; NaN for columns without a good line in more than half of them.
+// The mean centroids of the good part under its own pattern, for each of the settings. They are means over `count`
+// frames in the middle of its travel, with noise of their own. NaN unless a column has a valid line in more than half
+// of the frames.
 std::vector<std::vector<double>> centroids_of_reference(const Rig& rig, const Scene& good, const FloatImage& pattern,
                                                         const RenderOptions& options, const ReferenceProfile& known,
                                                         const std::vector<Measure>& settings, int count) {
@@ -136,7 +138,7 @@ std::vector<std::vector<double>> centroids_of_reference(const Rig& rig, const Sc
   return result;
 }
 
-// The depths that have at least so many neighbours within 10 mm; NaN elsewhere.
+// The depths that have at least `least` neighbours within 10 mm; NaN elsewhere.
 std::vector<float> with_neighbours(const FloatImage& depth, int least) {
   if (least == 0) {
     return depth.values;

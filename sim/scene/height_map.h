@@ -19,6 +19,7 @@ class HeightMap : public ConveyedScene {
 
   [[nodiscard]] double part_height(double x, double y) const override;
   [[nodiscard]] HeightRange part_range(const Box& box) const override;
+  [[nodiscard]] bool has_exact_levels() const override { return false; }  // they are interpolated
 
  private:
   // A place in the map in pixels; 0 is the centre of the first pixel.

@@ -12,18 +12,15 @@ namespace {
 constexpr double kSlopeStep = 5e-3;  // mm to either side, for the slope of the surface
 constexpr double kEverywhere = 1e6;  // mm
 
-// Bounds of x and y of the sights through a rectangle of the image.
-Box tangents_between(const Pinhole& camera, PixelPoint first, PixelPoint last) {
-  const std::array<Point3, 4> corners = camera.corner_sights(first, last);
-  const auto by_x = [](Point3 a, Point3 b) { return a.x < b.x; };
-  const auto by_y = [](Point3 a, Point3 b) { return a.y < b.y; };
-  return {std::min_element(corners.begin(), corners.end(), by_x)->x,
-          std::max_element(corners.begin(), corners.end(), by_x)->x,
-          std::min_element(corners.begin(), corners.end(), by_y)->y,
-          std::max_element(corners.begin(), corners.end(), by_y)->y};
-}
-
 }  // namespace
+
+Box tangents_of(std::span<const Point3> sights) {
+  Box box{sights[0].x, sights[0].x, sights[0].y, sights[0].y};
+  for (const Point3 sight : sights) {
+    box = {std::min(box.x0, sight.x), std::max(box.x1, sight.x), std::min(box.y0, sight.y), std::max(box.y1, sight.y)};
+  }
+  return box;
+}
 
 LitSurface::LitSurface(const RealRig& real, const Scene& scene, bool falloff, const World& world)
     : scene_(scene),
@@ -53,13 +50,11 @@ Box LitSurface::between(const Box& tangents, HeightRange heights) const {
 }
 
 Box LitSurface::footprint(PixelPoint first, PixelPoint last, HeightRange heights) const {
-  return between(tangents_between(camera_, first, last), heights);
+  return between(tangents_of(camera_.corner_sights(first, last)), heights);
 }
 
 // The footprint between two heights gives bounds of the surface in it. These give a smaller footprint, and so on.
-HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_pixel, double t0, double t1,
-                                        HeightRange all) const {
-  const Box tangents = tangents_between(camera_, first_pixel, last_pixel);
+HeightRange LitSurface::heights_between(const Box& tangents, double t0, double t1, HeightRange all) const {
   HeightRange heights = all;
   constexpr int kTries = 8;
   constexpr double kWorthwhile = 0.9;
@@ -74,8 +69,23 @@ HeightRange LitSurface::heights_between(PixelPoint first_pixel, PixelPoint last_
   return heights;
 }
 
-LitSurface::Hit LitSurface::hit(PixelPoint pixel, double t, HeightRange heights) const {
-  const Point3 sight = sights_ ? sights_->sight(pixel) : camera_.sight(pixel);
+// Around such a point of a ray there is no slope, because all heights are the same number.
+HeightRange LitSurface::plateau(const Box& tangents, double t0, double t1, HeightRange heights) const {
+  if (!scene_.has_exact_levels()) {
+    return heights;
+  }
+  const HeightRange found = heights_between(tangents, t0, t1, heights);
+  if (found.low != found.high) {
+    return heights;
+  }
+  constexpr double kAround = 2 * kSlopeStep;
+  const Box box = between(tangents, found);
+  const HeightRange around =
+      scene_.range({box.x0 - kAround, box.x1 + kAround, box.y0 - kAround, box.y1 + kAround}, t0, t1);
+  return around.low == found.low && around.high == found.low ? found : heights;
+}
+
+LitSurface::Hit LitSurface::hit_along(Point3 sight, double t, HeightRange heights) const {
   const Point3 centre = camera_.centre();
   const double z = plane_z_ - centre.z;
   const bool level = heights.high - heights.low <= kHeightTolerance;
@@ -91,7 +101,10 @@ Point3 LitSurface::normal(const Hit& hit, double t) const {
     return (scene_.height(p.x + dx, p.y + dy, t) - scene_.height(p.x - dx, p.y - dy, t)) / (2 * kSlopeStep);
   };
   // towards the camera, which is −z
-  const Point3 up = hit.level ? Point3{0, 0, -1} : Point3{-slope(kSlopeStep, 0), -slope(0, kSlopeStep), -1};
+  if (hit.level) {
+    return {0, 0, -1};
+  }
+  const Point3 up{-slope(kSlopeStep, 0), -slope(0, kSlopeStep), -1};
   return 1 / std::sqrt(dot(up, up)) * up;
 }
 
@@ -117,18 +130,60 @@ bool LitSurface::in_shadow(Point3 point, Point3 normal, double t, double highest
   if (low >= high) {
     return false;
   }
-  const double dx = (projector_.x - start.x) / (top - low);
-  const double dy = (projector_.y - start.y) / (top - low);
   if (is_above_all(start)) {
     return false;
   }
+  const double dx = (projector_.x - start.x) / (top - low);
+  const double dy = (projector_.y - start.y) / (top - low);
   return is_blocked(scene_, {start.x - dx * low, dx, start.y - dy * low, dy}, t, low, high);
+}
+
+LitSurface::Shadow LitSurface::shadow_on_level(const Box& tangents, double height, double t0, double t1,
+                                               double highest) const {
+  constexpr int kHalvings = 6;
+  const double high = std::min(highest, plane_z_ - projector_.z);
+  return height >= high ? Shadow::none
+                        : shadow_in({between(tangents, {height, height}), height, t0, t1}, {height, high}, kHalvings);
+}
+
+// All ways pass the heights of the segment within a box. If the surface there is nowhere above the segment, it is above
+// none of the ways; if it is everywhere above the segment, it is above all of them.
+LitSurface::Shadow LitSurface::shadow_in(const Beam& beam, HeightRange segment, int halvings) const {
+  constexpr double kRounding = 1e-3;             // mm
+  constexpr double kShortest = 2 * kShadowLift;  // that in_shadow cannot overlook
+  const double top = plane_z_ - projector_.z;
+  const double a = (segment.low - beam.from) / (top - beam.from);  // shares of the way to the projector
+  const double b = (segment.high - beam.from) / (top - beam.from);
+  const auto at = [](double share, double from, double to) { return from + share * (to - from); };
+  const auto least = [&](double from, double to) { return std::min(at(a, from, to), at(b, from, to)) - kRounding; };
+  const auto most = [&](double from, double to) { return std::max(at(a, from, to), at(b, from, to)) + kRounding; };
+  const HeightRange range = scene_.range({least(beam.start.x0, projector_.x), most(beam.start.x1, projector_.x),
+                                          least(beam.start.y0, projector_.y), most(beam.start.y1, projector_.y)},
+                                         beam.t0, beam.t1);
+  if (range.high <= segment.low) {
+    return Shadow::none;
+  }
+  segment.high = std::min(segment.high, range.high);
+  if (segment.high - segment.low < kShortest) {
+    return Shadow::some;
+  }
+  if (range.low >= segment.high) {
+    return Shadow::all;
+  }
+  if (halvings == 0) {
+    return Shadow::some;
+  }
+  const double middle = (segment.low + segment.high) / 2;
+  const Shadow lower = shadow_in(beam, {segment.low, middle}, halvings - 1);
+  const Shadow upper = lower == Shadow::all ? lower : shadow_in(beam, {middle, segment.high}, halvings - 1);
+  return upper == Shadow::none ? lower : upper;
 }
 
 bool LitSurface::is_above_all(Point3 point) const {
   constexpr double kSurely = 0.9;
   const double up = point.z - projector_.z;
-  return up > 0 && steepest_ * std::hypot(projector_.x - point.x, projector_.y - point.y) < kSurely * up;
+  return up > 0 && std::isfinite(steepest_) &&
+         steepest_ * std::hypot(projector_.x - point.x, projector_.y - point.y) < kSurely * up;
 }
 
 // The texture is carried along with the part.

@@ -3,8 +3,11 @@
 #ifndef SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 #define SELFPROJ_SIM_SCENE_LIT_SURFACE_H
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "sim/scene/pinhole.h"
 #include "sim/scene/real_rig.h"
@@ -13,6 +16,10 @@
 #include "sim/scene/world.h"
 
 namespace selfproj {
+
+// Bounds of x and y of sights, and of all between them: of a rectangle of the image by its corners
+// (Pinhole::corner_sights).
+Box tangents_of(std::span<const Point3> sights);
 
 class LitSurface {
  public:
@@ -30,9 +37,17 @@ class LitSurface {
   [[nodiscard]] HeightRange all_heights(double t0, double t1) const;
 
   // Bounds of the heights that the rays through a rectangle of the image can meet from t0 to t1. `all` bounds all
-  // heights.
+  // heights, and `tangents` x and y of the sights of these rays.
   [[nodiscard]] HeightRange heights_between(PixelPoint first, PixelPoint last, double t0, double t1,
-                                            HeightRange all) const;
+                                            HeightRange all) const {
+    return heights_between(tangents_of(camera_.corner_sights(first, last)), t0, t1, all);
+  }
+  [[nodiscard]] HeightRange heights_between(const Box& tangents, double t0, double t1, HeightRange all) const;
+
+  // The height of all that rays between these bounds of sights meet from t0 to t1, if the surface is level there and
+  // for some way around; otherwise `heights`, which bound what they meet. A ray that is traced may end up to the
+  // tolerance of heights above or below it.
+  [[nodiscard]] HeightRange plateau(const Box& tangents, double t0, double t1, HeightRange heights) const;
 
   // Bounds of the places at which those rays meet heights in this range.
   [[nodiscard]] Box footprint(PixelPoint first, PixelPoint last, HeightRange heights) const;
@@ -42,11 +57,22 @@ class LitSurface {
     return gloss_ || texture_ || !scene_.is_plain(box) ? Smoothness{} : scene_.smoothness(box);
   }
 
+  // How many of the points that the rays of a rectangle of the image meet at one height are in the shadow, at any time
+  // from t0 to t1. `some` if it is not plain to see. `highest` bounds all heights.
+  enum class Shadow : std::uint8_t { none, some, all };
+  [[nodiscard]] Shadow shadow_on_level(const Box& tangents, double height, double t0, double t1, double highest) const;
+
   // Whether the way from a point at this height to the projector is so steep that no part of the surface can cross it.
   [[nodiscard]] bool is_above_all(Point3 point) const;
 
   // The first point that the ray of a pixel meets at the time t, if the surface is known to lie between these heights.
-  [[nodiscard]] Hit hit(PixelPoint pixel, double t, HeightRange heights) const;
+  [[nodiscard]] Hit hit(PixelPoint pixel, double t, HeightRange heights) const {
+    return hit_along(sight(pixel), t, heights);
+  }
+  [[nodiscard]] Hit hit_along(Point3 sight, double t, HeightRange heights) const;
+
+  // Pinhole::sight of the camera.
+  [[nodiscard]] Point3 sight(PixelPoint pixel) const { return sights_ ? sights_->sight(pixel) : camera_.sight(pixel); }
 
   // The normal of the surface there, of length 1, towards the camera.
   [[nodiscard]] Point3 normal(const Hit& hit, double t) const;
@@ -76,6 +102,14 @@ class LitSurface {
  private:
   // Where sights of these tangents meet heights in this range.
   [[nodiscard]] Box between(const Box& tangents, HeightRange heights) const;
+
+  // The straight ways of light from a rectangle at the height `from` to the projector.
+  struct Beam {
+    Box start;
+    double from;
+    double t0, t1;
+  };
+  [[nodiscard]] Shadow shadow_in(const Beam& beam, HeightRange segment, int halvings) const;
 
   const Scene& scene_;
   double plane_z_;

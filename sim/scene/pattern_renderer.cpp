@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "sim/scene/block_fold.h"
 #include "sim/scene/block_grid.h"
 #include "sim/scene/body.h"
 #include "sim/scene/light_spot.h"
@@ -161,7 +162,18 @@ PatternRenderer::PatternRenderer(const RealRig& real, const Scene& scene, Render
       options_(options),
       still_(real, checked(scene), options, threads),
       disturbed_(DisturbedCamera::of(real, scene, still_.surface(), options.world)),
-      kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {}
+      fold_(rig_.camera, still_.grid(), lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
+      dark_(rig_.camera.pixels()) {
+  const BlockGrid& grid = still_.grid();
+  const ProjectedLight none(FloatImage(1, 1), 0);
+  const std::vector<IndexSpan> all(static_cast<std::size_t>(grid.down()), {0, grid.across() - 1});
+  fold_.fold(
+      fold_.pixels_of(all),
+      [&](int down, int across, BlockValues& values) {
+        still_.values(still_.block(grid.block(down, across)), none, Shade::dark, values);
+      },
+      dark_);
+}
 
 double PatternRenderer::time_of_shot(int frame) const {
   const std::optional<Jitter>& jitter = options_.world.jitter;
@@ -216,66 +228,31 @@ void PatternRenderer::moving_values(const BodyMotion& motion, int down, int acro
   }
 }
 
-// The image without noise. Blocks of sub-pixels are processed row by row. The kernel spreads each of their sub-pixel
-// rows over the pixel rows around it. A pixel row that is complete is then folded along its columns.
+// The image without noise. Where no light falls on any block that contributes to a pixel, it is that of a dark pattern.
 void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span<float> pixels) const {
   const BodyMotion motion = motion_of(frame);
-  const int rows = rig_.camera.rows;
-  const int columns = rig_.camera.columns;
   const BlockGrid& grid = still_.grid();
-  const int taps = static_cast<int>(kernel_.size());
-  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(grid.across()) * kBlockSide;
-  std::vector<float> strip(static_cast<std::size_t>(stride) * kBlockSide);
-  const int open_rows = 2 * (grid.margin() + kBlockPixels) + 1;  // most pixel rows that are incomplete at the same time
-  std::vector<float> sums(static_cast<std::size_t>(stride) * static_cast<std::size_t>(open_rows), 0.0F);
-  const auto sums_of = [&](int row) { return sums.data() + (row % open_rows) * stride; };
-  std::vector<float> every(static_cast<std::size_t>(stride / kSubPixels));
-  BlockValues values{};
-  int done = 0;  // pixel rows that are complete
+  std::vector<IndexSpan> lit(static_cast<std::size_t>(grid.down()));
   for (int down = 0; down < grid.down(); ++down) {
     for (int across = 0; across < grid.across(); ++across) {
       const std::size_t index = grid.block(down, across);
-      if (motion.touches(index)) {
-        moving_values(motion, down, across, pattern, values);
-      } else {
-        still_.values(still_.block(index), pattern, Shade::lit, values);
+      if (motion.touches(index) || !still_.is_dark(index, pattern)) {
+        lit[static_cast<std::size_t>(down)].join({across, across});
       }
-      for (int i = 0; i < kBlockSide; ++i) {
-        std::copy_n(values.data() + i * kBlockSide, kBlockSide, strip.data() + i * stride + across * kBlockSide);
-      }
-    }
-    for (int i = 0; i < kBlockSide; ++i) {
-      const float* from = strip.data() + i * stride;
-      const int sub_row = down * kBlockSide + i;  // from the first one of the margin
-      const int first = std::max(0, (sub_row - taps + kSubPixels) / kSubPixels);
-      const int last = std::min(rows - 1, sub_row / kSubPixels);
-      for (int row = first; row <= last; ++row) {
-        const float weight = kernel_[static_cast<std::size_t>(sub_row - row * kSubPixels)];
-        float* to = sums_of(row);
-        for (std::ptrdiff_t c = 0; c < stride; ++c) {
-          to[c] += weight * from[c];
-        }
-      }
-    }
-    for (; done < rows && done * kSubPixels + taps <= (down + 1) * kBlockSide; ++done) {
-      float* from = sums_of(done);
-      float* to = pixels.data() + static_cast<std::ptrdiff_t>(done) * columns;
-      std::fill_n(to, columns, 0.0F);
-      for (int phase = 0; phase < kSubPixels; ++phase) {  // takes every kSubPixels-th sub-pixel
-        for (std::size_t c = 0; c < every.size(); ++c) {
-          every[c] = from[static_cast<std::ptrdiff_t>(c) * kSubPixels + phase];
-        }
-        for (int k = phase; k < taps; k += kSubPixels) {
-          const float weight = kernel_[static_cast<std::size_t>(k)];
-          const float* shifted = every.data() + k / kSubPixels;
-          for (int c = 0; c < columns; ++c) {
-            to[c] += weight * shifted[c];
-          }
-        }
-      }
-      std::fill_n(from, stride, 0.0F);
     }
   }
+  std::copy(dark_.begin(), dark_.end(), pixels.begin());
+  fold_.fold(
+      fold_.pixels_of(lit),
+      [&](int down, int across, BlockValues& values) {
+        const std::size_t index = grid.block(down, across);
+        if (motion.touches(index)) {
+          moving_values(motion, down, across, pattern, values);
+        } else {
+          still_.values(still_.block(index), pattern, Shade::lit, values);
+        }
+      },
+      pixels);
 }
 
 void PatternRenderer::render(int frame, const ProjectedLight& pattern, std::span<float> pixels) const {

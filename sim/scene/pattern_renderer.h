@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "host/rig/rig.h"
+#include "sim/scene/block_fold.h"
 #include "sim/scene/block_grid.h"
 #include "sim/scene/body_motion.h"
-#include "sim/scene/lens_kernel.h"
 #include "sim/scene/pattern_set.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/real_rig.h"
@@ -64,7 +64,8 @@ class PatternRenderer {
   RenderOptions options_;
   StillSurface still_;
   std::unique_ptr<const DisturbedCamera> disturbed_;
-  std::vector<float> kernel_;
+  BlockFold fold_;
+  std::vector<float> dark_;  // the image of the surface without light of the projector and without bodies
 };
 
 }  // namespace selfproj

@@ -76,6 +76,9 @@ class Pinhole {
     return {row_of(0, p) * w, row_of(1, p) * w};
   }
 
+  // Whether its lens shows a point with depth > 0. The points between such points are shown, too.
+  [[nodiscard]] bool sees(Point3 p) const { return !lens_.distorts() || lens_.sees(tangents_of(p)); }
+
   // The direction of the ray through a pixel, scaled to depth 1 along the axis. Throws std::invalid_argument where the
   // lens shows no ray.
   [[nodiscard]] Point3 ray(PixelPoint pixel) const;

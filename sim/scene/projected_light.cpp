@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "host/io/float_image.h"
@@ -180,6 +181,19 @@ MinMaxPyramid::Range ProjectedLight::range(double line_0, double line_1, double 
 
 bool ProjectedLight::is_dark(double line_0, double line_1, double column_0, double column_1) const {
   return range(line_0, line_1, column_0, column_1).high <= 0;
+}
+
+std::optional<ProjectedLight::Centres> ProjectedLight::line_centres(double first, double last) const {
+  if (!(first >= 0 && last < static_cast<double>(centres_.size() - 1))) {
+    return std::nullopt;
+  }
+  const auto begin = centres_.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto end = centres_.begin() + static_cast<std::ptrdiff_t>(last) + 2;
+  if (std::any_of(begin, end, [](double centre) { return std::isnan(centre); })) {
+    return std::nullopt;
+  }
+  const auto [low, high] = std::minmax_element(begin, end);
+  return Centres{*low, *high};
 }
 
 double ProjectedLight::line_centre(double column) const {

@@ -77,6 +77,12 @@ class ProjectedLight {
   // NaN for a column without light.
   [[nodiscard]] double line_centre(double column) const;
 
+  // Bounds of the middle between two columns; nothing if one of them has none.
+  struct Centres {
+    double low, high;
+  };
+  [[nodiscard]] std::optional<Centres> line_centres(double first, double last) const;
+
  private:
   int margin_;        // dark or blurred pixels around the pattern
   FloatImage light_;  // with the margin

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,8 +22,8 @@
 namespace selfproj {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kGreyMaximum = 255;  // of an 8-bit image
+constexpr double kAnyTime = 1e6;     // s
 
 const FloatImage& checked(const FloatImage& pattern, const RigProjector& projector) {
   check_pattern(pattern, projector);
@@ -70,14 +69,6 @@ void check_pattern(const FloatImage& pattern, const RigProjector& projector, con
   }
 }
 
-// Values that are the same for all pixels of a frame.
-struct Renderer::Light {
-  double middle;        // middle of the exposure, s
-  double exposure;      // s; 0 without motion blur
-  int passes;           // how many instants each sub-pixel is sampled at
-  HeightRange heights;  // of the whole scene during the exposure
-};
-
 Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pattern, RenderOptions options)
     : rig_(real.rig),
       scene_(scene),
@@ -89,11 +80,18 @@ Renderer::Renderer(const RealRig& real, const Scene& scene, const FloatImage& pa
       surface_(*lit_),
       disturbed_(DisturbedCamera::of(real, swinging_ ? *swinging_ : scene, surface_, options.world)),
       light_(throw_light(rig_, checked(pattern, rig_.projector), options)),
-      margin_(lens_margin(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
-      kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {}
+      grid_(rig_.camera, lens_margin(options.camera_blur ? rig_.imaging.camera_blur_px : 0)),
+      views_(real, grid_, surface_.all_heights(-kAnyTime, kAnyTime)),
+      levels_(std::make_shared<LevelBlocks>(grid_.blocks())),
+      column_views_(std::make_shared<ColumnViews>(real.camera, rig_.camera)),
+      kernel_(lens_kernel(options.camera_blur ? rig_.imaging.camera_blur_px : 0)) {
+  views_.set_light(light_);
+}
 
 void Renderer::set_pattern(const FloatImage& pattern) {
   light_ = throw_light(rig_, checked(pattern, rig_.projector), options_);
+  views_.set_light(light_);
+  levels_ = std::make_shared<LevelBlocks>(grid_.blocks());
 }
 
 double Renderer::time_of_shot(int frame) const {
@@ -104,79 +102,52 @@ double Renderer::time_of_shot(int frame) const {
 
 double Renderer::true_height(int frame, double x, double y) const { return scene_.height(x, y, time_of(frame)); }
 
-HeightRange Renderer::block_heights(const Light& light, int row, int column) const {
-  return surface_.heights_between({row - 0.5, column - 0.5}, {row + kBlock - 0.5, column + kBlock - 0.5},
-                                  light.middle - light.exposure / 2, light.middle + light.exposure / 2, light.heights);
-}
-
-// Whether no light falls on the points that the rays through a block of pixels meet between these heights.
-bool Renderer::is_dark(int row, int column, HeightRange heights) const {
-  std::array<Point3, 8> corners{};
-  std::size_t count = 0;
-  const Point3 centre = camera_.centre();
-  for (const Point3 sight :
-       camera_.corner_sights({row - 0.5, column - 0.5}, {row + kBlock - 0.5, column + kBlock - 0.5})) {
-    for (const double h : {heights.low, heights.high}) {
-      corners.at(count++) = centre + (rig_.plane_z_mm - h - centre.z) * sight;
-    }
-  }
-  const std::optional<PixelBounds> b = projector_.bounds(corners);
-  return b && light_.is_dark(b->row_0, b->row_1, b->column_0, b->column_1);
-}
-
-// The grey value that the projector's light adds at a surface point.
-double Renderer::grey(const Hit& hit, double t, double highest) const {
-  const double light = projector_.depth(hit.point) > 0 ? light_.at(projector_.project(hit.point), hit.point.z) : 0;
-  return light > 0 ? (rig_.imaging.white - rig_.imaging.ambient) * light * surface_.lit_share(hit, t, highest) *
-                         surface_.reflectance(hit, t)
-                   : 0;
-}
-
-// Grey values of the sub-pixels of a block, (kSub kBlock) squared, less those of a dark surface. The instants of the
-// exposure are dealt out so that each comes equally often in every row and in every column of sub-pixels. A block
-// without projected light needs only one sample for each pixel.
-void Renderer::sample_block(const Light& light, int row, int column, HeightRange heights, bool dark, float* to) const {
-  constexpr int kSide = kBlock * kSub;
-  const double ambient = surface_.even_albedo() ? 0 : rig_.imaging.ambient - rig_.imaging.dark;
-  if (dark) {
-    for (int i = 0; i < kSide; ++i) {
-      for (int j = 0; j < kSide; ++j) {
-        if (i % kSub == 0 && j % kSub == 0) {
-          const int pixel_row = row + i / kSub;
-          const int pixel_column = column + j / kSub;
-          const Hit h =
-              surface_.hit({static_cast<double>(pixel_row), static_cast<double>(pixel_column)}, light.middle, heights);
-          to[i * kSide + j] = static_cast<float>(ambient * surface_.albedo(h.point, light.middle));
-        } else {
-          to[i * kSide + j] = to[(i - i % kSub) * kSide + j - j % kSub];
-        }
-      }
-    }
-    return;
-  }
-  for (int i = 0; i < kSide; ++i) {
-    for (int j = 0; j < kSide; ++j) {
-      const PixelPoint pixel{row - 0.5 + (i + 0.5) / kSub, column - 0.5 + (j + 0.5) / kSub};
-      double sum = 0;
-      for (int pass = 0; pass < light.passes; ++pass) {
-        const int instant = (i + j) % kSub * light.passes + pass;
-        const double t = light.middle + light.exposure * ((instant + 0.5) / (kSub * light.passes) - 0.5);
-        const Hit h = surface_.hit(pixel, t, heights);
-        sum += grey(h, t, light.heights.high);
-        if (ambient > 0) {
-          sum += ambient * surface_.albedo(h.point, t);
-        }
-      }
-      to[i * kSide + j] = static_cast<float>(sum / light.passes);
-    }
-  }
-}
-
-// The image without noise. Rows of blocks are sampled. Each sub-pixel row is folded with the kernel along the columns,
-// and its contributions are added to the rows around it.
-void Renderer::expose(int frame, std::span<float> pixels) const {
+// Folds each row of the strip's sub-pixels with the kernel along the columns, and adds its contributions to the rows of
+// pixels around it. What is dark contributes nothing.
+void Renderer::add_strip(const Strip& strip, int down, std::span<float> pixels) const {
   const int rows = rig_.camera.rows;
   const int columns = rig_.camera.columns;
+  const int taps = static_cast<int>(kernel_.size());
+  const int first_column = std::max(0, (strip.first - taps + kSub) / kSub);
+  const int last_column = std::min(columns - 1, (strip.last - 1) / kSub);
+  std::array<std::vector<float>, kSub> phases;  // every kSub-th sub-pixel
+  for (std::vector<float>& phase : phases) {
+    phase.resize(static_cast<std::size_t>(strip.width / kSub));
+  }
+  std::vector<float> line(static_cast<std::size_t>(columns));
+  for (int i = 0; i < strip.rows(); ++i) {
+    const float* from = strip.row(i);
+    if (std::all_of(from + strip.first, from + strip.last, [](float value) { return value == 0; })) {
+      continue;
+    }
+    for (std::size_t c = 0; c < phases[0].size(); ++c) {
+      for (std::size_t phase = 0; phase < kSub; ++phase) {
+        phases[phase][c] = from[c * kSub + phase];
+      }
+    }
+    std::fill(line.begin(), line.end(), 0.0F);
+    for (int k = 0; k < taps; ++k) {
+      const float weight = kernel_[static_cast<std::size_t>(k)];
+      const float* shifted = phases.at(static_cast<std::size_t>(k % kSub)).data() + k / kSub;
+      for (int c = first_column; c <= last_column; ++c) {
+        line[static_cast<std::size_t>(c)] += weight * shifted[c];
+      }
+    }
+    const int sub_row = down * strip.rows() + i;  // from the first one of the margin
+    const int first = std::max(0, (sub_row - taps + kSub) / kSub);
+    const int last = std::min(rows - 1, sub_row / kSub);
+    for (int r = first; r <= last; ++r) {
+      const float weight = kernel_[static_cast<std::size_t>(sub_row - r * kSub)];
+      float* to = pixels.data() + static_cast<std::ptrdiff_t>(r) * columns;
+      for (int c = first_column; c <= last_column; ++c) {
+        to[c] += weight * line[static_cast<std::size_t>(c)];
+      }
+    }
+  }
+}
+
+// The image without noise.
+void Renderer::expose(int frame, std::span<float> pixels) const {
   Light light{time_of_shot(frame), options_.motion_blur ? rig_.camera.exposure_s : 0, 1, {}};
   light.heights = surface_.all_heights(light.middle - light.exposure / 2, light.middle + light.exposure / 2);
   const double way = scene_.speed() * light.exposure;  // in pixels of the nearest surface
@@ -184,60 +155,15 @@ void Renderer::expose(int frame, std::span<float> pixels) const {
       way * rig_.camera.focal_length_mm / rig_.camera.pixel_pitch_mm / (rig_.plane_z_mm - light.heights.high);
   light.passes = std::clamp(static_cast<int>(std::ceil(way_px)), 1, 64);
 
-  constexpr int kSide = kBlock * kSub;
-  const bool even = surface_.even_albedo();
-  const int blocks_across = (columns + 2 * margin_ + kBlock - 1) / kBlock;
-  const int blocks_down = (rows + 2 * margin_ + kBlock - 1) / kBlock;
-  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(blocks_across) * kSide;
-  std::vector<float> strip(static_cast<std::size_t>(stride) * kSide);
-  std::vector<float> line(static_cast<std::size_t>(columns));
-  std::array<float, static_cast<std::size_t>(kSide) * kSide> block{};
-  const int taps = static_cast<int>(kernel_.size());
-
   const double surroundings =
-      rig_.imaging.dark + (even ? scene_.albedo(0, 0, light.middle) * (rig_.imaging.ambient - rig_.imaging.dark) : 0);
+      rig_.imaging.dark +
+      (surface_.even_albedo() ? scene_.albedo(0, 0, light.middle) * (rig_.imaging.ambient - rig_.imaging.dark) : 0);
   std::fill(pixels.begin(), pixels.end(), static_cast<float>(surroundings));
-  for (int down = 0; down < blocks_down; ++down) {
-    const int row = down * kBlock - margin_;
-    bool any = false;
-    for (int across = 0; across < blocks_across; ++across) {
-      const int column = across * kBlock - margin_;
-      const HeightRange heights = block_heights(light, row, column);
-      const bool dark = is_dark(row, column, heights);
-      if (dark && even) {
-        continue;
-      }
-      if (!any) {
-        std::fill(strip.begin(), strip.end(), 0.0F);
-        any = true;
-      }
-      sample_block(light, row, column, heights, dark, block.data());
-      for (int i = 0; i < kSide; ++i) {
-        std::copy_n(block.data() + i * kSide, kSide, strip.data() + i * stride + across * kSide);
-      }
-    }
-    if (!any) {
-      continue;
-    }
-    for (int i = 0; i < kSide; ++i) {
-      const float* from = strip.data() + i * stride;
-      for (int c = 0; c < columns; ++c) {
-        float sum = 0;
-        for (int k = 0; k < taps; ++k) {
-          sum += kernel_[static_cast<std::size_t>(k)] * from[c * kSub + k];
-        }
-        line[static_cast<std::size_t>(c)] = sum;
-      }
-      const int sub_row = down * kSide + i;  // from the first one of the margin
-      const int first = std::max(0, (sub_row - taps + kSub) / kSub);
-      const int last = std::min(rows - 1, sub_row / kSub);
-      for (int r = first; r <= last; ++r) {
-        const float weight = kernel_[static_cast<std::size_t>(sub_row - r * kSub)];
-        float* to = pixels.data() + static_cast<std::ptrdiff_t>(r) * columns;
-        for (int c = 0; c < columns; ++c) {
-          to[c] += weight * line[static_cast<std::size_t>(c)];
-        }
-      }
+  Strip strip(grid_.across() * kBlock * kSub);
+  for (int down = 0; down < grid_.down(); ++down) {
+    sample_strip(light, down, strip);
+    if (strip.first < strip.last) {
+      add_strip(strip, down, pixels);
     }
   }
 }
@@ -303,56 +229,6 @@ void Renderer::render(int frame, std::span<std::uint8_t> pixels) const {
   std::vector<float> values(pixels.size());
   render(frame, values);
   quantize(values, pixels);
-}
-
-void Renderer::truth(int frame, std::span<float> heights, std::span<Point3> points) const {
-  const double t = time_of(frame);
-  const HeightRange all = surface_.all_heights(t, t);
-  for (int column = 0; column < rig_.camera.columns; ++column) {
-    // How far, in projector lines, what a row sees is from the light sheet.
-    const auto miss = [&](double row) {
-      const Hit h = surface_.hit({row, column + 0.0}, t, all);
-      if (projector_.depth(h.point) <= 0) {
-        return kNan;
-      }
-      const PixelPoint p = projector_.project(h.point);
-      return p.row - light_.line_centre(p.column);
-    };
-    int seen = 0;
-    double height = kNan;
-    double above = miss(-0.5);
-    for (int row = 0; row < rig_.camera.rows; ++row) {
-      const double below = miss(row + 0.5);
-      if ((above < 0) != (below < 0) && !std::isnan(above) && !std::isnan(below)) {
-        constexpr int kHalvings = 24;
-        double low = row - 0.5;
-        double high = row + 0.5;
-        for (int i = 0; i < kHalvings; ++i) {
-          const double middle = (low + high) / 2;
-          ((miss(middle) < 0) == (above < 0) ? low : high) = middle;
-        }
-        constexpr double kThere = 0.01;  // a jump of the surface across the sheet is no crossing
-        const Hit h = surface_.hit({low, column + 0.0}, t, all);
-        if (std::abs(miss(low)) < kThere && surface_.lit_share(h, t, all.high) > 0) {
-          ++seen;
-          height = h.height;
-          if (!points.empty()) {
-            points[static_cast<std::size_t>(column)] = h.point;
-          }
-        }
-      }
-      above = below;
-    }
-    heights[static_cast<std::size_t>(column)] = static_cast<float>(seen == 1 ? height : kNan);
-  }
-}
-
-FloatImage Renderer::truth(int first, int count, int threads) const {
-  FloatImage result(count, rig_.camera.columns);
-  parallel_for(count, threads, [&](int i) {
-    truth(first + i, {result.row(i), static_cast<std::size_t>(result.columns)});
-  });
-  return result;
 }
 
 }  // namespace selfproj

@@ -3,20 +3,27 @@
 #define SELFPROJ_SIM_SCENE_RENDERER_H
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "host/io/float_image.h"
 #include "host/rig/rig.h"
+#include "sim/scene/block_grid.h"
+#include "sim/scene/block_views.h"
+#include "sim/scene/column_views.h"
 #include "sim/scene/disturbed_camera.h"
 #include "sim/scene/lens_kernel.h"
+#include "sim/scene/level_blocks.h"
 #include "sim/scene/lit_surface.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/real_rig.h"
+#include "sim/scene/renderer_frame.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/world.h"
 
@@ -109,17 +116,32 @@ class Renderer {
   // Sub-pixels along a side of a pixel.
   static constexpr int kSub = kSubPixels;
   // Pixels along a side of the blocks that are checked for light as a whole.
-  static constexpr int kBlock = 4;
+  static constexpr int kBlock = kBlockPixels;
 
   using Hit = LitSurface::Hit;
-  struct Light;  // of one frame while it is rendered
+  using Light = FrameLight;
+  using Strip = SubPixelStrip;
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
   [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter
-  [[nodiscard]] HeightRange block_heights(const Light& light, int row, int column) const;
-  [[nodiscard]] bool is_dark(int row, int column, HeightRange heights) const;
+  [[nodiscard]] double ambient() const;  // grey values of ambient light, unless they are the same all over
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
-  void sample_block(const Light& light, int row, int column, HeightRange heights, bool dark, float* to) const;
+  void sample_dark(const Light& light, int row, int column, HeightRange heights, BlockValues& values) const;
+
+  // Samples a pixel of a block whose first sub-pixel is `first`; `to` is its value.
+  void sample_pixel(const Light& light, PixelPoint first, HeightRange heights, LitSurface::Shadow shadow,
+                    float* to) const;
+
+  // Samples a block, unless it is known that all its values are 0: then returns false.
+  bool sample_block(const Light& light, int down, int across, BlockValues& values) const;
+
+  // Samples a row of blocks.
+  void sample_strip(const Light& light, int down, Strip& strip) const;
+  [[nodiscard]] double miss(Point3 sight, double t, HeightRange heights) const;
+  [[nodiscard]] std::optional<double> side_of_sheet(const Box& tangents, HeightRange heights) const;
+  [[nodiscard]] std::optional<Hit> hit_on_sheet(double row, int column, double above, double t,
+                                                HeightRange heights) const;
+  void add_strip(const Strip& strip, int down, std::span<float> pixels) const;
   void expose(int frame, std::span<float> pixels) const;
 
   Rig rig_;
@@ -132,7 +154,10 @@ class Renderer {
   const LitSurface& surface_;
   std::shared_ptr<const DisturbedCamera> disturbed_;
   ProjectedLight light_;
-  int margin_;                 // pixels around the image from which the lens gathers light
+  BlockGrid grid_;  // with the margin around the image from which the lens gathers light
+  BlockViews views_;
+  std::shared_ptr<LevelBlocks> levels_;
+  std::shared_ptr<const ColumnViews> column_views_;
   std::vector<float> kernel_;  // of pixel and lens, one weight for each sub-pixel: (2 margin + 1) kSub
 };
 

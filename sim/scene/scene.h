@@ -48,6 +48,9 @@ class Scene {
   // height as rectangle and time shrink to a point without a jump, because rays are intersected by them.
   [[nodiscard]] virtual HeightRange range(const Box& box, double t0, double t1) const = 0;
 
+  // Whether range gives the very numbers that height gives wherever the surface is level.
+  [[nodiscard]] virtual bool has_exact_levels() const { return true; }
+
   // The share of light that the surface scatters, evenly in all directions, 0..1.
   [[nodiscard]] virtual double albedo(double /*x*/, double /*y*/, double /*t*/) const { return 1; }
 

@@ -28,6 +28,7 @@ SightTable::SightTable(const Pinhole& camera, const RigCamera& size)
       rows_(static_cast<std::size_t>((size.rows + 2 * kMargin) * kSubPixels)),
       columns_(static_cast<std::size_t>((size.columns + 2 * kMargin) * kSubPixels)),
       sights_(rows_),
+      ready_(rows_),
       filled_(std::make_unique<std::once_flag[]>(rows_)) {}  // NOLINT(modernize-avoid-c-arrays)
 
 bool SightTable::is_of(const Pinhole& camera, const RigCamera& size) const {
@@ -36,13 +37,14 @@ bool SightTable::is_of(const Pinhole& camera, const RigCamera& size) const {
          columns_ == static_cast<std::size_t>((size.columns + 2 * kMargin) * kSubPixels);
 }
 
-const Point3* SightTable::sights_of(std::size_t row) const {
+const Point3* SightTable::fill(std::size_t row) const {
   std::call_once(filled_[row], [&] {
     const auto middle = [](std::size_t i) { return (static_cast<double>(i) + 0.5) / kSubPixels - 0.5 - kMargin; };
     sights_[row].reserve(columns_);
     for (std::size_t column = 0; column < columns_; ++column) {
       sights_[row].push_back(camera_.sight({middle(row), middle(column)}));
     }
+    ready_[row].store(sights_[row].data(), std::memory_order_release);
   });
   return sights_[row].data();
 }

@@ -3,6 +3,7 @@
 #ifndef SELFPROJ_SIM_SCENE_SIGHT_TABLE_H
 #define SELFPROJ_SIM_SCENE_SIGHT_TABLE_H
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <mutex>
@@ -40,11 +41,16 @@ class SightTable {
 
   SightTable(const Pinhole& camera, const RigCamera& size);
   [[nodiscard]] bool is_of(const Pinhole& camera, const RigCamera& size) const;
-  const Point3* sights_of(std::size_t row) const;
+  const Point3* sights_of(std::size_t row) const {
+    const Point3* const filled = ready_[row].load(std::memory_order_acquire);
+    return filled != nullptr ? filled : fill(row);
+  }
+  const Point3* fill(std::size_t row) const;
 
   Pinhole camera_;
   std::size_t rows_, columns_;  // of sub-pixels
   mutable std::vector<std::vector<Point3>> sights_;
+  mutable std::vector<std::atomic<const Point3*>> ready_;  // the rows that are filled; null before
   std::unique_ptr<std::once_flag[]> filled_;  // NOLINT(modernize-avoid-c-arrays): once_flag cannot be moved
 };
 

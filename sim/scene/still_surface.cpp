@@ -1,9 +1,11 @@
 #include "sim/scene/still_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim/scene/lens_kernel.h"
@@ -49,6 +51,21 @@ StillSurface::StillSurface(const RealRig& real, const Scene& scene, const Render
     samples_.insert(samples_.end(), row.begin(), row.end());
     row = {};
   }
+  for (const Block& block : blocks_) {
+    bounds_.push_back(bounds_of(block));
+  }
+}
+
+SpotBounds StillSurface::bounds_of(const Block& block) const {
+  SpotBounds bounds;
+  const LightSpot* const samples = samples_.data() + std::max<std::int64_t>(0, block.samples);
+  const std::span<const LightSpot> spots = block.samples < 0
+                                               ? std::span<const LightSpot>(block.corners)
+                                               : std::span<const LightSpot>(samples, std::size_t{kBlockSamples});
+  for (const LightSpot& spot : spots) {
+    bounds.add(spot);
+  }
+  return bounds;
 }
 
 LightSpot StillSurface::spot_of(Point3 point, double share, double albedo, double reflectance) const {
@@ -148,22 +165,23 @@ void StillSurface::values(const Block& block, const ProjectedLight& pattern, Sha
                    [&](const LightSpot& spot) { return dark ? spot.ambient : spot.grey(pattern); });
     return;
   }
-  SpotBounds bounds;
-  for (const LightSpot& corner : block.corners) {
-    bounds.add(corner);
-  }
-  const MinMaxPyramid::Range range = dark ? MinMaxPyramid::Range{0, 0} : bounds.light_of(pattern);
+  const MinMaxPyramid::Range range = dark ? MinMaxPyramid::Range{0, 0} : bounds_of(block).light_of(pattern);
   const bool same = range.high - range.low <= kSameLight;
-  for (int i = 0; i < kBlockSide; ++i) {
+  for (int i = 0; i < kBlockSide; ++i, to += kBlockSide) {
     const float down = (static_cast<float>(i) + 0.5F) / kBlockSide;
     const LightSpot left = mix(block.corners[0], block.corners[2], down);
     const LightSpot right = mix(block.corners[1], block.corners[3], down);
+    std::array<float, kBlockSide> light;
+    light.fill(range.high);
+    for (int j = 0; j < kBlockSide && !same; ++j) {
+      const float across = (static_cast<float>(j) + 0.5F) / kBlockSide;
+      light[static_cast<std::size_t>(j)] = pattern.quick_at(
+          mix(left.line, right.line, across), mix(left.column, right.column, across), mix(left.z, right.z, across));
+    }
     for (int j = 0; j < kBlockSide; ++j) {
       const float across = (static_cast<float>(j) + 0.5F) / kBlockSide;
-      const float light = same ? range.high
-                               : pattern.quick_at(mix(left.line, right.line, across),
-                                                  mix(left.column, right.column, across), mix(left.z, right.z, across));
-      *to++ = mix(left.ambient, right.ambient, across) + light * mix(left.light, right.light, across);
+      to[j] = mix(left.ambient, right.ambient, across) +
+              light[static_cast<std::size_t>(j)] * mix(left.light, right.light, across);
     }
   }
 }

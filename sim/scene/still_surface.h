@@ -55,6 +55,11 @@ class StillSurface {
                    (static_cast<float>(j) + 0.5F) / kBlockSide);
   }
 
+  // Whether no light of a pattern falls on a block.
+  [[nodiscard]] bool is_dark(std::size_t block, const ProjectedLight& pattern) const {
+    return bounds_[block].light_of(pattern).high <= 0;
+  }
+
   // Grey values of a block under a pattern: lit as the surface is, or all in the shadow.
   void values(const Block& block, const ProjectedLight& pattern, Shade shade, BlockValues& values) const;
 
@@ -65,6 +70,7 @@ class StillSurface {
  private:
   [[nodiscard]] LightSpot trace(PixelPoint pixel, HeightRange heights) const;
   [[nodiscard]] bool is_smooth(int down, int across, HeightRange heights, const Block& block) const;
+  [[nodiscard]] SpotBounds bounds_of(const Block& block) const;
   void trace_block(int down, int across, Block& block, std::vector<LightSpot>& samples) const;
 
   RigImaging imaging_;
@@ -74,6 +80,7 @@ class StillSurface {
   HeightRange heights_;
   BlockGrid grid_;
   std::vector<Block> blocks_;
+  std::vector<SpotBounds> bounds_;  // of the spots of each block
   std::vector<LightSpot> samples_;
   std::vector<LightSpot> nodes_;
   std::vector<LightSpot> centres_;

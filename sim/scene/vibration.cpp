@@ -29,6 +29,7 @@ class SwingingBelt final : public Scene {
   }
   [[nodiscard]] double albedo(double x, double y, double t) const override { return scene_.albedo(x, y, t); }
   [[nodiscard]] bool even_albedo() const override { return scene_.even_albedo(); }
+  [[nodiscard]] bool has_exact_levels() const override { return scene_.has_exact_levels(); }
   [[nodiscard]] double speed() const override { return scene_.speed(); }
   [[nodiscard]] Bodies bodies(double t) const override { return scene_.bodies(t); }
   [[nodiscard]] double body_speed() const override { return scene_.body_speed(); }

@@ -2,6 +2,7 @@
 #define SELFPROJ_SIM_TARGET_CAMERA_JUDGE_H
 
 #include <cstdint>
+#include <numeric>
 #include <optional>
 
 #include "model/packet.h"
@@ -11,12 +12,28 @@
 namespace selfproj {
 
 // Compares packets of a board that looks at the test camera with the models, byte by byte. Which frame a packet is of
-// follows from its time stamp. The settings are those of its header.
+// follows from its time stamp. The settings are those of its header. The camera runs free from the reset on, or frames
+// come with triggers. Then which picture the first frame shows must be found first.
 class CameraJudge {
  public:
   // The size of the camera's image, and the pixel clocks from one frame to the next.
   CameraJudge(int columns, int rows, std::uint64_t frame_clocks)
       : columns_(columns), rows_(rows), frame_clocks_(frame_clocks) {}
+
+  // Finds a frame that has the moments of this packet: with grey moments it shows the same picture, with binary ones
+  // lines in the same places. The frames of all packets are then counted from there. Returns false if there is none.
+  bool find_frame(const PacketView& moments) {
+    const auto rows = static_cast<std::uint32_t>(rows_);
+    const std::uint32_t pictures = std::lcm(rows - 3, kBrightnesses);
+    for (first_frame_ = 0; first_frame_ < pictures; ++first_frame_) {
+      expect(moments.header);
+      if (expected_.has(moments, true)) {
+        return true;
+      }
+    }
+    first_frame_ = 0;
+    return false;
+  }
 
   // Returns whether the packet is that of the models.
   bool judge(const PacketView& packet) {
@@ -24,8 +41,7 @@ class CameraJudge {
     const std::uint64_t phase = time_stamp % frame_clocks_;
     if (time_stamp != time_stamp_ || !expected_.settings_of(packet.header)) {
       time_stamp_ = time_stamp;
-      const auto frame = static_cast<std::uint32_t>(time_stamp / frame_clocks_);
-      expected_.expect(test_camera_frame(columns_, rows_, frame), columns_, rows_, packet.header);
+      expect(packet.header);
     }
     first_time_stamp_ = first_time_stamp_.value_or(time_stamp);
     if (phase != phase_.value_or(phase) || !expected_.has(packet, time_stamp == *first_time_stamp_)) {
@@ -36,9 +52,17 @@ class CameraJudge {
   }
 
  private:
+  static constexpr std::uint32_t kBrightnesses = 64;  // after so many frames the line is as bright again
+
+  void expect(const PacketHeader& header) {
+    const auto frame = static_cast<std::uint32_t>(header.time_stamp / frame_clocks_ + first_frame_);
+    expected_.expect(test_camera_frame(columns_, rows_, frame), columns_, rows_, header);
+  }
+
   int columns_;
   int rows_;
   std::uint64_t frame_clocks_;
+  std::uint32_t first_frame_ = 0;  // of the time stamps below frame_clocks_
   std::optional<std::uint64_t> first_time_stamp_;
   std::uint64_t time_stamp_ = UINT64_MAX;
   std::optional<std::uint64_t> phase_;  // of the time stamps, the same in all packets

@@ -9,7 +9,8 @@
 // was sent as JSON.
 //
 // A simulated second takes minutes. So that a host, whose clock is real, does not see pauses within a burst of packets,
-// their frames wait here, as in a switch, until the board's side has been silent for 10 us. The process whose number
+// their frames wait here, as in a switch, until the board's side has been silent for 10 us. Of a burst that does not
+// end, whole packets are handed over before they are more than the kernel's buffer holds. The process whose number
 // stands in the FILE of --paused, if there is one, is stopped while they are handed over, because in simulated time
 // this takes no time at all.
 #include <sys/types.h>
@@ -18,6 +19,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -46,6 +48,7 @@ constexpr std::uint64_t kHalfEthernetPs = 4000;
 constexpr std::uint64_t kPixelPs = 8000;  // 125 MHz
 constexpr std::uint64_t kBusPs = 20000;   // 50 MHz
 constexpr std::uint64_t kBurstPs = 10'000'000;
+constexpr std::size_t kBurstBytes = 80'000;       // with the kernel's overhead less than net.core.rmem_max usually is
 constexpr std::chrono::milliseconds kHeldUp(10);  // half of what a host takes for silence
 constexpr std::uint64_t kLookPs = 1'000'000;      // time between two looks at the interface
 
@@ -101,6 +104,12 @@ Options read_options(const std::vector<std::string>& words) {
     throw std::runtime_error("the name of the interface is missing");
   }
   return options;
+}
+
+// Whether a frame with a datagram of packets holds the first piece of one.
+bool begins_packet(const EthernetFrame& frame) {
+  constexpr std::size_t kOffset = 14 + 20 + 8 + spec::kDatagramOffset;  // behind the headers of Ethernet, IP and UDP
+  return frame.size() > kOffset + 1 && frame[kOffset] == 0 && frame[kOffset + 1] == 0;
 }
 
 class Simulation {
@@ -174,7 +183,11 @@ class Simulation {
       if (udp_source_port(*frame) != kPacketPort) {
         refused_ += tap_.send(*frame) ? 0 : 1;
       } else {
+        if (burst_bytes_ >= kBurstBytes && begins_packet(*frame)) {
+          hand_over();
+        }
         for (EthernetFrame& one : network_.pass(*std::move(frame))) {
+          burst_bytes_ += one.size();
           burst_.push_back(std::move(one));
         }
       }
@@ -213,6 +226,7 @@ class Simulation {
       last = now;
     }
     burst_.clear();
+    burst_bytes_ = 0;
     if (stops) {
       kill(process, SIGCONT);
     }
@@ -229,6 +243,7 @@ class Simulation {
   RgmiiSender sender_;
   RgmiiReceiver receiver_;
   std::vector<EthernetFrame> burst_;
+  std::size_t burst_bytes_ = 0;
   std::uint64_t now_ = 0;
   std::uint64_t next_bus_ = kBusPs / 2;
   std::uint64_t last_busy_ = 0;

@@ -1,11 +1,14 @@
 // Compares recorded packets of a board that looks at the test camera with the models, byte by byte.
 //
 //     test_camera_judge FILE COLUMNSxROWS FRAME_CLOCKS
+//     test_camera_judge FILE COLUMNSxROWS triggered=FRAME_CLOCKS
 //     test_camera_judge FILE COLUMNSxROWS codes=BITS
 //
-// Which frame a packet is of follows from its time stamp. The settings are those of its header. In the second form the
-// test camera showed patterns of so many bits in turn, the first one with the first packet, and the board decoded them;
-// which frame it is follows from its number. Prints JSON. Exit status 1 if a packet differs, or if there is none.
+// Which frame a packet is of follows from its time stamp. The settings are those of its header. In the second form
+// frames came with triggers, of which the board may have seen only the later ones; the first moments packet tells which
+// frame it is of. For raw images it must have grey moments. In the third form the test camera showed patterns of so
+// many bits in turn, the first one with the first packet, and the board decoded them; which frame it is follows from
+// its number. Prints JSON. Exit status 1 if a packet differs, or if there is none.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -76,28 +79,61 @@ class CodesJudge {
   std::uint64_t frames_ = 0;  // the next one
 };
 
-int run(const std::vector<std::string>& words) {
+struct Form {
   int columns = 0;
   int rows = 0;
-  int bits = 0;
-  unsigned long long frame_clocks = 0;
-  if (words.size() != 3 || std::sscanf(words[1].c_str(), "%dx%d", &columns, &rows) != 2 ||
-      (std::sscanf(words[2].c_str(), "codes=%d", &bits) != 1 &&
-       (std::sscanf(words[2].c_str(), "%llu", &frame_clocks) != 1 || frame_clocks == 0))) {
-    throw std::runtime_error("usage: test_camera_judge FILE COLUMNSxROWS FRAME_CLOCKS|codes=BITS");
+  int bits = 0;                         // 0 where no codes were decoded
+  unsigned long long frame_clocks = 0;  // 0 where they were
+  bool triggered = false;
+};
+
+Form read_form(const std::vector<std::string>& words) {
+  Form form;
+  const bool sized = words.size() == 3 && std::sscanf(words[1].c_str(), "%dx%d", &form.columns, &form.rows) == 2;
+  const char* const what = sized ? words[2].c_str() : "";
+  form.triggered = std::sscanf(what, "triggered=%llu", &form.frame_clocks) == 1;
+  const bool codes = std::sscanf(what, "codes=%d", &form.bits) == 1 && form.bits > 0;
+  const bool free = !form.triggered && !codes && std::sscanf(what, "%llu", &form.frame_clocks) == 1;
+  if (!codes && (!(form.triggered || free) || form.frame_clocks == 0)) {
+    throw std::runtime_error(
+        "usage: test_camera_judge FILE COLUMNSxROWS FRAME_CLOCKS|triggered=FRAME_CLOCKS|codes=BITS");
   }
+  return form;
+}
+
+// The next packet at bytes[at], after which `at` then is; false if there is none.
+bool next_packet(std::span<const std::uint8_t> bytes, std::size_t& at, PacketView& packet) {
+  const bool there = at < bytes.size() && parse_packet(bytes.subspan(at), packet) == PacketError::none;
+  at += there ? packet.size : 0;
+  return there;
+}
+
+void find_first_frame(std::span<const std::uint8_t> bytes, CameraJudge& judge) {
+  PacketView packet;
+  for (std::size_t at = 0; next_packet(bytes, at, packet);) {
+    if (packet.header.kind == spec::kKindMoments) {
+      static_cast<void>(judge.find_frame(packet));  // otherwise no packet will be equal
+      return;
+    }
+  }
+}
+
+int run(const std::vector<std::string>& words) {
+  const Form form = read_form(words);
   const std::string text = read_input(words[0], std::size_t{1} << 32U);
   const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  CameraJudge judge(columns, rows, std::max(frame_clocks, 1ULL));
-  CodesJudge codes(columns, rows, std::max(bits, 1));
+  CameraJudge judge(form.columns, form.rows, std::max(form.frame_clocks, 1ULL));
+  CodesJudge codes(form.columns, form.rows, std::max(form.bits, 1));
+  if (form.triggered) {
+    find_first_frame(bytes, judge);
+  }
   std::uint64_t packets = 0;
   std::uint64_t equal = 0;
   PacketView packet;
   std::size_t at = 0;
-  while (at < bytes.size() && parse_packet(bytes.subspan(at), packet) == PacketError::none) {
-    at += packet.size;
+  while (next_packet(bytes, at, packet)) {
     ++packets;
-    equal += (bits != 0 ? codes.judge(packet) : judge.judge(packet)) ? 1 : 0;
+    equal += (form.bits != 0 ? codes.judge(packet) : judge.judge(packet)) ? 1 : 0;
   }
   std::printf("{\"packets\": %llu, \"equal\": %llu}\n", static_cast<unsigned long long>(packets),
               static_cast<unsigned long long>(equal));

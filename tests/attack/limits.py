@@ -1,4 +1,4 @@
-"""Measures the memory and time of every reader of files, on the largest inputs that it takes and on hostile ones."""
+"""Measures the memory and time of every file reader, with the largest inputs that it accepts and with hostile ones."""
 import itertools
 import os
 import re
@@ -14,13 +14,13 @@ MIB = 1 << 20
 
 
 def zeros(mib):
-    """So many MiB of zeros, compressed."""
+    """Returns this many MiB of zeros, compressed."""
     compress = zlib.compressobj(9)
     return b"".join(compress.compress(bytes(MIB)) for _ in range(mib)) + compress.flush()
 
 
 def zeros_of_rows(size, rows):
-    """Rows of a PNG, each with its filter byte, compressed."""
+    """Returns black rows of `size` bytes of a PNG, each with its filter byte, compressed."""
     compress = zlib.compressobj(9)
     return b"".join(compress.compress(bytes(1 + size)) for _ in range(rows)) + compress.flush()
 
@@ -36,7 +36,7 @@ def jpeg_of_size(columns, rows):
 
 
 def large_float_tiff(path):
-    """As many bytes as an image file may have; the pixels are a hole in the file."""
+    """Writes a TIFF as large as an image file may be. Its pixels are a hole in the file, so it takes no disk space."""
     rows = SIDE - 1
     size = SIDE * rows * 4
     with open(path, "wb") as file:
@@ -53,8 +53,8 @@ class Limits:
         self.measured = {}
 
     def run(self):
-        """Returns what was measured."""
-        usual, self.attacker.memory = self.attacker.memory, 8 << 30  # above every limit: what is taken is measured
+        """Runs all cases. Returns their figures by number."""
+        usual, self.attacker.memory = self.attacker.memory, 8 << 30  # above every limit, to measure what is used
         try:
             with self.attacker.scratch() as self.folder:
                 self.images()

@@ -184,7 +184,7 @@ FAULTS = [
     Fault("datagram_cutter/session_ends_in_a_packet", "datagram_cutter", "link/sp_datagram_cutter.sv",
           "&& !take && (!inside_q || header_q && ended_q)) open_q", "&& !take) open_q", 12),
     Fault("datagram_cutter/ends_with_a_full_piece", "datagram_cutter", "link/sp_datagram_cutter.sv",
-          "ended_q <= s_last_i;", "ended_q <= s_last_i || beats_q == CountBits'(PieceBeats - 1);", 12),
+          "ended_q <= s_last_i;", "ended_q <= s_last_i || beats_q == PieceBits'(PieceBeats - 1);", 12),
     Fault("replay_receiver/damaged_counts", "replay_receiver", "camera/sp_replay_receiver.sv",
           "taken = ends && good_q && !error_q2 && left_q <= PieceBits'(1) && !forget;",
           "taken = ends && good_q && !error_q2 && !forget;"),

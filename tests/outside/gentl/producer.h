@@ -1,4 +1,4 @@
-// A GenTL producer, loaded as a consumer loads it.
+// Loads a GenTL producer as a consumer of GenTL does, and calls its functions.
 #ifndef SELFPROJ_TESTS_OUTSIDE_GENTL_PRODUCER_H
 #define SELFPROJ_TESTS_OUTSIDE_GENTL_PRODUCER_H
 
@@ -17,7 +17,8 @@
 
 namespace selfproj::test {
 
-// Every function of the standard, by the name that it has there.
+// A loaded producer. It finds the functions of the standard by their names. If the file or a function is missing, it
+// prints the reason and ends the program.
 struct Producer {
   explicit Producer(const std::string& path) : library(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
     if (library == nullptr) {
@@ -36,7 +37,7 @@ struct Producer {
     return reinterpret_cast<Function*>(found);
   }
 
-  void* library;  // is never unloaded, so that the sanitizers can name what leaks
+  void* library;  // never unloaded, so that the sanitizers can name the functions that leak
 };
 
 // The producer of this build.
@@ -68,7 +69,8 @@ inline GenTLFailure last_failure() {
   return found;
 }
 
-// The answer of a function that gives (type, buffer, size), such as DSGetInfo, as a value of this type.
+// Calls a function that fills (type, buffer, size), such as DSGetInfo, and returns its answer as a value of this type.
+// Throws std::runtime_error if the call fails or the answer has another size.
 template <typename Value, typename Ask>
 Value answer_of(const Ask& ask) {
   INFO_DATATYPE type = INFO_DATATYPE_UNKNOWN;
@@ -83,6 +85,7 @@ Value answer_of(const Ask& ask) {
   return value;
 }
 
+// The same for an answer that is a text of any length.
 template <typename Ask>
 std::string text_of(const Ask& ask) {
   INFO_DATATYPE type = INFO_DATATYPE_UNKNOWN;

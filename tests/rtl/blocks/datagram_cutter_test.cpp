@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "Vsp_datagram_cutter_jumbo_ports.h"
@@ -143,6 +144,29 @@ TEST(DatagramCutter, SilenceIsTold) {
   found = ends(2 * kSmallIdle);
   ASSERT_FALSE(found.empty());
   EXPECT_EQ(found.front() - begins, kSmallIdle + kLatency + 3);  // its last of four words
+}
+
+// Datagrams and packets are counted from 0 in a session of thousands, too, and from 0 again in the next one.
+TEST(DatagramCutter, NumbersOfALongSession) {
+  constexpr std::uint32_t kPackets = 4500;
+  CutterBench<Vsp_datagram_cutter_small> bench(kSmallBytes);
+  Random random(1);
+  for (const std::uint16_t session : {std::uint16_t{1}, std::uint16_t{2}}) {
+    bench.begin_session(session);
+    for (std::uint32_t packet = 0; packet < kPackets; ++packet) {
+      bench.queue(random_packet(random, packet % 100 == 0 ? 14 : 1));
+    }
+    bench.drain();
+    ASSERT_FALSE(::testing::Test::HasFailure());
+    const std::optional<DatagramHeader> last = read_datagram_header(bench.datagrams().back());
+    ASSERT_TRUE(last);
+    EXPECT_EQ(last->packet, kPackets - 1);
+    EXPECT_GE(last->sequence, last->packet);
+    bench->enable_i = 0;
+    for (int i = 0; i < 2 * kSmallIdle; ++i) {
+      bench.clock(0, 100);
+    }
+  }
 }
 
 // A silence that is due while the ring is full goes into it as soon as there is room.
