@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""A host that is killed and comes back, and a cable that is pulled and put back, at a simulated ECPIX-5.
+
+    interruptions_test.py
+
+The board sends 2,000 frames a simulated second. The first host is killed, so that its frames are lost to everyone. A
+second one takes over while the board runs; its cable is pulled for two seconds. It must tell every frame that it did
+not get, and each one that it got must be that of the models. Status 77 where scripts/target_sim.sh cannot run.
+SELFPROJ_PROGRAMS and SELFPROJ_JUDGE name the programs, as there.
+"""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TRIES = 3  # on a busy machine a host may take a pause of the simulation for the end of a packet
+PERIOD = 62500  # pixel clocks from one frame to the next
+STEPS = f"""
+board=(--device udp:192.168.1.50)
+selfproj board set "${{board[@]}}" measure.threshold=100 measure.mode=grey-over >/dev/null
+selfproj board trigger "${{board[@]}}" --period {PERIOD} >/dev/null
+selfproj record "${{board[@]}}" --out first.packets --count 100000 >first.txt 2>&1 & record=$!
+sleep 1
+selfproj board start "${{board[@]}}"
+sleep 4
+kill -KILL $record
+wait $record 2>/dev/null || true
+sleep 0.5
+selfproj board status "${{board[@]}}" >before.txt
+selfproj record "${{board[@]}}" --out second.packets --seconds 60 >second.txt 2>&1 & record=$!
+sleep 3
+ip link set tap0 down
+sleep 2
+ip link set tap0 up
+sleep 3
+selfproj board stop "${{board[@]}}"
+sleep 0.5
+kill -INT $record
+wait $record
+selfproj board status "${{board[@]}}" >after.txt
+test_camera_judge second.packets 512x96 triggered={PERIOD} >judged.json
+"""
+
+
+def field(text, name):
+    return int(re.search(rf"^0x\w+ {name} .*count=(\d+)", text, re.M)[1])
+
+
+def number(text, words):
+    return int(re.search(rf"{words} ([\d,]+)", text)[1].replace(",", ""))
+
+
+def run(folder):
+    """Runs the steps. Returns what was wrong, and the exit status."""
+    judge = pathlib.Path(os.environ["SELFPROJ_JUDGE"]).parent
+    path = f"{os.environ['SELFPROJ_PROGRAMS']}:{judge}:{os.environ['PATH']}"
+    done = subprocess.run([ROOT / "scripts/target_sim.sh", "--", "bash", "-eux", "-c", STEPS], cwd=folder,
+                          env={**os.environ, "PATH": path}, check=False)
+    if done.returncode:
+        return "a step has failed", done.returncode
+    before, after, told = ((folder / f"{name}.txt").read_text(encoding="utf-8")
+                           for name in ("before", "after", "second"))
+    judged = json.loads((folder / "judged.json").read_text(encoding="utf-8"))
+    sent = field(after, "frames") - field(after, "lost_moments")
+    got, lost = judged["packets"], number(told, "lost in the network")
+    gaps = number(told, "missing frames")  # between the first packet that the second host got and its last one
+    print(f"{field(before, 'frames')} frames before the second host, {sent} in all: {got} recorded, "
+          f"{judged['equal']} of them the models', {lost} told as lost, {gaps} of them while it recorded")
+    if got + lost != sent or judged["equal"] != got:
+        return "a frame is neither recorded nor told as lost, or not that of the models", 1
+    return ("", 0) if gaps > 0 and got > 10 and lost > gaps else ("nothing was interrupted", 1)
+
+
+def main():
+    for left in reversed(range(TRIES)):
+        with tempfile.TemporaryDirectory(prefix="interruptions.") as folder:
+            wrong, status = run(pathlib.Path(folder))
+        if not wrong or status == 77:
+            sys.exit(status)
+        print(f"interruptions_test.py: {wrong}; tries left: {left}", file=sys.stderr)
+    sys.exit(1)
+
+
+main()
