@@ -1,9 +1,13 @@
-# Gives every block RAM a site. nextpnr-ice40 runs this file with --pre-place. The grey build of the board takes 31 of
-# 32 block RAMs, and a binary build with runs takes all. The placer alone spreads those of the moments over both
-# columns, so that the sums have to cross half of the array and come back in one clock. This file puts the sums and the
-# line buffer into the right column from the bottom up, and the packet FIFO into the left column; the rest of the FIFO
-# goes to the top of the right one. The packetizer, which feeds the FIFO, stays in the left half of the array, so that
-# it does not spread towards the moments, whose words it takes.
+# Gives every block RAM a site, and two blocks a half of the array. nextpnr-ice40 runs this file with --pre-place.
+#
+# The grey build of the board takes 31 of 32 block RAMs, and a binary build with runs takes all. The placer alone spreads
+# those of the moments over both columns, so that the sums have to cross half of the array and come back in one clock.
+# This file puts the sums and the line buffer into the right column from the bottom up, and the packet FIFO into the left
+# column; the rest of the FIFO goes to the top of the right one.
+#
+# The packetizer, which feeds the FIFO, stays in the left half, so that it does not spread towards the moments, whose
+# words it takes. The logic of the sums stays in the right half, beside its block RAMs. All cells of a tile share one
+# reset, and where no tile nearby had the right one, the placer once put a bit half the array away from its adder.
 import re
 
 LEFT, RIGHT = ([f"X{x}/Y{y}/ram" for y in range(1, 32, 2)] for x in (8, 25))
@@ -21,6 +25,10 @@ for cell, site in [*zip(moments, RIGHT), *zip(fifo, LEFT + RIGHT[::-1])]:
     cell.setAttr("BEL", site)
 
 ctx.createRectangularRegion("packets", 1, 1, 16, 32)
+ctx.createRectangularRegion("sums", 17, 1, 32, 32)
 for name, cell in ctx.cells:
-    if ".u_packetizer." in name and cell.type == "ICESTORM_LC":
-        ctx.constrainCellToRegion(name, "packets")
+    if cell.type == "ICESTORM_LC":
+        if ".u_packetizer." in name:
+            ctx.constrainCellToRegion(name, "packets")
+        elif ".u_sums." in name:
+            ctx.constrainCellToRegion(name, "sums")
