@@ -75,7 +75,7 @@ mkdir -p "$folder"
 verilator --cc --exe --build -j 2 -O3 -Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT \
   --x-assign fast --x-initial fast --assert \
   --top-module ecpix5_system -GIdleClocks=100000 "${build[@]}" "${search[@]}" -Mdir "$folder" -o ecpix5_sim \
-  -CFLAGS "-std=c++20 -O2 -I$PWD" sim/target/liteeth.vlt rtl/common/sp_spec_pkg.sv \
+  -CFLAGS "-std=c++20 -O2 -I$PWD" -LDFLAGS -lz sim/target/liteeth.vlt rtl/common/sp_spec_pkg.sv \
   constraints/ecpix5/ecpix5_system.sv sim/target/ecp5_cells.sv "$core" \
   "$PWD"/sim/target/{ecpix5_sim,rgmii,tap}.cpp >"$folder/build.log" 2>&1 ||
   { grep -m 5 -i error "$folder/build.log" >&2; exit 1; }

@@ -156,14 +156,10 @@ class LitePcieDevice final : public Device {
 
   // Copies finished buffers into the reader. Returns whether there were any, or anything else that changed.
   bool take_buffers() {
-    if (!look()) {
+    if (!follow()) {
       return true;
     }
     arrival_ns_ = now_ns();
-    if (read_ < oldest()) {
-      skip();
-      return true;
-    }
     if (read_ == done_) {
       return false;
     }
@@ -172,11 +168,7 @@ class LitePcieDevice final : public Device {
     for (std::uint64_t i = 0; i < buffers; ++i) {
       std::memcpy(room.data() + i * bytes_, ring_ + (read_ + i) % count_ * bytes_, bytes_);
     }
-    if (!look()) {
-      return true;
-    }
-    if (read_ < oldest()) {
-      skip();
+    if (!follow()) {  // what was copied may be torn
       return true;
     }
     reader_.added(buffers * bytes_);
@@ -184,13 +176,22 @@ class LitePcieDevice final : public Device {
     return true;
   }
 
-  // The DMA has come round. Half of the ring is given up, so that the reader does not lose the next buffer as well.
-  void skip() {
+  // Brings done_ up to date. Returns false if the next buffer to read is lost: the board has begun anew, or the DMA has
+  // come round. In the second case half of the ring is given up, so that the reader does not lose the next buffer as
+  // well.
+  bool follow() {
+    if (!look()) {
+      return false;
+    }
+    if (read_ >= oldest()) {
+      return true;
+    }
     const std::uint64_t to = std::max(oldest(), done_ - std::min(done_, count_ / 2));
     ++counters_.read_errors;
     counters_.bytes_discarded += (to - read_) * bytes_;
     reader_.restart();
     read_ = to;
+    return false;
   }
 
   // Waits according to the policy.

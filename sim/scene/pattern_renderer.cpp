@@ -170,7 +170,7 @@ PatternRenderer::PatternRenderer(const RealRig& real, const Scene& scene, Render
   fold_.fold(
       fold_.pixels_of(all),
       [&](int down, int across, BlockValues& values) {
-        still_.values(still_.block(grid.block(down, across)), none, Shade::dark, values);
+        still_.values(grid.block(down, across), none, Shade::dark, values);
       },
       dark_);
 }
@@ -207,7 +207,7 @@ void PatternRenderer::moving_values(const BodyMotion& motion, int down, int acro
     }
   }
   if (one && looks[0][0].body < 0) {
-    still_.values(block, pattern, looks[0][0].dark ? Shade::dark : Shade::lit, values);
+    still_.values(index, pattern, looks[0][0].dark ? Shade::dark : Shade::lit, values);
     return;
   }
   if (one && is_smooth(looks)) {
@@ -249,7 +249,7 @@ void PatternRenderer::expose(int frame, const ProjectedLight& pattern, std::span
         if (motion.touches(index)) {
           moving_values(motion, down, across, pattern, values);
         } else {
-          still_.values(still_.block(index), pattern, Shade::lit, values);
+          still_.values(index, pattern, Shade::lit, values);
         }
       },
       pixels);

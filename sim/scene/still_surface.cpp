@@ -156,7 +156,8 @@ void StillSurface::trace_block(int down, int across, Block& block, std::vector<L
   }
 }
 
-void StillSurface::values(const Block& block, const ProjectedLight& pattern, Shade shade, BlockValues& values) const {
+void StillSurface::values(std::size_t index, const ProjectedLight& pattern, Shade shade, BlockValues& values) const {
+  const Block& block = blocks_[index];
   const bool dark = shade == Shade::dark;
   float* to = values.data();
   if (block.samples >= 0) {
@@ -165,7 +166,7 @@ void StillSurface::values(const Block& block, const ProjectedLight& pattern, Sha
                    [&](const LightSpot& spot) { return dark ? spot.ambient : spot.grey(pattern); });
     return;
   }
-  const MinMaxPyramid::Range range = dark ? MinMaxPyramid::Range{0, 0} : bounds_of(block).light_of(pattern);
+  const MinMaxPyramid::Range range = dark ? MinMaxPyramid::Range{0, 0} : bounds_[index].light_of(pattern);
   const bool same = range.high - range.low <= kSameLight;
   for (int i = 0; i < kBlockSide; ++i, to += kBlockSide) {
     const float down = (static_cast<float>(i) + 0.5F) / kBlockSide;

@@ -1,7 +1,8 @@
 #include "sim/target/rgmii.h"
 
+#include <zlib.h>
+
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,26 +17,10 @@ constexpr std::size_t kPreamble = 8;  // its last byte begins the frame
 constexpr std::uint8_t kBegin = 0xD5;
 constexpr int kGap = 12;
 
-constexpr std::array<std::uint32_t, 256> kTable = [] {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < table.size(); ++i) {
-    std::uint32_t word = i;
-    for (int bit = 0; bit < 8; ++bit) {
-      word = (word & 1U) != 0 ? word >> 1U ^ 0xEDB8'8320U : word >> 1U;
-    }
-    table[i] = word;
-  }
-  return table;
-}();
-
 }  // namespace
 
 std::uint32_t ethernet_check(std::span<const std::uint8_t> bytes) {
-  std::uint32_t check = ~0U;
-  for (const std::uint8_t byte : bytes) {
-    check = kTable[(check ^ byte) & 0xFFU] ^ check >> 8U;
-  }
-  return ~check;
+  return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
 }
 
 void RgmiiSender::send(const EthernetFrame& frame, bool damaged) {
