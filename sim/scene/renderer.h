@@ -40,7 +40,7 @@ struct RenderOptions {
   bool falloff = false;  // light falls with the squared distance from the projector; as stated on the plane, x = y = 0
   World world = {};      // disturbances that are not in an ideal world: none
 
-  // The same in an ideal world; what is rendered so knows the truth.
+  // The same options without the disturbances of the world.
   [[nodiscard]] RenderOptions ideal_world() const {
     RenderOptions result = *this;
     result.world = {};
