@@ -128,11 +128,11 @@ class Renderer {
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
   void sample_dark(const Light& light, int row, int column, HeightRange heights, BlockValues& values) const;
 
-  // Samples a pixel of a block whose first sub-pixel is `first`; `to` is its value.
+  // Samples a pixel of a block. `first` is the middle of its first sub-pixel, whose value goes to `to`.
   void sample_pixel(const Light& light, PixelPoint first, HeightRange heights, LitSurface::Shadow shadow,
                     float* to) const;
 
-  // Samples a block, unless it is known that all its values are 0: then returns false.
+  // Samples a block and returns true. If it is known that all its values are 0, returns false.
   bool sample_block(const Light& light, int down, int across, BlockValues& values) const;
 
   // Samples a row of blocks.
