@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Makes a bitstream of the board for an ECPIX-5: Yosys, nextpnr-ecp5, ecppack. Called by bitstream.sh, which describes
-the options. Standard library only; the tools of PyPI come into a virtual environment in build/ecpix5. Netlists and
-placements are kept under hashes of all that they depend on (fpga.kept), so an unchanged circuit is not placed again.
+the options. Standard library only; tools from PyPI are installed into a virtual environment in build/ecpix5. Netlists
+and placements are kept under hashes of all that they depend on (fpga.kept). So an unchanged circuit is not placed
+again.
 """
 
 import argparse
@@ -50,7 +51,7 @@ def run(command, log, folder=ROOT):
     log.write_text(done.stdout, encoding="utf-8")
     if done.returncode:
         errors = [line for line in done.stdout.splitlines() if "ERROR" in line] or done.stdout.splitlines()[-1:]
-        raise BuildError(f"{pathlib.Path(command[0]).name}: {errors[0] if errors else 'no word'} ({log})")
+        raise BuildError(f"{pathlib.Path(command[0]).name}: {errors[0] if errors else 'no output'} ({log})")
     return done.stdout
 
 
@@ -75,8 +76,8 @@ def core():
 
 
 def netlist(parameters):
-    """Returns the text of the netlist. Yosys names cells by the lines of the sources, and what follows depends on
-    names. So it reads them without comments, a line a statement, as in fpga.py."""
+    """Returns the text of the netlist. Yosys names cells by the lines of the sources, and the later steps depend on
+    these names. So Yosys reads the sources without comments, one statement a line, as in fpga.py."""
     files = [*rtl_tree.sources_of_all(TOPS), BOARD / "ecpix5_system.sv", BOARD / "ecpix5.sv"]
     texts = {path.relative_to(ROOT): rtl_tree.plain(path.read_text(encoding="utf-8")) for path in files}
     read = rtl_tree.read_command("ecpix5", [f"{key}={value}" for key, value in parameters.items()], files=texts)

@@ -33,8 +33,8 @@ def structure(netlist):
 
     A cell's label begins as its kind, its parameters and how its inputs are wired. Then every label takes in those of
     the cells that drive it, again and again, until no more cells become different from each other (the refinement of
-    Weisfeiler and Leman). Circuits that are equal but for their names have equal labels; that different ones have them
-    would need a collision, or cells that their whole input cones do not tell apart.
+    Weisfeiler and Leman). Circuits that are equal but for their names have equal labels. Different circuits have equal
+    labels only by a collision, or if they have cells that their whole input cones do not tell apart.
     """
     body = next(body for body in json.loads(netlist)["modules"].values() if body["attributes"].get("top"))
     driver = {}

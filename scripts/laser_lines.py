@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """laser_lines.py CAPTURES: compares `selfproj lines` with the owner's lines in the captures of a laser line.
 
-CAPTURES is the folder images/ of laser-chrisspen (docs/accuracy.md). Of each sample but the first, whose two images
-were exposed differently, the rows of all lit pixels and of the strongest run are compared with the owner's picture of
-the line, in the columns where both have one. Prints how many columns lie within 2 rows. Needs build/bin/selfproj.
+CAPTURES is the folder images/ of laser-chrisspen (docs/accuracy.md). The first sample is left out, because its two
+images were exposed differently. In the others, the row of the line is found from all lit pixels and from the strongest
+run. Both are compared with the owner's picture of the line, in the columns where both sides have a line. Prints how
+many columns lie within 2 rows. Needs build/bin/selfproj.
 
-Where SELFPROJ_RESULTS names a folder, it writes laser_lines.json there. Standard library only.
+If SELFPROJ_RESULTS names a folder, the script writes laser_lines.json there. Standard library only.
 """
 
 import csv
@@ -20,7 +21,7 @@ import results  # noqa: E402
 
 FIRST, LAST = 2, 10
 NEAR = 2  # rows
-HALF = 8  # sixteenths of the strongest run: ambiguous from there on, as by default
+HALF = 8  # a column is ambiguous if its second run has so many sixteenths of the strongest one, as by default
 LINE = ["--channel", "red-difference", "--threshold", "15"]
 
 
@@ -39,7 +40,7 @@ def centroid(row):
 
 
 def compare(found, owner):
-    """Returns what of the columns with two lines agrees. An ambiguous column has no line."""
+    """Returns how many of the columns with a line on both sides agree. Ambiguous columns are counted separately."""
     counts = {"columns": 0, "near": 0, "ambiguous": 0}
     for place, row in found.items():
         ours, right = centroid(row), centroid(owner[place])

@@ -4,15 +4,16 @@
     target_rates.py [--kinds KIND,...] [--sizes ROWS,...] [--percent P] [--jumbo] [--json FILE] [--keep]
                     (takes half an hour)
 
-The trigger sequencer sets the rate of the test camera, 512 columns and so many ROWS (96, 16), which makes no pause
-between frames at its fastest. A KIND is binary or grey (moments; grey-over), or images (raw images with grey moments).
-The first size at which the link limits the rate is a kind's last one; larger images are limited by the pixel clock.
+The trigger sequencer sets the rate of the test camera. Its images have 512 columns and ROWS rows (96, 16), and at its
+fastest it makes no pause between frames. A KIND is binary or grey (moments; grey means grey-over), or images (raw
+images with grey moments). Large images are limited by the pixel clock. For each kind the sizes are tried from the
+largest on, up to the first one at which the link limits the rate.
 
 The rate is found by halving intervals until a rate that loses nothing lies within P percent (1) of one that loses. A
 rate is tried for as long as the FPGA's memory for packets could hide an overload of P percent, and a fifth more, so
-that the rate may be too high by P percent at most. What the board loses, its own counters say. Every packet that was
-recorded must be that of the models; what the PC's kernel lost is counted apart. --json writes the figures into a file,
---keep into the folder results. Exit status 77 where target_sim.sh cannot run. Standard library only.
+that the rate may be too high by P percent at most. The board's own counters say what it loses. Every recorded packet
+must equal that of the models; packets that the PC's kernel loses are counted separately. --json writes the figures into
+a file, --keep into the folder results. The exit status is 77 if target_sim.sh cannot run. Standard library only.
 """
 
 import argparse
@@ -44,7 +45,7 @@ SETTINGS = {"binary": ["measure.mode=binary", "control.image=0"],
             "grey": ["measure.mode=grey-over", "control.image=0"],
             "images": ["measure.mode=grey-over", "control.image=1"]}
 LOST = ["lost_moments", "lost_image"]
-SETTLE = 375_000  # pixel clocks: the link has sent all that it holds, and has told of 2 ms of silence
+SETTLE = 375_000  # pixel clocks after which the link has sent all that it holds, and has reported 2 ms of silence
 
 
 class RatesError(Exception):

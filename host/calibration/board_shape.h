@@ -1,5 +1,5 @@
-// How a chessboard that is not quite flat departs from its drawing: smooth modes, so that the calibration can release
-// its shape.
+// Smooth modes in which a chessboard that is not quite flat departs from its drawing. The calibration can estimate how
+// strong each of them is.
 #ifndef SELFPROJ_HOST_CALIBRATION_BOARD_SHAPE_H
 #define SELFPROJ_HOST_CALIBRATION_BOARD_SHAPE_H
 
@@ -11,13 +11,13 @@
 
 namespace selfproj {
 
-inline constexpr int kBendModes = 18;    // polynomials of degree 2 to 5 in the place, along the chessboard's normal
-inline constexpr int kStretchModes = 8;  // aspect, shear and degree 2, within the chessboard's plane
+inline constexpr int kBendModes = 18;    // along the chessboard's normal: polynomials of degree 2 to 5 in the position
+inline constexpr int kStretchModes = 8;  // within the chessboard's plane: aspect, shear and degree 2
 inline constexpr int kSharedModes = kBendModes + kStretchModes;
 inline constexpr int kOwnModes = 7;  // the bends of degree 2 and 3, which may differ from pose to pose
 
-// The modes at one corner. A mode has a root mean square of 1 over all corners, and a bend of degree d one of
-// 1 / (d - 1), since paper bends in long waves rather than in short ones.
+// The modes at one corner. A stretch has a root mean square of 1 over all corners. A bend of degree d has one of
+// 1 / (d - 1), because paper bends in long waves rather than in short ones.
 struct CornerModes {
   std::array<double, kBendModes> bend{};
   std::array<cv::Vec2d, kStretchModes> stretch{};

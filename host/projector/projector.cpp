@@ -20,8 +20,7 @@
 namespace selfproj {
 namespace {
 
-// SDL's video for as long as it lives. Keys and signals stay the program's, and nothing is scaled or drawn by a
-// graphics processor.
+// Opens SDL's video for its own lifetime. SDL handles no signals, and no graphics processor scales or draws the images.
 class Video {
  public:
   Video() {
@@ -29,7 +28,7 @@ class Video {
       sdl().set_hint(hint, "1");
     }
     sdl().set_hint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
-    // Real screens alone. Where there is no Wayland, its library would complain on standard error.
+    // Only drivers of real screens. Where there is no Wayland, its library would complain on standard error.
     sdl().set_hint(SDL_HINT_VIDEODRIVER, std::getenv("WAYLAND_DISPLAY") != nullptr ? "x11,wayland" : "x11,KMSDRM");
     open_ = sdl().init(SDL_INIT_VIDEO) == 0;
   }
@@ -92,7 +91,7 @@ struct Projector::Parts {
 
   [[noreturn]] void fail(const std::string& reason) const { throw UserError(what, reason); }
 
-  // The window's pixels. Another one after each change of its size.
+  // The window's pixels. SDL makes another surface after each change of the window's size.
   [[nodiscard]] SDL_Surface* surface() const {
     SDL_Surface* const pixels = sdl().window_surface(window.get());
     if (pixels == nullptr || pixels->format->BytesPerPixel != 4) {

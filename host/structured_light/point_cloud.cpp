@@ -129,7 +129,7 @@ std::vector<Point3f> read_ply(const std::string& file) {
     at += layout.stride;
     for (const float value : {point.x, point.y, point.z}) {
       if (!(std::abs(value) <= kFar)) {
-        throw UserError(file, "has a point that is not finite, or further off than 1e9");
+        throw UserError(file, "has a coordinate that is not finite, or beyond 1e9");
       }
     }
   }

@@ -1,4 +1,4 @@
-"""What only host programs need: the registers by name and the format of datagrams, in C++20. generate.py writes it."""
+"""Makes the C++20 headers that only host programs need: registers by name, format of datagrams. For generate.py."""
 
 
 def text(words):
@@ -38,7 +38,7 @@ def cpp_register_table(spec):
            "  std::string_view name;",
            "  std::uint32_t address = 0;  // bytes",
            "  bool writable = false;",
-           "  bool setting = false;  // counts from a frame start on",
+           "  bool setting = false;  // takes effect at a frame start",
            "  std::uint32_t reset = 0;",
            "  std::string_view description;",
            "  std::span<const RegisterField> fields;",
@@ -104,7 +104,7 @@ def cpp_datagram(spec):
            f'inline constexpr std::uint16_t kDatagramMagic = 0x{spec.datagram_magic:04X};  // "{datagram["magic"]}"',
            f"inline constexpr std::size_t kDatagramHeaderBytes = {spec.datagram_header_bytes};"]
     out += header_offsets("Datagram", spec.datagram_header)
-    out += ["", "// The same of the datagrams of replay, and the port at which boards take them.",
+    out += ["", "// The same for the datagrams of replay, and the port at which boards receive them.",
             f"inline constexpr std::uint16_t kReplayPort = {replay['port']};",
             f'inline constexpr std::uint16_t kReplayMagic = 0x{spec.replay_magic:04X};  // "{replay["magic"]}"',
             f"inline constexpr std::size_t kReplayHeaderBytes = {spec.replay_header_bytes};"]

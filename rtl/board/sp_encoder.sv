@@ -1,9 +1,9 @@
 // Quadrature encoder input, counted fourfold.
 //
 // The count rises while A leads B. A level counts once it has been the same for three clocks, so
-// shorter pulses are suppressed. A step in which both lines change is not counted but is an error.
-// Both counts wrap. Latency: a change of a line that clock edge e samples is in count_o for clock
-// edge e + 7, and in errors_o for e + 6. The reset takes effect a clock later.
+// shorter pulses are suppressed. If both lines change in one step, errors_o counts it in the place
+// of count_o. Both wrap. Latency: if clock edge e samples a change of a line, clock edge e + 7
+// samples the new count_o, and edge e + 6 the new errors_o. The reset takes effect a clock later.
 `default_nettype none
 
 module sp_encoder (
@@ -18,7 +18,7 @@ module sp_encoder (
 );
 
   typedef struct packed {
-    logic        settled;  // level has come from the pins
+    logic        settled;  // level has been taken from the pins
     logic [3:0]  start;    // clocks since reset, as that many ones
     logic [1:0]  level;    // of the lines, without short pulses
     logic        step;     // one line changed its level one clock ago
@@ -34,8 +34,8 @@ module sp_encoder (
     logic [7:0] low;
   } chain_t;
 
-  // The reset ends in a register beside the encoder, so that no wire from afar is on its paths. The
-  // attribute of the process keeps Yosys from merging it with those of other blocks.
+  // The reset goes through a register beside the encoder, so that the encoder's paths have no long
+  // wire. The attributes keep Yosys from merging this register with those of other blocks.
   (* keep *) logic reset_q;  // rst_i, one clock ago
   (* keep *) always_ff @(posedge clk_i) reset_q <= rst_i;
 
@@ -47,7 +47,7 @@ module sp_encoder (
   logic [1:0]  now;                   // {b, a}, synchronized
   logic [1:0]  before1_q, before2_q;  // one and two clocks ago
   logic [1:0]  changes;               // lines that take a new level
-  logic        awake_q;               // a line differed from level one clock ago, or reset was
+  logic        awake_q;               // one clock ago, a line differed from level or reset was on
   logic [2:0]  stirred_q;             // awake_q, one to three clocks ago
   logic        follow_q;              // the counts may move: awake up to four clocks ago
 
@@ -73,7 +73,7 @@ module sp_encoder (
   end
 
   // The lines may have any level at reset: the first levels are taken over without counting. The
-  // reset lasts longer than one clock, so everything is awake in it.
+  // reset lasts longer than one clock, so awake_q is high in it.
   always_ff @(posedge clk_i) begin
     if (awake_q) begin
       lines_q.settled <= !reset_q && lines_q.start[3];
@@ -91,8 +91,7 @@ module sp_encoder (
     else errors_q <= errors_q + 16'(lines_q.error);
   end
 
-  // --- The count, in three chains: the lowest runs one clock ahead of count_o, the others follow
-  // ---
+  // --- The count, in three carry chains. The lowest is one clock ahead of count_o ---
   always_ff @(posedge clk_i) if (follow_q) begin
     if (reset_q) begin
       chain_q <= '0;
@@ -117,8 +116,8 @@ module sp_encoder (
   end
 
   always_ff @(posedge clk_i) if (follow_q) begin
-    // One clock late: the lowest chain wraps again after three clocks at the earliest, when a line
-    // has gone back.
+    // These are one clock late. That is early enough: the lowest chain wraps again after three
+    // clocks at the earliest, when a line has gone back.
     zero_q <= count_q[19:8] == 12'h000;
     full_q <= count_q[19:8] == 12'hFFF;
   end

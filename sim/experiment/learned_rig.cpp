@@ -33,8 +33,8 @@ namespace selfproj {
 namespace {
 
 constexpr ChessboardShape kBoard{37, 3, 2.2};
-constexpr double kPrintScale = 1e-4;  // of the squares, as a share
-constexpr double kBend = 0.01;        // of the chessboard, mm
+constexpr double kPrintScale = 1e-4;  // relative error of the squares
+constexpr double kBend = 0.01;        // how far the chessboard bends out of its plane, mm
 
 // The camera that takes all images, each with noise of its own.
 class TargetCamera {
@@ -42,7 +42,7 @@ class TargetCamera {
   TargetCamera(const RealRig& real, const RenderOptions& options, std::function<void()> done)
       : real_(real), options_(options), done_(std::move(done)) {}
 
-  // Images of what stands still under patterns: take(i, image).
+  // Takes an image of a scene that stands still under each pattern, and calls take(i, image).
   void take(const Scene& scene, int count, const std::function<Image(int i)>& pattern,
             const std::function<void(int i, const ImageView& image)>& take) {
     const PatternRenderer renderer(real_, scene, options_);
@@ -53,7 +53,7 @@ class TargetCamera {
     next_ += count;
   }
 
-  // The same under the lines of a sweep: take(line, image).
+  // The same under the lines of a sweep: calls take_line(line, image).
   void sweep(const Scene& scene, int every_line,
              const std::function<void(double line, const ImageView& image)>& take_line) {
     const std::vector<int> lines = sweep_lines(real_.rig, every_line);
@@ -68,10 +68,10 @@ class TargetCamera {
   const RealRig& real_;
   RenderOptions options_;
   std::function<void()> done_;
-  int next_ = 1'000'000;  // frame, for the noise; those of a scene are smaller
+  int next_ = 1'000'000;  // frame number, which seeds the noise; a scene's own frames have smaller ones
 };
 
-// Lenses, poses and belt, from the chessboard on plates.
+// Returns the rig with its lenses, poses and belt calibrated by a chessboard on plates.
 Rig calibrated(const RealRig& real, TargetCamera& camera, const LearningSettings& settings) {
   const Rig& drawn = real.rig;
   const GraySequence sequence(drawn.projector.columns, drawn.projector.lines);
@@ -108,7 +108,7 @@ Rig calibrated(const RealRig& real, TargetCamera& camera, const LearningSettings
   return calibrated_rig(report, drawn);
 }
 
-// The lines of a sweep over a plate that is not quite flat and not quite at its height.
+// Returns where the lines of a sweep are seen on a plate that is not quite flat and not quite at its height.
 HeightPosition seen_on_plate(const Rig& believed, TargetCamera& camera, double height_mm,
                              const LearningSettings& settings) {
   const HeightSettings assumed;

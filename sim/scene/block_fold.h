@@ -1,4 +1,5 @@
-// Folds an image of sub-pixels with the camera's lens and pixels, block by block, and only where it is asked to.
+// Folds (convolves) an image of sub-pixels with the kernel of the camera's lens and pixels, block by block, and only
+// for the pixels that are asked for.
 #ifndef SELFPROJ_SIM_SCENE_BLOCK_FOLD_H
 #define SELFPROJ_SIM_SCENE_BLOCK_FOLD_H
 
@@ -26,7 +27,7 @@ struct IndexSpan {
 
 class BlockFold {
  public:
-  // `kernel` is lens_kernel of the blur whose margin the grid has.
+  // `kernel` is the lens_kernel of the blur that determines the grid's margin.
   BlockFold(const RigCamera& camera, const BlockGrid& grid, const std::vector<float>& kernel)
       : rows_(camera.rows), columns_(camera.columns), grid_(grid), kernel_(kernel) {}
 

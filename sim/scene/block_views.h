@@ -1,5 +1,5 @@
-// What does not change from frame to frame about the blocks of an image: their sights, and at which heights of the
-// surface some of a pattern's light may fall on what they show.
+// What is the same in every frame for the blocks of an image: their sights, and the heights of the surface at which
+// light of the pattern may fall on what they show.
 #ifndef SELFPROJ_SIM_SCENE_BLOCK_VIEWS_H
 #define SELFPROJ_SIM_SCENE_BLOCK_VIEWS_H
 
@@ -19,10 +19,10 @@ namespace selfproj {
 
 class BlockViews {
  public:
-  // `heights` are those that the surface can have; others are allowed, but not sorted out by may_be_lit.
+  // `heights` are those that the surface can have. For others may_be_lit is always true.
   BlockViews(const RealRig& real, const BlockGrid& grid, HeightRange heights);
 
-  // Prepares may_be_lit for a pattern. No thread may be asking for it.
+  // Prepares may_be_lit for a pattern. No other thread may call it meanwhile.
   void set_light(const ProjectedLight& light);
 
   // Whether no light falls on the points that the rays through a block meet between these heights.

@@ -146,11 +146,11 @@ LitSurface::Shadow LitSurface::shadow_on_level(const Box& tangents, double heigh
                         : shadow_in({between(tangents, {height, height}), height, t0, t1}, {height, high}, kHalvings);
 }
 
-// All ways pass the heights of the segment within a box. If the surface there is nowhere above the segment, it is above
-// none of the ways; if it is everywhere above the segment, it is above all of them.
+// At the heights of the segment, all ways of the light lie within a box. If the surface in this box is nowhere above
+// the segment, it blocks none of the ways; if it is above the segment everywhere, it blocks all of them.
 LitSurface::Shadow LitSurface::shadow_in(const Beam& beam, HeightRange segment, int halvings) const {
   constexpr double kRounding = 1e-3;             // mm
-  constexpr double kShortest = 2 * kShadowLift;  // that in_shadow cannot overlook
+  constexpr double kShortest = 2 * kShadowLift;  // mm; in_shadow overlooks nothing that is so high
   const double top = plane_z_ - projector_.z;
   const double a = (segment.low - beam.from) / (top - beam.from);  // shares of the way to the projector
   const double b = (segment.high - beam.from) / (top - beam.from);

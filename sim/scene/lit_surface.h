@@ -17,8 +17,8 @@
 
 namespace selfproj {
 
-// Bounds of x and y of sights, and of all between them: of a rectangle of the image by its corners
-// (Pinhole::corner_sights).
+// Bounds of x and y of these sights and of all sights between them. The sights of the corners of a rectangle of the
+// image (Pinhole::corner_sights) give the bounds of the rectangle.
 Box tangents_of(std::span<const Point3> sights);
 
 class LitSurface {
@@ -29,8 +29,8 @@ class LitSurface {
     bool level;  // the surface is level here and all around
   };
 
-  // The scene must live as long as this object. `falloff`: light falls with the square of the distance from the
-  // projector, and is as stated on the plane at x = y = 0. Of the world only gloss and texture matter.
+  // The scene must live as long as this object. With `falloff` the light decreases with the square of the distance from
+  // the projector, and is as stated on the plane at x = y = 0. Of the world only gloss and texture matter.
   LitSurface(const RealRig& real, const Scene& scene, bool falloff, const World& world = {});
 
   // Bounds of all heights from t0 to t1.
@@ -44,9 +44,9 @@ class LitSurface {
   }
   [[nodiscard]] HeightRange heights_between(const Box& tangents, double t0, double t1, HeightRange all) const;
 
-  // The height of all that rays between these bounds of sights meet from t0 to t1, if the surface is level there and
-  // for some way around; otherwise `heights`, which bound what they meet. A ray that is traced may end up to the
-  // tolerance of heights above or below it.
+  // If the surface that rays between these bounds of sights meet from t0 to t1 is level, and is level for some way
+  // around, too: its height. Otherwise `heights`, which bound what the rays meet. A ray that is traced may end above or
+  // below the returned height by up to the tolerance of heights.
   [[nodiscard]] HeightRange plateau(const Box& tangents, double t0, double t1, HeightRange heights) const;
 
   // Bounds of the places at which those rays meet heights in this range.
@@ -57,12 +57,12 @@ class LitSurface {
     return gloss_ || texture_ || !scene_.is_plain(box) ? Smoothness{} : scene_.smoothness(box);
   }
 
-  // How many of the points that the rays of a rectangle of the image meet at one height are in the shadow, at any time
-  // from t0 to t1. `some` if it is not plain to see. `highest` bounds all heights.
+  // Whether none, some or all of the points that the rays of a rectangle of the image meet at one height are in the
+  // shadow from t0 to t1. `some` also stands for cases that the bounds do not decide. `highest` bounds all heights.
   enum class Shadow : std::uint8_t { none, some, all };
   [[nodiscard]] Shadow shadow_on_level(const Box& tangents, double height, double t0, double t1, double highest) const;
 
-  // Whether the way from a point at this height to the projector is so steep that no part of the surface can cross it.
+  // Whether the way from the point to the projector is so steep that no part of the surface can cross it.
   [[nodiscard]] bool is_above_all(Point3 point) const;
 
   // The first point that the ray of a pixel meets at the time t, if the surface is known to lie between these heights.

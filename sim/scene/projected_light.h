@@ -77,7 +77,7 @@ class ProjectedLight {
   // NaN for a column without light.
   [[nodiscard]] double line_centre(double column) const;
 
-  // Bounds of the middle between two columns; nothing if one of them has none.
+  // Bounds of line_centre between two columns; nothing if a column there has no light.
   struct Centres {
     double low, high;
   };

@@ -40,7 +40,7 @@ struct RenderOptions {
   bool falloff = false;  // light falls with the squared distance from the projector; as stated on the plane, x = y = 0
   World world = {};      // disturbances that are not in an ideal world: none
 
-  // The same in an ideal world; what is rendered so knows the truth.
+  // The same options without the disturbances of the world.
   [[nodiscard]] RenderOptions ideal_world() const {
     RenderOptions result = *this;
     result.world = {};
@@ -128,11 +128,11 @@ class Renderer {
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
   void sample_dark(const Light& light, int row, int column, HeightRange heights, BlockValues& values) const;
 
-  // Samples a pixel of a block whose first sub-pixel is `first`; `to` is its value.
+  // Samples a pixel of a block. `first` is the middle of its first sub-pixel, whose value goes to `to`.
   void sample_pixel(const Light& light, PixelPoint first, HeightRange heights, LitSurface::Shadow shadow,
                     float* to) const;
 
-  // Samples a block, unless it is known that all its values are 0: then returns false.
+  // Samples a block and returns true. If it is known that all its values are 0, returns false.
   bool sample_block(const Light& light, int down, int across, BlockValues& values) const;
 
   // Samples a row of blocks.

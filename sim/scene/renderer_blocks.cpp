@@ -42,8 +42,8 @@ void Renderer::sample_dark(const Light& light, int row, int column, HeightRange 
 }
 
 // The instants of the exposure are dealt out so that each comes equally often in every row and in every column of
-// sub-pixels. A block that is not level, or not wholly in the light, may still be so at this pixel. Then slope and
-// shadow are known of rays that meet the level.
+// sub-pixels. Even if a block is not level, or not wholly in the light, the surface that this pixel sees may be. Then
+// slope and shadow are known for all rays that meet the level.
 void Renderer::sample_pixel(const Light& light, PixelPoint first, HeightRange heights, LitSurface::Shadow shadow,
                             float* to) const {
   std::array<Point3, std::size_t{kSub} * kSub> sights{};

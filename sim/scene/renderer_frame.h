@@ -1,4 +1,4 @@
-// What a line's renderer has of a frame while it is rendered.
+// What the renderer of a line knows about a frame while it renders it.
 #ifndef SELFPROJ_SIM_SCENE_RENDERER_FRAME_H
 #define SELFPROJ_SIM_SCENE_RENDERER_FRAME_H
 
@@ -21,7 +21,7 @@ struct FrameLight {
   [[nodiscard]] double last() const { return middle + exposure / 2; }
 };
 
-// The grey values of a row of blocks, sub-pixel by sub-pixel, less those of a dark surface. Beside the columns
+// The grey values of a row of blocks, sub-pixel by sub-pixel, less those of a dark surface. Outside of the columns
 // first..last - 1 they are 0.
 struct SubPixelStrip {
   explicit SubPixelStrip(int sub_columns)

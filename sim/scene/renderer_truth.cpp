@@ -18,8 +18,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-// How far, in projector lines, what a ray meets is from the light sheet: below 0 on one side of it; NaN where there is
-// no light.
+// The distance, in projector lines, between the light sheet and the point that a ray meets: negative on one side of the
+// sheet; NaN where there is no light.
 double Renderer::miss(Point3 sight, double t, HeightRange heights) const {
   const Hit h = surface_.hit_along(sight, t, heights);
   if (projector_.depth(h.point) <= 0) {
@@ -29,8 +29,8 @@ double Renderer::miss(Point3 sight, double t, HeightRange heights) const {
   return p.row - light_.line_centre(p.column);
 }
 
-// A value on that side of the sheet on which the rays between these bounds of sights meet all heights in this range, or
-// nothing if that is not plain to see.
+// 1 or -1 if all points at which the rays between these bounds of sights meet heights in this range certainly lie on
+// one side of the sheet, with the sign that miss() has there; otherwise nothing.
 std::optional<double> Renderer::side_of_sheet(const Box& tangents, HeightRange heights) const {
   constexpr double kRounding = 1e-3;  // mm, and more than the tolerance of heights
   const Point3 centre = camera_.centre();

@@ -87,8 +87,8 @@ LightSpot StillSurface::trace(PixelPoint pixel, HeightRange heights) const {
                  surface_.reflectance(hit, 0));
 }
 
-// Whether the spots between a block's nodes are linear because the nodes are, well within the tolerances: the surface
-// bends too little over the block to show, is lit all over, has one albedo and throws no shadow on itself.
+// Whether the spots of a block are linear between its nodes, well within the tolerances. This is so if the surface
+// hardly bends over the block, is lit all over, has one albedo and throws no shadow on itself.
 bool StillSurface::is_smooth(int down, int across, HeightRange heights, const Block& block) const {
   const Box box = surface_.footprint(grid_.node_pixel(2 * down, 2 * across),
                                      grid_.node_pixel(2 * down + 2, 2 * across + 2), heights);

@@ -12,8 +12,8 @@
 namespace selfproj {
 
 // Compares packets of a board that looks at the test camera with the models, byte by byte. Which frame a packet is of
-// follows from its time stamp. The settings are those of its header. The camera runs free from the reset on, or frames
-// come with triggers. Then which picture the first frame shows must be found first.
+// follows from its time stamp. The settings are those of its header. The camera runs free from the reset on, or
+// triggers make its frames. With triggers, find_frame() must first find out which picture the first frame shows.
 class CameraJudge {
  public:
   // The size of the camera's image, and the pixel clocks from one frame to the next.

@@ -1,4 +1,4 @@
-// The FPGA of an ECPIX-5 in simulation, its Ethernet plug in a network interface of this machine.
+// The FPGA of an ECPIX-5 in simulation. Its Ethernet is connected to a network interface of this machine.
 //
 //     ecpix5_sim INTERFACE [--drop PERCENT] [--double PERCENT] [--reorder PERCENT] [--damage PERCENT] [--seed N]
 //                [--counts FILE] [--paused FILE]
@@ -8,11 +8,11 @@
 // replay. --damage hits any frame to the board, so that its check fails. Runs until SIGTERM or SIGINT, then writes what
 // was sent as JSON.
 //
-// A simulated second takes minutes. So that a host, whose clock is real, does not see pauses within a burst of packets,
-// their frames wait here, as in a switch, until the board's side has been silent for 10 us. Of a burst that does not
-// end, whole packets are handed over before they are more than the kernel's buffer holds. The process whose number
-// stands in the FILE of --paused, if there is one, is stopped while they are handed over, because in simulated time
-// this takes no time at all.
+// A simulated second takes minutes, but the host's clock is real. Ethernet frames with packets therefore wait here, as
+// in a switch, until the board has sent nothing for 10 us. So the host sees no pauses within a burst of packets. If a
+// burst does not end, whole packets are handed over before they are more than the kernel's buffer holds. The process
+// whose number stands in the FILE of --paused, if there is one, is stopped while packets are handed over, because in
+// simulated time this takes no time at all.
 #include <sys/types.h>
 #include <verilated.h>
 

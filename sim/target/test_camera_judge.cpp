@@ -5,10 +5,11 @@
 //     test_camera_judge FILE COLUMNSxROWS codes=BITS
 //
 // Which frame a packet is of follows from its time stamp. The settings are those of its header. In the second form
-// frames came with triggers, of which the board may have seen only the later ones; the first moments packet tells which
-// frame it is of. For raw images it must have grey moments. In the third form the test camera showed patterns of so
-// many bits in turn, the first one with the first packet, and the board decoded them; which frame it is follows from
-// its number. Prints JSON. Exit status 1 if a packet differs, or if there is none.
+// triggers made the frames, and the board may have missed the first of them. The moments in the first moments packet
+// then show which frame it is of; if raw images are compared, these must be grey moments. In the third form the test
+// camera showed the patterns of a code of BITS bits in turn, beginning with the frame of the first packet, and the
+// board decoded them. Which frame a packet is of then follows from its sequence number. Prints JSON. Exit status 1 if a
+// packet differs, or if there is none.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -101,7 +102,7 @@ Form read_form(const std::vector<std::string>& words) {
   return form;
 }
 
-// The next packet at bytes[at], after which `at` then is; false if there is none.
+// Reads the packet at bytes[at], and moves `at` behind it. Returns false if there is none.
 bool next_packet(std::span<const std::uint8_t> bytes, std::size_t& at, PacketView& packet) {
   const bool there = at < bytes.size() && parse_packet(bytes.subspan(at), packet) == PacketError::none;
   at += there ? packet.size : 0;

@@ -3,8 +3,8 @@
 
     check_layers.py [ROOT]
 
-Fails, with one line for each, on includes that the table does not allow, rooms that the table does not know, circles
-between rooms, and circles between files (a source and its header count as one file).
+Fails, with one line for each, on includes that the table does not allow, on folders that the table does not know, and
+on cycles of folders or of files (a source and its header count as one file).
 """
 
 import fnmatch
@@ -17,7 +17,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
 def includes_of(root):
-    """(file, included file) of every include between our own files, both relative to the root."""
+    """Returns (file, included file) of every include between our own files, both relative to the root."""
     pairs = []
     for top in ("model", "hls", "host", "capi", "python", "sim"):
         for path in sorted((root / top).rglob("*")):
@@ -30,9 +30,9 @@ def includes_of(root):
     return pairs
 
 
-def room_of(name, rooms):
-    """Returns the room of a file: the longest one in the table with which its folder begins, or None."""
-    found = [room for room in rooms if name.startswith(room + "/")]
+def folder_of(name, folders):
+    """Returns the innermost folder of the table that holds the file, or None."""
+    found = [folder for folder in folders if name.startswith(folder + "/")]
     return max(found, key=len, default=None)
 
 
@@ -41,8 +41,8 @@ def unit_of(name):
     return name.rsplit(".", 1)[0]
 
 
-def circles(edges):
-    """A circle through each group of nodes that reach each other, as lists of nodes."""
+def cycles(edges):
+    """Returns a cycle through each group of nodes that reach each other, as lists of nodes."""
     graph = {}
     for start, end in edges:
         if start != end:
@@ -70,30 +70,30 @@ def circles(edges):
 
 def problems(root, table):
     """Yields one line for each fault."""
-    rooms = table["rooms"]
+    folders = table["folders"]
     lines = []
     pairs = includes_of(root)
-    room_edges = set()
+    folder_edges = set()
     for name, included in pairs:
-        start, end = room_of(name, rooms), room_of(included, rooms)
+        start, end = folder_of(name, folders), folder_of(included, folders)
         if start is None:
-            lines.append(f"{name}: its room is not in the table")
+            lines.append(f"{name}: its folder is not in the table")
             continue
-        if end != start and end not in rooms[start]:
+        if end != start and end not in folders[start]:
             lines.append(f"{name}: {start} may not include {included}")
         if end is not None:
-            room_edges.add((start, end))
+            folder_edges.add((start, end))
         for rule in table["apart"]:
             if (fnmatch.fnmatch(name, rule["from"])
                     and not any(fnmatch.fnmatch(name, other) for other in rule["except"])
                     and any(fnmatch.fnmatch(included, other) for other in rule["to"])):
                 lines.append(f"{name}: must not include {included}: {rule['reason']}")
-    for way in circles(room_edges):
-        lines.append("circle between rooms: " + " -> ".join(way))
-    for way in circles({(unit_of(a), unit_of(b)) for a, b in pairs}):
-        lines.append("circle between files: " + " -> ".join(way))
-    for room in circles({(a, b) for a, below in rooms.items() for b in below}):
-        lines.append("circle in the table: " + " -> ".join(room))
+    for way in cycles(folder_edges):
+        lines.append("cycle of folders: " + " -> ".join(way))
+    for way in cycles({(unit_of(a), unit_of(b)) for a, b in pairs}):
+        lines.append("cycle of files: " + " -> ".join(way))
+    for folder in cycles({(a, b) for a, below in folders.items() for b in below}):
+        lines.append("cycle in the table: " + " -> ".join(folder))
     return lines
 
 
@@ -101,7 +101,7 @@ def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]).resolve()
     table = json.loads((pathlib.Path(__file__).parent / "layers.json").read_text(encoding="utf-8"))
     lines = problems(root, table)
-    print("\n".join(lines) if lines else f"{len(includes_of(root))} includes, all of them as the table has it")
+    print("\n".join(lines) if lines else f"{len(includes_of(root))} includes, all allowed by the table")
     return 1 if lines else 0
 
 

@@ -8,7 +8,7 @@ import unittest
 import check_layers
 
 TABLE = {
-    "rooms": {"model": [], "host/io": ["model"], "host/rig": ["host/io", "model"],
+    "folders": {"model": [], "host/io": ["model"], "host/rig": ["host/io", "model"],
               "sim/scene": ["host/rig", "host/io"]},
     "apart": [{"from": "sim/scene/*", "except": ["sim/scene/virtual_*"], "to": ["host/rig/lens*"], "reason": "apart"}],
 }
@@ -44,18 +44,18 @@ class CheckLayers(unittest.TestCase):
     def test_an_include_upwards(self):
         self.expect("host/io may not include host/rig/rig.h", **{"host/io/other.cpp": '#include "host/rig/rig.h"\n'})
 
-    def test_an_include_of_a_room_that_is_not_there(self):
+    def test_an_include_of_a_folder_that_is_not_there(self):
         self.expect("host/io may not include host/new/x.h", **{"host/io/other.cpp": '#include "host/new/x.h"\n'})
 
-    def test_a_room_that_is_not_in_the_table(self):
+    def test_a_folder_that_is_not_in_the_table(self):
         self.expect("not in the table", **{"host/new/x.cpp": '#include "model/packet.h"\n'})
 
-    def test_a_circle_between_rooms(self):
-        self.expect("circle between rooms: host/io -> host/rig -> host/io",
+    def test_a_cycle_of_folders(self):
+        self.expect("cycle of folders: host/io -> host/rig -> host/io",
                     **{"host/io/other.cpp": ' #  include "host/rig/rig.h"\n'})
 
-    def test_a_circle_between_files(self):
-        self.expect("circle between files: host/rig/lens -> host/rig/mount -> host/rig/tilt -> host/rig/lens",
+    def test_a_cycle_of_files(self):
+        self.expect("cycle of files: host/rig/lens -> host/rig/mount -> host/rig/tilt -> host/rig/lens",
                     **{"host/rig/lens.h": '#include "host/rig/mount.h"\n',
                        "host/rig/mount.cpp": '#include "host/rig/tilt.h"\n',
                        "host/rig/tilt.h": '#include "host/rig/lens.h"\n'})
@@ -63,11 +63,11 @@ class CheckLayers(unittest.TestCase):
     def test_what_is_to_be_apart(self):
         self.expect("must not include host/rig/lens.h: apart", **{"sim/scene/ray.h": '#include "host/rig/lens.h"\n'})
 
-    def test_a_table_with_a_circle(self):
-        table = {"rooms": {"model": ["host/io"], "host/io": ["model"]}, "apart": []}
+    def test_a_table_with_a_cycle(self):
+        table = {"folders": {"model": ["host/io"], "host/io": ["model"]}, "apart": []}
         with tempfile.TemporaryDirectory() as folder:
             self.assertEqual(check_layers.problems(pathlib.Path(folder), table),
-                             ["circle in the table: host/io -> model -> host/io"])
+                             ["cycle in the table: host/io -> model -> host/io"])
 
 
 if __name__ == "__main__":

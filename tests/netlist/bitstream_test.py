@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the bitstream for an ECPIX-5 with one seed, and looks at what came out. Status 77 where PyPI is not reached."""
+"""Makes the bitstream for an ECPIX-5 with one seed, and checks the file. Status 77 if PyPI is not reached."""
 
 import pathlib
 import re
@@ -29,7 +29,7 @@ class Bitstream(unittest.TestCase):
         for name, reached, wanted in clocks:
             self.assertGreaterEqual(float(reached), float(wanted), name)
 
-        # A file of now, for this part: comments first, then the words with which a bitstream begins.
+        # The file is new and for this part: comments come first, then the words with which a bitstream begins.
         self.assertGreaterEqual(BITSTREAM.stat().st_mtime, started - 1)
         data = BITSTREAM.read_bytes()
         comments, begins, rest = data.partition(b"\xff\xff\xbd\xb3")

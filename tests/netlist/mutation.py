@@ -2,14 +2,14 @@
 """mutation.py [--sample N] [--jobs N] [--table FILE] FOLDER [NAME...]: runs the tests of rtl/ on mutants of its blocks.
 
 FOLDER holds what tests/netlist/CMakeLists.txt built: programs mutants_*, and mutants/MODEL/MODEL.mutants. NAMEs are
-models (Vsp_fifo); without one, all that are there. A mutant is killed if a test that uses the model fails, or takes
+models (Vsp_fifo); without NAMEs, all models run. A mutant is killed if a test that uses the model fails, or takes
 more than ten times its usual time. The tests run one by one, the quickest first, at first with one seed. Survivors go
 to Yosys: a mutant does not count if every output is proved equal to the original's. Mutants without such a proof then
 meet all tests with all seeds. With --sample only the first N mutants of each model run, without proofs: a quick check
 that the tools still work. The exit status is 1 if fewer than 95 % of the mutants that are not proved equal are killed.
 
-Where SELFPROJ_RESULTS names a folder, all models are written into its mutation.json, or those named are put in place of
-their earlier entries there; each entry has the commit of its own run. Standard library only.
+If SELFPROJ_RESULTS names a folder, the figures of all models are written into its mutation.json. With NAMEs, only the
+entries of these models are replaced. Each entry has the commit of its own run. Standard library only.
 """
 
 import argparse
@@ -34,7 +34,7 @@ import results  # noqa: E402
 TARGET = 0.95
 QUICK_S = 5
 PROOF_LIMIT_S = 20
-PROOF_MEMORY_BITS = 16384  # each becomes a register; with more no proof ends
+PROOF_MEMORY_BITS = 16384  # each becomes a register; with more, no proof ends in time
 
 
 class MutationError(Exception):
@@ -45,8 +45,8 @@ class MutationError(Exception):
 class Program:
     path: pathlib.Path
     uses: dict      # model -> tests
-    seconds: dict   # test -> with all seeds
-    one_seed: dict  # likewise with one seed, of the tests that pass with one
+    seconds: dict   # test -> time with all seeds
+    one_seed: dict  # test -> time with one seed, for the tests that pass with one
 
 
 @dataclasses.dataclass
@@ -76,7 +76,7 @@ def environment(**more):
 
 
 def look_at(path):
-    """Runs the program without a mutation: returns which test uses which model, and how long it takes."""
+    """Runs the program without a mutation. Returns which test uses which model, and how long each test takes."""
     uses = collections.defaultdict(set)
     seconds, one_seed = {}, {}
     for seed in ({}, {"SELFPROJ_SEED": "1"}):
@@ -119,7 +119,7 @@ def fails(mutant, times, seed):
 
 @functools.cache
 def memory_bits(netlist):
-    """Returns the initial contents of the memories of a netlist in Yosys's own format."""
+    """Returns how many bits the memories of a netlist in Yosys's own format have."""
     cells = re.findall(r"^  cell \$mem\S* .*?^  end$", netlist.read_text(), re.M | re.S)
     return sum(int(re.search(r"\\SIZE (\d+)", cell)[1]) * int(re.search(r"\\WIDTH (\d+)", cell)[1]) for cell in cells)
 
@@ -140,8 +140,8 @@ def changes_nothing(mutant, flat):
 
 
 def without_memories(netlist):
-    """Returns the text of a one-module netlist in Yosys's own format with its memories outside: their inputs become
-    outputs, their outputs become inputs."""
+    """Returns the text of a one-module netlist in Yosys's own format without its memories. Their inputs become outputs
+    of the module, and their outputs become its inputs."""
     ports = itertools.count(10000)
 
     def outside(cell):
@@ -248,7 +248,7 @@ def collect(folder, names, sample):
         if path.is_dir() or path.suffix or not os.access(path, os.X_OK):
             continue
         if names and not any(name.encode() + b"\0" in path.read_bytes() for name in names):
-            continue  # modelName() of none of them
+            continue  # it contains none of these models
         program = look_at(path)
         for model in program.uses:
             programs[model].append(program)
@@ -285,7 +285,7 @@ def figures_of(mutants):
 
 
 def table_of(figures):
-    lines = ["| model | mutants | killed | of them by time | proved equal | survive | score |",
+    lines = ["| model | mutants | killed | of these by time-out | proved equal | survive | score |",
              "|---|---:|---:|---:|---:|---:|---:|"]
     for model, of in [*figures.items(), ("**all**", summed(figures))]:
         score = "–" if of["score"] is None else f"{100 * of['score']:.1f} %"
@@ -310,7 +310,7 @@ def merged(earlier, figures, survivors, stamp):
 
 
 def record(figures, survivors, names):
-    """Writes the figures of the models into the folder for results: of all, or of those named among the others."""
+    """Writes the figures into the folder for results. With names, the entries of the other models stay."""
     folder = os.environ.get(results.VARIABLE)
     if not folder:
         return
@@ -325,7 +325,7 @@ def main():
     parser = argparse.ArgumentParser(description="The tests of rtl/ on mutants of its blocks.")
     parser.add_argument("--sample", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--table", type=pathlib.Path, help="the report, into this file too")
+    parser.add_argument("--table", type=pathlib.Path, help="write the report into this file, too")
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("names", nargs="*")
     args = parser.parse_args()

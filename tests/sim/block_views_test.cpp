@@ -21,7 +21,7 @@
 namespace selfproj {
 namespace {
 
-// No point of a block gets light at heights at which the block may not be lit; and hardly a dark block may be lit.
+// No point of a block gets light at heights at which may_be_lit is false; and it is true for hardly any dark block.
 TEST(BlockViews, WhatMayNotBeLitIsDark) {
   const Rig rig = load_rig("light-section");
   EvenNumbers numbers(1);

@@ -3,9 +3,10 @@
 
     interruptions_test.py
 
-The board sends 2,000 frames a simulated second. The first host is killed, so that its frames are lost to everyone. A
-second one takes over while the board runs; its cable is pulled for two seconds. It must tell every frame that it did
-not get, and each one that it got must be that of the models. Status 77 where scripts/target_sim.sh cannot run.
+The board sends 2,000 frames a simulated second. The first host is killed. A second one takes over while the board runs,
+and its cable is pulled for two seconds. The second host must count every frame that it did not get as lost, even those
+from before it began. Every frame that it got must equal the models'. The exit status is 77 if scripts/target_sim.sh
+cannot run.
 """
 
 import json
@@ -57,9 +58,9 @@ def wrong_in(folder):
     got, lost = judged["packets"], number(told, "lost in the network")
     gaps = number(told, "missing frames")  # between the first packet that the second host got and its last one
     print(f"{field(before, 'frames')} frames before the second host, {sent} in all: {got} recorded, "
-          f"{judged['equal']} of them the models', {lost} told as lost, {gaps} of them while it recorded")
+          f"{judged['equal']} of them the models', {lost} counted as lost, {gaps} of them while it recorded")
     if got + lost != sent or judged["equal"] != got:
-        return "a frame is neither recorded nor told as lost, or not that of the models"
+        return "a frame is neither recorded nor counted as lost, or differs from the models'"
     return "" if gaps > 0 and got > 10 and lost > gaps else "nothing was interrupted"
 
 

@@ -1,4 +1,4 @@
-// What is kept of level blocks, and what is known about level pixels, is what tracing each ray gives.
+// What is kept of level blocks, and what is known about level pixels, equals what tracing each ray gives.
 #include "sim/scene/level_blocks.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ TEST(LevelBlocks, KeepsAFewHeightsOfEachBlock) {
   EXPECT_EQ(blocks.find(0, 5), nullptr);
 }
 
-// A scene as it is, but for what is known of its levels.
+// The same surface as another scene, but not known to have exact levels.
 class Traced final : public Scene {
  public:
   explicit Traced(const Scene& scene) : scene_(scene) {}

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Tests scripts/target_rates.py: its search and its arithmetic, or with --simulate the whole of it, roughly.
+"""Tests the search and the arithmetic of scripts/target_rates.py. With --simulate it runs the whole script, with
+coarse settings.
 
     target_rates_test.py [--simulate]
 
-Status 77 where scripts/target_sim.sh cannot run. SELFPROJ_PROGRAMS and SELFPROJ_JUDGE name the programs, as there.
+The exit status is 77 if scripts/target_sim.sh cannot run. SELFPROJ_PROGRAMS and SELFPROJ_JUDGE name the programs, as
+there.
 """
 
 import json

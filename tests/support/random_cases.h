@@ -22,12 +22,12 @@
 
 namespace selfproj::test {
 
-// Whether all cases run, so that their combined results can be judged.
+// Returns whether all cases run, so that their combined results can be judged.
 inline bool runs_all_cases() {
   return std::getenv("SELFPROJ_SEED") == nullptr && std::getenv("SELFPROJ_CASES") == nullptr;
 }
 
-// The seeds 1..count, or only that of SELFPROJ_SEED, or the first SELFPROJ_CASES, if these are set.
+// Returns the seeds 1..count: only that of SELFPROJ_SEED if it is set, or only the first SELFPROJ_CASES if that is set.
 inline std::vector<std::uint64_t> seeds(int count) {
   if (const char* wanted = std::getenv("SELFPROJ_SEED"); wanted != nullptr) {
     return {std::strtoull(wanted, nullptr, 0)};
@@ -42,7 +42,7 @@ inline std::vector<std::uint64_t> seeds(int count) {
   return all;
 }
 
-// The command, from the root of the project, that repeats a case of the current test.
+// Returns the command, from the root of the project, that repeats a case of the current test.
 inline std::string how_to_repeat(std::uint64_t seed) {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string name = std::string(info->test_suite_name()) + "." + info->name();

@@ -17,7 +17,7 @@ inline constexpr std::size_t kDatagramPacket = 8;  // 32 bits
 inline constexpr std::size_t kDatagramOffset = 12;  // 16 bits
 inline constexpr std::size_t kDatagramLength = 14;  // 16 bits
 
-// The same of the datagrams of replay, and the port at which boards take them.
+// The same for the datagrams of replay, and the port at which boards receive them.
 inline constexpr std::uint16_t kReplayPort = 1236;
 inline constexpr std::uint16_t kReplayMagic = 0x5253;  // "SR"
 inline constexpr std::size_t kReplayHeaderBytes = 20;

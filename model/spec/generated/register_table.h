@@ -25,7 +25,7 @@ struct Register {
   std::string_view name;
   std::uint32_t address = 0;  // bytes
   bool writable = false;
-  bool setting = false;  // counts from a frame start on
+  bool setting = false;  // takes effect at a frame start
   std::uint32_t reset = 0;
   std::string_view description;
   std::span<const RegisterField> fields;
