@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -28,15 +29,19 @@ struct CuboidRemedy {
   std::array<double, 3> values;
 };
 
-constexpr std::array<CuboidRemedy, 9> kCuboidRemedies{
+constexpr std::array<CuboidRemedy, 13> kCuboidRemedies{
     {{"second-line", "threshold {:g} instead of 5", &CuboidSettings::threshold, {15, 30, 60}},
      {"second-line", "no point higher than {:g} mm over the plane", &CuboidSettings::highest, {200, 160, 120}},
      {"second-line", "{:g} of 8 neighbours within 10 mm", &CuboidSettings::neighbours, {3, 5, 7}},
+     {"second-line", "a second cycle shifted by {:g} must agree", &CuboidSettings::shift, {1, 2, 3}},
      {"saturation=5", "{:g} of the exposure", &CuboidSettings::exposure, {0.7, 0.5, 0.25}},
      {"saturation=8", "{:g} of the exposure", &CuboidSettings::exposure, {0.7, 0.5, 0.25}},
      {"gloss=brushed-steel", "{:g} times the exposure", &CuboidSettings::exposure, {2, 4, 8}},
      {"gloss=brushed-steel", "threshold {:g} instead of 5", &CuboidSettings::threshold, {2, 3, 4}},
      {"projector-defocus=1", "stripes {:g} rows wide instead of 2", &CuboidSettings::width, {3, 4, 6}},
+     {"projector-defocus=1", "a second cycle shifted by {:g} must agree", &CuboidSettings::shift, {1, 2, 3}},
+     {"gloss=brushed-steel", "a second cycle shifted by {:g} must agree", &CuboidSettings::shift, {1, 2, 3}},
+     {"", "a second cycle shifted by {:g} must agree", &CuboidSettings::shift, {1, 2, 3}},
      {"", "{:g} of 8 neighbours within 10 mm", &CuboidSettings::neighbours, {3, 5, 7}}}};
 
 // The world of a seed.
@@ -93,14 +98,29 @@ std::string share_of(double share) {
 
 }  // namespace
 
+std::vector<std::string> remedied_disturbances() {
+  std::vector<std::string> names;
+  for (const CuboidRemedy& remedy : kCuboidRemedies) {
+    const bool is_new = std::find(names.begin(), names.end(), remedy.disturbance) == names.end();
+    if (is_new && remedy.disturbance[0] != '\0') {
+      names.emplace_back(remedy.disturbance);
+    }
+  }
+  return names;
+}
+
 std::vector<TriedRemedy> try_cuboid_remedies(const DisturbedCuboids& cuboids, const WorldFile& file, int seeds,
+                                             const std::string& only,
                                              const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<TriedRemedy> tried;
   std::map<std::string, std::vector<WayOfMeasuring>> known;
   std::size_t done = 0;
+  std::vector<CuboidRemedy> remedies;
+  std::copy_if(kCuboidRemedies.begin(), kCuboidRemedies.end(), std::back_inserter(remedies),
+               [&](const CuboidRemedy& remedy) { return only.empty() || only == remedy.disturbance; });
   const std::size_t all =
-      kCuboidRemedies.size() * (kCuboidRemedies[0].values.size() + (1 + kWays) * static_cast<std::size_t>(seeds));
-  for (const CuboidRemedy& remedy : kCuboidRemedies) {
+      remedies.size() * (kCuboidRemedies[0].values.size() + (1 + kWays) * static_cast<std::size_t>(seeds));
+  for (const CuboidRemedy& remedy : remedies) {
     Measured measured(cuboids, file, remedy, known);
     const auto counted = [&](double value, int seed) -> const std::vector<WayOfMeasuring>& {
       const auto& ways = measured.with(value, static_cast<std::uint64_t>(seed));
