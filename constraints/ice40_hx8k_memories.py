@@ -1,9 +1,9 @@
 # Gives every block RAM a site, and two blocks a half of the array. nextpnr-ice40 runs this file with --pre-place.
 #
-# The grey build of the board takes 31 of 32 block RAMs, and a binary build with runs takes all. The placer alone spreads
-# those of the moments over both columns, so that the sums have to cross half of the array and come back in one clock.
-# This file puts the sums and the line buffer into the right column from the bottom up, and the packet FIFO into the left
-# column; the rest of the FIFO goes to the top of the right one.
+# The grey build of the board takes 31 of 32 block RAMs, and a binary build with runs takes all. The placer alone
+# spreads those of the moments over both columns, so that the sums have to cross half of the array and come back in one
+# clock. This file puts the sums and the line buffer into the right column from the bottom up, and the packet FIFO into
+# the left column; the rest of the FIFO goes to the top of the right one.
 #
 # The packetizer, which feeds the FIFO, stays in the left half, so that it does not spread towards the moments, whose
 # words it takes. The logic of the sums stays in the right half, beside its block RAMs. All cells of a tile share one
