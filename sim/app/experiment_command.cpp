@@ -8,7 +8,6 @@
 #include "host/io/command_line.h"
 #include "host/structured_light/stripe_code.h"
 #include "sim/app/world_options.h"
-#include "sim/experiment/cuboid_remedies.h"
 #include "sim/experiment/experiment.h"
 #include "sim/scene/renderer.h"
 #include "sim/scene/virtual_scan.h"
@@ -108,9 +107,6 @@ selfproj-sim experiment parts --out detection
   number("--strengths", options->strengths, 5, "Strengths of each disturbance.");
   number("--coarser", options->coarser, 8, "Give the scanner N times fewer pixels along each side.");
   number("--seeds", options->seeds, 100, "Remedies: seeds on which each is measured, beside that on which it is set.");
-  command->add_option("--only", options->only, "Remedies: only those for this disturbance.")
-      ->check(one_of(remedied_disturbances()))
-      ->type_name("NAME");
   begin_group(*command, "Parts (which also takes --null-test and --real-rig-seed, and ends early at Ctrl-C)");
   const auto count = [&](const char* name, std::uint64_t& value, std::int64_t least, const char* text) {
     command->add_option(name, value, text)

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -98,29 +97,14 @@ std::string share_of(double share) {
 
 }  // namespace
 
-std::vector<std::string> remedied_disturbances() {
-  std::vector<std::string> names;
-  for (const CuboidRemedy& remedy : kCuboidRemedies) {
-    const bool is_new = std::find(names.begin(), names.end(), remedy.disturbance) == names.end();
-    if (is_new && remedy.disturbance[0] != '\0') {
-      names.emplace_back(remedy.disturbance);
-    }
-  }
-  return names;
-}
-
 std::vector<TriedRemedy> try_cuboid_remedies(const DisturbedCuboids& cuboids, const WorldFile& file, int seeds,
-                                             const std::string& only,
                                              const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<TriedRemedy> tried;
   std::map<std::string, std::vector<WayOfMeasuring>> known;
   std::size_t done = 0;
-  std::vector<CuboidRemedy> remedies;
-  std::copy_if(kCuboidRemedies.begin(), kCuboidRemedies.end(), std::back_inserter(remedies),
-               [&](const CuboidRemedy& remedy) { return only.empty() || only == remedy.disturbance; });
   const std::size_t all =
-      remedies.size() * (kCuboidRemedies[0].values.size() + (1 + kWays) * static_cast<std::size_t>(seeds));
-  for (const CuboidRemedy& remedy : remedies) {
+      kCuboidRemedies.size() * (kCuboidRemedies[0].values.size() + (1 + kWays) * static_cast<std::size_t>(seeds));
+  for (const CuboidRemedy& remedy : kCuboidRemedies) {
     Measured measured(cuboids, file, remedy, known);
     const auto counted = [&](double value, int seed) -> const std::vector<WayOfMeasuring>& {
       const auto& ways = measured.with(value, static_cast<std::uint64_t>(seed));

@@ -22,14 +22,9 @@ struct TriedRemedy {
 
 // Each remedy has a few settings. That which leaves the fewest false and missing points on seed 1 is measured on seeds
 // 2 .. 1 + seeds: noise and a camera's faults are drawn anew, and the place of a second reflection. `progress` gets the
-// number of measurements done and of all. `only`: a disturbance as remedied_disturbances() has it, to try nothing but
-// the remedies for it; empty: all.
+// number of measurements done and of all.
 std::vector<TriedRemedy> try_cuboid_remedies(const DisturbedCuboids& cuboids, const WorldFile& file, int seeds,
-                                             const std::string& only,
                                              const std::function<void(std::size_t, std::size_t)>& progress);
-
-// The disturbances that there are remedies for, as --disturb takes them.
-std::vector<std::string> remedied_disturbances();
 
 // What is tried, as a table, and as JSON.
 ReportTable remedies_table(const std::vector<TriedRemedy>& tried, int seeds);

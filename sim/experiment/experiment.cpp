@@ -229,7 +229,7 @@ std::vector<std::string> run_remedies(const ExperimentOptions& options, std::opt
   std::vector<TriedRemedy> tried;
   {
     ShownProgress progress("world");
-    tried = try_cuboid_remedies(cuboids, options.parameters, options.seeds, options.only, std::ref(progress));
+    tried = try_cuboid_remedies(cuboids, options.parameters, options.seeds, std::ref(progress));
   }
   ReportPage page;
   page.title = "Experiment remedies";
@@ -238,12 +238,7 @@ std::vector<std::string> run_remedies(const ExperimentOptions& options, std::opt
   print(page.tables[0]);
   nlohmann::ordered_json figures = {{"tables", json_of(page.tables)}};
   figures.update(nlohmann::ordered_json::parse(remedies_data(tried)));
-  if (options.only.empty()) {
-    write_results("remedies", "What helps B4 against the disturbances that break it", figures);
-  } else {
-    write_results("remedies_" + options.only.substr(0, options.only.find('=')), "What helps B4 against one disturbance",
-                  figures);
-  }
+  write_results("remedies", "What helps B4 against the disturbances that break it", figures);
   if (folder) {
     folder->append("report.html", page_html(page));
     folder->commit();

@@ -33,9 +33,7 @@ struct ExperimentOptions {
   WorldFile parameters = {};  // of the disturbances
   int coarser = 1;
 
-  // For remedies:
-  int seeds = 2;          // on which each is measured
-  std::string only = {};  // the disturbance for which remedies are tried; empty: all that there are remedies for
+  int seeds = 2;  // for remedies: on which each is measured
 
   // For A1, A2 and, but for the last three, parts:
   bool null_test = false;           // Route::null_test
