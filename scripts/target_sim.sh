@@ -72,7 +72,9 @@ $codes && folder+=-codes && build+=("-GGrey=1'b0" "-GImage=1'b0" "-GCodes=1'b1")
 search=()
 for room in rtl/*/; do search+=(-y "${room%/}"); done
 mkdir -p "$folder"
-verilator --cc --exe --build -j 2 -O3 -Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT \
+# What Verilator writes is compiled as one file, because each of its files reads the same headers.
+verilator --cc --exe --build -j 2 -MAKEFLAGS VM_PARALLEL_BUILDS=0 -O3 \
+  -Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT \
   --x-assign fast --x-initial fast --assert \
   --top-module ecpix5_system -GIdleClocks=100000 "${build[@]}" "${search[@]}" -Mdir "$folder" -o ecpix5_sim \
   -CFLAGS "-std=c++20 -O2 -I$PWD" -LDFLAGS -lz sim/target/liteeth.vlt rtl/common/sp_spec_pkg.sv \

@@ -3,12 +3,15 @@
 
     tidy_groups.py BUILD FOLDER SOURCE...
 
-Most of clang-tidy's time goes into the headers of libraries. So the sources of a folder that are compiled with the same
-options are checked together: a file in FOLDER includes them all, and FOLDER/compile_commands.json says how that file
-and each source are compiled. A source is left out if it passed before in the same state. Its state is a hash of all
-that the result depends on: the source, the headers it includes directly or through others, the compile options, the
-settings of clang-tidy, the versions of clang-tidy and of the libraries' packages. FOLDER/good/HASH exists for each
-state that passed.
+Most of clang-tidy's time goes into the headers of libraries. So up to 60 sources are checked together, also those of
+different folders: a file in FOLDER includes them all, and FOLDER/compile_commands.json says how that file and each
+source are compiled. Sources stay apart that would not compile together, or not mean the same: where both define a name,
+where one calls what the other's unnamed namespace would hide, where they name a macro of the command line that the
+other has not, or with another value.
+
+A source is left out if it passed before in the same state. Its state is a hash of all that the result depends on: the
+source, the headers it includes directly or through others, the compile options, the settings of clang-tidy, the
+versions of clang-tidy and of the libraries' packages. FOLDER/good/HASH exists for each state that passed.
 
 Prints "FILE HASH:SOURCE..." for each file to check (FILE is the source itself if there is only one), then "end". It is
 an error if the build does not compile a source. Standard library only.
@@ -23,17 +26,26 @@ import shutil
 import subprocess
 import sys
 
-MOST = 20  # sources of a group, so that there are enough groups for the cores
+MOST = 60  # sources of a group, so that there are enough groups for the cores
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<](.*)[">]', re.MULTILINE)
+# Options that do not change what clang-tidy finds.
+WITHOUT_EFFECT = re.compile("-fPIC|-fvisibility.*|-pthread|-O.|-Winvalid-pch|-fpch-preprocess")
 # What a source defines for itself and another may define as well: types, constants, the main function, operator new.
 OWN = re.compile(
     r"^(?:class|struct|enum(?: class)?) (\w+)[^;{]*\{"
-    r"|^(?:constexpr|const|static) [^(=;{]*?\b(\w+)(?:\[\w*\])*(?: =|\{|;)"
+    r"|^(?:inline )?(?:constexpr|const|static) [^(=;{]*?\b(\w+)(?:\[\w*\])*(?: =|\{|;)"
     r"|^int (?:sc_)?(main)\("
     r"|^.*\b(operator (?:new|delete))\(",
     re.MULTILINE,
 )
-VERILATED = re.compile(r'^#include ("V|<verilated)', re.MULTILINE)
+NAMESPACE = re.compile(r"^namespace (selfproj[\w:]*)", re.MULTILINE)
+# In an unnamed namespace: functions, and other names for types.
+UNNAMED = re.compile(r"^namespace \{\n(.*?)^\}", re.MULTILINE | re.DOTALL)
+FUNCTION = re.compile(r"^(?!using )(?=\S)[\w:<>,&*\[\] ]*?[\w>][&*]* [&*]*(\w+)\(|^using (\w+) =", re.MULTILINE)
+# What a source calls by a name without a scope. The functions of an unnamed namespace hide others of the same name.
+CALL = re.compile(r"(?<![\w.>:])([A-Za-z_]\w*)(?=[(<])")
+# Headers that must not come after others: Verilator's, SystemC's, and those of C with macros for everything.
+APART = re.compile(r'^#include ("V|<verilated|<systemc|<arv|<httplib|"hls/|"sim/platform/)', re.MULTILINE)
 ROOT = pathlib.Path.cwd()
 
 
@@ -44,20 +56,27 @@ def options_of(words):
     for word in words:
         if word in ("-o", "-c", "-include"):
             next(words)
-        elif word not in ("-Winvalid-pch", "-fpch-preprocess", "-O1", "-Og", "-O2", "-O3"):
+        elif word == "-isystem":
+            options.append(word + next(words))
+        elif not WITHOUT_EFFECT.fullmatch(word):
             options.append(word)
     return options
 
 
 def folders_of(build, options):
     """The folders of this project in which the compiler looks for headers; others are known by their packages."""
-    folders = []
-    for at, word in enumerate(options):
-        if word.startswith("-I"):
-            folders.append(build / word[2:])
-        elif word == "-isystem":
-            folders.append(build / options[at + 1])
+    folders = (build / found[1] for word in options if (found := re.match("(?:-I|-isystem)(.+)", word)))
     return tuple(folder for folder in folders if ROOT == folder or ROOT in folder.parents)
+
+
+def macros_of(options):
+    """{name of a macro of the command line: its value}"""
+    return dict((*word[2:].split("=", 1), "1")[:2] for word in options if word.startswith("-D"))
+
+
+@functools.cache
+def words_in(path):
+    return frozenset(re.findall(rb"[A-Za-z_]\w*", text_of(path)))
 
 
 @functools.cache
@@ -120,46 +139,88 @@ def compiled_sources(build):
     return compiled
 
 
-def state_of(source, options, folders, common):
+def state_of(files, options, common):
     digest = common.copy()
     digest.update(" ".join(options).encode())
-    for file in sorted(all_included(source, folders)):
+    for file in sorted(files):
         digest.update(str(file.relative_to(ROOT)).encode() + text_of(file))
     return digest.hexdigest()
 
 
-def add_to_groups(groups, source, options):
-    """Puts a source into the first group of its folder and options that can take it."""
+@functools.cache
+def names_in(path):
+    """Returns the names that a file defines: types, constants, and what is in unnamed namespaces."""
+    text = text_of(path).decode()
+    unnamed = "\n".join(UNNAMED.findall(text))
+    return {name for match in OWN.findall(text) + FUNCTION.findall(unnamed) for name in match if name}
+
+
+class Group:
+    """Sources that are checked together, and the options for all of them."""
+
+    def __init__(self, *of):
+        self.of = of  # must be the same for all: options of other kinds, namespace, folder of what stays apart
+        self.sources, self.names, self.of_headers = [], set(), set()
+        self.macros, self.named, self.folders = {}, set(), []
+
+    def takes(self, names, foreign, macros, named):
+        """Whether a source can be added. `foreign` are the names of its headers and of what it calls, `named` the
+        macros of command lines that it or its headers name."""
+        return (len(self.sources) < MOST and not (names | foreign) & self.names and not names & self.of_headers and
+                all(macros.get(name) == self.macros.get(name)
+                    for name in (self.named & macros.keys()) | (named & self.macros.keys()) |
+                    (macros.keys() & self.macros.keys())))
+
+    def add(self, source, folders, names, of_headers, macros, named):
+        self.sources.append(source)
+        self.names |= names
+        self.of_headers |= of_headers
+        self.macros |= macros
+        self.named |= named
+        self.folders += (folder for folder in folders if folder not in self.folders)
+
+    def options(self):
+        return " ".join([self.of[0], *(f"-D{name}={value}" for name, value in self.macros.items()), *self.folders])
+
+
+def add_to_groups(groups, source, options, files, known_macros):
+    """Puts a source into the first group that can take it. A source does not compile after another with the same
+    names."""
     text = text_of(source).decode()
-    # Verilator's headers cannot come after SystemC's. A source does not compile after another with the same names.
-    of_folder = groups.setdefault((source.parent, " ".join(options), bool(VERILATED.search(text))), [])
-    names = {name for match in OWN.findall(text) for name in match if name}
-    with_room = (group for group in of_folder if len(group["sources"]) < MOST and not names & group["names"])
-    group = next(with_room, None)
+    folders = [word for word in options if word.startswith(("-I", "-isystem"))]
+    rest = " ".join(word for word in options if word not in folders and not word.startswith("-D"))
+    namespace = NAMESPACE.search(text)  # for those of another one, names are not what they are for the rest
+    of = (rest, namespace and namespace[1], APART.search(text) and source.parent)
+    names = names_in(source)
+    of_headers = set().union(*(names_in(file) for file in files if file != source))
+    macros = macros_of(options)
+    named = {name for name in known_macros if any(name.encode() in text_of(file) for file in files)}
+    group = next((group for group in groups if group.of == of and
+                  group.takes(names, of_headers | set(CALL.findall(text)), macros, named)), None)
     if group is None:
-        of_folder.append(group := {"sources": [], "names": set()})
-    group["sources"].append(source)
-    group["names"] |= names
+        groups.append(group := Group(*of))
+    group.add(source, folders, names, of_headers, macros, named)
 
 
-def unknown_groups(build, folder, names):
+def unknown_groups(compiled, build, folder, names):
     """Returns the groups of sources whose state is not known to be good, and the state of every source."""
-    compiled = compiled_sources(build)
     common = common_digest()
     states = {}
-    groups = {}
+    groups = []
+    known_macros = {name for options in compiled.values() for name in macros_of(options)}
     for name in names:
         source = pathlib.Path(name).resolve()
         if source not in compiled:
             raise ValueError(f"{name}: the build does not compile it")
         options = compiled[source]
-        states[source] = state_of(source, options, folders_of(build, options), common)
+        files = all_included(source, folders_of(build, options))
+        states[source] = state_of(files, options, common)
         if not (folder / "good" / states[source]).exists():
-            add_to_groups(groups, source, options)
+            add_to_groups(groups, source, options, files, known_macros)
     return groups, states
 
 
-def write_jobs(build, folder, groups, states):
+def write_jobs(build, folder, groups, states, compiled):
     """[(file to check, its sources)]; writes the files of groups and the compile commands."""
     database = []
     jobs = []
@@ -167,19 +228,18 @@ def write_jobs(build, folder, groups, states):
     def add(file, options):
         database.append({"directory": str(build), "file": str(file), "command": f"{options} -c {file}"})
 
-    for (_, options, _), parts in groups.items():
-        for sources in (part["sources"] for part in parts):
-            file = sources[0]
-            if len(sources) > 1:
-                # Clang's analyzer looks into the functions of included sources only where the file has such a name.
-                name = hashlib.sha256("".join(states[source] for source in sources).encode()).hexdigest()
-                file = folder / f"UnifiedSource_{name}.cpp"
-                line = '#include "{}"  // NOLINT(bugprone-suspicious-include)\n'
-                file.write_text("".join(line.format(source) for source in sources))
-                add(file, options)
-            for source in sources:
-                add(source, options)
-            jobs.append((file, sources))
+    for group in groups:
+        file = group.sources[0]
+        if len(group.sources) > 1:
+            # Clang's analyzer looks into the functions of included sources only where the file has such a name.
+            name = hashlib.sha256("".join(states[source] for source in group.sources).encode()).hexdigest()
+            file = folder / f"UnifiedSource_{name}.cpp"
+            line = '#include "{}"  // NOLINT(bugprone-suspicious-include)\n'
+            file.write_text("".join(line.format(source) for source in group.sources))
+            add(file, group.options())
+        for source in group.sources:
+            add(source, " ".join(compiled[source]))
+        jobs.append((file, group.sources))
     (folder / "compile_commands.json").write_text(json.dumps(database, indent=1))
     return jobs
 
@@ -187,12 +247,13 @@ def write_jobs(build, folder, groups, states):
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
     folder = pathlib.Path(sys.argv[2]).resolve()
+    compiled = compiled_sources(build)
     try:
-        groups, states = unknown_groups(build, folder, sys.argv[3:])
+        groups, states = unknown_groups(compiled, build, folder, sys.argv[3:])
     except ValueError as error:
         print(f"tidy.sh: {error}", file=sys.stderr)
         return 1
-    jobs = write_jobs(build, folder, groups, states)
+    jobs = write_jobs(build, folder, groups, states, compiled)
     for file, sources in sorted(jobs, key=lambda job: -len(job[1])):  # the longest first
         print(file, *(f"{states[source]}:{source}" for source in sources))
     print("end")
