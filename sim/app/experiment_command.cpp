@@ -92,6 +92,10 @@ selfproj-sim experiment parts --out detection
       ->transform(whole_number(0, 1000))
       ->type_name("N")
       ->capture_default_str();
+  command->add_option("--pool-seed", options->pool_seed, "B2: draw all of these pools, by seeds from N on.")
+      ->transform(whole_number(1, 1'000'000))
+      ->type_name("N")
+      ->default_str("pools of 20 and 40 mm first, then seeds from 1 on");
   command->add_flag_callback(
       "--gray-scan", [options] { options->scan = ScanMethod::gray_codes; },
       "Scan the reference by Gray codes, not line by line.");

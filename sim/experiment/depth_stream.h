@@ -63,6 +63,8 @@ class GrayStream : public DepthStream {
   [[nodiscard]] FloatImage pattern(int index) const override;
 
   [[nodiscard]] const Triangulation& triangulation() const { return *triangulation_; }
+  // The code words of the newest depth image.
+  [[nodiscard]] const std::vector<std::uint16_t>& codes() const { return scanner_.codes(); }
 
   // Sets the depth from which `difference` is computed; must be called before that.
   void set_reference(const FloatImage& depth) { reference_ = depth; }

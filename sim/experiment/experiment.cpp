@@ -121,14 +121,16 @@ std::vector<std::string> run_structured_light(const ExperimentOptions& options, 
   StructuredLightResult result;
   {
     ShownProgress progress("image");
-    result =
-        is_gray_motion(options)
-            ? run_gray_motion(options.name,
-                              {.rig = rig, .render = options.render(), .paths = options.paths, .pools = options.pools},
-                              std::ref(progress))
-        : options.name == "B4"
-            ? run_cuboids(structured_light_options<CuboidsOptions>(options, rig), std::ref(progress))
-            : run_moving(options.name, structured_light_options<MovingOptions>(options, rig), std::ref(progress));
+    result = is_gray_motion(options) ? run_gray_motion(options.name,
+                                                       {.rig = rig,
+                                                        .render = options.render(),
+                                                        .paths = options.paths,
+                                                        .pools = options.pools,
+                                                        .pool_seed = options.pool_seed},
+                                                       std::ref(progress))
+             : options.name == "B4"
+                 ? run_cuboids(structured_light_options<CuboidsOptions>(options, rig), std::ref(progress))
+                 : run_moving(options.name, structured_light_options<MovingOptions>(options, rig), std::ref(progress));
   }
   for (const ReportTable& table : result.tables) {
     print(table);

@@ -51,7 +51,8 @@ struct ExperimentOptions {
   int paths = 10;  // GrayMotionOptions::paths
 
   // For B2:
-  int pools = 6;  // GrayMotionOptions::pools
+  int pools = 6;                // GrayMotionOptions::pools
+  std::uint64_t pool_seed = 0;  // GrayMotionOptions::pool_seed
 
   // For B4, B7 and B8:
   ScanMethod scan = ScanMethod::lines;

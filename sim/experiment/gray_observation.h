@@ -22,6 +22,7 @@ struct GrayMotionOptions {
   RenderOptions render;
   int paths = 10;  // B1: drawn paths of the fist, each with noise of its own, beside that on which the filter is tuned
   int pools = 6;   // B2: pools of other depths, of 20 and 40 mm first, then drawn ones
+  std::uint64_t pool_seed = 0;  // B2: if more than 0, all of these pools are drawn, by this seed and the next ones
   int frames = 0;  // even; of each path, pool or set of taps; 0: a turn, until 0.55 s after the impact, five taps
 };
 
@@ -33,6 +34,10 @@ struct Seen {
   const FloatImage& background;
   const FloatImage& truth;
   const FloatImage& true_background;  // NaN where the background has no depth
+  // Depths at the borders between codes (CodeBorders), from the images of one cycle: after its last pair, else null;
+  // and those of the background.
+  const FloatImage* borders;
+  const FloatImage& background_borders;
 };
 
 // What is observed: a scene over its background.

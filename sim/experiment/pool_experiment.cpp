@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -9,12 +10,17 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <opencv2/core/matx.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/io/float_image.h"
 #include "host/report/report.h"
+#include "host/rig/depth_matrices.h"
+#include "host/rig/rig.h"
+#include "host/structured_light/triangulation.h"
+#include "model/gray_decoder.h"
 #include "sim/experiment/gray_observation.h"
 #include "sim/experiment/motion_analysis.h"
 #include "sim/experiment/pool_wave.h"
@@ -44,9 +50,55 @@ struct WaveSeen {
   }
 };
 
+// The level of the water at rest, mm: the median depth of the borders in the basin.
+float level_of(const Triangulation& triangulation, const FloatImage& borders) {
+  constexpr Basin kPool = pool_basin();
+  std::vector<float> depths;
+  for (std::size_t i = 0; i < borders.values.size(); ++i) {
+    const Point3f p = triangulation.point(i, borders.values[i]);
+    const auto x = static_cast<double>(p.x);
+    const auto y = static_cast<double>(p.y);
+    if (x > kPool.x0 && x < kPool.x1 && y > kPool.y0 && y < kPool.y1) {  // not if NaN
+      depths.push_back(p.z);
+    }
+  }
+  if (depths.empty()) {
+    return std::numeric_limits<float>::quiet_NaN();
+  }
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+// Depths rounded to whole codes, as if all bits were taken at once and without noise.
+class WholeCodes {
+ public:
+  explicit WholeCodes(const Rig& rig) : matrix_(depth_matrices(rig, kGrayBits, rig.projector.lines).projector) {}
+
+  [[nodiscard]] FloatImage of(const Triangulation& triangulation, const FloatImage& depth) const {
+    std::vector<std::uint16_t> words(depth.values.size(), 0);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const Point3f p = triangulation.point(i, depth.values[i]);
+      const cv::Matx<double, 2, 1> line = matrix_ * cv::Vec4d(p.x, p.y, p.z, 1);
+      const double code = line(0) / line(1);
+      if (code >= 0 && code < 1 << kGrayBits) {  // not if NaN
+        words[i] = static_cast<std::uint16_t>(static_cast<int>(code) | GrayDecoder::kMeasurable);
+      }
+    }
+    FloatImage rounded(depth.rows, depth.columns);
+    triangulation.depth(words.data(), rounded.values.data());
+    return rounded;
+  }
+
+ private:
+  cv::Matx<double, 2, 4> matrix_;
+};
+
 struct PoolSeen {
   std::vector<double> t;
   WaveSeen measured, truth;
+  BasinWaves borders{pool_basin(), kShortestWave, 1};
+  BasinWaves rounded{pool_basin(), kShortestWave, kGrayCycle / 2};
 };
 
 constexpr double kCmPerMm = 0.1;
@@ -68,39 +120,52 @@ PoolSeen observe_pool(const GrayMotionOptions& options, PoolDrop drop, const Poo
   const auto waves = make_waves(options.rig, drop);
   const int first = static_cast<int>(std::lround((PoolWave::kImpact + kWaveFrom) * options.rig.camera.frame_rate_hz));
   PoolSeen found;
-  observe(options, {*waves, *pool, first - kGrayCycle, how.frames, how.noise_seed, how.truth}, done,
-          [&](const Seen& seen) {
-            const RingMeans rings = pool_rings(seen.triangulation, drop.x, drop.y);
-            found.t.push_back(seen.t);
-            found.measured.take(seen, seen.depth, seen.background, rings);
-            if (how.truth) {
-              found.truth.take(seen, seen.truth, seen.true_background, rings);
-            }
-          });
+  const WholeCodes whole(options.rig);
+  FloatImage at_rest, rounded_at_rest;
+  observe(
+      options, {*waves, *pool, first - kGrayCycle, how.frames, how.noise_seed, how.truth}, done, [&](const Seen& seen) {
+        const RingMeans rings = pool_rings(seen.triangulation, drop.x, drop.y);
+        found.t.push_back(seen.t);
+        found.measured.take(seen, seen.depth, seen.background, rings);
+        if (at_rest.values.empty()) {
+          at_rest =
+              FloatImage(seen.depth.rows, seen.depth.columns, level_of(seen.triangulation, seen.background_borders));
+          rounded_at_rest = whole.of(seen.triangulation, seen.true_background);
+        }
+        if (seen.borders != nullptr) {
+          found.borders.add(seen.t, seen.triangulation, *seen.borders, at_rest, kMostWave);
+        }
+        if (how.truth) {
+          found.rounded.add(seen.t, seen.triangulation, whole.of(seen.triangulation, seen.truth), rounded_at_rest,
+                            kMostWave);
+          found.truth.take(seen, seen.truth, seen.true_background, rings);
+        }
+      });
   return found;
 }
 
-// Two pools of other depths, and then those that seeds draw.
+// Two pools of other depths and then those that the seeds 1, 2, ... draw; or drawn ones alone from `first_seed` on.
 struct NamedDrop {
   std::string name;
   PoolDrop drop;
 };
-NamedDrop other_pool(int i) {
+NamedDrop other_pool(int i, std::uint64_t first_seed) {
   constexpr std::array<double, 2> kOtherDepths{20, 40};
-  if (i < static_cast<int>(kOtherDepths.size())) {
+  if (first_seed == 0 && i < static_cast<int>(kOtherDepths.size())) {
     PoolDrop drop;
     drop.depth = kOtherDepths.at(static_cast<std::size_t>(i));
     return {fmt::format("{:g} mm deep", drop.depth), drop};
   }
-  const int seed = i - static_cast<int>(kOtherDepths.size()) + 1;
-  return {fmt::format("drawn by seed {}", seed), drawn_drop(static_cast<std::uint64_t>(seed))};
+  const auto count = static_cast<std::uint64_t>(i);
+  const std::uint64_t seed = first_seed > 0 ? first_seed + count : count - kOtherDepths.size() + 1;
+  return {fmt::format("drawn by seed {}", seed), drawn_drop(seed)};
 }
 
 ReportTable lengths_table(const WaveDispersion& measured, const WaveDispersion& in_truth) {
   constexpr std::array<double, 7> kLengths{500, 240, 160, 120, 95, 75, 60};
   ReportTable table{
       "B2: speed of phases by wavelength",
-      {"waves of, mm", "standing waves", "length in the mean, mm", "measured, cm/s", "in the true depths, cm/s",
+      {"waves of, mm", "standing waves", "mean length, mm", "measured, cm/s", "in the true depths, cm/s",
        "by theory, cm/s"},
       {},
       "Each wave may turn at any frequency. By theory: Airy's waves of the mean length in 3 cm of water."};
@@ -124,7 +189,7 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
   StructuredLightResult result;
   ReportTable others{"B2: speed of long waves in other pools",
                      {"pool", "depth, mm", "measured, mm", "√(g h), cm/s", "measured, cm/s", "off, %", "standing waves",
-                      "misfit", "foremost crest, cm/s"},
+                      "misfit", "off by whole codes, %", "foremost crest, cm/s"},
                      {},
                      "Depth, place of the impact and crater are drawn by seeds, with noise of its own in each pool. "
                      "Misfit: what the theory leaves, by what a frequency of its own would leave of each wave."};
@@ -138,31 +203,36 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
   };
   const auto speed_of = [](const PoolDrop& drop) { return std::sqrt(kStandardGravity * drop.depth); };
   const PoolSeen pool = observe_pool(options, {}, {frames, options.rig.imaging.seed, true}, count);
-  const WaveDispersion measured(pool.measured.waves);
+  const WaveDispersion measured(pool.borders);
+  const LongWaves by_codes = WaveDispersion(pool.measured.waves).long_waves();
+  const LongWaves rounded = WaveDispersion(pool.rounded).long_waves();
   const WaveDispersion in_truth(pool.truth.waves);
   const LongWaves found = measured.long_waves();
   const LongWaves truth = in_truth.long_waves();
   judge("3 cm of water", speed_of({}), found);
   const auto row_of = [&](const std::string& name, const PoolDrop& drop, const PoolSeen& seen) {
-    const LongWaves waves = WaveDispersion(seen.measured.waves).long_waves();
+    const LongWaves waves = WaveDispersion(seen.borders).long_waves();
+    const LongWaves whole_codes = WaveDispersion(seen.measured.waves).long_waves();
     others.rows.push_back({name, figure_text(drop.depth, 1),
                            fmt::format("{} ± {}", figure_text(waves.depth, 1),
                                        figure_text(2 * waves.depth * waves.deviation / waves.speed, 1)),
                            cm_text(speed_of(drop)), cm_text(waves.speed, waves.deviation),
                            judge(name, speed_of(drop), waves), std::to_string(waves.waves), figure_text(waves.misfit),
+                           figure_text(100 * (whole_codes.speed / speed_of(drop) - 1), 1),
                            cm_text(crest_speed(seen.t, seen.measured.crest))});
   };
   for (int i = 0; i < options.pools; ++i) {
-    const auto [name, drop] = other_pool(i);
+    const auto [name, drop] = other_pool(i, options.pool_seed);
     row_of(name, drop, observe_pool(options, drop, {frames, options.rig.imaging.seed + 100 * (i + 1), false}, count));
   }
   result.tables = {
       {"B2: speed of the wave, cm/s",
-       {"", "published", "measured", "in the true depths"},
+       {"", "published", "measured", "by whole codes", "in the true depths", "in true depths, rounded to codes"},
        {{"long waves, √(g h), by the depth that all standing waves give", "54", cm_text(found.speed, found.deviation),
-         cm_text(truth.speed, truth.deviation)},
-        {"foremost crest", "54", cm_text(crest_speed(pool.t, pool.measured.crest)),
-         cm_text(crest_speed(pool.t, pool.truth.crest))}},
+         cm_text(by_codes.speed, by_codes.deviation), cm_text(truth.speed, truth.deviation),
+         cm_text(rounded.speed, rounded.deviation)},
+        {"foremost crest", "54", "–", cm_text(crest_speed(pool.t, pool.measured.crest)),
+         cm_text(crest_speed(pool.t, pool.truth.crest)), "–"}},
        fmt::format("Published: √(g h) = {} cm/s, which the thesis states and does not measure. Water 3 cm deep "
                    "disperses: only waves much longer than that run so fast, and the crests that are seen are short.",
                    cm_text(speed_of({})))},

@@ -100,7 +100,8 @@ const Grid& speeds() {
   return grid;
 }
 
-// Where the sum of curves is least. Its standard deviation is the greater of two: by leaving out every `groups`-th of
+// Where the sum of curves is least. A curve may have several rows over the same values; at each value, the least of the
+// sum's rows counts. Its standard deviation is the greater of two: by leaving out every `groups`-th of
 // them (jackknife), and by where the sum is greater by 1, a variance of the
 // noise, on either side.
 struct Best {
@@ -108,12 +109,16 @@ struct Best {
 };
 Best best_of(const Grid& grid, const std::vector<std::vector<double>>& curves, std::size_t groups) {
   const auto sum_without = [&](std::size_t group) {
-    std::vector<double> sum(grid.count(), 0.0);
+    std::vector<double> sum(curves.at(0).size(), 0.0);
     for (std::size_t c = 0; c < curves.size(); ++c) {
       for (std::size_t i = 0; i < sum.size() && c % groups != group; ++i) {
         sum[i] += curves[c][i];
       }
     }
+    for (std::size_t i = grid.count(); i < sum.size(); ++i) {
+      sum[i % grid.count()] = std::min(sum[i % grid.count()], sum[i]);
+    }
+    sum.resize(grid.count());
     return sum;
   };
   std::vector<double> values;
@@ -131,8 +136,19 @@ Best best_of(const Grid& grid, const std::vector<std::vector<double>>& curves, s
   return {grid.least_of(all), std::max(std::sqrt((n - 1) / n * squares), grid.half_width(all, 1))};
 }
 
-double omega_of(double k, double depth) {
-  return std::sqrt((kStandardGravity * k + kWaterTension * k * k * k) * std::tanh(k * depth));
+double omega_of(double k, double depth, double factor) {
+  return std::sqrt(factor * (kStandardGravity * k + kWaterTension * k * k * k) * std::tanh(k * depth));
+}
+
+// Factors of all omega^2 that are tried.
+std::vector<double> factors() {
+  constexpr int kFactorsAbove = 16;
+  constexpr double kFactorStep = 5e-4;
+  std::vector<double> all;
+  for (int i = -kFactorsAbove; i <= kFactorsAbove; ++i) {
+    all.push_back(1 + i * kFactorStep);
+  }
+  return all;
 }
 
 }  // namespace
@@ -277,22 +293,28 @@ LongWaves WaveDispersion::long_waves() const {
     return result;
   }
   std::vector<std::vector<double>> curves;
-  const auto rest = [&](const HeardWave& h, double depth) {
-    return rest_at(times_, h.wave.amplitude, omega_of(h.wave.k, depth)) / h.noise;
+  const std::vector<double> all_factors = factors();
+  const auto rest = [&](const HeardWave& h, double depth, double factor) {
+    return rest_at(times_, h.wave.amplitude, omega_of(h.wave.k, depth, factor)) / h.noise;
   };
   for (const HeardWave& h : heard_) {
     curves.emplace_back();
-    for (std::size_t i = 0; i < depths.count(); ++i) {
-      curves.back().push_back(rest(h, depths.at(static_cast<double>(i))));
+    for (const double factor : all_factors) {
+      for (std::size_t i = 0; i < depths.count(); ++i) {
+        curves.back().push_back(rest(h, depths.at(static_cast<double>(i)), factor));
+      }
     }
   }
   const Best best = best_of(depths, curves, kGroups);
   result.depth = best.value;
   result.speed = std::sqrt(kStandardGravity * best.value);
   result.deviation = result.speed * best.deviation / (2 * best.value);
-  double left = 0;
-  for (const HeardWave& h : heard_) {
-    left += rest(h, best.value);
+  double left = std::numeric_limits<double>::infinity();
+  for (const double factor : all_factors) {
+    const double sum = std::accumulate(heard_.begin(), heard_.end(), 0.0, [&](double before, const HeardWave& h) {
+      return before + rest(h, best.value, factor);
+    });
+    left = std::min(left, sum);
   }
   result.misfit = left / ((static_cast<double>(times_.size()) - kUnknowns) * static_cast<double>(heard_.size()));
   return result;

@@ -78,8 +78,10 @@ struct WaveSpeed {
   double deviation = 0;  // standard deviation; NaN for fewer than 3 waves
 };
 
-// The depth of the water that fits the measured waves best, by omega^2 = (g k + tension k^3) tanh(k depth). The speed
-// of long waves follows from it: sqrt(g depth).
+// The depth of the water that fits the measured waves best, by omega^2 = f (g k + tension k^3) tanh(k depth). The
+// factor f is 1 +- 0.8 % and fitted, too: gravity differs by 0.5 % from place to place, and so may the camera's clock
+// and the basin's sides from what is stated. Waves shorter than twice the depth hardly feel the ground. Without the
+// factor they would take such a difference for another depth. The speed of long waves is sqrt(g depth).
 struct LongWaves {
   std::size_t waves = 0;
   double depth = 0;      // mm

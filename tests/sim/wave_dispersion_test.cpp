@@ -107,6 +107,18 @@ TEST(WaveDispersion, DepthComesOut) {
   }
 }
 
+// Weaker gravity, or a clock that runs too fast, slows down all waves alike. Waves that hardly feel the ground would
+// take that for another depth.
+TEST(WaveDispersion, GravityNeedNotBeTheStandard) {
+  for (const double factor : {0.995, 1.005}) {
+    const auto waves = random_waves(
+        140, 62, [factor](double k) { return std::sqrt(factor) * airy(k, 36); }, 14);
+    const LongWaves found = WaveDispersion(seen(waves, 0.1, 15)).long_waves();
+    EXPECT_NEAR(found.speed, std::sqrt(9806.65 * 36), 0.02 * found.speed) << factor;
+    EXPECT_LT(found.misfit, 1.5) << factor;
+  }
+}
+
 TEST(WaveDispersion, EachLengthHasItsSpeed) {
   const auto waves = random_waves(
       700, 62, [](double k) { return airy(k, 30); }, 11);
