@@ -144,16 +144,10 @@ def circuit(top, parameters, root=ROOT):
     return circuit_hash.circuit(run, read, texts, top)
 
 
-def without_comments(path):
-    """Returns the text of a file of constraints/ or of a script without its lines of comment, which change nothing."""
-    lines = pathlib.Path(path).read_text().splitlines()
-    return "\n".join(line for line in lines if line.strip() and not line.lstrip().startswith("#"))
-
-
 def steps_of(place):
     """Returns the steps that turn the circuit of a place into a placement, and the files of constraints/ in them."""
     part = PARTS[place[0]]
-    texts = [without_comments(word) for word in [*(part.change or []), *part.options]
+    texts = [rtl_tree.without_comments(word) for word in [*(part.change or []), *part.options]
              if word.startswith(str(ROOT / "constraints"))]
     return repr((FAMILIES[part.family], part.options)).replace(str(ROOT), "") + "".join(texts)
 
@@ -321,7 +315,7 @@ def placed(place, netlist, seed):
     """Returns the pixel clock in MHz and the worst path for one seed."""
     part = PARTS[place[0]]
     program = program_of(place[0])
-    read = [without_comments(option) for option in part.options if option.startswith(str(ROOT))]
+    read = [rtl_tree.without_comments(option) for option in part.options if option.startswith(str(ROOT))]
     options = [option.replace(str(ROOT), "") for option in part.options]
     key = [version(program), *options, *read, seed, hashlib.sha256(netlist.encode()).hexdigest()]
 

@@ -46,6 +46,12 @@ def sources_of_all(tops):
     return list(dict.fromkeys(path for top in tops for path in sources_of(top)))
 
 
+def without_comments(path):
+    """Returns the text of a script or of constraints without its lines of comment, which change nothing."""
+    lines = pathlib.Path(path).read_text().splitlines()
+    return "\n".join(line for line in lines if line.strip() and not line.lstrip().startswith("#"))
+
+
 def read_command(top, parameters=(), formal=False, files=()):
     """Returns Yosys's commands that read the files, or else all of rtl, and set parameters ("NAME=VALUE") of the module
     `top`."""
