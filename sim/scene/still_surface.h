@@ -61,7 +61,7 @@ class StillSurface {
   }
 
   // Grey values of a block under a pattern: lit as the surface is, or all in the shadow.
-  void values(std::size_t block, const ProjectedLight& pattern, Shade shade, BlockValues& values) const;
+  void values(std::size_t index, const ProjectedLight& pattern, Shade shade, BlockValues& values) const;
 
   // The properties of a point that a ray meets. `share` of the projector's full light is that of LitSurface::lit_share;
   // `albedo` is for ambient light, and `reflectance` for the projector's.
