@@ -67,14 +67,14 @@ nlohmann::ordered_json json_of(const std::vector<ReportTable>& tables) {
   return all;
 }
 
-// The tables and what is not reached, as results/experiment_NAME.json; with --sources and --gray-scan under a different
-// name.
+// The tables and what is not reached, as results/experiment_NAME.json; with --sources, --gray-scan and --pool-seed
+// under a different name.
 void keep_results(const ExperimentOptions& options, const std::vector<ReportTable>& tables,
                   const std::vector<std::string>& not_reached) {
-  write_results("experiment_" + options.name + (options.null_test ? "_null_test" : "") +
-                    (options.sources ? "_sources" : "") + (options.scan == ScanMethod::gray_codes ? "_gray_scan" : ""),
-                "Experiment " + options.name + " in simulation",
-                {{"tables", json_of(tables)}, {"not_reached", not_reached}});
+  write_results(
+      "experiment_" + options.name + (options.null_test ? "_null_test" : "") + (options.sources ? "_sources" : "") +
+          (options.scan == ScanMethod::gray_codes ? "_gray_scan" : "") + (options.pool_seed > 0 ? "_drawn" : ""),
+      "Experiment " + options.name + " in simulation", {{"tables", json_of(tables)}, {"not_reached", not_reached}});
 }
 
 // A line on the terminal that counts images or frames.
