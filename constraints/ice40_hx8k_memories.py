@@ -1,4 +1,4 @@
-# Gives every block RAM a site, and two blocks a half of the array. nextpnr-ice40 runs this file with --pre-place.
+# Gives every block RAM a site, and two blocks regions of their own. nextpnr-ice40 runs this file with --pre-place.
 #
 # The grey build of the board takes 31 of 32 block RAMs, and a binary build with runs takes all. The placer alone
 # spreads those of the moments over both columns, so that the sums have to cross half of the array and come back in one

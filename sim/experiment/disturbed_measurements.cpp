@@ -42,6 +42,7 @@ namespace selfproj {
 namespace {
 
 constexpr float kNotCompared = std::numeric_limits<float>::quiet_NaN();
+constexpr float kSameDepth = 10;     // mm; points of one surface, or of one place in two cycles, differ less
 constexpr double kReachOnPart = 63;  // mm along the belt from the part's middle: 2 mm from its ends
 
 // Whether the surface is level around a place: within 0.7 mm (three columns) across the belt, and within 1.4 mm along
@@ -143,19 +144,17 @@ std::vector<float> with_neighbours(const FloatImage& depth, int least) {
   if (least == 0) {
     return depth.values;
   }
-  constexpr float kNear = 10;                                    // mm
   const std::vector<float> nowhere(depth.values.size(), -1e6F);  // so that every point differs from it
-  SteadyFilter filter(depth.rows, depth.columns, {.most_change_mm = kNear, .least_neighbours = least});
-  filter.take(depth.values.data(), nowhere.data(), kNear);
+  SteadyFilter filter(depth.rows, depth.columns, {.most_change_mm = kSameDepth, .least_neighbours = least});
+  filter.take(depth.values.data(), nowhere.data(), kSameDepth);
   return {filter.kept(), filter.kept() + depth.values.size()};
 }
 
 // The means of depths that differ by 10 mm at most; NaN elsewhere.
 FloatImage agreeing(const FloatImage& a, const FloatImage& b) {
-  constexpr float kSame = 10;  // mm
   FloatImage mean(a.rows, a.columns);
   std::transform(a.values.begin(), a.values.end(), b.values.begin(), mean.values.begin(), [](float z0, float z1) {
-    return std::abs(z0 - z1) <= kSame ? 0.5F * (z0 + z1) : std::numeric_limits<float>::quiet_NaN();
+    return std::abs(z0 - z1) <= kSameDepth ? 0.5F * (z0 + z1) : std::numeric_limits<float>::quiet_NaN();
   });
   return mean;
 }

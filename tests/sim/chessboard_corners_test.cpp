@@ -21,6 +21,7 @@
 #include "sim/scene/projected_light.h"
 #include "sim/scene/real_rig.h"
 #include "tests/host/structured_light/pinhole.h"
+#include "tests/sim/on_board.h"
 
 namespace selfproj {
 namespace {
@@ -32,9 +33,7 @@ std::vector<cv::Point2d> true_corners(const Rig& rig, const ChessboardPlace& pla
   std::vector<cv::Point2d> corners;
   for (int down = 0; down < kShape.down; ++down) {
     for (int across = 0; across < kShape.across; ++across) {
-      const double i = kShape.square_mm * (across - (kShape.across - 1) / 2.0);
-      const double j = kShape.square_mm * (down - (kShape.down - 1) / 2.0);
-      const Point3 p = place.middle + (i * place.right + j * place.below);
+      const Point3 p = test::on_board(kShape, place, across, down);
       const test::Pixel seen = test::camera_sees(rig.camera, {p.x, p.y, p.z});
       corners.emplace_back(seen.column, seen.row);
     }

@@ -17,6 +17,7 @@
 #include "sim/scene/real_rig.h"
 #include "sim/scene/scene.h"
 #include "tests/host/structured_light/pinhole.h"
+#include "tests/sim/on_board.h"
 
 namespace selfproj {
 namespace {
@@ -32,22 +33,13 @@ ChessboardPlace leaning() {
   return {{10, -20, 540}, tilted(-std::sin(turn), std::cos(turn)), tilted(std::cos(turn), std::sin(turn))};
 }
 
-// The point at (across, down) squares from the first inner corner.
-Point3 on_board(const ChessboardPlace& place, double across, double down) {
-  const double i = kShape.square_mm * (across - (kShape.across - 1) / 2.0);
-  const double j = kShape.square_mm * (down - (kShape.down - 1) / 2.0);
-  return {place.middle.x + i * place.right.x + j * place.below.x,
-          place.middle.y + i * place.right.y + j * place.below.y,
-          place.middle.z + i * place.right.z + j * place.below.z};
-}
-
 TEST(Chessboard, EveryPointOfItIsOnItsPlane) {
   const Rig rig = load_rig("scanner");
   const ChessboardPlace place = leaning();
   const ChessboardScene board(rig, kShape, place);
   for (double across = -3; across <= 12; across += 0.7) {
     for (double down = -3; down <= 10; down += 0.7) {
-      const Point3 p = on_board(place, across, down);
+      const Point3 p = test::on_board(kShape, place, across, down);
       EXPECT_NEAR(board.height(p.x, p.y, 0), rig.plane_z_mm - p.z, 1e-9);
       const Box box{p.x - 2, p.x + 3, p.y - 1, p.y + 4};
       const HeightRange range = board.range(box, 0, 0);
@@ -69,7 +61,7 @@ TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
       const bool outside = across < 0 || down < 0 || across > kShape.across || down > kShape.down;
       const bool black = !outside && (across + down) % 2 == 0;
       for (const double at : {0.05, 0.5, 0.95}) {
-        const Point3 p = on_board(place, across - 1 + at, down - 1 + 0.5);
+        const Point3 p = test::on_board(kShape, place, across - 1 + at, down - 1 + 0.5);
         EXPECT_NEAR(board.albedo(p.x, p.y, 0), black ? ChessboardScene::kBlack : 1, 1e-12) << across << ' ' << down;
       }
     }
@@ -79,7 +71,7 @@ TEST(Chessboard, SquaresAreBlackAndWhiteByTurnsAndWhiteAroundThem) {
     for (int down = 0; down < kShape.down; ++down) {
       for (const auto& [i, j] : {std::pair{0.0, 0.0}, {0.0, 0.5}, {0.5, 0.0}}) {
         if (across + i <= kShape.across - 1 && down + j <= kShape.down - 1) {
-          const Point3 p = on_board(place, across + i, down + j);
+          const Point3 p = test::on_board(kShape, place, across + i, down + j);
           EXPECT_NEAR(board.albedo(p.x, p.y, 0), (1 + ChessboardScene::kBlack) / 2, 1e-9);
         }
       }
@@ -110,7 +102,7 @@ TEST(BoardPlaces, CameraAndProjectorSeeAllOfItFromManySides) {
     EXPECT_NEAR(std::abs(facing), k == 0 ? 1 : std::cos(kTilt * std::numbers::pi / 180), 1e-9) << k;
     for (const double across : {-1.0, static_cast<double>(kShape.across)}) {
       for (const double down : {-1.0, static_cast<double>(kShape.down)}) {
-        const Point3 p = on_board(place, across, down);
+        const Point3 p = test::on_board(kShape, place, across, down);
         const test::Pixel seen = test::camera_sees(rig.camera, {p.x, p.y, p.z});
         const test::Pixel lit = test::projector_lights(rig.projector, {p.x, p.y, p.z});
         EXPECT_TRUE(seen.row >= 0 && seen.row <= rig.camera.rows - 1 && seen.column >= 0 &&
