@@ -1,18 +1,21 @@
-# Gives every block RAM a site, and two blocks regions of their own. nextpnr-ice40 runs this file with --pre-place.
+# Assigns every block RAM to a site, and confines the packetizer and the sums of the moments to regions. nextpnr-ice40
+# runs this file with --pre-place.
 #
-# The grey build of the board takes 31 of 32 block RAMs, and a binary build with runs takes all. The placer alone
-# spreads those of the moments over both columns, so that the sums have to cross half of the array and come back in one
-# clock. This file puts the sums and the line buffer into the right column from the bottom up, and the packet FIFO into
-# the left column; the rest of the FIFO goes to the top of the right one.
+# The grey build of the board takes 31 of 32 block RAMs, and a binary build with runs takes all. Without constraints,
+# the placer spreads those of the moments over both columns. Then the sums have to cross half of the array and come back
+# in one clock. This file puts the sums and the line buffer into the right column from the bottom up. The packet FIFO
+# fills the left column, and the rest of it goes to the top of the right column.
 #
-# The packetizer, which feeds the FIFO, stays in the left half, so that it does not spread towards the moments, whose
-# words it takes. The logic of the sums stays in the right half, that of two lanes beside the block RAMs of these lanes.
-# All cells of a tile share one reset. Where no tile nearby has the right one, the placer puts a bit somewhere else, and
-# without bounds that was half the array away from its adder.
+# The packetizer stays in the left half beside the FIFO, which it feeds. Without this region it would spread towards the
+# moments, from which it takes its data.
+#
+# The logic of the sums stays in the right half. That of two lanes stays beside the block RAMs of these lanes. All cells
+# of a tile share one reset. Where no tile nearby has the right reset, the placer puts a cell somewhere else, and
+# without a region that was half the array away from its adder.
 import re
 
 LEFT, RIGHT = ([(x, y) for y in range(1, 32, 2)] for x in (8, 25))
-# The two sums of a lane are side by side. The last seven are those of the strongest runs.
+# The two sums of a pair of lanes are side by side. The last seven are only in builds with the strongest runs.
 MOMENTS = ["gen_pair[0].u_m.", "gen_pair[0].u_a.", "gen_pair[1].u_m.", "gen_pair[1].u_a.", "u_line.",
            "gen_lane[0].u_best.", "gen_lane[1].u_best.", "u_sums.u_d.", "u_sums.u_m.", "u_sums.u_a.",
            "gen_lane[2].u_best.", "gen_lane[3].u_best."]

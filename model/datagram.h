@@ -1,4 +1,5 @@
-// Packets in datagrams: the header of a datagram, and how a packet is cut.
+// How packets are sent in datagrams: the header of a datagram, and the pieces of a packet. docs/packet-reference.md
+// defines the format.
 #ifndef SELFPROJ_MODEL_DATAGRAM_H
 #define SELFPROJ_MODEL_DATAGRAM_H
 
@@ -23,18 +24,18 @@ struct DatagramHeader {
   bool operator==(const DatagramHeader&) const = default;
 };
 
-inline constexpr std::uint16_t kDatagramPort = 1235;  // where boards send from and to, unless told otherwise
+inline constexpr std::uint16_t kDatagramPort = 1235;  // UDP port from which and to which boards send by default
 
 // Bytes of UDP payload in Ethernet's ordinary frames (1,500 bytes) and in jumbo frames (9,000 bytes).
 inline constexpr std::size_t kDatagramBytes = 1472;
 inline constexpr std::size_t kJumboDatagramBytes = 8972;
 
-// The longest piece of a packet in datagrams of this many bytes: whole beats.
+// Returns the bytes of the longest piece of a packet in a datagram of this many bytes. A piece consists of whole beats.
 constexpr std::size_t datagram_piece(std::size_t datagram_bytes) {
   return (datagram_bytes - spec::kDatagramHeaderBytes) / spec::kPacketBeatBytes * spec::kPacketBeatBytes;
 }
 
-// Datagrams of a packet of this many bytes, which go in pieces of `piece` bytes.
+// Returns the number of datagrams for a packet of this many bytes in pieces of `piece` bytes.
 constexpr std::size_t datagrams_of(std::size_t packet_bytes, std::size_t piece) {
   return (packet_bytes + piece - 1) / piece;
 }
@@ -49,8 +50,9 @@ inline void write_datagram_header(const DatagramHeader& header, std::uint8_t* by
   store_little_endian(bytes + spec::kDatagramLength, header.length);
 }
 
-// The header of a whole datagram; nothing if it is none, is cut, or does not consist of whole beats. A datagram without
-// a piece may end with up to a beat of filling, which a sender needs whose frames would be too short for Ethernet.
+// Returns the header of a datagram. Returns nothing if this is not a datagram of a board, if it is cut off, or if its
+// piece or the offset of the piece is not a whole number of beats. A datagram without a piece may have up to one beat
+// of padding behind its header. Some senders need this, because Ethernet frames have a least length.
 inline std::optional<DatagramHeader> read_datagram_header(std::span<const std::uint8_t> datagram) {
   if (datagram.size() < spec::kDatagramHeaderBytes) {
     return std::nullopt;

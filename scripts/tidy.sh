@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# tidy.sh [SOURCE...]: clang-tidy over all our C++ sources, or those named, as preset release compiles them; that preset
-# must have been built. A source that passed is checked again only if something has changed that its result depends on:
-# the source, a header of ours that it includes, the settings, the compile options, the versions of tools and libraries.
-# tidy_groups.py decides this; build/tidy/good keeps the list of sources that passed. The exit status is 1 if there is a
-# finding.
+# tidy.sh [SOURCE...]: runs clang-tidy over all our C++ sources, or only those named, with the compile options of preset
+# release, which must have been built. A source that passed is checked again only if something has changed that its
+# result depends on: the source, a header of ours that it includes, the settings, the compile options, the versions of
+# tools and libraries. tidy_groups.py decides this, and build/tidy/good records which sources passed. The exit status is
+# 1 if there is a finding.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -22,13 +22,13 @@ rm -f "$folder"/UnifiedSource_*.cpp
 if (($# > 0)); then
   sources=("$@")
 else
-  # The fuzzer is built by clang alone, and the simulations of the ECPIX-5 and the Acorn with LiteEth and LitePCIe, each
-  # in a build of its own (scripts/fuzz.sh, scripts/target_sim.sh, scripts/acorn_sim.sh).
+  # Preset release does not build the fuzzer and the simulations of the ECPIX-5 and the Acorn. They have builds of their
+  # own (scripts/fuzz.sh, scripts/target_sim.sh, scripts/acorn_sim.sh).
   mapfile -t sources < <(git ls-files --cached --others --exclude-standard '*.cpp' |
     grep -v -e '/generated/' -e '^tests/fuzz/' -e '^sim/target/\(ecpix5\|acorn\)_sim.cpp$')
 fi
 
-# One line a file to check: the file, and STATE:SOURCE for each source in it. The list ends with the word "end".
+# Each line is a job: a file to check, and STATE:SOURCE for each source in it. The last line is the word "end".
 mapfile -t jobs < <(python3 scripts/tidy_groups.py "$build" "$folder" "${sources[@]}")
 [[ ${jobs[-1]:-} == end ]] || exit 1
 unset 'jobs[-1]'
@@ -36,15 +36,15 @@ unset 'jobs[-1]'
 # find_faults FILE
 find_faults() {
   # The compile commands are those of g++, and clang does not know some of its warnings.
-  # The analyzer takes calls of templates, which are nearly all of libraries, for calls of unknown functions. To follow
-  # their code takes six times as long.
+  # The analyzer does not look into templates, nearly all of which are from libraries. To analyze them takes six times
+  # as long.
   clang-tidy-14 -p "$folder" --quiet --header-filter="^$PWD/((hls|host|model|sim|tests)/|capi/.*[.]cpp$)" \
     --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option \
     --extra-arg=-Xclang --extra-arg=-analyzer-config --extra-arg=-Xclang --extra-arg=c++-template-inlining=false \
     "$1" 2>/dev/null
 }
 
-# check FILE STATE:SOURCE...: notes the states that passed
+# check FILE STATE:SOURCE...: checks the file, and records the states of its sources if it passes. Returns 1 if not.
 check() {
   local file=$1 output part failed=0 together=() alone=()
   shift
@@ -52,8 +52,8 @@ check() {
     for part; do touch "$folder/good/${part%%:*}"; done
     return 0
   fi
-  # Two sources may use the same name for different things. Then those that do not compile after the others are checked
-  # one by one, or all are if a library's header seems to be wrong.
+  # Two sources may use the same name for different things. Then the sources that do not compile after the others are
+  # checked one by one. If the error is in a library's header, all sources are checked one by one.
   local strange
   strange=$(awk -v own="$PWD/" '/: error: / && (/clang-diagnostic-error/ || index($0, own) != 1) {print; exit}' \
     <<<"$output")

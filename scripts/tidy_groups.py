@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""For tidy.sh: which sources clang-tidy must check, and how they are grouped.
+"""Tells tidy.sh which sources clang-tidy must check, and groups them.
 
     tidy_groups.py BUILD FOLDER SOURCE...
 
-Most of clang-tidy's time goes into the headers of libraries. So up to 60 sources are checked together, also those of
-different folders: a file in FOLDER includes them all, and FOLDER/compile_commands.json says how that file and each
-source are compiled. Sources stay apart that would not compile together, or not mean the same: where both define a name,
-where one calls what the other's unnamed namespace would hide, where they name a macro of the command line that the
-other has not, or with another value.
+Most of clang-tidy's time goes into the headers of libraries. So up to 60 sources are checked together, even if they are
+in different folders: a file in FOLDER includes them all, and FOLDER/compile_commands.json says how that file and each
+source are compiled. Two sources are not checked together if they would not compile together, or would mean something
+else. This is so if
+
+* both define the same name,
+* one calls a function that the unnamed namespace of the other would hide, or
+* one names a macro of the command line that is not defined for the other, or has another value there.
 
 A source is left out if it passed before in the same state. Its state is a hash of all that the result depends on: the
 source, the headers it includes directly or through others, the compile options, the settings of clang-tidy, the
@@ -30,7 +33,7 @@ MOST = 60  # sources of a group, so that there are enough groups for the cores
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<](.*)[">]', re.MULTILINE)
 # Options that do not change what clang-tidy finds.
 WITHOUT_EFFECT = re.compile("-fPIC|-fvisibility.*|-pthread|-O.|-Winvalid-pch|-fpch-preprocess")
-# What a source defines for itself and another may define as well: types, constants, the main function, operator new.
+# Definitions of a source that may clash with those of another one: types, constants, the main function, operator new.
 OWN = re.compile(
     r"^(?:class|struct|enum(?: class)?) (\w+)[^;{]*\{"
     r"|^(?:inline )?(?:constexpr|const|static) [^(=;{]*?\b(\w+)(?:\[\w*\])*(?: =|\{|;)"
@@ -39,18 +42,20 @@ OWN = re.compile(
     re.MULTILINE,
 )
 NAMESPACE = re.compile(r"^namespace (selfproj[\w:]*)", re.MULTILINE)
-# In an unnamed namespace: functions, and other names for types.
+# The contents of unnamed namespaces, and the functions and type aliases in them.
 UNNAMED = re.compile(r"^namespace \{\n(.*?)^\}", re.MULTILINE | re.DOTALL)
 FUNCTION = re.compile(r"^(?!using )(?=\S)[\w:<>,&*\[\] ]*?[\w>][&*]* [&*]*(\w+)\(|^using (\w+) =", re.MULTILINE)
-# What a source calls by a name without a scope. The functions of an unnamed namespace hide others of the same name.
+# Calls by a name without a scope. A function in an unnamed namespace would hide another one of the same name.
 CALL = re.compile(r"(?<![\w.>:])([A-Za-z_]\w*)(?=[(<])")
-# Headers that must not come after others: Verilator's, SystemC's, and those of C with macros for everything.
+# Headers that must not come after others: those of Verilator and SystemC, and those that define many macros. A source
+# that includes one is grouped only with such sources of its folder.
 APART = re.compile(r'^#include ("V|<verilated|<systemc|<arv|<httplib|"hls/|"sim/platform/)', re.MULTILINE)
 ROOT = pathlib.Path.cwd()
 
 
 def options_of(words):
-    """The compiler and its options in a compile command, without files, optimization and g++'s precompiled header."""
+    """Returns the compiler and its options from a compile command, without files, optimization and g++'s precompiled
+    header."""
     options = []
     words = iter(words)
     for word in words:
@@ -64,13 +69,14 @@ def options_of(words):
 
 
 def folders_of(build, options):
-    """The folders of this project in which the compiler looks for headers; others are known by their packages."""
+    """Returns the folders of this project in which the compiler looks for headers. For headers elsewhere, the versions
+    of their packages count."""
     folders = (build / found[1] for word in options if (found := re.match("(?:-I|-isystem)(.+)", word)))
     return tuple(folder for folder in folders if ROOT == folder or ROOT in folder.parents)
 
 
 def macros_of(options):
-    """{name of a macro of the command line: its value}"""
+    """Returns {name of a macro on the command line: its value}."""
     return dict((*word[2:].split("=", 1), "1")[:2] for word in options if word.startswith("-D"))
 
 
@@ -92,7 +98,7 @@ def found(folder, name):
 
 @functools.cache
 def included(path, folders):
-    """Returns the headers of this project that a file includes itself, whatever the conditions around the includes."""
+    """Returns the headers of this project that a file includes itself. Conditions around the includes are ignored."""
     headers = set()
     for name in INCLUDE.findall(text_of(path).decode(errors="replace")):
         header = next((at for folder in (path.parent, *folders) if (at := found(folder, name))), None)
@@ -159,13 +165,13 @@ class Group:
     """Sources that are checked together, and the options for all of them."""
 
     def __init__(self, *of):
-        self.of = of  # must be the same for all: options of other kinds, namespace, folder of what stays apart
+        self.of = of  # must be equal for all: options apart from macros and folders, namespace, folder if APART matches
         self.sources, self.names, self.of_headers = [], set(), set()
         self.macros, self.named, self.folders = {}, set(), []
 
     def takes(self, names, foreign, macros, named):
-        """Whether a source can be added. `foreign` are the names of its headers and of what it calls, `named` the
-        macros of command lines that it or its headers name."""
+        """Returns whether a source can be added. `foreign` are the names in its headers and the names that it calls.
+        `named` are the macros of command lines that occur in it or in its headers."""
         return (len(self.sources) < MOST and not (names | foreign) & self.names and not names & self.of_headers and
                 all(macros.get(name) == self.macros.get(name)
                     for name in (self.named & macros.keys()) | (named & self.macros.keys()) |
@@ -184,12 +190,11 @@ class Group:
 
 
 def add_to_groups(groups, source, options, files, known_macros):
-    """Puts a source into the first group that can take it. A source does not compile after another with the same
-    names."""
+    """Adds a source to the first group that can take it, or to a new group."""
     text = text_of(source).decode()
     folders = [word for word in options if word.startswith(("-I", "-isystem"))]
     rest = " ".join(word for word in options if word not in folders and not word.startswith("-D"))
-    namespace = NAMESPACE.search(text)  # for those of another one, names are not what they are for the rest
+    namespace = NAMESPACE.search(text)  # the same name may mean different things in different namespaces
     of = (rest, namespace and namespace[1], APART.search(text) and source.parent)
     names = names_in(source)
     of_headers = set().union(*(names_in(file) for file in files if file != source))
@@ -203,7 +208,7 @@ def add_to_groups(groups, source, options, files, known_macros):
 
 
 def unknown_groups(compiled, build, folder, names):
-    """Returns the groups of sources whose state is not known to be good, and the state of every source."""
+    """Returns the groups of sources that have not passed in their present state, and the state of every source."""
     common = common_digest()
     states = {}
     groups = []
@@ -221,7 +226,7 @@ def unknown_groups(compiled, build, folder, names):
 
 
 def write_jobs(build, folder, groups, states, compiled):
-    """[(file to check, its sources)]; writes the files of groups and the compile commands."""
+    """Writes the files of groups and the compile commands. Returns [(file to check, its sources)]."""
     database = []
     jobs = []
 
@@ -231,7 +236,7 @@ def write_jobs(build, folder, groups, states, compiled):
     for group in groups:
         file = group.sources[0]
         if len(group.sources) > 1:
-            # Clang's analyzer looks into the functions of included sources only where the file has such a name.
+            # Clang's analyzer looks into the functions of included sources only if the file has such a name.
             name = hashlib.sha256("".join(states[source] for source in group.sources).encode()).hexdigest()
             file = folder / f"UnifiedSource_{name}.cpp"
             line = '#include "{}"  // NOLINT(bugprone-suspicious-include)\n'

@@ -16,7 +16,8 @@
 namespace selfproj {
 namespace {
 
-// +1 if depth grows with the code, -1 if it falls: by the first pixel that sees both codes in the middle.
+// Returns 1 if depth grows with the code, and -1 if it falls or if this cannot be told. It compares the depths of the
+// two middle codes at the first pixel that has both.
 float direction(const Triangulation& triangulation) {
   const std::size_t pixels = triangulation.pixels();
   const auto middle = static_cast<std::uint16_t>(1 << (triangulation.bits() - 1));
@@ -77,7 +78,8 @@ void CodeBorders::depth(const std::uint16_t* codes, float* z) {
     if (std::abs(step) != 1 || std::isnan(whole_[here]) || std::isnan(whole_[next])) {
       continue;
     }
-    const int bit = std::countr_zero(static_cast<unsigned>(std::max(code, code + step)));  // that changes
+    // The bit of the Gray code in which the two codes differ
+    const int bit = std::countr_zero(static_cast<unsigned>(std::max(code, code + step)));
     const auto& difference = difference_[static_cast<std::size_t>(triangulation_.bits() - 1 - bit)];
     if (difference.empty()) {
       continue;
@@ -87,7 +89,7 @@ void CodeBorders::depth(const std::uint16_t* codes, float* z) {
     if ((a < 0) == (b < 0) || std::abs(a - b) <= 2 * threshold_) {
       continue;
     }
-    // Half a code from the middle of each of the two codes.
+    // The border is half a code from the middle of either code, and rounding_error() is 1/√12 of a code.
     const float half = towards_ * static_cast<float>(0.5 * step * 2 * std::numbers::sqrt3);
     const float before = whole_[here] + half * static_cast<float>(triangulation_.rounding_error(here, whole_[here]));
     const float after = whole_[next] - half * static_cast<float>(triangulation_.rounding_error(next, whole_[next]));

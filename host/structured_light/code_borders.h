@@ -1,9 +1,9 @@
-// Depths at the borders between codes, to a fraction of a pixel and of a code.
+// Finds the borders between codes to a fraction of a pixel, and their depths to a fraction of a code.
 //
-// Where the code changes by one from a pixel to the next along x, one bit of the Gray code changes. The difference of
-// that bit's pair of images passes through zero between the two pixels, where the border is. The depth of a border is
-// not rounded to codes. On a smooth surface rounding is no noise: it is the same in all pixels of a row, because they
-// see the same place of a code.
+// Where the codes of two neighbouring pixels along x differ by one, one bit of the Gray code differs. The border lies
+// between these pixels, where the difference of this bit's two images passes through zero. Its depth is not rounded to
+// whole codes. On a smooth surface an average does not remove rounding, because the error is the same in all pixels of
+// a row: they lie at the same position within their code.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_CODE_BORDERS_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_CODE_BORDERS_H
 
@@ -18,25 +18,26 @@ namespace selfproj {
 
 class CodeBorders {
  public:
-  // Differences of at most `threshold` grey values (0..255) on either side are taken for noise. The triangulation must
-  // outlive this, and its codes must run along the rows of the image. Throws std::invalid_argument otherwise.
+  // A border counts only if the difference of the two images changes by more than 2 · `threshold` grey values between
+  // the two pixels. A smaller change is taken for noise. The triangulation must outlive this object. Throws
+  // std::invalid_argument if the threshold is not in 0..255, or unless x changes from row to row (rows_are_x()).
   CodeBorders(const Triangulation& triangulation, int threshold);
 
-  // Takes the two images of a plane, 0 for the most significant. Throws std::invalid_argument if the plane does not
-  // exist or an image has another size.
+  // Takes the two images of a bit plane. Plane 0 is the most significant one. Throws std::invalid_argument if the plane
+  // does not exist or an image has another size.
   void take(int plane, const ImageView& positive, const ImageView& negative);
 
-  // Writes rows · columns depths (mm) of the borders between the codes of the images taken last, each at the pixel that
-  // is nearest to it; NaN elsewhere. `codes` are the words decoded from them. Call it when all planes come from one
-  // cycle. Planes that never came have no borders.
+  // Writes rows · columns depths (mm) from the images taken last. Each border's depth is written to the pixel that is
+  // nearest to the border, and NaN to all other pixels. `codes` are the words decoded from these images. Call this when
+  // all planes come from one cycle. Borders of planes that were never taken are left out.
   void depth(const std::uint16_t* codes, float* z);
 
  private:
   const Triangulation& triangulation_;
   int threshold_;
-  float towards_ = -1;                                 // sign of dz by code
-  std::vector<std::vector<std::int16_t>> difference_;  // of each plane, positive - negative
-  std::vector<float> whole_;                           // depths of whole codes
+  float towards_ = -1;                                 // 1 if depth grows with the code, -1 if it falls
+  std::vector<std::vector<std::int16_t>> difference_;  // for each plane: positive - negative
+  std::vector<float> whole_;                           // depths in the middle of whole codes
 };
 
 }  // namespace selfproj

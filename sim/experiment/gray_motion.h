@@ -11,14 +11,15 @@
 
 namespace selfproj {
 
-// What counts as moved: so far from the background (mm), and these further conditions, which B1 finds best.
+// What counts as moved: a pixel at least this far (mm) from the background that fulfils the conditions of the filter.
+// B1 finds these settings the best.
 inline constexpr double kMovedMm = 10;
 inline constexpr SteadySettings kSteady{10, 6};
 
 // `name` is "B1", "B2" or "B3".
 // B1: every filter of a grid is measured on the path of the thesis, and the best of them on the drawn paths.
-// B2: the speed of long waves, which follows from the frequencies of all standing waves in the pool, that of the
-// foremost crest, and those of all lengths; the first also in other pools.
+// B2: the speed of long waves, from the frequencies of all standing waves in the pool. Also the speed of the foremost
+// crest, and the speeds by wavelength. Other pools follow, without the speeds by wavelength.
 // B3: the taps of the thesis, and a second set with other frequencies, strokes and phases.
 // Throws std::invalid_argument if `frames` is less than one cycle of the patterns.
 StructuredLightResult run_gray_motion(const std::string& name, const GrayMotionOptions& options,

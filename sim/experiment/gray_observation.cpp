@@ -29,7 +29,7 @@ class WholeStream final : public GrayStream {
 
   bool take(const ImageView& image, int pattern) override {
     if (pattern % 2 == 0) {
-      positive_ = image;  // as the scanner, which also reads it again when the negative comes
+      positive_ = image;  // only a view; the scanner, too, reads these pixels again when the negative comes
     } else {
       borders_.take(pattern / 2, positive_, image);
     }

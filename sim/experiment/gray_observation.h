@@ -1,4 +1,5 @@
-// A moving scene in depth images by Gray codes of 8 bits, after every pair of images, beside the truth: B1 to B3.
+// Observes a moving scene with Gray codes of 8 bits, for B1 to B3. After every pair of images there is a depth image,
+// together with the true depths.
 #ifndef SELFPROJ_SIM_EXPERIMENT_GRAY_OBSERVATION_H
 #define SELFPROJ_SIM_EXPERIMENT_GRAY_OBSERVATION_H
 
@@ -20,13 +21,15 @@ inline constexpr int kGrayCycle = 2 * kGrayBits;  // frames
 struct GrayMotionOptions {
   Rig rig;
   RenderOptions render;
-  int paths = 10;  // B1: drawn paths of the fist, each with noise of its own, beside that on which the filter is tuned
-  int pools = 6;   // B2: pools of other depths, of 20 and 40 mm first, then drawn ones
+  int paths = 10;               // B1: drawn paths of the fist, in addition to the one on which the filter is tuned
+  int pools = 6;                // B2: pools in addition to that of the thesis: first 20 and 40 mm deep, then drawn ones
   std::uint64_t pool_seed = 0;  // B2: if more than 0, all of these pools are drawn, by this seed and the next ones
-  int frames = 0;  // even; of each path, pool or set of taps; 0: a turn, until 0.55 s after the impact, five taps
+  // Frames of each path, pool or set of taps, an even number. 0 means one turn of the fist, until 0.55 s after the
+  // impact, or five taps.
+  int frames = 0;
 };
 
-// A depth image and its truth, in the middle of its cycle.
+// A depth image, and the true depths in the middle of its cycle.
 struct Seen {
   double t;  // s
   const Triangulation& triangulation;
@@ -34,8 +37,8 @@ struct Seen {
   const FloatImage& background;
   const FloatImage& truth;
   const FloatImage& true_background;  // NaN where the background has no depth
-  // Depths at the borders between codes (CodeBorders), from the images of one cycle: after its last pair, else null;
-  // and those of the background.
+  // Depths at the borders between codes (CodeBorders). Those of the scene exist only after the last pair of a cycle,
+  // and are null otherwise.
   const FloatImage* borders;
   const FloatImage& background_borders;
 };
@@ -47,14 +50,14 @@ struct GrayShot {
   int first = 0;   // frame
   int frames = 0;  // even
   std::int64_t noise_seed = 1;
-  bool truth = true;  // false: the true depths are left out, and NaN
+  bool truth = true;  // if false, the true depths of the scene are not computed, and are NaN
 };
 
-// Calls `see` with each depth image of the scene, and `done` after each image of it and of its background.
+// Calls `see` with each depth image of the scene, and `done` after each frame of the scene and of its background.
 void observe(const GrayMotionOptions& options, const GrayShot& shot, const std::function<void()>& done,
              const std::function<void(const Seen&)>& see);
 
-// The number of images of so many shots of `frames` frames.
+// Returns how many frames so many shots have, of which each has `frames` frames and one cycle of the background.
 inline std::size_t images_of(int shots, int frames) { return static_cast<std::size_t>(shots * (kGrayCycle + frames)); }
 
 }  // namespace selfproj

@@ -32,12 +32,12 @@ namespace selfproj {
 namespace {
 
 constexpr double kNoCrest = std::numeric_limits<double>::quiet_NaN();
-constexpr double kShortestWave = 60;  // mm; shorter ones do not feel the ground
-constexpr double kAfter = 0.56;       // s that the wave is seen after the impact
-constexpr int kWaveFrames = 486;      // from kWaveFrom until 0.55 s after it
-constexpr double kMostOff = 0.05;     // of the speed of long waves
+constexpr double kShortestWave = 60;  // mm; the speed of shorter waves hardly depends on the depth
+constexpr double kAfter = 0.56;       // s from the impact to the last frame of the scene
+constexpr int kWaveFrames = 486;      // from kWaveFrom until 0.55 s after the impact
+constexpr double kMostOff = 0.05;     // greatest relative error of the speed of long waves
 
-// What is measured of the wave in one pool, in the host's depth images and in the true ones.
+// What is measured in one pool, either in the host's depth images or in the true ones.
 struct WaveSeen {
   BasinWaves waves{pool_basin(), kShortestWave, kGrayCycle / 2};
   std::vector<double> crest;
@@ -50,7 +50,7 @@ struct WaveSeen {
   }
 };
 
-// The level of the water at rest, mm: the median depth of the borders in the basin.
+// Returns the depth z of the water at rest, mm: the median depth of the borders between codes in the basin.
 float level_of(const Triangulation& triangulation, const FloatImage& borders) {
   constexpr Basin kPool = pool_basin();
   std::vector<float> depths;
@@ -106,7 +106,7 @@ constexpr double kCmPerMm = 0.1;
 std::string cm_text(double mm) { return figure_text(mm * kCmPerMm, 1); }
 std::string cm_text(double mm, double deviation) { return fmt::format("{} ± {}", cm_text(mm), cm_text(deviation)); }
 
-// How a pool is observed; without the truth there is none of the wave.
+// How a pool is observed. Without `truth`, nothing is measured in true depths.
 struct PoolShot {
   int frames;
   std::int64_t noise_seed;
@@ -144,11 +144,13 @@ PoolSeen observe_pool(const GrayMotionOptions& options, PoolDrop drop, const Poo
   return found;
 }
 
-// Two pools of other depths and then those that the seeds 1, 2, ... draw; or drawn ones alone from `first_seed` on.
 struct NamedDrop {
   std::string name;
   PoolDrop drop;
 };
+
+// Returns pool i of those in addition to the pool of the thesis. If `first_seed` is 0, two of them have other depths,
+// and the seeds 1, 2, ... draw the rest. Otherwise all are drawn, by the seeds from `first_seed` on.
 NamedDrop other_pool(int i, std::uint64_t first_seed) {
   constexpr std::array<double, 2> kOtherDepths{20, 40};
   if (first_seed == 0 && i < static_cast<int>(kOtherDepths.size())) {

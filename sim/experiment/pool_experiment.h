@@ -7,7 +7,8 @@
 
 namespace selfproj {
 
-// The tables of B2, and what is not reached: the speed of long waves within 5 % of sqrt(g depth) in every pool.
+// Returns the tables of B2, and which pools do not reach the goal: the speed of long waves must be within 5 % of
+// sqrt(g depth).
 StructuredLightResult run_waves(const GrayMotionOptions& options, const ProgressOfImages& progress);
 
 }  // namespace selfproj

@@ -16,17 +16,17 @@ namespace selfproj {
 namespace {
 
 constexpr double kNotHeard = std::numeric_limits<double>::quiet_NaN();
-constexpr double kCellsAWave = 10;  // of the shortest waves
+constexpr double kCellsAWave = 10;  // in the length of the shortest wave
 
-// An even number of cells along a side, at least 2: what cv::dct takes.
+// Returns the number of cells along a side. It is even, because cv::dct needs that.
 int cells_along(double length, double shortest) {
   return 2 * std::max(1, static_cast<int>(std::ceil(length * kCellsAWave / shortest / 2)));
 }
 
-constexpr double kUnknowns = 4;  // of a wave: mean, two amplitudes, frequency
+constexpr double kUnknowns = 4;  // of a standing wave: mean, two amplitudes, frequency
 
-// The sum of squares that is left of a wave, whose mean is 0, beside a turn at this angular frequency: least squares of
-// a cosine and a sine without their means.
+// Returns the sum of squares of y that remains after a fit of an oscillation at this angular frequency. The mean of y
+// must be 0. The fit consists of a cosine and a sine, each without its mean.
 double rest_at(const std::vector<double>& t, const std::vector<double>& y, double omega) {
   const auto n = static_cast<double>(t.size());
   double c1 = 0, s1 = 0, cc = 0, cs = 0, ss = 0, cy = 0, sy = 0, yy = 0;
@@ -50,7 +50,7 @@ double rest_at(const std::vector<double>& t, const std::vector<double>& y, doubl
   return determinant > 0 ? std::max(0.0, yy - explained) : yy;
 }
 
-// Values of an unknown that is looked for, in equal steps of its logarithm.
+// The values of an unknown that are tried, in equal steps of its logarithm.
 class Grid {
  public:
   Grid(double low, double high, std::size_t steps)
@@ -58,7 +58,8 @@ class Grid {
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] double at(double i) const { return low_ * std::exp(step_ * i); }
 
-  // The place between the values at which a curve is least, by a parabola; NaN if its least value is the first or last.
+  // Returns where a curve over these values has its minimum, interpolated by a parabola. NaN if the least value is the
+  // first or the last one.
   [[nodiscard]] double least_of(const std::vector<double>& curve) const {
     const auto best = static_cast<std::size_t>(std::min_element(curve.begin(), curve.end()) - curve.begin());
     if (best == 0 || best + 1 == count_) {
@@ -68,7 +69,8 @@ class Grid {
     return at(static_cast<double>(best) + (bend > 0 ? 0.5 * (curve[best - 1] - curve[best + 1]) / bend : 0));
   }
 
-  // Half of the range around it in which a curve is less than its least value and `more`, as far as the grid reaches.
+  // Returns half the width of the range around the minimum in which a curve is less than its minimum plus `more`. The
+  // range ends where the grid ends.
   [[nodiscard]] double half_width(const std::vector<double>& curve, double more) const {
     const auto best = static_cast<std::size_t>(std::min_element(curve.begin(), curve.end()) - curve.begin());
     const double level = curve[best] + more;
@@ -94,16 +96,16 @@ class Grid {
   std::size_t count_;
 };
 
-// Phases of any wave on water in a laboratory, mm/s.
+// The phase speeds that are tried, mm/s. They include that of any wave on water in a laboratory.
 const Grid& speeds() {
   static const Grid grid(100, 1500, 300);
   return grid;
 }
 
-// Where the sum of curves is least. A curve may have several rows over the same values; at each value, the least of the
-// sum's rows counts. Its standard deviation is the greater of two: by leaving out every `groups`-th of
-// them (jackknife), and by where the sum is greater by 1, a variance of the
-// noise, on either side.
+// Where the sum of curves has its minimum, and the standard deviation of this place. A curve may have several rows over
+// the same values. At each value, the least of the rows of the sum counts. The standard deviation is the greater one of
+// two: that of a jackknife, which leaves out every `groups`-th curve, and half the width of the range in which the sum
+// exceeds its minimum by less than 1, the variance of the noise.
 struct Best {
   double value, deviation;
 };
@@ -140,7 +142,7 @@ double omega_of(double k, double depth, double factor) {
   return std::sqrt(factor * (kStandardGravity * k + kWaterTension * k * k * k) * std::tanh(k * depth));
 }
 
-// Factors of all omega^2 that are tried.
+// The factors of omega^2 that are tried.
 std::vector<double> factors() {
   constexpr int kFactorsAbove = 16;
   constexpr double kFactorStep = 5e-4;
@@ -202,7 +204,7 @@ void BasinWaves::add(double t, const Triangulation& triangulation, const FloatIm
 void BasinWaves::transform() {
   cv::Mat heights(down_, across_, CV_64F);
   for (std::size_t i = 0; i < sums_.size(); ++i) {
-    heights.ptr<double>()[i] = pixels_[i] > 0 ? sums_[i] / pixels_[i] : 0;  // as at rest
+    heights.ptr<double>()[i] = pixels_[i] > 0 ? sums_[i] / pixels_[i] : 0;  // without a pixel: at rest
   }
   cv::Mat transformed;
   cv::dct(heights, transformed);

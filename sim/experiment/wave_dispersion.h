@@ -1,5 +1,5 @@
-// Measures, from depth images alone, how fast waves of each length run on water in a basin. The depth of the water and
-// the speed of long waves follow from that.
+// Measures how fast waves of each length run on water in a basin, from depth images alone. The depth of the water and
+// the speed of long waves follow from these speeds.
 #ifndef SELFPROJ_SIM_EXPERIMENT_WAVE_DISPERSION_H
 #define SELFPROJ_SIM_EXPERIMENT_WAVE_DISPERSION_H
 
@@ -16,7 +16,7 @@ struct Basin {
   double x0, x1, y0, y1;
 };
 
-// Walls reflect waves, so any shape of the water is a sum of standing waves:
+// Walls reflect waves, so the surface of the water is always a sum of standing waves:
 //
 //     cos(m pi (x - x0)/(x1 - x0)) cos(n pi (y - y0)/(y1 - y0)),   k^2 = (m pi/(x1 - x0))^2 + (n pi/(y1 - y0))^2
 //
@@ -31,8 +31,8 @@ struct StandingWave {
 class BasinWaves {
  public:
   // Measures waves down to the length `shortest` (mm). Each amplitude comes from the mean of `images` depth images. If
-  // the bits of a code come from different times, give the number in a whole cycle of the patterns. Throws
-  // std::invalid_argument unless the sides, `shortest` and `images` are > 0.
+  // the bits of a code are taken one after another, this should be the number of depth images in a cycle of the
+  // patterns. Throws std::invalid_argument unless the sides, `shortest` and `images` are > 0.
   BasinWaves(const Basin& basin, double shortest, std::size_t images);
 
   // Takes the depth image of time t (s), and that of the water at rest. A pixel counts if its point lies in the basin
@@ -60,17 +60,17 @@ class BasinWaves {
 inline constexpr double kStandardGravity = 9806.65;  // mm/s²
 inline constexpr double kWaterTension = 7.293e4;     // surface tension by density, mm³/s²
 
-// A standing wave that stands out of the noise: an oscillation at one frequency explains more than three quarters of
+// A standing wave that is stronger than the noise: an oscillation at one frequency explains more than three quarters of
 // its sum of squares.
 struct HeardWave {
   StandingWave wave;
-  double noise = 0;          // variance left beside its own frequency, but at least the heard waves' median, mm²
+  double noise = 0;          // variance that its frequency does not explain, but at least the waves' median, mm²
   double energy = 0;         // sum of squares that this frequency explains, divided by the noise
   std::vector<double> rest;  // sum of squares left at each of a range of phase speeds, divided by the noise
 };
 
-// The phase speed that waves of similar length share, without any theory of water. Each wave is taken to oscillate at
-// k times this speed. The speed is the one that fits all of them best.
+// The phase speed of waves of similar length, without any theory of water. It is the speed that fits these waves best
+// if each of them oscillates at k times this speed (rad/s).
 struct WaveSpeed {
   std::size_t waves = 0;
   double length = 0;     // mm, from the mean k of its waves, weighted by their energy
@@ -79,17 +79,18 @@ struct WaveSpeed {
 };
 
 // The depth of the water that fits the measured waves best, by omega^2 = f (g k + tension k^3) tanh(k depth). The
-// factor f is 1 +- 0.8 % and fitted, too: gravity differs by 0.5 % from place to place, and so may the camera's clock
-// and the basin's sides from what is stated. Waves shorter than twice the depth hardly feel the ground. Without the
-// factor they would take such a difference for another depth. The speed of long waves is sqrt(g depth).
+// factor f, which may differ from 1 by up to 0.8 %, is fitted together with the depth. It allows for gravity, which
+// differs by 0.5 % from place to place, and for small errors of the camera's clock and of the basin's sides. The speed
+// of waves shorter than twice the depth hardly depends on the depth. So without the factor, such a small difference
+// would look like another depth. The speed of long waves is sqrt(g depth).
 struct LongWaves {
   std::size_t waves = 0;
   double depth = 0;      // mm
   double speed = 0;      // mm/s
   double deviation = 0;  // standard deviation of the speed, the greater of two: from leaving out a tenth of the waves
                          // at a time, and from the curve of the sum of squares
-  // The sum of squares that the theory leaves, divided by what is left if each wave may have a frequency of its own.
-  // About 1 if the theory holds.
+  // The sum of squared residuals of the theory, divided by that of a fit in which each wave has a frequency of its own.
+  // It is about 1 if the theory holds.
   double misfit = 0;
 };
 
@@ -97,10 +98,12 @@ class WaveDispersion {
  public:
   explicit WaveDispersion(const BasinWaves& measured);
 
-  // `longest` and `shortest` bound the lengths, mm. All but `waves` is NaN if no wave is heard.
+  // Returns the speed of the waves with lengths from `shortest` to `longest`, mm. If none of them is stronger than the
+  // noise, all members but `waves` are NaN.
   [[nodiscard]] WaveSpeed speed(double longest, double shortest) const;
 
-  // All but `waves` is NaN if fewer than 10 waves are heard, or if the best depth is not between 3 and 300 mm.
+  // If fewer than 10 waves are stronger than the noise, or if the best depth is not between 3 and 300 mm, all members
+  // but `waves` are NaN.
   [[nodiscard]] LongWaves long_waves() const;
 
  private:

@@ -17,7 +17,7 @@ Point3 upper(Point3 a, Point3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y
 
 double square(double a) { return a * a; }
 
-// The squared distance of a point from a straight line.
+// Returns the squared distance of a point from a straight line.
 double distance_2(const Ray& line, Point3 p) {
   const Point3 d = p - line.from;
   const double along = dot(d, line.along);
@@ -31,7 +31,8 @@ double checked_albedo(double albedo) {
   return albedo;
 }
 
-// Where a ray enters and leaves a ball about the origin.
+// Computes where the straight line of a ray enters and leaves a ball around the origin. Returns false if it misses the
+// ball.
 bool through_ball(Point3 from, Point3 along, double radius_2, double& enters, double& leaves) {
   const double a = dot(along, along);
   const double b = dot(from, along);
@@ -105,8 +106,8 @@ Capsule::Capsule(Point3 a, Point3 b, double radius, double albedo)
   }
 }
 
-// A ray enters by the cylinder's side if it meets the endless cylinder between the ends, and otherwise by the ball at
-// the end beyond which it does. Through the other ball it could only come from inside the cylinder.
+// If the ray enters the infinite cylinder between the two ends, it enters the capsule there, through the side. If it
+// enters the infinite cylinder beyond an end, it can enter the capsule only through the ball at this end.
 bool Capsule::meets(const Ray& ray, double most, Meeting& meeting) const {
   const Point3 axis = b_ - a_;
   const double length_2 = dot(axis, axis);
@@ -120,7 +121,7 @@ bool Capsule::meets(const Ray& ray, double most, Meeting& meeting) const {
   if (through_ball(from - from_along * axis, across, radius_ * radius_, s, leaves)) {
     place = from_along + s * along_along;
   } else if (dot(across, across) > 0) {
-    return false;  // it misses even the endless cylinder
+    return false;  // it misses even the infinite cylinder
   }
   Point3 nearest = a_ + place * axis;  // the nearest point of the axis
   if (place < 0 || place > 1) {
@@ -141,12 +142,12 @@ bool Capsule::blocks(const Ray& ray, double most) const {
   return meets(ray, most, unused);
 }
 
-// The shortest distance between two straight lines, the second of which ends at a and b.
+// Compares radius + slack with the shortest distance between the straight line and the axis, which ends at a and b.
 bool Capsule::is_near(const Ray& line, double slack) const {
   const Point3 axis = b_ - a_;
   const Point3 from = a_ - line.from;
   const double ll = dot(line.along, line.along);
-  // The components of both that are perpendicular to the line. The distance from the line is |from + u axis| of these.
+  // The components perpendicular to the line. Its distance from the point a + u axis is |from_up + u axis_up|.
   const Point3 from_up = from - dot(from, line.along) / ll * line.along;
   const Point3 axis_up = axis - dot(axis, line.along) / ll * line.along;
   const double aa = dot(axis_up, axis_up);

@@ -29,16 +29,18 @@
 
 namespace selfproj {
 
-// The disturbances of the measurement, each of which can be switched off, and an option of the light.
+// What a renderer simulates: sources of error, each of which can be switched off, the light, and the world.
 struct RenderOptions {
   bool shot_noise = true;
   bool read_noise = true;
-  bool quantization = true;  // rounding to whole grey values 0..255, which 8-bit images have in any case
+  bool quantization = true;  // rounding to whole grey values 0..255; 8-bit images are always rounded
   bool camera_blur = true;
   bool projector_blur = true;
   bool motion_blur = true;  // if false, all light comes at the middle of the exposure
-  bool falloff = false;  // light falls with the squared distance from the projector; as stated on the plane, x = y = 0
-  World world = {};      // disturbances that are not in an ideal world: none
+  // Light decreases with the square of the distance from the projector. On the plane at x = y = 0 it is as strong as
+  // without this option.
+  bool falloff = false;
+  World world = {};  // disturbances of the world; none by default
 
   // The same options without the disturbances of the world.
   [[nodiscard]] RenderOptions ideal_world() const {
@@ -48,12 +50,11 @@ struct RenderOptions {
   }
 };
 
-// A pattern of light 0..1 as the rig's projector throws it: with its gamma, its blur and its focus.
+// Returns the light that the rig's projector makes of a pattern of light 0..1, with its gamma, blur and defocus.
 ProjectedLight throw_light(const Rig& rig, const FloatImage& pattern, const RenderOptions& options);
 
-// Adds noise according to RenderOptions to an image of grey values. It is that of a frame of this number with this
-// rig's seed: normal, of variance (grey - dark) / electrons_per_grey + read_noise^2. It does not depend on who made the
-// image.
+// Adds shot noise and read noise, as switched on in `options`, to an image of grey values. The noise is normal, with
+// variance (grey - dark) / electrons_per_grey + read_noise^2. The seed of `imaging` and the frame number determine it.
 void add_noise(const RigImaging& imaging, const RenderOptions& options, int frame, std::span<float> pixels);
 
 // Rounds grey values and limits them to 0..255.
@@ -74,42 +75,44 @@ inline constexpr std::array<Disturbance, 6> kDisturbances{{
     {"motion-blur", &RenderOptions::motion_blur},
 }};
 
-// Options with everything on, except the disturbances of these names.
+// Returns the default options with the disturbances of these names switched off.
 RenderOptions options_without(const std::vector<std::string>& names);
 
-// Throws UserError about `source` if the pattern has not the projector's size, or has a value outside 0..1.
+// Throws UserError about `source` if the pattern does not have the projector's size, or has a value outside 0..1.
 void check_pattern(const FloatImage& pattern, const RigProjector& projector, const std::string& source = "pattern");
 
 class Renderer {
  public:
-  // The scene must live as long as the renderer. The pattern has light 0..1, the projector's lines x columns. Throws as
-  // check_pattern does.
+  // The scene must live as long as the renderer. The pattern has light 0..1, with a row for each line of the projector.
+  // Throws as check_pattern() does.
   Renderer(const RealRig& real, const Scene& scene, const FloatImage& pattern, RenderOptions options = {});
 
-  // Changes the projector's pattern. Like the constructor, but cheaper. No thread may be rendering.
+  // Changes the projector's pattern. This is cheaper than a new renderer, and throws like the constructor. No thread
+  // may render at the same time.
   void set_pattern(const FloatImage& pattern);
 
-  // The image of a frame (from 0), camera rows x columns, row by row. Does not depend on what was rendered before.
-  // Several threads may call it at once.
+  // Renders the image of a frame (from 0), camera rows x columns, row by row. The image does not depend on what was
+  // rendered before. Several threads may call this at once.
   void render(int frame, std::span<std::uint8_t> pixels) const;
 
-  // The same as floating-point grey values, which without quantization are neither rounded nor limited.
+  // Does the same with floating-point grey values. Without quantization they are neither rounded nor limited.
   void render(int frame, std::span<float> pixels) const;
 
-  // The result of a light section without any error: for each camera column the height, mm, of the point where its
-  // viewing plane, the light sheet (the middle of the projected line, ProjectedLight::line_centre) and the surface meet
-  // at the middle of the exposure. NaN if the camera does not see the line, or sees it more than once. On a belt that
-  // swings it swings as well: ask a renderer of the ideal world for the part.
+  // Computes what a light section without any error would measure. For each camera column, this is the height (mm) of
+  // the point that is on the column's viewing plane, on the light sheet and on the surface, at the middle of the
+  // exposure. The light sheet is the middle of the projected line (ProjectedLight::line_centre). The height is NaN if
+  // the camera does not see the line in this column, or sees it more than once. Vibration of the belt is included. To
+  // get the truth of the part itself, use a renderer of the ideal world.
   void truth(int frame, std::span<float> heights) const { truth(frame, heights, {}); }
 
-  // The same, and the points themselves, one for each column; without meaning where the height is NaN.
+  // Does the same, and also gives the points, one for each column. Where the height is NaN, the point has no meaning.
   void truth(int frame, std::span<float> heights, std::span<Point3> points) const;
 
-  // One such row for each of `count` frames from `first` on, with several threads (0: one for each core).
+  // Returns a row of these heights for each of `count` frames from `first` on. 0 threads means one for each core.
   [[nodiscard]] FloatImage truth(int first, int count, int threads = 0) const;
 
-  // The surface's height, mm above the plane, at a place of the world at the middle of the frame's exposure. A measured
-  // point (x, y, z) has the height error (plane_z − z) − true_height(frame, x, y).
+  // Returns the surface's height at (x, y) in mm above the plane, at the middle of the frame's exposure. The height
+  // error of a measured point (x, y, z) is (plane_z − z) − true_height(frame, x, y).
   [[nodiscard]] double true_height(int frame, double x, double y) const;
 
  private:
@@ -124,11 +127,12 @@ class Renderer {
 
   [[nodiscard]] double time_of(int frame) const { return frame / rig_.camera.frame_rate_hz; }
   [[nodiscard]] double time_of_shot(int frame) const;  // with its jitter
-  [[nodiscard]] double ambient() const;  // grey values of ambient light, unless they are the same all over
+  [[nodiscard]] double ambient() const;  // grey value of ambient light at albedo 1; 0 if the albedo is even
   [[nodiscard]] double grey(const Hit& hit, double t, double highest) const;
   void sample_dark(const Light& light, int row, int column, HeightRange heights, BlockValues& values) const;
 
-  // Samples a pixel of a block. `first` is the middle of its first sub-pixel, whose value goes to `to`.
+  // Samples a pixel of a block. `first` is the middle of the pixel's first sub-pixel. `to` is the place of this
+  // sub-pixel's value in the block.
   void sample_pixel(const Light& light, PixelPoint first, HeightRange heights, LitSurface::Shadow shadow,
                     float* to) const;
 
@@ -147,10 +151,10 @@ class Renderer {
   Rig rig_;
   const Scene& scene_;
   RenderOptions options_;
-  std::shared_ptr<const Scene> swinging_;  // the scene as it is seen, if its belt swings
+  std::shared_ptr<const Scene> swinging_;  // the scene with vibration of the belt; null without vibration
   Pinhole camera_;
   Pinhole projector_;
-  std::shared_ptr<const LitSurface> lit_;  // at one place, however the renderer is moved
+  std::shared_ptr<const LitSurface> lit_;  // on the heap, so that surface_ stays valid if the renderer is moved
   const LitSurface& surface_;
   std::shared_ptr<const DisturbedCamera> disturbed_;
   ProjectedLight light_;
@@ -158,7 +162,7 @@ class Renderer {
   BlockViews views_;
   std::shared_ptr<LevelBlocks> levels_;
   std::shared_ptr<const ColumnViews> column_views_;
-  std::vector<float> kernel_;  // of pixel and lens, one weight for each sub-pixel: (2 margin + 1) kSub
+  std::vector<float> kernel_;  // (2 margin + 1) kSub weights of sub-pixels, for a pixel with the blur of the lens
 };
 
 }  // namespace selfproj

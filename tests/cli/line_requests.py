@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
-"""A running line under requests that are none, by HTTP and Modbus, and how fast its results come.
+"""Checks that invalid HTTP and Modbus requests do not disturb a running line, and measures how soon its results come.
 
     line_requests.py PROGRAMS MAKE_PARTS [--requests N] [--rate R] [--seconds S] [--browsers B] [--nice P] [--record]
 
-A board repeats parts, every third with a dent, through a ring. For S seconds, at R frames a second, nobody disturbs
-the line, but B browsers show its page, each a process of its own without a window. They have a lower priority than the
-line, because they draw in software and would be on other machines. --nice gives the line a priority on a machine that
-has other work. Nothing may be lost, and the line's memory is kept at the beginning and at the end.
-Then, in a run at 1,500 frames a second, N HTTP requests and N Modbus requests come that are damaged, cut or random
-bytes, or ask to write. Afterwards every part must have been judged as before, nothing may be lost, and page and
-registers must still tell what the files tell.
+A simulated board sends the same parts again and again through a ring. Every third part has a dent.
+
+The first run lasts S seconds at R frames a second. B browsers show the page of the line. Each browser is a process of
+its own without a window. The browsers have a lower priority than the line, because they draw in software, and on a real
+line they would run on other machines. --nice P sets the niceness of the line itself; use a negative P on a machine that
+has other work. Nothing may be lost. The line's memory is measured at the beginning, during the run and at the end.
+
+The second run has 1,500 frames a second. N HTTP requests and N Modbus requests come. They are damaged, cut off, or
+random bytes, or they ask for something that is not allowed, such as to write. Every part must be judged as usual, and
+nothing may be lost. At the end, the page must answer, and the registers must have the same counts as the files.
+
 --record keeps the figures in the folder results.
 """
 
@@ -34,11 +38,11 @@ import results  # noqa: E402
 CYCLE = ["OK", "OK", "not OK"]
 REGISTERS = 21
 BROWSER_NICENESS = 10
-ATTACKED_RATE = 1500  # frames a second: not the machine's speed is to be measured then
+ATTACKED_RATE = 1500  # frames a second: low, because the second run does not measure speed
 
 
 def modbus(port, function=4, first=0, count=REGISTERS):
-    """The registers as a list."""
+    """Returns the registers as a list."""
     with socket.create_connection(("127.0.0.1", port), timeout=10) as client:
         client.sendall(struct.pack(">HHHBBHH", 1, 0, 6, 1, function, first, count))
         answer = b""
@@ -57,7 +61,7 @@ def http(port, path):
 
 
 def damaged(rng, request):
-    """The request with something wrong: bytes changed, cut off, or nothing but random bytes."""
+    """Returns the request with some bytes changed, or cut off, or random bytes instead of it."""
     kind = rng.randrange(3)
     if kind == 0:
         request = bytearray(request)
@@ -92,7 +96,7 @@ def send(port, request):
     with socket.create_connection(("127.0.0.1", port), timeout=10) as rude:
         try:
             rude.sendall(request)
-            if len(request) % 4 == 0:  # some wait for an answer, and most hang up
+            if len(request) % 4 == 0:  # some clients wait for an answer, but most hang up
                 rude.settimeout(0.02)
                 rude.recv(256)
         except OSError:
@@ -100,7 +104,7 @@ def send(port, request):
 
 
 class Line:
-    """A board and `selfproj inspect` in a folder, with page and registers."""
+    """A simulated board, and `selfproj inspect` with its page and Modbus registers, running in a folder."""
 
     def __init__(self, programs, folder, out, rate, niceness=0):
         ring = f"requests-{os.getpid()}-{out}"
@@ -120,7 +124,7 @@ class Line:
         self.wait_for_parts(1)
 
     def wait_for_parts(self, least):
-        """Until so many are judged; the registers may not be there yet."""
+        """Waits until at least so many parts are judged. The registers may not be available at first."""
         end = time.monotonic() + 120
         while time.monotonic() < end:
             try:
@@ -137,10 +141,10 @@ class Line:
             process.wait()
 
     def end(self):
-        """Stops the board and then the host, and checks what the run tells. Returns its counts."""
+        """Stops the board and then the host, and checks the results of the run. Returns its counts."""
         self.board.send_signal(signal.SIGINT)
         self.board.wait(60)
-        time.sleep(0.5)  # what is in the ring is judged
+        time.sleep(0.5)  # until the host has judged what is still in the ring
         registers, status = modbus(self.modbus), http(self.live, "/")
         self.host.send_signal(signal.SIGINT)
         said = self.host.communicate(timeout=60)[1]
@@ -151,24 +155,24 @@ class Line:
         assert status == b"200", status
         lost = {key: counts[key] for key in ("lost_board", "lost_ring", "missing", "bad", "flagged") if counts[key]}
         assert not lost, lost
-        whole = parts[:-1]  # the last may have been in the middle when the board stopped
+        whole = parts[:-1]  # the board may have stopped in the middle of the last part
         wrong = [part["part"] for i, part in enumerate(whole) if part["verdict"] != CYCLE[i % len(CYCLE)]]
         assert whole and not wrong, f"{len(wrong)} of {len(whole)} parts are judged wrong, the first {wrong[:1]}"
         told = registers[5] * 65536 + registers[6], registers[7] * 65536 + registers[8]
-        # A part that ended with the stream comes later.
+        # The files may have one part more: the last one, which ended only when the stream ended.
         assert told[0] in (counts["parts_ok"], counts["parts_ok"] - 1), (told, counts)
         assert told[1] in (counts["parts_not_ok"], counts["parts_not_ok"] - 1), (told, counts)
         return counts
 
 
 def resident_mib(pid):
-    """The memory that a process has in RAM."""
+    """Returns the memory of a process that is in RAM, in MiB."""
     status = pathlib.Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
     return int(re.search(r"^VmRSS:\s+(\d+) kB", status, re.M)[1]) / 1024
 
 
 def watch(programs, folder, args):
-    """The line for args.seconds with args.browsers at its page. Returns the figures of the run."""
+    """Runs the line for args.seconds while args.browsers show its page. Returns the figures of the run."""
     pages = [chromium.Chromium(BROWSER_NICENESS) for _ in range(args.browsers)]
     line = None
     try:
@@ -185,7 +189,7 @@ def watch(programs, folder, args):
             most = max(most, resident_mib(line.host.pid))
             load.append(os.getloadavg()[0])
         final = resident_mib(line.host.pid)
-        # Every page is still live: it shows what came in the meantime, and no error.
+        # Every page is still live: its number of profiles has grown, and it shows no error.
         for page, before in zip(pages, seen):
             assert int(page.figures()["profiles"]) > before
             errors = page.errors()
@@ -218,7 +222,7 @@ def attack(line, requests, seed):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="A running line under requests that are none.")
+    parser = argparse.ArgumentParser(description="Sends invalid requests to a running line.")
     parser.add_argument("programs", type=pathlib.Path)
     parser.add_argument("make_parts", type=pathlib.Path)
     parser.add_argument("--requests", type=int, default=100)
@@ -255,14 +259,15 @@ def main():
     if args.record:
         file = results.ROOT / "results/line_requests.json"
         command = "tests/cli/line_requests.py build/bin MAKE_PARTS " + " ".join(sys.argv[3:])
-        if file.exists():  # the runs with other options: each with the command and commit of its own
+        if file.exists():  # keep the runs with other options, each with its own command and commit
             earlier = json.loads(file.read_text(encoding="utf-8"))
             of_file = {key: earlier[key] for key in ("command", "commit")}
             found = {name: of_file | entry for name, entry in earlier["results"].items()} | {
                 name: {"command": command, "commit": results.commit(results.ROOT)} | entry
                 for name, entry in found.items()}
-        results.write("line_requests", "A running line: time to a result, and requests that are none", command, found,
-                      results.ROOT / "results")
+        results.write("line_requests",
+                      "A running line: how soon its results come, and whether invalid requests disturb it", command,
+                      found, results.ROOT / "results")
 
 
 if __name__ == "__main__":

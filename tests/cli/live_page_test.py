@@ -106,7 +106,7 @@ class Http(Made):
         self.assertEqual(self.get(line.port, "/", method="POST")[0].status, 405)
         self.assertEqual(self.get(line.port, "/", {"Host": "elsewhere.example"})[0].status, 403)
         self.assertEqual(self.get(line.port, "/../etc/passwd")[0].status, 404)
-        # One that reads nothing, and requests that are none.
+        # A client that never reads what it asked for, and clients that send invalid requests.
         idle = socket.create_connection(("127.0.0.1", line.port))
         idle.sendall(b"GET /stream HTTP/1.1\r\nHost: localhost\r\n\r\n")
         rng = random.Random(1)

@@ -1,5 +1,5 @@
-// The bits among the parameters of sp_board may be given as integers: a board built with 0 and 1
-// has the capability of one built with 1'b0 and 1'b1.
+// One-bit parameters of sp_board may be given as integers. A board built with 0 and 1 must have the
+// same capability register as a board built with 1'b0 and 1'b1.
 `default_nettype none
 
 module integer_parameters_tb;

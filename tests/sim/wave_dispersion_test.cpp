@@ -1,4 +1,4 @@
-// Depth and speeds of waves that this test puts into a basin, by formulas of its own.
+// Measures depth and speeds of waves that this test computes by formulas of its own.
 #include "sim/experiment/wave_dispersion.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ double wavenumber(int m, int n) {
   return std::numbers::pi * std::hypot(m / (kBasin.x1 - kBasin.x0), n / (kBasin.y1 - kBasin.y0));
 }
 
-// Standing waves of random amplitudes and phases, of lengths from `shortest` to `longest`, that turn as `omega` says.
+// Standing waves of random amplitudes and phases, with lengths from `shortest` to `longest` and frequencies by `omega`.
 std::vector<Turning> random_waves(double longest, double shortest, const std::function<double(double k)>& omega,
                                   std::uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -53,7 +53,7 @@ std::vector<Turning> random_waves(double longest, double shortest, const std::fu
   return waves;
 }
 
-// What a coarse scanner of so much noise (mm) sees of them for 0.3 s, 20 times.
+// The waves in 20 depth images of a coarse scanner within 0.3 s. `noise_mm` is the standard deviation of a depth.
 BasinWaves seen(const std::vector<Turning>& waves, double noise_mm, std::uint64_t seed) {
   const Rig rig = test::coarse_scanner(4);
   const PlaneTriangulation triangulation(rig, 8);
@@ -107,8 +107,8 @@ TEST(WaveDispersion, DepthComesOut) {
   }
 }
 
-// Weaker gravity, or a clock that runs too fast, slows down all waves alike. Waves that hardly feel the ground would
-// take that for another depth.
+// Weaker gravity, or a clock that runs too fast, slows down all waves alike. If the waves hardly depend on the depth,
+// this would look like another depth.
 TEST(WaveDispersion, GravityNeedNotBeTheStandard) {
   for (const double factor : {0.995, 1.005}) {
     const auto waves = random_waves(
@@ -136,7 +136,7 @@ TEST(WaveDispersion, EachLengthHasItsSpeed) {
   EXPECT_TRUE(std::isnan(measured.speed(3000, 2000).speed));
 }
 
-// Waves that all run at one speed are not those of deep water, and the misfit says so.
+// Waves of all these lengths do not run at one speed on water, and the misfit shows this.
 TEST(WaveDispersion, OtherWavesDoNotFit) {
   const auto waves = random_waves(
       700, 62, [](double k) { return 400 * k; }, 21);
@@ -149,7 +149,7 @@ TEST(WaveDispersion, OtherWavesDoNotFit) {
   EXPECT_GT(measured.long_waves().misfit, 5);
 }
 
-// Short waves do not feel the ground: the depth is not known, and the deviation says so.
+// The speed of short waves hardly depends on the depth. So the depth stays unknown, and the deviation shows this.
 TEST(WaveDispersion, ShortWavesAloneDoNotTellTheDepth) {
   const auto waves = random_waves(
       75, 62, [](double k) { return airy(k, 90); }, 31);

@@ -1,4 +1,5 @@
-// Depths at the borders of codes, against surfaces that this test puts under Gray codes, by formulas of its own.
+// Compares the depths at the borders between codes with the surfaces from which this test computes codes and images, by
+// formulas of its own.
 #include "host/structured_light/code_borders.h"
 
 #include <gtest/gtest.h>
@@ -26,10 +27,10 @@ namespace {
 constexpr int kBits = 8;
 using Surface = std::function<double(double x, double y)>;  // z, mm
 
-// What rig B sees of a surface: the words of its codes, and the depths at their borders.
+// A surface as rig B sees it: its code words, the depths of whole codes, and the depths at the borders between codes.
 class SeenBorders {
  public:
-  // `contrast` is the greatest difference of a pair; noise in grey values.
+  // `contrast` is the greatest difference between the images of a pair, `noise` a standard deviation, in grey values.
   SeenBorders(const Surface& surface, double contrast, double noise) : rig_(load_rig("scanner")), plane_(rig_, kBits) {
     const std::size_t pixels = plane_.pixels();
     const auto matrix = depth_matrices(rig_, kBits).projector;
@@ -65,7 +66,7 @@ class SeenBorders {
     at_borders.depth(words.data(), borders.data());
   }
 
-  // The amplitude of a wave of this shape in depths around a level, by least squares.
+  // Returns the amplitude (mm) of a wave of this shape in depths around a level, by least squares.
   [[nodiscard]] double amplitude(const std::vector<float>& depths, double level, const Surface& shape) const {
     double up = 0;
     double all = 0;
@@ -85,7 +86,7 @@ class SeenBorders {
   std::vector<float> whole, borders;
 
  private:
-  // -1..1: the Gray code's bit at a place, blurred over one code.
+  // Returns the bit of the Gray code at a place, as -1 or 1, blurred over one code.
   static double light(double code, int bit) {
     const auto sign = [&](int c) { return ((c ^ (c >> 1)) >> bit & 1) != 0 ? 1.0 : -1.0; };
     const double place = code - 0.5;
@@ -126,8 +127,8 @@ TEST(CodeBorders, LieOnTheSurface) {
   EXPECT_GT(std::sqrt(whole_squares / whole_count), 1) << "whole codes are rounded";
 }
 
-// A wave of a hundredth of a code: whole codes do not see it, because the codes of a level surface are rounded alike in
-// all pixels of a row.
+// The amplitude of this wave is a hundredth of a code. Depths of whole codes do not show such a wave, because on a
+// level surface all pixels of a row have the same rounding error.
 TEST(CodeBorders, ShowWavesFarSmallerThanACode) {
   constexpr double kLevel = 520;
   constexpr double kHigh = 0.05;
