@@ -23,8 +23,8 @@ module sp_link #(
   parameter int LogDepth = DatagramBytes > 8192 ? $clog2(DatagramBytes / 16 + 1) : 9,
   parameter int IdleClocks = 5_000_000,  // silence after which the receiver is told: 2 or more
   parameter logic [3:0] Sources = 4'b0001,  // bit i: the build has source i of the register source
-  parameter int ReplayColumns = 0,  // largest frame of replay; 0 without replay
-  parameter int ReplayRows = 0
+  parameter int ReplayColumns = 0,  // columns of the largest frame of replay; 0 without replay
+  parameter int ReplayRows = 0  // rows of the largest frame of replay; 0 without replay
 ) (
   input  wire logic         clk_i,
   input  wire logic         rst_i,              // active high, synchronous
