@@ -30,17 +30,17 @@ std::string short_text(double number) {
 }
 
 // The words for a range in the help, and in an error.
-struct Range {
+struct RangeText {
   std::string in_help;
   std::string in_error;
 };
 
-Range range_of(const std::string& least, const std::string& most) {
+RangeText range_of(const std::string& least, const std::string& most) {
   const std::string range = fmt::format("{} to {}", least, most);
   return {range, "from " + range};
 }
 
-CLI::Validator real_validator(const Range& range, double least, double most, bool least_is_allowed) {
+CLI::Validator real_validator(const RangeText& range, double least, double most, bool least_is_allowed) {
   return CLI::Validator(
       [=](std::string& text) {
         const std::optional<double> number = number_of_text<double>(text);
@@ -69,8 +69,9 @@ void set_text(CLI::App& app, const CommandText& text) {
 void begin_group(CLI::App& command, const std::string& name) { command.option_defaults()->group(name); }
 
 CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
-  const Range range = most == kNoLimit ? Range{fmt::format("{} or more", least), fmt::format("of {} or more", least)}
-                                       : range_of(std::to_string(least), std::to_string(most));
+  const RangeText range = most == kNoLimit
+                              ? RangeText{fmt::format("{} or more", least), fmt::format("of {} or more", least)}
+                              : range_of(std::to_string(least), std::to_string(most));
   return CLI::Validator(
       [=](std::string& text) {
         const std::optional<std::int64_t> number = number_of_text<std::int64_t>(text);

@@ -43,7 +43,7 @@ const std::vector<std::pair<const char*, PartCut>> kScannerCuts = {{"image", Par
 const std::vector<std::pair<const char*, bool>> kBelts = {{"encoder", true}, {"clock", false}};
 
 template <class LensT, class Visitor>
-void visit_lens(const char* section, LensT& lens, Range focal, Visitor& v) {
+void visit_lens(const char* section, LensT& lens, ValueRange focal, Visitor& v) {
   v.begin(section);
   v.number("fx_px", lens.fx_px, 1, focal);
   v.number("fy_px", lens.fy_px, 1, focal);

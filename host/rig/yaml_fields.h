@@ -23,16 +23,16 @@ namespace selfproj {
 inline constexpr double kFar = 1e6;  // mm: larger than any machine
 
 // The range of a number.
-struct Range {
+struct ValueRange {
   double low;
   double high;
   bool zero = true;  // may be 0, or nearer to it than kLeast
 };
 inline constexpr double kLeast = 1e-9;  // smaller than any quantity that may not be 0: its inverse is a number, too
-inline constexpr Range kPositive{.low = kLeast, .high = kFar};
-inline constexpr Range kNotNegative{.low = 0, .high = kFar};
-inline constexpr Range kAny{.low = -kFar, .high = kFar};
-inline constexpr Range kNotZero{.low = -kFar, .high = kFar, .zero = false};
+inline constexpr ValueRange kPositive{.low = kLeast, .high = kFar};
+inline constexpr ValueRange kNotNegative{.low = 0, .high = kFar};
+inline constexpr ValueRange kAny{.low = -kFar, .high = kFar};
+inline constexpr ValueRange kNotZero{.low = -kFar, .high = kFar, .zero = false};
 
 // Reads the keys from a YAML document.
 class FieldReader {
@@ -60,7 +60,7 @@ class FieldReader {
     fail(key, fmt::format("is '{}'; one of {} is expected", given, names));
   }
 
-  void number(const char* key, double& value, double unit, Range range) {
+  void number(const char* key, double& value, double unit, ValueRange range) {
     const auto given = as<double>(key, "a number");
     if (!range.zero && std::abs(given) < kLeast) {
       fail(key, given == 0 ? "is 0" : fmt::format("is {}; its size must be at least {}", given, kLeast));
@@ -83,7 +83,7 @@ class FieldReader {
   }
 
   // A list of numbers of this range.
-  void numbers(const char* key, std::vector<double>& values, double unit, Range range) {
+  void numbers(const char* key, std::vector<double>& values, double unit, ValueRange range) {
     const YAML::Node node = find(key);
     if (!node.IsSequence()) {
       fail(key, "is not a list of numbers");
@@ -227,8 +227,8 @@ class FieldWriter {
     const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.second == value; });
     line(key, found->first);
   }
-  void number(const char* key, double value, double unit, Range /*range*/) { line(key, shortest(value, unit)); }
-  void numbers(const char* key, const std::vector<double>& values, double unit, Range /*range*/) {
+  void number(const char* key, double value, double unit, ValueRange /*range*/) { line(key, shortest(value, unit)); }
+  void numbers(const char* key, const std::vector<double>& values, double unit, ValueRange /*range*/) {
     std::string list;
     for (const double value : values) {
       list += (list.empty() ? "" : ", ") + shortest(value, unit);
