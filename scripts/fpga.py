@@ -302,7 +302,7 @@ def prepared(place):
     alone, pins = whole(family, tuple(parameters.items())), count(netlist)[1]
     lost = [column for column in COLUMNS if pins[column] < 0.97 * alone[column]]
     if lost:
-        raise FpgaError(f"{part}: behind its pins the board has lost {', '.join(lost)}: it is not what is placed")
+        raise FpgaError(f"{part}: with {PINS.stem} the netlist has less {', '.join(lost)} than the board alone")
     netlist = canonical(netlist)
     if not change:
         return netlist

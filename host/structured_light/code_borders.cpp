@@ -43,17 +43,17 @@ CodeBorders::CodeBorders(const Triangulation& triangulation, int threshold)
       towards_(direction(triangulation)),
       difference_(static_cast<std::size_t>(triangulation.bits())),
       whole_(triangulation.pixels()) {
-  check(triangulation.rows_are_x(), "borders of codes: the codes do not run along the rows");
-  check(threshold >= 0 && threshold <= 255, "borders of codes: the threshold is not in 0..255");
+  check(triangulation.rows_are_x(), "borders between codes: the codes must change from row to row of the projector");
+  check(threshold >= 0 && threshold <= 255, "borders between codes: the threshold is not in 0..255");
 }
 
 void CodeBorders::take(int plane, const ImageView& positive, const ImageView& negative) {
-  check(plane >= 0 && plane < triangulation_.bits(), "borders of codes: there is no such plane");
+  check(plane >= 0 && plane < triangulation_.bits(), "borders between codes: there is no such plane");
   const int rows = triangulation_.rows();
   const int columns = triangulation_.columns();
   for (const ImageView& image : {positive, negative}) {
     check(image.pixels != nullptr && image.rows == rows && image.columns == columns,
-          "borders of codes: an image has another size");
+          "borders between codes: an image has another size");
   }
   std::vector<std::int16_t>& difference = difference_[static_cast<std::size_t>(plane)];
   difference.resize(triangulation_.pixels());

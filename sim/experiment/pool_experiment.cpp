@@ -166,11 +166,11 @@ NamedDrop other_pool(int i, std::uint64_t first_seed) {
 ReportTable lengths_table(const WaveDispersion& measured, const WaveDispersion& in_truth) {
   constexpr std::array<double, 7> kLengths{500, 240, 160, 120, 95, 75, 60};
   ReportTable table{
-      "B2: speed of phases by wavelength",
+      "B2: phase speed by wavelength",
       {"waves of, mm", "standing waves", "mean length, mm", "measured, cm/s", "in the true depths, cm/s",
        "by theory, cm/s"},
       {},
-      "Each wave may turn at any frequency. By theory: Airy's waves of the mean length in 3 cm of water."};
+      "The frequency of each wave is fitted freely. By theory: Airy's waves of the mean length in 3 cm of water."};
   for (std::size_t i = 0; i + 1 < kLengths.size(); ++i) {
     const WaveSpeed seen = measured.speed(kLengths.at(i), kLengths.at(i + 1));
     const WaveSpeed truth = in_truth.speed(kLengths.at(i), kLengths.at(i + 1));
@@ -189,12 +189,14 @@ StructuredLightResult run_waves(const GrayMotionOptions& options, const Progress
   std::size_t done = 0;
   const auto count = [&] { progress(++done, images_of(1 + options.pools, frames)); };
   StructuredLightResult result;
-  ReportTable others{"B2: speed of long waves in other pools",
-                     {"pool", "depth, mm", "measured, mm", "√(g h), cm/s", "measured, cm/s", "off, %", "standing waves",
-                      "misfit", "off by whole codes, %", "foremost crest, cm/s"},
-                     {},
-                     "Depth, place of the impact and crater are drawn by seeds, with noise of its own in each pool. "
-                     "Misfit: what the theory leaves, by what a frequency of its own would leave of each wave."};
+  ReportTable others{
+      "B2: speed of long waves in other pools",
+      {"pool", "depth, mm", "measured, mm", "√(g h), cm/s", "measured, cm/s", "off, %", "standing waves", "misfit",
+       "off by whole codes, %", "foremost crest, cm/s"},
+      {},
+      "Depth, place of the impact and crater are drawn by seeds, with noise of its own in each pool. "
+      "Misfit: the residual with the theory's frequencies, divided by that with a freely fitted frequency "
+      "for each wave."};
   const auto judge = [&](const std::string& name, double true_speed, const LongWaves& waves) {
     const double off = waves.speed / true_speed - 1;
     if (!(std::abs(off) <= kMostOff)) {
