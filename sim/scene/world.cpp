@@ -21,7 +21,7 @@
 namespace selfproj {
 namespace {
 
-constexpr Range kShare{.low = 0, .high = 1};
+constexpr ValueRange kShare{.low = 0, .high = 1};
 constexpr double kMostGrey = 255;
 constexpr std::size_t kMostBytes = 1 << 20;
 
