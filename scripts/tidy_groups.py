@@ -3,10 +3,10 @@
 
     tidy_groups.py BUILD FOLDER SOURCE...
 
-Most of clang-tidy's time goes into the headers of libraries. So up to 60 sources are checked together, even if they are
-in different folders: a file in FOLDER includes them all, and FOLDER/compile_commands.json says how that file and each
-source are compiled. Two sources are not checked together if they would not compile together, or would mean something
-else. This is so if
+For a source alone, most of clang-tidy's time goes into the headers of libraries. So up to 60 sources, also from
+different folders, are checked together: a file in FOLDER includes them all. FOLDER/compile_commands.json says how that
+file and each source are compiled. Two sources are not checked together if together they would not compile, or if one
+would then mean something else than it does alone. This is so if
 
 * both define the same name,
 * one calls a function that the unnamed namespace of the other would hide, or

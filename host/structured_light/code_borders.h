@@ -1,9 +1,9 @@
 // Finds the borders between codes to a fraction of a pixel, and their depths to a fraction of a code.
 //
-// Where the codes of two neighbouring pixels along x differ by one, one bit of the Gray code differs. The border lies
-// between these pixels, where the difference of this bit's two images passes through zero. Its depth is not rounded to
-// whole codes. On a smooth surface an average does not remove rounding, because the error is the same in all pixels of
-// a row: they lie at the same position within their code.
+// Here x changes from one row of the image to the next. Where the codes of two neighbouring pixels along x differ by
+// one, one bit of the Gray code differs. The border lies between these pixels, where the difference of this bit's two
+// images passes through zero. Its depth is not rounded to whole codes. On a smooth surface an average does not remove
+// rounding, because the error is the same in all pixels of a row: they lie at the same position within their code.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_CODE_BORDERS_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_CODE_BORDERS_H
 
@@ -20,7 +20,7 @@ class CodeBorders {
  public:
   // A border counts only if the difference of the two images changes by more than 2 · `threshold` grey values between
   // the two pixels. A smaller change is taken for noise. The triangulation must outlive this object. Throws
-  // std::invalid_argument if the threshold is not in 0..255, or unless x changes from row to row (rows_are_x()).
+  // std::invalid_argument if the threshold is not in 0..255, or if x runs along the rows (rows_are_x() is false).
   CodeBorders(const Triangulation& triangulation, int threshold);
 
   // Takes the two images of a bit plane. Plane 0 is the most significant one. Throws std::invalid_argument if the plane

@@ -89,8 +89,8 @@ struct LongWaves {
   double speed = 0;      // mm/s
   double deviation = 0;  // standard deviation of the speed, the greater of two: from leaving out a tenth of the waves
                          // at a time, and from the curve of the sum of squares
-  // The sum of squared residuals of the theory, divided by that of a fit in which each wave has a frequency of its own.
-  // It is about 1 if the theory holds.
+  // The mean over the waves of the mean square that the theory leaves, divided by the wave's noise (HeardWave). It is
+  // about 1 if the theory holds, and can be a little less, because the noise is at least the waves' median.
   double misfit = 0;
 };
 
