@@ -23,6 +23,8 @@ import rtl_tree  # noqa: E402
 COCOTB = pypi.Environment(ROOT / "build" / "cocotb", ["cocotb==1.9.2", "cocotbext-axi==0.1.24", "numpy==2.4.6"],
                           "--only-binary", "numpy,cocotb")
 BUILD_ARGUMENTS = {"icarus": ["-g2012"], "verilator": ["-Wno-fatal", "-O1"]}
+# Verilator's code runs so short here that to optimize it takes longer.
+MAKE_FLAGS = "OPT_FAST=-O0 OPT_SLOW=-O0 OPT_GLOBAL=-O0"
 PARAMETERS = {"MaxColumns": 64, "MaxRows": 15}
 # File, old, new, and the test that finds it
 FAULTS = [
@@ -59,7 +61,8 @@ def run(rtl, folder, only="", simulator="icarus", packages=""):
     """Runs the tests with Python of the environment, and with the packages of another one. Returns the exit status and
     what they say."""
     path = os.pathsep.join(filter(None, [str(pathlib.Path(__file__).parent), str(packages)]))
-    environment = os.environ | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONWARNINGS": "ignore"}
+    environment = os.environ | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONWARNINGS": "ignore",
+                                "MAKEFLAGS": MAKE_FLAGS}
     folder.mkdir(parents=True, exist_ok=True)
     done = subprocess.run([COCOTB.python, __file__, "--simulate", rtl, folder, only, simulator], env=environment,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
