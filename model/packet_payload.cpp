@@ -10,7 +10,6 @@
 namespace selfproj {
 namespace {
 
-constexpr std::size_t kBeatBytes = spec::kPacketBeatBytes;
 constexpr std::size_t kBinaryBytes = spec::kBinaryWordBits / 8;
 constexpr std::size_t kGreyBytes = spec::kGreyWordBits / 8;
 constexpr std::size_t kCodeBytes = spec::kCodeWordBits / 8;
@@ -24,7 +23,9 @@ constexpr int kHalf = 8;  // the second run has half of the strongest, in sixtee
 constexpr std::uint32_t ones32(int bits) { return (std::uint32_t{1} << bits) - 1; }
 constexpr std::uint64_t ones64(int bits) { return (std::uint64_t{1} << bits) - 1; }
 
-constexpr std::size_t whole_beats(std::size_t bytes) { return (bytes + kBeatBytes - 1) / kBeatBytes * kBeatBytes; }
+constexpr std::size_t whole_beats(std::size_t bytes) {
+  return (bytes + spec::kPacketBeatBytes - 1) / spec::kPacketBeatBytes * spec::kPacketBeatBytes;
+}
 
 std::size_t moments_bytes(Mode mode, std::size_t columns) {
   return whole_beats(columns * (mode == Mode::binary ? kBinaryBytes : kGreyBytes));

@@ -10,7 +10,7 @@
 namespace selfproj {
 namespace {
 
-constexpr std::uint32_t kHalf = 0x8000'0000U;
+constexpr std::uint32_t kHalfRange = 0x8000'0000U;
 
 // The header of a datagram whose magic number and length are right.
 std::optional<ReplayHeader> header_of(const ReplayModel::Datagram& datagram) {
@@ -62,7 +62,7 @@ bool ReplayModel::fits(const ReplayHeader& header) const {
 std::optional<ReplayFrame> ReplayModel::datagram(const Datagram& datagram) {
   const std::optional<ReplayHeader> header = header_of(datagram);
   const std::uint32_t ahead = header ? header->frame - frame_ : 0;
-  const bool begins = header && header->offset == 0 && ahead < kHalf && (pixels_.empty() || ahead != 0);
+  const bool begins = header && header->offset == 0 && ahead < kHalfRange && (pixels_.empty() || ahead != 0);
   const bool goes_on = header && !pixels_.empty() && ahead == 0 && header->offset == pixels_.size() &&
                        header->columns == columns_ && header->rows == rows_;
   const bool judged =

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # build.sh [PRESET [TARGET...]]: installs missing packages, configures, and builds. PRESET is release (default), dev or
-# sanitizers. Without a TARGET it builds the programs alone; TARGET all builds the tests as well.
+# sanitizers. Without a TARGET it builds the programs alone; TARGET all builds the tests as well. selfproj_demo and
+# selfproj-sim_demo have only the commands of scripts/demo.sh.
 # Preset release builds for speed and puts the programs into build/bin/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -17,7 +18,7 @@ targets=("${@:2}")
 tests=false
 for target in "${targets[@]}"; do
   case $target in
-    programs | selfproj | selfproj-sim) ;;
+    programs | selfproj | selfproj-sim | selfproj_demo | selfproj-sim_demo) ;;
     -*) echo "build.sh: $target: no target; usage: scripts/build.sh [PRESET [TARGET...]]" >&2; exit 2 ;;
     *) tests=true ;;
   esac

@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # demo.sh: builds the simulation and shows the main job. A conveyor moves at 1000 mm/s under the simulated camera, the
 # board's RTL works on the images, and marks carved 1 mm deep show in the difference from the reference part. It
-# installs missing packages first, writes to build/demo/, and ends with the paths of the pictures and a short live run
-# that a browser can watch. SELFPROJ_DEMO_SECONDS says how long that takes (20; 0: none), SELFPROJ_DEMO_PORT at which
-# port (8080).
+# installs missing packages first, writes to build/demo/, prints the paths of the pictures, and ends with a short live
+# run that a browser can watch. SELFPROJ_DEMO_SECONDS says how long that takes (20; 0: none), SELFPROJ_DEMO_PORT at
+# which port (8080).
+#
+# It builds programs that have only the commands shown here, in build/bin/demo/. scripts/build.sh builds all commands.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -13,7 +15,8 @@ case ${1:-} in
   *) echo "demo.sh: $1: unknown; usage: scripts/demo.sh" >&2; exit 2 ;;
 esac
 
-scripts/build.sh release selfproj selfproj-sim
+scripts/build.sh release selfproj-sim_demo
+programs=build/bin/demo
 out=build/demo
 rm -rf "$out"
 mkdir -p "$out"
@@ -25,12 +28,12 @@ Stairs of 30, 39 and 21 mm, with a circle, a cross and a triangle carved 1 mm de
 Verilated, with real line timing) sums the moments; the driver takes its packets; every packet is compared with the
 model.
 TEXT
-build/bin/selfproj-sim cosim --scene stairs-marked --out "$out/stairs-marked" --packets "$out/stairs-marked.packets"
+"$programs"/selfproj-sim cosim --scene stairs-marked --out "$out/stairs-marked" --packets "$out/stairs-marked.packets"
 
 captures=../shared/data/laser-chrisspen/images
 if [[ -d $captures ]]; then
   printf '\nReal captures of a laser line, red channel minus that without the laser, through the same board:\n'
-  build/bin/selfproj-sim cosim --frames "$captures/sample*/sample*-b-0.jpg" \
+  "$programs"/selfproj-sim cosim --frames "$captures/sample*/sample*-b-0.jpg" \
     --background "$captures/sample*/sample*-a-0.jpg" --channel red --threshold 30 --out "$out/captures"
 fi
 
@@ -50,10 +53,13 @@ seconds=${SELFPROJ_DEMO_SECONDS:-20}
 port=${SELFPROJ_DEMO_PORT:-8080}
 [[ $seconds != 0 ]] || exit 0
 
+printf '\nThe live run needs the host program:\n'
+scripts/build.sh release selfproj_demo
+
 # The shape of the good part is all that the host needs to know.
 printf '%s\n' y_mm,z_mm -59,1167 -52.5,1167 -52.5,1137 -17.5,1137 -17.5,1128 17.5,1128 17.5,1146 52.5,1146 52.5,1167 \
   59,1167 >"$out/stairs.csv"
-build/bin/selfproj pattern --reference "$out/stairs.csv" --out "$out/reference" >/dev/null
+"$programs"/selfproj pattern --reference "$out/stairs.csv" --out "$out/reference" >/dev/null
 
 cat <<TEXT
 
@@ -65,9 +71,9 @@ in a browser of this machine while it runs, $seconds seconds from now on:
 Longer: SELFPROJ_DEMO_SECONDS=600 scripts/demo.sh
 TEXT
 ring=selfproj-demo-$$
-build/bin/selfproj-sim board --replay "$out/stairs-marked.packets" --ring "$ring" --rate 1000 --loop >/dev/null &
+"$programs"/selfproj-sim board --replay "$out/stairs-marked.packets" --ring "$ring" --rate 1000 --loop >/dev/null &
 board=$!
 trap 'kill "$board" 2>/dev/null || true' EXIT
-build/bin/selfproj inspect --device "ring:$ring" --wait-for-board --newest --reference "$out/reference" \
+"$programs"/selfproj inspect --device "ring:$ring" --wait-for-board --newest --reference "$out/reference" \
   --seconds "$seconds" --live "$port" ||
   echo "the live run did not take place; another port: SELFPROJ_DEMO_PORT=8081 scripts/demo.sh"

@@ -17,10 +17,9 @@
 namespace selfproj {
 namespace {
 
-constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr int kMostTries = 20;
-constexpr std::int64_t kPatience = 3000 * kMillisecond;  // for an image; exposures of a camera are shorter
-constexpr std::chrono::milliseconds kLook(20);           // so that Esc and Ctrl-C are noticed
+constexpr std::int64_t kPatience = 3'000'000'000;  // ns, for an image; exposures of a camera are shorter
+constexpr std::chrono::milliseconds kLook(20);     // so that Esc and Ctrl-C are noticed
 
 }  // namespace
 

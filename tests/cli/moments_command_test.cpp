@@ -17,6 +17,7 @@
 #include "model/column_moments.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/cli/program.h"
+#include "tests/cli/random_image.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -25,13 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kOldText = "an older table\n";
-
-cv::Mat random_image(Random& random, int rows, int columns, int type = CV_8UC1) {
-  cv::Mat image(rows, columns, type);
-  const std::vector<std::uint8_t> bytes = random.bytes(image.total() * image.elemSize());
-  std::copy(bytes.begin(), bytes.end(), image.data);
-  return image;
-}
 
 // The expected table, from the definition of the moments.
 std::string expected_csv(const std::vector<cv::Mat>& frames, Mode mode, int threshold) {

@@ -16,17 +16,11 @@
 #include "model/column_runs.h"
 #include "model/packet_payload.h"
 #include "tests/cli/program.h"
+#include "tests/cli/random_image.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
 namespace {
-
-cv::Mat random_image(Random& random, int rows, int columns, int type = CV_8UC1) {
-  cv::Mat image(rows, columns, type);
-  const std::vector<std::uint8_t> bytes = random.bytes(image.total() * image.elemSize());
-  std::copy(bytes.begin(), bytes.end(), image.data);
-  return image;
-}
 
 // The expected table, from the definition; in mode binary `second` is 8 or 0.
 std::string expected_csv(const cv::Mat& image, const Measure& measure) {

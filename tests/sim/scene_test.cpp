@@ -6,13 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
 #include "sim/scene/height_map.h"
@@ -22,23 +20,16 @@
 #include "sim/scene/ray.h"
 #include "sim/scene/scene_info.h"
 #include "sim/scene/scene_list.h"
+#include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj {
 namespace {
 
+using test::error_of;
 using test::how_to_repeat;
 using test::Random;
 using test::seeds;
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "none";
-}
 
 double uniform(Random& random, double low, double high) {
   return low + (high - low) * random.between(0, 1 << 20) / (1 << 20);

@@ -36,7 +36,7 @@ TEST_F(ResultsFile, HasTheEnvelope) {
   EXPECT_EQ(keys, (std::vector<std::string>{"about", "command", "date", "commit", "machine", "results"}));
   EXPECT_EQ(file["about"], "How fast it is");
   EXPECT_EQ(file["command"].get<std::string>().find("/tmp"), std::string::npos);
-  EXPECT_NE(file["command"].get<std::string>().find("unit_results"), std::string::npos);
+  EXPECT_NE(file["command"].get<std::string>().find("unit_io"), std::string::npos);
   EXPECT_EQ(file["date"].get<std::string>().size(), std::string("2026-01-02").size());
   EXPECT_GE(file["machine"]["cores"], 1);
   EXPECT_GT(file["machine"]["memory_gib"], 0);
@@ -54,7 +54,7 @@ TEST_F(ResultsFile, CommandHasTheSettings) {
   unsetenv("SELFPROJ_TEST_FILE");
   const auto command = Json::parse(read_text(folder_ / "results/speed.json"))["command"].get<std::string>();
   EXPECT_NE(command.find("SELFPROJ_TEST_SCANS=100 "), std::string::npos) << command;
-  EXPECT_LT(command.find("SELFPROJ_TEST_SCANS=100 "), command.find("unit_results"));
+  EXPECT_LT(command.find("SELFPROJ_TEST_SCANS=100 "), command.find("unit_io"));
   EXPECT_EQ(command.find("SELFPROJ_TEST_FILE"), std::string::npos) << command;
   EXPECT_EQ(command.find("SELFPROJ_RESULTS"), std::string::npos) << command;
 }

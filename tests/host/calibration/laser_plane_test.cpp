@@ -27,7 +27,7 @@ struct Laser {
   double distance;
 };
 
-CameraSettings settings_of(const World& world) {
+CameraSettings camera_settings_of(const World& world) {
   CameraSettings settings;
   settings.chessboard = {world.chessboard_columns, world.chessboard_rows, world.square};
   return settings;
@@ -86,7 +86,7 @@ TEST(LaserPlane, CameraAndPlaneOfAnyOrientation) {
   World world;
   world.camera.k1 = -0.12;
   const std::vector<test::ChessboardPose> poses = world.poses();
-  const CameraReport camera = calibrate_camera(seen(world, poses, 0.02), settings_of(world));
+  const CameraReport camera = calibrate_camera(seen(world, poses, 0.02), camera_settings_of(world));
   EXPECT_EQ(camera.model.refusal, "");
   const BundleResult& found = camera.model.result;
   const std::array<double, 5> truth{world.camera.fx, world.camera.fy, world.camera.cx, world.camera.cy,
@@ -118,7 +118,7 @@ TEST(LaserPlane, CameraAndPlaneOfAnyOrientation) {
 TEST(LaserPlane, WhatDoesNotTellIsRefused) {
   const World world;
   const std::vector<test::ChessboardPose> poses = world.poses();
-  const CameraReport camera = calibrate_camera(seen(world, poses, 0.02), settings_of(world));
+  const CameraReport camera = calibrate_camera(seen(world, poses, 0.02), camera_settings_of(world));
   std::vector<Image> dark(poses.size(), Image{world.camera_rows, world.camera_columns, {}});
   for (Image& image : dark) {
     image.pixels.assign(static_cast<std::size_t>(image.rows * image.columns), 8);
@@ -130,9 +130,9 @@ TEST(LaserPlane, WhatDoesNotTellIsRefused) {
            {world.pose(0, 0, 560, test::turn(0.2, 0, 0)), world.pose(20, 5, 580, test::turn(0, 0.2, 4)),
             world.pose(-20, 5, 540, test::turn(0, 0, -4))},
            0.1),
-      settings_of(world));
+      camera_settings_of(world));
   EXPECT_NE(parallel.model.refusal, "");
-  EXPECT_THROW(calibrate_camera(seen(world, {poses[0]}, 0.02), settings_of(world)), UserError);
+  EXPECT_THROW(calibrate_camera(seen(world, {poses[0]}, 0.02), camera_settings_of(world)), UserError);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -18,18 +17,10 @@
 #include "host/io/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/support/board_registers.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj::test {
 namespace {
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(Control, EveryRegisterAndFieldByName) {
   RegisterFile board({.codes = true, .median = true, .code_bits = 12});

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -23,10 +22,10 @@
 #include "host/driver/open_control.h"
 #include "host/driver/open_device.h"
 #include "host/io/file_descriptor.h"
-#include "host/io/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/host/driver/packets.h"
 #include "tests/support/board_registers.h"
+#include "tests/support/error_of.h"
 #include "tests/support/litepcie_player.h"
 
 namespace selfproj::test {
@@ -37,15 +36,6 @@ constexpr const char* kUri = "litepcie:/dev/litepcie0";
 
 std::unique_ptr<Device> open(LitePciePlayer& player, const DeviceOptions& options = {}) {
   return make_litepcie_device(std::make_unique<LitePciePlayerPort>(player), kUri, options);
-}
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 // Reads what is there. Every packet must be whole, and later than the one before.

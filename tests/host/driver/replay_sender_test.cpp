@@ -6,15 +6,14 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "host/driver/control.h"
 #include "host/driver/etherbone_port.h"
-#include "host/io/user_error.h"
 #include "model/spec/generated/register_table.h"
+#include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 #include "tests/support/replay_board.h"
 
@@ -34,15 +33,6 @@ ReplayFrame random_frame(Random& random, int columns, int rows) {
 }
 
 ImageView view(const ReplayFrame& frame) { return {frame.pixels.data(), frame.rows, frame.columns, frame.columns}; }
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 // Every frame arrives once, as it was sent, and in order, whatever the network does.
 TEST(ReplaySender, EveryFrameThroughABadNetwork) {

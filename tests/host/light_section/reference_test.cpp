@@ -12,6 +12,7 @@
 
 #include "host/rig/geometry.h"
 #include "host/rig/rig.h"
+#include "tests/host/rig/random_lens.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/support/random_cases.h"
 
@@ -19,10 +20,6 @@ namespace selfproj::test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-double uniform(Random& random, double low, double high) {
-  return low + (high - low) * (random.between(0, 1 << 30) / static_cast<double>(1 << 30));
-}
 
 TEST(Geometry, TiltedProjectorAgainstVectors) {
   for (const std::uint64_t seed : seeds(1000)) {

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/user_error.h"
 #include "host/parts/depth_cutter.h"
 #include "host/parts/judge.h"
 #include "host/parts/learn.h"
@@ -19,6 +18,7 @@
 #include "host/rig/rig.h"
 #include "model/packet.h"
 #include "model/pixel_clock.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj::test {
 namespace {
@@ -58,15 +58,6 @@ FloatImage depth_of(const Rig& rig, const Surface& surface, double noise, std::u
     }
   }
   return depth;
-}
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "none";
 }
 
 PacketHeader header_of(std::uint64_t sequence, double seconds) {

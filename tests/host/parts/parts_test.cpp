@@ -4,14 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "host/io/user_error.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/reference.h"
 #include "host/parts/judge.h"
@@ -22,20 +20,12 @@
 #include "host/parts/section_reference.h"
 #include "host/parts/tolerance.h"
 #include "tests/host/parts/made_parts.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj::test {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-std::string error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "none";
-}
 
 // The parts that a cutter made of what is sent to it.
 struct Cut {

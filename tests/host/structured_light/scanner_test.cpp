@@ -7,32 +7,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
-#include <new>
 #include <vector>
 
 #include "host/rig/rig.h"
 #include "host/structured_light/triangulation.h"
 #include "model/gray_decoder.h"
 #include "model/median3x3.h"
+#include "tests/host/structured_light/allocations.h"
 #include "tests/support/random_cases.h"
-
-namespace {
-std::size_t allocations = 0;  // since the program began
-}  // namespace
-
-// Not inlined; otherwise the compiler reports malloc and delete as a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  void* const memory = std::malloc(size == 0 ? 1 : size);
-  if (memory == nullptr) {
-    throw std::bad_alloc();
-  }
-  return memory;
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
 
 namespace selfproj {
 namespace {
@@ -72,9 +55,9 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
       const int pattern = i % (2 * bits);
       const ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
       const bool due = decoder.take(view, pattern, good, codes.data());
-      const std::size_t before = allocations;
+      const std::size_t before = test::allocations();
       const bool found = scanner.take(view, pattern, good);
-      ASSERT_EQ(allocations, before) << "the scanner allocates";
+      ASSERT_EQ(test::allocations(), before) << "the scanner allocates";
       ASSERT_EQ(found, due);
       if (!due) {
         continue;

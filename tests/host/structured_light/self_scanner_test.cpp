@@ -8,8 +8,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "host/rig/rig.h"
@@ -19,24 +17,9 @@
 #include "model/gray_decoder.h"
 #include "model/gray_match.h"
 #include "tests/host/light_section/seen_surface.h"
+#include "tests/host/structured_light/allocations.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/support/random_cases.h"
-
-namespace {
-std::size_t allocations = 0;  // since the program began
-}  // namespace
-
-// Not inlined; otherwise the compiler reports malloc and delete as a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  void* const memory = std::malloc(size == 0 ? 1 : size);
-  if (memory == nullptr) {
-    throw std::bad_alloc();
-  }
-  return memory;
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
 
 namespace selfproj {
 namespace {
@@ -44,7 +27,7 @@ namespace {
 using test::Random;
 using test::Surface;
 
-Surface bump() {
+Surface round_bump() {
   return [](double x, double y) { return 550 - 60 * std::exp(-(x * x + y * y) / (2 * 60 * 60)); };
 }
 
@@ -63,7 +46,7 @@ std::vector<std::uint8_t> picture(const ProjectorPoints& points, const FloatImag
 
 TEST(SelfReference, TurnsTheScanRound) {
   const Rig rig = test::coarse_scanner(2);
-  const ProjectorPoints points = test::points_of(rig, bump());
+  const ProjectorPoints points = test::points_of(rig, round_bump());
   const SelfReference reference = make_self_reference(rig, points, {});
   int seen = 0;
   for (int l = 0; l < rig.projector.lines; l += 3) {
@@ -75,8 +58,8 @@ TEST(SelfReference, TurnsTheScanRound) {
         continue;
       }
       ++seen;
-      const auto p =
-          test::seen_point(rig.camera, static_cast<double>(row), static_cast<double>(column), bump(), 400, 620, 1);
+      const auto p = test::seen_point(rig.camera, static_cast<double>(row), static_cast<double>(column), round_bump(),
+                                      400, 620, 1);
       ASSERT_TRUE(p);
       const test::Pixel lit = test::projector_lights(rig.projector, *p);
       ASSERT_NEAR(lit.row, l, 0.05);
@@ -110,7 +93,7 @@ TEST(SelfReference, ContinuesAPlane) {
 // Seen on the reference the stripes are straight: along rows, `width` rows a cell.
 TEST(SelfReference, PatternsAreStraightOnTheReference) {
   const Rig rig = test::coarse_scanner(2);
-  const ProjectorPoints points = test::points_of(rig, bump());
+  const ProjectorPoints points = test::points_of(rig, round_bump());
   for (const StripeCode code : {StripeCode::cyclic, StripeCode::reflected}) {
     const SelfReference reference = make_self_reference(rig, points, {4, 4, code});
     for (int index = 0; index < 8; ++index) {
@@ -177,7 +160,7 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
     rig.measure.max_z_per_line_mm = 40;
     const int bits = random.between(1, 6);
     const SelfReference reference = make_self_reference(
-        rig, test::points_of(rig, bump()),
+        rig, test::points_of(rig, round_bump()),
         {bits, random.between(1, 3), random.chance(50) ? StripeCode::cyclic : StripeCode::reflected});
     const MatchTable table(rig, reference, {random.between(0, (1 << bits) - 1)});
     const std::vector<std::uint16_t> words = table.by_pixels();
@@ -197,9 +180,9 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
       const bool good = !random.chance(3);
       const ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
       const bool due = decoder.take(view, i % (2 * bits), good, codes.data());
-      const std::size_t before = allocations;
+      const std::size_t before = test::allocations();
       const bool found = scanner.take(view, i % (2 * bits), good);
-      ASSERT_EQ(allocations, before) << "the scanner allocates";
+      ASSERT_EQ(test::allocations(), before) << "the scanner allocates";
       ASSERT_EQ(found, due);
       if (!due) {
         continue;
@@ -234,9 +217,9 @@ TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
   Rig narrow = rig;
   narrow.camera.columns = 64;  // the middle columns
   const Surface part = [](double x, double y) {
-    return bump()(x, y) - (std::abs(x - 20) < 25 && std::abs(y) < 15 ? 9.0 : 0.0);
+    return round_bump()(x, y) - (std::abs(x - 20) < 25 && std::abs(y) < 15 ? 9.0 : 0.0);
   };
-  const ProjectorPoints points = test::points_of(narrow, bump());
+  const ProjectorPoints points = test::points_of(narrow, round_bump());
   const SelfReference reference = make_self_reference(narrow, points, {});
   const MatchTable table(narrow, reference, {8});
   SelfScanner scanner(narrow, reference, table, 5);
@@ -289,7 +272,7 @@ TEST(SelfScanner, MeasuresWhatIsOnTheReference) {
 // A line of light, blurred and noisy, moved over both axes.
 TEST(LinePointScan, FindsThePointsOfASweep) {
   const Rig rig = test::coarse_scanner(4);
-  const ProjectorPoints points = test::points_of(rig, bump());
+  const ProjectorPoints points = test::points_of(rig, round_bump());
   Random random(1);
   LinePointScan scan(rig);
   const auto count = static_cast<std::size_t>(rig.camera.rows * rig.camera.columns);

@@ -37,9 +37,9 @@ inline bool refused(std::uint8_t address) { return (address & 0x70U) == 0x70U; }
 
 // The bridge between a bus master and registers that answer after a random time. The master keeps writes in order, and
 // reads in order. a is the video clock, b the bus clock.
-class Bench {
+class AxilBridgeBench {
  public:
-  Bench(Random& random, TwoClocks clocks) : random_(random), clocks_(clocks) {
+  AxilBridgeBench(Random& random, TwoClocks clocks) : random_(random), clocks_(clocks) {
     for (const char* port : {"write_o", "address_o", "write_data_o"}) {
       bridge_.valid_when(port, [this] { return bridge_->request_o != 0; });
     }

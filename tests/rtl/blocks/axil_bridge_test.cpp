@@ -19,7 +19,7 @@ TEST(AxilBridge, EveryAccessIsAnsweredRight) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     // nearly equal clocks: no access times out
-    Bench bench(random, {1000, 900 + random.between(0, 700), random.between(0, 900)});
+    AxilBridgeBench bench(random, {1000, 900 + random.between(0, 700), random.between(0, 900)});
     bench.registers_answer_at_once = true;
     std::map<std::uint8_t, std::uint32_t> reference;
     for (int phase = 0; phase < 8; ++phase) {
@@ -74,7 +74,7 @@ TEST(AxilBridge, AnyTwoClocks) {
     Random random(seed);
     TwoClocks clocks = random_clocks(random);
     SCOPED_TRACE(clocks.describe());
-    Bench bench(random, clocks);
+    AxilBridgeBench bench(random, clocks);
     bench.eager_request = random.between(5, 100);
     bench.eager_answer = random.between(5, 100);
     for (int i = 0; i < 40; ++i) {
@@ -89,7 +89,7 @@ TEST(AxilBridge, AnyTwoClocks) {
 
 TEST(AxilBridge, ReadsAndWritesTakeTurns) {
   Random random(1);
-  Bench bench(random, {1000, 1100, 300});
+  AxilBridgeBench bench(random, {1000, 1100, 300});
   bench.registers_answer_at_once = true;
   for (int i = 0; i < 20; ++i) {
     bench.ask({true, static_cast<std::uint8_t>(i), 0, 15});
@@ -105,7 +105,7 @@ TEST(AxilBridge, ReadsAndWritesTakeTurns) {
 // If a write and a read come in the same clock, the kind that did not come last goes first.
 TEST(AxilBridge, TheOtherKindThanTheLastGoesFirst) {
   Random random(1);
-  Bench bench(random, {1000, 1100, 300});
+  AxilBridgeBench bench(random, {1000, 1100, 300});
   bench.registers_answer_at_once = true;
   for (const bool last : {true, false, false, true, true, false}) {
     bench.ask({last, 4, 1, 15});
@@ -126,7 +126,7 @@ TEST(AxilBridge, TimesOutWhileTheVideoClockStandsAndRecovers) {
   for (const std::uint64_t seed : seeds(40)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench bench(random, {1000, 900 + random.between(0, 300), random.between(0, 900)});
+    AxilBridgeBench bench(random, {1000, 900 + random.between(0, 300), random.between(0, 900)});
     bench.registers_answer_at_once = true;
     bench.ask({true, 0x10, 0x1111'1111, 15});
     bench.ask({true, 0x14, 0x2222'2222, 15});
@@ -180,7 +180,7 @@ TEST(AxilBridge, AccessesGoOnWhileTheVideoClockStopsAndStarts) {
   for (const std::uint64_t seed : seeds(40)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench bench(random, random_clocks(random));
+    AxilBridgeBench bench(random, random_clocks(random));
     bench.eager_request = random.between(20, 100);
     bench.eager_answer = random.between(20, 100);
     std::uint32_t number = 0;

@@ -19,9 +19,9 @@ namespace selfproj::test {
 namespace {
 
 template <typename Dut>
-class Bench {
+class SmallBoardBench {
  public:
-  Bench(Random& random, TwoClocks clocks) : random_(random), clocks_(clocks) {
+  SmallBoardBench(Random& random, TwoClocks clocks) : random_(random), clocks_(clocks) {
     for (const char* port : {"m_axis_tdata", "m_axis_tlast"}) {
       board_.valid_when(port, [this] { return board_->m_axis_tvalid != 0; });
     }
@@ -172,7 +172,7 @@ class Bench {
 template <typename Dut>
 void small_frames(bool grey, bool image) {
   Random random(1);
-  Bench<Dut> bench(random, {1000, 1234, 500});
+  SmallBoardBench<Dut> bench(random, {1000, 1234, 500});
   bench.write(spec::kRegTimeout, 60);
   bench.write(spec::kRegTriggerPeriod, 70);
   bench.write(spec::kRegTriggerWidth, 9);
@@ -238,7 +238,7 @@ void small_frames(bool grey, bool image) {
 // the video clock stands still.
 TEST(BoardSmall, RegistersBitByBit) {
   Random random(3);
-  Bench<Vsp_board_small> bench(random, {1000, 1234, 500});
+  SmallBoardBench<Vsp_board_small> bench(random, {1000, 1234, 500});
   struct Register {
     std::uint32_t address, mask;
   };
@@ -298,7 +298,7 @@ TEST(BoardSmall, RegistersBitByBit) {
 // The belt runs back and forth across count zero, and both lines jump.
 TEST(BoardSmall, EncoderRunsBack) {
   Random random(4);
-  Bench<Vsp_board_small> bench(random, {1000, 1234, 500});
+  SmallBoardBench<Vsp_board_small> bench(random, {1000, 1234, 500});
   bench.write(spec::kRegControl, 1U << spec::kRegControlRunLsb);
   bench.write(spec::kRegSize, 4U | 1U << spec::kRegSizeRowsLsb);
   for (const int step : {-1, 1, -1, 1}) {
@@ -320,7 +320,7 @@ TEST(BoardSmall, EncoderRunsBack) {
 // Jumps of both lines count as errors, up to the last bit of that counter, and do not change the position.
 TEST(BoardSmall, EncoderErrorsWrap) {
   Random random(5);
-  Bench<Vsp_board_small> bench(random, {1000, 1000, 500});
+  SmallBoardBench<Vsp_board_small> bench(random, {1000, 1000, 500});
   bench.encoder_percent = 0;
   const std::uint32_t count = bench.read(spec::kRegEncoder);
   bench.encoder_step = 2;

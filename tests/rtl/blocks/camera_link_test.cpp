@@ -24,12 +24,12 @@ namespace {
 // A camera, its one or two links, and the board's side of the front end. Times are in thousandths of the camera's
 // clock.
 template <typename Dut>
-class LinkBench {
+class CameraLinkBench {
  public:
   static constexpr std::int64_t kWord = 1000;
 
   // `board`: the board's period; `late`: of Y behind X; `pauses`: percent of the clocks of both links without a word.
-  LinkBench(std::uint64_t seed, int taps, int bits, std::int64_t board, std::int64_t late = 0, int pauses = 0)
+  CameraLinkBench(std::uint64_t seed, int taps, int bits, std::int64_t board, std::int64_t late = 0, int pauses = 0)
       : random_(seed), camera_(random_, taps, bits), board_(board), pauses_(pauses) {
     links_[1].next = late;
     name_ports(dut_);
@@ -226,12 +226,12 @@ class LinkBench {
 
 // Frames of any shape come whole, with boards that are faster and slower than the links.
 template <typename Dut>
-void expect_every_beat(int taps, int bits) {
+void expect_every_beat_of_lanes(int taps, int bits) {
   for (const std::uint64_t seed : seeds(12)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     const std::int64_t board = taps == 4 ? random.between(400, 999) : random.between(300, 1000 * 4 / taps - 20);
-    LinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 2000), random.chance(50) ? 0 : 30);
+    CameraLinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 2000), random.chance(50) ? 0 : 30);
     bench.forget();
     for (int frame = 0; frame < 15; ++frame) {
       bench.send_any();
@@ -241,10 +241,10 @@ void expect_every_beat(int taps, int bits) {
     EXPECT_EQ(bench.overruns() + bench.apart() + bench.lost(), 0);
   }
 }
-TEST(CameraLink, OneTap) { expect_every_beat<Vsp_camera_link_one>(1, 10); }
-TEST(CameraLink, TwoTaps) { expect_every_beat<Vsp_camera_link_two>(2, 12); }
-TEST(CameraLink, ThreeTaps) { expect_every_beat<Vsp_camera_link_three>(3, 8); }
-TEST(CameraLink, Medium) { expect_every_beat<Vsp_camera_link_medium>(4, 8); }
+TEST(CameraLink, OneTap) { expect_every_beat_of_lanes<Vsp_camera_link_one>(1, 10); }
+TEST(CameraLink, TwoTaps) { expect_every_beat_of_lanes<Vsp_camera_link_two>(2, 12); }
+TEST(CameraLink, ThreeTaps) { expect_every_beat_of_lanes<Vsp_camera_link_three>(3, 8); }
+TEST(CameraLink, Medium) { expect_every_beat_of_lanes<Vsp_camera_link_medium>(4, 8); }
 
 // Links that lose their lock: what they send meanwhile is lost, and the frames that it belongs to end there.
 template <typename Dut>
@@ -253,8 +253,8 @@ void expect_cuts(int taps, int bits) {
   for (const std::uint64_t seed : seeds(12)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed + 1000);
-    LinkBench<Dut> bench(seed, taps, bits, random.between(400, 700), random.between(0, 900),
-                         random.chance(50) ? 0 : 20);
+    CameraLinkBench<Dut> bench(seed, taps, bits, random.between(400, 700), random.between(0, 900),
+                               random.chance(50) ? 0 : 20);
     bench.forget();
     for (int frame = 0; frame < 30; ++frame) {
       bench.send_any();
@@ -289,7 +289,7 @@ void expect_overruns(int taps) {
   for (const std::uint64_t seed : seeds(12)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    LinkBench<Dut> bench(seed, taps, 8, random.between(1500, 3000));
+    CameraLinkBench<Dut> bench(seed, taps, 8, random.between(1500, 3000));
     bench.forget();
     for (int frame = 0; frame < 30; ++frame) {
       bench.send({.rows = random.between(2, 7),
@@ -320,7 +320,7 @@ void expect_places(int taps, int places) {
   for (const std::uint64_t seed : seeds(6)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    LinkBench<Dut> bench(seed, taps, 8, 20'000, random.between(0, 900));
+    CameraLinkBench<Dut> bench(seed, taps, 8, 20'000, random.between(0, 900));
     const auto line = [&](int beats) {
       bench.forget();
       bench.send({.rows = 1, .columns = (4 * beats + taps - 1) / taps * taps});
@@ -354,7 +354,7 @@ TEST(CameraLink, MediumNoticesLinksThatDoNotAgree) {
   for (const std::uint64_t seed : seeds(30)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    LinkBench<Vsp_camera_link_medium> bench(seed, 4, 8, random.between(400, 900), random.between(0, 900));
+    CameraLinkBench<Vsp_camera_link_medium> bench(seed, 4, 8, random.between(400, 900), random.between(0, 900));
     bench.forget();
     bench.send_any();
     bench.drain();
@@ -422,7 +422,7 @@ TEST(CameraLink, AfterAResetTheNextFrameIsTheFirst) {
   for (const std::uint64_t seed : seeds(12)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    LinkBench<Vsp_camera_link_medium> bench(seed, 4, 8, random.between(400, 900), random.between(0, 900));
+    CameraLinkBench<Vsp_camera_link_medium> bench(seed, 4, 8, random.between(400, 900), random.between(0, 900));
     for (int round = 0; round < 3; ++round) {
       bench.send({.rows = 4, .columns = 60, .most_gap = 3});
       bench.clocks(random.between(0, 60));

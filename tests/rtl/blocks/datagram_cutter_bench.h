@@ -25,7 +25,7 @@ namespace selfproj::test {
 inline constexpr std::size_t kBeatBytes = spec::kPacketBeatBytes;
 inline constexpr std::size_t kSmallBytes = 80;  // of Vsp_datagram_cutter_small: four beats a piece, eight in the ring
 inline constexpr int kSmallIdle = 40;           // its IdleClocks
-inline constexpr int kLatency = 4;              // from the last beat of a piece to the first word of its datagram
+inline constexpr int kCutterLatency = 4;        // from the last beat of a piece to the first word of its datagram
 
 // A cutter between a source of packets and a network. Each datagram that comes out must be the next one of the model.
 template <typename Cutter>

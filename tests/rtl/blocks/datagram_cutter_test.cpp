@@ -109,7 +109,7 @@ TEST(DatagramCutter, LatencyAndNoGapBetweenDatagrams) {
     ASSERT_LT(now, 10000);
   }
   EXPECT_EQ(taken[91] - taken[0], 92) << "a piece takes one clock more than it has beats";
-  EXPECT_EQ(left.front() - taken[90], kLatency);
+  EXPECT_EQ(left.front() - taken[90], kCutterLatency);
   EXPECT_EQ(left.back() - left.front() + 1, static_cast<std::int64_t>(left.size()));
 }
 
@@ -143,7 +143,7 @@ TEST(DatagramCutter, SilenceIsTold) {
   const std::int64_t begins = bench.now();
   found = ends(2 * kSmallIdle);
   ASSERT_FALSE(found.empty());
-  EXPECT_EQ(found.front() - begins, kSmallIdle + kLatency + 3);  // its last of four words
+  EXPECT_EQ(found.front() - begins, kSmallIdle + kCutterLatency + 3);  // its last of four words
 }
 
 // Datagrams and packets are counted from 0 in a session of thousands, too, and from 0 again in the next one.
@@ -189,7 +189,7 @@ TEST(DatagramCutter, OffersADatagramThoughNobodyIsReady) {
   CutterBench<Vsp_datagram_cutter_small> bench(kSmallBytes);
   bench.begin_session(3);
   bench.queue(Bytes(kBeatBytes));
-  for (int i = 0; i < kLatency; ++i) {
+  for (int i = 0; i < kCutterLatency; ++i) {
     EXPECT_FALSE(bench->m_valid_o) << i;
     bench.clock(100, 0);
   }

@@ -60,9 +60,9 @@ class Reference {
 // edge e + 7, five clocks after the third sample. Errors show one clock earlier.
 constexpr std::size_t kDelay = 5;
 
-class Bench {
+class EncoderBench {
  public:
-  Bench(int a, int b) : reference_(a, b), history_(kDelay, {0, 0}) {
+  EncoderBench(int a, int b) : reference_(a, b), history_(kDelay, {0, 0}) {
     encoder_->a_i = static_cast<CData>(a);
     encoder_->b_i = static_cast<CData>(b);
     encoder_.reset();
@@ -106,7 +106,7 @@ class Bench {
 constexpr std::array<std::array<int, 2>, 4> kCycle = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};  // {a, b}, a leads
 
 TEST(Encoder, CountsUpWhereALeadsAndDownWhereBLeads) {
-  Bench bench(0, 0);
+  EncoderBench bench(0, 0);
   for (int i = 1; i <= 40; ++i) {
     const auto& lines = kCycle[static_cast<std::size_t>(i % 4)];
     bench.rest(lines[0], lines[1], 12);
@@ -122,7 +122,7 @@ TEST(Encoder, CountsUpWhereALeadsAndDownWhereBLeads) {
 
 // Steps through every value of the lower chain, up and down, as fast as steps can be counted.
 TEST(Encoder, CountsFarUpAndFarDown) {
-  Bench bench(0, 0);
+  EncoderBench bench(0, 0);
   int at = 0;
   for (const int end : {66'000, -66'000, 300}) {
     while (at != end) {
@@ -156,7 +156,7 @@ TEST(Encoder, LatencyIsSevenClocks) {
 
 TEST(Encoder, LevelsAtResetAreTakenOverWithoutCounting) {
   for (const auto& lines : kCycle) {
-    Bench bench(lines[0], lines[1]);
+    EncoderBench bench(lines[0], lines[1]);
     bench.rest(lines[0], lines[1], 30);
     EXPECT_EQ(bench.count(), 0U);
     EXPECT_EQ(bench.errors(), 0U);
@@ -165,7 +165,7 @@ TEST(Encoder, LevelsAtResetAreTakenOverWithoutCounting) {
 
 TEST(Encoder, PulsesOfOneAndTwoClocksAreSuppressedOneOfThreeCounts) {
   for (int line = 0; line < 2; ++line) {
-    Bench bench(0, 0);
+    EncoderBench bench(0, 0);
     std::vector<std::uint32_t> seen;
     for (int width = 1; width <= 3; ++width) {
       bench.rest(line == 0, line == 1, width);
@@ -182,7 +182,7 @@ TEST(Encoder, PulsesOfOneAndTwoClocksAreSuppressedOneOfThreeCounts) {
 }
 
 TEST(Encoder, AStepOfBothLinesIsAnErrorAndNoStep) {
-  Bench bench(0, 0);
+  EncoderBench bench(0, 0);
   for (int i = 1; i <= 10; ++i) {
     bench.rest(i % 2, i % 2, 12);
     EXPECT_EQ(bench.count(), 0U);
@@ -195,7 +195,7 @@ TEST(Encoder, RandomWalksWithPulsesAndErrors) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     int at = random.between(0, 3);
-    Bench bench(kCycle[static_cast<std::size_t>(at)][0], kCycle[static_cast<std::size_t>(at)][1]);
+    EncoderBench bench(kCycle[static_cast<std::size_t>(at)][0], kCycle[static_cast<std::size_t>(at)][1]);
     const int fastest = random.between(1, 6);
     const int pulses = random.between(0, 20);
     for (int i = 0; i < 400; ++i) {
@@ -212,7 +212,7 @@ TEST(Encoder, RandomWalksWithPulsesAndErrors) {
 
 // Both counters wrap: a few more than 65,536 errors, and a count below zero.
 TEST(Encoder, CountsWrap) {
-  Bench bench(0, 0);
+  EncoderBench bench(0, 0);
   for (int i = 1; i <= 65540; ++i) {
     bench.rest(i % 2, i % 2, 3);
     ASSERT_FALSE(::testing::Test::HasFatalFailure());

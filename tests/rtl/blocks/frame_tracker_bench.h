@@ -158,9 +158,9 @@ class Reference {
   bool late_in_last_row_ = false;
 };
 
-class Bench {
+class FrameTrackerBench {
  public:
-  Bench() {
+  FrameTrackerBench() {
     const auto beat = [this] { return tracker_->beat_valid_o != 0; };
     for (const char* port : {"beat_pixels_o", "beat_group_o", "beat_row_o", "beat_first_row_o", "beat_last_row_o",
                              "beat_line_start_o", "beat_line_end_o"}) {
@@ -309,7 +309,7 @@ class Bench {
 };
 
 // A good frame of the settings, gaps in percent.
-inline void good_frame(Bench& bench, Random& random, int gaps) {
+inline void good_frame(FrameTrackerBench& bench, Random& random, int gaps) {
   const Settings s = bench.settings;
   for (int row = 1; row <= s.rows; ++row) {
     for (int group = 0; group < s.columns / 4; ++group) {

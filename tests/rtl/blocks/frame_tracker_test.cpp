@@ -21,7 +21,7 @@ TEST(FrameTracker, GoodFramesOfEveryShape) {
   }
   for (const auto& size : sizes) {
     SCOPED_TRACE(::testing::Message() << size[0] << " x " << size[1]);
-    Bench bench;
+    FrameTrackerBench bench;
     bench.idle(2);
     bench.set(
         {random.chance(50), size[0], size[1], random.between(0, 2), random.between(0, 255), random.between(0, 255)});
@@ -41,7 +41,7 @@ TEST(FrameTracker, TimeOutAfterExactlySoManyClocks) {
   for (const int timeout : {1, 2, 3, 10, 300, 70000}) {
     for (int more = 0; more < 2; ++more) {
       SCOPED_TRACE(::testing::Message() << timeout << " + " << more);
-      Bench bench;
+      FrameTrackerBench bench;
       bench.timeout = timeout;
       bench.set({false, 8, 2, 0, 0, 0});
       bench.idle(5);
@@ -67,7 +67,7 @@ TEST(FrameTracker, LongTimeOutsToTheClock) {
   timeouts.insert(timeouts.end(), {0xFFF, 0x1001, 0x1FC0, 0x1FFF, 0x2FBF});
   for (const int timeout : timeouts) {
     SCOPED_TRACE(::testing::Message() << "time-out " << timeout);
-    Bench bench;
+    FrameTrackerBench bench;
     bench.timeout = timeout;
     bench.set({false, 8, 2, 0, 0, 0});
     bench.idle(5);
@@ -82,7 +82,7 @@ TEST(FrameTracker, LongTimeOutsToTheClock) {
 
 // Without a time-out a frame stays open for longer than the longest time-out.
 TEST(FrameTracker, NoTimeOutIsNever) {
-  Bench bench;
+  FrameTrackerBench bench;
   bench.set({false, 8, 2, 0, 0, 0});
   bench.idle(5);
   bench.clock(Beat{1, true, false});
@@ -94,7 +94,7 @@ TEST(FrameTracker, NoTimeOutIsNever) {
 // Enough events to use the upper half of the counters.
 TEST(FrameTracker, ManyBrokenFramesAndStrayBeatsAreCounted) {
   constexpr std::uint32_t kMany = 70'000;
-  Bench bench;
+  FrameTrackerBench bench;
   bench.set({false, 8, 2, 0, 0, 0});
   bench.idle(5);
   for (std::uint32_t i = 0; i < kMany; ++i) {
@@ -115,7 +115,7 @@ TEST(FrameTracker, SettingsChangeAtAFramesStartOnly) {
   for (const std::uint64_t seed : seeds(40)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench bench;
+    FrameTrackerBench bench;
     bench.idle(3);
     // the camera follows the settings in force, so that the frames are good
     for (int frame = 0; frame < 60; ++frame) {
@@ -144,7 +144,7 @@ TEST(FrameTracker, BrokenInputOfEveryKind) {
   for (const std::uint64_t seed : seeds(150)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench bench;
+    FrameTrackerBench bench;
     const int gaps = random.chance(50) ? 0 : random.between(1, 70);
     const int errors = random.between(0, 15);
     bench.timeout = random.chance(40) ? 0 : random.between(1, random.chance(90) ? 8 : 0xFFFFFF);

@@ -30,7 +30,7 @@ TEST(GrayMatchSmall, RandomFramesEqualTheModel) { random_frames<Vsp_gray_match_s
 
 // Enough late words to use the upper half of the counter: each frame has one beat, whose word never comes.
 TEST(GrayMatch, ManyLateFramesAreCounted) {
-  constexpr int kLatency = 2;
+  constexpr int kMatchLatency = 2;
   Clocked<Vsp_gray_match> match;
   match->s_break_i = 0;
   match->s_valid_i = 0;
@@ -40,7 +40,7 @@ TEST(GrayMatch, ManyLateFramesAreCounted) {
   match->s_start_i = 1;
   for (std::uint32_t clock = 0; clock < 200'000; ++clock) {
     match.settle();
-    if (match->late_o != (clock < kLatency + 2 ? 0 : clock - kLatency - 1) || match->m_valid_o) {
+    if (match->late_o != (clock < kMatchLatency + 2 ? 0 : clock - kMatchLatency - 1) || match->m_valid_o) {
       FAIL() << match->late_o << " late, clock " << clock;
     }
     match.rise();

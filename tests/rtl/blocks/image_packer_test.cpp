@@ -29,9 +29,9 @@ struct Beat {
   bool end = false;
 };
 
-class Bench {
+class ImagePackerBench {
  public:
-  explicit Bench(Random& random) : random_(random) {
+  explicit ImagePackerBench(Random& random) : random_(random) {
     packer_.valid_when("words_data_o", [this] { return packer_->words_valid_o != 0; });
     for (const char* port : {"line_words_o", "line_row_o", "line_status_o"}) {
       packer_.valid_when(port, [this] { return packer_->line_done_o != 0; });
@@ -168,7 +168,7 @@ TEST(ImagePacker, LinesOfEveryLengthWithoutGaps) {
   }
   for (const int beats : lengths) {
     SCOPED_TRACE(::testing::Message() << 4 * beats << " columns");
-    Bench bench(random);
+    ImagePackerBench bench(random);
     bench.columns = 4 * beats;
     for (int line = 1; line <= 9; ++line) {
       for (int i = 0; i < beats; ++i) {
@@ -186,7 +186,7 @@ TEST(ImagePacker, RandomLinesGapsRefusalsAndBreaks) {
   for (const std::uint64_t seed : seeds(150)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench bench(random);
+    ImagePackerBench bench(random);
     const int gaps = random.chance(50) ? 0 : random.between(1, 60);
     const int breaks = random.between(0, 20);
     bench.refusals = random.between(0, 40);

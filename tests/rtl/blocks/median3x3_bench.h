@@ -19,8 +19,8 @@
 
 namespace selfproj::test::median {
 
-constexpr int kLatency = 5;      // from a beat to the group above and to the left of it
-constexpr int kLastLatency = 6;  // from a line's last beat to the group above it
+constexpr int kMedianLatency = 5;  // from a beat to the group above and to the left of it
+constexpr int kLastLatency = 6;    // from a line's last beat to the group above it
 constexpr int kBreakLatency = 6;
 constexpr int kAfterBusy = 3;              // clocks before the next frame may begin
 constexpr std::uint16_t kUnused = 0x7000;  // bits 14..12 of a code word
@@ -67,7 +67,7 @@ class MedianBench {
       median_->s_median_i = i == 0 ? median : random_.chance(50);
       const std::int64_t now = median_.clock();
       if (row > 0 && group > 0) {
-        expect(now + kLatency, row - 1, group - 1);
+        expect(now + kMedianLatency, row - 1, group - 1);
       }
       if (row > 0 && group == groups - 1) {
         expect(now + kLastLatency, row - 1, group);
@@ -76,7 +76,7 @@ class MedianBench {
         for (int pass = 0; pass < groups; ++pass) {  // the last line
           const std::int64_t step = now + 1 + pass;
           if (pass > 0) {
-            expect(step + kLatency, row, pass - 1);
+            expect(step + kMedianLatency, row, pass - 1);
           }
           if (pass == groups - 1) {
             expect(step + kLastLatency, row, pass);

@@ -32,12 +32,12 @@ inline Word128 beat_at(const std::vector<std::uint8_t>& bytes, std::size_t beat)
 }
 
 template <typename Dut>
-class Bench {
+class PacketizerBench {
  public:
   static constexpr bool kPerLine = std::is_same_v<Dut, Vsp_packetizer_image>;
   static constexpr int kFifoDepth = kPerLine ? 256 : 2048;  // of these builds
 
-  explicit Bench(Random& random) : random_(random) {
+  explicit PacketizerBench(Random& random) : random_(random) {
     for (const char* port : {"fifo_data_o", "fifo_last_o"}) {
       packetizer_.valid_when(port, [this] { return packetizer_->fifo_valid_o != 0; });
     }

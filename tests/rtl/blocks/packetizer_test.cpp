@@ -27,7 +27,7 @@ TYPED_TEST_SUITE(Packetizer, Kinds, KindNames);
 TYPED_TEST(Packetizer, AStartSevenClocksAfterTheLastPayloadIsTaken) {
   Random random(1);
   for (int early = -1; early < 2; ++early) {
-    Bench<TypeParam> bench(random);
+    PacketizerBench<TypeParam> bench(random);
     for (int i = 0; i < 200; ++i) {
       // decided two clocks after the start, in the first clock in which the packetizer is idle
       while (bench.idle_from() == INT64_MAX || bench.now() + 2 < bench.idle_from()) {
@@ -49,7 +49,7 @@ TYPED_TEST(Packetizer, AStartSevenClocksAfterTheLastPayloadIsTaken) {
 // One clock earlier it is dropped and counted.
 TYPED_TEST(Packetizer, AStartSixClocksAfterTheLastPayloadIsLost) {
   Random random(1);
-  Bench<TypeParam> bench(random);
+  PacketizerBench<TypeParam> bench(random);
   bench.clock({.start = true, .payload_beats = 3});
   for (int k = 0; k < 3; ++k) {
     bench.clock({});
@@ -66,9 +66,9 @@ TYPED_TEST(Packetizer, AStartSixClocksAfterTheLastPayloadIsLost) {
 // Lengths with a single bit set, and the longest that the FIFO holds: complete, and cut short after one beat.
 TYPED_TEST(Packetizer, LongPayloads) {
   Random random(1);
-  constexpr int kDepth = Bench<TypeParam>::kFifoDepth;
+  constexpr int kDepth = PacketizerBench<TypeParam>::kFifoDepth;
   for (int early : {-1, 1}) {
-    Bench<TypeParam> bench(random);
+    PacketizerBench<TypeParam> bench(random);
     bench.places = kDepth;
     int packets = 0;
     const auto packet = [&](int beats) {
@@ -126,7 +126,7 @@ TYPED_TEST(Packetizer, ManyLossesAreCounted) {
 // The header after losses of powers of two, and one less.
 TYPED_TEST(Packetizer, HeadersTellManyLosses) {
   Random random(1);
-  Bench<TypeParam> bench(random);
+  PacketizerBench<TypeParam> bench(random);
   int packets = 0;
   const auto quiet = [&](int clocks) {
     for (int i = 0; i < clocks; ++i) {
@@ -157,7 +157,7 @@ TYPED_TEST(Packetizer, RandomRequests) {
   for (const std::uint64_t seed : seeds(80)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench<TypeParam> bench(random);
+    PacketizerBench<TypeParam> bench(random);
     const int often = random.between(1, 25);
     const int gaps = random.chance(50) ? 0 : random.between(1, 80);
     const bool breaks = random.chance(70);
@@ -167,12 +167,13 @@ TYPED_TEST(Packetizer, RandomRequests) {
         bench.drain = random.chance(50) ? 100 : random.between(0, 60);
       }
       bench.spoil_next = random.chance(3);
-      typename Bench<TypeParam>::Request request;
-      typename Bench<TypeParam>::Plan plan;
-      request.payload_beats = random.between(1, random.chance(80)            ? 12
-                                                : random.chance(80)          ? 40
-                                                : Bench<TypeParam>::kPerLine ? 255
-                                                                             : 2047);  // some larger than the FIFO
+      typename PacketizerBench<TypeParam>::Request request;
+      typename PacketizerBench<TypeParam>::Plan plan;
+      request.payload_beats =
+          random.between(1, random.chance(80)                      ? 12
+                            : random.chance(80)                    ? 40
+                            : PacketizerBench<TypeParam>::kPerLine ? 255
+                                                                   : 2047);  // some larger than the FIFO
       request.line = random.between(1, 1023);
       request.break_status = static_cast<std::uint32_t>(1 << random.between(0, 4));
       // a frame breaks before the next one asks for anything

@@ -105,13 +105,13 @@ struct Answer {
 };
 
 template <typename Dut>
-class Bench {
+class RegistersBench {
  public:
   static constexpr Build kBuild = BuildOf<Dut>::kBuild;
 
   const std::vector<Writable> writables = writable_of(kBuild);
 
-  Bench() {
+  RegistersBench() {
     registers_.valid_when("error_o", [this] { return registers_->answer_o != 0; });
     registers_.valid_when("data_o", [this] { return registers_->answer_o != 0 && read_is_good_; });
     registers_->request_i = 0;

@@ -28,12 +28,12 @@ struct BuildNames {
 TYPED_TEST_SUITE(Registers, Builds, BuildNames);
 
 TYPED_TEST(Registers, EveryAddressAfterReset) {
-  Bench<TypeParam> bench;
+  RegistersBench<TypeParam> bench;
   bench.expect_all_reads();
 }
 
 TYPED_TEST(Registers, ReadOnlyAndUnknownAddressesRefuseWrites) {
-  Bench<TypeParam> bench;
+  RegistersBench<TypeParam> bench;
   for (std::uint32_t address = 0; address < 256; ++address) {
     const bool writable = std::any_of(bench.writables.begin(), bench.writables.end(),
                                       [&](const Writable& w) { return w.address == address; });
@@ -47,7 +47,7 @@ TYPED_TEST(Registers, ReadOnlyAndUnknownAddressesRefuseWrites) {
 
 // Writes each bit of each register alone, all bits, and none.
 TYPED_TEST(Registers, EveryBitIsKeptOrRefused) {
-  Bench<TypeParam> bench;
+  RegistersBench<TypeParam> bench;
   for (const Writable& writable : bench.writables) {
     for (int bit = -2; bit < 32; ++bit) {
       const std::uint32_t data = bit == -2 ? 0 : bit == -1 ? 0xFFFF'FFFFU : 1U << bit;
@@ -63,9 +63,9 @@ TYPED_TEST(Registers, EveryBitIsKeptOrRefused) {
 }
 
 TYPED_TEST(Registers, SizesAreRefusedOutsideTheBuild) {
-  Bench<TypeParam> bench;
-  const int columns = Bench<TypeParam>::kBuild.max_columns;
-  const int rows = Bench<TypeParam>::kBuild.max_rows;
+  RegistersBench<TypeParam> bench;
+  const int columns = RegistersBench<TypeParam>::kBuild.max_columns;
+  const int rows = RegistersBench<TypeParam>::kBuild.max_rows;
   for (const int c : {0, 1, 2, 3, 4, 5, 6, 7, 8, columns - 4, columns - 1, columns, columns + 1, columns + 4, 0x8004}) {
     for (const int r : {0, 1, 2, rows - 1, rows, rows + 1, 0x0401, 0x8001}) {
       bench.expect_write(spec::kRegSize, static_cast<std::uint32_t>(c) | static_cast<std::uint32_t>(r) << 16);
@@ -80,7 +80,7 @@ TYPED_TEST(Registers, TheTriggersSettingsStandStillWhileItWorks) {
   constexpr std::uint32_t kOnFrame = 1U << spec::kRegTriggerControlOnFrameLsb;
   const auto last = [](std::uint32_t pattern) { return pattern << spec::kRegTriggerControlLastPatternLsb; };
   for (const std::uint32_t on : {kRun, kOnFrame, kRun | kOnFrame}) {
-    Bench<TypeParam> bench;
+    RegistersBench<TypeParam> bench;
     const auto expect = [&](std::uint32_t address, std::uint32_t data, bool refused) {
       EXPECT_EQ(bench.access(true, address, data).error, refused) << std::hex << "write " << data << " to " << address;
     };
@@ -105,7 +105,7 @@ TYPED_TEST(Registers, TheTriggersSettingsStandStillWhileItWorks) {
 // A write in the very clock in which other settings are taken over, and in the clocks around it
 TYPED_TEST(Registers, SettingsWrittenBesideATakeOverArePending) {
   for (int clocks = 0; clocks < 8; ++clocks) {
-    Bench<TypeParam> bench;
+    RegistersBench<TypeParam> bench;
     bench.tick();
     bench.tick(true);
     bench.expect_read(spec::kRegStatus);
@@ -117,7 +117,7 @@ TYPED_TEST(Registers, SettingsWrittenBesideATakeOverArePending) {
 }
 
 TYPED_TEST(Registers, TheHighWordOfTheTimeBelongsToTheLowWordRead) {
-  Bench<TypeParam> bench;
+  RegistersBench<TypeParam> bench;
   State state;
   state.time = 0x1111'1111'FFFF'FFFF;
   bench.set(state);
@@ -130,7 +130,7 @@ TYPED_TEST(Registers, TheHighWordOfTheTimeBelongsToTheLowWordRead) {
 }
 
 TYPED_TEST(Registers, SettingsArePendingUntilTheyAreTaken) {
-  Bench<TypeParam> bench;
+  RegistersBench<TypeParam> bench;
   bench.expect_read(spec::kRegStatus);
   bench.tick(true);
   bench.expect_read(spec::kRegStatus);
@@ -149,7 +149,7 @@ TYPED_TEST(Registers, RandomAccesses) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench<TypeParam> bench;
+    RegistersBench<TypeParam> bench;
     bench.access(false, spec::kRegTimeLow, 0);
     for (int i = 0; i < 400; ++i) {
       State state;

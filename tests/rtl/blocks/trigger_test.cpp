@@ -12,7 +12,7 @@
 namespace selfproj::test {
 namespace {
 
-struct Settings {
+struct TriggerSettings {
   int last_pattern = 0;
   int period = 1;
   int camera = 0;
@@ -27,7 +27,7 @@ struct Expected {
   std::vector<int> pattern;  // from the first camera pulse on; -1 before
 };
 
-Expected expected_run(const Settings& s, int clocks, int after) {
+Expected expected_pulses(const TriggerSettings& s, int clocks, int after) {
   const int all = clocks + after;
   const auto total = static_cast<std::size_t>(all);
   Expected out = {std::vector<int>(total), std::vector<int>(total), std::vector<int>(total, -1)};
@@ -54,9 +54,9 @@ Expected expected_run(const Settings& s, int clocks, int after) {
   return out;
 }
 
-class Bench {
+class TriggerBench {
  public:
-  Bench() {
+  TriggerBench() {
     trigger_->run_i = 0;
     trigger_->on_frame_i = 0;
     trigger_->captured_i = 0;
@@ -71,7 +71,7 @@ class Bench {
   }
 
   // One clock that announces new settings, and one with them.
-  void set(const Settings& s) {
+  void set(const TriggerSettings& s) {
     trigger_->set_i = 1;
     trigger_.tick();
     trigger_->set_i = 0;
@@ -84,10 +84,10 @@ class Bench {
   }
 
   // Sets run_i for `clocks` clocks. Frames come at random and must have no effect.
-  void run(const Settings& s, int clocks, Random& random) {
+  void run(const TriggerSettings& s, int clocks, Random& random) {
     set(s);
     constexpr int kAfter = 6;
-    const Expected expected = expected_run(s, clocks, kAfter);
+    const Expected expected = expected_pulses(s, clocks, kAfter);
     const int pattern_before = trigger_->pattern_o;
     for (int t = 0; t < clocks + kAfter; ++t) {
       const auto i = static_cast<std::size_t>(t);
@@ -112,7 +112,7 @@ class Bench {
 
 TEST(Trigger, EdgesOfTheSettings) {
   Random random(1);
-  const std::vector<Settings> table = {
+  const std::vector<TriggerSettings> table = {
       {0, 1, 0, 1},                     // a pulse every clock: the lines stay high
       {3, 1, 0, 0},                     // no pulse at all
       {3, 2, 0, 1},                     // every second clock
@@ -134,10 +134,10 @@ TEST(Trigger, EdgesOfTheSettings) {
       {5, 0x80'0002, 0x80'0001, 0x8000},
       {5, 0x10'0001, 0x8'0002, 0x4000},
   };
-  for (const Settings& s : table) {
+  for (const TriggerSettings& s : table) {
     SCOPED_TRACE(::testing::Message() << "last " << s.last_pattern << " period " << s.period << " camera " << s.camera
                                       << " width " << s.width);
-    Bench bench;
+    TriggerBench bench;
     bench.run(s, 900, random);
     ASSERT_FALSE(::testing::Test::HasFatalFailure());
   }
@@ -147,7 +147,7 @@ TEST(Trigger, RandomSettingsAndRuns) {
   for (const std::uint64_t seed : seeds(60)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench bench;
+    TriggerBench bench;
     for (int run = 0; run < 8; ++run) {
       const int period = random.between(1, 40);
       bench.run({random.between(0, 5), period, random.between(0, period + 2), random.between(0, 50)},
@@ -160,11 +160,11 @@ TEST(Trigger, RandomSettingsAndRuns) {
 // Every counter has its full width: pulses of 2^16 - 1 clocks, and every bit of the settings once set and once clear.
 TEST(Trigger, LongPulses) {
   Random random(1);
-  for (const Settings& s : std::vector<Settings>{{1, 70001, 69000, 65535},
-                                                 {255, 0x1'5555, 0xAAAA, 0xAAAA},
-                                                 {255, 0x1'AAAA, 0x1'5555, 0x5555},
-                                                 {7, 0x1'0FFF, 0x1'0000, 0x1000}}) {
-    Bench bench;
+  for (const TriggerSettings& s : std::vector<TriggerSettings>{{1, 70001, 69000, 65535},
+                                                               {255, 0x1'5555, 0xAAAA, 0xAAAA},
+                                                               {255, 0x1'AAAA, 0x1'5555, 0x5555},
+                                                               {7, 0x1'0FFF, 0x1'0000, 0x1000}}) {
+    TriggerBench bench;
     bench.run(s, 200000, random);
     ASSERT_FALSE(::testing::Test::HasFatalFailure());
   }
@@ -174,7 +174,7 @@ TEST(Trigger, LongPulses) {
 TEST(Trigger, LongestPeriod) {
   constexpr int kPeriod = 0xFF'FFFF;
   constexpr int kCamera = 0xAA'AAAA;
-  Bench bench;
+  TriggerBench bench;
   bench.set({.last_pattern = 1, .period = kPeriod, .camera = kCamera, .width = 1});
   auto& trigger = bench.trigger();
   trigger->run_i = 1;
@@ -200,7 +200,7 @@ TEST(Trigger, OnFrameTheIndexAdvancesWithEachFrame) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench bench;
+    TriggerBench bench;
     auto& trigger = bench.trigger();
     // one of the eight bits, all but one, all, or a few of the lower ones
     const int bit = 1 << (seed % 8);
@@ -235,11 +235,11 @@ TEST(Trigger, TheIndexBeginsAnewWhereRunChanges) {
   for (const std::uint64_t seed : seeds(20)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
-    Bench bench;
+    TriggerBench bench;
     auto& trigger = bench.trigger();
     for (int turn = 0; turn < 12; ++turn) {
       const bool run = turn % 2 == 0;
-      const Settings s = {random.between(0, 3), random.between(1, 6), 0, random.between(0, 3)};
+      const TriggerSettings s = {random.between(0, 3), random.between(1, 6), 0, random.between(0, 3)};
       if (run) {  // while frames are counted
         bench.set({trigger->last_pattern_i, s.period, 0, s.width});
       }
@@ -271,10 +271,10 @@ TEST(Trigger, TheIndexBeginsAnewWhereRunChanges) {
 
 // A camera that misses a pulse does not shift the indices: pattern_o follows the pulses, not the frames.
 TEST(Trigger, FramesDoNotMoveTheIndexWhilePulsesRun) {
-  Bench with_frames;
-  Bench without;
+  TriggerBench with_frames;
+  TriggerBench without;
   Random random(1);
-  for (Bench* bench : {&with_frames, &without}) {
+  for (TriggerBench* bench : {&with_frames, &without}) {
     bench->set({4, 9, 3, 2});
     bench->trigger()->run_i = 1;
     bench->trigger()->on_frame_i = 1;

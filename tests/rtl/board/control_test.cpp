@@ -18,9 +18,6 @@
 namespace selfproj::test {
 namespace {
 
-constexpr std::uint8_t kMoments = spec::kKindMoments;
-constexpr std::uint8_t kImage = spec::kKindImage;
-
 // A reset in every part of a frame: everything after it is right, and counts from zero.
 TEST(Board, ResetInMidFrame) {
   Random random(9);
@@ -34,9 +31,9 @@ TEST(Board, ResetInMidFrame) {
       board.write({.image = true, .columns = 64, .rows = 20, .mode = mode, .threshold = 100});
       board.device().send(random_image(random, 20, 64).view());
       board.finish();
-      ASSERT_EQ(board.delivered(kMoments), 1U) << clocks;
-      ASSERT_EQ(board.last_header(kMoments).sequence, 0U) << clocks;
-      ASSERT_EQ(board.delivered(kImage), 20U) << clocks;
+      ASSERT_EQ(board.delivered(spec::kKindMoments), 1U) << clocks;
+      ASSERT_EQ(board.last_header(spec::kKindMoments).sequence, 0U) << clocks;
+      ASSERT_EQ(board.delivered(spec::kKindImage), 20U) << clocks;
     }
   }
 }
@@ -72,8 +69,8 @@ TEST(Board, SettingsChangeOnlyAtAFrameStart) {
     board.device().run(600);  // a large frame in a grey mode is complete before one of another size begins
   }
   board.finish();
-  EXPECT_EQ(board.delivered(kMoments), 60U);
-  EXPECT_EQ(board.lost(kMoments), 0U);
+  EXPECT_EQ(board.delivered(spec::kKindMoments), 60U);
+  EXPECT_EQ(board.lost(spec::kKindMoments), 0U);
 }
 
 // The size changes, and small frames come while a large frame in a grey mode still drains. Those that collide with it
@@ -97,8 +94,8 @@ TEST(Board, SmallFramesRightAfterALargeOne) {
         board.device().gap(static_cast<std::uint32_t>(random.between(0, columns)));
       }
       board.finish();
-      EXPECT_GT(board.lost(kMoments), 0U);
-      EXPECT_GT(board.delivered(kMoments), 1U);
+      EXPECT_GT(board.lost(spec::kKindMoments), 0U);
+      EXPECT_GT(board.delivered(spec::kKindMoments), 1U);
       ASSERT_FALSE(HasFailure()) << columns << " x " << rows;
     }
   }
@@ -132,8 +129,8 @@ TEST(Board, RunDecidesAtAFrameStart) {
   EXPECT_EQ(board.model().stray(), beats - 600);
   board.device().send(random_image(random, 12, 512).view());
   board.finish();
-  EXPECT_EQ(board.delivered(kMoments), 2U);
-  EXPECT_EQ(board.last_header(kMoments).flags, spec::kFlagStrayBefore);
+  EXPECT_EQ(board.delivered(spec::kKindMoments), 2U);
+  EXPECT_EQ(board.last_header(spec::kKindMoments).flags, spec::kFlagStrayBefore);
 }
 
 // The trigger sequencer's index at the camera pulse travels with the frame that follows it.
@@ -198,8 +195,8 @@ TEST(Board, FifosFillToTheLastPlace) {
       const auto lines = 900 - board.device().read(spec::kRegLostImage);
       board.device().set_bus_stall_percent(0);
       board.finish();
-      EXPECT_EQ(board.delivered(kMoments), moments);
-      EXPECT_EQ(board.delivered(kImage), lines);
+      EXPECT_EQ(board.delivered(spec::kKindMoments), moments);
+      EXPECT_EQ(board.delivered(spec::kKindImage), lines);
       // One more would not have fitted. A few beats have left the FIFO for the arbiter.
       const std::size_t beats = packet_beats(moments_payload_bytes(mode, columns));
       const std::size_t line_beats = packet_beats(image_line_payload_bytes(columns));

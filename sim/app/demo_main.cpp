@@ -1,0 +1,21 @@
+// selfproj-sim with only the commands that scripts/demo.sh shows, so that the demo builds no others.
+
+#include "host/io/program_main.h"
+#include "sim/app/board_command.h"
+#include "sim/app/cosim_command.h"
+
+int main(int argc, char** argv) {
+  return selfproj::program_main(
+      {.name = "selfproj-sim",
+       .purpose = "Co-simulation and a simulated board, as the demonstration shows them.",
+       .details = "This program belongs to scripts/demo.sh. scripts/build.sh builds selfproj-sim with all commands.",
+       .examples = R"(
+# Send 20 simulated frames through the board's RTL and the driver; compare every packet.
+selfproj-sim cosim --count 20 --out part
+)"},
+      [](CLI::App& app) {
+        selfproj::add_cosim_command(app);
+        selfproj::add_board_command(app);
+      },
+      argc, argv);
+}

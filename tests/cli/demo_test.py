@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""Tests the programs that scripts/demo.sh builds: they have the commands and options that it uses, and no others.
+
+    demo_test.py PROGRAMS
+
+PROGRAMS is the folder of the demo's selfproj and selfproj-sim.
+"""
+
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import unittest
+
+DEMO = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "demo.sh"
+programs = pathlib.Path()
+
+
+def lines_of_programs():
+    """Returns the command lines of the demo that run its programs, as words without the folder."""
+    text = re.sub(r"\\\n\s*", "", DEMO.read_text(encoding="utf-8"))
+    found = []
+    for line in re.findall(r'^\s*"\$programs"/(.*)', text, re.MULTILINE):
+        words = shlex.split(re.split(r" >| \|\|", line)[0])
+        found.append([{"$seconds": "20", "$port": "8080"}.get(word, word) for word in words])
+    return found
+
+
+class Demo(unittest.TestCase):
+    def test_its_command_lines_are_right(self):
+        lines = lines_of_programs()
+        self.assertEqual({tuple(words[:2]) for words in lines},
+                         {("selfproj-sim", "cosim"), ("selfproj-sim", "board"), ("selfproj", "pattern"),
+                          ("selfproj", "inspect")})
+        for words in lines:
+            done = subprocess.run([programs / words[0], "--check-usage", *words[1:]], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), words)
+
+    def test_they_have_no_other_commands(self):
+        for program in ("selfproj", "selfproj-sim"):
+            done = subprocess.run([programs / program, "--help"], capture_output=True, text=True, check=True)
+            listed = re.findall(r"^  ([a-z]+)  ", done.stdout.split("\nCommands:\n")[1], re.MULTILINE)
+            used = {words[1] for words in lines_of_programs() if words[0] == program}
+            self.assertEqual(set(listed), used)
+
+
+if __name__ == "__main__":
+    programs = pathlib.Path(sys.argv.pop(1)).resolve()
+    unittest.main()

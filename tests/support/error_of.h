@@ -1,0 +1,23 @@
+#ifndef SELFPROJ_TESTS_SUPPORT_ERROR_OF_H
+#define SELFPROJ_TESTS_SUPPORT_ERROR_OF_H
+
+#include <functional>
+#include <string>
+
+#include "host/io/user_error.h"
+
+namespace selfproj::test {
+
+// Returns the text of the UserError that an action throws, or "none".
+inline std::string error_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_SUPPORT_ERROR_OF_H
