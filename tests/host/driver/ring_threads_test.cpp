@@ -4,31 +4,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <thread>
 
 #include "host/driver/open_device.h"
 #include "host/driver/ring_writer.h"
 #include "tests/host/driver/packets.h"
 #include "tests/host/driver/ring_fixture.h"
-
-namespace {
-std::atomic<std::uint64_t> allocations{0};
-}
-
-// Counts allocations, to test that none happen. Not inlined, so that the compiler does not match the free below with
-// its own operator new.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size); memory != nullptr) {
-    return memory;
-  }
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include "tests/support/allocations.h"
 
 namespace selfproj::test {
 namespace {
@@ -158,7 +141,7 @@ TEST_F(RingThreads, AllocatesNothingAfterTheStart) {
   const Bytes one = moments_packet(0);
   const Bytes two = moments_packet(1);
   PacketView packet;
-  const std::uint64_t before = allocations;
+  const std::uint64_t before = allocations();
   for (int i = 0; i < 1000; ++i) {
     writer.write(one);
     writer.write(two);
@@ -168,7 +151,7 @@ TEST_F(RingThreads, AllocatesNothingAfterTheStart) {
     device->release();
     static_cast<void>(device->counters());
   }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(allocations(), before);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 #include "host/structured_light/triangulation.h"
 #include "model/gray_decoder.h"
 #include "model/median3x3.h"
-#include "tests/host/structured_light/allocations.h"
+#include "tests/support/allocations.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj {
@@ -55,7 +55,7 @@ TEST(Scanner, EqualsItsStepsByTheModels) {
       const int pattern = i % (2 * bits);
       const ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
       const bool due = decoder.take(view, pattern, good, codes.data());
-      const std::size_t before = test::allocations();
+      const std::uint64_t before = test::allocations();
       const bool found = scanner.take(view, pattern, good);
       ASSERT_EQ(test::allocations(), before) << "the scanner allocates";
       ASSERT_EQ(found, due);

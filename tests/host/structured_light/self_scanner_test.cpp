@@ -17,8 +17,8 @@
 #include "model/gray_decoder.h"
 #include "model/gray_match.h"
 #include "tests/host/light_section/seen_surface.h"
-#include "tests/host/structured_light/allocations.h"
 #include "tests/host/structured_light/pinhole.h"
+#include "tests/support/allocations.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj {
@@ -180,7 +180,7 @@ TEST(SelfScanner, EqualsItsStepsByTheModels) {
       const bool good = !random.chance(3);
       const ImageView view{pixels.data(), rig.camera.rows, rig.camera.columns, rig.camera.columns};
       const bool due = decoder.take(view, i % (2 * bits), good, codes.data());
-      const std::size_t before = test::allocations();
+      const std::uint64_t before = test::allocations();
       const bool found = scanner.take(view, i % (2 * bits), good);
       ASSERT_EQ(test::allocations(), before) << "the scanner allocates";
       ASSERT_EQ(found, due);

@@ -1,16 +1,18 @@
-#include "tests/host/structured_light/allocations.h"
+#include "tests/support/allocations.h"
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
 namespace {
-std::size_t count = 0;
+std::atomic<std::uint64_t> calls{0};
 }  // namespace
 
 // Not inlined; otherwise the compiler reports malloc and delete as a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
-  ++count;
+  ++calls;
   void* const memory = std::malloc(size == 0 ? 1 : size);
   if (memory == nullptr) {
     throw std::bad_alloc();
@@ -20,4 +22,4 @@ std::size_t count = 0;
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
 
-std::size_t selfproj::test::allocations() { return count; }
+std::uint64_t selfproj::test::allocations() { return calls; }
