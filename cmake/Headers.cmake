@@ -44,10 +44,9 @@ endfunction()
 
 # selfproj_compile_as_one(TARGET...)
 #
-# Compiles the sources of each target as one, except in preset dev. Headers are then read once, and the templates of
-# JSON, fmt, OpenCV and GoogleTest that many sources use are instantiated once, which takes half the time. So the names
-# in unnamed namespaces must differ within a library or a test program. A source with its own compile options is
-# compiled alone.
+# Compiles the sources of each target as one file, except in preset dev. This halves the compile time: headers are read
+# once, and the templates of JSON, fmt, OpenCV and GoogleTest are instantiated once. The names in the unnamed namespaces
+# of a target must therefore differ. A source with its own compile options is compiled alone.
 function(selfproj_compile_as_one)
   if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
     set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)

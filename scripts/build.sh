@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # build.sh [PRESET [TARGET...]]: installs missing packages, configures, and builds. PRESET is release (default), dev or
-# sanitizers. Without a TARGET it builds the programs alone; TARGET all builds the tests as well. selfproj_demo and
-# selfproj-sim_demo have only the commands of scripts/demo.sh.
+# sanitizers. Without a TARGET it builds the programs alone; TARGET all builds the tests as well. Targets
+# selfproj_demo and selfproj-sim_demo build variants with only the commands that scripts/demo.sh shows.
 # Preset release builds for speed and puts the programs into build/bin/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # demo.sh: builds the simulation and shows the main job. A conveyor moves at 1000 mm/s under the simulated camera, the
 # board's RTL works on the images, and marks carved 1 mm deep show in the difference from the reference part. It
-# installs missing packages first, writes to build/demo/, prints the paths of the pictures, and ends with a short live
-# run that a browser can watch. SELFPROJ_DEMO_SECONDS says how long that takes (20; 0: none), SELFPROJ_DEMO_PORT at
-# which port (8080).
+# installs missing packages first, writes to build/demo/, prints the paths of the pictures, builds the host program, and
+# ends with a live run that a browser can watch. SELFPROJ_DEMO_SECONDS is the length of the live run (20; with 0 there
+# is none, and the host program is not built); SELFPROJ_DEMO_PORT is its port (8080).
 #
-# It builds programs that have only the commands shown here, in build/bin/demo/. scripts/build.sh builds all commands.
+# It builds small variants of the two programs in build/bin/demo/. They have only the commands that are shown here.
+# scripts/build.sh builds the whole programs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -53,7 +54,7 @@ seconds=${SELFPROJ_DEMO_SECONDS:-20}
 port=${SELFPROJ_DEMO_PORT:-8080}
 [[ $seconds != 0 ]] || exit 0
 
-printf '\nThe live run needs the host program:\n'
+printf '\nBuilding the host program for the live run:\n'
 scripts/build.sh release selfproj_demo
 
 # The shape of the good part is all that the host needs to know.

@@ -7,7 +7,7 @@
 int main(int argc, char** argv) {
   return selfproj::program_main(
       {.name = "selfproj",
-       .purpose = "Patterns and on-line inspection, as the demonstration shows them.",
+       .purpose = "The commands of the demonstration: patterns and on-line inspection.",
        .details = "This program belongs to scripts/demo.sh. scripts/build.sh builds selfproj with all commands.",
        .examples = R"(
 # Compute the pattern that shows a plane as a straight line.

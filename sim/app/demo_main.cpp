@@ -7,7 +7,7 @@
 int main(int argc, char** argv) {
   return selfproj::program_main(
       {.name = "selfproj-sim",
-       .purpose = "Co-simulation and a simulated board, as the demonstration shows them.",
+       .purpose = "The commands of the demonstration: co-simulation and a simulated board.",
        .details = "This program belongs to scripts/demo.sh. scripts/build.sh builds selfproj-sim with all commands.",
        .examples = R"(
 # Send 20 simulated frames through the board's RTL and the driver; compare every packet.

@@ -30,7 +30,6 @@
 #include "sim/experiment/cosim_result.h"
 #include "sim/experiment/depth_cosim.h"
 #include "sim/experiment/depth_findings.h"
-#include "sim/experiment/gray_motion.h"
 #include "sim/experiment/motion_analysis.h"
 #include "sim/experiment/pool_wave.h"
 #include "sim/scene/pattern_renderer.h"

@@ -5,16 +5,10 @@
 
 #include <string>
 
-#include "host/structured_light/moved.h"
 #include "sim/experiment/gray_observation.h"
 #include "sim/experiment/structured_light.h"
 
 namespace selfproj {
-
-// What counts as moved: a pixel at least this far (mm) from the background that fulfils the conditions of the filter.
-// B1 finds these settings the best.
-inline constexpr double kMovedMm = 10;
-inline constexpr SteadySettings kSteady{10, 6};
 
 // `name` is "B1", "B2" or "B3".
 // B1: every filter of a grid is measured on the path of the thesis, and the best of them on the drawn paths.

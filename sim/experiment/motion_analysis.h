@@ -6,9 +6,15 @@
 #include <vector>
 
 #include "host/io/float_image.h"
+#include "host/structured_light/moved.h"
 #include "host/structured_light/triangulation.h"
 
 namespace selfproj {
+
+// What counts as moved: a pixel at least this far (mm) from the background that fulfils the conditions of the filter.
+// B1 finds these settings the best.
+inline constexpr double kMovedMm = 10;
+inline constexpr SteadySettings kSteady{10, 6};
 
 // y = mean + amplitude sin(2 pi frequency t + phase), by least squares.
 struct SineFit {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests the programs that scripts/demo.sh builds: they have the commands and options that it uses, and no others.
+"""Tests the programs that scripts/demo.sh builds: they accept its command lines, and have no other commands.
 
     demo_test.py PROGRAMS
 
@@ -17,8 +17,9 @@ DEMO = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "demo.sh"
 programs = pathlib.Path()
 
 
-def lines_of_programs():
-    """Returns the command lines of the demo that run its programs, as words without the folder."""
+def command_lines():
+    """Returns the command lines of the demo that run its programs. Each is a list of words; the folder of the program
+    is left out."""
     text = re.sub(r"\\\n\s*", "", DEMO.read_text(encoding="utf-8"))
     found = []
     for line in re.findall(r'^\s*"\$programs"/(.*)', text, re.MULTILINE):
@@ -28,8 +29,8 @@ def lines_of_programs():
 
 
 class Demo(unittest.TestCase):
-    def test_its_command_lines_are_right(self):
-        lines = lines_of_programs()
+    def test_command_lines_of_the_demo_are_accepted(self):
+        lines = command_lines()
         self.assertEqual({tuple(words[:2]) for words in lines},
                          {("selfproj-sim", "cosim"), ("selfproj-sim", "board"), ("selfproj", "pattern"),
                           ("selfproj", "inspect")})
@@ -37,11 +38,11 @@ class Demo(unittest.TestCase):
             done = subprocess.run([programs / words[0], "--check-usage", *words[1:]], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr), (0, ""), words)
 
-    def test_they_have_no_other_commands(self):
+    def test_programs_have_only_the_commands_of_the_demo(self):
         for program in ("selfproj", "selfproj-sim"):
             done = subprocess.run([programs / program, "--help"], capture_output=True, text=True, check=True)
-            listed = re.findall(r"^  ([a-z]+)  ", done.stdout.split("\nCommands:\n")[1], re.MULTILINE)
-            used = {words[1] for words in lines_of_programs() if words[0] == program}
+            listed = re.findall(r"^  ([a-z][\w-]*)  ", done.stdout.split("\nCommands:\n")[1], re.MULTILINE)
+            used = {words[1] for words in command_lines() if words[0] == program}
             self.assertEqual(set(listed), used)
 
 

@@ -22,15 +22,15 @@
 namespace selfproj::test {
 namespace {
 
-constexpr int kFolderRows = 30;
-constexpr int kFolderColumns = 40;
-constexpr int kFolderBits = 6;
+constexpr int kImageRows = 30;
+constexpr int kImageColumns = 40;
+constexpr int kCodeBits = 6;
 
 // A small scanner with 64 lines and columns.
 Rig small_scanner() {
   Rig rig = load_rig("scanner");
-  rig.camera.rows = kFolderRows;
-  rig.camera.columns = kFolderColumns;
+  rig.camera.rows = kImageRows;
+  rig.camera.columns = kImageColumns;
   rig.camera.pixel_pitch_mm = 0.1;
   rig.projector.lines = rig.projector.columns = 64;
   rig.projector.line_pitch_mm *= 12;
@@ -51,11 +51,10 @@ Codes codes_on_plane(const Rig& rig) {
     return nearest >= 0 && nearest < 64 ? static_cast<int>(nearest) : -1;
   };
   Codes codes;
-  for (int row = 0; row < kFolderRows; ++row) {
-    for (int column = 0; column < kFolderColumns; ++column) {
-      const Pixel lit = projector_lights(
-          rig.projector,
-          {scale * (row - 0.5 * (kFolderRows - 1)), scale * (column - 0.5 * (kFolderColumns - 1)), rig.plane_z_mm});
+  for (int row = 0; row < kImageRows; ++row) {
+    for (int column = 0; column < kImageColumns; ++column) {
+      const Pixel lit = projector_lights(rig.projector, {scale * (row - 0.5 * (kImageRows - 1)),
+                                                         scale * (column - 0.5 * (kImageColumns - 1)), rig.plane_z_mm});
       codes.columns.push_back(code(lit.column));
       codes.lines.push_back(code(lit.row));
     }
@@ -65,9 +64,9 @@ Codes codes_on_plane(const Rig& rig) {
 
 // The positive or the negative image of one plane of a code.
 std::string image_of(const std::vector<int>& codes, int plane, bool negative) {
-  Image image{kFolderRows, kFolderColumns, {}};
+  Image image{kImageRows, kImageColumns, {}};
   for (const int code : codes) {
-    const bool white = (((code ^ (code >> 1)) >> (kFolderBits - 1 - plane) & 1) != 0) != negative;
+    const bool white = (((code ^ (code >> 1)) >> (kCodeBits - 1 - plane) & 1) != 0) != negative;
     image.pixels.push_back(code < 0 ? std::uint8_t{30} : white ? std::uint8_t{200} : std::uint8_t{40});
   }
   return encode_png(image);
@@ -84,14 +83,14 @@ TEST(DepthFolder, ARigTakesBothAxes) {
     write_text(folder / "images" / fmt::format("img{}.png", number++), bytes);  // natural order: 10 after 9
   };
   for (const std::vector<int>* axis : {&codes.columns, &codes.lines}) {
-    for (int plane = 0; plane < kFolderBits; ++plane) {
+    for (int plane = 0; plane < kCodeBits; ++plane) {
       save(image_of(*axis, plane, false));
       save(image_of(*axis, plane, true));
     }
   }
   for (const int grey : {200, 20}) {
-    save(encode_png({kFolderRows, kFolderColumns,
-                     std::vector<std::uint8_t>(kFolderRows * kFolderColumns, static_cast<std::uint8_t>(grey))}));
+    save(encode_png({kImageRows, kImageColumns,
+                     std::vector<std::uint8_t>(kImageRows * kImageColumns, static_cast<std::uint8_t>(grey))}));
   }
   const std::vector<std::string> usual{"depth", "--rig",   "rig.yaml", "--bits", "6",     "--row-bits",
                                        "6",     "--plane", "--out",    "out",    "images"};
@@ -99,9 +98,9 @@ TEST(DepthFolder, ARigTakesBothAxes) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
 
   LensSettings settings;
-  settings.rows = kFolderRows;
-  settings.columns = kFolderColumns;
-  settings.bits = settings.row_bits = kFolderBits;
+  settings.rows = kImageRows;
+  settings.columns = kImageColumns;
+  settings.bits = settings.row_bits = kCodeBits;
   settings.rows_are_x = true;
   settings.limits.max_z_per_line_mm = rig.measure.max_z_per_line_mm;
   const auto words = [](const std::vector<int>& all) {
@@ -111,7 +110,7 @@ TEST(DepthFolder, ARigTakesBothAxes) {
     }
     return result;
   };
-  FloatImage expected(kFolderRows, kFolderColumns);
+  FloatImage expected(kImageRows, kImageColumns);
   LensTriangulation(calibration_of(rig), settings)
       .depth_of_both(words(codes.lines).data(), words(codes.columns).data(), expected.values.data(), nullptr, nullptr);
   const FloatImage depth = read_float_tiff((folder / "out" / "depth.tiff").string());

@@ -25,7 +25,7 @@ Outcome pattern(const ScratchFolder& folder, std::vector<std::string> arguments)
 const std::string kPlane = "y_mm,z_mm\n-80,1167\n80,1167\n";
 
 // Bad input: expects status 2, one line that begins with this text, and nothing written.
-void expect_no_pattern(const ScratchFolder& folder, const Outcome& outcome, const std::string& begin) {
+void expect_pattern_refused(const ScratchFolder& folder, const Outcome& outcome, const std::string& begin) {
   EXPECT_EQ(outcome.status, 2) << outcome.err;
   EXPECT_EQ(outcome.err.rfind("selfproj: " + begin, 0), 0U) << outcome.err;
   EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
@@ -65,7 +65,7 @@ TEST(PatternCommand, StraightLineAndSweep) {
   EXPECT_FALSE(std::filesystem::exists(folder / "line" / "reference.csv"));
   ASSERT_EQ(pattern(folder, {"--sweep", "--every", "64", "--out", "sweep"}).status, 0);
   EXPECT_TRUE(std::filesystem::exists(folder / "sweep" / "line_00064.png"));
-  expect_no_pattern(folder, pattern(folder, {"--line", "512", "--out", "out"}), "--line: is 512");
+  expect_pattern_refused(folder, pattern(folder, {"--line", "512", "--out", "out"}), "--line: is 512");
 }
 
 TEST(PatternCommand, GraySequence) {
@@ -83,11 +83,13 @@ TEST(PatternCommand, GraySequence) {
   // The rig's lines are the rows.
   ASSERT_EQ(pattern(folder, {"gray", "--rig", "light-section", "--out", "rig"}).status, 0);
   EXPECT_EQ(read_image((folder / "rig" / "pattern_37.png").string(), {}).rows, 512);
-  expect_no_pattern(folder, pattern(folder, {"gray", "--projector", "5x", "--out", "out"}), "--projector: is '5x'");
-  expect_no_pattern(folder, pattern(folder, {"gray", "--projector", "0x5", "--out", "out"}), "--projector: is '0x5'");
-  expect_no_pattern(folder, pattern(folder, {"gray", "--out", "out"}),
-                    "--projector, --rig: give one of them, not both");
-  expect_no_pattern(folder, pattern(folder, {"gray", "--projector", "4x4"}), "--out");
+  expect_pattern_refused(folder, pattern(folder, {"gray", "--projector", "5x", "--out", "out"}),
+                         "--projector: is '5x'");
+  expect_pattern_refused(folder, pattern(folder, {"gray", "--projector", "0x5", "--out", "out"}),
+                         "--projector: is '0x5'");
+  expect_pattern_refused(folder, pattern(folder, {"gray", "--out", "out"}),
+                         "--projector, --rig: give one of them, not both");
+  expect_pattern_refused(folder, pattern(folder, {"gray", "--projector", "4x4"}), "--out");
 }
 
 // The print as an image of 60 dots an inch, the whole sheet.
@@ -144,7 +146,7 @@ TEST(PatternCommand, ChessboardThatDoesNotFit) {
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& begin) {
     std::vector<std::string> words = {"chessboard", "--out", "out"};
     words.insert(words.end(), arguments.begin(), arguments.end());
-    expect_no_pattern(folder, pattern(folder, words), begin);
+    expect_pattern_refused(folder, pattern(folder, words), begin);
   };
   refused({"--square", "26"}, "--square: 26 mm is too large; on A4 the squares of 9x6 can have 25 mm");
   refused({"--chessboard", "9x2"}, "--chessboard: is 9x2; calibration needs 3 inner corners along both sides");
@@ -157,7 +159,7 @@ TEST(PatternCommand, WrongInputIsOneLine) {
   write_text(folder / "plane.csv", kPlane);
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& begin) {
     SCOPED_TRACE(begin);
-    expect_no_pattern(folder, pattern(folder, arguments), begin);
+    expect_pattern_refused(folder, pattern(folder, arguments), begin);
   };
   refused({"--reference", "none.csv", "--out", "out"}, "none.csv: ");
   refused({"--reference", "plane.csv", "--out", "plane.csv/out"}, "plane.csv/out: plane.csv is not a folder");

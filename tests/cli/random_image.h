@@ -10,6 +10,7 @@
 
 namespace selfproj::test {
 
+// Returns an image of random bytes.
 inline cv::Mat random_image(Random& random, int rows, int columns, int type = CV_8UC1) {
   cv::Mat image(rows, columns, type);
   const std::vector<std::uint8_t> bytes = random.bytes(image.total() * image.elemSize());

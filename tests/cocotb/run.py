@@ -23,7 +23,7 @@ import rtl_tree  # noqa: E402
 COCOTB = pypi.Environment(ROOT / "build" / "cocotb", ["cocotb==1.9.2", "cocotbext-axi==0.1.24", "numpy==2.4.6"],
                           "--only-binary", "numpy,cocotb")
 BUILD_ARGUMENTS = {"icarus": ["-g2012"], "verilator": ["-Wno-fatal", "-O1"]}
-# Verilator's code runs so short here that to optimize it takes longer.
+# Verilator's code runs only briefly here. Optimizing it would take longer than it saves.
 MAKE_FLAGS = "OPT_FAST=-O0 OPT_SLOW=-O0 OPT_GLOBAL=-O0"
 PARAMETERS = {"MaxColumns": 64, "MaxRows": 15}
 # File, old, new, and the test that finds it
@@ -62,7 +62,7 @@ def run(rtl, folder, only="", simulator="icarus", packages=""):
     what they say."""
     path = os.pathsep.join(filter(None, [str(pathlib.Path(__file__).parent), str(packages)]))
     environment = os.environ | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONWARNINGS": "ignore",
-                                "MAKEFLAGS": MAKE_FLAGS}
+                                "MAKEFLAGS": f"{os.environ.get('MAKEFLAGS', '')} {MAKE_FLAGS}"}
     folder.mkdir(parents=True, exist_ok=True)
     done = subprocess.run([COCOTB.python, __file__, "--simulate", rtl, folder, only, simulator], env=environment,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)

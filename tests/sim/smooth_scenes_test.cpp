@@ -57,13 +57,13 @@ std::vector<float> image_of(const RealRig& real, const Scene& scene) {
   return pixels;
 }
 
-constexpr ChessboardShape kBoardShape{37, 3, 2.2};
+constexpr ChessboardShape kChessboardShape{37, 3, 2.2};
 
 ChessboardScene board(const RealRig& real, double bend_mm, double lean) {
   ChessboardPlace place;
   place.middle = middle_of_view(real, real.rig.plane_z_mm - 20);
   place.below = {std::cos(lean), 0, std::sin(lean)};
-  return {real.rig, kBoardShape, place, drawn_flaws(1e-4, bend_mm, 7)};
+  return {real.rig, kChessboardShape, place, drawn_flaws(1e-4, bend_mm, 7)};
 }
 
 TEST(SmoothScenes, ImagesAreTheSameToTheLastBit) {

@@ -1,5 +1,6 @@
-// Counts allocations. allocations.cpp replaces operator new, also that of the address sanitizer, which then does not
-// see what is freed in the wrong way. So the tests that count are programs of their own.
+// Counts allocations. allocations.cpp replaces operator new, and with it the address sanitizer's. The sanitizer then
+// does not find memory that is freed by the wrong function. So tests that count allocations are in programs of their
+// own.
 #ifndef SELFPROJ_TESTS_SUPPORT_ALLOCATIONS_H
 #define SELFPROJ_TESTS_SUPPORT_ALLOCATIONS_H
 
@@ -7,7 +8,8 @@
 
 namespace selfproj::test {
 
-// How often the program has called operator new since it began, in any thread.
+// Returns how often this program has called operator new(std::size_t), in all threads. It does not count aligned and
+// nothrow new, nor new[] under the address sanitizer.
 std::uint64_t allocations();
 
 }  // namespace selfproj::test

@@ -1,3 +1,4 @@
+// The error of an action, for tests of what is refused.
 #ifndef SELFPROJ_TESTS_SUPPORT_ERROR_OF_H
 #define SELFPROJ_TESTS_SUPPORT_ERROR_OF_H
 
@@ -8,7 +9,7 @@
 
 namespace selfproj::test {
 
-// Returns the text of the UserError that an action throws, or "none".
+// Returns the text of the UserError that `act` throws, or "none" if it throws nothing. Other exceptions pass through.
 inline std::string error_of(const std::function<void()>& act) {
   try {
     act();

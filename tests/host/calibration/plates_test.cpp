@@ -58,8 +58,8 @@ class NarrowWorld {
 
   // What is observed of these plates, the belt at each of its places.
   [[nodiscard]] std::vector<PoseReport> observed(const std::vector<Placing>& plates) const {
-    constexpr double kCornerNoise = 0.005;
-    constexpr double kCodeNoise = 0.1;
+    constexpr double kCameraNoisePx = 0.005;
+    constexpr double kProjectorNoisePx = 0.1;
     std::mt19937_64 random(5);
     std::normal_distribution<double> normal;
     std::vector<PoseReport> reports;
@@ -82,8 +82,8 @@ class NarrowWorld {
             return cv::Point2d(x, seen[1] + noise * normal(random));
           };
           Corner corner;
-          corner.camera = noisy(world.in_camera(at), kCornerNoise);
-          corner.projector = noisy(world.in_projector(at), kCodeNoise);
+          corner.camera = noisy(world.in_camera(at), kCameraNoisePx);
+          corner.projector = noisy(world.in_projector(at), kProjectorNoisePx);
           corner.used = true;
           report.corners.push_back(corner);
         }

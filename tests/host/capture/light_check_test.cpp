@@ -16,13 +16,13 @@
 namespace selfproj::test {
 namespace {
 
-constexpr int kLightSide = 64;
+constexpr int kSceneSide = 64;
 
 // A scene whose pixels are lit by the columns or rows of a projector of as many pixels.
 class LitScene {
  public:
   explicit LitScene(Random& random) : random_(random) {
-    for (int i = 0; i < kLightSide * kLightSide; ++i) {
+    for (int i = 0; i < kSceneSide * kSceneSide; ++i) {
       black_.push_back(random.between(5, 20));
       light_.push_back(random.between(60, 150));
     }
@@ -30,10 +30,10 @@ class LitScene {
 
   // `light` 0..1 of a pixel from its row and column.
   Image seen(const std::function<double(int row, int column)>& light) {
-    Image image{kLightSide, kLightSide, {}};
-    for (int i = 0; i < kLightSide * kLightSide; ++i) {
+    Image image{kSceneSide, kSceneSide, {}};
+    for (int i = 0; i < kSceneSide * kSceneSide; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      const double grey = black_[at] + light(i / kLightSide, i % kLightSide) * light_[at] + random_.between(-4, 4);
+      const double grey = black_[at] + light(i / kSceneSide, i % kSceneSide) * light_[at] + random_.between(-4, 4);
       image.pixels.push_back(static_cast<std::uint8_t>(std::clamp(grey, 0.0, 255.0)));
     }
     return image;
@@ -77,7 +77,7 @@ TEST(LightCheck, APatternAndItsNegativeAddUpAndNothingElseDoes) {
       const auto& other = others[i];
       EXPECT_FALSE(adds_up(first, scene.seen(other), levels));
       const Image torn = scene.seen(
-          [&](int row, int column) { return row < kLightSide - 20 ? negative(row, column) : other(row, column); });
+          [&](int row, int column) { return row < kSceneSide - 20 ? negative(row, column) : other(row, column); });
       EXPECT_FALSE(adds_up(first, torn, levels));
       EXPECT_FALSE(adds_up(torn, first, levels));
       const Image across =
@@ -97,12 +97,12 @@ TEST(LightCheck, ApartOfTheLightIsNotAllOfIt) {
   const auto white_above = [&](int row_of_change) {
     return scene.seen([=](int row, int /*column*/) { return row < row_of_change ? 1.0 : 0.0; });
   };
-  EXPECT_TRUE(all_white(white_above(kLightSide), levels));
-  EXPECT_FALSE(all_white(white_above(kLightSide - 2), levels));
+  EXPECT_TRUE(all_white(white_above(kSceneSide), levels));
+  EXPECT_FALSE(all_white(white_above(kSceneSide - 2), levels));
   EXPECT_FALSE(all_white(white_above(0), levels));
   EXPECT_TRUE(all_black(white_above(0), levels));
   EXPECT_FALSE(all_black(white_above(2), levels));
-  EXPECT_FALSE(all_black(white_above(kLightSide), levels));
+  EXPECT_FALSE(all_black(white_above(kSceneSide), levels));
 }
 
 TEST(LightCheck, KnowsANegative) {

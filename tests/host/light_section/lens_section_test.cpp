@@ -30,7 +30,7 @@ using test::LensWorld;
 constexpr std::uint32_t kLight = 1U << 20U;  // M0: the centroid is exact to 1e-6 rows
 constexpr int kEvery = 16;                   // columns between those that are looked at
 
-const Distortion kLens[] = {
+const Distortion kDistortions[] = {
     {.k1 = 0.08, .k2 = 0.01, .p1 = 0.001, .p2 = -0.001, .turn = {0.5, -0.5, 0.5}, .move = {5, -5, 5}},
     {.k1 = -0.08, .k2 = -0.02, .p1 = -0.001, .p2 = 0.002, .turn = {-0.5, 0.5, -2}, .move = {-5, 5, 5}}};
 
@@ -79,7 +79,7 @@ Seen measure(const Rig& rig, const ReferenceProfile& reference, const LensWorld&
 
 TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
   const Rig ideal = load_rig("light-section");
-  for (const Distortion& distortion : kLens) {
+  for (const Distortion& distortion : kDistortions) {
     const Calibration calibration = test::distorted_calibration(ideal, distortion);
     const Rig rig = rig_of(calibration, ideal);
     const LensWorld world(calibration);
@@ -122,7 +122,7 @@ TEST(LensSection, ProfilesOfAPlaneAreTrueThroughBothLenses) {
 // was drawn for its neighbours.
 TEST(LensSection, SlantedPartsAreTrue) {
   const Rig ideal = load_rig("light-section");
-  const Calibration calibration = test::distorted_calibration(ideal, kLens[0]);
+  const Calibration calibration = test::distorted_calibration(ideal, kDistortions[0]);
   const Rig rig = rig_of(calibration, ideal);
   const LensWorld world(calibration);
   const auto height = [](double y) { return 10 + 0.3 * y; };
@@ -143,7 +143,7 @@ TEST(LensSection, SlantedPartsAreTrue) {
 
 TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
   const Rig ideal = load_rig("light-section");
-  Calibration calibration = test::distorted_calibration(ideal, kLens[1]);
+  Calibration calibration = test::distorted_calibration(ideal, kDistortions[1]);
   Rig rig = rig_of(calibration, ideal);
   const cv::Vec3d normal = cv::normalize(cv::Vec3d(0.05, 0.85, 0.5));  // in the calibration's axes
   const double distance = normal.dot({0, 0, rig.plane_z_mm});
@@ -190,7 +190,7 @@ TEST(LensSection, LasersPlaneOfAnyOrientationIsFollowed) {
 TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
   constexpr int kStep = 8;
   const Rig ideal = load_rig("light-section");
-  const Calibration calibration = test::distorted_calibration(ideal, kLens[0]);
+  const Calibration calibration = test::distorted_calibration(ideal, kDistortions[0]);
   Rig rig = rig_of(calibration, ideal);
   rig.measure.mode = Mode::grey;
   const LensWorld world(calibration);
@@ -223,8 +223,8 @@ TEST(LensSection, ScanFindsTheReferenceThroughTheLenses) {
 // A rig whose tilt is 0.02 degrees wrong: its residual is taken out, and the reference itself has no difference.
 TEST(LensSection, ResidualIsTakenOut) {
   const Rig ideal = load_rig("light-section");
-  const Calibration real = test::distorted_calibration(ideal, kLens[0]);
-  Distortion wrong = kLens[0];
+  const Calibration real = test::distorted_calibration(ideal, kDistortions[0]);
+  Distortion wrong = kDistortions[0];
   wrong.turn[0] += 0.02;
   const Rig rig = rig_of(test::distorted_calibration(ideal, wrong), ideal);
   const LensWorld world(real);
@@ -250,7 +250,7 @@ TEST(LensSection, ResidualIsTakenOut) {
 
 TEST(LensSection, ReferenceFileIsReadBackAndKeptApart) {
   const Rig ideal = load_rig("light-section");
-  const Rig rig = rig_of(test::distorted_calibration(ideal, kLens[0]), ideal);
+  const Rig rig = rig_of(test::distorted_calibration(ideal, kDistortions[0]), ideal);
   std::vector<double> heights = level(rig, 0);
   heights[7] = kUnknown;
   const ReferenceProfile reference = reference_of_curve(rig, curve_of_heights(rig, heights));

@@ -15,7 +15,7 @@
 namespace selfproj::test {
 namespace {
 
-constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
 template <class Function>
 std::string message_of(Function&& call) {
@@ -37,9 +37,9 @@ ReferenceProfile some_reference(const Rig& rig) {
     const auto k = static_cast<double>(i);
     const bool valid = i % 7 != 3;
     reference.valid[i] = valid ? 1 : 0;
-    reference.tan_theta[i] = valid ? 0.6 + k / 3000 : kNoNumber;
-    reference.z_mm[i] = valid ? 1167 - k / 7 : kNoNumber;
-    reference.offset_px[i] = valid ? -k / 1e4 : kNoNumber;
+    reference.tan_theta[i] = valid ? 0.6 + k / 3000 : kUnmeasured;
+    reference.z_mm[i] = valid ? 1167 - k / 7 : kUnmeasured;
+    reference.offset_px[i] = valid ? -k / 1e4 : kUnmeasured;
   }
   return reference;
 }

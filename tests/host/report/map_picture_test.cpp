@@ -16,7 +16,7 @@
 namespace selfproj {
 namespace {
 
-constexpr float kNoHeight = std::numeric_limits<float>::quiet_NaN();
+constexpr float kGap = std::numeric_limits<float>::quiet_NaN();
 
 cv::Mat decode(const std::string& png) {
   return cv::imdecode(std::vector<std::uint8_t>(png.begin(), png.end()), cv::IMREAD_COLOR);
@@ -30,7 +30,7 @@ void expect_colour(const cv::Vec3b& bgr, Colour colour) {
 
 TEST(MapPicture, ValuesHaveTheirColoursAndGapsAreGrey) {
   FloatImage map(2, 3);
-  map.values = {-1, 0, 1, -7, kNoHeight, 7};
+  map.values = {-1, 0, 1, -7, kGap, 7};
   const cv::Mat picture = decode(map_png(map, {ColourMap::diverging, -1, 1}, {30, 20}));
   ASSERT_EQ(picture.cols, 30);
   ASSERT_EQ(picture.rows, 20);
@@ -68,7 +68,7 @@ TEST(MapPicture, DivergingIsLightInTheMiddleAndSaysTheSign) {
 TEST(MapPicture, APixelIsTheMeanOfWhatFallsIntoIt) {
   FloatImage map(4, 4, 0.5F);
   map.row(0)[0] = -0.5F;
-  map.row(1)[1] = kNoHeight;  // mean of the three others: 1/6
+  map.row(1)[1] = kGap;  // mean of the three others: 1/6
   const cv::Mat picture = decode(map_png(map, {ColourMap::sequential, 0, 1}, {2, 2}));
   const auto near = [](const cv::Vec3b& bgr, Colour colour) {
     return std::abs(bgr[2] - colour.red) <= 2 && std::abs(bgr[1] - colour.green) <= 2;
@@ -86,14 +86,14 @@ TEST(MapPicture, BothDirectionsHaveOneScale) {
 }
 
 TEST(MapPicture, ScalesReachOverWhatIsThere) {
-  FloatImage map(100, 100, kNoHeight);
+  FloatImage map(100, 100, kGap);
   EXPECT_DOUBLE_EQ(difference_scale(map).high, 0.1);
   EXPECT_DOUBLE_EQ(height_scale(map).low, 0);
   for (int i = 0; i < 10000; ++i) {
     map.values[static_cast<std::size_t>(i)] = i % 100 < 3 ? -1.02F : 0.01F;
   }
   for (int i = 0; i < 1000; ++i) {  // rows 0..9 are half empty, and far off: not the part
-    map.values[static_cast<std::size_t>(i)] = i % 2 == 0 ? kNoHeight : -20;
+    map.values[static_cast<std::size_t>(i)] = i % 2 == 0 ? kGap : -20;
   }
   EXPECT_EQ(full_rows(map).size(), 90U);
   EXPECT_EQ(full_rows(map).front(), 10);

@@ -24,7 +24,7 @@
 namespace selfproj {
 namespace {
 
-constexpr int kBorderBits = 8;
+constexpr int kSceneBits = 8;
 using Surface = std::function<double(double x, double y)>;  // z, mm
 
 // A surface as rig B sees it: its code words, the depths of whole codes, and the depths at the borders between codes.
@@ -32,9 +32,9 @@ class SeenBorders {
  public:
   // `contrast` is the greatest difference between the images of a pair, `noise` a standard deviation, in grey values.
   SeenBorders(const Surface& surface, double contrast, double noise)
-      : rig_(load_rig("scanner")), plane_(rig_, kBorderBits) {
+      : rig_(load_rig("scanner")), plane_(rig_, kSceneBits) {
     const std::size_t pixels = plane_.pixels();
-    const auto matrix = depth_matrices(rig_, kBorderBits).projector;
+    const auto matrix = depth_matrices(rig_, kSceneBits).projector;
     words.resize(pixels);
     whole.resize(pixels);
     borders.resize(pixels);
@@ -48,16 +48,16 @@ class SeenBorders {
       const Point3f p = plane_.point(i, static_cast<float>(z));
       const auto line = matrix * cv::Vec4d(static_cast<double>(p.x), static_cast<double>(p.y), z, 1);
       codes[i] = line(0) / line(1);
-      const bool lit = codes[i] >= 1 && codes[i] < (1 << kBorderBits) - 1;
+      const bool lit = codes[i] >= 1 && codes[i] < (1 << kSceneBits) - 1;
       words[i] = lit ? static_cast<std::uint16_t>(static_cast<int>(codes[i]) | GrayDecoder::kMeasurable) : 0;
     }
     CodeBorders at_borders(plane_, 5);
     std::mt19937_64 random(3);
     std::normal_distribution<double> grey(0, noise);
     std::vector<std::uint8_t> positive(pixels), negative(pixels);
-    for (int plane = 0; plane < kBorderBits; ++plane) {
+    for (int plane = 0; plane < kSceneBits; ++plane) {
       for (std::size_t i = 0; i < pixels; ++i) {
-        const double half = contrast / 2 * light(codes[i], kBorderBits - 1 - plane);
+        const double half = contrast / 2 * light(codes[i], kSceneBits - 1 - plane);
         positive[i] = static_cast<std::uint8_t>(std::clamp(std::lround(128 + half + grey(random)), 0L, 255L));
         negative[i] = static_cast<std::uint8_t>(std::clamp(std::lround(128 - half + grey(random)), 0L, 255L));
       }
@@ -146,14 +146,14 @@ TEST(CodeBorders, NoneInNoise) {
 }
 
 TEST(CodeBorders, BadArguments) {
-  const PlaneTriangulation plane(load_rig("scanner"), kBorderBits);
+  const PlaneTriangulation plane(load_rig("scanner"), kSceneBits);
   EXPECT_THROW(CodeBorders(plane, 256), std::invalid_argument);
   EXPECT_THROW(CodeBorders(plane, -1), std::invalid_argument);
   CodeBorders borders(plane, 5);
   const std::vector<std::uint8_t> image(plane.pixels());
   const ImageView whole{image.data(), plane.rows(), plane.columns(), plane.columns()};
   const ImageView small{image.data(), plane.rows() - 1, plane.columns(), plane.columns()};
-  EXPECT_THROW(borders.take(kBorderBits, whole, whole), std::invalid_argument);
+  EXPECT_THROW(borders.take(kSceneBits, whole, whole), std::invalid_argument);
   EXPECT_THROW(borders.take(0, whole, small), std::invalid_argument);
   EXPECT_NO_THROW(borders.take(0, whole, whole));
 }

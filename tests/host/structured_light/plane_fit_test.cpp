@@ -19,12 +19,14 @@
 #include "host/structured_light/lens_triangulation.h"
 #include "host/structured_light/triangulation.h"
 #include "tests/host/structured_light/pinhole.h"
+#include "tests/host/structured_light/random_rig.h"
 
 namespace selfproj {
 namespace {
 
-constexpr std::uint16_t kMeasured = 0x8000;
-constexpr int kPlaneBits = 10;
+using test::kMeasurable;
+
+constexpr int kCodeBits = 10;
 constexpr double kZ0 = 553;
 constexpr double kA = 0.11;
 constexpr double kB = -0.07;
@@ -52,7 +54,7 @@ test::Point3 on_plane(const Rig& rig, std::size_t i) {
 
 std::uint16_t word(double place, int count) {
   EXPECT_TRUE(place > -0.5 && place < count - 0.5) << place;
-  return static_cast<std::uint16_t>(std::lround(place)) | kMeasured;
+  return static_cast<std::uint16_t>(std::lround(place)) | kMeasurable;
 }
 
 void expect_plane(const Triangulation& triangulation, const FloatImage& depth) {
@@ -74,11 +76,11 @@ void expect_plane(const Triangulation& triangulation, const FloatImage& depth) {
 
 TEST(PlaneFit, LinesRoundedToCodes) {
   const Rig rig = small_rig();
-  const PlaneTriangulation triangulation(rig, kPlaneBits, {}, 1 << kPlaneBits);
+  const PlaneTriangulation triangulation(rig, kCodeBits, {}, 1 << kCodeBits);
   std::vector<std::uint16_t> codes(triangulation.pixels());
   for (std::size_t i = 0; i < codes.size(); ++i) {
-    const double first = 0.5 * (rig.projector.lines - (1 << kPlaneBits));
-    codes[i] = word(test::projector_lights(rig.projector, on_plane(rig, i)).row - first, 1 << kPlaneBits);
+    const double first = 0.5 * (rig.projector.lines - (1 << kCodeBits));
+    codes[i] = word(test::projector_lights(rig.projector, on_plane(rig, i)).row - first, 1 << kCodeBits);
   }
   FloatImage depth(rig.camera.rows, rig.camera.columns);
   triangulation.depth(codes.data(), depth.values.data());
@@ -90,8 +92,8 @@ TEST(PlaneFit, CodesOfBothAxes) {
   LensSettings settings;
   settings.rows = rig.camera.rows;
   settings.columns = rig.camera.columns;
-  settings.bits = kPlaneBits;
-  settings.row_bits = kPlaneBits;
+  settings.bits = kCodeBits;
+  settings.row_bits = kCodeBits;
   settings.rows_are_x = true;
   const LensTriangulation triangulation(calibration_of(rig), settings);
   std::vector<std::uint16_t> lines(triangulation.pixels());
@@ -110,7 +112,7 @@ TEST(PlaneFit, CodesOfBothAxes) {
 // of the board in its region, and that of the wall in the whole image.
 TEST(PlaneFit, MostPointsDecide) {
   const Rig rig = small_rig();
-  const PlaneTriangulation triangulation(rig, kPlaneBits);
+  const PlaneTriangulation triangulation(rig, kCodeBits);
   FloatImage depth(rig.camera.rows, rig.camera.columns);
   for (std::size_t i = 0; i < depth.values.size(); ++i) {
     const std::size_t row = i / static_cast<std::size_t>(rig.camera.columns);
@@ -135,7 +137,7 @@ TEST(PlaneFit, MostPointsDecide) {
 
 TEST(PlaneFit, ExactPointsLeaveNothing) {
   const Rig rig = small_rig();
-  const PlaneTriangulation triangulation(rig, kPlaneBits);
+  const PlaneTriangulation triangulation(rig, kCodeBits);
   FloatImage depth(rig.camera.rows, rig.camera.columns);
   std::fill(depth.values.begin(), depth.values.end(), std::numeric_limits<float>::quiet_NaN());
   std::size_t points = 0;
@@ -152,7 +154,7 @@ TEST(PlaneFit, ExactPointsLeaveNothing) {
 
 TEST(PlaneFit, NoPlaneInTooFewPoints) {
   const Rig rig = small_rig();
-  const PlaneTriangulation triangulation(rig, kPlaneBits);
+  const PlaneTriangulation triangulation(rig, kCodeBits);
   FloatImage depth(rig.camera.rows, rig.camera.columns);
   std::fill(depth.values.begin(), depth.values.end(), std::numeric_limits<float>::quiet_NaN());
   EXPECT_EQ(fit_plane(triangulation, depth).points, 0U);

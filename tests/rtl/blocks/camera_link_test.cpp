@@ -226,7 +226,7 @@ class CameraLinkBench {
 
 // Frames of any shape come whole, with boards that are faster and slower than the links.
 template <typename Dut>
-void expect_every_beat_of_lanes(int taps, int bits) {
+void expect_every_beat_of_links(int taps, int bits) {
   for (const std::uint64_t seed : seeds(12)) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
@@ -241,10 +241,10 @@ void expect_every_beat_of_lanes(int taps, int bits) {
     EXPECT_EQ(bench.overruns() + bench.apart() + bench.lost(), 0);
   }
 }
-TEST(CameraLink, OneTap) { expect_every_beat_of_lanes<Vsp_camera_link_one>(1, 10); }
-TEST(CameraLink, TwoTaps) { expect_every_beat_of_lanes<Vsp_camera_link_two>(2, 12); }
-TEST(CameraLink, ThreeTaps) { expect_every_beat_of_lanes<Vsp_camera_link_three>(3, 8); }
-TEST(CameraLink, Medium) { expect_every_beat_of_lanes<Vsp_camera_link_medium>(4, 8); }
+TEST(CameraLink, OneTap) { expect_every_beat_of_links<Vsp_camera_link_one>(1, 10); }
+TEST(CameraLink, TwoTaps) { expect_every_beat_of_links<Vsp_camera_link_two>(2, 12); }
+TEST(CameraLink, ThreeTaps) { expect_every_beat_of_links<Vsp_camera_link_three>(3, 8); }
+TEST(CameraLink, Medium) { expect_every_beat_of_links<Vsp_camera_link_medium>(4, 8); }
 
 // Links that lose their lock: what they send meanwhile is lost, and the frames that it belongs to end there.
 template <typename Dut>

@@ -19,7 +19,7 @@
 namespace selfproj::test {
 namespace {
 
-constexpr int kLockLatency = 3;  // clocks from the last samples of a word to the word
+constexpr int kWordLatency = 3;  // clocks from the last samples of a word to the word
 constexpr int kLogGood = 3;
 constexpr int kGood = 1 << kLogGood;
 
@@ -149,16 +149,16 @@ class LockBench {
     // Samples of word n begin at (n - 1) x per_word, because sample() adds one word.
     due_.push_back(at_ % per_word == 0 ? link_word(words_[static_cast<std::size_t>(at_ / per_word)])
                                        : std::optional<std::uint32_t>());
-    if (due_.size() > kLockLatency + 1) {
+    if (due_.size() > kWordLatency + 1) {
       due_.pop_front();
     }
   }
 
-  // A word at the output is one that was sent, with its last samples kLockLatency clocks ago.
+  // A word at the output is one that was sent, with its last samples kWordLatency clocks ago.
   void check() {
     if (dut_->valid_o) {
       ++words_given_;
-      ASSERT_EQ(due_.size(), kLockLatency + 1U);
+      ASSERT_EQ(due_.size(), kWordLatency + 1U);
       ASSERT_TRUE(due_.front().has_value()) << "a word where none ends";
       ASSERT_EQ(dut_->word_o, *due_.front());
     }
@@ -219,7 +219,7 @@ void expect_errors(int samples) {
     for (int round = 0; round < 20; ++round) {
       const int moves = bench.moves();
       bench.spoil(samples == 1 || round % 5 == kClockLane ? kClockLane : round % 5, bench.random().between(0, 6));
-      ASSERT_FALSE(bench.error_within(kLockLatency));
+      ASSERT_FALSE(bench.error_within(kWordLatency));
       const int given = bench.words();
       ASSERT_TRUE(bench.error_within(samples));
       EXPECT_FALSE(bench.locked());
@@ -249,8 +249,8 @@ void expect_training_again(int samples) {
       ASSERT_FALSE(bench.error_within(bench.random().between(5, 30)));
       bench.jump(bench.random().between(1, 7 * samples - 1));
       const int given = bench.words();
-      ASSERT_TRUE(bench.error_within(kLockLatency + 2 * samples));
-      EXPECT_LE(bench.words(), given + kLockLatency);
+      ASSERT_TRUE(bench.error_within(kWordLatency + 2 * samples));
+      EXPECT_LE(bench.words(), given + kWordLatency);
       EXPECT_FALSE(bench.locked());
       if (bench.random().chance(30)) {
         bench.reset();

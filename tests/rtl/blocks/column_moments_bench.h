@@ -71,9 +71,9 @@ struct Frame {
 };
 
 template <typename Dut>
-class ColumnMomentsBench {
+class ColumnBench {
  public:
-  explicit ColumnMomentsBench(Random& random) : random_(random) {
+  explicit ColumnBench(Random& random) : random_(random) {
     moments_.valid_when("moments_data_o", [this] { return moments_->moments_valid_o != 0; });
     moments_->beat_valid_i = 0;
     moments_->break_i = 0;
@@ -361,7 +361,7 @@ void small_sizes(const std::vector<Mode>& modes) {
     for (int columns = 4; columns <= 32; columns += 4) {
       for (int rows = 1; rows <= 7; ++rows) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
-        ColumnMomentsBench<Dut> bench(random);
+        ColumnBench<Dut> bench(random);
         for (int frame = 0; frame < 8; ++frame) {
           Frame next = random_frame<Dut>(random, columns, rows, mode);
           next.gaps = frame < 5 ? 0 : 40;
@@ -383,7 +383,7 @@ void large_size(int columns, int rows, const std::vector<Mode>& modes) {
   Random random(1);
   for (const Mode mode : modes) {
     SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
-    ColumnMomentsBench<Dut> bench(random);
+    ColumnBench<Dut> bench(random);
     Frame frame = random_frame<Dut>(random, columns, rows, mode);
     frame.threshold = 0;
     frame.window = {};
@@ -401,7 +401,7 @@ void large_size(int columns, int rows, const std::vector<Mode>& modes) {
 // earlier.
 template <typename Dut>
 void random_frames(Random& random, const std::vector<Mode>& modes, int max_columns, int max_rows, bool sizes_change) {
-  ColumnMomentsBench<Dut> bench(random);
+  ColumnBench<Dut> bench(random);
   int columns = 4;
   int rows = 1;
   Mode mode = Mode::binary;

@@ -32,7 +32,7 @@ TEST(ColumnMomentsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_moments
 template <typename Dut>
 std::int64_t delay_of(int columns, Mode mode) {
   Random random(1);
-  ColumnMomentsBench<Dut> bench(random);
+  ColumnBench<Dut> bench(random);
   bench.play(random_frame<Dut>(random, columns, 3, mode));
   bench.finish();
   return bench.last_word_clock - bench.last_beat_clock;
@@ -85,7 +85,7 @@ TEST(ColumnMomentsSmall, RandomFrames) {
 // the drain is long and the frame is narrow with many rows.)
 TEST(ColumnMoments, ASpoiledFrameSaysSo) {
   Random random(1);
-  ColumnMomentsBench<Vsp_column_moments> bench(random);
+  ColumnBench<Vsp_column_moments> bench(random);
   bench.play(random_frame<Vsp_column_moments>(random, 2048, 2, Mode::grey));
   bench.play(random_frame<Vsp_column_moments>(random, 8, 400, Mode::grey));  // its second row collides with the drain
   EXPECT_EQ(bench.frames_accepted, 1);

@@ -78,7 +78,7 @@ void tall_runs(int cases, int most_rows, const std::vector<Mode>& modes) {
             static_cast<std::uint8_t>(lit[static_cast<std::size_t>(row)] ? value : random.between(0, frame.threshold));
       }
     }
-    ColumnMomentsBench<Dut> bench(random);
+    ColumnBench<Dut> bench(random);
     bench.play(frame);
     bench.finish();
     ASSERT_FALSE(::testing::Test::HasFailure());
@@ -93,7 +93,7 @@ TEST(ColumnRuns, DelayIsGroupsAnd19Clocks) {
   Random random(1);
   for (const Mode mode : kModes) {
     for (const int columns : {4, 8, 12, 96, 512, 2048}) {
-      ColumnMomentsBench<Vsp_column_runs> bench(random);
+      ColumnBench<Vsp_column_runs> bench(random);
       bench.play(random_frame<Vsp_column_runs>(random, columns, 3, mode));
       bench.finish();
       EXPECT_EQ(bench.last_word_clock - bench.last_beat_clock, columns / 4 + 19) << columns << " columns";
@@ -103,7 +103,7 @@ TEST(ColumnRuns, DelayIsGroupsAnd19Clocks) {
 TEST(ColumnRunsSmall, DelayIs12Clocks) {
   Random random(1);
   for (const int columns : {4, 8, 12, 512}) {
-    ColumnMomentsBench<Vsp_column_runs_small> bench(random);
+    ColumnBench<Vsp_column_runs_small> bench(random);
     bench.play(random_frame<Vsp_column_runs_small>(random, columns, 3, Mode::binary));
     bench.finish();
     EXPECT_EQ(bench.last_word_clock - bench.last_beat_clock, 12) << columns << " columns";
@@ -138,7 +138,7 @@ TEST(ColumnRunsSmall, RandomFrames) {
 // As ColumnMoments.ASpoiledFrameSaysSo.
 TEST(ColumnRuns, ASpoiledFrameSaysSo) {
   Random random(1);
-  ColumnMomentsBench<Vsp_column_runs> bench(random);
+  ColumnBench<Vsp_column_runs> bench(random);
   bench.play(random_frame<Vsp_column_runs>(random, 2048, 2, Mode::grey));
   bench.play(random_frame<Vsp_column_runs>(random, 8, 400, Mode::grey));  // its second row collides with the drain
   EXPECT_EQ(bench.frames_accepted, 1);

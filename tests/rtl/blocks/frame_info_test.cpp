@@ -24,7 +24,8 @@ struct Settings {
   int stream, mode, threshold, columns, rows, gap, strongest, first_row, last_row;
 };
 
-struct FrameSent {
+// A frame as frame_start_i announced it.
+struct StartedFrame {
   std::int64_t start;  // clock of frame_start_i
   std::uint64_t sequence;
   bool stray_before;
@@ -50,35 +51,39 @@ void expect_fields(const Wide& info, const Shown& shown) {
     const char* name;
     std::size_t at;
     std::size_t bytes;
-    std::uint64_t (*of)(const FrameSent&);
+    std::uint64_t (*of)(const StartedFrame&);
     std::size_t early = 0;  // clocks before its beat
   };
   static constexpr std::array<Field, 15> kFields = {
       {{"stream", spec::kHeaderStream, 1,
-        [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.stream); }},
-       {"mode", spec::kHeaderMode, 1, [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.mode); }},
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.stream); }},
+       {"mode", spec::kHeaderMode, 1,
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.mode); }},
        {"threshold", spec::kHeaderThreshold, 1,
-        [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.threshold); }},
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.threshold); }},
        {"columns", spec::kHeaderColumns, 2,
-        [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.columns); }},
-       {"rows", spec::kHeaderRows, 2, [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.rows); }},
-       {"lines", spec::kHeaderLines, 2, [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.rows); }},
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.columns); }},
+       {"rows", spec::kHeaderRows, 2,
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.rows); }},
+       {"lines", spec::kHeaderLines, 2,
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.rows); }},
        {"select", spec::kHeaderSelect, 1,
-        [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.strongest); }},
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.strongest); }},
        {"first row", spec::kHeaderFirstRow, 2,
-        [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.first_row); }},
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.first_row); }},
        {"last row", spec::kHeaderLastRow, 2,
-        [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.last_row); }},
-       {"gap", spec::kHeaderGap, 1, [](const FrameSent& f) { return static_cast<std::uint64_t>(f.settings.gap); }},
-       {"pattern", spec::kHeaderPattern, 2, [](const FrameSent& f) { return std::uint64_t{f.pattern}; }},
-       {"sequence", spec::kHeaderSequence, 8, [](const FrameSent& f) { return f.sequence; }, 1},
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.last_row); }},
+       {"gap", spec::kHeaderGap, 1, [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.settings.gap); }},
+       {"pattern", spec::kHeaderPattern, 2, [](const StartedFrame& f) { return std::uint64_t{f.pattern}; }},
+       {"sequence", spec::kHeaderSequence, 8, [](const StartedFrame& f) { return f.sequence; }, 1},
        {"time stamp", spec::kHeaderTimeStamp, 8,
-        [](const FrameSent& f) { return static_cast<std::uint64_t>(f.start - kTrackerDelay); }},
-       {"encoder", spec::kHeaderEncoder, 4, [](const FrameSent& f) { return std::uint64_t{f.encoder}; }},
-       {"flags", spec::kHeaderFlags, 1,
-        [](const FrameSent& f) { return std::uint64_t{f.stray_before ? spec::kFlagStrayBefore : std::uint8_t{0}}; }}}};
+        [](const StartedFrame& f) { return static_cast<std::uint64_t>(f.start - kTrackerDelay); }},
+       {"encoder", spec::kHeaderEncoder, 4, [](const StartedFrame& f) { return std::uint64_t{f.encoder}; }},
+       {"flags", spec::kHeaderFlags, 1, [](const StartedFrame& f) {
+          return std::uint64_t{f.stray_before ? spec::kFlagStrayBefore : std::uint8_t{0}};
+        }}}};
   for (const Field& entry : kFields) {
-    if (const FrameSent* frame = shown(entry.at / spec::kPacketBeatBytes - entry.early); frame != nullptr) {
+    if (const StartedFrame* frame = shown(entry.at / spec::kPacketBeatBytes - entry.early); frame != nullptr) {
       EXPECT_EQ(field(info, entry.at, entry.bytes), entry.of(*frame)) << entry.name;
     }
   }
@@ -89,7 +94,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
     SCOPED_TRACE(how_to_repeat(seed));
     Random random(seed);
     Clocked<Vsp_frame_info> info;
-    std::vector<FrameSent> frames;
+    std::vector<StartedFrame> frames;
     info.valid_when("info_o", [&] { return !frames.empty() && info.clock() > frames.front().start + 7; });
     info.valid_when("pattern_o", [&] { return !frames.empty() && info.clock() > frames.front().start + 4; });
     info->frame_start_i = 0;
@@ -139,7 +144,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       ASSERT_EQ(info->time_o, static_cast<std::uint64_t>(std::max<std::int64_t>(now, 1) - 6));
 
       // the frame whose fields of header beat `beat` are valid now
-      const auto shown = [&](std::size_t beat) -> const FrameSent* {
+      const auto shown = [&](std::size_t beat) -> const StartedFrame* {
         for (auto frame = frames.rbegin(); frame != frames.rend(); ++frame) {
           if (frame->start + 4 + static_cast<std::int64_t>(beat) <= now) {
             return &*frame;
@@ -148,7 +153,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
         return nullptr;
       };
       expect_fields(info->info_o, shown);
-      const FrameSent* first = shown(0);
+      const StartedFrame* first = shown(0);
       ASSERT_EQ(info->frames_o, first == nullptr ? 0 : first->sequence + 1);
       if (first != nullptr) {
         ASSERT_EQ(info->pattern_o, first->pattern);

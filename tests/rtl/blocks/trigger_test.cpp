@@ -27,7 +27,7 @@ struct Expected {
   std::vector<int> pattern;  // from the first camera pulse on; -1 before
 };
 
-Expected expected_pulses(const TriggerSettings& s, int clocks, int after) {
+Expected expected_outputs(const TriggerSettings& s, int clocks, int after) {
   const int all = clocks + after;
   const auto total = static_cast<std::size_t>(all);
   Expected out = {std::vector<int>(total), std::vector<int>(total), std::vector<int>(total, -1)};
@@ -87,7 +87,7 @@ class TriggerBench {
   void run(const TriggerSettings& s, int clocks, Random& random) {
     set(s);
     constexpr int kAfter = 6;
-    const Expected expected = expected_pulses(s, clocks, kAfter);
+    const Expected expected = expected_outputs(s, clocks, kAfter);
     const int pattern_before = trigger_->pattern_o;
     for (int t = 0; t < clocks + kAfter; ++t) {
       const auto i = static_cast<std::size_t>(t);
