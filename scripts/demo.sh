@@ -55,7 +55,7 @@ port=${SELFPROJ_DEMO_PORT:-8080}
 [[ $seconds != 0 ]] || exit 0
 
 printf '\nBuilding the host program for the live run:\n'
-scripts/build.sh release selfproj_demo
+cmake --build --preset release --target selfproj_demo
 
 # The shape of the good part is all that the host needs to know.
 printf '%s\n' y_mm,z_mm -59,1167 -52.5,1167 -52.5,1137 -17.5,1137 -17.5,1128 17.5,1128 17.5,1146 52.5,1146 52.5,1167 \

@@ -31,10 +31,6 @@ using test::how_to_repeat;
 using test::Random;
 using test::seeds;
 
-double uniform(Random& random, double low, double high) {
-  return low + (high - low) * random.between(0, 1 << 20) / (1 << 20);
-}
-
 // Rough terrain with cliffs, 40 rows x 30 columns.
 FloatImage random_map(Random& random) {
   FloatImage map(40, 30);

@@ -75,6 +75,11 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+// A uniform number in low..high.
+inline double uniform(Random& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random.between(0, 1 << 30)) / (1 << 30);
+}
+
 }  // namespace selfproj::test
 
 #endif  // SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H

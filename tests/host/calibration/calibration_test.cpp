@@ -19,8 +19,8 @@
 #include "host/calibration/calibrate.h"
 #include "host/calibration/corner_codes.h"
 #include "host/calibration/model_choice.h"
-#include "host/io/user_error.h"
 #include "tests/support/chessboard_world.h"
+#include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj {
@@ -190,12 +190,7 @@ TEST(Calibrate, LeavesOutPosesAndSaysSo) {
 }
 
 std::string error_of(const std::vector<PoseReport>& poses, const CalibrateSettings& settings) {
-  try {
-    calibrate(poses, settings);
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "none";
+  return test::error_of([&] { calibrate(poses, settings); });
 }
 
 TEST(Calibrate, WhatCannotBeDone) {

@@ -20,10 +20,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-double uniform(Random& random, double low, double high) {
-  return low + (high - low) * (random.between(0, 1 << 30) / static_cast<double>(1 << 30));
-}
-
 Rig random_rig(Random& random) {
   Rig rig = load_rig("light-section");
   rig.camera.columns = 4 * random.between(1, 300);

@@ -12,7 +12,6 @@
 
 #include "host/rig/geometry.h"
 #include "host/rig/rig.h"
-#include "tests/host/rig/random_lens.h"
 #include "tests/host/structured_light/pinhole.h"
 #include "tests/support/random_cases.h"
 

@@ -6,18 +6,13 @@
 
 #include <string>
 
-#include "host/io/user_error.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj {
 namespace {
 
 std::string error_of_text(const std::string& text) {
-  try {
-    check_calibration_text(text, "c.yaml");
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "none";
+  return test::error_of([&] { check_calibration_text(text, "c.yaml"); });
 }
 
 std::string repeated(const std::string& part, int times) {

@@ -11,11 +11,6 @@
 
 namespace selfproj::test {
 
-// A uniform number in low..high.
-inline double uniform(Random& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random.between(0, 1 << 30)) / (1 << 30);
-}
-
 // Column and row of the ray (x, y, 1).
 inline std::pair<double, double> distorted(const Lens& lens, double x, double y) {
   const auto& k = lens.k;

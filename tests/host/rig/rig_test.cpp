@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host/io/user_error.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj {
 namespace {
@@ -20,12 +21,7 @@ std::string with(const std::string& from, const std::string& to) {
 }
 
 std::string error_of(const std::string& yaml) {
-  try {
-    parse_rig(yaml, "rig.yaml");
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "none";
+  return test::error_of([&] { parse_rig(yaml, "rig.yaml"); });
 }
 
 TEST(Rig, BuiltInOnesHaveTheValuesOfTheThesis) {
