@@ -29,8 +29,8 @@ class MatchEngine {
 std::unique_ptr<MatchEngine> make_match_model_engine(std::vector<std::uint16_t> table, int bits);
 
 // The RTL, compiled by Verilator for 4 bits and images of up to 512 x 512 pixels, columns a multiple of
-// spec::kPixelsPerBeat, with the table in a memory behind its port. Only if SELFPROJ_HAS_RTL_ENGINE is defined. Throws
-// std::invalid_argument if the table does not belong to such an image.
+// spec::kPixelsPerBeat, with the table in a memory behind its port. Only if SELFPROJ_HAS_RTL_ENGINE is defined, from
+// selfproj_sim_rtl_engine. Throws std::invalid_argument if the table does not belong to such an image.
 std::unique_ptr<MatchEngine> make_match_rtl_engine(std::vector<std::uint16_t> table, int bits);
 
 }  // namespace selfproj

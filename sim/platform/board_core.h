@@ -84,12 +84,15 @@ class BoardCore {
 // some clocks of the RTL's times, from FIFOs that are never full.
 std::unique_ptr<BoardCore> make_model_core(const BoardCoreOptions& options);
 
-// The Verilated board; only if SELFPROJ_HAS_RTL_PLATFORM is defined. A trace file selects the build with waveforms,
-// which is slower from the first clock on.
+// The two below are defined only if SELFPROJ_HAS_RTL_PLATFORM is. A program gets them from the object library
+// selfproj_sim_rtl_cores, or from selfproj_sim_demo_core, which has only the board with default parameters and throws
+// UserError for the others.
+
+// The Verilated board. A trace file selects the build with waveforms, which is slower from the first clock on.
 std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options);
 
 // The same board with SystemC shells (hls/shells) in place of blocks: decoder and median with codes, else the column
-// moments. Their kernel must be running when beats come. Only if SELFPROJ_HAS_RTL_PLATFORM is defined.
+// moments. Their kernel must be running when beats come.
 std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options);
 
 }  // namespace selfproj

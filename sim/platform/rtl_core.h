@@ -1,28 +1,22 @@
-// The Verilated board as a core of the platform.
+// A Verilated board as a core of the platform.
+#ifndef SELFPROJ_SIM_PLATFORM_RTL_CORE_H
+#define SELFPROJ_SIM_PLATFORM_RTL_CORE_H
+
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
-#include "Vboard.h"
-#include "Vboard_hls.h"
-#include "Vboard_runs.h"
-#include "Vboard_scanner.h"
-#include "Vboard_scanner_hls.h"
-#include "Vboard_traced.h"
 #include "model/pixel_clock.h"
 #include "sim/board/board_device.h"
 #include "sim/platform/board_core.h"
-#include "sim/platform/shell_slot.h"
 
 namespace selfproj {
-namespace {
 
+// `Model` is the class that Verilator made of sp_board with some parameters (sim/board/CMakeLists.txt).
 template <class Model>
 class RtlCore : public BoardCore {
  public:
@@ -129,44 +123,6 @@ class RtlCore : public BoardCore {
   std::uint64_t queue_end_ = 0;  // clock at which everything queued has been sent
 };
 
-// Boards with SystemC shells in place of blocks. The shells exist before the board's first clock.
-struct MomentsShell {
-  ColumnMomentsSlot moments{"column_moments"};
-};
-class HlsCore final : private MomentsShell, public RtlCore<Vboard_hls> {
- public:
-  using RtlCore::RtlCore;
-};
-
-struct DecoderShells {
-  GrayDecoderSlot decoder{"gray_decoder"};
-  Median3x3Slot median{"median3x3"};
-};
-class HlsScannerCore final : private DecoderShells, public RtlCore<Vboard_scanner_hls> {
- public:
-  using RtlCore::RtlCore;
-};
-
-}  // namespace
-
-std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
-  if (options.codes) {
-    return std::make_unique<RtlCore<Vboard_scanner>>(options);
-  }
-  if (options.runs) {
-    return std::make_unique<RtlCore<Vboard_runs>>(options);
-  }
-  if (options.trace_file.empty()) {
-    return std::make_unique<RtlCore<Vboard>>(options);
-  }
-  return std::make_unique<RtlCore<Vboard_traced>>(options);
-}
-
-std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& options) {
-  if (options.codes) {
-    return std::make_unique<HlsScannerCore>(options);
-  }
-  return std::make_unique<HlsCore>(options);
-}
-
 }  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_PLATFORM_RTL_CORE_H

@@ -1,0 +1,41 @@
+// The one circuit that scripts/demo.sh shows, in place of rtl_cores.cpp and match_rtl_engine.cpp: compiling the others
+// would take as long as the rest of the demo's simulation.
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "Vboard.h"
+#include "host/io/user_error.h"
+#include "sim/board/match_engine.h"
+#include "sim/platform/board_core.h"
+#include "sim/platform/rtl_core.h"
+
+namespace selfproj {
+namespace {
+
+[[noreturn]] void refuse(const char* what) {
+  throw UserError(what, "not part of the demo's program; scripts/build.sh builds selfproj-sim with all circuits");
+}
+
+}  // namespace
+
+std::unique_ptr<BoardCore> make_rtl_core(const BoardCoreOptions& options) {
+  if (options.codes) {
+    refuse("the board with the Gray-code decoder");
+  }
+  if (options.runs) {
+    refuse("the board with the strongest runs");
+  }
+  if (!options.trace_file.empty()) {
+    refuse("--trace");
+  }
+  return std::make_unique<RtlCore<Vboard>>(options);
+}
+
+std::unique_ptr<BoardCore> make_hls_core(const BoardCoreOptions& /*options*/) { refuse("--engine hls"); }
+
+std::unique_ptr<MatchEngine> make_match_rtl_engine(std::vector<std::uint16_t> /*table*/, int /*bits*/) {
+  refuse("the matching block");
+}
+
+}  // namespace selfproj
