@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Tests the programs that scripts/demo.sh builds: they accept its command lines, and have no other commands.
+"""Tests the programs that scripts/demo.sh builds: they accept its command lines, have no other commands, and refuse
+the circuits that they do not have.
 
     demo_test.py PROGRAMS
 
@@ -11,6 +12,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 import unittest
 
 DEMO = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "demo.sh"
@@ -44,6 +46,16 @@ class Demo(unittest.TestCase):
             listed = re.findall(r"^  ([a-z][\w-]*)  ", done.stdout.split("\nCommands:\n")[1], re.MULTILINE)
             used = {words[1] for words in command_lines() if words[0] == program}
             self.assertEqual(set(listed), used)
+
+    def test_other_circuits_are_refused(self):
+        for words in (["--engine", "hls"], ["--trace", "board.fst"], ["--scene", "fist"],
+                      ["--select", "strongest"]):
+            with tempfile.TemporaryDirectory() as folder:
+                done = subprocess.run([programs / "selfproj-sim", "cosim", "--count", "40", *words], cwd=folder,
+                                      capture_output=True, text=True)
+                self.assertEqual(list(pathlib.Path(folder).iterdir()), [], words)
+            self.assertEqual(done.returncode, 2, words)
+            self.assertRegex(done.stderr, r"^selfproj-sim: .*: not part of the demo's program; .*\n$")
 
 
 if __name__ == "__main__":
