@@ -2,8 +2,8 @@
 #                   [PARAMETERS Name=Value...])
 #
 # Adds the Verilated model of an RTL module to the library TARGET, as class `name` (header `name`.h). Verilator gets all
-# of rtl/, the package first, and leaves out what the top does not instantiate. Each library has Verilator's runtime, so
-# a program takes all its models from one library, or from two that share it (selfproj_share_runtime).
+# of rtl/, the package first, and leaves out what the top does not instantiate. All libraries share one runtime of
+# Verilator.
 #
 # With CLOCKS, the ports that are clocks, clocks.h (sim/board) can step the model: it gets rise(), and the code that
 # runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer instructions).
@@ -20,12 +20,37 @@ set(VERILATOR_CFLAGS "")
 set(VERILATOR_MT_CFLAGS -pthread)
 find_package(verilator REQUIRED HINTS $ENV{VERILATOR_ROOT})
 find_package(Threads REQUIRED)
+find_package(ZLIB REQUIRED)  # of waveforms
 
 option(SELFPROJ_COVERAGE "Count line and toggle coverage of rtl/ in the Verilated models" OFF)
 
 file(GLOB SELFPROJ_RTL CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/rtl/*/sp_*.sv")
 list(REMOVE_ITEM SELFPROJ_RTL "${PROJECT_SOURCE_DIR}/rtl/common/sp_spec_pkg.sv")
 list(PREPEND SELFPROJ_RTL "${PROJECT_SOURCE_DIR}/rtl/common/sp_spec_pkg.sv")
+
+# Verilator's runtime, compiled once for all models. selfproj_verilator_interfaces is what DPI and VPI need of it.
+if(NOT TARGET selfproj_verilator_runtime)
+  set(runtime "${VERILATOR_ROOT}/include")
+  add_library(selfproj_verilator_runtime STATIC EXCLUDE_FROM_ALL
+    "${runtime}/verilated.cpp" "${runtime}/verilated_fst_c.cpp" "${runtime}/verilated_threads.cpp")
+  if(SELFPROJ_COVERAGE)
+    target_sources(selfproj_verilator_runtime PRIVATE "${runtime}/verilated_cov.cpp")
+  endif()
+  add_library(selfproj_verilator_interfaces STATIC EXCLUDE_FROM_ALL
+    "${runtime}/verilated_dpi.cpp" "${runtime}/verilated_vpi.cpp")
+  target_link_libraries(selfproj_verilator_runtime PUBLIC ${VERILATOR_MT_CFLAGS} Threads::Threads ZLIB::ZLIB)
+  target_link_libraries(selfproj_verilator_interfaces PUBLIC selfproj_verilator_runtime)
+  foreach(target selfproj_verilator_runtime selfproj_verilator_interfaces)
+    target_include_directories(${target} SYSTEM PUBLIC "${runtime}" "${runtime}/vltstd")
+    target_compile_options(${target} PRIVATE -w -O2)
+  endforeach()
+  # Verilator's header is most of the cost of a small file.
+  selfproj_precompile(selfproj_verilator_headers HEADERS verilated.h LIBRARIES selfproj_verilator_runtime)
+  foreach(target selfproj_verilator_runtime selfproj_verilator_interfaces selfproj_verilator_headers)
+    target_compile_definitions(${target}
+      PRIVATE VM_COVERAGE=$<BOOL:${SELFPROJ_COVERAGE}> VM_SC=0 VM_TRACE=1 VM_TRACE_FST=1 VM_TRACE_VCD=0)
+  endforeach()
+endif()
 
 function(selfproj_verilate target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "TRACE;UNCOUNTED;SMALL" "TOP;PREFIX;OPEN" "CLOCKS;PARAMETERS")
@@ -80,36 +105,23 @@ function(selfproj_verilate target)
   elseif(joined)
     selfproj_join_sources(${target} ${arg_PREFIX}__often "${optimization}" ${often})
   endif()
-  # Verilator's header is most of the cost of a small file. The runtime includes it in another way.
-  get_target_property(precompiled ${target} PRECOMPILE_HEADERS)
-  if(NOT SELFPROJ_COVERAGE)
-    get_target_property(runtime ${target} SOURCES)
-    list(FILTER runtime INCLUDE REGEX "/verilated[a-z_]*[.]cpp$")
-    set_source_files_properties(${runtime} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
-    if(NOT precompiled)
-      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # for ccache
-      target_precompile_headers(${target} PRIVATE <verilated.h>)
-    endif()
+  # The shared runtime takes the place of the one that Verilator's package adds to each library.
+  get_target_property(sources ${target} SOURCES)
+  if("${sources}" MATCHES "/verilated_[dv]pi[.]cpp")
+    target_link_libraries(${target} PUBLIC selfproj_verilator_interfaces)
+  endif()
+  list(FILTER sources EXCLUDE REGEX "/verilated[a-z_]*[.]cpp$")
+  set_target_properties(${target} PROPERTIES SOURCES "${sources}" VERILATOR_TRACE ON VERILATOR_TRACE_FST ON)
+  target_link_libraries(${target} PUBLIC selfproj_verilator_runtime)
+  get_target_property(precompiled ${target} PRECOMPILE_HEADERS_REUSE_FROM)
+  if(NOT SELFPROJ_COVERAGE AND NOT precompiled)
+    selfproj_use_precompiled(selfproj_verilator_headers ${target})
   endif()
   # Headers of others: their warnings are not ours.
   get_target_property(includes ${target} INTERFACE_INCLUDE_DIRECTORIES)
   list(REMOVE_ITEM includes "${PROJECT_SOURCE_DIR}")
   set_property(TARGET ${target} PROPERTY INTERFACE_SYSTEM_INCLUDE_DIRECTORIES ${includes})
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${SELFPROJ_RTL})
-endfunction()
-
-# selfproj_share_runtime(TARGET OTHER): takes Verilator's runtime out of the library TARGET as far as the library OTHER,
-# which it links, has it. So a program can have models of both.
-function(selfproj_share_runtime target other)
-  get_target_property(sources ${target} SOURCES)
-  get_target_property(runtime ${other} SOURCES)
-  list(FILTER runtime INCLUDE REGEX "/verilated[a-z_]*[.]cpp$")
-  list(REMOVE_ITEM sources ${runtime})
-  set_property(TARGET ${target} PROPERTY SOURCES ${sources})
-  foreach(feature COVERAGE TRACE TRACE_FST)  # the runtime's headers depend on them
-    get_target_property(value ${other} VERILATOR_${feature})
-    set_property(TARGET ${target} PROPERTY VERILATOR_${feature} ${value})
-  endforeach()
 endfunction()
 
 # selfproj_join_sources(TARGET name flags source...): compiles the sources as one file, `name`.cpp, with these flags.
