@@ -3,10 +3,10 @@
 #
 # Precompiles headers of libraries once for many sources; reading them takes half of the compile time of a source. NAME
 # is an object library that reads them with these options and libraries. Sources still include every header that they
-# need. Preset dev and clang-tidy use no precompiled headers, so they find missing includes.
+# need. Preset dev uses no precompiled headers and compiles each source alone, so it finds missing includes.
 #
 # g++ accepts a precompiled header only for a source with the same macros and instruction set. CMake adds -Winvalid-pch,
-# which turns any other use into an error.
+# which warns of any other use; -Werror turns the warning into an error.
 function(selfproj_precompile name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;OPTIONS;LIBRARIES")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_HEADERS)
@@ -35,8 +35,8 @@ endfunction()
 # selfproj_for_shared_libraries(TARGET...)
 #
 # Compiles the targets such that shared libraries can contain them. Their names are hidden, so that the code is as fast
-# as that of a program, and a shared library exports only what it marks. What uses a precompiled header of this kind
-# is compiled in the same way; g++ does not accept it otherwise.
+# as that of a program, and a shared library exports only what it marks. Targets that use a precompiled header of this
+# kind are compiled in the same way, because g++ accepts the header only then.
 function(selfproj_for_shared_libraries)
   set_target_properties(${ARGN} PROPERTIES
     POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)

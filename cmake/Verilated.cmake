@@ -5,17 +5,21 @@
 # of rtl/, the package first, and leaves out what the top does not instantiate. All libraries share one runtime of
 # Verilator.
 #
-# With CLOCKS, the ports that are clocks, clocks.h (sim/board) can step the model: it gets rise(), and the code that
-# runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer instructions).
+# With TRACE the model can write waveforms (FST).
 #
-# With OPEN, a configuration file for Verilator, VPI can set the registers that the file makes public (settle() of
-# clocks.h).
+# CLOCKS names the ports that are clocks. The model then gets rise() and settle(), which clocks.h (sim/board) declares.
+# The code that runs in every clock is compiled as one file, so that the compiler sees all of it (a tenth fewer
+# instructions).
+#
+# OPEN names a configuration file for Verilator. VPI can set the registers that this file makes public. In a model with
+# CLOCKS, settle() then updates the logic behind them.
 #
 # With UNCOUNTED the model counts no coverage, even where SELFPROJ_COVERAGE is set, because other models count the same.
 #
 # With SMALL the code is compiled as two files even where it counts coverage.
 
-# Set in advance, because Verilator's package takes seconds to determine them, and uses only -pthread.
+# Set in advance, because Verilator's CMake package would take seconds to determine these options, and needs only
+# -pthread.
 set(VERILATOR_CFLAGS "")
 set(VERILATOR_MT_CFLAGS -pthread)
 find_package(verilator REQUIRED HINTS $ENV{VERILATOR_ROOT})
@@ -117,7 +121,7 @@ function(selfproj_verilate target)
   if(NOT SELFPROJ_COVERAGE AND NOT precompiled)
     selfproj_use_precompiled(selfproj_verilator_headers ${target})
   endif()
-  # Headers of others: their warnings are not ours.
+  # Makes Verilator's headers system headers, about which the compiler does not warn.
   get_target_property(includes ${target} INTERFACE_INCLUDE_DIRECTORIES)
   list(REMOVE_ITEM includes "${PROJECT_SOURCE_DIR}")
   set_property(TARGET ${target} PROPERTY INTERFACE_SYSTEM_INCLUDE_DIRECTORIES ${includes})
@@ -137,9 +141,9 @@ function(selfproj_join_sources target name flags)
   target_sources(${target} PRIVATE "${file}")
 endfunction()
 
-# The file PREFIX__clocked.cpp of a model with CLOCKS: rise(), composed of the parts of eval() as Verilator 5.006 writes
-# it. Other versions may name them differently. Then this file does not compile; `model.eval()` in its place is right
-# but slower.
+# Writes the file PREFIX__clocked.cpp of a model with CLOCKS. Its rise() consists of the parts of eval() as Verilator
+# 5.006 writes it. Other versions may name these parts differently, and then the file does not compile. rise() can call
+# `model.eval()` instead, which is right but slower.
 function(selfproj_verilated_clocks target prefix waveforms counted optimization)
   get_target_property(fast ${target} SOURCES)
   list(FILTER fast INCLUDE REGEX "/${prefix}[.]dir/[^/]*[.]cpp$")

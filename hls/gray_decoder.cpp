@@ -4,7 +4,7 @@ using namespace selfproj::hls;
 
 void gray_decoder_top(Stream<AxisBeat<32>>& video, Uint<13> columns, Uint<12> rows, PlaneCount bits,
                       GrayPixel threshold, Uint<1> median, PatternIndex pattern, Stream<AxisBeat<64>>& codes) {
-// The circuit runs freely, like a camera: it has no start and no done signal, and each clock is a call.
+// The circuit runs freely, like a camera. It has no start and no done signal. Each clock is one call of this function.
 #pragma HLS interface ap_ctrl_none port = return
 #pragma HLS interface axis port = video
 #pragma HLS interface axis port = codes

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # demo.sh: builds the simulation and shows the main job. A conveyor moves at 1000 mm/s under the simulated camera, the
-# board's RTL works on the images, and marks carved 1 mm deep show in the difference from the reference part. It
+# board's RTL works on the images, and marks carved 1 mm deep show in the difference from the reference part. The script
 # installs missing packages first, writes to build/demo/, prints the paths of the pictures, builds the host program, and
-# ends with a live run that a browser can watch. SELFPROJ_DEMO_SECONDS is the length of the live run (20; with 0 there
-# is none, and the host program is not built); SELFPROJ_DEMO_PORT is its port (8080).
+# ends with a live run that a browser can watch. SELFPROJ_DEMO_SECONDS is the length of the live run in seconds (default
+# 20; with 0 there is none, and the host program is not built). SELFPROJ_DEMO_PORT is its port (default 8080).
 #
-# It builds small variants of the two programs in build/bin/demo/. They have only the commands that are shown here.
-# scripts/build.sh builds the whole programs.
+# The script builds small variants of the two programs in build/bin/demo/. They have only the commands that are shown
+# here. scripts/build.sh builds the whole programs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -25,15 +25,15 @@ mkdir -p "$out"
 cat <<'TEXT'
 
 Stairs of 30, 39 and 21 mm, with a circle, a cross and a triangle carved 1 mm deep, pass under the camera at 1000 mm/s:
-1400 frames at 10,000 a second. The projected line is bent so that a good part shows it straight. The board (RTL,
-Verilated, with real line timing) sums the moments; the driver takes its packets; every packet is compared with the
-model.
+1400 frames at 10,000 a second. The projected line is bent so that the camera sees it straight on a good part. The board
+(RTL, Verilated, with real line timing) computes the moments; the driver takes its packets; every packet is compared
+with the model.
 TEXT
 "$programs"/selfproj-sim cosim --scene stairs-marked --out "$out/stairs-marked" --packets "$out/stairs-marked.packets"
 
 captures=../shared/data/laser-chrisspen/images
 if [[ -d $captures ]]; then
-  printf '\nReal captures of a laser line, red channel minus that without the laser, through the same board:\n'
+  printf '\nReal captures of a laser line go through the same board; the image without the laser is subtracted:\n'
   "$programs"/selfproj-sim cosim --frames "$captures/sample*/sample*-b-0.jpg" \
     --background "$captures/sample*/sample*-a-0.jpg" --channel red --threshold 30 --out "$out/captures"
 fi
@@ -41,7 +41,7 @@ fi
 cat <<TEXT
 
 Look at
-  $out/stairs-marked/difference.png   the marks, in mm against the good part
+  $out/stairs-marked/difference.png   the marks: the difference from the good part, in mm
   $out/stairs-marked/report.html      everything: heights, profiles, counters
   $out/stairs-marked/frame_700.png    one camera image with the line that was found, and its moments
   $out/stairs-marked/cloud.ply        the points, for any viewer of point clouds
@@ -64,12 +64,12 @@ printf '%s\n' y_mm,z_mm -59,1167 -52.5,1167 -52.5,1137 -17.5,1137 -17.5,1128 17.
 
 cat <<TEXT
 
-A line that runs: the same packets again and again, now from another process, as a board would send them. Open the page
-in a browser of this machine while it runs, $seconds seconds from now on:
+The host program now inspects a running line. Another process sends it the same packets again and again, as a board
+would. Open this page in a browser of this machine within the next $seconds seconds:
 
   http://127.0.0.1:$port/
 
-Longer: SELFPROJ_DEMO_SECONDS=600 scripts/demo.sh
+For a longer run: SELFPROJ_DEMO_SECONDS=600 scripts/demo.sh
 TEXT
 ring=selfproj-demo-$$
 "$programs"/selfproj-sim board --replay "$out/stairs-marked.packets" --ring "$ring" --rate 1000 --loop >/dev/null &
@@ -77,4 +77,4 @@ board=$!
 trap 'kill "$board" 2>/dev/null || true' EXIT
 "$programs"/selfproj inspect --device "ring:$ring" --wait-for-board --newest --reference "$out/reference" \
   --seconds "$seconds" --live "$port" ||
-  echo "the live run did not take place; another port: SELFPROJ_DEMO_PORT=8081 scripts/demo.sh"
+  echo "the live run failed; to use another port: SELFPROJ_DEMO_PORT=8081 scripts/demo.sh"

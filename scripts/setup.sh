@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# setup.sh [programs|tests]: installs missing packages of Debian 12: those that the programs and the demo need, or also
-# those of the tests (default). If nothing is missing, it says so in one line and asks for no rights.
+# setup.sh [programs|tests]: installs missing packages of Debian 12. With `programs` these are the packages that the
+# programs and the demo need, with `tests` (default) also those of the tests. If nothing is missing, it says so in one
+# line and does not ask for root rights.
 set -euo pipefail
 
 for_programs=(
@@ -22,16 +23,17 @@ for_tests=(
   yosys iverilog z3                          # synthesis, lint, proofs
   nextpnr-ice40                              # placement (scripts/fpga.sh)
   libgtest-dev libbenchmark-dev              # tests, benchmarks
-  libopencv-contrib-dev                      # compared with the Gray decoder and the calibration
+  libopencv-contrib-dev                      # OpenCV's Gray decoder, for comparisons
   clang-format-14 clang-tidy-14 shellcheck   # checks of the sources
   clang-14 libclang-rt-14-dev                # fuzzing
-  xvfb                                       # a display for the tests of projectors, and two:
+  xvfb                                       # a display for the tests of projectors
+  # a server with two displays, for the same tests
   xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils x11-apps
   librsvg2-bin                               # the printed chessboard as an image
   tcl                                        # check of the scripts for HLS tools
   chromium-driver                            # the live page in a browser
-  pkg-config dpkg-dev                        # what is installed and packaged is tried
-  iproute2 util-linux                        # networks of their own
+  pkg-config dpkg-dev                        # tests of the installation and of the Debian packages
+  iproute2 util-linux                        # namespaces, in which tests have networks of their own
   tshark                                     # the dissector for Wireshark
 )
 

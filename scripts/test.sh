@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# test.sh [--again]: runs every check and test of the project, the quickest first, and stops at the first failure. It
-# begins with a list of its steps and the time each took in the last run on this machine (build/test/).
+# test.sh [--again]: runs the checks and tests of the project, the quick ones first, and stops at the first failure. It
+# begins with a list of its steps and the time each took in the last run on this machine (build/test/), or an estimate.
+# Coverage, mutation, and long fuzzing and soaks are run by hand.
 #
 # It leaves out a step that passed before, as long as nothing has changed that the result can depend on: files of the
 # project, packages, and the captures beside the project. clang-tidy does the same for each source (scripts/tidy.sh).
-# --again repeats all steps but clang-tidy's. A run from scratch, without build/, does everything.
+# --again runs all steps, but builds and clang-tidy still leave out what is up to date. A run from scratch, without
+# build/, does everything.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -68,8 +70,9 @@ test_sanitized() { ctest --preset sanitizers --label-regex sanitized --parallel 
 
 build_all() { scripts/build.sh release all; }
 
-# Tests and benchmarks are left out; run scripts/tidy.sh for them by hand. The simulations of the ECPIX-5 and the Acorn
-# are built with LiteEth and LitePCIe, in builds of their own (scripts/target_sim.sh, scripts/acorn_sim.sh).
+# The sources of hls/, python/ and tests/ are left out; run scripts/tidy.sh for them by hand. The simulations of the
+# ECPIX-5 and the Acorn are built with LiteEth and LitePCIe, in builds of their own (scripts/target_sim.sh,
+# scripts/acorn_sim.sh).
 tidy() {
   local files
   mapfile -t files < <(sources 'capi/*.cpp' 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' |
@@ -77,14 +80,15 @@ tidy() {
   scripts/tidy.sh "${files[@]}"
 }
 
-# One more at a time than processors: those that wait for cameras and screens need little of one.
+# Runs one test more at a time than there are processors, because tests that wait for cameras and screens use little
+# processor time.
 test_all() { ctest --preset release --parallel "$(($(nproc) + 1))" --progress; }
 
-# Their names, and what they do.
+# The names of the steps in their order, and what each one does.
 steps=(check_generated check_rules check_scripts check_format lint_rtl build_sanitized test_sanitized build_all tidy
   test_all)
 declare -A does=(
-  [check_generated]="generated files are those of the specification"
+  [check_generated]="generated files agree with the specification"
   [check_rules]="rules of the project: layers, names, links, sizes, figures in documents"
   [check_scripts]="shellcheck on the scripts"
   [check_format]="format of the C++ sources"
@@ -95,7 +99,7 @@ declare -A does=(
   [tidy]="clang-tidy on capi, host, model and sim"
   [test_all]="all tests; where PyPI is reached, also the bitstream for the ECPIX-5"
 )
-# The CPU time of the longer ones in seconds, from scratch, estimated from a run on two cores of a slow server (2026)
+# The CPU time in seconds of the longer steps from scratch, estimated from a run on two cores of a slow server (2026)
 declare -A cpu_seconds=([lint_rtl]=120 [build_sanitized]=220 [test_sanitized]=70 [build_all]=1280 [tidy]=590
   [test_all]=2270)
 # These always run, and decide themselves what they have to do.
@@ -118,7 +122,7 @@ hls/get_ap_types.sh ||
   echo "test.sh: skipped for want of PyPI: tests of the HLS kernels with the vendor's integers (kernels_ap)"
 state=$(state_of_all)
 
-echo "test.sh will do this, in this order, and take about as long as in the last run here (*: not run yet):"
+echo "test.sh will do this, in this order, and take about as long as in the last run here (*: an estimate):"
 sum=0
 for step in "${steps[@]}"; do
   if is_known "$step"; then

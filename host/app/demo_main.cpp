@@ -10,8 +10,9 @@ int main(int argc, char** argv) {
        .purpose = "The commands of the demonstration: patterns and on-line inspection.",
        .details = "This program belongs to scripts/demo.sh. scripts/build.sh builds selfproj with all commands.",
        .examples = R"(
-# Compute the pattern that shows a plane as a straight line.
-selfproj pattern --out plane
+# Compute the pattern that the camera sees as a straight line on a roof 20 mm high.
+printf 'y_mm,z_mm\n-50,1167\n0,1147\n50,1167\n' > roof.csv
+selfproj pattern --reference roof.csv --out roof
 )"},
       [](CLI::App& app) {
         selfproj::add_pattern_command(app);

@@ -14,7 +14,7 @@ struct RingInfo {
   std::string problem;          // why the ring cannot be used; the rest is then 0
   bool board = false;           // a board is writing into it
   bool reader = false;          // a reader is reading from it
-  std::uint32_t board_pid = 0;  // process numbers of the last board and reader
+  std::uint32_t board_pid = 0;  // process IDs of the last board and reader
   std::uint32_t reader_pid = 0;
   std::uint32_t slots = 0;
   std::uint64_t written = 0;  // packets put into it

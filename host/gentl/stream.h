@@ -26,7 +26,7 @@ class Stream final : public Module {
   Stream(std::shared_ptr<Camera> camera, void* parent);
   ~Stream() override { stop(ACQ_STOP_FLAGS_KILL); }
 
-  // These functions throw the errors of the standard.
+  // These functions throw the errors of the GenTL standard.
   std::shared_ptr<Buffer> announce(void* memory, std::size_t bytes, void* user);
   void revoke(const std::shared_ptr<Buffer>& buffer);
   void queue(const std::shared_ptr<Buffer>& buffer);

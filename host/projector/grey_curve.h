@@ -21,12 +21,13 @@ struct GreyCurve {
   [[nodiscard]] double light_at(double grey) const;
 };
 
-// The table that makes light proportional to grey: for each grey value g the value whose light is nearest to g / 255 of
-// the way from that of 0 to that of 255.
+// Returns the table that makes light rise linearly with grey. For each grey value g it holds the value whose light is
+// nearest to dark + (bright - dark) g / 255, where dark is the light at 0 and bright the light at 255. Grey 0 stays 0.
 GreyTable linear_greys(const GreyCurve& curve);
 
-// Reads a table with the columns grey,light, as `selfproj measure gamma` writes it. Throws UserError with the file if
-// it cannot be read, is no such table, does not go from 0 to 255, or if light falls or does not rise at all.
+// Reads a table with the columns grey,light, as `selfproj measure gamma` writes it. Throws UserError, which names the
+// file, if the file cannot be read or is no such table, if grey does not rise from 0 to 255, or if light falls anywhere
+// or does not rise at all.
 GreyCurve load_grey_curve(const std::string& file);
 
 // The text of such a file.

@@ -1,4 +1,4 @@
-// How true heights differ from those of the geometry, as `selfproj calibrate heights` finds it.
+// The difference between true heights and those that the geometry gives, as `selfproj calibrate heights` finds it.
 #ifndef SELFPROJ_HOST_RIG_HEIGHT_CORRECTION_H
 #define SELFPROJ_HOST_RIG_HEIGHT_CORRECTION_H
 
@@ -14,14 +14,14 @@ namespace selfproj {
 // terms are products of Chebyshev polynomials.
 class HeightCorrection {
  public:
-  // Places outside the image are corrected as those at its border.
+  // Places outside the image get the correction of the nearest place at its border.
   HeightCorrection(const RigCamera& camera, const RigHeights& heights);
 
-  // The values of all terms at an image place (from 0) and a height by the geometry.
+  // Writes the values of all terms at a row and column (from 0) and a height that the geometry gives.
   void terms(double row, double column, double height_mm, std::vector<double>& values) const;
 
-  // What must be added to the height by the geometry; NaN for a height that is outside of the calibrated range by more
-  // than a quarter of it.
+  // Returns what must be added to the height that the geometry gives, or NaN if this height is outside the calibrated
+  // range by more than a quarter of that range.
   [[nodiscard]] double at(double row, double column, double height_mm) const;
 
  private:

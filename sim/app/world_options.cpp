@@ -13,7 +13,8 @@ void add_world_options(CLI::App& command, WorldOptions& options) {
   command
       .add_option(
           "--disturb", options.disturb,
-          "What an ideal world has not, each as NAME or NAME=STRENGTH, with commas between them: " + names + ".")
+          "Disturbances that an ideal world does not have, each as NAME or NAME=STRENGTH, with commas between them: " +
+              names + ".")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAME,...")

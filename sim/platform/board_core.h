@@ -1,7 +1,7 @@
 // The implementation inside the platform's board: the Verilated RTL, or the model with plausible timing.
 //
-// A core is told its inputs in the order of their clocks, ahead of its own time, and is then run up to a clock. It
-// knows nothing of SystemC.
+// The caller gives a core its inputs in the order of their clocks, ahead of the core's own time, and then runs it up to
+// a clock. This interface does not use SystemC.
 #ifndef SELFPROJ_SIM_PLATFORM_BOARD_CORE_H
 #define SELFPROJ_SIM_PLATFORM_BOARD_CORE_H
 

@@ -1,5 +1,5 @@
-// The one circuit that scripts/demo.sh shows, in place of rtl_cores.cpp and match_rtl_engine.cpp: compiling the others
-// would take as long as the rest of the demo's simulation.
+// Takes the place of rtl_cores.cpp and match_rtl_engine.cpp in the demo's program, and has only the circuit that
+// scripts/demo.sh shows. To compile the others would take as long as to compile the rest of that program.
 #include <cstdint>
 #include <memory>
 #include <vector>

@@ -1,4 +1,4 @@
-// All boards: each Verilated model of sim/board, also those with SystemC shells in place of blocks.
+// All boards: a core for each Verilated sp_board of sim/board, including those with SystemC shells in place of blocks.
 #include <memory>
 
 #include "Vboard.h"
@@ -14,7 +14,8 @@
 namespace selfproj {
 namespace {
 
-// The shells exist before the board's first clock.
+// The shells must exist before the board's first clock, which the constructor of RtlCore runs. So they are in a base
+// class before it.
 struct MomentsShell {
   ColumnMomentsSlot moments{"column_moments"};
 };

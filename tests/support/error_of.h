@@ -1,4 +1,4 @@
-// The error of an action, for tests of what is refused.
+// The error message of an action, for tests that expect it to be refused.
 #ifndef SELFPROJ_TESTS_SUPPORT_ERROR_OF_H
 #define SELFPROJ_TESTS_SUPPORT_ERROR_OF_H
 
