@@ -3,7 +3,8 @@
 # (constraints/acorn), LitePCIe's core included, from the test camera to the packets of PCI Express, and the host's
 # device for LitePCIe behind it. The board sends N frames (40); each packet must be that of the models, and none may be
 # missing. PERCENT of the clocks the host takes packets (90). --lint only lints the top. --keep records the figures in
-# the folder results. Where PyPI is not reached the script says so and exits with status 77.
+# the folder results. SELFPROJ_BUILD names the folder of the build with the driver and the models, if it is not
+# build/release. Where PyPI is not reached the script says so and exits with status 77.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -19,6 +20,13 @@ while (($# > 0)); do
     --lint) lint=true; shift ;;
     *) echo "acorn_sim.sh: $1: unknown; --help lists the options" >&2; exit 2 ;;
   esac
+done
+
+libraries=(sim/target/libselfproj_{frame_packets,sim_target}.a host/libselfproj_{driver,files}.a
+  model/libselfproj_model.a sim/board/libselfproj_verilator_{interfaces,runtime}.a)
+libraries=("${libraries[@]/#/${SELFPROJ_BUILD:-$PWD/build/release}/}")
+for library in "${libraries[@]}"; do
+  [[ -e $library ]] || { echo "acorn_sim.sh: $library is missing; run scripts/build.sh release all" >&2; exit 2; }
 done
 
 # What LitePCIe's generator writes is not linted.
@@ -44,16 +52,12 @@ if $lint; then
   echo "the top of the Acorn passes lint"
   exit 0
 fi
-programs=(sim/target/acorn_sim.cpp model/*.cpp)
-driver=(sim/target/{frame_packets,pcie_host}.cpp
-  host/driver/{board_test,control,counters,device_port,litepcie_device,litepcie_port,packet_reader,packet_tally}.cpp)
-# The driver is compiled as one file, and so is what Verilator writes: each of their files reads the same headers.
-printf '#include "%s"\n' "${driver[@]}" >"$folder/driver.new"
-cmp --silent "$folder/driver.new" "$folder/driver.cpp" || mv "$folder/driver.new" "$folder/driver.cpp"
-checked "$folder/build.log" verilator --cc --exe --build -j 2 -MAKEFLAGS VM_PARALLEL_BUILDS=0 -O3 "${checks[@]}" \
+# What Verilator writes is compiled as one file, because each of its files reads the same headers.
+checked "$folder/build.log" verilator --cc --exe --build -j 2 \
+  -MAKEFLAGS "VM_PARALLEL_BUILDS=0 OPT_FAST=-O1 VM_GLOBAL_FAST=" -O3 "${checks[@]}" \
   --x-assign fast --x-initial fast --assert "${search[@]}" -Mdir "$folder" -o acorn_sim \
-  -CFLAGS "-std=c++20 -O2 -I$PWD -I$PWD/$home/driver/kernel" "${sources[@]}" "${programs[@]/#/$PWD/}" \
-  "$PWD/$folder/driver.cpp"
+  -CFLAGS "-std=c++20 -I$PWD -I$PWD/$home/driver/kernel" -LDFLAGS "${libraries[*]} -pthread -lz" \
+  "${sources[@]}" "$PWD/sim/target/acorn_sim.cpp"
 status=0
 "$folder/acorn_sim" "${options[@]}" >"$folder/figures.txt" || status=$?
 sed 's/^/    /; s/=/ /' "$folder/figures.txt"
