@@ -1,20 +1,30 @@
 #!/usr/bin/env bash
-# demo.sh: builds the simulation and shows the main job. A conveyor moves at 1000 mm/s under the simulated camera, the
-# board's RTL works on the images, and marks carved 1 mm deep show in the difference from the reference part. The script
-# installs missing packages first, writes to build/demo/, prints the paths of the pictures, builds the host program, and
-# ends with a live run that a browser can watch. SELFPROJ_DEMO_SECONDS is the length of the live run in seconds (default
-# 20; with 0 there is none, and the host program is not built). SELFPROJ_DEMO_PORT is its port (default 8080).
+# demo.sh [--record]: builds the simulation and shows the main job. A conveyor moves at 1000 mm/s under the simulated
+# camera, the board's RTL works on the images, and marks carved 1 mm deep show in the difference from the reference
+# part. The script installs missing packages first, writes to build/demo/, prints the paths of the pictures, builds the
+# host program, and ends with a live run that a browser can watch. SELFPROJ_DEMO_SECONDS is the length of the live run
+# in seconds (default 20; with 0 there is none, and the host program is not built). SELFPROJ_DEMO_PORT is its port
+# (default 8080).
 #
 # The script builds small variants of the two programs in build/bin/demo/. They have only the commands that are shown
-# here. scripts/build.sh builds the whole programs.
+# here. scripts/build.sh builds the whole programs. --record writes to results/ how long a run from scratch took.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+record=false
 case ${1:-} in
   "") ;;
+  --record)
+    record=true
+    [[ ! -e build ]] || { echo "demo.sh: --record: goes only with a run from scratch; build/ is there" >&2; exit 2; }
+    ;;
   -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' scripts/demo.sh; exit 0 ;;
-  *) echo "demo.sh: $1: unknown; usage: scripts/demo.sh" >&2; exit 2 ;;
+  *) echo "demo.sh: $1: unknown; usage: scripts/demo.sh [--record]" >&2; exit 2 ;;
 esac
+
+# The seconds since the script began, and the CPU time of all that it has run
+SECONDS=0
+cpu_seconds() { awk -v hz="$(getconf CLK_TCK)" '{sub(/.*\) /, ""); printf "%.1f", ($14 + $15) / hz}' "/proc/$$/stat"; }
 
 scripts/build.sh release selfproj-sim_demo
 programs=build/bin/demo
@@ -50,12 +60,19 @@ if [[ -d $captures ]]; then
   echo "  $out/captures/report.html            real images with the line that was found"
 fi
 
+times=("pictures/seconds=$SECONDS" "pictures/cpu_seconds=$(cpu_seconds)")
+
 seconds=${SELFPROJ_DEMO_SECONDS:-20}
 port=${SELFPROJ_DEMO_PORT:-8080}
 [[ $seconds != 0 ]] || exit 0
 
 printf '\nBuilding the host program for the live run:\n'
 cmake --build --preset release --target selfproj_demo
+times+=("programs/seconds=$SECONDS" "programs/cpu_seconds=$(cpu_seconds)")
+if $record; then
+  SELFPROJ_RESULTS=results python3 -B scripts/results.py record demo_time --command "scripts/demo.sh --record" \
+    --about "The demo from scratch, with all packages installed: up to the pictures, and to the live run" "${times[@]}"
+fi
 
 # The shape of the good part is all that the host needs to know.
 printf '%s\n' y_mm,z_mm -59,1167 -52.5,1167 -52.5,1137 -17.5,1137 -17.5,1128 17.5,1128 17.5,1146 52.5,1146 52.5,1167 \
@@ -65,7 +82,8 @@ printf '%s\n' y_mm,z_mm -59,1167 -52.5,1167 -52.5,1137 -17.5,1137 -17.5,1128 17.
 cat <<TEXT
 
 The host program now inspects a running line. Another process sends it the same packets again and again, as a board
-would. Open this page in a browser of this machine within the next $seconds seconds:
+would, at a tenth of the speed, so that you can watch. Open this page in a browser of this machine within the next
+$seconds seconds:
 
   http://127.0.0.1:$port/
 

@@ -1,21 +1,26 @@
 #!/usr/bin/env bash
-# test.sh [--again]: runs the checks and tests of the project, the quick ones first, and stops at the first failure. It
-# begins with a list of its steps and the time each took in the last run on this machine (build/test/), or an estimate.
-# Coverage, mutation, and long fuzzing and soaks are run by hand.
+# test.sh [--again | --record]: runs the checks and tests of the project, the quick ones first, and stops at the first
+# failure. It begins with a list of its steps and the time each took in the last run on this machine (build/test/), or
+# an estimate. Coverage, mutation, and long fuzzing and soaks are run by hand.
 #
 # It leaves out a step that passed before, as long as nothing has changed that the result can depend on: files of the
 # project, packages, and the captures beside the project. clang-tidy does the same for each source (scripts/tidy.sh).
 # --again runs all steps, but builds and clang-tidy still leave out what is up to date. A run from scratch, without
-# build/, does everything.
+# build/, does everything; --record writes the times of such a run to results/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 again=false
+record=false
 case ${1:-} in
   "") ;;
   --again) again=true ;;
+  --record)
+    record=true
+    [[ ! -e build ]] || { echo "test.sh: --record: goes only with a run from scratch; build/ is there" >&2; exit 2; }
+    ;;
   -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' scripts/test.sh; exit 0 ;;
-  *) echo "test.sh: $1: unknown; usage: scripts/test.sh [--again]" >&2; exit 2 ;;
+  *) echo "test.sh: $1: unknown; usage: scripts/test.sh [--again | --record]" >&2; exit 2 ;;
 esac
 
 passed=build/test
@@ -99,9 +104,6 @@ declare -A does=(
   [tidy]="clang-tidy on capi, host, model and sim"
   [test_all]="all tests; where PyPI is reached, also the bitstream for the ECPIX-5"
 )
-# The CPU time in seconds of the longer steps from scratch, estimated from a run on two cores of a slow server (2026)
-declare -A cpu_seconds=([lint_rtl]=120 [build_sanitized]=220 [test_sanitized]=70 [build_all]=1280 [tidy]=590
-  [test_all]=2270)
 # These always run, and decide themselves what they have to do.
 incremental=" build_sanitized build_all tidy "
 
@@ -110,10 +112,23 @@ is_known() {
   ! $again && [[ $incremental != *" $1 "* && -f $passed/$1 && $(<"$passed/$1") == "$state" ]]
 }
 
-# time_of STEP: the seconds it took when it was last run, or an estimate
+# time_of STEP: the seconds it took when it was last run here. Otherwise an estimate, from the CPU time that it took in
+# the recorded run from scratch
 time_of() {
-  if [[ -f $passed/$1.seconds ]]; then cat "$passed/$1.seconds"; else echo "$((${cpu_seconds[$1]:-2} / $(nproc)))"; fi
+  if [[ -f $passed/$1.seconds ]]; then
+    cat "$passed/$1.seconds"
+  else
+    python3 - "$1" "$(nproc)" <<'PYTHON'
+import json, pathlib, sys
+file = pathlib.Path("results") / "test_times.json"
+steps = json.loads(file.read_text(encoding="utf-8"))["results"]["steps"] if file.exists() else {}
+print(round(steps.get(sys.argv[1], {"cpu_seconds": 0})["cpu_seconds"] / int(sys.argv[2])))
+PYTHON
+  fi
 }
+
+# cpu_seconds: the CPU time of all that this script has run so far
+cpu_seconds() { awk -v hz="$(getconf CLK_TCK)" '{sub(/.*\) /, ""); printf "%.1f", ($14 + $15) / hz}' "/proc/$$/stat"; }
 
 minutes() { printf '%d:%02d min' "$(($1 / 60))" "$(($1 % 60))"; }
 
@@ -137,17 +152,31 @@ for step in "${steps[@]}"; do
 done
 echo "about $(minutes "$sum") in all; builds and clang-tidy take less where little has changed"
 
+figures=()
 for step in "${steps[@]}"; do
   is_known "$step" && continue
   printf '\n== %s\n' "${does[$step]}"
   SECONDS=0
+  before=$(cpu_seconds)
   "$step"
   echo "$SECONDS" >"$passed/$step.seconds"
   echo "$state" >"$passed/$step"
+  figures+=("steps/$step/seconds=$SECONDS"
+    "steps/$step/cpu_seconds=$(awk -v a="$before" -v b="$(cpu_seconds)" 'BEGIN {print b - a}')")
 done
 
 echo
 echo "test.sh: everything passed; the steps took"
+sum=0
 for step in "${steps[@]}"; do
-  printf '  %-76s %s\n' "${does[$step]}" "$(minutes "$(time_of "$step")")"
+  seconds=$(time_of "$step")
+  sum=$((sum + seconds))
+  printf '  %-76s %s\n' "${does[$step]}" "$(minutes "$seconds")"
 done
+
+if $record; then
+  SELFPROJ_RESULTS=results python3 -B scripts/results.py record test_times --command "scripts/test.sh --record" \
+    --about "The checks and tests from scratch, with all packages installed" \
+    "minutes=$(awk -v s="$sum" 'BEGIN {printf "%.0f", s / 60}')" \
+    "cpu_minutes=$(awk -v s="$(cpu_seconds)" 'BEGIN {printf "%.0f", s / 60}')" "${figures[@]}"
+fi

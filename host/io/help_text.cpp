@@ -138,7 +138,7 @@ std::string name_of(const CLI::Option& option) {
   if (!option.get_positional() && !value_name(option).empty()) {
     name += " " + value_name(option);
   }
-  return takes_several(option) ? name + "..." : name;
+  return takes_several(option) && !name.ends_with("...") ? name + "..." : name;
 }
 
 std::vector<const CLI::Option*> options_of(const CLI::App& app, const std::string& group) {

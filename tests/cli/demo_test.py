@@ -40,6 +40,16 @@ class Demo(unittest.TestCase):
             done = subprocess.run([programs / words[0], "--check-usage", *words[1:]], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr), (0, ""), words)
 
+    def test_examples_of_the_help_are_accepted(self):
+        for program in ("selfproj", "selfproj-sim"):
+            done = subprocess.run([programs / program, "--help"], capture_output=True, text=True, check=True)
+            examples = re.findall(rf"^  {program} .+$", done.stdout, re.MULTILINE)
+            self.assertTrue(examples)
+            for example in examples:
+                words = shlex.split(example)
+                done = subprocess.run([programs / program, "--check-usage", *words[1:]], capture_output=True, text=True)
+                self.assertEqual((done.returncode, done.stderr), (0, ""), example)
+
     def test_programs_have_only_the_commands_of_the_demo(self):
         for program in ("selfproj", "selfproj-sim"):
             done = subprocess.run([programs / program, "--help"], capture_output=True, text=True, check=True)

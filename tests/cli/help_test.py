@@ -20,7 +20,7 @@ import command_pages  # noqa: E402
 WIDTH = 100
 RAW = re.compile(r"\b(ENUM|TEXT|UINT|INT|FLOAT|BOOLEAN|VECTOR|POSITIVE|NONNEGATIVE|REQUIRED|OPTIONS|SUBCOMMANDS?"
                  r"|TypeName)\b"
-                 r"|value in|INT in|Needs:|Excludes:|\[Option Group|PATH\(|:\{|\{[a-z0-9-]+(,[a-z0-9-]+)+\}")
+                 r"|\.{4}|value in|INT in|Needs:|Excludes:|\[Option Group|PATH\(|:\{|\{[a-z0-9-]+(,[a-z0-9-]+)+\}")
 programs = pathlib.Path()
 
 
