@@ -39,15 +39,16 @@ def message_of(read):
 
 
 class Line:
-    """A board that repeats the parts, and `selfproj inspect` with the page."""
+    """A board that repeats the parts, and `selfproj inspect` with the page. It judges the parts, or not."""
 
-    def __init__(self, folder, out, port, address="127.0.0.1", more=(), rate=1500):
+    def __init__(self, folder, out, port, address="127.0.0.1", more=(), rate=1500, judges=True):
         self.port = port
+        parts = ["--tolerance", "tolerance.yaml", "--parts", out] if judges else []
         self.board = subprocess.Popen([PROGRAMS / "selfproj-sim", "board", "--replay", "run.packets", "--ring", RING,
                                        "--rate", str(rate), "--loop"], cwd=folder, stdout=subprocess.DEVNULL)
         self.host = subprocess.Popen([PROGRAMS / "selfproj", "inspect", "--rig", "rig.yaml", "--device",
-                                      "ring:" + RING, "--wait-for-board", "--tolerance", "tolerance.yaml", "--parts",
-                                      out, "--json", out + ".json", "--live", f"{address}:{port}", *more],
+                                      "ring:" + RING, "--wait-for-board", *parts, "--json", out + ".json",
+                                      "--live", f"{address}:{port}", *more],
                                      cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.url = self.host.stderr.readline().split()[-1]
 
@@ -153,6 +154,24 @@ class Browser(Made):
         self.page = chromium.Chromium()
         self.addCleanup(self.page.close)
 
+    ALWAYS = ["Profile now", "Difference, running", "The line"]
+    OF_PARTS = ["Last part", "Over all parts", "Parts"]
+
+    def sections(self):
+        """The titles of the sections that are shown, those of parts last."""
+        shown = self.page.script("return [...document.querySelectorAll('section h2')].filter(h => h.offsetParent)"
+                                 ".map(h => h.textContent)")
+        return sorted(shown, key=lambda title: (title in self.OF_PARTS, (self.ALWAYS + self.OF_PARTS).index(title)))
+
+    def test_shows_no_parts_of_a_line_without_a_tolerance(self):
+        line = Line(self.folder, "unjudged", chromium.free_port(), judges=False)
+        self.addCleanup(lambda: line.host.poll() is None and line.stop())
+        self.page.open(line.url)
+        self.page.wait_for("return document.querySelectorAll('#figures dd').length > 3", "no figures on the page")
+        self.assertEqual(self.sections(), self.ALWAYS)
+        self.assertFalse(self.page.script("return document.getElementById('last').offsetParent"))
+        line.stop()
+
     def test_shows_what_the_files_tell(self):
         line = Line(self.folder, "first", chromium.free_port())
         self.addCleanup(lambda: line.host.poll() is None and line.stop())
@@ -170,6 +189,7 @@ class Browser(Made):
                 self.assertLessEqual(self.page.script("return document.documentElement.scrollWidth"), width, name)
                 if PICTURES:
                     self.page.picture(PICTURES / f"{name}-{scheme}.png")
+        self.assertEqual(self.sections(), self.ALWAYS + self.OF_PARTS)
         shown = self.page.rows("parts")
         figures = self.page.figures()
         self.assertGreater(int(figures["profiles"]), 1000)

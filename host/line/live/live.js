@@ -267,6 +267,8 @@
       drawProfile(head.columns, values);
       drawWaterfall(head.columns, head.rows, values);
     }
+    // A line without a tolerance judges no parts.
+    for (const section of document.querySelectorAll('.judged')) section.hidden = !('parts' in head.figures);
     const known = Object.entries(LABELS).filter(([key]) => key in head.figures);
     $('figures').replaceChildren(...known.flatMap(([key, label]) => {
       const dt = document.createElement('dt'), dd = document.createElement('dd');
