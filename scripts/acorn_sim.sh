@@ -22,13 +22,6 @@ while (($# > 0)); do
   esac
 done
 
-libraries=(sim/target/libselfproj_{frame_packets,sim_target}.a host/libselfproj_{driver,files}.a
-  model/libselfproj_model.a sim/board/libselfproj_verilator_{interfaces,runtime}.a)
-libraries=("${libraries[@]/#/${SELFPROJ_BUILD:-$PWD/build/release}/}")
-for library in "${libraries[@]}"; do
-  [[ -e $library ]] || { echo "acorn_sim.sh: $library is missing; run scripts/build.sh release all" >&2; exit 2; }
-done
-
 # What LitePCIe's generator writes is not linted.
 core=$(scripts/litepcie_core.sh)
 home=$(dirname "$core")
@@ -52,6 +45,14 @@ if $lint; then
   echo "the top of the Acorn passes lint"
   exit 0
 fi
+libraries=(sim/target/libselfproj_{frame_packets,sim_target}.a host/libselfproj_{driver,files}.a
+  model/libselfproj_model.a sim/board/libselfproj_verilator_{interfaces,runtime}.a)
+libraries=("${libraries[@]/#/${SELFPROJ_BUILD:-$PWD/build/release}/}")
+for library in "${libraries[@]}"; do
+  [[ -e $library ]] || { echo "acorn_sim.sh: $library is missing; run scripts/build.sh release all" >&2; exit 2; }
+  # make does not know that the simulation depends on the libraries.
+  [[ ! $library -nt $folder/acorn_sim ]] || rm -f "$folder/acorn_sim"
+done
 # What Verilator writes is compiled as one file, because each of its files reads the same headers.
 checked "$folder/build.log" verilator --cc --exe --build -j 2 \
   -MAKEFLAGS "VM_PARALLEL_BUILDS=0 OPT_FAST=-O1 VM_GLOBAL_FAST=" -O3 "${checks[@]}" \

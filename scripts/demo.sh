@@ -22,8 +22,7 @@ case ${1:-} in
   *) echo "demo.sh: $1: unknown; usage: scripts/demo.sh [--record]" >&2; exit 2 ;;
 esac
 
-# The seconds since the script began, and the CPU time of all that it has run
-SECONDS=0
+# The CPU time of all that this script has run so far
 cpu_seconds() { awk -v hz="$(getconf CLK_TCK)" '{sub(/.*\) /, ""); printf "%.1f", ($14 + $15) / hz}' "/proc/$$/stat"; }
 
 scripts/build.sh release selfproj-sim_demo

@@ -54,8 +54,11 @@ judge=${SELFPROJ_JUDGE:-$PWD/build/release/sim/target/test_camera_judge}
 built=${judge%/*}
 # What the simulation links of the build: Ethernet frames, the TAP interface, and Verilator's runtime
 libraries=("$built/libselfproj_sim_target.a" "$built/../board/libselfproj_verilator_runtime.a")
-for program in "$programs/selfproj" "$judge" "$built/replay_judge" "${libraries[@]}"; do
-  [[ -e $program ]] || { echo "target_sim.sh: $program is missing; run scripts/build.sh release all" >&2; exit 2; }
+for program in "$programs/selfproj" "$judge" "$built/replay_judge"; do
+  [[ -x $program ]] || { echo "target_sim.sh: $program is missing; run scripts/build.sh release all" >&2; exit 2; }
+done
+for library in "${libraries[@]}"; do
+  [[ -e $library ]] || { echo "target_sim.sh: $library is missing; run scripts/build.sh release all" >&2; exit 2; }
 done
 unshare --map-root-user --net ip tuntap add dev tap0 mode tap 2>/dev/null ||
   { echo "target_sim.sh: this system allows no TAP interface in a network namespace" >&2; exit 77; }
@@ -75,6 +78,10 @@ $codes && folder+=-codes && build+=("-GGrey=1'b0" "-GImage=1'b0" "-GCodes=1'b1")
 search=()
 for room in rtl/*/; do search+=(-y "${room%/}"); done
 mkdir -p "$folder"
+# make does not know that the simulation depends on the libraries.
+for library in "${libraries[@]}"; do
+  [[ ! $library -nt $folder/ecpix5_sim ]] || rm -f "$folder/ecpix5_sim"
+done
 # What Verilator writes is compiled as one file, because each of its files reads the same headers. With -O1 compiling
 # and a run of a test take the least together; Verilator's own -Os runs 1.6 times as long.
 verilator --cc --exe --build -j 2 -MAKEFLAGS "VM_PARALLEL_BUILDS=0 OPT_FAST=-O1 VM_GLOBAL_FAST=" -O3 \
