@@ -16,6 +16,8 @@ case ${1:-} in
   "") ;;
   --record)
     record=true
+    [[ ${SELFPROJ_DEMO_SECONDS:-20} != 0 ]] ||
+      { echo "demo.sh: --record: goes only with a live run; SELFPROJ_DEMO_SECONDS is 0" >&2; exit 2; }
     [[ ! -e build ]] || { echo "demo.sh: --record: goes only with a run from scratch; build/ is there" >&2; exit 2; }
     ;;
   -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' scripts/demo.sh; exit 0 ;;
