@@ -21,6 +21,10 @@
 #else
 #include <sysc/datatypes/int/sc_biguint.h>
 #include <sysc/datatypes/int/sc_uint.h>
+#include <sysc/kernel/sc_ver.h>
+#if SC_VERSION_MAJOR >= 3  // their functions are in headers that only this one includes in the right order
+#include <systemc>
+#endif
 
 #include <deque>
 #endif

@@ -30,7 +30,7 @@ double fold(const BrownLens::Coefficients& c) {
 BrownLens::BrownLens(const Coefficients& c)
     : c_(c),
       distorts_(c.k1 != 0 || c.k2 != 0 || c.p1 != 0 || c.p2 != 0 || c.k3 != 0),
-      most_r2_(distorts_ ? fold(c) : most_r2_) {}
+      most_r2_(distorts_ ? fold(c) : kUnlimited) {}
 
 Tangents BrownLens::distorted(Tangents ray) const {
   const double x = ray.across;

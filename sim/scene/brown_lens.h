@@ -39,9 +39,11 @@ class BrownLens {
   [[nodiscard]] double stretch(double reach) const;
 
  private:
+  static constexpr double kUnlimited = 1e300;
+
   Coefficients c_;
   bool distorts_ = false;
-  double most_r2_ = 1e300;
+  double most_r2_ = kUnlimited;
 };
 
 }  // namespace selfproj

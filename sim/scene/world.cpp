@@ -184,7 +184,7 @@ const std::vector<WorldSwitch>& world_switches() {
   return all;
 }
 
-const WorldSwitch& find_world_switch(const std::string& name) {
+const WorldSwitch& find_world_switch(std::string_view name) {
   const auto found = std::find_if(world_switches().begin(), world_switches().end(),
                                   [&](const WorldSwitch& entry) { return name == entry.name; });
   if (found != world_switches().end()) {
@@ -194,7 +194,7 @@ const WorldSwitch& find_world_switch(const std::string& name) {
   for (const WorldSwitch& entry : world_switches()) {
     names += (names.empty() ? "" : ", ") + std::string(entry.name);
   }
-  throw UserError("--disturb " + name, "is none of " + names);
+  throw UserError("--disturb " + std::string(name), "is none of " + names);
 }
 
 World world_of(const WorldFile& file, const std::vector<std::string>& disturbances) {

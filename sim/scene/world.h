@@ -70,7 +70,7 @@ struct WorldSwitch {
       World& of);  // the strength of a disturbance that is on; null for gloss, whose strengths are presets
 };
 const std::vector<WorldSwitch>& world_switches();
-const WorldSwitch& find_world_switch(const std::string& name);
+const WorldSwitch& find_world_switch(std::string_view name);
 
 // The world with these disturbances on, each as NAME or NAME=STRENGTH. Throws UserError about --disturb if a name is
 // unknown, doubled, or its strength no number within its bounds or no preset.
