@@ -49,7 +49,7 @@ if(NOT TARGET selfproj_verilator_runtime)
     target_compile_options(${target} PRIVATE -w -O2)
   endforeach()
   # Verilator's header is most of the cost of a small file.
-  selfproj_precompile(selfproj_verilator_headers HEADERS verilated.h LIBRARIES selfproj_verilator_runtime)
+  selfproj_precompile(selfproj_verilator_headers HEADERS verilated.h OPTIONS -O3 LIBRARIES selfproj_verilator_runtime)
   foreach(target selfproj_verilator_runtime selfproj_verilator_interfaces selfproj_verilator_headers)
     target_compile_definitions(${target}
       PRIVATE VM_COVERAGE=$<BOOL:${SELFPROJ_COVERAGE}> VM_SC=0 VM_TRACE=1 VM_TRACE_FST=1 VM_TRACE_VCD=0)
