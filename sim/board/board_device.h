@@ -255,13 +255,6 @@ class BoardDevice {
   }
 
  private:
-  // The falling edge is only evaluated if somebody looks at it: the waveform, or the toggle coverage.
-#ifdef SELFPROJ_COVERAGE
-  static constexpr bool kFallsAreSeen = true;
-#else
-  static constexpr bool kFallsAreSeen = false;
-#endif
-
   struct QueuedBeat {
     VideoBeat beat;
     std::uint32_t gap;  // clocks without a beat; 0 stands for the beat itself
@@ -274,7 +267,7 @@ class BoardDevice {
     auto& m = *model_;
     const BoardClocks::Edge edge = clocks_.next();
     now_ = edge.time_ps;
-    if (kFallsAreSeen || trace_ != nullptr) {
+    if (trace_ != nullptr) {  // shows the falling edge, too
       m.clk_i = 0;
       m.bus_clk_i = 0;
       m.eval();
