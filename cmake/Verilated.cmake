@@ -40,6 +40,10 @@ if(NOT TARGET selfproj_verilator_runtime)
   target_compile_definitions(selfproj_verilator_runtime
     PUBLIC VM_COVERAGE=$<BOOL:${SELFPROJ_COVERAGE}> VM_SC=0 VM_TRACE=1 VM_TRACE_FST=1 VM_TRACE_VCD=0)
   target_link_libraries(selfproj_verilator_runtime PUBLIC Threads::Threads ZLIB::ZLIB)
+  if(EXISTS "${runtime}/fstcpp")  # newer versions do not bring LZ4
+    find_library(SELFPROJ_LZ4 lz4 REQUIRED DOC "LZ4 for waveforms (liblz4-dev)")
+    target_link_libraries(selfproj_verilator_runtime PUBLIC "${SELFPROJ_LZ4}")
+  endif()
   target_link_libraries(selfproj_verilator_interfaces PUBLIC selfproj_verilator_runtime)
   target_include_directories(selfproj_verilator_runtime SYSTEM PUBLIC "${runtime}" "${runtime}/vltstd")
   foreach(target selfproj_verilator_runtime selfproj_verilator_interfaces)

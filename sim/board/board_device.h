@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -234,14 +235,14 @@ class BoardDevice {
 
   // Starts and stops waveforms. Throws unless the model was built with TRACE.
   void start_trace() {
-    if constexpr (requires(Model & m, VerilatedFstC * f) { m.trace(f, 1, 0); }) {
+    if constexpr (kHasWaveforms) {
       if (!options_.trace_file.empty() && trace_ == nullptr) {
+        if (!std::ofstream(options_.trace_file)) {  // some versions of Verilator do not tell
+          throw std::runtime_error(options_.trace_file + ": cannot write the waveform");
+        }
         trace_ = std::make_unique<VerilatedFstC>();
         model_->trace(trace_.get(), 99, 0);
         trace_->open(options_.trace_file.c_str());
-        if (!trace_->isOpen()) {
-          throw std::runtime_error(options_.trace_file + ": cannot write the waveform");
-        }
       }
     } else {
       throw std::logic_error("this model was built without waveforms");
@@ -255,6 +256,15 @@ class BoardDevice {
   }
 
  private:
+  // Newer versions of Verilator give every model a trace(), and this constant.
+  static constexpr bool kHasWaveforms = [] {
+    if constexpr (requires { Model::traceCapable; }) {
+      return Model::traceCapable;
+    } else {
+      return requires(Model & m, VerilatedFstC * f) { m.trace(f, 1, 0); };
+    }
+  }();
+
   struct QueuedBeat {
     VideoBeat beat;
     std::uint32_t gap;  // clocks without a beat; 0 stands for the beat itself
