@@ -49,6 +49,14 @@ if(NOT TARGET selfproj_verilator_runtime)
   foreach(target selfproj_verilator_runtime selfproj_verilator_interfaces)
     target_compile_options(${target} PRIVATE -w -O2)
   endforeach()
+  # Tests run the same program.
+  find_program(first verilator NO_CACHE)
+  if(NOT first STREQUAL SELFPROJ_VERILATOR)
+    cmake_path(GET SELFPROJ_VERILATOR PARENT_PATH folder)
+    file(WRITE "${PROJECT_BINARY_DIR}/verilator.cmake" "set(ENV{PATH} \"${folder}:\$ENV{PATH}\")\n")
+    set_property(DIRECTORY "${PROJECT_SOURCE_DIR}"
+      APPEND PROPERTY TEST_INCLUDE_FILES "${PROJECT_BINARY_DIR}/verilator.cmake")
+  endif()
   # Verilator's header is most of the cost of a small file.
   selfproj_precompile(selfproj_verilator_headers HEADERS verilated.h LIBRARIES selfproj_verilator_runtime)
 endif()
