@@ -32,35 +32,19 @@ sources=(sim/target/litepcie.vlt rtl/common/sp_spec_pkg.sv constraints/acorn/{ac
   sim/target/xilinx7_cells.sv "$core" "$home/pcie_s7.v")
 checks=(-Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT --top-module acorn
   '+define+SELFPROJ_PCIE_S7_BODY="sim/target/pcie_s7.svh"')
-# Fails where Verilator has an error or a warning.
-checked() {
-  local log=$1
-  shift
-  "$@" >"$log" 2>&1 || { grep -m 5 -i error "$log" >&2; exit 1; }
-  if grep -m 5 '^%Warning' "$log" >&2; then exit 1; fi
-}
-mkdir -p "$folder"
-checked "$folder/lint.log" verilator --lint-only "${checks[@]}" "${search[@]}" "${sources[@]}"
 if $lint; then
+  said=$(verilator --lint-only "${checks[@]}" "${search[@]}" "${sources[@]}" 2>&1 >/dev/null) || true
+  [[ -z $said ]] || { head -n 20 <<<"$said" >&2; exit 1; }
   echo "the top of the Acorn passes lint"
   exit 0
 fi
 libraries=(sim/target/libselfproj_{frame_packets,sim_target}.a host/libselfproj_{driver,files}.a
   model/libselfproj_model.a sim/board/libselfproj_verilator_{interfaces,runtime}.a)
-libraries=("${libraries[@]/#/${SELFPROJ_BUILD:-$PWD/build/release}/}")
-for library in "${libraries[@]}"; do
-  [[ -e $library ]] || { echo "acorn_sim.sh: $library is missing; run scripts/build.sh release all" >&2; exit 2; }
-  # make does not know that the simulation depends on the libraries.
-  [[ ! $library -nt $folder/acorn_sim ]] || rm -f "$folder/acorn_sim"
-done
-# What Verilator writes is compiled as one file, because each of its files reads the same headers.
-checked "$folder/build.log" verilator --cc --exe --build -j 2 \
-  -MAKEFLAGS "VM_PARALLEL_BUILDS=0 OPT_FAST=-O1 VM_GLOBAL_FAST=" -O3 "${checks[@]}" \
-  --x-assign fast --x-initial fast --assert "${search[@]}" -Mdir "$folder" -o acorn_sim \
-  -CFLAGS "-std=c++20 -I$PWD -I$PWD/$home/driver/kernel" -LDFLAGS "${libraries[*]} -pthread -lz" \
-  "${sources[@]}" "$PWD/sim/target/acorn_sim.cpp"
+CPATH=$home/driver/kernel scripts/verilated_sim.sh "${SELFPROJ_BUILD:-$PWD/build/release}" "$folder" Vacorn \
+  sim/target/acorn_sim.cpp "${libraries[@]}" -- -O3 "${checks[@]}" --x-assign fast --x-initial fast --assert \
+  "${search[@]}" "${sources[@]}"
 status=0
-"$folder/acorn_sim" "${options[@]}" >"$folder/figures.txt" || status=$?
+"$folder/sim" "${options[@]}" >"$folder/figures.txt" || status=$?
 sed 's/^/    /; s/=/ /' "$folder/figures.txt"
 ((status == 0)) || { echo "acorn_sim.sh: the counts do not fit" >&2; exit "$status"; }
 echo "every packet equals the models', and none is missing"

@@ -32,7 +32,7 @@ def read_counts(folder, root):
                     continue
                 keys = dict(field.split(b"\2", 1) for field in match[1].split(b"\1")[1:])
                 text = {key.decode(): value.decode() for key, value in keys.items()}
-                source = pathlib.Path(text["f"])
+                source = root / text["f"]
                 if not source.is_relative_to(root / "rtl"):
                     continue
                 kind = text["page"].split("/")[0].removeprefix("v_")

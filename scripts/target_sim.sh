@@ -52,13 +52,8 @@ $codes && given+="--codes "
 programs=${SELFPROJ_PROGRAMS:-$PWD/build/bin}
 judge=${SELFPROJ_JUDGE:-$PWD/build/release/sim/target/test_camera_judge}
 built=${judge%/*}
-# What the simulation links of the build: Ethernet frames, the TAP interface, and Verilator's runtime
-libraries=("$built/libselfproj_sim_target.a" "$built/../board/libselfproj_verilator_runtime.a")
 for program in "$programs/selfproj" "$judge" "$built/replay_judge"; do
   [[ -x $program ]] || { echo "target_sim.sh: $program is missing; run scripts/build.sh release all" >&2; exit 2; }
-done
-for library in "${libraries[@]}"; do
-  [[ -e $library ]] || { echo "target_sim.sh: $library is missing; run scripts/build.sh release all" >&2; exit 2; }
 done
 unshare --map-root-user --net ip tuntap add dev tap0 mode tap 2>/dev/null ||
   { echo "target_sim.sh: this system allows no TAP interface in a network namespace" >&2; exit 77; }
@@ -77,22 +72,12 @@ frame_clocks=12500
 $codes && folder+=-codes && build+=("-GGrey=1'b0" "-GImage=1'b0" "-GCodes=1'b1") # as bitstream.py does
 search=()
 for room in rtl/*/; do search+=(-y "${room%/}"); done
-mkdir -p "$folder"
-# make does not know that the simulation depends on the libraries.
-for library in "${libraries[@]}"; do
-  [[ ! $library -nt $folder/ecpix5_sim ]] || rm -f "$folder/ecpix5_sim"
-done
-# What Verilator writes is compiled as one file, because each of its files reads the same headers. With -O1 compiling
-# and a run of a test take the least together; Verilator's own -Os runs 1.6 times as long.
-verilator --cc --exe --build -j 2 -MAKEFLAGS "VM_PARALLEL_BUILDS=0 OPT_FAST=-O1 VM_GLOBAL_FAST=" -O3 \
-  -Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT \
-  --x-assign fast --x-initial fast --assert \
-  --top-module ecpix5_system -GIdleClocks=100000 "${build[@]}" "${search[@]}" -Mdir "$folder" -o ecpix5_sim \
-  -CFLAGS "-std=c++20 -I$PWD" -LDFLAGS "${libraries[*]} -pthread -lz" sim/target/liteeth.vlt rtl/common/sp_spec_pkg.sv \
-  constraints/ecpix5/ecpix5_system.sv sim/target/ecp5_cells.sv "$core" \
-  "$PWD/sim/target/ecpix5_sim.cpp" >"$folder/build.log" 2>&1 ||
-  { grep -m 5 -i error "$folder/build.log" >&2; exit 1; }
-if grep -m 5 '^%Warning' "$folder/build.log" >&2; then exit 1; fi
+# It links Ethernet frames, the TAP interface, and Verilator's runtime.
+scripts/verilated_sim.sh "${built%/sim/target}" "$folder" Vecpix5_system sim/target/ecpix5_sim.cpp \
+  sim/target/libselfproj_sim_target.a sim/board/libselfproj_verilator_runtime.a -- -O3 \
+  -Wall -Wno-fatal -Wno-COMBDLY -Wno-TIMESCALEMOD -Wno-UNOPTFLAT --x-assign fast --x-initial fast --assert \
+  --top-module ecpix5_system -GIdleClocks=100000 "${build[@]}" "${search[@]}" \
+  sim/target/liteeth.vlt rtl/common/sp_spec_pkg.sv constraints/ecpix5/ecpix5_system.sv sim/target/ecp5_cells.sv "$core"
 
 work=$(mktemp -d "$PWD/build/target-sim-XXXXXX")
 trap 'rm -rf "$work"' EXIT
@@ -107,7 +92,7 @@ unshare --map-root-user --net chrt --batch 0 bash -euo pipefail -c '
   while [[ ${1:-} == --* && $1 != -- ]]; do faults+=("$1" "$2"); shift 2; done
   shift
   touch "$work/sim.txt"
-  chrt --other 0 "$folder/ecpix5_sim" tap0 --counts "$work/sim.json" --paused "$work/record.pid" "${faults[@]}" \
+  chrt --other 0 "$folder/sim" tap0 --counts "$work/sim.json" --paused "$work/record.pid" "${faults[@]}" \
     >"$work/sim.txt" & sim=$!
   trap "kill -TERM $sim 2>/dev/null || true" EXIT
   until grep -q ready "$work/sim.txt" || ! kill -0 "$sim" 2>/dev/null; do sleep 0.05; done

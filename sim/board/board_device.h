@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -234,14 +235,14 @@ class BoardDevice {
 
   // Starts and stops waveforms. Throws unless the model was built with TRACE.
   void start_trace() {
-    if constexpr (requires(Model & m, VerilatedFstC * f) { m.trace(f, 1, 0); }) {
+    if constexpr (kHasWaveforms) {
       if (!options_.trace_file.empty() && trace_ == nullptr) {
+        if (!std::ofstream(options_.trace_file)) {  // some versions of Verilator do not tell
+          throw std::runtime_error(options_.trace_file + ": cannot write the waveform");
+        }
         trace_ = std::make_unique<VerilatedFstC>();
         model_->trace(trace_.get(), 99, 0);
         trace_->open(options_.trace_file.c_str());
-        if (!trace_->isOpen()) {
-          throw std::runtime_error(options_.trace_file + ": cannot write the waveform");
-        }
       }
     } else {
       throw std::logic_error("this model was built without waveforms");
@@ -255,12 +256,14 @@ class BoardDevice {
   }
 
  private:
-  // The falling edge is only evaluated if somebody looks at it: the waveform, or the toggle coverage.
-#ifdef SELFPROJ_COVERAGE
-  static constexpr bool kFallsAreSeen = true;
-#else
-  static constexpr bool kFallsAreSeen = false;
-#endif
+  // Newer versions of Verilator give every model a trace(), and this constant.
+  static constexpr bool kHasWaveforms = [] {
+    if constexpr (requires { Model::traceCapable; }) {
+      return Model::traceCapable;
+    } else {
+      return requires(Model & m, VerilatedFstC * f) { m.trace(f, 1, 0); };
+    }
+  }();
 
   struct QueuedBeat {
     VideoBeat beat;
@@ -274,7 +277,7 @@ class BoardDevice {
     auto& m = *model_;
     const BoardClocks::Edge edge = clocks_.next();
     now_ = edge.time_ps;
-    if (kFallsAreSeen || trace_ != nullptr) {
+    if (trace_ != nullptr) {  // shows the falling edge, too
       m.clk_i = 0;
       m.bus_clk_i = 0;
       m.eval();

@@ -2,7 +2,8 @@
 //
 // Verilator's eval() finds out which clocks have risen, and repeats until nothing changes. Each edge costs two calls,
 // one of them for the fall, at which nothing happens in the circuits. A caller who steps the clocks knows all that, and
-// rise() does only what one rising edge needs. eval() may still be called before, after and in between.
+// rise() does only what one rising edge needs, where the parts of eval() are known (verilated_rise.h). eval() may still
+// be called before, after and in between.
 //
 //     BoardClocks clocks(6614, 8000, 1234);               // periods and phase in ps
 //     const BoardClocks::Edge edge = clocks.next();    // of which clock, and when
@@ -12,19 +13,34 @@
 #define SELFPROJ_SIM_BOARD_CLOCKS_H
 
 #include <cstdint>
+#include <utility>
 
 namespace selfproj {
 
 // Updates the model at a rising edge of those clocks that are 1, all of which have been 0 since the edge before; inputs
-// may have changed with it. Equal to eval() at the fall and again at the rise. eval() must have been called once
-// before. Defined for models for which selfproj_verilate() (cmake/Verilated.cmake) was given CLOCKS; none of them may
-// make a clock itself.
+// may have changed with it. The model's clocks are clk_i and perhaps bus_clk_i.
+template <class Model>
+void rise_by_eval(Model& model) {
+  const auto video = std::exchange(model.clk_i, 0);
+  if constexpr (requires { model.bus_clk_i; }) {
+    const auto bus = std::exchange(model.bus_clk_i, 0);
+    model.eval();
+    model.bus_clk_i = bus;
+  } else {
+    model.eval();
+  }
+  model.clk_i = video;
+  model.eval();
+}
+
+// The same, in the fastest way that there is. eval() must have been called once before. Defined for models for which
+// selfproj_verilate() (cmake/Verilated.cmake) was given CLOCKS; none of them may make a clock itself.
 template <class Model>
 void rise(Model& model);
 
-// Updates all logic behind registers that were set from outside between two edges. Defined for the same models.
+// Whether rise() of the model is not just rise_by_eval().
 template <class Model>
-void settle(Model& model);
+bool rises_fast();
 
 // The board's two unrelated clocks: their periods in ps, and how much later than one period the bus clock's first edge
 // is.

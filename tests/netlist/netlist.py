@@ -133,14 +133,15 @@ def write_mutants(top, read, path, mutants, codes):
     run(["yosys", "-q", "-s", str(commands)])
 
 
-def verilate(top, prefix, path):
+def verilate(verilator, top, prefix, path):
     folder = path.parent / f"{prefix}.dir"
     shutil.rmtree(folder, ignore_errors=True)  # files of an earlier netlist, which may have had more of them
     run(
         [
-            "verilator", "--cc", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--top", top, "--prefix", prefix,
-            "--Mdir", str(folder), "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Werror-PINMISSING", str(path),
-        ]
+            verilator, "--cc", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--top", top, "--prefix", prefix,
+            "--Mdir", folder.name, "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Werror-PINMISSING", path.name,
+        ],
+        path.parent,
     )
     sources = sorted(folder.glob("*.cpp"))
     path.with_suffix(".cpp").write_text("".join(f'#include "{source}"\n' for source in sources))
@@ -155,6 +156,7 @@ def main():
     parser.add_argument("--top", required=True)
     parser.add_argument("--prefix", required=True)
     parser.add_argument("--out", required=True, type=pathlib.Path)
+    parser.add_argument("--verilator", default="verilator")
     parser.add_argument("--mutants", type=int, default=0)
     parser.add_argument("--parameters", nargs="*", default=[])
     args = parser.parse_args()
@@ -167,7 +169,7 @@ def main():
         write_ecp5(args.top, read, path)
     else:
         write_mutants(args.top, read, path, args.mutants, "Codes=1'b1" in args.parameters)
-    verilate(args.top, args.prefix, path)
+    verilate(args.verilator, args.top, args.prefix, path)
     return 0
 
 

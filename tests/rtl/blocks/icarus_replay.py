@@ -122,8 +122,9 @@ def icarus(files, source, binary):
 def verilator(files, source, binary):
     """Compiles the bench, and returns the command that runs it."""
     folder = binary.with_suffix(".dir")
-    status, lines = run(["verilator", "--binary", "-Wno-lint", "-Wno-style", "-Wno-fatal", "--Mdir", str(folder),
-                         "--top-module", "icarus_bench", "-o", binary.name, *map(str, files), str(source)])
+    status, lines = run(["verilator", "--binary", "-Wno-lint", "-Wno-style", "-Wno-fatal", "-CFLAGS", "-std=c++20",
+                         "--Mdir", str(folder), "--top-module", "icarus_bench", "-o", binary.name, *map(str, files),
+                         str(source)])
     if status != 0:
         sys.exit("\n".join(["icarus_replay.py: verilator:"] + lines))
     return [str(folder.resolve() / binary.name)]

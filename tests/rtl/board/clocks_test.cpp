@@ -1,5 +1,5 @@
-// rise() is equivalent to eval() at the falling and at the rising edge. Two equal boards, one stepped in each way with
-// the same random inputs, have the same outputs after every edge.
+// rise() by the parts of eval() is equivalent to eval() at the falling and at the rising edge. Two equal boards, one
+// stepped in each way with the same random inputs, have the same outputs after every edge.
 #include "sim/board/clocks.h"
 
 #include <gtest/gtest.h>
@@ -100,18 +100,18 @@ void expect_equal(std::uint64_t seed) {
       beat = (beat + 1) % 6;
     }
     BoardClocks::raise(fast->model, edge);
-    plain->model.clk_i = 0;
-    plain->model.bus_clk_i = 0;
-    plain->model.eval();
     plain->model.clk_i = edge.video;
     plain->model.bus_clk_i = edge.bus;
-    plain->model.eval();
+    rise_by_eval(plain->model);
     ASSERT_EQ(outputs(fast->model), outputs(plain->model)) << "after edge " << edges;
   }
   EXPECT_GT(packet_beats, 100) << "too little of the board was seen";
 }
 
 TEST(BoardClocks, AnEdgeEqualsTwoEvaluations) {
+  if (!rises_fast<Vboard>() || !rises_fast<Vboard_original>()) {
+    GTEST_SKIP() << "rise() calls eval(): it was asked for, or this Verilator writes parts that are not known";
+  }
   for (const std::uint64_t seed : seeds(10)) {
     SCOPED_TRACE(how_to_repeat(seed));
     expect_equal<Vboard>(seed);

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "Vboard_codes.h"
-#include "sim/board/clocks.h"
 #include "tests/rtl/board/random_codes.h"
 #include "tests/rtl/board/scoreboard.h"
 #include "tests/rtl/inner_register.h"
@@ -53,7 +52,7 @@ void set_counters(Scoreboard<Vboard_codes>& board, const BoardCounts& counts) {
   count(top + "gen_codes.u_codes_path.u_packets.u_packetizer.u_lost", 32, counts.lost.at(spec::kKindCodes));
   InnerRegister abandoned(top + "gen_codes.u_codes_path.u_core.u_decoder.abandoned_o");
   abandoned.set((abandoned.get() + counts.abandoned) & 0xFFFF'FFFFU);
-  settle(model);
+  model.eval();  // updates what follows from the registers
   board.counted_before(counts);
 }
 
