@@ -190,6 +190,10 @@ module sp_axil_bridge #(
     end
   end
 
+`ifdef FORMAL
+  logic f_there_before, f_there_meta, f_back_before, f_back_meta;
+`endif
+
   sp_sync u_back (
     .clk_i(bus_clk_i),
     .rst_i(bus_rst_i),
@@ -306,7 +310,6 @@ module sp_axil_bridge #(
 
   // A request makes one round. The places that its toggle has reached are the beginning of the
   // round; while nothing is under way, they are the whole round.
-  logic f_there_before, f_there_meta, f_back_before, f_back_meta;
   logic [8:1] f_not_yet;
   assign f_not_yet =
       {seen_back, f_back_meta, f_back_before, back_q, toggle_before_q, toggle_there, f_there_meta,

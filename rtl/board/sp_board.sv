@@ -90,7 +90,7 @@ module sp_board #(
   logic [7:0]            set_threshold, set_stream, set_code_threshold;
   logic [2*RowBits+2:0]  set_select, select;
   logic [23:0]           set_timeout, trigger_period, trigger_camera;
-  logic                  trigger_run, trigger_on_frame, frame_open;
+  logic                  trigger_run, trigger_on_frame, frame_open, taking;
   logic [7:0]            trigger_last_pattern;
   logic [15:0]           trigger_width, encoder_errors;
   logic [31:0]           frames, broken, stray, lost_moments, lost_image, lost_codes, abandoned,
@@ -182,7 +182,7 @@ module sp_board #(
   );
 
   // --- Frames ---
-  logic                  taking, take, captured, image, one_group, two_groups;
+  logic                  take, captured, image, one_group, two_groups;
   logic [ColumnBits-1:0] columns;
   logic [RowBits-1:0]    rows;
   logic [1:0]            mode;

@@ -43,6 +43,12 @@ module sp_async_fifo #(
   logic [LogDepth:0] wr_gray_seen;
   logic              fetch;
 
+`ifdef FORMAL
+  logic [LogDepth:0] f_rd_before, f_rd_meta, f_wr_before, f_wr_meta;  // pointers on their way
+  (* anyconst *) logic [LogDepth:0] f_mark;
+  logic [Width-1:0] f_there;
+`endif
+
   assign write = wr_valid_i;
 
   always_ff @(posedge wr_clk_i) begin
@@ -168,15 +174,11 @@ module sp_async_fifo #(
     if (!f_rd_rise) assume ($stable(rd_ready_i));
   end
 
-  // Pointers on their way, as binary numbers
-  logic [LogDepth:0] f_rd_before, f_rd_meta, f_wr_before, f_wr_meta;
   function automatic logic [LogDepth:0] f_binary(input logic [LogDepth:0] gray);
     f_binary = gray;
     for (int i = 1; i <= LogDepth; i++) f_binary = f_binary ^ (gray >> i);
   endfunction
 
-  (* anyconst *) logic [LogDepth:0] f_mark;
-  logic [Width-1:0] f_there;
   logic [Width-1:0] f_word_q;
   logic             f_at_output_q;
   always_ff @(posedge wr_clk_i) if (write && wr_ptr_q == f_mark) f_word_q <= wr_data_i;

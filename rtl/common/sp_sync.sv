@@ -20,6 +20,9 @@ module sp_sync #(
 
   (* async_reg = "true" *) logic [Width-1:0] meta_q;
   (* async_reg = "true" *) logic [Width-1:0] sync_q;
+`ifdef FORMAL
+  logic [Width-1:0] f_caught;
+`endif
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -40,7 +43,6 @@ module sp_sync #(
   (* gclk *) logic f_moment;
   (* anyseq *) logic [Width-1:0] f_late;
   logic [Width-1:0] f_before_q;
-  logic [Width-1:0] f_caught;
   always_ff @(posedge f_moment) f_before_q <= d_i;
   assign f_caught   = d_i & ~f_late | f_before_q & f_late;
   assign f_before_o = f_before_q;

@@ -163,6 +163,12 @@ module sp_datagram_cutter #(
   // lies is written: never both in one clock.
   logic [127:0] beat;
   logic         fetch;
+`ifdef FORMAL
+  localparam int FDepth = 4;  // the proof is with LogDepth = 2
+  (* anyconst *) logic [LogDepth:0] f_mark;
+  logic [127:0]          f_there;
+  logic [FDepth*128-1:0] f_words;
+`endif
 
   sp_ram #(
     .Width   (128),
@@ -318,9 +324,7 @@ module sp_datagram_cutter #(
   end
 
   // Rule 3: what may leave is whole datagrams: a header, then as many beats as it says, and so on.
-  localparam int FDepth = 4;  // the proof is with LogDepth = 2
   logic [FDepth-1:0]     f_is_header_q, f_header_of;  // of the places; as they leave
-  logic [FDepth*128-1:0] f_words;
   logic [CountBits-1:0]  f_rest;  // beats of the datagram at the output, still in the ring
   assign f_rest = !there_q ? '0 : first_q ? length : left_q - 1'b1;
   always_ff @(posedge clk_i) begin
@@ -386,10 +390,9 @@ module sp_datagram_cutter #(
 
   // Rule 5: every beat leaves once, in order, after a header with its session, its packet and its
   // place. The last beat of a packet is the last of its datagram. The rule is proved for any one
-  // place of the pointers, and the last beat that came there:
-  (* anyconst *) logic [LogDepth:0] f_mark;
+  // place f_mark of the pointers, and the last beat that came there:
   logic                 f_marked_q, f_shown_q, f_beat_last_q;  // in the ring; shown; s_last_i
-  logic [127:0]         f_beat_q, f_there, f_header;  // the ring has at the place, for its header
+  logic [127:0]         f_beat_q, f_header;  // that beat; its header
   logic [31:0]          f_beat_packet_q;
   logic [15:0]          f_beat_session_q;
   logic [CountBits-1:0] f_beat_at_q, f_behind_q;  // its place in the packet, behind the header
