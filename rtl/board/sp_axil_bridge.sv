@@ -10,8 +10,8 @@
 `default_nettype none
 
 module sp_axil_bridge #(
-  parameter int AddressBits = 8,
-  parameter int TimeoutBits = 10
+  parameter int AddressBits = 8,  // 1 or more
+  parameter int TimeoutBits = 10  // 1 or more
 ) (
   input  wire logic                   bus_clk_i,
   input  wire logic                   bus_rst_i,
@@ -46,6 +46,13 @@ module sp_axil_bridge #(
   input  wire logic                   error_i,
   input  wire logic [31:0]            read_data_i
 );
+
+  if (AddressBits < 1) begin : gen_address_bits
+    address_bits_is_less_than_1 u_error ();
+  end
+  if (TimeoutBits < 1) begin : gen_timeout_bits
+    timeout_bits_is_less_than_1 u_error ();
+  end
 
   localparam logic [1:0] Okay = 2'b00;
   localparam logic [1:0] SlaveError = 2'b10;

@@ -18,8 +18,8 @@ module sp_board #(
   parameter bit Image = 1'b1,  // raw-image packets
   parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
   parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
-  parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits, 1..12
-  // log2 of the depth of a packet FIFO, in beats of 16 bytes; 9 fills the smallest block RAMs:
+  parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits: 1..12
+  // log2 of the depth of a packet FIFO, in beats of 16 bytes: 3..15; 9 fills the smallest block RAMs
   parameter int MomentsLogDepth = MaxColumns > (Grey ? 512 : 1024) ?
                                   $clog2(MaxColumns * (Grey ? 3 : 2) / 4 + 5) : 9,
   parameter int ImageLogDepth = MaxColumns > 1952 ? $clog2(MaxColumns / 4 + 24) : 9,
@@ -63,15 +63,6 @@ module sp_board #(
   output logic      [31:0]  s_axil_rdata,
   output logic      [1:0]   s_axil_rresp          // OKAY or SLVERR
 );
-
-`ifndef SYNTHESIS
-  initial begin
-    if (MaxColumns < 12 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
-      $fatal(1, "sp_board: MaxColumns is %0d, not a multiple of 4 in 12..2048", MaxColumns);
-    if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows)
-      $fatal(1, "sp_board: MaxRows is %0d, not in 2..1023", MaxRows);
-  end
-`endif
 
   localparam int GroupBits = $clog2(MaxColumns / 4);
   localparam int ColumnBits = $clog2(MaxColumns + 1);

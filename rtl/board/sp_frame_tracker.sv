@@ -30,8 +30,8 @@
 `default_nettype none
 
 module sp_frame_tracker #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -94,6 +94,14 @@ module sp_frame_tracker #(
   output logic      [31:0]           broken_o,  // frames that broke
   output logic      [31:0]           stray_o    // beats discarded while running
 );
+
+  if (MaxColumns < 12 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4_in_12_to_2048 u_error ();
+  end
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
+    max_rows_is_not_in_2_to_1023 u_error ();
+  end
 
   assign s_axis_tready_o = 1'b1;
 

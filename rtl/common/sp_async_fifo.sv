@@ -8,8 +8,8 @@
 `default_nettype none
 
 module sp_async_fifo #(
-  parameter int Width = 32,
-  parameter int LogDepth = 4
+  parameter int Width = 32,  // 1 or more
+  parameter int LogDepth = 4  // 1..15
 ) (
   input  wire logic             wr_clk_i,
   input  wire logic             wr_rst_i,
@@ -23,6 +23,10 @@ module sp_async_fifo #(
   input  wire logic             rd_ready_i,
   output logic      [Width-1:0] rd_data_o
 );
+
+  if (LogDepth < 1 || LogDepth > 15) begin : gen_log_depth
+    log_depth_is_not_in_1_to_15 u_error ();
+  end
 
   function automatic logic [LogDepth:0] gray_of(input logic [LogDepth:0] binary);
     gray_of = binary ^ (binary >> 1);

@@ -7,8 +7,8 @@
 `default_nettype none
 
 module sp_fifo #(
-  parameter int Width = 32,
-  parameter int LogDepth = 4
+  parameter int Width = 32,  // 1 or more
+  parameter int LogDepth = 4  // 1..24
 ) (
   input  wire logic             clk_i,
   input  wire logic             rst_i,

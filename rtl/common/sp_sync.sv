@@ -5,7 +5,7 @@
 `default_nettype none
 
 module sp_sync #(
-  parameter int Width = 1
+  parameter int Width = 1  // 1 or more
 ) (
   input  wire logic             clk_i,
   input  wire logic             rst_i,
@@ -17,6 +17,10 @@ module sp_sync #(
   output logic      [Width-1:0] f_meta_o     // the first flop
 `endif
 );
+
+  if (Width < 1) begin : gen_width
+    width_is_less_than_1 u_error ();
+  end
 
   (* async_reg = "true" *) logic [Width-1:0] meta_q;
   (* async_reg = "true" *) logic [Width-1:0] sync_q;

@@ -47,6 +47,11 @@ module sp_column_runs #(
   output logic                      spoiled_o          // the sums of the frame are void
 );
 
+  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
+  end
+
   localparam int WeightBits = Grey ? 8 : 1;
   localparam int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits;
   localparam int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
