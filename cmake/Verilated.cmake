@@ -99,7 +99,10 @@ function(selfproj_verilate target)
     COMMENT "Verilating ${arg_PREFIX}" VERBATIM)
   target_sources(${target} PRIVATE "${code}__often.cpp" "${code}__seldom.cpp" "${code}.h")
   set_source_files_properties("${code}__often.cpp" PROPERTIES COMPILE_OPTIONS "${selfproj_model_options}")
-  selfproj_alone(${seldom} "${code}__seldom.cpp")
+  set_source_files_properties("${code}__seldom.cpp" PROPERTIES COMPILE_OPTIONS ${seldom})
+  if(CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13 AND NOT seldom STREQUAL selfproj_model_options)
+    set_source_files_properties("${code}__seldom.cpp" PROPERTIES SKIP_PRECOMPILE_HEADERS ON)  # cmake/Headers.cmake
+  endif()
   # A model with waveforms or coverage keeps records in eval().
   if(SELFPROJ_FAST_RISE AND NOT SELFPROJ_COVERAGE AND NOT arg_TRACE)
     set_source_files_properties("${code}__often.cpp" PROPERTIES COMPILE_DEFINITIONS SELFPROJ_FAST_RISE)
