@@ -26,7 +26,8 @@ def messages(command):
 
 
 def verilator(files, *options):
-    return messages(["verilator", "--lint-only", "--timing", "-Wall", "-Wno-fatal", *options, "--top-module", "first_frame_tb", *files])
+    return messages(["verilator", "--lint-only", "--timing", "-Wall", "-Wno-fatal", *options,
+                     "--top-module", "first_frame_tb", *files])
 
 
 def icarus(files, *options):
