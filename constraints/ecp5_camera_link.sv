@@ -8,10 +8,10 @@
 `default_nettype none
 
 module ecp5_camera_link #(
-  parameter int Taps = 2,  // 1, 2, 3: Base; 4: Medium
-  parameter int Bits = 8,
-  parameter int Samples = 1,  // of each bit: 1, or 2, which notices lanes out of place
-  parameter int LogGood = 8,  // log2 of the right words before a link is locked
+  parameter int Taps = 2,  // 1..4; 4 is Medium, the others Base
+  parameter int Bits = 8,  // 8; with 1 or 2 taps also 10 or 12
+  parameter int Samples = 1,  // of each bit: 1 or 2; two notice lanes out of place
+  parameter int LogGood = 8,  // log2 of the right words before a link is locked: 1 or more
   parameter logic [34:0] DelaysX = '0,  // see ecp5_channel_link
   parameter logic [34:0] DelaysY = '0
 ) (

@@ -7,9 +7,9 @@
 `default_nettype none
 
 module ecp5_camera_link_pins #(
-  parameter int Taps = 3,
-  parameter int Samples = 1,
-  parameter int Divider = 7,  // 7 or 14
+  parameter int Taps = 3,  // 1..4
+  parameter int Samples = 1,  // 1 or 2
+  parameter int Divider = 7,  // 7 or 14; with two samples 14
   parameter int Phase = 8 * Divider / (14 * Samples)  // of the samples, in eighths of its period
 ) (
   input  wire logic [4:0]  x_lanes_i,   // data 0 to 3, clock
@@ -27,6 +27,10 @@ module ecp5_camera_link_pins #(
   output logic             lost_o,
   output logic             apart_o
 );
+
+  if (Divider != 14 && (Divider != 7 || Samples != 1)) begin : gen_divider
+    divider_is_not_14_or_with_one_sample_7 u_error ();
+  end
 
   localparam int EdgeDivider = 2 * Divider / (7 * Samples);
 

@@ -11,12 +11,16 @@
 // remove whatever a reset keeps from working.
 (* keep_hierarchy *)
 module sp_pins_in #(
-  parameter int Width = 2
+  parameter int Width = 2  // 2 or more
 ) (
   input  wire logic             clk_i,
   input  wire logic             d_i,
   output logic      [Width-1:0] q_o
 );
+
+  if (Width < 2) begin : gen_width
+    width_is_less_than_2 u_error ();
+  end
 
   always_ff @(posedge clk_i) q_o <= {q_o[Width-2:0], d_i};
 

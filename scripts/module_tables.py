@@ -76,8 +76,12 @@ def head(module):
 
 
 def declarations(module, opening, closing):
-    """(heading or None, declaration, comment) of the module's list between two lines."""
-    text = re.sub(r"`ifdef FORMAL\n.*?`endif\n", "", source_of(module), flags=re.DOTALL)
+    return declarations_in(source_of(module), module, opening, closing)
+
+
+def declarations_in(text, module, opening, closing):
+    """(heading or None, declaration, comment) of the module's list between two lines of its source."""
+    text = re.sub(r"`ifdef FORMAL\n.*?`endif\n", "", text, flags=re.DOTALL)
     found = re.search(rf"^module {module} .*?{opening}\n(.*?)^{closing}", text, re.DOTALL | re.MULTILINE)
     if not found:
         raise SourceError(f"{module}: no list from {opening} to {closing}")

@@ -21,8 +21,8 @@
 `default_nettype none
 
 module acorn_dma #(
-  parameter int LogBuffer = 9,      // log2 of the beats of a buffer: 8 KiB
-  parameter int IdleClocks = 12_500  // 0.1 ms at 125 MHz
+  parameter int LogBuffer = 9,  // log2 of the beats of a buffer: 1 or more; 9 is 8 KiB
+  parameter int IdleClocks = 12_500  // 1 or more; 0.1 ms at 125 MHz
 ) (
   input  wire logic         clk_i,
   input  wire logic         rst_i,      // active high, synchronous
@@ -40,6 +40,13 @@ module acorn_dma #(
   output logic              m_last_o,   // last beat of a packet
   output logic      [127:0] m_data_o
 );
+
+  if (LogBuffer < 1) begin : gen_log_buffer
+    log_buffer_is_less_than_1 u_error ();
+  end
+  if (IdleClocks < 1) begin : gen_idle_clocks
+    idle_clocks_is_less_than_1 u_error ();
+  end
 
   localparam int IdleBits = $clog2(IdleClocks + 1);
 

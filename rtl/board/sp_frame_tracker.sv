@@ -47,7 +47,8 @@ module sp_frame_tracker #(
   input  wire logic                  s_axis_tuser_i,
   input  wire logic                  s_axis_tlast_i,
 
-  // Settings as written. hold_i is high in the first clock of a new size and in the two before.
+  // Settings as written, read in the clock of taking_o; run_i and timeout_i in every clock. hold_i
+  // is high in the first clock of a new size and in the two before.
   input  wire logic                  run_i,
   input  wire logic                  hold_i,
   input  wire logic                  image_i,

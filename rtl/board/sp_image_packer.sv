@@ -13,7 +13,7 @@
 module sp_image_packer #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
   parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
-  parameter int BeatBits = 32,  // 32: four pixels of 8 bits; 64: four codes of 16
+  parameter int BeatBits = 32,  // 32 or 64: four pixels of 8 bits, or four codes of 16
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),

@@ -51,7 +51,7 @@ module sp_packetizer #(
   input  wire logic                   spoiled_i,       // at the decision: count the packet as lost
   input  wire logic                   break_i,         // the frame broke
   input  wire logic                   break_later_i,   // with its start_i or after it
-  input  wire logic [sp_spec_pkg::StatusBits-1:0] start_status_i,
+  input  wire logic [sp_spec_pkg::StatusBits-1:0] start_status_i,  // with start_i
   input  wire logic [sp_spec_pkg::StatusBits-1:0] break_status_i,  // with break_i
   output logic                        accept_o,
 

@@ -44,7 +44,7 @@
 `default_nettype none
 
 module sp_camera_link #(
-  parameter int Taps = 2,  // pixels in a word: 1, 2, 3 (Base) or 4 (Medium)
+  parameter int Taps = 2,  // pixels in a word: 1..4; 4 is Medium, the others Base
   parameter int Bits = 8,  // bits of a pixel: 8; with 1 or 2 taps also 10 or 12
   parameter bit DataValid = 1'b1,  // 0: ignore data valid, as if it were always high
   parameter int LogDepth = Taps == 4 ? 5 : 4  // log2 of the beats in each FIFO: 1..15

@@ -35,9 +35,9 @@ module sp_replay #(
 
   // From and to sp_link
   input  wire logic        enable_i,   // datagrams are taken
-  input  wire logic [31:0] host_i,     // from this address
+  input  wire logic [31:0] host_i,  // from this address; still while enable_i is high
   input  wire logic        begin_i,    // one clock: a session of replay begins
-  input  wire logic [15:0] session_i,  // its number, from begin_i on
+  input  wire logic [15:0] session_i,  // its number, from begin_i to the next begin_i
   output logic      [31:0] frame_o,    // the frame that is due, or of which a part has come
   output logic      [31:0] offset_o,   // bytes of it that have come
   output logic      [31:0] frames_o,   // whole frames that have left; wraps

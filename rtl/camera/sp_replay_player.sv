@@ -26,7 +26,7 @@ module sp_replay_player #(
 
   input  wire logic                start_i,    // one clock: play the frame in the memory
   input  wire logic [BeatBits-1:0] beats_i,    // beats of a row, 1 or more, from start_i to done_o
-  input  wire logic [RowBits-1:0]  rows_i,     // 1 or more
+  input  wire logic [RowBits-1:0]  rows_i,     // 1 or more, likewise
   output logic                     done_o,
 
   // Memory

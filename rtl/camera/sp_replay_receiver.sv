@@ -49,9 +49,9 @@ module sp_replay_receiver #(
 
   // Who may send
   input  wire logic                enable_i,   // datagrams are taken
-  input  wire logic [31:0]         host_i,     // from this address
+  input  wire logic [31:0]         host_i,  // from this address; still while enable_i is high
   input  wire logic                begin_i,    // one clock: a session of replay begins
-  input  wire logic [15:0]         session_i,  // its number, from begin_i on
+  input  wire logic [15:0]         session_i,  // its number, from begin_i to the next begin_i
 
   // Memory
   output logic                     write_o,

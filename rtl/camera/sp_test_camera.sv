@@ -58,7 +58,7 @@ module sp_test_camera #(
   input  wire logic         rst_i,      // active high, synchronous
   input  wire logic         run_i,      // make frames
   input  wire logic         trigger_i,  // each rise begins a frame
-  input  wire logic         patterns_i,  // Gray-code patterns instead of the line
+  input  wire logic         patterns_i,  // patterns, not the line; read when a frame begins
 
   // Video, to the board's s_axis ports
   output logic              m_valid_o,

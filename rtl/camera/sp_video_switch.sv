@@ -15,7 +15,8 @@ module sp_video_switch #(
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,      // active high, synchronous; then source 0
 
-  input  wire logic [Sources-1:0]    select_i,   // a bit for each source; registers of any clock
+  // Registers of any clock; a value stands still for two clocks of clk_i or more
+  input  wire logic [Sources-1:0]    select_i,   // a bit for each source
 
   // The sources, source 0 in the lowest bits
   input  wire logic [Sources-1:0]    s_valid_i,

@@ -20,7 +20,7 @@ module sp_counter #(
   if (Width != 32 && Width != 64) begin : gen_width
     width_is_not_32_or_64 u_error ();
   end
-  if (ResetValue[7:0] == '1) begin : gen_reset_value
+  if (ResetValue[7:0] == 8'hFF) begin : gen_reset_value
     reset_value_ends_in_eight_ones u_error ();
   end
 

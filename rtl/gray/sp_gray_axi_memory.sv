@@ -26,7 +26,7 @@ module sp_gray_axi_memory #(
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,
-  input  wire logic [AddressBits-1:0] base_i,
+  input  wire logic [AddressBits-1:0] base_i,  // stands still from the reset on
 
   // Memory port of sp_gray_decoder
   input  wire logic                   rd_en_i,

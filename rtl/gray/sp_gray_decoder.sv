@@ -35,7 +35,7 @@ module sp_gray_decoder #(
   input  wire logic                  clk_i,                   // pixel clock
   input  wire logic                  rst_i,                   // active high, synchronous
 
-  // Settings
+  // Settings, read in the clock of take_i only
   input  wire logic                  take_i,                  // the settings below are taken over
   input  wire logic                  decode_i,                // decode the frames
   input  wire logic [3:0]            bits_i,                  // m, 1..MaxBits

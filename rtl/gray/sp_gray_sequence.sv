@@ -20,7 +20,7 @@ module sp_gray_sequence #(
   input  wire logic               start_i,
   input  wire logic               decode_i,   // with start_i: decode this frame
   input  wire logic [15:0]        pattern_i,
-  input  wire logic [3:0]         bits_i,     // m, 1..MaxBits
+  input  wire logic [3:0]         bits_i,     // m, 1..MaxBits; changes only with restart_i
   input  wire logic               restart_i,
   input  wire logic               lost_i,
   input  wire logic               busy_i,     // with start_i: codes of this frame cannot be taken

@@ -34,13 +34,16 @@ module sp_column_runs #(
   input  wire logic                 beat_first_row_i,  // the row is the first of the frame
   input  wire logic                 beat_last_row_i,   // the row is the last of the frame
   input  wire logic                 beat_line_end_i,   // the group is the last of its line
-  input  wire logic [1:0]           mode_i,            // 0 binary, 1 grey, 2 grey_over
-  input  wire logic [7:0]           threshold_i,       // a pixel is lit where it is greater
-  input  wire logic                 strongest_i,       // select: 1 strongest, 0 all
-  input  wire logic [1:0]           gap_i,             // dark rows that a run may have inside
+  input  wire logic [7:0]           threshold_i,  // a pixel of this beat is lit where it is greater
   input  wire logic                 break_i,           // the frame ends early, in its last row
   input  wire logic                 accept_i,          // the beat of four clocks ago is wanted
 
+  // The same with every beat of a frame
+  input  wire logic [1:0]           mode_i,  // 0 binary, 1 grey, 2 grey_over
+  input  wire logic                 strongest_i,  // select: 1 strongest, 0 all
+  input  wire logic [1:0]           gap_i,  // dark rows that a run may have inside
+
+  // Payload of the packet
   output logic                      moments_valid_o,   // a payload beat
   output logic [127:0]              moments_data_o,    // four or two columns, leftmost lowest
   output logic                      moments_break_o,   // no more payload of this frame comes

@@ -50,9 +50,9 @@ module sp_moment_sums #(
   input  wire logic [4*WeightBits-1:0]  weights_i,
   input  wire logic [RowBits-1:0]       row_i,
   input  wire logic                     first_row_i,   // the sums begin at zero
-  input  wire logic                     one_group_i,   // the image has 4 columns
-  input  wire logic                     two_groups_i,  // the image has 8 columns
-  input  wire logic                     grey_i,
+  input  wire logic                     one_group_i,   // the image has 4 columns; with add_i
+  input  wire logic                     two_groups_i,  // the image has 8 columns; with add_i
+  input  wire logic                     grey_i,  // with add_i
 
   output logic [4*LaneMBits-1:0]        raw_m_o,  // each lane {N, M0 in halves}, or M0
   output logic [4*LaneABits-1:0]        raw_a_o,

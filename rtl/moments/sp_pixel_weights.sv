@@ -18,8 +18,8 @@ module sp_pixel_weights #(
   input  wire logic                    clk_i,
   input  wire logic                    rst_i,
   input  wire logic [31:0]             beat_pixels_i,  // leftmost pixel in 7..0
-  input  wire logic [1:0]              mode_i,
-  input  wire logic [7:0]              threshold_i,
+  input  wire logic [1:0]              mode_i,  // of the beat
+  input  wire logic [7:0]              threshold_i,  // of the beat
   output logic      [4*WeightBits-1:0] weights_o
 );
 

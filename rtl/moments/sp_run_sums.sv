@@ -42,8 +42,10 @@ module sp_run_sums #(
   input  wire logic [GroupBits-1:0]    add_group_i,
   input  wire logic [RowBits-1:0]      add_row_i,
   input  wire logic [4*WeightBits-1:0] add_weights_i,
-  input  wire logic                    strongest_i,   // a run ends; else never
-  input  wire logic [1:0]              gap_i,         // dark rows that a run may have inside
+  // The same with every add_i of a frame
+  input  wire logic                    strongest_i,  // a run ends; else never
+  input  wire logic [1:0]              gap_i,  // dark rows that a run may have inside
+
 
   // Not in a clock with add_i, unless add_first_i is high
   input  wire logic                    drain_i,

@@ -43,9 +43,8 @@ module sp_column_moments #(
     output int unsigned answer, output bit [127:0] data
   );
 
-  initial begin
-    if (!Grey || GroupBits != 9 || RowBits != 10)
-      $fatal(1, "the shell is built for the default maxima, with the grey modes");
+  if (!Grey || GroupBits != 9 || RowBits != 10) begin : gen_error
+    $fatal(1, "the shell is built for the default maxima, with the grey modes");
   end
 
   int unsigned answer;

@@ -63,8 +63,8 @@ module sp_gray_decoder #(
     output int unsigned abandoned
   );
 
-  initial begin
-    if (WordBits != 128) $fatal(1, "the shell is built for codes of 12 bits");
+  if (WordBits != 128) begin : gen_error
+    $fatal(1, "the shell is built for codes of 12 bits");
   end
 
   int unsigned answer, abandoned;

@@ -37,9 +37,8 @@ module sp_median3x3 #(
     output bit [63:0] codes_out
   );
 
-  initial begin
-    if (MaxColumns > sp_spec_pkg::MaxColumns)
-      $fatal(1, "the shell has line buffers for the default maxima");
+  if (MaxColumns > sp_spec_pkg::MaxColumns) begin : gen_error
+    $fatal(1, "the shell has line buffers for the default maxima");
   end
 
   int unsigned answer;
