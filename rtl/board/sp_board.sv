@@ -19,7 +19,7 @@ module sp_board #(
   parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
   parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
   parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits: 1..12
-  // log2 of the depth of a packet FIFO, in beats of 16 bytes: 3..15; 9 fills the smallest block RAMs
+  // log2 of the depth of a packet FIFO, in beats of 16 bytes: 3..15; 9 fills a small block RAM
   parameter int MomentsLogDepth = MaxColumns > (Grey ? 512 : 1024) ?
                                   $clog2(MaxColumns * (Grey ? 3 : 2) / 4 + 5) : 9,
   parameter int ImageLogDepth = MaxColumns > 1952 ? $clog2(MaxColumns / 4 + 24) : 9,

@@ -20,7 +20,7 @@ module sp_moments_path #(
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
 
-  // Beats and breaks of sp_frame_tracker, and settings in force, the same with every beat of a frame
+  // Beats, breaks and settings in force of sp_frame_tracker; these are the same for a whole frame
   input  wire logic [ColumnBits-3:0] groups_i,  // of a line: columns / 4
   input  wire logic [1:0]            mode_i,
   input  wire logic [7:0]            threshold_i,

@@ -60,12 +60,13 @@ BOUNDS["sp_camera_link", "Bits"] = (BOUNDS["sp_camera_link", "Bits"][0], ["Taps=
 OF_SPECIFICATION = {"the_header_has_not_4_beats_or_the_trailer_not_1", "the_sequence_is_not_known_for_the_first_beat",
                     "the_count_of_lost_packets_is_right_in_beats_1_and_2_only"}
 # What else is set, so that less is elaborated
-WITH = {top: ["MaxColumns=64", "MaxRows=40"] for top in ("sp_board", "sp_codes_path", "sp_moments_path", "sp_gray_core")}
+WITH = {top: ["MaxColumns=64", "MaxRows=40"]
+        for top in ("sp_board", "sp_codes_path", "sp_moments_path", "sp_gray_core")}
 # How a program ends where a width becomes 0, or a divisor, before it comes to the rule
-ENDS = re.compile(r"ERROR: Static cast with zero or negative size!|Internal Error: .*sp_sync.*4-state|"
-                  r"LITENDIAN: .*\[-1:0\]")
+ENDS = re.compile(r"ERROR: Static cast with zero or negative size!|Size-changing cast to zero or negative size|"
+                  r"Internal Error: .*sp_sync.*4-state|LITENDIAN: .*\[-1:0\]")
 # Reports of newer versions of Verilator; what Icarus does not support and need not (lint_rtl.sh)
-UNINTERESTING = re.compile(r"^- V(e r i l|erilator: )|sorry: constant selects in always_\* processes")
+UNINTERESTING = re.compile(r"^- V( e r i l|erilator: )|sorry: constant selects in always_\* processes")
 VERILATOR = shutil.which("verilator_bin") or "verilator"  # without its wrapper, which takes longer than the elaboration
 
 
