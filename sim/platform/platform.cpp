@@ -22,8 +22,9 @@ namespace {
 class Kernel {
  public:
   // SystemC 2.3.4 frees the data of a port's reset_signal_is() at elaboration, and again with the kernel. A kernel
-  // whose modules have clocked threads with a reset is therefore never freed, which costs some kilobytes.
-  explicit Kernel(bool has_resets) : has_resets_(has_resets) {
+  // whose modules have clocked threads with a reset is therefore never freed, which costs some kilobytes. Nor is any
+  // kernel of SystemC 3.0.1, which frees its threads after what they need.
+  explicit Kernel(bool has_resets) : kept_(has_resets || SC_VERSION_MAJOR >= 3) {
     if (std::exchange(alive, true)) {
       throw std::logic_error("two platforms at once");
     }
@@ -33,7 +34,7 @@ class Kernel {
   Kernel(const Kernel&) = delete;
   Kernel& operator=(const Kernel&) = delete;
   ~Kernel() {
-    if (has_resets_) {
+    if (kept_) {
       static_cast<void>(kernel_.release());
     }
     kernel_.reset();
@@ -48,7 +49,7 @@ class Kernel {
   }
 
   inline static bool alive = false;
-  bool has_resets_;
+  bool kept_;
   sc_core::sc_simcontext* default_ = sc_core::sc_curr_simcontext;
   std::unique_ptr<sc_core::sc_simcontext> kernel_ = std::make_unique<sc_core::sc_simcontext>();
 };
