@@ -2,17 +2,6 @@
 # depends on them, and without SELFPROJ_FAST_BUILD every source is compiled alone.
 option(SELFPROJ_FAST_BUILD "Precompile headers of libraries, and compile the sources of each library as one file" OFF)
 
-# g++ 13 and later accept a precompiled header only for sources with the same settings of these options, which depend on
-# the optimization. The settings are those of -O2; with less optimization they have no effect.
-include(CheckCXXCompilerFlag)
-set(selfproj_precompile_options $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # for ccache
-foreach(option IN ITEMS mvzeroupper munroll-only-small-loops)
-  string(MAKE_C_IDENTIFIER "SELFPROJ_KNOWS_${option}" known)
-  check_cxx_compiler_flag(-${option} ${known})
-  if(${known})
-    list(APPEND selfproj_precompile_options -${option})
-  endif()
-endforeach()
 # An invalid precompiled header only costs time. In the builds where warnings are errors, it is found.
 set(CMAKE_PCH_WARN_INVALID ${SELFPROJ_WARNINGS_AS_ERRORS})
 
@@ -23,7 +12,8 @@ set(CMAKE_PCH_WARN_INVALID ${SELFPROJ_WARNINGS_AS_ERRORS})
 # is an object library that reads them with these options and libraries. Sources still include every header that they
 # need. Preset dev uses no precompiled headers and compiles each source alone, so it finds missing includes.
 #
-# g++ accepts a precompiled header only for a source with the same macros and instruction set.
+# g++ accepts a precompiled header only for a source with the same macros and instruction set, and since version 13 only
+# with the same optimization. So a source with its own options goes without (SKIP_PRECOMPILE_HEADERS).
 function(selfproj_precompile name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;OPTIONS;LIBRARIES")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_HEADERS)
@@ -32,7 +22,7 @@ function(selfproj_precompile name)
   set(source "${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp")
   file(CONFIGURE OUTPUT "${source}" CONTENT "// Written by cmake/Headers.cmake.\n" @ONLY)
   add_library(${name} OBJECT EXCLUDE_FROM_ALL "${source}")
-  target_compile_options(${name} PRIVATE ${arg_OPTIONS} ${selfproj_precompile_options})
+  target_compile_options(${name} PRIVATE ${arg_OPTIONS} $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
   target_link_libraries(${name} PRIVATE selfproj_warnings ${arg_LIBRARIES})
   list(TRANSFORM arg_HEADERS REPLACE "^(.+)$" "<\\1>")
   target_precompile_headers(${name} PRIVATE ${arg_HEADERS})
@@ -45,7 +35,7 @@ function(selfproj_use_precompiled name)
       selfproj_for_shared_libraries(${target})
     endif()
     if(SELFPROJ_FAST_BUILD)
-      target_compile_options(${target} PRIVATE ${selfproj_precompile_options})
+      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # for ccache
       target_precompile_headers(${target} REUSE_FROM ${name})
     endif()
   endforeach()
@@ -70,6 +60,11 @@ function(selfproj_compile_as_one)
   if(SELFPROJ_FAST_BUILD)
     set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   endif()
+endfunction()
+
+# selfproj_alone(OPTION source...): compiles sources of a library with an option of their own.
+function(selfproj_alone option)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "${option}" SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
 set(SELFPROJ_STANDARD_HEADERS

@@ -15,11 +15,18 @@
 
 find_program(SELFPROJ_VERILATOR verilator HINTS "$ENV{VERILATOR_ROOT}/bin" REQUIRED
   DOC "Verilator 5.006 or newer; by default that of VERILATOR_ROOT, or the first in PATH")
-find_package(Threads REQUIRED)
 find_package(ZLIB REQUIRED)  # of waveforms
 
 option(SELFPROJ_COVERAGE "Count line and toggle coverage of rtl/ in the Verilated models" OFF)
 option(SELFPROJ_FAST_RISE "Step models by the parts of Verilator's eval() where they are known" ON)
+
+# The models are always built for speed, except for a short run: without optimization they are ten times slower, and
+# there is nothing to step through. Vectorization is off because gathering the scattered bits costs more than it saves.
+if(SELFPROJ_COVERAGE OR SELFPROJ_QUICK)
+  set(selfproj_model_options -O1)
+else()
+  set(selfproj_model_options -O3 -fno-tree-vectorize -fno-tree-slp-vectorize)
+endif()
 
 file(GLOB SELFPROJ_RTL CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/rtl/*/sp_*.sv")
 list(REMOVE_ITEM SELFPROJ_RTL "${PROJECT_SOURCE_DIR}/rtl/common/sp_spec_pkg.sv")
@@ -58,7 +65,8 @@ if(NOT TARGET selfproj_verilator_runtime)
       APPEND PROPERTY TEST_INCLUDE_FILES "${PROJECT_BINARY_DIR}/verilator.cmake")
   endif()
   # Verilator's header is most of the cost of a small file.
-  selfproj_precompile(selfproj_verilator_headers HEADERS verilated.h LIBRARIES selfproj_verilator_runtime)
+  selfproj_precompile(selfproj_verilator_headers HEADERS verilated.h OPTIONS ${selfproj_model_options}
+    LIBRARIES selfproj_verilator_runtime)
 endif()
 
 function(selfproj_verilate target)
@@ -75,18 +83,11 @@ function(selfproj_verilate target)
   if(arg_TRACE)
     list(APPEND options --trace-fst)
   endif()
-  # The model is always built for speed: without optimization it is ten times slower, and there is nothing to step
-  # through. Vectorization is off because gathering the scattered bits costs more than it saves. A model that counts
-  # coverage is built for one run only, and any optimization of the function that names its thousands of points takes
-  # minutes.
-  set(often -O3 -fno-tree-vectorize -fno-tree-slp-vectorize)
+  # Any optimization of the function that names thousands of coverage points takes minutes.
   set(seldom -O1)
-  if(SELFPROJ_COVERAGE)
-    set(often -O1)
-    if(NOT arg_UNCOUNTED)
-      set(seldom -O0)
-      list(APPEND options --coverage-line --coverage-toggle)
-    endif()
+  if(SELFPROJ_COVERAGE AND NOT arg_UNCOUNTED)
+    set(seldom -O0)
+    list(APPEND options --coverage-line --coverage-toggle)
   endif()
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/${arg_PREFIX}.dir")
   set(code "${folder}/${arg_PREFIX}")
@@ -97,8 +98,11 @@ function(selfproj_verilate target)
     DEPENDS "${PROJECT_SOURCE_DIR}/cmake/verilate.cmake" "${SELFPROJ_VERILATOR}" ${arg_OPEN} ${SELFPROJ_RTL}
     COMMENT "Verilating ${arg_PREFIX}" VERBATIM)
   target_sources(${target} PRIVATE "${code}__often.cpp" "${code}__seldom.cpp" "${code}.h")
-  set_source_files_properties("${code}__often.cpp" PROPERTIES COMPILE_OPTIONS "${often}")
+  set_source_files_properties("${code}__often.cpp" PROPERTIES COMPILE_OPTIONS "${selfproj_model_options}")
   set_source_files_properties("${code}__seldom.cpp" PROPERTIES COMPILE_OPTIONS ${seldom})
+  if(CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13 AND NOT seldom STREQUAL selfproj_model_options)
+    set_source_files_properties("${code}__seldom.cpp" PROPERTIES SKIP_PRECOMPILE_HEADERS ON)  # cmake/Headers.cmake
+  endif()
   # A model with waveforms or coverage keeps records in eval().
   if(SELFPROJ_FAST_RISE AND NOT SELFPROJ_COVERAGE AND NOT arg_TRACE)
     set_source_files_properties("${code}__often.cpp" PROPERTIES COMPILE_DEFINITIONS SELFPROJ_FAST_RISE)

@@ -1,8 +1,8 @@
 # cmake -DVERILATOR=program -DFOLDER=folder -DPREFIX=name -DRISE=0|1 -P verilate.cmake -- OPTION... SOURCE...
 #
 # Verilates a model, class `name`, into the folder. Verilator writes a dozen files a model, other ones in each version,
-# and each reads the same headers. So the code that runs often is joined in name__often.cpp, and the rest in
-# name__seldom.cpp. With RISE the first one also defines rise() (sim/board/verilated_rise.h).
+# and each reads the same headers. So the code that runs often is joined in one source (`often` in
+# its name), and the rest in another (`seldom`). With RISE the first one also defines rise() (sim/board/verilated_rise.h).
 #
 # Paths are given to Verilator relative to the project, because some versions read no source in a path with a space.
 cmake_policy(VERSION 3.25)

@@ -28,11 +28,11 @@ while (($# > 0)); do
 done
 
 build=build/fuzz
-compiler=$(command -v clang++-14 || command -v clang++ || true)
+compiler=$(command -v clang++-14 || command -v clang++-19 || command -v clang++ || true)
 mkdir -p "$build/corpus"
 if [[ -z $compiler ]] || ! "$compiler" -fsanitize=fuzzer -x c++ -o "$build/probe" - 2>/dev/null <<<'
     extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }'; then
-  echo "fuzz.sh: skipped: there is no clang with libFuzzer (Debian: clang-14, libclang-rt-14-dev)"
+  echo "fuzz.sh: skipped: there is no clang with libFuzzer (scripts/setup.sh installs it)"
   exit 77
 fi
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# setup.sh [programs|tests]: installs missing packages of Debian 12. With `programs` these are the packages that the
+# setup.sh [programs|tests]: installs missing packages of Debian 12 or 13. With `programs` these are the packages that the
 # programs and the demo need, with `tests` (default) also those of the tests. If nothing is missing, it says so in one
 # line and does not ask for root rights.
 set -euo pipefail
@@ -24,8 +24,7 @@ for_tests=(
   nextpnr-ice40                              # placement (scripts/fpga.sh)
   libgtest-dev libbenchmark-dev              # tests, benchmarks
   libopencv-contrib-dev                      # OpenCV's Gray decoder, for comparisons
-  clang-format-14 clang-tidy-14 shellcheck   # checks of the sources
-  clang-14 libclang-rt-14-dev                # fuzzing
+  shellcheck ccache                          # checks of the scripts, builds after a change
   xvfb                                       # a display for the tests of projectors
   # a server with two displays, for the same tests
   xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils x11-apps
@@ -35,7 +34,11 @@ for_tests=(
   pkg-config dpkg-dev                        # tests of the installation and of the Debian packages
   iproute2 util-linux                        # namespaces, in which tests have networks of their own
   tshark                                     # the dissector for Wireshark
+  debootstrap                                # the other release of Debian
 )
+# Checks of the sources, fuzzing. Version 14 decides on the format; Debian 13 does not have it (scripts/test.sh).
+for_tests_on_12=(clang-format-14 clang-tidy-14 clang-14 libclang-rt-14-dev)
+for_tests_on_13=(clang-tidy-19 clang-19 libclang-rt-19-dev)
 
 fail() {
   printf 'setup.sh: %s\n' "$1" >&2
@@ -50,9 +53,19 @@ case ${1:-tests} in
   *) fail "$1: unknown; usage: scripts/setup.sh [programs|tests]" ;;
 esac
 
+release=$(sed -n 's/^\(ID\|VERSION_ID\)=//p' /etc/os-release 2>/dev/null | tr -d '"' | LC_ALL=C sort -r | xargs) || true
 if ! { command -v dpkg-query && command -v apt-get; } >/dev/null; then
-  fail "this machine has no apt (Debian 12 is expected); install by hand: ${packages[*]}"
+  fail "this is ${release:-no Debian}, known are Debian 12 and 13; install by hand: ${packages[*]}"
 fi
+case $release in
+  "debian 12") by_release=("${for_tests_on_12[@]}") ;;
+  "debian 13") by_release=("${for_tests_on_13[@]}") ;;
+  *)
+    echo "setup.sh: this is ${release:-no Debian}, known are Debian 12 and 13: the packages of 13 are tried"
+    by_release=("${for_tests_on_13[@]}")
+    ;;
+esac
+if [[ ${1:-tests} == tests ]]; then packages+=("${by_release[@]}"); fi
 
 missing=()
 for package in "${packages[@]}"; do

@@ -1,27 +1,36 @@
 #!/usr/bin/env bash
-# test.sh [--again | --record]: runs the checks and tests of the project, the quick ones first, and stops at the first
-# failure. It begins with a list of its steps and the time each took in the last run on this machine (build/test/), or
-# an estimate. Coverage, mutation, and long fuzzing and soaks are run by hand.
+# test.sh [--all] [--again | --record]: runs the checks and the quick tests of the project, and stops at the first
+# failure: formats, generated files, rules; lint of the changed modules; one build with warnings as errors; the tests that
+# need no waiting; clang-tidy on the changed sources. With --all it runs everything that continuous integration runs: also
+# lint of all modules, the sanitizers, the build for speed with all tests, clang-tidy on all sources, and the other release
+# of Debian (scripts/other_debian.sh). It begins with a list of its steps and the time each took in the last run on this
+# machine (build/test/), or an estimate.
 #
 # It leaves out a step that passed before, as long as nothing has changed that the result can depend on: files of the
-# project, packages, and the captures beside the project. clang-tidy does the same for each source (scripts/tidy.sh).
-# --again runs all steps, but builds and clang-tidy still leave out what is up to date. A run from scratch, without
-# build/, does everything; --record writes the times of such a run to results/.
+# project, packages, and the captures beside the project. In the same way it leaves out quick tests whose programs have
+# not changed. --again runs all steps, but builds still leave out what is up to date. A run from scratch, without build/,
+# does everything; --record writes the times of such a run to results/.
+#
+# What takes too long for every push is run by hand: coverage, mutation, fuzzing, soaks, placements and experiments.
+# results/ has when each was last run, at which commit, and by which command.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+all=false
 again=false
 record=false
-case ${1:-} in
-  "") ;;
-  --again) again=true ;;
-  --record)
-    record=true
-    [[ ! -e build ]] || { echo "test.sh: --record: goes only with a run from scratch; build/ is there" >&2; exit 2; }
-    ;;
-  -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' scripts/test.sh; exit 0 ;;
-  *) echo "test.sh: $1: unknown; usage: scripts/test.sh [--again | --record]" >&2; exit 2 ;;
-esac
+for word; do
+  case $word in
+    --all) all=true ;;
+    --again) again=true ;;
+    --record)
+      record=true
+      [[ ! -e build ]] || { echo "test.sh: --record: goes only with a run from scratch; build/ is there" >&2; exit 2; }
+      ;;
+    -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' scripts/test.sh; exit 0 ;;
+    *) echo "test.sh: $word: unknown; usage: scripts/test.sh [--all] [--again | --record]" >&2; exit 2 ;;
+  esac
+done
 
 passed=build/test
 mkdir -p "$passed"
@@ -39,9 +48,11 @@ state_of_all() {
   {
     sources | tr '\n' '\0' | LC_ALL=C sort -z | xargs -0 sha256sum
     dpkg-query --show
-    find ../shared/data build/ap_types -type f -printf '%p %s\n' 2>/dev/null | LC_ALL=C sort || true
+    captures
   } | sha256sum | cut -d ' ' -f 1
 }
+
+captures() { find ../shared/data build/ap_types -type f -printf '%p %s\n' 2>/dev/null | LC_ALL=C sort || true; }
 
 # ---- the steps ----
 
@@ -49,7 +60,7 @@ check_generated() { python3 model/spec/generate.py --check; }
 
 check_rules() {
   local rule
-  for rule in layers names links sizes; do python3 -B "tests/house/check_$rule.py"; done
+  for rule in layers names links; do python3 -B "tests/house/check_$rule.py"; done
   python3 -B scripts/results.py check
 }
 
@@ -61,51 +72,84 @@ check_scripts() {
 }
 
 check_format() {
-  local files
+  local files folder format=clang-format-14
   mapfile -t files < <(sources '*.cpp' '*.h' | grep -v '/generated/')
-  clang-format-14 --dry-run --Werror "${files[@]}"
+  if ! command -v "$format" >/dev/null; then  # not in Debian 13, whose version lays some lines out differently
+    folder=$(python3 -B scripts/pypi.py build/clang-format clang-format==14.0.6) ||
+      { echo "skipped: there is no clang-format 14"; return; }
+    format=$folder/clang-format
+  fi
+  "$format" --dry-run --Werror "${files[@]}"
   echo "${#files[@]} files"
 }
 
+lint_changed() {
+  local modules
+  mapfile -t modules < <(scripts/changed.sh 'rtl/*/sp_*.sv' | grep -v sp_spec_pkg | sed 's|.*/||; s|[.]sv$||')
+  if ((${#modules[@]} > 0)); then scripts/lint_rtl.sh "${modules[@]}"; else echo "no module has changed"; fi
+}
+
 lint_rtl() { scripts/lint_rtl.sh; }
+
+build_quick() { scripts/build.sh quick all; }
+
+# One test more at a time than there are processors, because some wait.
+test_quick() {
+  local files
+  captures >"$passed/captures"
+  mapfile -t files < <(sources | grep -vE '[.](cpp|h|sv|md|py|sh|json)$')
+  if $again; then rm -f build/quick/passed.json; fi
+  python3 -B tests/quick.py select build/quick "$passed/captures" "${files[@]}"
+  ctest --preset quick --parallel "$(($(nproc) + 1))" --progress
+  python3 -B tests/quick.py passed build/quick
+}
+
+tidy_changed() { scripts/tidy.sh; }
 
 build_sanitized() { scripts/build.sh sanitizers sanitized_tests; }
 
 test_sanitized() { ctest --preset sanitizers --label-regex sanitized --parallel "$(nproc)" --progress; }
 
-build_all() { scripts/build.sh release all; }
+build_all() { scripts/build.sh ci all; }
 
-# The sources of hls/, python/ and tests/ are left out; run scripts/tidy.sh for them by hand. The simulations of the
-# ECPIX-5 and the Acorn are built with LiteEth and LitePCIe, in builds of their own (scripts/target_sim.sh,
-# scripts/acorn_sim.sh).
-tidy() {
-  local files
-  mapfile -t files < <(sources 'capi/*.cpp' 'host/*.cpp' 'model/*.cpp' 'sim/*.cpp' |
-    grep -v -e '/generated/' -e '^sim/target/\(ecpix5\|acorn\)_sim.cpp$')
-  scripts/tidy.sh "${files[@]}"
-}
+tidy_all() { scripts/tidy.sh --all; }
 
-# Runs one test more at a time than there are processors, because tests that wait for cameras and screens use little
-# processor time.
 test_all() { ctest --preset release --parallel "$(($(nproc) + 1))" --progress; }
 
+other_debian() {
+  local status=0
+  scripts/other_debian.sh || status=$?
+  ((status == 0 || status == 77))  # 77: skipped, and it has said why
+}
+
 # The names of the steps in their order, and what each one does.
-steps=(check_generated check_rules check_scripts check_format lint_rtl build_sanitized test_sanitized build_all tidy
-  test_all)
+if $all; then
+  steps=(check_generated check_rules check_scripts check_format lint_rtl build_sanitized test_sanitized build_all tidy_all
+    test_all other_debian)
+  results=test_times
+else
+  steps=(check_generated check_rules check_scripts check_format lint_changed build_quick test_quick tidy_changed)
+  results=quick_test_times
+fi
 declare -A does=(
   [check_generated]="generated files agree with the specification"
-  [check_rules]="rules of the project: layers, names, links, sizes, figures in documents"
+  [check_rules]="rules of the project: layers, names, links, figures in documents"
   [check_scripts]="shellcheck on the scripts"
   [check_format]="format of the C++ sources"
-  [lint_rtl]="lint of the RTL by Verilator, Icarus and Yosys"
+  [lint_changed]="lint of the changed RTL modules"
+  [lint_rtl]="lint of the RTL by Verilator, Icarus, Yosys, slang and Verible"
+  [build_quick]="build of what the quick tests need"
+  [test_quick]="quick tests"
+  [tidy_changed]="clang-tidy on the changed sources"
   [build_sanitized]="build with the address and undefined-behaviour sanitizers"
   [test_sanitized]="tests with the sanitizers"
   [build_all]="build for speed: programs, tests, benchmarks"
-  [tidy]="clang-tidy on capi, host, model and sim"
+  [tidy_all]="clang-tidy on capi, host, model and sim"
   [test_all]="all tests; where PyPI is reached, also the bitstream for the ECPIX-5"
+  [other_debian]="the other release of Debian, in a chroot: demo and quick tests"
 )
 # These always run, and decide themselves what they have to do.
-incremental=" build_sanitized build_all tidy "
+incremental=" build_quick build_sanitized build_all other_debian "
 
 # is_known STEP: whether the step has passed in the present state
 is_known() {
@@ -118,9 +162,9 @@ time_of() {
   if [[ -f $passed/$1.seconds ]]; then
     cat "$passed/$1.seconds"
   else
-    python3 - "$1" "$(nproc)" <<'PYTHON'
+    python3 - "$1" "$(nproc)" "$results" <<'PYTHON'
 import json, pathlib, sys
-file = pathlib.Path("results") / "test_times.json"
+file = pathlib.Path("results") / f"{sys.argv[3]}.json"
 steps = json.loads(file.read_text(encoding="utf-8"))["results"]["steps"] if file.exists() else {}
 print(round(steps.get(sys.argv[1], {"cpu_seconds": 0})["cpu_seconds"] / int(sys.argv[2])))
 PYTHON
@@ -133,8 +177,10 @@ cpu_seconds() { awk -v hz="$(getconf CLK_TCK)" '{sub(/.*\) /, ""); printf "%.1f"
 minutes() { printf '%d:%02d min' "$(($1 / 60))" "$(($1 % 60))"; }
 
 scripts/setup.sh tests
-hls/get_ap_types.sh ||
-  echo "test.sh: skipped for want of PyPI: tests of the HLS kernels with the vendor's integers (kernels_ap)"
+if $all; then
+  hls/get_ap_types.sh ||
+    echo "test.sh: skipped for want of PyPI: tests of the HLS kernels with the vendor's integers (kernels_ap)"
+fi
 state=$(state_of_all)
 
 echo "test.sh will do this, in this order, and take about as long as in the last run here (*: an estimate):"
@@ -150,7 +196,7 @@ for step in "${steps[@]}"; do
   fi
   printf '  %-76s %s\n' "${does[$step]}" "$when"
 done
-echo "about $(minutes "$sum") in all; builds and clang-tidy take less where little has changed"
+echo "about $(minutes "$sum") in all; builds and tests take less where little has changed"
 
 figures=()
 for step in "${steps[@]}"; do
@@ -166,7 +212,7 @@ for step in "${steps[@]}"; do
 done
 
 echo
-echo "test.sh: everything passed; the steps took"
+echo "test.sh: everything passed$($all || echo ' of the quick part; --all runs the rest'); the steps took"
 sum=0
 for step in "${steps[@]}"; do
   seconds=$(time_of "$step")
@@ -175,8 +221,9 @@ for step in "${steps[@]}"; do
 done
 
 if $record; then
-  SELFPROJ_RESULTS=results python3 -B scripts/results.py record test_times --command "scripts/test.sh --record" \
-    --about "The checks and tests from scratch, with all packages installed" \
+  SELFPROJ_RESULTS=results python3 -B scripts/results.py record "$results" \
+    --command "scripts/test.sh$($all && echo ' --all') --record" \
+    --about "The $($all || echo 'quick ')checks and tests from scratch, with all packages installed" \
     "minutes=$(awk -v s="$sum" 'BEGIN {printf "%.0f", s / 60}')" \
     "cpu_minutes=$(awk -v s="$(cpu_seconds)" 'BEGIN {printf "%.0f", s / 60}')" "${figures[@]}"
 fi

@@ -10,8 +10,8 @@
 `default_nettype none
 
 module sp_axil_bridge #(
-  parameter int AddressBits = 8,
-  parameter int TimeoutBits = 10
+  parameter int AddressBits = 8,  // 1 or more
+  parameter int TimeoutBits = 10  // 1 or more
 ) (
   input  wire logic                   bus_clk_i,
   input  wire logic                   bus_rst_i,
@@ -46,6 +46,13 @@ module sp_axil_bridge #(
   input  wire logic                   error_i,
   input  wire logic [31:0]            read_data_i
 );
+
+  if (AddressBits < 1) begin : gen_address_bits
+    address_bits_is_less_than_1 u_error ();
+  end
+  if (TimeoutBits < 1) begin : gen_timeout_bits
+    timeout_bits_is_less_than_1 u_error ();
+  end
 
   localparam logic [1:0] Okay = 2'b00;
   localparam logic [1:0] SlaveError = 2'b10;
@@ -190,6 +197,10 @@ module sp_axil_bridge #(
     end
   end
 
+`ifdef FORMAL
+  logic f_there_before, f_there_meta, f_back_before, f_back_meta;
+`endif
+
   sp_sync u_back (
     .clk_i(bus_clk_i),
     .rst_i(bus_rst_i),
@@ -306,7 +317,6 @@ module sp_axil_bridge #(
 
   // A request makes one round. The places that its toggle has reached are the beginning of the
   // round; while nothing is under way, they are the whole round.
-  logic f_there_before, f_there_meta, f_back_before, f_back_meta;
   logic [8:1] f_not_yet;
   assign f_not_yet =
       {seen_back, f_back_meta, f_back_before, back_q, toggle_before_q, toggle_there, f_there_meta,

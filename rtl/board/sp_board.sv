@@ -18,8 +18,8 @@ module sp_board #(
   parameter bit Image = 1'b1,  // raw-image packets
   parameter bit Codes = 1'b0,  // Gray-code decoder, with on-chip memory for its state
   parameter bit CodesMedian = 1'b1,  // 3 x 3 median behind the decoder
-  parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits, 1..12
-  // log2 of the depth of a packet FIFO, in beats of 16 bytes; 9 fills the smallest block RAMs:
+  parameter int CodeBits = sp_spec_pkg::CodeCodeBits,  // largest number of code bits: 1..12
+  // log2 of the depth of a packet FIFO, in beats of 16 bytes: 3..15; 9 fills the smallest block RAMs
   parameter int MomentsLogDepth = MaxColumns > (Grey ? 512 : 1024) ?
                                   $clog2(MaxColumns * (Grey ? 3 : 2) / 4 + 5) : 9,
   parameter int ImageLogDepth = MaxColumns > 1952 ? $clog2(MaxColumns / 4 + 24) : 9,
@@ -64,15 +64,6 @@ module sp_board #(
   output logic      [1:0]   s_axil_rresp          // OKAY or SLVERR
 );
 
-`ifndef SYNTHESIS
-  initial begin
-    if (MaxColumns < 12 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
-      $fatal(1, "sp_board: MaxColumns is %0d, not a multiple of 4 in 12..2048", MaxColumns);
-    if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows)
-      $fatal(1, "sp_board: MaxRows is %0d, not in 2..1023", MaxRows);
-  end
-`endif
-
   localparam int GroupBits = $clog2(MaxColumns / 4);
   localparam int ColumnBits = $clog2(MaxColumns + 1);
   localparam int RowBits = $clog2(MaxRows + 1);
@@ -90,7 +81,7 @@ module sp_board #(
   logic [7:0]            set_threshold, set_stream, set_code_threshold;
   logic [2*RowBits+2:0]  set_select, select;
   logic [23:0]           set_timeout, trigger_period, trigger_camera;
-  logic                  trigger_run, trigger_on_frame, frame_open;
+  logic                  trigger_run, trigger_on_frame, frame_open, taking;
   logic [7:0]            trigger_last_pattern;
   logic [15:0]           trigger_width, encoder_errors;
   logic [31:0]           frames, broken, stray, lost_moments, lost_image, lost_codes, abandoned,
@@ -182,7 +173,7 @@ module sp_board #(
   );
 
   // --- Frames ---
-  logic                  taking, take, captured, image, one_group, two_groups;
+  logic                  take, captured, image, one_group, two_groups;
   logic [ColumnBits-1:0] columns;
   logic [RowBits-1:0]    rows;
   logic [1:0]            mode;

@@ -30,8 +30,8 @@
 `default_nettype none
 
 module sp_frame_info #(
-  parameter int ColumnBits = 12,
-  parameter int RowBits = 10
+  parameter int ColumnBits = 12,  // 1..16
+  parameter int RowBits = 10  // 1..16
 ) (
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,
@@ -58,6 +58,13 @@ module sp_frame_info #(
   output logic [15:0]                pattern_o,   // of the frame, from its fourth clock on
   output logic [sp_spec_pkg::HeaderBits-1:0] info_o
 );
+
+  if (ColumnBits < 1 || ColumnBits > sp_spec_pkg::HeaderColumnsBits) begin : gen_column_bits
+    column_bits_is_not_in_1_to_16 u_error ();
+  end
+  if (RowBits < 1 || RowBits > sp_spec_pkg::HeaderRowsBits) begin : gen_row_bits
+    row_bits_is_not_in_1_to_16 u_error ();
+  end
 
   localparam int BeatBits = sp_spec_pkg::PacketBeatBits;
   // Beats of the fields

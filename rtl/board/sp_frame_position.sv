@@ -18,8 +18,8 @@
 `default_nettype none
 
 module sp_frame_position #(
-  parameter int GroupBits = 9,
-  parameter int RowBits = 10
+  parameter int GroupBits = 9,  // 2 or more
+  parameter int RowBits = 10  // 2 or more
 ) (
   input  wire logic                 clk_i,
 
@@ -52,6 +52,13 @@ module sp_frame_position #(
   input  wire logic [RowBits-1:0]   f_rows_i
 `endif
 );
+
+  if (GroupBits < 2) begin : gen_group_bits
+    group_bits_is_less_than_2 u_error ();
+  end
+  if (RowBits < 2) begin : gen_row_bits
+    row_bits_is_less_than_2 u_error ();
+  end
 
   // Whether the group (the row) after the next beat's is the last one. It is compared, or, after
   // the first beat of a frame and the last beat of a line, known from the size alone.

@@ -19,9 +19,9 @@
 `default_nettype none
 
 module sp_frame_size #(
-  parameter int GroupBits = 9,
-  parameter int ColumnBits = 12,
-  parameter int RowBits = 10
+  parameter int GroupBits = 9,  // 2 or more
+  parameter int ColumnBits = 12,  // GroupBits + 2 or more
+  parameter int RowBits = 10  // 2 or more
 ) (
   input  wire logic                  clk_i,
 
@@ -62,6 +62,16 @@ module sp_frame_size #(
   input  wire logic                  f_in_force_i   // a size has been taken over
 `endif
 );
+
+  if (GroupBits < 2) begin : gen_group_bits
+    group_bits_is_less_than_2 u_error ();
+  end
+  if (RowBits < 2) begin : gen_row_bits
+    row_bits_is_less_than_2 u_error ();
+  end
+  if (ColumnBits < GroupBits + 2) begin : gen_column_bits
+    column_bits_is_less_than_group_bits_plus_2 u_error ();
+  end
 
   localparam int CountBits = ColumnBits - 2;  // of groups
 

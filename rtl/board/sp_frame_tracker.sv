@@ -30,8 +30,8 @@
 `default_nettype none
 
 module sp_frame_tracker #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 12..2048
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -95,6 +95,14 @@ module sp_frame_tracker #(
   output logic      [31:0]           stray_o    // beats discarded while running
 );
 
+  if (MaxColumns < 12 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4_in_12_to_2048 u_error ();
+  end
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
+    max_rows_is_not_in_2_to_1023 u_error ();
+  end
+
   assign s_axis_tready_o = 1'b1;
 
   // --- Stage 0: what a beat may do now, from run_i and hold_i one clock ago ---
@@ -104,6 +112,7 @@ module sp_frame_tracker #(
   logic [3:0] took_q;      // a take-over one to four clocks ago, the latest lowest
   logic       in_force_q;  // there was a take-over: frames may start without another
   logic       take;        // this beat takes the settings over
+  logic       s1_take_q;   // the beat in stage 1 has taken them over
 
   assign taking_o = s1_take_q;
   assign take_o   = took_q[0];
@@ -129,7 +138,6 @@ module sp_frame_tracker #(
   logic        s1_valid_q, s1_last_q;     // a beat; its tlast
   logic        s1_start_q, s1_further_q;  // a beat with tuser, without tuser
   logic        s1_begin_q;                // a beat that starts a frame
-  logic        s1_take_q;                 // a beat that takes the settings over
   logic [31:0] s1_pixels_q;
 
   always_ff @(posedge clk_i) begin
@@ -204,6 +212,10 @@ module sp_frame_tracker #(
   logic [GroupBits-1:0] group;
   logic [RowBits-1:0]   row;
   logic                 group_is_last, row_is_first, row_is_last;
+  logic                 open_q;  // a frame is open: beats without tuser belong to it
+`ifdef FORMAL
+  logic f_ran_q;
+`endif
 
   sp_frame_position #(
     .GroupBits(GroupBits),
@@ -235,7 +247,6 @@ module sp_frame_tracker #(
   );
 
   // --- State of the frame; for a beat with tuser that is not accepted, none of it counts ---
-  logic open_q;         // a frame is open: beats without tuser belong to it
   logic in_line_q;      // its line has begun
   logic in_last_row_q;  // its last row has begun
   logic belongs;        // the beat belongs to a frame
@@ -350,7 +361,6 @@ module sp_frame_tracker #(
 `ifdef FORMAL
   // One reset at the beginning, for four clocks.
   logic [3:0] f_reset_q = 4'd0;
-  logic       f_ran_q;
   assign f_ran_q = f_reset_q[3];
   always_ff @(posedge clk_i) f_reset_q <= {f_reset_q[2:0], 1'b1};
   always_comb assume (rst_i == !f_ran_q);

@@ -7,7 +7,7 @@
 `default_nettype none
 
 module sp_header_field #(
-  parameter int Width = 16,
+  parameter int Width = 16,  // 1 or more
   parameter int Known = 3,  // clocks after the frame start
   parameter int Shown = 4   // clocks after the frame start; more than Known
 ) (
@@ -18,12 +18,12 @@ module sp_header_field #(
   output logic      [Width-1:0]     value_o
 );
 
-`ifndef SYNTHESIS
-  initial if (Shown <= Known) begin
-    $fatal(1, "sp_header_field: known %0d clocks after the start, too late to show after %0d",
-           Known, Shown);
+  if (Width < 1) begin : gen_width
+    width_is_less_than_1 u_error ();
   end
-`endif
+  if (Shown <= Known) begin : gen_shown
+    shown_is_not_more_than_known u_error ();
+  end
 
   // Values taken Known, Known + 1, ... clocks after the start, the earliest in the lowest bits
   logic [(Shown-Known)*Width-1:0] value_q;

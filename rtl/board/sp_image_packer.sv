@@ -11,8 +11,8 @@
 `default_nettype none
 
 module sp_image_packer #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
   parameter int BeatBits = 32,  // 32: four pixels of 8 bits; 64: four codes of 16
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
@@ -47,6 +47,16 @@ module sp_image_packer #(
   output logic      [127:0]          words_data_o,
   output logic                       words_break_o
 );
+
+  if (MaxColumns < 4 || MaxColumns % 4 != 0) begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4 u_error ();
+  end
+  if (MaxRows < 1) begin : gen_max_rows
+    max_rows_is_less_than_1 u_error ();
+  end
+  if (BeatBits != 32 && BeatBits != 64) begin : gen_beat_bits
+    beat_bits_is_not_32_or_64 u_error ();
+  end
 
   logic                line_open_q;
   logic                line_ended_q;  // the last beat of a line was one clock ago

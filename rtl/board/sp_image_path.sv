@@ -7,9 +7,9 @@
 `default_nettype none
 
 module sp_image_path #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
-  parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
+  parameter int LogDepth = 9,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1)

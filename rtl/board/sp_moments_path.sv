@@ -6,11 +6,11 @@
 `default_nettype none
 
 module sp_moments_path #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 8..2048
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 2..1023
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,    // the strongest run of a column
-  parameter int LogDepth = 11,  // log2 of the depth of the packet FIFO, in beats of 16 bytes
+  parameter int LogDepth = 11,  // log2 of the depth of the packet FIFO, in beats of 16 bytes: 3..15
   // derived, do not set
   parameter int GroupBits = $clog2(MaxColumns / 4),
   parameter int ColumnBits = $clog2(MaxColumns + 1),

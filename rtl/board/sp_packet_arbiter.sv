@@ -6,7 +6,7 @@
 `default_nettype none
 
 module sp_packet_arbiter #(
-  parameter int Width = 128
+  parameter int Width = 128  // 1 or more
 ) (
   input  wire logic             clk_i,
   input  wire logic             rst_i,
@@ -26,6 +26,10 @@ module sp_packet_arbiter #(
   output logic                  m_axis_tlast_o,
   output logic      [Width-1:0] m_axis_tdata_o
 );
+
+  if (Width < 1) begin : gen_width
+    width_is_less_than_1 u_error ();
+  end
 
   logic busy_q;       // inside a packet
   logic of_second_q;  // the packet is of the second stream

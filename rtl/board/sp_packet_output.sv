@@ -6,10 +6,10 @@
 
 module sp_packet_output #(
   parameter logic [7:0] Kind = sp_spec_pkg::KindMoments,
-  parameter int         ColumnBits = 12,
-  parameter int         RowBits = 10,
-  parameter int         PayloadBits = 11,  // bits of the number of payload beats
-  parameter int         LogDepth = 11      // log2 of the depth of the FIFO, in beats of 16 bytes
+  parameter int         ColumnBits = 12,  // 1..16
+  parameter int         RowBits = 10,  // 1..16
+  parameter int         PayloadBits = 11,  // of the number of payload beats: 1..28
+  parameter int         LogDepth = 11  // log2 of the depth of the FIFO, in beats of 16 bytes: 3..15
 ) (
   // Video clock domain: the ports of sp_packetizer
   input  wire logic                   clk_i,

@@ -36,10 +36,10 @@
 
 module sp_packetizer #(
   parameter logic [7:0] Kind = sp_spec_pkg::KindMoments,
-  parameter int         ColumnBits = 12,
-  parameter int         RowBits = 10,
-  parameter int         PayloadBits = 11,  // bits of the number of payload beats
-  parameter int         LogDepth = 11      // log2 of the depth of the FIFO
+  parameter int         ColumnBits = 12,  // 1..16
+  parameter int         RowBits = 10,  // 1..16
+  parameter int         PayloadBits = 11,  // of the number of payload beats: 1..28
+  parameter int         LogDepth = 11      // log2 of the depth of the FIFO: 3 or more
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,
@@ -73,6 +73,19 @@ module sp_packetizer #(
   output logic [31:0]                 lost_o
 );
 
+  if (ColumnBits < 1 || ColumnBits > sp_spec_pkg::HeaderColumnsBits) begin : gen_column_bits
+    column_bits_is_not_in_1_to_16 u_error ();
+  end
+  if (RowBits < 1 || RowBits > sp_spec_pkg::HeaderRowsBits) begin : gen_row_bits
+    row_bits_is_not_in_1_to_16 u_error ();
+  end
+  if (PayloadBits < 1 || PayloadBits > 28) begin : gen_payload_bits
+    payload_bits_is_not_in_1_to_28 u_error ();
+  end
+  if (LogDepth < 3) begin : gen_log_depth
+    log_depth_is_less_than_3 u_error ();
+  end
+
   localparam int StatusBits = sp_spec_pkg::StatusBits;
   localparam int Overhead =
       (sp_spec_pkg::HeaderBytes + sp_spec_pkg::TrailerBytes) / sp_spec_pkg::PacketBeatBytes;
@@ -104,16 +117,16 @@ module sp_packetizer #(
     HeaderBits'(Kind) << sp_spec_pkg::HeaderKindLsb |
     HeaderBits'(1) << (PerLine ? sp_spec_pkg::HeaderLinesLsb : sp_spec_pkg::HeaderFirstLineLsb);
 
-`ifndef SYNTHESIS
-  initial begin
-    if (sp_spec_pkg::HeaderBytes != 64 || sp_spec_pkg::TrailerBytes != 16)
-      $fatal(1, "sp_packetizer: made for 4 beats and 1");
-    if (SequenceBeat < 1)
-      $fatal(1, "sp_packetizer: the sequence is not known for the header's first beat");
-    if (LostBeat < 1 || LostBeat > 2)
-      $fatal(1, "sp_packetizer: the count of lost packets is right in beats 1 and 2 only");
+  // What this module is made for
+  if (sp_spec_pkg::HeaderBytes != 64 || sp_spec_pkg::TrailerBytes != 16) begin : gen_sizes
+    the_header_has_not_4_beats_or_the_trailer_not_1 u_error ();
   end
-`endif
+  if (SequenceBeat < 1) begin : gen_sequence
+    the_sequence_is_not_known_for_the_first_beat u_error ();
+  end
+  if (LostBeat < 1 || LostBeat > 2) begin : gen_lost
+    the_count_of_lost_packets_is_right_in_beats_1_and_2_only u_error ();
+  end
 
   // --- Requests on their way to the decision, and the state of the block ---
   localparam int StateBits = 12;

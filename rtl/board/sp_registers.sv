@@ -21,14 +21,14 @@
 `default_nettype none
 
 module sp_registers #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4, 4..2048
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1..1023
   parameter bit Grey = 1'b1,
   parameter bit Runs = 1'b0,  // the strongest run of a column
   parameter bit Image = 1'b1,
   parameter bit Codes = 1'b0,  // Gray-code decoder
   parameter bit Median = 1'b0,
-  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,
+  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1)
@@ -82,6 +82,17 @@ module sp_registers #(
   input  wire logic [31:0]            encoder_i,
   input  wire logic [15:0]            encoder_errors_i
 );
+
+  if (MaxColumns < 4 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4_in_4_to_2048 u_error ();
+  end
+  if (MaxRows < 1 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
+    max_rows_is_not_in_1_to_1023 u_error ();
+  end
+  if (MaxBits < 1 || MaxBits > sp_spec_pkg::CodeCodeBits) begin : gen_max_bits
+    max_bits_is_not_in_1_to_12 u_error ();
+  end
 
   localparam int SizeColumnsLsb = sp_spec_pkg::RegSizeColumnsLsb,
                  SizeColumnsBits = sp_spec_pkg::RegSizeColumnsBits;

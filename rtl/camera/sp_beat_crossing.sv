@@ -19,8 +19,8 @@
 `default_nettype none
 
 module sp_beat_crossing #(
-  parameter int Width = 32,   // bits of a beat
-  parameter int LogDepth = 4  // log2 of the beats in the FIFO
+  parameter int Width = 32,   // bits of a beat: 1 or more
+  parameter int LogDepth = 4  // log2 of the beats in the FIFO: 1..15
 ) (
   // Camera
   input  wire logic             camera_clk_i,

@@ -17,7 +17,7 @@
 `default_nettype none
 
 module sp_beat_hold #(
-  parameter int Width = 32  // bits of a beat
+  parameter int Width = 32  // bits of a beat: 1 or more
 ) (
   input  wire logic             clk_i,
   input  wire logic             rst_i,     // active high, synchronous
@@ -33,6 +33,10 @@ module sp_beat_hold #(
   output logic                  m_end_o,
   output logic                  lost_o     // there is no room for a beat
 );
+
+  if (Width < 1) begin : gen_width
+    width_is_less_than_1 u_error ();
+  end
 
   logic first_q;  // no beat of the frame is complete yet
   logic open_q;   // the frame has not been lost

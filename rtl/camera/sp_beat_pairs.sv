@@ -23,9 +23,9 @@
 `default_nettype none
 
 module sp_beat_pairs #(
-  parameter int XBits = 24,
-  parameter int YBits = 8,
-  parameter int LogWait = 4  // log2 of the clocks that one channel waits for the other
+  parameter int XBits = 24,  // 1 or more
+  parameter int YBits = 8,  // 1 or more
+  parameter int LogWait = 4  // log2 of the clocks that one channel waits for the other: 1 or more
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,      // active high, synchronous
@@ -49,6 +49,16 @@ module sp_beat_pairs #(
   output logic                        m_end_o,
   output logic                        apart_o     // pulse: the channels do not agree
 );
+
+  if (XBits < 1) begin : gen_xbits
+    xbits_is_less_than_1 u_error ();
+  end
+  if (YBits < 1) begin : gen_ybits
+    ybits_is_less_than_1 u_error ();
+  end
+  if (LogWait < 1) begin : gen_log_wait
+    log_wait_is_less_than_1 u_error ();
+  end
 
   logic               skip_q;   // leave out beats up to the beginning of a frame on both
   logic [LogWait-1:0] wait_q;   // clocks since a beat has been waiting for the other channel;

@@ -47,7 +47,7 @@ module sp_camera_link #(
   parameter int Taps = 2,  // pixels in a word: 1, 2, 3 (Base) or 4 (Medium)
   parameter int Bits = 8,  // bits of a pixel: 8; with 1 or 2 taps also 10 or 12
   parameter bit DataValid = 1'b1,  // 0: ignore data valid, as if it were always high
-  parameter int LogDepth = Taps == 4 ? 5 : 4  // log2 of the beats in each FIFO
+  parameter int LogDepth = Taps == 4 ? 5 : 4  // log2 of the beats in each FIFO: 1..15
 ) (
   // Channel Link X
   input  wire logic        x_clk_i,     // clock of the words
@@ -73,13 +73,9 @@ module sp_camera_link #(
   output logic             apart_o      // pulse: X and Y did not agree
 );
 
-`ifndef SYNTHESIS
-  initial begin
-    if (Taps < 1 || Taps > 4) $fatal(1, "sp_camera_link: Taps is %0d, not in 1..4", Taps);
-    if (Taps == 4 && Bits != 8)
-      $fatal(1, "sp_camera_link: Medium has 8 bits, not %0d", Bits);
+  if (Taps < 1 || Taps > 4) begin : gen_taps
+    taps_is_not_in_1_to_4 u_error ();
   end
-`endif
 
   localparam bit Medium = Taps == 4;
   localparam int XBits = Medium ? 24 : 32;

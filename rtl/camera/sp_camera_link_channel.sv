@@ -22,7 +22,7 @@ module sp_camera_link_channel #(
   parameter int Bits = 8,  // of a pixel: 8; with 1 or 2 taps also 10 or 12
   parameter bit Part = 1'b0,  // 1: a word is a part of a beat; 0: beats of four pixels
   parameter bit DataValid = 1'b1,  // 0: data valid is taken for high
-  parameter int LogDepth = 4,  // log2 of the beats in the FIFO
+  parameter int LogDepth = 4,  // log2 of the beats in the FIFO: 1..15
   parameter int Width = Part ? 8 * Taps : 32  // derived, do not set
 ) (
   // Link

@@ -25,14 +25,15 @@ module sp_camera_link_taps #(
   output logic      [8*Taps-1:0] pixels_o  // of tap 1 in 7..0
 );
 
-`ifndef SYNTHESIS
-  initial begin
-    if (Bits != 8 && Bits != 10 && Bits != 12)
-      $fatal(1, "sp_camera_link_taps: Bits is %0d, not 8, 10 or 12", Bits);
-    if (Bits > 8 && Taps > 2)
-      $fatal(1, "sp_camera_link_taps: %0d taps have 8 bits, not %0d", Taps, Bits);
+  if (Taps < 1 || Taps > 3) begin : gen_taps
+    taps_is_not_in_1_to_3 u_error ();
   end
-`endif
+  if (Bits != 8 && Bits != 10 && Bits != 12) begin : gen_bits
+    bits_is_not_8_10_or_12 u_error ();
+  end
+  if (Bits > 8 && Taps > 2) begin : gen_bits_of_three
+    three_taps_have_8_bits u_error ();
+  end
 
   logic [7:0] a, b, c;
   logic       unused;

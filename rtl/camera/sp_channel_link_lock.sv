@@ -33,7 +33,7 @@
 
 module sp_channel_link_lock #(
   parameter int Samples = 1,  // samples of each bit: 1 or 2
-  parameter int LogGood = 8   // log2 of the right words in a row before it locks
+  parameter int LogGood = 8   // log2 of the right words in a row before it locks: 1 or more
 ) (
   input  wire logic        clk_i,     // clock of the deserializer's samples
   input  wire logic        rst_i,     // active high, synchronous; high while clk_i is not stable
@@ -45,12 +45,12 @@ module sp_channel_link_lock #(
   output logic             error_o    // pulse: the lock was lost
 );
 
-`ifndef SYNTHESIS
-  initial begin
-    if (Samples != 1 && Samples != 2)
-      $fatal(1, "sp_channel_link_lock: Samples is %0d, not 1 or 2", Samples);
+  if (Samples != 1 && Samples != 2) begin : gen_samples
+    samples_is_not_1_or_2 u_error ();
   end
-`endif
+  if (LogGood < 1) begin : gen_log_good
+    log_good_is_less_than_1 u_error ();
+  end
 
   localparam logic [6:0] Pattern = 7'b1100011;
 

@@ -33,7 +33,7 @@
 module sp_parallel_sensor #(
   parameter int Bits = 10,  // bits of a pixel: 8..12
   parameter int PixelsPerClock = 1,  // 1 or 2; the left pixel is in the lower bits
-  parameter int LogDepth = 4  // log2 of the beats in the FIFO
+  parameter int LogDepth = 4  // log2 of the beats in the FIFO: 1..15
 ) (
   // Sensor
   input  wire logic                           sensor_clk_i,
@@ -51,14 +51,12 @@ module sp_parallel_sensor #(
   output logic                                overrun_o   // pulse: a frame was cut off
 );
 
-`ifndef SYNTHESIS
-  initial begin
-    if (Bits < 8 || Bits > 12)
-      $fatal(1, "sp_parallel_sensor: Bits is %0d, not in 8..12", Bits);
-    if (PixelsPerClock != 1 && PixelsPerClock != 2)
-      $fatal(1, "sp_parallel_sensor: PixelsPerClock is %0d, not 1 or 2", PixelsPerClock);
+  if (Bits < 8 || Bits > 12) begin : gen_bits
+    bits_is_not_in_8_to_12 u_error ();
   end
-`endif
+  if (PixelsPerClock != 1 && PixelsPerClock != 2) begin : gen_pixels_per_clock
+    pixels_per_clock_is_not_1_or_2 u_error ();
+  end
 
   // --- Pixels into beats, in the sensor's clock ---
   logic                        frame_q, frame_q2, line_q;

@@ -19,7 +19,7 @@
 `default_nettype none
 
 module sp_replay #(
-  parameter int MaxColumns = 512,  // a multiple of 4, 4..2048
+  parameter int MaxColumns = 512,  // a multiple of 4, 4..2048; with one row 8 or more
   parameter int MaxRows = 127  // 1..1023
 ) (
   input  wire logic        bus_clk_i,

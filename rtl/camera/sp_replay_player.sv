@@ -17,9 +17,9 @@
 `default_nettype none
 
 module sp_replay_player #(
-  parameter int LogWords = 14,
-  parameter int BeatBits = 8,
-  parameter int RowBits = 7
+  parameter int LogWords = 14,  // 1 or more
+  parameter int BeatBits = 8,  // 1 or more
+  parameter int RowBits = 7  // 1 or more
 ) (
   input  wire logic                clk_i,
   input  wire logic                rst_i,      // active high, synchronous
@@ -40,6 +40,16 @@ module sp_replay_player #(
   output logic                     m_start_o,  // first beat of a frame
   output logic                     m_end_o     // last beat of a line
 );
+
+  if (LogWords < 1) begin : gen_log_words
+    log_words_is_less_than_1 u_error ();
+  end
+  if (BeatBits < 1) begin : gen_beat_bits
+    beat_bits_is_less_than_1 u_error ();
+  end
+  if (RowBits < 1) begin : gen_row_bits
+    row_bits_is_less_than_1 u_error ();
+  end
 
   logic [BeatBits-1:0] beat_q;   // beat of the row, from 1
   logic [RowBits-1:0]  row_q;    // row, from 1

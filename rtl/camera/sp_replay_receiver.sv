@@ -29,8 +29,8 @@
 `default_nettype none
 
 module sp_replay_receiver #(
-  parameter int MaxColumns = 512,  // a multiple of 4
-  parameter int MaxRows = 127,
+  parameter int MaxColumns = 512,  // a multiple of 4, 4..2048; with one row 8 or more
+  parameter int MaxRows = 127,  // 1..1023
   // derived, do not set
   parameter int LogWords = $clog2(MaxColumns / 4 * MaxRows),
   parameter int BeatBits = $clog2(MaxColumns / 4 + 1),
@@ -72,21 +72,23 @@ module sp_replay_receiver #(
   output logic      [31:0]         ignored_o   // datagrams that were ignored; wraps
 );
 
+  if (MaxColumns < 4 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4_in_4_to_2048 u_error ();
+  end
+  if (MaxRows < 1 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
+    max_rows_is_not_in_1_to_1023 u_error ();
+  end
+  if (MaxColumns * MaxRows < 8) begin : gen_beats
+    a_frame_of_one_beat_cannot_be_replayed u_error ();
+  end
+
   localparam int HeaderWords = sp_spec_pkg::ReplayHeaderBytes / 4;
   localparam int CountBits = LogWords + 1;  // words of a frame
   localparam int PieceBits = sp_spec_pkg::ReplayLengthBits - 2;  // words of a datagram
   localparam int SumBits = (CountBits > PieceBits ? CountBits : PieceBits) + 1;
   localparam logic [2:0] FirstWord = 3'(HeaderWords);  // first word behind the header
   localparam logic [2:0] LaterWord = FirstWord + 3'd1;
-
-`ifndef SYNTHESIS
-  initial begin
-    if (MaxColumns < 4 || MaxColumns > 2048 || MaxColumns % 4 != 0)
-      $fatal(1, "sp_replay: MaxColumns is %0d, not a multiple of 4 in 4..2048", MaxColumns);
-    if (MaxRows < 1 || MaxRows > 1023)
-      $fatal(1, "sp_replay: MaxRows is %0d, not in 1..1023", MaxRows);
-  end
-`endif
 
   // --- The header comes, one clock after the input ---
   logic        valid_q, last_q, error_q;

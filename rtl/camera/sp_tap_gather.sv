@@ -25,11 +25,9 @@ module sp_tap_gather #(
   output logic      [31:0]       beat_o     // leftmost pixel in 7..0
 );
 
-`ifndef SYNTHESIS
-  initial begin
-    if (Taps < 1 || Taps > 3) $fatal(1, "sp_tap_gather: Taps is %0d, not in 1..3", Taps);
+  if (Taps < 1 || Taps > 3) begin : gen_taps
+    taps_is_not_in_1_to_3 u_error ();
   end
-`endif
 
   localparam int Kept = Taps == 2 ? 2 : 3;  // most pixels that can wait
 

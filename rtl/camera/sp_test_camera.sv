@@ -47,10 +47,11 @@
 `default_nettype none
 
 module sp_test_camera #(
-  parameter int Columns = 512,  // a multiple of 8, up to 2048
+  parameter int Columns = 512,  // a multiple of 8, 8..2048
   parameter int Rows = 96,  // 5..1023
   parameter int FrameClocks = 12_500,  // at least Columns / 4 * Rows; 10,000 a second at 125 MHz
-  parameter int LogPause = 24,  // log2 of the clocks from the last trigger until it runs free again
+  // log2 of the clocks from the last trigger until it runs free: 1 or more
+  parameter int LogPause = 24,
   parameter int CodeBits = 8  // bits of the codes of the patterns: 1..12
 ) (
   input  wire logic         clk_i,
@@ -66,26 +67,28 @@ module sp_test_camera #(
   output logic              m_end_o     // last beat of a line
 );
 
+  if (Columns < 8 || Columns > sp_spec_pkg::MaxColumns || Columns % 8 != 0) begin : gen_columns
+    columns_is_not_a_multiple_of_8_in_8_to_2048 u_error ();
+  end
+  if (Rows < 5 || Rows > sp_spec_pkg::MaxRows) begin : gen_rows
+    rows_is_not_in_5_to_1023 u_error ();
+  end
+  if (FrameClocks < Columns / 4 * Rows) begin : gen_frame_clocks
+    frame_clocks_are_fewer_than_the_beats u_error ();
+  end
+  if (LogPause < 1) begin : gen_log_pause
+    log_pause_is_less_than_1 u_error ();
+  end
+  if (CodeBits < 1 || CodeBits > sp_spec_pkg::CodeCodeBits) begin : gen_code_bits
+    code_bits_is_not_in_1_to_12 u_error ();
+  end
+
   localparam int Beats = Columns / 4;
   localparam int BeatBits = $clog2(Beats);
   localparam int RowBits = $clog2(Rows);
   localparam int ClockBits = $clog2(FrameClocks);
   // The lowest row in which the line begins
   localparam logic [RowBits-1:0] LastPlace = RowBits'(Rows - 4);
-
-`ifndef SYNTHESIS
-  initial begin
-    if (Columns < 8 || Columns > 2048 || Columns % 8 != 0)
-      $fatal(1, "sp_test_camera: Columns is %0d, not a multiple of 8 in 8..2048", Columns);
-    if (Rows < 5 || Rows > 1023)
-      $fatal(1, "sp_test_camera: Rows is %0d, not in 5..1023", Rows);
-    if (FrameClocks < Beats * Rows)
-      $fatal(1, "sp_test_camera: a frame has %0d beats, FrameClocks is %0d", Beats * Rows,
-             FrameClocks);
-    if (CodeBits < 1 || CodeBits > 12)
-      $fatal(1, "sp_test_camera: CodeBits is %0d, not in 1..12", CodeBits);
-  end
-`endif
 
   // --- When a frame begins ---
   logic                 trigger_q;    // trigger_i, one clock ago

@@ -10,7 +10,7 @@
 `default_nettype none
 
 module sp_video_switch #(
-  parameter int Sources = 2
+  parameter int Sources = 2  // 1 or more
 ) (
   input  wire logic                  clk_i,
   input  wire logic                  rst_i,      // active high, synchronous; then source 0

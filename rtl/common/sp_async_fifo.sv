@@ -8,8 +8,8 @@
 `default_nettype none
 
 module sp_async_fifo #(
-  parameter int Width = 32,
-  parameter int LogDepth = 4
+  parameter int Width = 32,  // 1 or more
+  parameter int LogDepth = 4  // 1..15
 ) (
   input  wire logic             wr_clk_i,
   input  wire logic             wr_rst_i,
@@ -23,6 +23,10 @@ module sp_async_fifo #(
   input  wire logic             rd_ready_i,
   output logic      [Width-1:0] rd_data_o
 );
+
+  if (LogDepth < 1 || LogDepth > 15) begin : gen_log_depth
+    log_depth_is_not_in_1_to_15 u_error ();
+  end
 
   function automatic logic [LogDepth:0] gray_of(input logic [LogDepth:0] binary);
     gray_of = binary ^ (binary >> 1);
@@ -42,6 +46,12 @@ module sp_async_fifo #(
   logic [LogDepth:0] rd_gray_q;
   logic [LogDepth:0] wr_gray_seen;
   logic              fetch;
+
+`ifdef FORMAL
+  logic [LogDepth:0] f_rd_before, f_rd_meta, f_wr_before, f_wr_meta;  // pointers on their way
+  (* anyconst *) logic [LogDepth:0] f_mark;
+  logic [Width-1:0] f_there;
+`endif
 
   assign write = wr_valid_i;
 
@@ -168,15 +178,11 @@ module sp_async_fifo #(
     if (!f_rd_rise) assume ($stable(rd_ready_i));
   end
 
-  // Pointers on their way, as binary numbers
-  logic [LogDepth:0] f_rd_before, f_rd_meta, f_wr_before, f_wr_meta;
   function automatic logic [LogDepth:0] f_binary(input logic [LogDepth:0] gray);
     f_binary = gray;
     for (int i = 1; i <= LogDepth; i++) f_binary = f_binary ^ (gray >> i);
   endfunction
 
-  (* anyconst *) logic [LogDepth:0] f_mark;
-  logic [Width-1:0] f_there;
   logic [Width-1:0] f_word_q;
   logic             f_at_output_q;
   always_ff @(posedge wr_clk_i) if (write && wr_ptr_q == f_mark) f_word_q <= wr_data_i;

@@ -9,13 +9,20 @@
 
 module sp_counter #(
   parameter int Width = 32,  // 32 or 64
-  parameter logic [Width-1:0] ResetValue = {Width{1'b0}}
+  parameter logic [Width-1:0] ResetValue = {Width{1'b0}}  // the lowest 8 bits are not all ones
 ) (
   input  wire logic              clk_i,
   input  wire logic              rst_i,
   input  wire logic              inc_i,
   output logic       [Width-1:0] count_o
 );
+
+  if (Width != 32 && Width != 64) begin : gen_width
+    width_is_not_32_or_64 u_error ();
+  end
+  if (ResetValue[7:0] == '1) begin : gen_reset_value
+    reset_value_ends_in_eight_ones u_error ();
+  end
 
   // The lowest chain is short, because its input comes from far away. The others follow above it.
   localparam int Low = 8;

@@ -7,8 +7,8 @@
 `default_nettype none
 
 module sp_fifo #(
-  parameter int Width = 32,
-  parameter int LogDepth = 4
+  parameter int Width = 32,  // 1 or more
+  parameter int LogDepth = 4  // 1..24
 ) (
   input  wire logic             clk_i,
   input  wire logic             rst_i,
@@ -31,6 +31,10 @@ module sp_fifo #(
   logic [LogDepth:0] rd_ptr_q;
   logic              write;
   logic              fetch;
+`ifdef FORMAL
+  (* anyconst *) logic [LogDepth:0] f_mark;  // any place in the round of the pointers
+  logic [Width-1:0] f_there;
+`endif
 
   assign s_ready_o = wr_ptr_q != {!rd_ptr_q[LogDepth], rd_ptr_q[LogDepth-1:0]};
   assign write     = s_valid_i && s_ready_o;
@@ -76,10 +80,7 @@ module sp_fifo #(
   always_ff @(posedge clk_i) f_ran_q <= 1'b1;
   always_comb if (!f_ran_q) assume (rst_i);
 
-  // Any place in the round of the pointers; the last word written there; whether it is at the
-  // output
-  (* anyconst *) logic [LogDepth:0] f_mark;
-  logic [Width-1:0] f_there;
+  // The last word written at f_mark; whether it is at the output
   logic [Width-1:0] f_word_q;
   logic             f_at_output_q;
   logic             f_was_full_q = 1'b0;

@@ -8,9 +8,9 @@
 `default_nettype none
 
 module sp_packet_fifo #(
-  parameter int Width = 128,
-  parameter int LogDepth = 9,
-  parameter int PacketWords = 1  // least number of words of a packet
+  parameter int Width = 128,  // 1 or more
+  parameter int LogDepth = 9,  // 1..15
+  parameter int PacketWords = 1  // least number of words of a packet: 1..2^LogDepth
 ) (
   input  wire logic              wr_clk_i,
   input  wire logic              wr_rst_i,
@@ -26,6 +26,13 @@ module sp_packet_fifo #(
   output logic                   rd_last_o,
   output logic      [Width-1:0]  rd_data_o
 );
+
+  if (Width < 1) begin : gen_width
+    width_is_less_than_1 u_error ();
+  end
+  if (PacketWords < 1 || PacketWords > 1 << LogDepth) begin : gen_packet_words
+    packet_words_is_not_in_1_to_2_to_the_log_depth u_error ();
+  end
 
   // Packets are counted modulo more than the FIFO can hold: whole packets, and one with only its
   // last word left.

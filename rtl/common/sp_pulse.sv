@@ -7,7 +7,7 @@
 `default_nettype none
 
 module sp_pulse #(
-  parameter int Width = 16  // a multiple of 4, up to 16
+  parameter int Width = 16  // 4, 8, 12 or 16
 ) (
   input  wire logic             clk_i,
   input  wire logic             awake_i,  // nothing moves without it
@@ -18,6 +18,10 @@ module sp_pulse #(
   input  wire logic             one_i,   // width_i is 1
   output logic                  pulse_o
 );
+
+  if (Width < 4 || Width > 16 || Width % 4 != 0) begin : gen_width
+    width_is_not_4_8_12_or_16 u_error ();
+  end
 
   // The width is compared in pieces, one clock before it counts; so the count runs one clock ahead.
   localparam int Piece = 4;

@@ -10,9 +10,9 @@
 `default_nettype none
 
 module sp_ram #(
-  parameter int Width = 32,
-  parameter int LogDepth = 9,
-  parameter int Depth = 1 << LogDepth
+  parameter int Width = 32,  // 1 or more
+  parameter int LogDepth = 9,  // 1..24
+  parameter int Depth = 1 << LogDepth  // words: 1..2^LogDepth
 ) (
   input  wire logic                wr_clk_i,
   input  wire logic                wr_en_i,
@@ -29,6 +29,16 @@ module sp_ram #(
   output logic [Width-1:0] f_word_o, output logic [4*Width-1:0] f_first_o  // it; words 0 to 3
 `endif
 );
+
+  if (Width < 1) begin : gen_width
+    width_is_less_than_1 u_error ();
+  end
+  if (LogDepth < 1 || LogDepth > 24) begin : gen_log_depth
+    log_depth_is_not_in_1_to_24 u_error ();
+  end
+  if (Depth < 1 || Depth > 1 << LogDepth) begin : gen_depth
+    depth_is_not_in_1_to_2_to_the_log_depth u_error ();
+  end
 
   (* no_rw_check *) logic [Width-1:0] memory[0:Depth-1];
 

@@ -7,7 +7,7 @@
 `default_nettype none
 
 module sp_skid_buffer #(
-  parameter int Width = 32
+  parameter int Width = 32  // 1 or more
 ) (
   input  wire logic             clk_i,
   input  wire logic             rst_i,
@@ -20,6 +20,10 @@ module sp_skid_buffer #(
   input  wire logic             m_ready_i,
   output logic      [Width-1:0] m_data_o
 );
+
+  if (Width < 1) begin : gen_width
+    width_is_less_than_1 u_error ();
+  end
 
   logic             spare_valid_q;  // a word waits behind the output register
   logic [Width-1:0] spare_q;

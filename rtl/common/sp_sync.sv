@@ -5,7 +5,7 @@
 `default_nettype none
 
 module sp_sync #(
-  parameter int Width = 1
+  parameter int Width = 1  // 1 or more
 ) (
   input  wire logic             clk_i,
   input  wire logic             rst_i,
@@ -18,8 +18,15 @@ module sp_sync #(
 `endif
 );
 
+  if (Width < 1) begin : gen_width
+    width_is_less_than_1 u_error ();
+  end
+
   (* async_reg = "true" *) logic [Width-1:0] meta_q;
   (* async_reg = "true" *) logic [Width-1:0] sync_q;
+`ifdef FORMAL
+  logic [Width-1:0] f_caught;
+`endif
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -40,7 +47,6 @@ module sp_sync #(
   (* gclk *) logic f_moment;
   (* anyseq *) logic [Width-1:0] f_late;
   logic [Width-1:0] f_before_q;
-  logic [Width-1:0] f_caught;
   always_ff @(posedge f_moment) f_before_q <= d_i;
   assign f_caught   = d_i & ~f_late | f_before_q & f_late;
   assign f_before_o = f_before_q;

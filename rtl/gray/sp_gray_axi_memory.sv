@@ -19,10 +19,10 @@
 `default_nettype none
 
 module sp_gray_axi_memory #(
-  parameter int Width = 128,         // state of four pixels; up to 128
-  parameter int AddressBits = 32,
-  parameter int LogDepth = 8,        // depth of both FIFOs, in words
-  parameter int BurstWords = 16      // up to 16: no burst may cross a boundary of 4 KiB
+  parameter int Width = 128,         // state of four pixels: 1..128
+  parameter int AddressBits = 32,  // 13..64
+  parameter int LogDepth = 8,        // log2 of the words in each of the two FIFOs: 4..24
+  parameter int BurstWords = 16      // 1, 2, 4, 8 or 16: no burst may cross a boundary of 4 KiB
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   rst_i,
@@ -56,6 +56,19 @@ module sp_gray_axi_memory #(
   input  wire logic                   m_axi_bvalid_i,
   output logic                        m_axi_bready_o
 );
+
+  if (Width < 1 || Width > 128) begin : gen_width
+    width_is_not_in_1_to_128 u_error ();
+  end
+  if (AddressBits < 13 || AddressBits > 64) begin : gen_address_bits
+    address_bits_is_not_in_13_to_64 u_error ();
+  end
+  if (LogDepth < 4) begin : gen_log_depth
+    log_depth_is_less_than_4 u_error ();
+  end
+  if (BurstWords < 1 || 16 % BurstWords != 0) begin : gen_burst_words
+    burst_words_is_not_1_2_4_8_or_16 u_error ();
+  end
 
   localparam int WriteDelay = 5;
   localparam int Depth = 1 << LogDepth;

@@ -4,9 +4,9 @@
 `default_nettype none
 
 module sp_gray_core #(
-  parameter int MaxColumns = sp_spec_pkg::MaxColumns,
-  parameter int MaxRows = sp_spec_pkg::MaxRows,
-  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,
+  parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // a multiple of 4
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // 1 or more
+  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
   parameter bit Median = 1'b1,
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),

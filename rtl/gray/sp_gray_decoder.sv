@@ -25,8 +25,8 @@
 
 module sp_gray_decoder #(
   parameter int MaxColumns = sp_spec_pkg::MaxColumns,  // largest image width, a multiple of 4
-  parameter int MaxRows = sp_spec_pkg::MaxRows,  // largest image height
-  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // largest m, 1..12
+  parameter int MaxRows = sp_spec_pkg::MaxRows,  // largest image height: 1 or more
+  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // largest m: 1..12
   // derived, do not set
   parameter int ColumnBits = $clog2(MaxColumns + 1),
   parameter int RowBits = $clog2(MaxRows + 1),
@@ -77,6 +77,13 @@ module sp_gray_decoder #(
 
   output logic      [31:0]           abandoned_o              // frames given up, as listed above
 );
+
+  if (MaxColumns < 4 || MaxColumns % 4 != 0) begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4 u_error ();
+  end
+  if (MaxRows < 1) begin : gen_max_rows
+    max_rows_is_less_than_1 u_error ();
+  end
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
   localparam int StateBits = WordBits / 4;

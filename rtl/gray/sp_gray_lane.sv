@@ -14,7 +14,7 @@
 `default_nettype none
 
 module sp_gray_lane #(
-  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,
+  parameter int MaxBits = sp_spec_pkg::CodeCodeBits,  // 1..12
   // derived, do not set
   parameter int StateBits = sp_spec_pkg::PixelBits + 2 * MaxBits
 ) (
@@ -34,6 +34,10 @@ module sp_gray_lane #(
   input  wire logic                 clear_i,      // three clocks later: the code word becomes 0
   output logic      [15:0]          code_o        // four clocks later
 );
+
+  if (MaxBits < 1 || MaxBits > sp_spec_pkg::CodeCodeBits) begin : gen_max_bits
+    max_bits_is_not_in_1_to_12 u_error ();
+  end
 
   // --- Difference of the pair ---
   logic signed [8:0]  difference_q;

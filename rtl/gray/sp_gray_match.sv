@@ -18,8 +18,8 @@
 `default_nettype none
 
 module sp_gray_match #(
-  parameter int Groups = 65536,  // largest image, in groups of four pixels
-  parameter int Bits = 4,        // m, 1..8
+  parameter int Groups = 65536,  // largest image, in groups of four pixels: 2 or more
+  parameter int Bits = 4,        // m: 1..8
   parameter int Latency = 2,     // of the memory, in clocks: 1 or more
   // derived, do not set
   parameter int AddressBits = $clog2(Groups) + Bits
@@ -53,6 +53,16 @@ module sp_gray_match #(
 
   output logic [31:0]      late_o                              // frames that lost a word
 );
+
+  if (Groups < 2) begin : gen_groups
+    groups_is_less_than_2 u_error ();
+  end
+  if (Bits < 1 || Bits > 8) begin : gen_bits
+    bits_is_not_in_1_to_8 u_error ();
+  end
+  if (Latency < 1) begin : gen_latency
+    latency_is_less_than_1 u_error ();
+  end
 
   localparam int StatusBits = sp_spec_pkg::StatusBits;
   localparam int CodeBits = sp_spec_pkg::CodeCodeBits;
@@ -135,13 +145,6 @@ module sp_gray_match #(
 
   logic unused;
   assign unused = &{1'b0, s_codes_i};
-
-`ifndef SYNTHESIS
-  initial begin
-    if (Latency < 1) $fatal(1, "sp_gray_match (%m): Latency is less than 1");
-    if (Bits < 1 || Bits > 8) $fatal(1, "sp_gray_match (%m): Bits is not in 1..8");
-  end
-`endif
 
 endmodule
 

@@ -13,9 +13,10 @@
 `default_nettype none
 
 module sp_gray_memory #(
-  parameter int Width = 128,
-  parameter int Words = 16384,
-  parameter int BankBits = $clog2(Words) > 16 ? $clog2(Words) - 5 : 11  // address bits of a bank
+  parameter int Width = 128,  // 1 or more
+  parameter int Words = 16384,  // 1 or more, in up to 44 banks
+  // address bits of a bank: 1..24
+  parameter int BankBits = $clog2(Words) > 16 ? $clog2(Words) - 5 : 11
 ) (
   input  wire logic             clk_i,
 
@@ -28,12 +29,22 @@ module sp_gray_memory #(
   input  wire logic [Width-1:0] wr_data_i
 );
 
+  if (Words < 1) begin : gen_words
+    words_is_less_than_1 u_error ();
+  end
+  if (BankBits < 1 || BankBits > 24) begin : gen_bank_bits
+    bank_bits_is_not_in_1_to_24 u_error ();
+  end
+
   localparam int HeadBits = 5, AheadBits = HeadBits - 1;
   localparam int LogDepth = $clog2(Words) > HeadBits ? $clog2(Words) : HeadBits + 1;
   localparam int Banks = (Words + (1 << BankBits) - 1) >> BankBits;
   localparam int Groups = (Banks + 3) / 4;
   // a word is in the ring Groups + Tail < 2^AheadBits clocks after rd_en_i
   localparam int Tail = 4;
+  if (Groups + Tail >= 1 << AheadBits) begin : gen_groups
+    words_are_more_than_44_banks u_error ();
+  end
 
   // --- The ports: their place in the frame ---
   // fetched with this read; written now

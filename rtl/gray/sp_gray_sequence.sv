@@ -12,7 +12,7 @@
 `default_nettype none
 
 module sp_gray_sequence #(
-  parameter int MaxBits = sp_spec_pkg::CodeCodeBits
+  parameter int MaxBits = sp_spec_pkg::CodeCodeBits  // 1..12
 ) (
   input  wire logic               clk_i,
   input  wire logic               rst_i,
@@ -32,6 +32,10 @@ module sp_gray_sequence #(
   output logic      [MaxBits-1:0] above_o,    // one bit: the plane before; 0 in plane 0
   output logic      [MaxBits-1:0] mask_o      // the m planes
 );
+
+  if (MaxBits < 1 || MaxBits > sp_spec_pkg::CodeCodeBits) begin : gen_max_bits
+    max_bits_is_not_in_1_to_12 u_error ();
+  end
 
   logic [4:0]         next_q;   // expected index; 0 while waiting for plane 0
   logic [3:0]         pairs_q;  // pairs in succession, up to m

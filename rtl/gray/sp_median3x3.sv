@@ -46,6 +46,10 @@ module sp_median3x3 #(
   output logic [sp_spec_pkg::StatusBits-1:0] m_status_o        // why, with m_break_o
 );
 
+  if (MaxColumns < 4 || MaxColumns % 4 != 0) begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4 u_error ();
+  end
+
   localparam int StatusBits = sp_spec_pkg::StatusBits;
   localparam int CodeBits = sp_spec_pkg::CodeCodeBits;
   localparam int Width = CodeBits + 1;  // {measurable, code}

@@ -11,7 +11,7 @@
 `default_nettype none
 
 module sp_median9 #(
-  parameter int CodeBits = sp_spec_pkg::CodeCodeBits
+  parameter int CodeBits = sp_spec_pkg::CodeCodeBits  // 1 or more
 ) (
   input  wire logic                          clk_i,
   input  wire logic [9*(CodeBits+1)-1:0]     codes_i,
@@ -20,6 +20,10 @@ module sp_median9 #(
   input  wire logic [3:0]                    half_i,
   output logic      [CodeBits:0]             code_o
 );
+
+  if (CodeBits < 1) begin : gen_code_bits
+    code_bits_is_less_than_1 u_error ();
+  end
 
   localparam int Width = CodeBits + 1;
 

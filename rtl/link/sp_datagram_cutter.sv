@@ -38,7 +38,7 @@
 
 module sp_datagram_cutter #(
   parameter int DatagramBytes = 1472,  // longest datagram: 32..65535; 8972 in jumbo frames
-  // log2 of the beats of 16 bytes in the ring: a whole datagram or more
+  // log2 of the beats of 16 bytes in the ring: a whole datagram or more, up to 24
   parameter int LogDepth = DatagramBytes > 8192 ? $clog2(DatagramBytes / 16 + 1) : 9,
   parameter int IdleClocks = 5_000_000  // silence after which the receiver is told: 2 or more
 ) (
@@ -61,6 +61,16 @@ module sp_datagram_cutter #(
   output logic      [15:0]  m_bytes_o   // bytes of the datagram, with every word
 );
 
+  if (DatagramBytes < 32 || DatagramBytes > 65535) begin : gen_datagram_bytes
+    datagram_bytes_is_not_in_32_to_65535 u_error ();
+  end
+  if (DatagramBytes / 16 > 1 << LogDepth) begin : gen_log_depth
+    the_ring_holds_no_whole_datagram u_error ();
+  end
+  if (IdleClocks < 2) begin : gen_idle_clocks
+    idle_clocks_is_less_than_2 u_error ();
+  end
+
   localparam int BeatBytes = sp_spec_pkg::PacketBeatBytes;
   localparam int LogBeatBytes = $clog2(BeatBytes);
   localparam int HeaderBytes = sp_spec_pkg::DatagramHeaderBytes;  // one beat
@@ -68,17 +78,6 @@ module sp_datagram_cutter #(
   localparam int CountBits = 16 - LogBeatBytes;  // beats of a packet
   localparam int PieceBits = $clog2(PieceBeats + 1);  // beats of a piece
   localparam int IdleBits = $clog2(IdleClocks);
-
-`ifndef SYNTHESIS
-  initial begin
-    if (DatagramBytes < HeaderBytes + BeatBytes || DatagramBytes > 65535)
-      $fatal(1, "sp_datagram_cutter: DatagramBytes is %0d, not in 32..65535", DatagramBytes);
-    if (1 << LogDepth < PieceBeats + 1)
-      $fatal(1, "sp_datagram_cutter: a ring of %0d beats holds no datagram", 1 << LogDepth);
-    if (IdleClocks < 2)
-      $fatal(1, "sp_datagram_cutter: IdleClocks is %0d, less than 2", IdleClocks);
-  end
-`endif
 
   // --- Into the ring ---
   logic                 open_q;      // a session is open
@@ -163,6 +162,12 @@ module sp_datagram_cutter #(
   // lies is written: never both in one clock.
   logic [127:0] beat;
   logic         fetch;
+`ifdef FORMAL
+  localparam int FDepth = 4;  // the proof is with LogDepth = 2
+  (* anyconst *) logic [LogDepth:0] f_mark;
+  logic [127:0]          f_there;
+  logic [FDepth*128-1:0] f_words;
+`endif
 
   sp_ram #(
     .Width   (128),
@@ -318,9 +323,7 @@ module sp_datagram_cutter #(
   end
 
   // Rule 3: what may leave is whole datagrams: a header, then as many beats as it says, and so on.
-  localparam int FDepth = 4;  // the proof is with LogDepth = 2
   logic [FDepth-1:0]     f_is_header_q, f_header_of;  // of the places; as they leave
-  logic [FDepth*128-1:0] f_words;
   logic [CountBits-1:0]  f_rest;  // beats of the datagram at the output, still in the ring
   assign f_rest = !there_q ? '0 : first_q ? length : left_q - 1'b1;
   always_ff @(posedge clk_i) begin
@@ -386,10 +389,9 @@ module sp_datagram_cutter #(
 
   // Rule 5: every beat leaves once, in order, after a header with its session, its packet and its
   // place. The last beat of a packet is the last of its datagram. The rule is proved for any one
-  // place of the pointers, and the last beat that came there:
-  (* anyconst *) logic [LogDepth:0] f_mark;
+  // place f_mark of the pointers, and the last beat that came there:
   logic                 f_marked_q, f_shown_q, f_beat_last_q;  // in the ring; shown; s_last_i
-  logic [127:0]         f_beat_q, f_there, f_header;  // the ring has at the place, for its header
+  logic [127:0]         f_beat_q, f_header;  // that beat; its header
   logic [31:0]          f_beat_packet_q;
   logic [15:0]          f_beat_session_q;
   logic [CountBits-1:0] f_beat_at_q, f_behind_q;  // its place in the packet, behind the header

@@ -62,12 +62,9 @@ module sp_etherbone #(
   input  wire logic [31:0] data_i      // what was read, with answer_i
 );
 
-`ifndef SYNTHESIS
-  initial begin
-    if (LogWords < 3 || LogWords > 9)
-      $fatal(1, "sp_etherbone: LogWords is %0d, not in 3..9", LogWords);
+  if (LogWords < 3 || LogWords > 9) begin : gen_log_words
+    log_words_is_not_in_3_to_9 u_error ();
   end
-`endif
 
   localparam logic [31:0] Head = 32'h4410_6F4E;  // of every packet, without flags
   localparam int ProbeBit = 16;

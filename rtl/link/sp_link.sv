@@ -19,12 +19,12 @@
 
 module sp_link #(
   parameter int DatagramBytes = 1472,  // longest datagram: 32..65535; 8972 in jumbo frames
-  // log2 of the beats of 16 bytes that wait for the network: a whole datagram or more
+  // log2 of the beats of 16 bytes that wait for the network: a whole datagram or more, up to 24
   parameter int LogDepth = DatagramBytes > 8192 ? $clog2(DatagramBytes / 16 + 1) : 9,
   parameter int IdleClocks = 5_000_000,  // silence after which the receiver is told: 2 or more
   parameter logic [3:0] Sources = 4'b0001,  // bit i: the build has source i of the register source
-  parameter int ReplayColumns = 0,  // columns of the largest frame of replay; 0 without replay
-  parameter int ReplayRows = 0  // rows of the largest frame of replay; 0 without replay
+  parameter int ReplayColumns = 0,  // of the largest frame of replay: 0..2048; 0 without replay
+  parameter int ReplayRows = 0  // of the largest frame of replay: 0..1023; 0 without replay
 ) (
   input  wire logic         clk_i,
   input  wire logic         rst_i,              // active high, synchronous

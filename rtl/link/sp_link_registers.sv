@@ -23,8 +23,8 @@
 
 module sp_link_registers #(
   parameter logic [3:0] Sources = 4'b0001,  // bit i: the build has source i of the register source
-  parameter int ReplayColumns = 0,  // largest frame of replay; 0 without replay
-  parameter int ReplayRows = 0
+  parameter int ReplayColumns = 0,  // of the largest frame of replay: 0..2048; 0 without replay
+  parameter int ReplayRows = 0  // of it: 0..1023
 ) (
   input  wire logic        clk_i,
   input  wire logic        rst_i,      // active high, synchronous
@@ -70,6 +70,13 @@ module sp_link_registers #(
   input  wire logic [31:0] m_axil_rdata_i,
   input  wire logic [1:0]  m_axil_rresp_i
 );
+
+  if (ReplayColumns < 0 || ReplayColumns > sp_spec_pkg::MaxColumns) begin : gen_replay_columns
+    replay_columns_is_not_in_0_to_2048 u_error ();
+  end
+  if (ReplayRows < 0 || ReplayRows > sp_spec_pkg::MaxRows) begin : gen_replay_rows
+    replay_rows_is_not_in_0_to_1023 u_error ();
+  end
 
   localparam int AddressBits = sp_spec_pkg::LinkAddressBytesBits;
   localparam int RunBit = sp_spec_pkg::RegControlRunLsb;

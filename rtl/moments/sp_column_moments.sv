@@ -53,6 +53,11 @@ module sp_column_moments #(
   output logic                      spoiled_o          // the sums of the frame are void: see above
 );
 
+  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
+  end
+
   localparam int WeightBits = Grey ? 8 : 1;
   localparam int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits;
   localparam int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
@@ -312,6 +317,10 @@ module sp_column_moments #(
   logic                 f_decides, f_wanted, f_wanted_q;  // a last row begins; its packet is wanted
   logic [4:1]           f_accept_q;
   (* anyseq *) logic    f_choice;
+  (* anyconst *) logic [4:0] f_frame;  // a frame that is wanted
+  // Wide enough for a bounded trace: frames that ended; frames wanted, in all and before this one;
+  // frames that came out.
+  logic [5:0] f_ended_q, f_wants_q, f_before_q, f_out_q;
   assign f_decides = beat_valid_i && f_last_row && f_group_q == '0;
   assign f_wanted  = f_decides ? f_mode == sp_spec_pkg::ModeBinary || f_choice && f_wait_q == '0 :
                      f_wanted_q;
@@ -347,14 +356,10 @@ module sp_column_moments #(
   // Any one column: its sums (3.1, 3.2), written out from the beats as they come in.
   (* anyconst *) logic [1:0]           f_lane;
   (* anyconst *) logic [GroupBits-1:0] f_group;
-  (* anyconst *) logic [4:0]           f_frame;  // the frame, one that is wanted
   logic [7:0]  f_pixel;
   logic [31:0] f_weight, f_m0_q, f_m1_q, f_n_q;
   logic        f_lit, f_mine;
   logic [31:0] f_m0, f_m1, f_n;
-  // Wide enough for a bounded trace: frames that ended; frames wanted, in all and before this one;
-  // frames that came out.
-  logic [5:0]  f_ended_q, f_wants_q, f_before_q, f_out_q;
   assign f_pixel  = beat_pixels_i[8*f_lane+:8];
   assign f_lit    = f_pixel > f_threshold;
   assign f_weight = !f_lit ? 32'd0 : f_mode == sp_spec_pkg::ModeBinary ? 32'd1 :

@@ -47,6 +47,11 @@ module sp_column_runs #(
   output logic                      spoiled_o          // the sums of the frame are void
 );
 
+  if (MaxColumns < 8 || MaxColumns > sp_spec_pkg::MaxColumns || MaxColumns % 4 != 0)
+  begin : gen_max_columns
+    max_columns_is_not_a_multiple_of_4_in_8_to_2048 u_error ();
+  end
+
   localparam int WeightBits = Grey ? 8 : 1;
   localparam int M0Bits = Grey ? $clog2(255 * MaxRows + 1) : RowBits;
   localparam int ABits = $clog2((Grey ? 255 : 1) * MaxRows * (MaxRows + 1) / 2 + 1);
@@ -281,6 +286,10 @@ module sp_column_runs #(
   logic                 f_decides, f_wanted, f_wanted_q;  // a last row begins; its packet is wanted
   logic [4:1]           f_accept_q;
   (* anyseq *) logic    f_choice;
+  (* anyconst *) logic [4:0] f_frame;  // a frame that is wanted
+  // Wide enough for a bounded trace: frames that ended; frames wanted, in all and before this one;
+  // frames that came out.
+  logic [5:0] f_ended_q, f_wants_q, f_before_q, f_out_q;
   assign f_decides  = beat_valid_i && f_last_row && f_group_q == '0;
   assign f_wanted   = f_decides ? !Grey || f_choice && f_wait_q == '0 : f_wanted_q;
   assign f_line_end = f_group_q == f_last_group;
@@ -316,7 +325,6 @@ module sp_column_runs #(
   // after the other.
   (* anyconst *) logic [1:0]           f_lane;
   (* anyconst *) logic [GroupBits-1:0] f_group;
-  (* anyconst *) logic [4:0]           f_frame;
   logic [7:0]          f_pixel;
   logic [FSumBits-1:0] f_weight, f_row_weight;
   logic                f_lit, f_mine, f_over;
@@ -326,9 +334,6 @@ module sp_column_runs #(
   // The strongest run that has ended, M0 of the second, the number of them
   logic [FSumBits-1:0] f_best_m0_q, f_best_m1_q, f_best_n_q, f_second_q;
   logic [1:0]          f_runs_q;
-  // Wide enough for a bounded trace: frames that ended; frames wanted, in all and before this one;
-  // frames that came out.
-  logic [5:0]          f_ended_q, f_wants_q, f_before_q, f_out_q;
   assign f_pixel  = beat_pixels_i[8*f_lane+:8];
   assign f_lit    = f_pixel > f_threshold;
   assign f_weight = !f_lit ? '0 : f_mode == sp_spec_pkg::ModeBinary ? FSumBits'(1) :

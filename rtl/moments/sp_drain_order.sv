@@ -20,8 +20,8 @@
 `default_nettype none
 
 module sp_drain_order #(
-  parameter int GroupBits = 9,
-  parameter int Width = 32  // of what waits for each group: its weights
+  parameter int GroupBits = 9,  // 1..24
+  parameter int Width = 32  // of what waits for each group, its weights: 1 or more
 ) (
   input  wire logic                 clk_i,
   input  wire logic                 rst_i,

@@ -31,8 +31,8 @@
 `default_nettype none
 
 module sp_moment_drain #(
-  parameter int MaxRows = 1023,
-  parameter int GroupBits = 9,
+  parameter int MaxRows = 1023,  // 2..1023
+  parameter int GroupBits = 9,  // 1..24
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int M0Bits = $clog2(255 * MaxRows + 1),
@@ -70,6 +70,10 @@ module sp_moment_drain #(
   output logic [127:0]                data_o,  // 0 where not valid
   output logic                        break_o
 );
+
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
+    max_rows_is_not_in_2_to_1023 u_error ();
+  end
 
   localparam int Latency = 8;  // from stage 2 to stage 10, where the words are complete
   localparam int MLow = sp_spec_pkg::PixelBits;

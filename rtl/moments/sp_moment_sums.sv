@@ -26,8 +26,8 @@
 `default_nettype none
 
 module sp_moment_sums #(
-  parameter int MaxRows = 1023,
-  parameter int GroupBits = 9,
+  parameter int MaxRows = 1023,  // 2..1023
+  parameter int GroupBits = 9,  // 1..24
   parameter bit Grey = 1'b1,
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
@@ -62,6 +62,10 @@ module sp_moment_sums #(
   output logic                          sum_m_comes_o,
   output logic                          sum_a_comes_o   // the next sum_a_o is of a beat in stage 4
 );
+
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
+    max_rows_is_not_in_2_to_1023 u_error ();
+  end
 
   // Stage 1: the word of M is read, and the read of A begins
   logic                    s1_add_q, s1_drain_q, s1_first_q, s1_grey_q;

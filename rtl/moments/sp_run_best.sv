@@ -20,9 +20,9 @@
 `default_nettype none
 
 module sp_run_best #(
-  parameter int GroupBits = 9,
-  parameter int M0Bits = 18,
-  parameter int RestBits = 47,
+  parameter int GroupBits = 9,  // 1..24
+  parameter int M0Bits = 18,  // 1 or more
+  parameter int RestBits = 47,  // 1 or more
   // derived, do not set
   parameter int WordBits = 2 + 2 * M0Bits + RestBits
 ) (
@@ -42,6 +42,13 @@ module sp_run_best #(
 
   output logic      [WordBits-1:0]  best_o
 );
+
+  if (M0Bits < 1) begin : gen_m0_bits
+    m0_bits_is_less_than_1 u_error ();
+  end
+  if (RestBits < 1) begin : gen_rest_bits
+    rest_bits_is_less_than_1 u_error ();
+  end
 
   logic [WordBits-1:0] raw, s4_word_q, new_word;
   logic                s6_kept_q;  // best_o was written

@@ -13,7 +13,7 @@
 `default_nettype none
 
 module sp_run_finish #(
-  parameter int MaxRows = 1023,
+  parameter int MaxRows = 1023,  // 2..1023
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int M0Bits = $clog2(255 * MaxRows + 1),
@@ -33,6 +33,10 @@ module sp_run_finish #(
   output logic      [RowBits-1:0] n_o,
   output logic      [ABits-1:0]   m1_o
 );
+
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
+    max_rows_is_not_in_2_to_1023 u_error ();
+  end
 
   localparam int Stages = 5;
   localparam int CarryBits = 2 + M0Bits + RowBits;

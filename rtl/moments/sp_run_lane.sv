@@ -30,7 +30,7 @@
 `default_nettype none
 
 module sp_run_lane #(
-  parameter int MaxRows = 1023,
+  parameter int MaxRows = 1023,  // 2..1023
   parameter bit Grey = 1'b1,
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
@@ -70,6 +70,10 @@ module sp_run_lane #(
   output logic      [MBits-1:0]      s4_m_o,
   output logic      [ABits-1:0]      s5_a_o
 );
+
+  if (MaxRows < 2 || MaxRows > sp_spec_pkg::MaxRows) begin : gen_max_rows
+    max_rows_is_not_in_2_to_1023 u_error ();
+  end
 
   // The first beat
   logic [WeightBits-1:0] w2_weight_q, w3_weight_q;

@@ -14,7 +14,7 @@
 `default_nettype none
 
 module sp_run_output #(
-  parameter int MaxRows = 1023,
+  parameter int MaxRows = 1023,  // 2..1023
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),
   parameter int M0Bits = $clog2(255 * MaxRows + 1),

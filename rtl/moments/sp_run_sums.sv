@@ -24,8 +24,8 @@
 `default_nettype none
 
 module sp_run_sums #(
-  parameter int MaxRows = 1023,
-  parameter int GroupBits = 9,
+  parameter int MaxRows = 1023,  // 2..1023
+  parameter int GroupBits = 9,  // 1..24
   parameter bit Grey = 1'b1,
   // derived, do not set
   parameter int RowBits = $clog2(MaxRows + 1),

@@ -5,8 +5,8 @@
 `default_nettype none
 
 module sp_scale #(
-  parameter int XBits = 18,
-  parameter int KBits = 10
+  parameter int XBits = 18,  // 1 or more
+  parameter int KBits = 10  // 1..12
 ) (
   input  wire logic                   clk_i,
   input  wire logic                   move_i,  // nothing moves without it
@@ -14,6 +14,13 @@ module sp_scale #(
   input  wire logic [KBits-1:0]       k_i,
   output logic      [XBits+KBits-1:0] product_o
 );
+
+  if (XBits < 1) begin : gen_xbits
+    xbits_is_less_than_1 u_error ();
+  end
+  if (KBits < 1 || KBits > 12) begin : gen_k_bits
+    k_bits_is_not_in_1_to_12 u_error ();
+  end
 
   localparam int Digits = (KBits + 1) / 2;
   localparam int Pairs = (Digits + 1) / 2;
