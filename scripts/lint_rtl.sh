@@ -40,7 +40,7 @@ verilator_lint() {
   local search=() parameters=("${@:2}") folder
   for folder in "${folders[@]}"; do search+=(-y "$folder"); done
   verilator --lint-only -Wall -Wpedantic --top-module "$1" "${parameters[@]/#/-G}" "${search[@]}" \
-    "$package" "$(file_of "$1")" 2>&1
+    "$package" "$(file_of "$1")" 2>&1 >/dev/null
 }
 
 iverilog_lint() {
