@@ -39,8 +39,9 @@ board_configurations=(
 verilator_lint() {
   local search=() parameters=("${@:2}") folder
   for folder in "${folders[@]}"; do search+=(-y "$folder"); done
-  verilator --lint-only -Wall -Wpedantic --top-module "$1" "${parameters[@]/#/-G}" "${search[@]}" \
-    "$package" "$(file_of "$1")" 2>&1 >/dev/null
+  # Newer versions print a report.
+  { verilator --lint-only -Wall -Wpedantic --top-module "$1" "${parameters[@]/#/-G}" "${search[@]}" \
+    "$package" "$(file_of "$1")" >/dev/null; } 2>&1
 }
 
 iverilog_lint() {
