@@ -53,7 +53,7 @@ void rise_by_parts(Root* root) {
   SELFPROJ_PART(eval_nba)(root);
 }
 
-// As versions 5.032 to 5.048 write it
+// As versions 5.032 to 5.48 write it
 template <class Root>
 concept Verilator5032 = requires(Root* root) {
   root->__Vtrigprevexpr___TOP__clk_i__0 = 0;
