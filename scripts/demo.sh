@@ -19,6 +19,7 @@ case ${1:-} in
     [[ ${SELFPROJ_DEMO_SECONDS:-20} != 0 ]] ||
       { echo "demo.sh: --record: goes only with a live run; SELFPROJ_DEMO_SECONDS is 0" >&2; exit 2; }
     [[ ! -e build ]] || { echo "demo.sh: --record: goes only with a run from scratch; build/ is there" >&2; exit 2; }
+    export CCACHE_RECACHE=1  # without what ccache keeps from earlier builds
     ;;
   -h | --help) sed -n '2,/^set /s/^# \{0,1\}//p' scripts/demo.sh; exit 0 ;;
   *) echo "demo.sh: $1: unknown; usage: scripts/demo.sh [--record]" >&2; exit 2 ;;

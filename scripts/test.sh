@@ -176,6 +176,9 @@ cpu_seconds() { awk -v hz="$(getconf CLK_TCK)" '{sub(/.*\) /, ""); printf "%.1f"
 
 minutes() { printf '%d:%02d min' "$(($1 / 60))" "$(($1 % 60))"; }
 
+# From scratch means without what ccache keeps from earlier builds.
+if $record; then export CCACHE_RECACHE=1; fi
+
 scripts/setup.sh tests
 if $all; then
   hls/get_ap_types.sh ||
