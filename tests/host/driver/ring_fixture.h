@@ -27,9 +27,7 @@ class Ring : public ::testing::Test {
   void SetUp() override { remove_ring(name_); }
   void TearDown() override { remove_ring(name_); }
 
-  [[nodiscard]] std::unique_ptr<Device> open_ring(DeviceOptions options = {}) const {
-    return open_device("ring:" + name_, options);
-  }
+  std::unique_ptr<Device> open_ring(DeviceOptions options = {}) const { return open_device("ring:" + name_, options); }
 
   // A reader that accepts the board's absence.
   [[nodiscard]] std::unique_ptr<Device> open_patient() const { return open_ring({.wait_for_board = true}); }
