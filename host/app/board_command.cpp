@@ -165,9 +165,7 @@ selfproj board set --device bar:/dev/xdma0_user size.columns=512 size.rows=96 \
         std::transform(values->begin(), values->end(), std::back_inserter(parts), assignment);
         control.write_together(std::move(parts));
       });
-  command->add_option("NAME=VALUE", *values, "Registers or fields, and their values.")
-      ->type_name("SETTING")
-      ->required();
+  command->add_option("SETTING", *values, "NAME=VALUE: a register or field, and its value.")->required();
 }
 
 void add_trigger_command(CLI::App& board) {
