@@ -41,12 +41,12 @@ class Collector : public benchmark::ConsoleReporter {
   void ReportRuns(const std::vector<Run>& runs) override {
     std::vector<Run> shown;
     for (const Run& run : runs) {
-      failed_ = failed_ || run.error_occurred;
+      failed_ = failed_ || went_wrong(run);
       const auto rate = run.counters.find(rate_);
       if (run.run_type == Run::RT_Iteration && rate != run.counters.end()) {
         rates_[run.run_name.function_name].push_back(rate->second.value);
       }
-      if (run.error_occurred || run.aggregate_name == "median") {
+      if (went_wrong(run) || run.aggregate_name == "median") {
         shown.push_back(run);
       }
     }
@@ -67,6 +67,16 @@ class Collector : public benchmark::ConsoleReporter {
   }
 
  private:
+  // Newer versions of Google Benchmark have another member for it.
+  template <class Run>
+  static bool went_wrong(const Run& run) {
+    if constexpr (requires { run.error_occurred; }) {
+      return run.error_occurred;
+    } else {
+      return run.skipped != 0;
+    }
+  }
+
   std::string rate_;
   std::map<std::string, std::vector<double>> rates_;
   bool failed_ = false;
