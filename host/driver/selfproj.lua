@@ -400,7 +400,7 @@ function protocol.dissector(buffer, pinfo, tree)
   local added = add_fields(branch, "selfproj.datagram.", format.datagram, buffer, 0)
   local before = seen[pinfo.number] or {missing = 0}
   if before.missing > 0 then
-    added.sequence:add_proto_expert_info(missing, "Datagrams missing before this one: " .. before.missing)
+    added.sequence:add_proto_expert_info(missing, ("Datagrams missing before this one: %d"):format(before.missing))
   end
   if before.doubled then
     added.offset:add_proto_expert_info(doubled)
