@@ -13,7 +13,11 @@
 #
 # With UNCOUNTED the model counts no coverage, even where SELFPROJ_COVERAGE is set, because other models count the same.
 
-find_program(SELFPROJ_VERILATOR verilator HINTS "$ENV{VERILATOR_ROOT}/bin" REQUIRED
+set(hints "")
+if(DEFINED ENV{VERILATOR_ROOT})
+  set(hints HINTS "$ENV{VERILATOR_ROOT}/bin")
+endif()
+find_program(SELFPROJ_VERILATOR verilator ${hints} REQUIRED
   DOC "Verilator 5.006 or newer; by default that of VERILATOR_ROOT, or the first in PATH")
 find_package(ZLIB REQUIRED)  # of waveforms
 
