@@ -113,7 +113,8 @@ Best best_of(const Grid& grid, const std::vector<std::vector<double>>& curves, s
   const auto sum_without = [&](std::size_t group) {
     std::vector<double> sum(curves.at(0).size(), 0.0);
     for (std::size_t c = 0; c < curves.size(); ++c) {
-      for (std::size_t i = 0; i < sum.size() && c % groups != group; ++i) {
+      const bool left_out = group < groups && c % groups == group;
+      for (std::size_t i = 0; i < sum.size() && !left_out; ++i) {
         sum[i] += curves[c][i];
       }
     }
