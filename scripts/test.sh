@@ -156,17 +156,16 @@ is_known() {
   ! $again && [[ $incremental != *" $1 "* && -f $passed/$1 && $(<"$passed/$1") == "$state" ]]
 }
 
-# time_of STEP: the seconds it took when it was last run here. Otherwise an estimate, from the CPU time that it took in
-# the recorded run from scratch
+# time_of STEP: the seconds it took when it was last run here, or otherwise in the recorded run from scratch
 time_of() {
   if [[ -f $passed/$1.seconds ]]; then
     cat "$passed/$1.seconds"
   else
-    python3 - "$1" "$(nproc)" "$results" <<'PYTHON'
+    python3 - "$1" "$results" <<'PYTHON'
 import json, pathlib, sys
-file = pathlib.Path("results") / f"{sys.argv[3]}.json"
+file = pathlib.Path("results") / f"{sys.argv[2]}.json"
 steps = json.loads(file.read_text(encoding="utf-8"))["results"]["steps"] if file.exists() else {}
-print(round(steps.get(sys.argv[1], {"cpu_seconds": 0})["cpu_seconds"] / int(sys.argv[2])))
+print(steps.get(sys.argv[1], {"seconds": 0})["seconds"])
 PYTHON
   fi
 }
