@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "capi/selfproj.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 

@@ -11,7 +11,7 @@
 
 #include "capi/convert.h"
 #include "capi/errors.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/reference.h"
 #include "host/light_section/reference_file.h"

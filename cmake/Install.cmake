@@ -21,7 +21,7 @@ set(selfproj_headers_for_users
   host/driver/image_assembler.h
   host/driver/open_device.h
   host/driver/packet_reader.h
-  host/io/user_error.h
+  host/files/user_error.h
   host/light_section/differential_profile.h
   host/light_section/fast_moments.h
   host/light_section/inspection.h

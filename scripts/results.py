@@ -5,7 +5,7 @@
     results.py check [ROOT]      exit status 1 where one differs from what results/ says, or is typed a second time
     results.py record NAME --about TEXT --command TEXT KEY=VALUE...     writes a result, for shell scripts
 
-Programs write a result where the environment variable SELFPROJ_RESULTS names a folder: C++ by host/io/results_file.h,
+Programs write a result where the environment variable SELFPROJ_RESULTS names a folder: C++ by host/files/results_file.h,
 Python by write() below. Both give the same envelope: about, command, date, commit, machine, results.
 
 results/tables.toml defines the tables. In a document a table stands between two comments, and so does a figure within

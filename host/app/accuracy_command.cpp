@@ -8,9 +8,9 @@
 #include <memory>
 #include <string>
 
-#include "host/io/command_line.h"
-#include "host/io/output_folder.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/accuracy.h"
 #include "host/structured_light/stripe_code.h"

@@ -16,14 +16,14 @@
 #include <vector>
 
 #include "host/app/board_replay.h"
+#include "host/cli/command_line.h"
 #include "host/driver/board_list.h"
 #include "host/driver/board_test.h"
 #include "host/driver/control.h"
 #include "host/driver/open_control.h"
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/numbers.h"
-#include "host/io/user_error.h"
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 
 namespace selfproj {
 namespace {

@@ -15,14 +15,14 @@
 #include <utility>
 #include <vector>
 
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
 #include "host/driver/control.h"
 #include "host/driver/etherbone_port.h"
 #include "host/driver/replay_sender.h"
-#include "host/io/command_line.h"
-#include "host/io/image_files.h"
-#include "host/io/prepared_images.h"
-#include "host/io/progress.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/image_files.h"
+#include "host/images/prepared_images.h"
 
 namespace selfproj {
 namespace {

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "host/driver/open_control.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -12,11 +12,11 @@
 #include "host/app/capture_options.h"
 #include "host/app/preview_run.h"
 #include "host/capture/sequence_capture.h"
-#include "host/io/command_line.h"
-#include "host/io/image_files.h"
-#include "host/io/image_sequence.h"
-#include "host/io/output_folder.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
 
 namespace selfproj {
 namespace {

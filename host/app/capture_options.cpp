@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/command_line.h"
-#include "host/io/progress.h"
-#include "host/io/stop_signal.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
+#include "host/files/stop_signal.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "host/app/project_command.h"
 #include "host/capture/sequence_capture.h"
-#include "host/io/image_sequence.h"
+#include "host/images/image_sequence.h"
 #include "host/structured_light/gray_sequence.h"
 
 namespace selfproj {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "host/calibration/chessboard_drawing.h"
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/output_file.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/files/output_file.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 
 namespace selfproj {
 namespace {

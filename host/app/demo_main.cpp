@@ -2,7 +2,7 @@
 
 #include "host/app/inspect_command.h"
 #include "host/app/pattern_command.h"
-#include "host/io/program_main.h"
+#include "host/cli/program_main.h"
 
 int main(int argc, char** argv) {
   return selfproj::program_main(

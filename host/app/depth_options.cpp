@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "host/io/command_line.h"
+#include "host/cli/command_line.h"
 
 namespace selfproj {
 

@@ -11,10 +11,10 @@
 #include "host/camera/aravis_camera.h"
 #include "host/camera/camera_uri.h"
 #include "host/camera/open_camera.h"
+#include "host/capture/projector.h"
+#include "host/cli/command_line.h"
 #include "host/driver/ring_list.h"
-#include "host/io/command_line.h"
-#include "host/io/user_error.h"
-#include "host/projector/projector.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

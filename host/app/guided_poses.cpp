@@ -12,9 +12,9 @@
 
 #include "host/calibration/calibrate.h"
 #include "host/calibration/pose_advice.h"
-#include "host/io/image_files.h"
-#include "host/io/image_sequence.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
 #include "host/structured_light/gray_sequence.h"
 
 namespace selfproj {

@@ -7,7 +7,7 @@
 #include "host/app/capture_options.h"
 #include "host/calibration/calibration_report.h"
 #include "host/calibration/capture.h"
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
 
 namespace selfproj {
 

@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "host/app/length_list.h"
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/image_files.h"
-#include "host/io/output_folder.h"
-#include "host/io/progress.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
 #include "host/light_section/height_fit.h"
 #include "host/light_section/scan.h"
 #include "host/rig/rig.h"

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "host/app/packet_run.h"
+#include "host/cli/command_line.h"
 #include "host/driver/counters.h"
 #include "host/driver/image_assembler.h"
-#include "host/io/code_image.h"
-#include "host/io/command_line.h"
-#include "host/io/image_files.h"
-#include "host/io/output_folder.h"
-#include "host/io/user_error.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
+#include "host/images/code_image.h"
+#include "host/images/image_files.h"
 #include "model/code_word.h"
 #include "model/packet.h"
 

@@ -8,12 +8,12 @@
 #include <string>
 #include <utility>
 
+#include "host/cli/status_line.h"
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
-#include "host/io/frame_options.h"
-#include "host/io/status_line.h"
-#include "host/io/stop_signal.h"
-#include "host/io/user_error.h"
+#include "host/files/stop_signal.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 #include "model/packet.h"
 
 namespace selfproj {

@@ -7,14 +7,14 @@
 #include <optional>
 #include <string>
 
+#include "host/cli/status_line.h"
 #include "host/driver/counters.h"
 #include "host/driver/device.h"
-#include "host/io/duration_histogram.h"
-#include "host/io/status_line.h"
+#include "host/files/duration_histogram.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/inspection.h"
 #include "host/light_section/profile.h"
-#include "host/line/part_line.h"
+#include "host/production/part_line.h"
 #include "host/rig/rig.h"
 #include "model/column_runs.h"
 #include "model/packet.h"

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/numbers.h"
-#include "host/io/user_error.h"
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 

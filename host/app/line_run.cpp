@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "host/app/inspection_loop.h"
+#include "host/cli/command_line.h"
 #include "host/driver/clock.h"
-#include "host/io/command_line.h"
-#include "host/io/user_error.h"
-#include "host/parts/depth_cutter.h"
-#include "host/parts/section_reference.h"
-#include "host/parts/tolerance.h"
+#include "host/files/user_error.h"
+#include "host/production/depth_cutter.h"
+#include "host/production/endpoint.h"
+#include "host/production/section_reference.h"
+#include "host/production/tolerance.h"
 #include "host/report/counter_facts.h"
-#include "host/web/endpoint.h"
 
 namespace selfproj {
 

@@ -11,13 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/image_files.h"
-#include "host/io/output_folder.h"
-#include "host/io/prepared_images.h"
-#include "host/io/progress.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
+#include "host/images/prepared_images.h"
 #include "host/light_section/fast_runs.h"
 #include "host/report/frame_picture.h"
 #include "host/report/line_images.h"

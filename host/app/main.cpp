@@ -17,7 +17,7 @@
 #include "host/app/rig_command.h"
 #include "host/app/scan_command.h"
 #include "host/app/tolerance_command.h"
-#include "host/io/program_main.h"
+#include "host/cli/program_main.h"
 
 int main(int argc, char** argv) {
   return selfproj::program_main(

@@ -12,11 +12,11 @@
 #include "host/app/line_run.h"
 #include "host/app/match_run.h"
 #include "host/camera/camera_device.h"
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/image_sequence.h"
-#include "host/io/output_folder.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_sequence.h"
 
 namespace selfproj {
 namespace {

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "host/app/capture_options.h"
+#include "host/capture/grey_curve.h"
 #include "host/capture/grey_response.h"
 #include "host/capture/sequence_capture.h"
-#include "host/io/command_line.h"
-#include "host/io/output_file.h"
-#include "host/projector/grey_curve.h"
+#include "host/cli/command_line.h"
+#include "host/files/output_file.h"
 
 namespace selfproj {
 namespace {

@@ -11,11 +11,11 @@
 #include <string>
 
 #include "host/camera/camera_device.h"
+#include "host/cli/command_line.h"
+#include "host/cli/status_line.h"
 #include "host/driver/clock.h"
-#include "host/io/command_line.h"
-#include "host/io/status_line.h"
-#include "host/io/stop_signal.h"
-#include "host/io/user_error.h"
+#include "host/files/stop_signal.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 

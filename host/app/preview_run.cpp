@@ -11,9 +11,9 @@
 #include "host/app/preview_files.h"
 #include "host/camera/open_camera.h"
 #include "host/capture/newest_image.h"
-#include "host/io/stop_signal.h"
-#include "host/projector/projector.h"
-#include "host/web/page_server.h"
+#include "host/capture/projector.h"
+#include "host/files/stop_signal.h"
+#include "host/production/page_server.h"
 
 namespace selfproj {
 

@@ -13,13 +13,13 @@
 #include <thread>
 #include <vector>
 
+#include "host/capture/grey_curve.h"
+#include "host/cli/command_line.h"
+#include "host/cli/status_line.h"
 #include "host/driver/clock.h"
-#include "host/io/command_line.h"
-#include "host/io/image_files.h"
-#include "host/io/image_sequence.h"
-#include "host/io/status_line.h"
-#include "host/io/stop_signal.h"
-#include "host/projector/grey_curve.h"
+#include "host/files/stop_signal.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
 
 namespace selfproj {
 namespace {

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "host/projector/projector.h"
+#include "host/capture/projector.h"
 
 namespace selfproj {
 

@@ -9,10 +9,10 @@
 #include <string_view>
 
 #include "host/app/packet_run.h"
+#include "host/cli/command_line.h"
 #include "host/driver/counters.h"
-#include "host/io/command_line.h"
-#include "host/io/output_file.h"
-#include "host/io/user_error.h"
+#include "host/files/output_file.h"
+#include "host/files/user_error.h"
 #include "model/packet.h"
 
 namespace selfproj {

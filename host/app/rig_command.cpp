@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "host/io/command_line.h"
+#include "host/cli/command_line.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {

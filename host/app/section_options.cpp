@@ -5,9 +5,9 @@
 #include <string>
 
 #include "host/camera/camera_uri.h"
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 #include "host/light_section/reference.h"
 #include "host/light_section/reference_file.h"
 #include "model/pixel_clock.h"

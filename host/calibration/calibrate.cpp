@@ -24,9 +24,9 @@
 #include "host/calibration/chessboard.h"
 #include "host/calibration/corner_codes.h"
 #include "host/calibration/model_choice.h"
-#include "host/io/frame_options.h"
-#include "host/io/median.h"
-#include "host/io/user_error.h"
+#include "host/files/median.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 
 namespace selfproj {
 namespace {

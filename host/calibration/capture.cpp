@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/frame_options.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 #include "host/structured_light/fast_decoder.h"
 #include "model/gray_decoder.h"
 

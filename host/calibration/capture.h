@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/image_files.h"
-#include "host/io/image_sequence.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
 #include "host/structured_light/gray_sequence.h"
 
 namespace selfproj {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/median.h"
+#include "host/files/median.h"
 
 namespace selfproj {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 
 namespace selfproj {
 

@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "host/io/median.h"
+#include "host/files/median.h"
 
 namespace selfproj {
 namespace {

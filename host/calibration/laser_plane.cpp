@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "host/calibration/bundle.h"
-#include "host/io/frame_options.h"
-#include "host/io/median.h"
-#include "host/io/user_error.h"
+#include "host/files/median.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 #include "host/rig/lens.h"
 
 namespace selfproj {

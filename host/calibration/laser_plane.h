@@ -10,7 +10,7 @@
 #include "host/calibration/board_shape.h"
 #include "host/calibration/chessboard.h"
 #include "host/calibration/model_choice.h"
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {

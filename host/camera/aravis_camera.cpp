@@ -19,7 +19,7 @@
 #include "host/camera/frame_numbers.h"
 #include "host/camera/pixel_format.h"
 #include "host/driver/clock.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

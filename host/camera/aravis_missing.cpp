@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "host/camera/aravis_camera.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 

@@ -17,7 +17,7 @@
 #include "host/driver/counters.h"
 #include "host/driver/open_device.h"
 #include "host/driver/packet_tally.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/pixel_clock.h"
 
 namespace selfproj {

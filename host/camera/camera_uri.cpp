@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "host/camera/pixel_format.h"
-#include "host/io/frame_options.h"
-#include "host/io/numbers.h"
-#include "host/io/user_error.h"
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 #include "model/gray_decoder.h"
 #include "model/pixel_clock.h"
 #include "model/spec/generated/selfproj_spec.h"

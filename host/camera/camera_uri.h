@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 #include "model/column_moments.h"
 #include "model/column_runs.h"
 

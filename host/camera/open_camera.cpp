@@ -7,7 +7,7 @@
 
 #include "host/camera/aravis_camera.h"
 #include "host/camera/v4l2_camera.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 

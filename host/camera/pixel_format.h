@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 
 namespace selfproj {
 

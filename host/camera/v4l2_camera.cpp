@@ -24,9 +24,9 @@
 #include "host/camera/frame_numbers.h"
 #include "host/camera/pixel_format.h"
 #include "host/driver/clock.h"
-#include "host/io/file_descriptor.h"
-#include "host/io/natural_order.h"
-#include "host/io/user_error.h"
+#include "host/files/file_descriptor.h"
+#include "host/files/user_error.h"
+#include "host/images/natural_order.h"
 
 namespace selfproj {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

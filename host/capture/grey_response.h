@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "host/io/image_files.h"
-#include "host/io/image_sequence.h"
-#include "host/projector/grey_curve.h"
+#include "host/capture/grey_curve.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
 
 namespace selfproj {
 

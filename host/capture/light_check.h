@@ -2,7 +2,7 @@
 #ifndef SELFPROJ_HOST_CAPTURE_LIGHT_CHECK_H
 #define SELFPROJ_HOST_CAPTURE_LIGHT_CHECK_H
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 
 namespace selfproj {
 

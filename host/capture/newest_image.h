@@ -10,7 +10,7 @@
 #include <string>
 
 #include "host/camera/camera.h"
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 
 namespace selfproj {
 

@@ -15,7 +15,7 @@
 #include "host/camera/camera.h"
 #include "host/camera/open_camera.h"
 #include "host/capture/light_check.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "host/camera/camera_uri.h"
+#include "host/capture/projector.h"
 #include "host/capture/settle.h"
 #include "host/capture/shots.h"
-#include "host/io/image_files.h"
-#include "host/io/image_sequence.h"
-#include "host/projector/projector.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
 
 namespace selfproj {
 

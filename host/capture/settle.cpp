@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "host/driver/clock.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

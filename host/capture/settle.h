@@ -9,7 +9,7 @@
 
 #include "host/capture/light_check.h"
 #include "host/capture/shots.h"
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 
 namespace selfproj {
 

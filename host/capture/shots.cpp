@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "host/driver/clock.h"
-#include "host/io/stop_signal.h"
-#include "host/io/user_error.h"
+#include "host/files/stop_signal.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

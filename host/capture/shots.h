@@ -7,8 +7,8 @@
 #include <string>
 
 #include "host/camera/camera.h"
-#include "host/io/image_files.h"
-#include "host/projector/projector.h"
+#include "host/capture/projector.h"
+#include "host/images/image_files.h"
 
 namespace selfproj {
 

@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "host/driver/bus_guard.h"
-#include "host/io/file_descriptor.h"
-#include "host/io/run_files.h"
-#include "host/io/user_error.h"
+#include "host/files/file_descriptor.h"
+#include "host/files/run_files.h"
+#include "host/files/user_error.h"
 #include "model/spec/generated/register_table.h"
 
 namespace selfproj {

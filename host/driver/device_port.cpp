@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/file_descriptor.h"
-#include "host/io/user_error.h"
+#include "host/files/file_descriptor.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -20,8 +20,8 @@
 #include "host/driver/clock.h"
 #include "host/driver/etherbone.h"
 #include "host/driver/udp_socket.h"
-#include "host/io/file_descriptor.h"
-#include "host/io/user_error.h"
+#include "host/files/file_descriptor.h"
+#include "host/files/user_error.h"
 #include "model/spec/generated/register_table.h"
 
 namespace selfproj {

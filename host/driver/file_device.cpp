@@ -22,8 +22,8 @@
 #include "host/driver/device.h"
 #include "host/driver/packet_reader.h"
 #include "host/driver/packet_tally.h"
-#include "host/io/run_files.h"
-#include "host/io/user_error.h"
+#include "host/files/run_files.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

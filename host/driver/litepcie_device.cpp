@@ -18,8 +18,8 @@
 #include "host/driver/litepcie_interface.h"
 #include "host/driver/packet_reader.h"
 #include "host/driver/packet_tally.h"
-#include "host/io/file_descriptor.h"
-#include "host/io/user_error.h"
+#include "host/files/file_descriptor.h"
+#include "host/files/user_error.h"
 #include "model/packet.h"
 
 namespace selfproj {

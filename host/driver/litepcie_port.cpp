@@ -10,8 +10,8 @@
 #include "host/driver/device_port.h"
 #include "host/driver/litepcie_interface.h"
 #include "host/driver/register_port.h"
-#include "host/io/file_descriptor.h"
-#include "host/io/user_error.h"
+#include "host/files/file_descriptor.h"
+#include "host/files/user_error.h"
 #include "model/spec/generated/register_table.h"
 
 namespace selfproj {

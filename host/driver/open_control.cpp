@@ -8,7 +8,7 @@
 #include "host/driver/bar_port.h"
 #include "host/driver/etherbone_port.h"
 #include "host/driver/litepcie_port.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -7,7 +7,7 @@
 #include "host/driver/litepcie_device.h"
 #include "host/driver/ring_device.h"
 #include "host/driver/udp_device.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 

@@ -15,7 +15,7 @@
 
 #include "host/driver/control.h"
 #include "host/driver/udp_socket.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/driver/register_port.h"
-#include "host/io/file_descriptor.h"
+#include "host/files/file_descriptor.h"
 #include "model/column_moments.h"
 #include "model/datagram.h"
 #include "model/replay.h"

@@ -21,7 +21,7 @@
 #include "host/driver/packet_tally.h"
 #include "host/driver/ring_layout.h"
 #include "host/driver/ring_memory.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/packet.h"
 
 namespace selfproj {

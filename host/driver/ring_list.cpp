@@ -11,7 +11,7 @@
 
 #include "host/driver/ring_layout.h"
 #include "host/driver/ring_memory.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

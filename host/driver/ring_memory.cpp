@@ -20,7 +20,7 @@
 #include <utility>
 
 #include "host/driver/bus_guard.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj::ring {
 namespace {

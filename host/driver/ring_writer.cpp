@@ -17,7 +17,7 @@
 #include "host/driver/clock.h"
 #include "host/driver/ring_layout.h"
 #include "host/driver/ring_list.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/packet.h"
 
 namespace selfproj {

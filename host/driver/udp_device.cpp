@@ -24,8 +24,8 @@
 #include "host/driver/device.h"
 #include "host/driver/packet_tally.h"
 #include "host/driver/udp_socket.h"
-#include "host/io/file_descriptor.h"
-#include "host/io/user_error.h"
+#include "host/files/file_descriptor.h"
+#include "host/files/user_error.h"
 #include "model/datagram.h"
 
 namespace selfproj {

@@ -15,8 +15,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "host/io/file_descriptor.h"
-#include "host/io/user_error.h"
+#include "host/files/file_descriptor.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "host/camera/camera_uri.h"
 #include "host/driver/open_control.h"
+#include "host/files/user_error.h"
 #include "host/gentl/gentl_errors.h"
-#include "host/io/user_error.h"
 
 namespace selfproj::gentl {
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "host/files/user_error.h"
 #include "host/gentl/gentl_types.h"
-#include "host/io/user_error.h"
 
 namespace selfproj::gentl {
 

@@ -14,7 +14,7 @@
 #include "host/gentl/device_list.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/profile.h"
-#include "host/parts/belt_position.h"
+#include "host/production/belt_position.h"
 #include "host/rig/rig.h"
 #include "model/column_moments.h"
 #include "model/column_runs.h"

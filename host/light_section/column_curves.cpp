@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/light_section/lens_reference.h"
 #include "host/rig/geometry.h"
 #include "host/rig/optics.h"

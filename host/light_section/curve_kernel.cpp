@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "model/cpu_clones.h"
 #include "model/moments_words.h"
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/light_section/column_curves.h"
 #include "host/light_section/curve_kernel.h"
 #include "host/light_section/strip_moments.h"

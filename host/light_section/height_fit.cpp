@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/light_section/height_model.h"
 #include "host/light_section/height_samples.h"
 #include "host/rig/geometry.h"

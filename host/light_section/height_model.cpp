@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 

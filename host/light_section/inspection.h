@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/light_section/profile.h"
 #include "host/rig/rig.h"
 #include "model/column_runs.h"

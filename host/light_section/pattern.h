@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/light_section/reference.h"
 #include "host/rig/rig.h"
 

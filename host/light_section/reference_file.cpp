@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/input_file.h"
-#include "host/io/numbers.h"
-#include "host/io/user_error.h"
+#include "host/files/input_file.h"
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
 #include "host/rig/geometry.h"
 #include "host/rig/geometry_keys.h"
 

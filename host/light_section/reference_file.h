@@ -22,7 +22,7 @@
 #include <optional>
 #include <string>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/light_section/reference.h"
 #include "host/rig/rig.h"
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/light_section/reference.h"
 #include "host/rig/rig.h"
 #include "model/column_moments.h"

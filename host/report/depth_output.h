@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/depth_shares.h"
 #include "host/structured_light/triangulation.h"

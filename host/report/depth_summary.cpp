@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "host/driver/counters.h"
-#include "host/io/float_image.h"
-#include "host/io/frame_options.h"
+#include "host/images/float_image.h"
+#include "host/images/frame_options.h"
 #include "host/report/depth_output.h"
 
 namespace selfproj {

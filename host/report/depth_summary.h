@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/plane_fit.h"
 #include "host/structured_light/point_cloud.h"

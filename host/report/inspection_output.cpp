@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/frame_options.h"
-#include "host/io/rounded.h"
-#include "host/io/user_error.h"
+#include "host/files/rounded.h"
+#include "host/files/user_error.h"
+#include "host/images/float_image.h"
+#include "host/images/frame_options.h"
 #include "host/light_section/profile.h"
 #include "host/report/colour_map.h"
 #include "host/report/facts_json.h"

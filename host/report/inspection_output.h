@@ -2,7 +2,7 @@
 #ifndef SELFPROJ_HOST_REPORT_INSPECTION_OUTPUT_H
 #define SELFPROJ_HOST_REPORT_INSPECTION_OUTPUT_H
 
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
 #include "host/light_section/inspection.h"
 #include "host/report/report.h"
 

@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/frame_options.h"
-#include "host/io/output_folder.h"
-#include "host/io/prepared_images.h"
+#include "host/files/output_folder.h"
+#include "host/images/float_image.h"
+#include "host/images/frame_options.h"
+#include "host/images/prepared_images.h"
 #include "host/light_section/strip_moments.h"
 #include "host/report/facts_json.h"
 #include "host/report/report.h"

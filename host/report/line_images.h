@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
 #include "host/report/moments_csv.h"
 #include "host/report/report.h"
 #include "host/rig/rig.h"

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/float_image.h"
 #include "host/report/colour_map.h"
 #include "host/report/number_text.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/report/colour_map.h"
 
 namespace selfproj {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/report/depth_output.h"
 #include "host/report/depth_summary.h"
 #include "host/report/facts_json.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
 #include "host/report/facts.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/depth_run.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/report/map_picture.h"
 
 namespace selfproj {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/light_section/profile.h"
 #include "host/report/frame_picture.h"
 #include "host/report/html_text.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/report/facts.h"
 #include "host/report/frame_picture.h"
 #include "host/report/map_picture.h"

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "host/io/input_file.h"
-#include "host/io/stderr_capture.h"
-#include "host/io/user_error.h"
+#include "host/files/input_file.h"
+#include "host/files/stderr_capture.h"
+#include "host/files/user_error.h"
 #include "host/rig/calibration_text.h"
 #include "host/rig/depth_matrices.h"
 

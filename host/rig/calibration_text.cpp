@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/rig/yaml_document.h"
 
 namespace selfproj {

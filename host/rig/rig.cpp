@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/frame_options.h"
-#include "host/io/input_file.h"
-#include "host/io/numbers.h"
-#include "host/io/user_error.h"
+#include "host/files/input_file.h"
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 #include "host/rig/height_terms.h"
 #include "host/rig/rigs_built_in.h"
 #include "host/rig/yaml_document.h"

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/numbers.h"
-#include "host/io/user_error.h"
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "host/io/frame_options.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 #include "host/rig/calibration_file.h"
 #include "host/rig/rig.h"
 #include "host/rig/rig_calibration.h"

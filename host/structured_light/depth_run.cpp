@@ -14,11 +14,11 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/frame_options.h"
-#include "host/io/median.h"
-#include "host/io/progress.h"
-#include "host/io/stop_signal.h"
-#include "host/io/user_error.h"
+#include "host/cli/progress.h"
+#include "host/files/median.h"
+#include "host/files/stop_signal.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/lens_triangulation.h"
 #include "host/structured_light/scan_stream.h"

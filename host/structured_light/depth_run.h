@@ -13,8 +13,8 @@
 
 #include "host/driver/counters.h"
 #include "host/driver/device.h"
-#include "host/io/float_image.h"
-#include "host/io/image_sequence.h"
+#include "host/images/float_image.h"
+#include "host/images/image_sequence.h"
 #include "host/structured_light/depth_geometry.h"
 #include "host/structured_light/depth_shares.h"
 #include "host/structured_light/moved.h"

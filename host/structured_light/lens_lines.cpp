@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/float_image.h"
 #include "host/structured_light/check.h"
 
 namespace selfproj {

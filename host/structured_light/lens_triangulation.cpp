@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/calibration_file.h"
 #include "host/rig/rig_calibration.h"
 #include "host/structured_light/check.h"

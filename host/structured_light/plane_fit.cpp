@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/median.h"
+#include "host/files/median.h"
+#include "host/images/float_image.h"
 #include "host/structured_light/triangulation.h"
 
 namespace selfproj {

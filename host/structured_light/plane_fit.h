@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/structured_light/triangulation.h"
 
 namespace selfproj {

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "host/io/input_file.h"
-#include "host/io/numbers.h"
-#include "host/io/user_error.h"
+#include "host/files/input_file.h"
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/gray_sequence.h"

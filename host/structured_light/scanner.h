@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/moved.h"
 #include "host/structured_light/triangulation.h"

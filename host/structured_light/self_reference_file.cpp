@@ -19,12 +19,12 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/frame_options.h"
-#include "host/io/image_files.h"
-#include "host/io/input_file.h"
-#include "host/io/numbers.h"
-#include "host/io/user_error.h"
+#include "host/files/input_file.h"
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
+#include "host/images/float_image.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
 #include "host/rig/geometry_keys.h"
 #include "host/rig/yaml_document.h"
 

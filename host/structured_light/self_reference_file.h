@@ -13,7 +13,7 @@
 
 #include <string>
 
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/self_reference.h"
 

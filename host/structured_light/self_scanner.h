@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/lens_lines.h"

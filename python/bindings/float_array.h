@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "python/bindings/arrays.h"
 
 namespace selfproj::python {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/fast_runs.h"
 #include "host/light_section/inspection.h"

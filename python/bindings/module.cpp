@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
-#include "host/io/frame_options.h"
-#include "host/io/image_files.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "python/bindings/arrays.h"
 

@@ -16,10 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/frame_options.h"
-#include "host/io/image_files.h"
-#include "host/io/image_sequence.h"
-#include "host/io/output_file.h"
+#include "host/files/output_file.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/gray_sequence.h"

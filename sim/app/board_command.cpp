@@ -17,15 +17,15 @@
 #include <span>
 #include <string>
 
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
+#include "host/cli/status_line.h"
 #include "host/driver/clock.h"
 #include "host/driver/ring_list.h"
 #include "host/driver/ring_writer.h"
-#include "host/io/command_line.h"
-#include "host/io/output_file.h"
-#include "host/io/progress.h"
-#include "host/io/status_line.h"
-#include "host/io/stop_signal.h"
-#include "host/io/user_error.h"
+#include "host/files/output_file.h"
+#include "host/files/stop_signal.h"
+#include "host/files/user_error.h"
 #include "model/packet.h"
 #include "model/pixel_clock.h"
 #include "sim/app/board_source.h"

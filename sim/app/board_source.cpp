@@ -9,13 +9,13 @@
 #include <string>
 #include <utility>
 
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
 #include "host/driver/counters.h"
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/image_files.h"
-#include "host/io/image_sequence.h"
-#include "host/io/progress.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
 #include "model/board.h"
 #include "model/column_moments.h"
 #include "model/gray_decoder.h"

@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/image_files.h"
-#include "host/io/output_folder.h"
-#include "host/io/progress.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
 #include "host/rig/rig.h"
-#include "sim/app/world_options.h"
+#include "sim/cosim/world_options.h"
 #include "sim/scene/chessboard.h"
 #include "sim/scene/pattern_set.h"
 #include "sim/scene/projected_light.h"

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
+#include "host/cli/command_line.h"
+#include "host/images/frame_options.h"
 #include "host/structured_light/stripe_code.h"
 #include "model/gray_decoder.h"
-#include "sim/app/world_options.h"
-#include "sim/experiment/cosim.h"
-#include "sim/experiment/cosim_options.h"
+#include "sim/cosim/cosim.h"
+#include "sim/cosim/cosim_options.h"
+#include "sim/cosim/world_options.h"
 #include "sim/scene/renderer.h"
 
 namespace selfproj {

@@ -14,12 +14,12 @@
 #include <string>
 #include <vector>
 
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/image_files.h"
-#include "host/io/output_folder.h"
-#include "host/io/progress.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
 #include "model/gray_decoder.h"
 #include "sim/board/gray_engine.h"
 

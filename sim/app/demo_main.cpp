@@ -1,6 +1,6 @@
 // selfproj-sim with only the commands that scripts/demo.sh shows, so that the demo builds no others.
 
-#include "host/io/program_main.h"
+#include "host/cli/program_main.h"
 #include "sim/app/board_command.h"
 #include "sim/app/cosim_command.h"
 

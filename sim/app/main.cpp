@@ -1,11 +1,10 @@
 // selfproj-sim: the world around the board, in simulation.
 
-#include "host/io/program_main.h"
+#include "host/cli/program_main.h"
 #include "sim/app/board_command.h"
 #include "sim/app/capture_command.h"
 #include "sim/app/cosim_command.h"
 #include "sim/app/decode_command.h"
-#include "sim/app/experiment_command.h"
 #include "sim/app/moments_command.h"
 #include "sim/app/scene_command.h"
 
@@ -29,7 +28,6 @@ selfproj-sim cosim --count 20 --out part
         selfproj::add_cosim_command(app);
         selfproj::add_moments_command(app);
         selfproj::add_decode_command(app);
-        selfproj::add_experiment_command(app);
         selfproj::add_board_command(app);
         selfproj::add_scene_command(app);
         selfproj::add_capture_command(app);

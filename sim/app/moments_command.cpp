@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "host/io/command_line.h"
-#include "host/io/frame_options.h"
-#include "host/io/image_files.h"
-#include "host/io/output_file.h"
-#include "host/io/prepared_images.h"
-#include "host/io/progress.h"
-#include "host/io/user_error.h"
+#include "host/cli/command_line.h"
+#include "host/cli/progress.h"
+#include "host/files/output_file.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
+#include "host/images/prepared_images.h"
 #include "host/report/moments_csv.h"
 #include "model/column_runs.h"
 #include "model/spec/generated/selfproj_spec.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/driver/register_port.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/register_file.h"
 
 namespace selfproj {

@@ -15,7 +15,7 @@
 
 #include "host/driver/etherbone.h"
 #include "host/driver/udp_socket.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/write_mailbox.h"
 
 namespace selfproj {

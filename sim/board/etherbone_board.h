@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "host/driver/etherbone.h"
-#include "host/io/file_descriptor.h"
+#include "host/files/file_descriptor.h"
 #include "model/write_mailbox.h"
 
 namespace selfproj {

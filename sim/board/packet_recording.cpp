@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "host/driver/open_device.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/board.h"
 #include "model/packet.h"
 

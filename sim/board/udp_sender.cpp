@@ -17,8 +17,8 @@
 #include <string>
 
 #include "host/driver/udp_socket.h"
-#include "host/io/file_descriptor.h"
-#include "host/io/user_error.h"
+#include "host/files/file_descriptor.h"
+#include "host/files/user_error.h"
 #include "model/packet.h"
 
 namespace selfproj {

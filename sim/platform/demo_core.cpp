@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "Vboard.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "sim/board/match_engine.h"
 #include "sim/platform/board_core.h"
 #include "sim/platform/rtl_core.h"

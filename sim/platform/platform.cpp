@@ -8,7 +8,7 @@
 #include <tlm>
 #include <utility>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/pixel_clock.h"
 #include "sim/platform/modules.h"
 

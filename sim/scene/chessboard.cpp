@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "sim/scene/even_numbers.h"
 #include "sim/scene/lens_kernel.h"
 

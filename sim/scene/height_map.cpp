@@ -10,8 +10,8 @@
 #include <memory>
 #include <string>
 
-#include "host/io/float_image.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "sim/scene/scene.h"
 

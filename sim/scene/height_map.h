@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "sim/scene/min_max_pyramid.h"
 #include "sim/scene/scene.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 
 namespace selfproj {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 
 namespace selfproj {
 

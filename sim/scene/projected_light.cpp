@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "sim/scene/gaussian_kernel.h"
 
 namespace selfproj {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "sim/scene/defocus.h"
 #include "sim/scene/min_max_pyramid.h"
 #include "sim/scene/pinhole.h"

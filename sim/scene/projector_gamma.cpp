@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 
 namespace selfproj {
 

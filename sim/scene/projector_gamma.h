@@ -2,7 +2,7 @@
 #ifndef SELFPROJ_SIM_SCENE_PROJECTOR_GAMMA_H
 #define SELFPROJ_SIM_SCENE_PROJECTOR_GAMMA_H
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 
 namespace selfproj {
 

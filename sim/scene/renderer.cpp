@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "sim/scene/noise.h"
 #include "sim/scene/parallel.h"

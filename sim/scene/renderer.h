@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "sim/scene/block_grid.h"
 #include "sim/scene/block_views.h"

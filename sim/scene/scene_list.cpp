@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/rig/rig.h"
 #include "sim/scene/light_section_scenes.h"
 #include "sim/scene/scanner_scenes.h"

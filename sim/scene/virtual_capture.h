@@ -6,9 +6,9 @@
 #include <functional>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/rig/rig.h"
 #include "sim/scene/chessboard.h"
 #include "sim/scene/pattern_renderer.h"

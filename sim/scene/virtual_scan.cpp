@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 #include "host/light_section/scan.h"
 #include "host/structured_light/gray_sequence.h"
 #include "host/structured_light/self_reference.h"

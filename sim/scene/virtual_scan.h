@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/point_scan.h"
 #include "model/column_moments.h"

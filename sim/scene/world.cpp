@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/input_file.h"
-#include "host/io/numbers.h"
-#include "host/io/user_error.h"
+#include "host/files/input_file.h"
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
 #include "host/rig/yaml_document.h"
 #include "host/rig/yaml_fields.h"
 #include "sim/scene/world_built_in.h"

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/image_files.h"
-#include "host/io/input_file.h"
+#include "host/files/input_file.h"
+#include "host/images/image_files.h"
 #include "model/packet.h"
 #include "sim/target/frame_packets.h"
 

@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/input_file.h"
+#include "host/files/input_file.h"
 #include "model/packet.h"
 #include "sim/target/camera_judge.h"
 #include "sim/target/frame_packets.h"

@@ -81,7 +81,6 @@ def commands_of(made):
         ],
         ("selfproj-sim", "board"): ["--line", "64x16", "--line-frames", "5", "--record", "o"],
         ("selfproj-sim", "scene", "render"): ["plane", "--rig", m / "rig.yaml", "--count", "1", "--out", "o"],
-        ("selfproj-sim", "experiment"): ["A1", "--every", "1000"],
         ("selfproj-sim", "capture"): [
             "--rig", m / "scanner.yaml", "--patterns", m / "gray", "--scene", "desk", "--out", "o"
         ],

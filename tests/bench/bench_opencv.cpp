@@ -30,7 +30,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/gray_sequence.h"
 #include "tests/bench/collector.h"

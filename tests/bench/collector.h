@@ -1,5 +1,5 @@
 // Shared by the benchmarks: a reporter that keeps the rates, so that ratios can be printed at the end and written as
-// results (host/io/results_file.h).
+// results (host/files/results_file.h).
 #ifndef SELFPROJ_TESTS_BENCH_COLLECTOR_H
 #define SELFPROJ_TESTS_BENCH_COLLECTOR_H
 
@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 
 namespace selfproj::bench {
 

@@ -20,7 +20,7 @@
 #include "host/driver/open_device.h"
 #include "host/driver/ring_list.h"
 #include "host/driver/ring_writer.h"
-#include "host/io/duration_histogram.h"
+#include "host/files/duration_histogram.h"
 #include "host/rig/rig.h"
 #include "model/packet.h"
 #include "sim/board/packet_recording.h"

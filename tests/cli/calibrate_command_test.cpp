@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/rig/calibration_file.h"
 #include "host/rig/rig.h"
 #include "host/rig/rig_calibration.h"

@@ -1,6 +1,6 @@
 // Tests the whole chain: patterns, captures of a virtual chessboard with noise and blur, decoding, calibration, the
 // resulting rig, and the depth of a known plane measured with it. The rig has the geometry of rig B with half as many
-// pixels along each side; scripts/calibration_chain.sh runs the full size.
+// pixels along each side; lab/scripts/calibration_chain.sh runs the full size.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/report/depth_output.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/point_cloud.h"

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/rig/rig.h"
 #include "host/rig/rig_calibration.h"
 #include "host/structured_light/lens_triangulation.h"

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_reference_file.h"
 #include "model/gray_decoder.h"

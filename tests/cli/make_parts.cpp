@@ -3,7 +3,7 @@
 #include <random>
 
 #include "tests/cli/program.h"
-#include "tests/host/parts/made_packets.h"
+#include "tests/host/production/made_packets.h"
 
 int main(int argc, char** argv) {
   using namespace selfproj;        // NOLINT(google-build-using-namespace)

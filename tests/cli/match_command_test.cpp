@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/gray_sequence.h"
 #include "host/structured_light/self_reference.h"

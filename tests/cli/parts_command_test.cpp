@@ -19,10 +19,10 @@
 #include <thread>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/line/modbus_server.h"
+#include "host/images/float_image.h"
+#include "host/production/modbus_server.h"
 #include "tests/cli/program.h"
-#include "tests/host/parts/made_packets.h"
+#include "tests/host/production/made_packets.h"
 
 namespace selfproj::test {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "host/calibration/chessboard.h"
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/light_section/reference_file.h"
 #include "tests/cli/program.h"
 

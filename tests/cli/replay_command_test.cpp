@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "host/driver/etherbone.h"
-#include "host/io/image_files.h"
-#include "host/io/prepared_images.h"
+#include "host/images/image_files.h"
+#include "host/images/prepared_images.h"
 #include "model/replay.h"
 #include "tests/cli/program.h"
 #include "tests/support/replay_board.h"

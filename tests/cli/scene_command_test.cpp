@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
 #include "sim/scene/pattern_renderer.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/reference.h"
 #include "host/rig/rig.h"

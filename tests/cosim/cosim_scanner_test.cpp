@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "tests/cli/program.h"
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/packet.h"
 #include "sim/board/packet_judge.h"
 #include "tests/rtl/board/frames.h"

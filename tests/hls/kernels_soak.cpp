@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/hls/gray_kernel_bench.h"
 #include "tests/hls/moments_bench.h"
 

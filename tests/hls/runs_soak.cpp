@@ -18,7 +18,7 @@
 #include "Vboard_codes.h"
 #include "Vboard_codes_raw.h"
 #include "hls/column_runs.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "host/light_section/fast_runs.h"
 #include "model/column_runs.h"
 #include "tests/hls/moments_bench.h"

@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "capi/selfproj.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
 #include "sim/scene/defect_pixels.h"

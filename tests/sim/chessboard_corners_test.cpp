@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "host/calibration/chessboard.h"
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/rig/rig.h"
 #include "sim/scene/chessboard.h"
 #include "sim/scene/pattern_renderer.h"
@@ -63,7 +63,7 @@ class Distances {
   std::size_t corners_ = 0;
 };
 
-// The board that calibrates rig B in scripts/calibration_chain.sh, fully lit, with the camera's noise.
+// The board that calibrates rig B in lab/scripts/calibration_chain.sh, fully lit, with the camera's noise.
 TEST(ChessboardCorners, TheFitOfCrossingEdgesIsTheMostExact) {
   const Rig rig = load_rig("scanner");
   const ProjectedLight full(FloatImage(rig.projector.lines, rig.projector.columns, 1), 1);

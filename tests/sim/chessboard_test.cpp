@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/rig/rig.h"
 #include "sim/scene/pinhole.h"
 #include "sim/scene/real_rig.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
 #include "sim/scene/pattern_renderer.h"

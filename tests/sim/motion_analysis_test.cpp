@@ -1,5 +1,5 @@
 // Tests frequencies, speeds and rings on known samples.
-#include "sim/experiment/motion_analysis.h"
+#include "sim/cosim/motion_analysis.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/triangulation.h"
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/rig/rig.h"
 #include "sim/scene/body.h"
 #include "sim/scene/height_map.h"

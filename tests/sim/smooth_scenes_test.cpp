@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/light_section/pattern.h"
 #include "host/rig/rig.h"
 #include "sim/scene/chessboard.h"

@@ -1,5 +1,5 @@
 // Measures depth and speeds of waves that this test computes by formulas of its own.
-#include "sim/experiment/wave_dispersion.h"
+#include "sim/cosim/wave_dispersion.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/triangulation.h"
 #include "tests/host/light_section/seen_surface.h"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj::test {
 

@@ -1,4 +1,4 @@
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <limits>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/cli/program.h"
 
 namespace selfproj {

@@ -1,4 +1,4 @@
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/image_header.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/image_header.h"
 #include "tests/cli/program.h"
 
 namespace selfproj {

@@ -1,4 +1,4 @@
-#include "host/io/natural_order.h"
+#include "host/images/natural_order.h"
 
 #include <gtest/gtest.h>
 

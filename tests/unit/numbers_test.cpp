@@ -1,11 +1,11 @@
-#include "host/io/numbers.h"
+#include "host/files/numbers.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 
-#include "host/io/frame_options.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
 
 namespace selfproj {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/stop_signal.h"
-#include "host/io/user_error.h"
+#include "host/files/stop_signal.h"
+#include "host/files/user_error.h"
 #include "tests/cli/program.h"
 
 namespace selfproj {

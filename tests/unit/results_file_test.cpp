@@ -1,4 +1,4 @@
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {

@@ -1,14 +1,14 @@
-#include "host/io/run_files.h"
+#include "host/files/run_files.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <string>
 
-#include "host/io/input_file.h"
-#include "host/io/output_file.h"
-#include "host/io/output_folder.h"
-#include "host/io/user_error.h"
+#include "host/files/input_file.h"
+#include "host/files/output_file.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
 #include "tests/cli/program.h"
 
 namespace selfproj {

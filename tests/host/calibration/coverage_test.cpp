@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "host/calibration/calibrate.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/support/chessboard_world.h"
 
 namespace selfproj {

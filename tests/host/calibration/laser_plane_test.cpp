@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/support/chessboard_world.h"
 
 namespace selfproj {

@@ -18,7 +18,7 @@
 #include "host/calibration/belt_report.h"
 #include "host/calibration/bundle_plates.h"
 #include "host/calibration/calibrate.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/support/chessboard_world.h"
 
 namespace selfproj {

@@ -17,9 +17,9 @@
 #include "host/calibration/calibrate.h"
 #include "host/calibration/calibration_check.h"
 #include "host/calibration/capture.h"
-#include "host/io/image_files.h"
-#include "host/io/image_sequence.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
+#include "host/images/image_files.h"
+#include "host/images/image_sequence.h"
 #include "host/structured_light/gray_sequence.h"
 
 #ifdef SELFPROJ_HAS_OPENCV_STRUCTURED_LIGHT

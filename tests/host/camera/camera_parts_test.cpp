@@ -13,7 +13,7 @@
 #include "host/camera/camera_uri.h"
 #include "host/camera/frame_numbers.h"
 #include "host/camera/pixel_format.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {

@@ -13,7 +13,7 @@
 
 #include "host/camera/camera_device.h"
 #include "host/camera/open_camera.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/packet.h"
 #include "tests/host/camera/gige_camera.h"
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "host/camera/camera_device.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/board.h"
 #include "tests/support/random_cases.h"
 

@@ -20,7 +20,7 @@
 #include "host/camera/camera.h"
 #include "host/camera/camera_uri.h"
 #include "host/driver/device_port.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 
 namespace selfproj::test {
 namespace {

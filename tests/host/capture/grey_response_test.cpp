@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {

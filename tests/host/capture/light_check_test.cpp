@@ -10,7 +10,7 @@
 #include <functional>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {

@@ -17,8 +17,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/gray_sequence.h"
 #include "sim/scene/chessboard.h"

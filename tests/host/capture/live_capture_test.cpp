@@ -18,10 +18,10 @@
 #include <thread>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
-#include "host/io/results_file.h"
-#include "host/projector/grey_curve.h"
+#include "host/capture/grey_curve.h"
+#include "host/files/results_file.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/gray_sequence.h"
 #include "sim/scene/pattern_set.h"

@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "sim/scene/targets.h"
 #include "tests/cli/program.h"

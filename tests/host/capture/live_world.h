@@ -19,8 +19,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/image_files.h"
+#include "host/images/float_image.h"
+#include "host/images/image_files.h"
 #include "sim/scene/pattern_renderer.h"
 #include "sim/scene/projected_light.h"
 #include "sim/scene/real_rig.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "host/camera/camera.h"
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 
 namespace selfproj::test {
 namespace {

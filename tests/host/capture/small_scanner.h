@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 #include "host/rig/rig.h"
 
 namespace selfproj::test {

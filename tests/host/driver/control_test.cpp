@@ -14,7 +14,7 @@
 #include "host/driver/board_list.h"
 #include "host/driver/board_test.h"
 #include "host/driver/open_control.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/support/board_registers.h"
 #include "tests/support/error_of.h"

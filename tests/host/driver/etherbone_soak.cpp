@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/host/driver/etherbone_accesses.h"
 
 namespace {

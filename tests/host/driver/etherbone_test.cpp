@@ -13,7 +13,7 @@
 
 #include "host/driver/control.h"
 #include "host/driver/etherbone_port.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/host/driver/etherbone_accesses.h"
 #include "tests/support/etherbone_board.h"
 #include "tests/support/random_cases.h"

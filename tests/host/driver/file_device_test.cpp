@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "host/driver/open_device.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/host/driver/packets.h"
 

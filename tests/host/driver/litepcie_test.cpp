@@ -21,7 +21,7 @@
 #include "host/driver/litepcie_port.h"
 #include "host/driver/open_control.h"
 #include "host/driver/open_device.h"
-#include "host/io/file_descriptor.h"
+#include "host/files/file_descriptor.h"
 #include "tests/cli/program.h"
 #include "tests/host/driver/packets.h"
 #include "tests/support/board_registers.h"

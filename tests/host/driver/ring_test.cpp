@@ -20,7 +20,7 @@
 #include "host/driver/ring_layout.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/host/driver/packets.h"
 #include "tests/host/driver/ring_fixture.h"
 

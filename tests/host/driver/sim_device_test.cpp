@@ -8,7 +8,7 @@
 #include <span>
 
 #include "host/driver/open_device.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/packet.h"
 #include "tests/host/driver/packets.h"
 

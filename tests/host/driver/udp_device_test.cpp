@@ -12,7 +12,7 @@
 
 #include "host/driver/datagram_assembler.h"
 #include "host/driver/open_device.h"
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "model/datagram.h"
 #include "model/datagram_cutter.h"
 #include "sim/board/udp_sender.h"

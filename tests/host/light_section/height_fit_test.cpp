@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/rig/optics.h"
 #include "host/rig/rig.h"
 #include "tests/host/light_section/lens_world.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/reference.h"

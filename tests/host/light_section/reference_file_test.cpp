@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/cli/program.h"
 
 namespace selfproj::test {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/reference.h"

@@ -19,9 +19,9 @@
 #include <string>
 #include <vector>
 
-#include "host/io/float_image.h"
-#include "host/io/output_folder.h"
-#include "host/io/user_error.h"
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
+#include "host/images/float_image.h"
 #include "host/report/inspection_output.h"
 #include "tests/cli/program.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/report/colour_map.h"
 
 namespace selfproj {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/lens_triangulation.h"
 #include "host/structured_light/triangulation.h"

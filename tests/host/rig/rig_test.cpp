@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "host/io/user_error.h"
+#include "host/files/user_error.h"
 #include "tests/support/error_of.h"
 
 namespace selfproj {

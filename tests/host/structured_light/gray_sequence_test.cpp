@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/io/image_files.h"
+#include "host/images/image_files.h"
 #include "host/structured_light/fast_decoder.h"
 #include "tests/support/random_cases.h"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/io/output_folder.h"
+#include "host/files/output_folder.h"
 #include "host/rig/rig.h"
 #include "host/rig/rig_calibration.h"
 #include "host/structured_light/accuracy.h"

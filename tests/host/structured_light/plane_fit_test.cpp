@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/io/float_image.h"
+#include "host/images/float_image.h"
 #include "host/rig/calibration_file.h"
 #include "host/rig/rig.h"
 #include "host/rig/rig_calibration.h"

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "host/io/image_files.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
+#include "host/images/image_files.h"
 #include "host/report/depth_output.h"
 #include "host/rig/calibration_file.h"
 #include "host/structured_light/fast_decoder.h"

@@ -19,7 +19,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/outside/gentl/producer.h"
 #include "tests/outside/gentl/recording.h"
 

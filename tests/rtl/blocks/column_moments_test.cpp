@@ -5,7 +5,7 @@
 
 #include "Vsp_column_moments_ports.h"
 #include "Vsp_column_moments_small_ports.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/rtl/blocks/column_moments_bench.h"
 #include "tests/support/random_cases.h"
 

@@ -10,7 +10,7 @@
 #include <cstdlib>
 
 #include "Vsp_gray_match_ports.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/rtl/blocks/gray_match_bench.h"
 
 namespace {

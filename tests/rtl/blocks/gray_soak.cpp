@@ -13,7 +13,7 @@
 
 #include "Vsp_gray_core_ports.h"
 #include "Vsp_gray_decoder_ports.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/rtl/blocks/gray_axi_bench.h"
 #include "tests/rtl/blocks/gray_bench.h"
 #include "tests/rtl/blocks/gray_frames_bench.h"

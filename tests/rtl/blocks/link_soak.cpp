@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/rtl/blocks/link_bench.h"
 
 namespace {

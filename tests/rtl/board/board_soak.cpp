@@ -10,7 +10,7 @@
 #include <cstdlib>
 
 #include "Vboard.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/rtl/board/random_frames.h"
 
 namespace {

@@ -10,7 +10,7 @@
 
 #include "Vboard.h"
 #include "Vboard_original.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "model/pixel_clock.h"
 #include "tests/rtl/board/frames.h"
 #include "tests/rtl/board/random_frames.h"

@@ -10,7 +10,7 @@
 #include <cstdlib>
 
 #include "Vboard_codes.h"
-#include "host/io/results_file.h"
+#include "host/files/results_file.h"
 #include "tests/rtl/board/racing_board.h"
 
 namespace {

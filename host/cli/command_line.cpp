@@ -1,0 +1,174 @@
+#include "host/cli/command_line.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/natural_order.h"
+#include "host/images/prepared_images.h"
+#include "model/column_runs.h"
+
+namespace selfproj {
+namespace {
+
+std::string expected(const std::string& text, const std::string& what) {
+  return fmt::format("is '{}'; {} is expected", text, what);
+}
+
+// "1e6", not "1e+06".
+std::string short_text(double number) {
+  std::string text = fmt::format("{:g}", number);
+  const std::size_t e = text.find("e+");
+  return e == std::string::npos ? text : text.substr(0, e + 1) + text.substr(text.find_first_not_of('0', e + 2));
+}
+
+// The words for a range in the help, and in an error.
+struct RangeText {
+  std::string in_help;
+  std::string in_error;
+};
+
+RangeText range_of(const std::string& least, const std::string& most) {
+  const std::string range = fmt::format("{} to {}", least, most);
+  return {range, "from " + range};
+}
+
+CLI::Validator real_validator(const RangeText& range, double least, double most, bool least_is_allowed) {
+  return CLI::Validator(
+      [=](std::string& text) {
+        const std::optional<double> number = number_of_text<double>(text);
+        const bool good = number && *number <= most && (least_is_allowed ? *number >= least : *number > least);
+        return good ? std::string() : expected(text, "a number " + range.in_error);
+      },
+      range.in_help);
+}
+
+}  // namespace
+
+CLI::App* add_command(CLI::App& parent, const CommandText& text) {
+  CLI::App* command = parent.add_subcommand(text.name);
+  set_text(*command, text);
+  return command;
+}
+
+void set_text(CLI::App& app, const CommandText& text) {
+  app.description(text.details.empty() ? text.purpose : text.purpose + "\n\n" + text.details);
+  app.footer(text.examples);
+  for (CLI::Option* option : app.get_options()) {  // --help, --version
+    option->group("Help");
+  }
+}
+
+void begin_group(CLI::App& command, const std::string& name) { command.option_defaults()->group(name); }
+
+CLI::Validator whole_number(std::int64_t least, std::int64_t most) {
+  const RangeText range = most == kNoLimit
+                              ? RangeText{fmt::format("{} or more", least), fmt::format("of {} or more", least)}
+                              : range_of(std::to_string(least), std::to_string(most));
+  return CLI::Validator(
+      [=](std::string& text) {
+        const std::optional<std::int64_t> number = number_of_text<std::int64_t>(text);
+        if (!number || *number < least || *number > most) {
+          return expected(text, "a whole number " + range.in_error);
+        }
+        text = std::to_string(*number);
+        return std::string();
+      },
+      range.in_help);
+}
+
+CLI::Validator real_number(double least, double most) {
+  return real_validator(range_of(short_text(least), short_text(most)), least, most, true);
+}
+
+CLI::Validator number_above_zero(double most) {
+  return real_validator({"above 0", "above 0, at most " + short_text(most)}, 0, most, false);
+}
+
+CLI::Validator one_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    list += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+  }
+  return CLI::Validator(
+      [=](std::string& text) {
+        for (const std::string& name : names) {
+          if (text == name) {
+            return std::string();
+          }
+        }
+        return expected(text, list);
+      },
+      list);
+}
+
+CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<std::string>& files,
+                       const std::string& text) {
+  return command
+      .add_option_function<std::vector<std::string>>(
+          name, [&files](const std::vector<std::string>& given) { files = in_listed_order(given); }, text)
+      ->type_name("FILE");
+}
+
+CLI::Option* add_channel_option(CLI::App& command, std::string& channel) {
+  return command
+      .add_option("--channel", channel, "Channel to take of colour images. Without it, colour images are refused.")
+      ->check(one_of(channel_names()))
+      ->type_name("CHANNEL");
+}
+
+void SelectOptions::apply(Measure& measure) const {
+  if (!select.empty()) {
+    measure.select = select_of(select);
+  }
+  if (gap) {
+    if (measure.select != Select::strongest) {
+      throw UserError("--gap", "goes only with --select strongest");
+    }
+    measure.gap = *gap;
+  }
+  if (measure.select == Select::all) {
+    measure.gap = 0;
+  }
+  if (!rows.empty()) {
+    measure.window = rows_of_text("--rows", rows);
+  }
+}
+
+void add_select_options(CLI::App& command, SelectOptions& options, const std::string& by_default) {
+  command
+      .add_option("--select", options.select,
+                  "What of a column counts: all lit pixels, or its strongest run, which leaves out what is lit apart "
+                  "from the line.")
+      ->check(one_of(select_names()))
+      ->type_name("SELECT")
+      ->default_str(by_default);
+  command.add_option("--gap", options.gap, "Dark rows that two lit pixels of one run may have between them.")
+      ->transform(whole_number(0, kMaxGap))
+      ->type_name("G")
+      ->default_str("0");
+  command.add_option("--rows", options.rows, "First and last row that count, from 1, such as 10..80.")
+      ->type_name("A..B")
+      ->default_str("all");
+}
+
+void add_preparation_options(CLI::App& command, Preparation& preparation) {
+  add_channel_option(command, preparation.channel);
+  command
+      .add_option(
+          "--roi", preparation.roi,
+          "Part of the images to take: columns, rows, and its left and upper pixel from 0, such as 320x60+0+40.")
+      ->type_name("WxH+X+Y")
+      ->default_str("all");
+  command.add_flag("--transpose", preparation.transpose,
+                   "Exchange rows and columns, for lines that run from top to bottom. --roi comes first.");
+}
+
+}  // namespace selfproj

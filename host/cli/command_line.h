@@ -1,0 +1,73 @@
+// Shared by all commands: the form of their help, and strict reading of option values. CLI11 parses the command line,
+// but every word that a user reads comes from here or from the command itself.
+#ifndef SELFPROJ_HOST_CLI_COMMAND_LINE_H
+#define SELFPROJ_HOST_CLI_COMMAND_LINE_H
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/images/prepared_images.h"
+#include "model/column_runs.h"
+
+namespace selfproj {
+
+// A command as its help describes it.
+struct CommandText {
+  std::string name;
+  std::string purpose;  // one sentence; the list of commands shows it, too
+  std::string details;  // paragraphs, and lists whose lines begin with "- "; may be empty
+  // Shell lines that work one after another in an empty folder, each group under a comment "# What it does." A comment
+  // that ends in "(needs hardware)", "(needs your files)" or "(takes minutes)" says why a test does not run its lines.
+  std::string examples;
+};
+
+// Adds a command to a program or to another command.
+CLI::App* add_command(CLI::App& parent, const CommandText& text);
+
+// Sets the same texts for a program.
+void set_text(CLI::App& app, const CommandText& text);
+
+// Options added from now on appear in this group of the command's help.
+void begin_group(CLI::App& command, const std::string& name);
+
+// Checks of option values, for Option::transform. Each value must be a decimal number, without a sign if the least
+// number is 0, without other text around it, and without overflow, infinity or NaN. They pass on the number without
+// leading zeros, because CLI11 would read 010 as octal.
+constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
+CLI::Validator whole_number(std::int64_t least, std::int64_t most = kNoLimit);
+CLI::Validator real_number(double least, double most);
+CLI::Validator number_above_zero(double most = 1e6);
+
+// One of these names. For Option::check.
+CLI::Validator one_of(const std::vector<std::string>& names);
+
+// Adds an option or argument for files. It gives the files of the command line in the order of in_listed_order.
+CLI::Option* add_files(CLI::App& command, const std::string& name, std::vector<std::string>& files,
+                       const std::string& text);
+
+// Adds --channel: the channel to take of colour images.
+CLI::Option* add_channel_option(CLI::App& command, std::string& channel);
+
+// What of a column is measured, as --select, --gap and --rows say it; nothing where an option is not given.
+struct SelectOptions {
+  std::string select = {};
+  std::optional<int> gap = {};
+  std::string rows = {};
+
+  // Changes `measure` where an option says so. Throws UserError about --rows, or about --gap without the strongest run.
+  void apply(Measure& measure) const;
+};
+
+// Adds --select, --gap and --rows. `by_default` is what --help says of --select.
+void add_select_options(CLI::App& command, SelectOptions& options, const std::string& by_default = "all");
+
+// Adds --channel, --roi and --transpose.
+void add_preparation_options(CLI::App& command, Preparation& preparation);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_CLI_COMMAND_LINE_H

@@ -1,0 +1,153 @@
+#include "host/cli/program_main.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/cli/command_line.h"
+#include "host/cli/help_text.h"
+#include "host/cli/program_run.h"
+#include "host/files/user_error.h"
+#include "model/spec/generated/selfproj_spec.h"
+
+namespace selfproj {
+namespace {
+
+constexpr int kFailed = 1;    // a check or the program itself failed
+constexpr int kBadInput = 2;  // errors that the user can fix
+
+// Prints one line whatever the message contains (a file name may contain a line break).
+int report(const std::string& program, std::string message, int status) {
+  std::replace_if(
+      message.begin(), message.end(), [](char c) { return c >= '\0' && c < ' '; }, ' ');
+  fmt::print(stderr, "{}: {}\n", program, message);
+  return status;
+}
+
+// The command that the command line names.
+const CLI::App* command_given(const CLI::App& program) {
+  const CLI::App* command = &program;
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+  }
+  return command;
+}
+
+std::string full_name(const CLI::App* command) {
+  const CLI::App* parent = command->get_parent();
+  return parent == nullptr ? command->get_name() : full_name(parent) + " " + command->get_name();
+}
+
+// "--a requires --b" becomes "--a: goes only with --b".
+std::string with_relation(const std::string& text, const std::string& word, const std::string& relation) {
+  const std::size_t at = text.find(" " + word + " ");
+  return at == std::string::npos ? text
+                                 : text.substr(0, at) + ": " + relation + " " + text.substr(at + word.size() + 2);
+}
+
+// Rewords an error of CLI11: the option first, then the reason.
+std::string explained(const CLI::App& program, const CLI::ParseError& error) {
+  const CLI::App* command = command_given(program);
+  const std::string see = fmt::format("; see {} --help", full_name(command));
+  std::string text = error.what();
+  if (const std::vector<std::string> unknown = program.remaining(true); !unknown.empty()) {
+    const bool option = unknown.front().starts_with('-');
+    const bool no_command = command->get_require_subcommand_min() > 0;
+    return unknown.front() +
+           (option       ? ": unknown option"
+            : no_command ? ": unknown command"
+                         : ": unexpected argument") +
+           see;
+  }
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
+    return (text == "A subcommand is required" ? "a command is missing" : with_relation(text, "is", "is")) + see;
+  }
+  if (dynamic_cast<const CLI::RequiresError*>(&error) != nullptr) {
+    return with_relation(text, "requires", "goes only with");
+  }
+  if (dynamic_cast<const CLI::ExcludesError*>(&error) != nullptr) {
+    return with_relation(text, "excludes", "cannot be combined with");
+  }
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    if (const std::size_t end = text.find(" was given a disallowed flag override"); end != std::string::npos) {
+      return (end == 1 ? "-" : "--") + text.substr(0, end) + ": takes no value" + see;
+    }
+    const std::size_t colon = text.find(": ");
+    return colon == std::string::npos ? text + see : text.substr(0, colon) + ": a value is missing" + see;
+  }
+  return text;
+}
+
+// With --check-usage as the first word, a command line is only parsed and not run. The tests of the documents use this.
+// The callbacks stay, because they own the variables into which the options are read.
+void take_check_usage(CLI::App& program, std::vector<std::string>& words) {
+  if (!words.empty() && words.front() == "--check-usage") {
+    words.erase(words.begin());
+    program.parse_complete_callback([] { throw CLI::Success(); });
+  }
+}
+
+// --check=3 is an error. Without this, CLI11 reads a value of a flag as a number or a truth value.
+void refuse_values_of_flags(CLI::App& app) {
+  for (CLI::Option* option : app.get_options([](CLI::Option*) { return true; })) {
+    if (option->get_items_expected_max() == 0) {
+      option->disable_flag_override();
+    }
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    refuse_values_of_flags(*command);
+  }
+}
+
+int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& add_commands, int argc, char** argv) {
+  const std::string& name = text.name;
+  try {
+    CLI::App app("", name);
+    app.formatter(std::make_shared<HelpFormatter>());
+    app.require_subcommand(1);
+    app.set_help_flag("-h,--help", "Print this help and end.");
+    app.set_version_flag("--version",
+                         fmt::format("{}, specification {}.{}, hash 0x{:08X}", name, spec::kVersion >> 8U,
+                                     spec::kVersion & 0xFFU, spec::kHash),
+                         "Print the version of the packets' specification and end.");
+    set_text(app, text);
+    add_commands(app);
+    refuse_values_of_flags(app);
+    std::vector<std::string> words(argv + 1, argv + argc);
+    if (words == std::vector<std::string>{"--help-json"}) {  // for scripts/command_pages.py
+      fmt::print("{}", help_json(app));
+      return 0;
+    }
+    take_check_usage(app, words);
+    std::reverse(words.begin(), words.end());  // CLI11 takes the words from the back
+    try {
+      app.parse(std::move(words));
+    } catch (const CLI::Success& success) {  // --help, --version
+      return app.exit(success);
+    } catch (const CLI::ParseError& error) {
+      return report(name, explained(app, error), kBadInput);
+    }
+  } catch (const UserError& error) {
+    return report(name, error.what(), kBadInput);
+  } catch (const std::exception& error) {
+    return report(name, error.what(), kFailed);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int program_main(const CommandText& text, const std::function<void(CLI::App&)>& add_commands, int argc, char** argv) {
+  return run_as_program(text.name, [&] { return run_commands(text, add_commands, argc, argv); });
+}
+
+}  // namespace selfproj

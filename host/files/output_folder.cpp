@@ -1,0 +1,195 @@
+#include "host/files/output_folder.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "host/files/file_descriptor.h"
+#include "host/files/folder_exchange.h"
+#include "host/files/output_parents.h"
+#include "host/files/run_files.h"
+#include "host/files/signals_held.h"
+#include "host/files/user_error.h"
+
+namespace selfproj {
+namespace fs = std::filesystem;
+namespace {
+
+// Flushes a file to the disk, so that a loss of power does not lose it.
+bool synchronize(const fs::path& path) {
+  FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  return file.number() >= 0 && fsync(file.number()) == 0 && file.close();
+}
+
+// Replaces `target` by the file `fresh`; an existing `target` becomes `old`. If this fails, `target` stays as it was,
+// and `error` has the reason.
+bool replace(const fs::path& target, const fs::path& fresh, const fs::path& old, std::error_code& error) {
+  if (fs::is_directory(fs::symlink_status(target, error))) {
+    error = std::make_error_code(std::errc::is_a_directory);
+    return false;
+  }
+  fs::rename(target, old, error);
+  if (error && error != std::errc::no_such_file_or_directory) {
+    return false;
+  }
+  fs::rename(fresh, target, error);
+  if (error) {
+    std::error_code ignored;
+    fs::rename(old, target, ignored);
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const std::string& name) : name_(name), target_(name) {
+  if (name.empty()) {
+    throw UserError("output folder", "the name is empty");
+  }
+  if (!target_.has_filename()) {  // "results/"
+    target_ = target_.parent_path();
+  }
+  std::error_code error;
+  const fs::file_status status = fs::status(target_, error);
+  if (fs::exists(status) && !fs::is_directory(status)) {
+    throw UserError(name_, "exists and is not a folder");
+  }
+  exists_ = fs::is_directory(status);
+  if (!exists_) {
+    if (status.type() != fs::file_type::not_found) {
+      throw UserError(name_, error.message());
+    }
+    static_cast<void>(writable_parent(name_, target_));
+    return;
+  }
+  target_ = fs::canonical(target_, error);
+  if (error || access(target_.c_str(), W_OK | X_OK) != 0) {
+    throw UserError(name_, error ? error.message() : error_text(errno));
+  }
+  beside_ = is_exchangeable(target_);
+}
+
+OutputFolder::~OutputFolder() = default;
+
+void OutputFolder::create_staging() {
+  try {
+    // On the file system of the target, so that moving is renaming.
+    staging_ = std::make_unique<Temporary>(exists_ && !beside_ ? target_ : writable_parent(name_, target_),
+                                           Temporary::Kind::folder);
+  } catch (const std::system_error& error) {
+    throw UserError(name_, error.code().message());
+  }
+}
+
+void OutputFolder::check(const std::string& file) const {
+  if (exists_ && fs::path(file).has_parent_path()) {
+    throw UserError(name_, "exists already; a new folder is needed for results in folders");
+  }
+  check_output(target_ / file, target_ / file);
+}
+
+void OutputFolder::append(const std::string& file, std::string_view text) {
+  const bool first = std::find(files_.begin(), files_.end(), file) == files_.end();
+  if (first) {
+    check(file);
+  }
+  if (staging_ == nullptr) {
+    create_staging();
+  }
+  if (const fs::path inner = fs::path(file).parent_path(); !inner.empty()) {
+    std::error_code error;
+    fs::create_directories(staging_->path() / inner, error);  // if this fails, opening the file fails too
+  }
+  FileDescriptor output(open((staging_->path() / file).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  if (output.number() < 0 || !write_all(output.number(), text) || !output.close()) {
+    throw UserError(target_ / file, error_text(errno));
+  }
+  if (first) {
+    files_.push_back(file);
+  }
+}
+
+void OutputFolder::commit() {
+  if (staging_ == nullptr) {
+    create_staging();
+  }
+  for (const std::string& file : files_) {
+    check(file);  // inputs that were read since
+    if (!synchronize(staging_->path() / file)) {
+      throw UserError(target_ / file, error_text(errno));
+    }
+  }
+  {
+    const fs::path above = writable_parent(name_, target_);
+    const FolderLock lock(beside_ ? above : target_);
+    const SignalsHeld held;
+    std::error_code error;
+    exists_ = fs::is_directory(target_, error);  // another program may have made or removed it
+    if (!exists_) {
+      move_in_new();
+    } else if (!beside_ || !exchange()) {
+      move_in_each();
+    }
+    lock.synchronize();
+  }
+  staging_.reset();
+}
+
+void OutputFolder::move_in_new() {
+  std::error_code error;
+  MadeFolders parents(parent_of(target_), error);
+  if (!error && rename(staging_->path().c_str(), target_.c_str()) != 0) {
+    error = std::error_code(errno, std::generic_category());
+  }
+  if (error) {
+    throw UserError(name_, error.message());
+  }
+  staging_->keep();
+  parents.keep();
+}
+
+// Returns false if it cannot be done in one step.
+bool OutputFolder::exchange() {
+  for (const std::string& file : files_) {
+    std::error_code error;
+    if (fs::is_directory(fs::symlink_status(target_ / file, error))) {
+      throw UserError(target_ / file, error_text(EISDIR));
+    }
+  }
+  return exchange_folders(staging_->path(), target_);
+}
+
+// Moves file by file, and keeps each old file until the last new one is in place.
+void OutputFolder::move_in_each() {
+  const fs::path& staging = staging_->path();
+  std::error_code error;
+  std::size_t done = 0;
+  while (done < files_.size() &&
+         replace(target_ / files_[done], staging / files_[done], staging / (".old-" + files_[done]), error)) {
+    ++done;
+  }
+  if (done == files_.size()) {
+    return;
+  }
+  const fs::path failed = target_ / files_[done];
+  while (done > 0) {
+    --done;
+    std::error_code ignored;
+    fs::remove(target_ / files_[done], ignored);
+    fs::rename(staging / (".old-" + files_[done]), target_ / files_[done], ignored);
+  }
+  throw UserError(failed, error.message());
+}
+
+}  // namespace selfproj

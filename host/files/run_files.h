@@ -1,0 +1,34 @@
+// The inputs and outputs of a run of a program.
+#ifndef SELFPROJ_HOST_FILES_RUN_FILES_H
+#define SELFPROJ_HOST_FILES_RUN_FILES_H
+
+#include <filesystem>
+#include <string>
+
+namespace selfproj {
+
+// While this object lives, no output may be an input, and no two outputs may be one file: the same file (by device and
+// inode) or the same name. Every reader and writer of host/io and host/driver reports its files here, so that commands
+// need not. Pipes and devices do not count. Only one such object can exist; without one (in tests of parts) nothing is
+// checked.
+class RunFiles {
+ public:
+  RunFiles();
+  RunFiles(const RunFiles&) = delete;
+  RunFiles& operator=(const RunFiles&) = delete;
+  ~RunFiles();
+};
+
+// Notes that this run reads `file`. Throws UserError, naming the output, if it is one.
+void note_input(const std::string& file);
+
+// Notes that this run will write the file `target`, which the user calls `name`. Throws UserError, naming it, if it is
+// an input or another output.
+void note_output(const std::string& name, const std::filesystem::path& target);
+
+// The same check without a note, for files of a folder. The folder's name should have no links.
+void check_output(const std::string& name, const std::filesystem::path& target);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_FILES_RUN_FILES_H

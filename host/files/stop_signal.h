@@ -1,0 +1,31 @@
+#ifndef SELFPROJ_HOST_FILES_STOP_SIGNAL_H
+#define SELFPROJ_HOST_FILES_STOP_SIGNAL_H
+
+#include <csignal>
+
+namespace selfproj {
+
+// While it lives, Ctrl-C (SIGINT), SIGTERM and SIGHUP only set a flag instead of ending the program, so that an endless
+// run can end properly. A second signal ends the program. Only one such object can exist.
+class StopSignal {
+ public:
+  StopSignal();
+  StopSignal(const StopSignal&) = delete;
+  StopSignal& operator=(const StopSignal&) = delete;
+  ~StopSignal();
+
+  [[nodiscard]] static bool came();
+
+ private:
+  struct sigaction interrupt_ {};
+  struct sigaction terminate_ {};
+  struct sigaction hang_up_ {};
+};
+
+// From this call on, a signal that ends the program and can be caught (SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU) first
+// removes temporary files (temporary.h). Ignored signals stay ignored.
+void tidy_up_on_signals();
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_FILES_STOP_SIGNAL_H

@@ -1,0 +1,173 @@
+#include "host/images/image_files.h"
+
+#include <fcntl.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/files/file_descriptor.h"
+#include "host/files/run_files.h"
+#include "host/files/user_error.h"
+#include "host/images/image_decoder.h"
+#include "host/images/image_header.h"
+#include "host/images/natural_order.h"
+
+namespace selfproj {
+namespace {
+
+// Red less the mean of green and blue, (2 r - g - b + 1) / 2 rounded down, at least 0.
+cv::Mat red_difference(const cv::Mat& image) {
+  cv::Mat plane(image.rows, image.cols, CV_8UC1);
+  const int channels = image.channels();
+  for (int row = 0; row < image.rows; ++row) {
+    const auto* from = image.ptr<std::uint8_t>(row);
+    auto* to = plane.ptr<std::uint8_t>(row);
+    for (int column = 0; column < image.cols; ++column, from += channels) {
+      const int twice = 2 * from[2] - from[1] - from[0];
+      to[column] = static_cast<std::uint8_t>(twice > 0 ? (twice + 1) / 2 : 0);
+    }
+  }
+  return plane;
+}
+
+cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional<Channel> channel) {
+  if (image.channels() == 1) {
+    if (channel.value_or(Channel::grey) != Channel::grey) {
+      throw UserError(file, "has a single channel; --channel " + to_string(*channel) + " needs a colour image");
+    }
+    return image;
+  }
+  if (image.channels() != 3 && image.channels() != 4) {
+    throw UserError(file, "has " + std::to_string(image.channels()) + " channels; 1, 3 or 4 are expected");
+  }
+  if (!channel) {
+    throw UserError(file,
+                    "is a colour image; choose a channel with --channel red, green, blue, grey or red-difference");
+  }
+  cv::Mat plane;
+  switch (*channel) {  // OpenCV's order of planes is blue, green, red
+    case Channel::blue:
+      cv::extractChannel(image, plane, 0);
+      break;
+    case Channel::green:
+      cv::extractChannel(image, plane, 1);
+      break;
+    case Channel::red:
+      cv::extractChannel(image, plane, 2);
+      break;
+    case Channel::grey:
+      cv::cvtColor(image, plane, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
+      break;
+    case Channel::red_difference:
+      plane = red_difference(image);
+      break;
+  }
+  return plane;
+}
+
+}  // namespace
+
+std::string to_string(Channel channel) {
+  switch (channel) {
+    case Channel::red:
+      return "red";
+    case Channel::green:
+      return "green";
+    case Channel::blue:
+      return "blue";
+    case Channel::red_difference:
+      return "red-difference";
+    case Channel::grey:
+      break;
+  }
+  return "grey";
+}
+
+void check_image_file(const std::string& file) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw UserError(file, std::filesystem::is_directory(status) ? "is a folder" : "is not a regular file");
+  }
+  const FileDescriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  std::array<char, 16> first{};
+  const ssize_t count = opened.number() < 0 ? -1 : read(opened.number(), first.data(), first.size());
+  if (count < 0) {
+    throw UserError(file, error_text(errno));
+  }
+  if (!image_format({first.data(), static_cast<std::size_t>(count)})) {
+    throw UserError(file, kNotAnImage);
+  }
+  note_input(file);
+}
+
+Image read_image(const std::string& file, std::optional<Channel> channel) {
+  check_image_file(file);
+  const cv::Mat image = decode_image(file);
+  if (image.depth() != CV_8U) {
+    throw UserError(file, "has " + std::to_string(8 * image.elemSize1()) + " bits per pixel; 8 are expected");
+  }
+  const cv::Mat plane = one_channel(file, image, channel);
+  Image result{plane.rows, plane.cols, {}};
+  result.pixels.reserve(plane.total());
+  for (int row = 0; row < plane.rows; ++row) {
+    const auto* pixels = plane.ptr<std::uint8_t>(row);
+    result.pixels.insert(result.pixels.end(), pixels, pixels + plane.cols);
+  }
+  return result;
+}
+
+std::vector<std::string> files_of_folder(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw UserError(folder, fs::exists(folder, error) ? "is not a folder" : "there is no such folder");
+  }
+  std::vector<std::string> files;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with('.') && name != "capture.json") {
+      files.push_back(entry->path().string());
+    }
+  }
+  if (error) {
+    throw UserError(folder, error.message());
+  }
+  if (files.empty()) {
+    throw UserError(folder, "contains no images");
+  }
+  return in_natural_order(std::move(files));
+}
+
+std::vector<std::string> image_arguments(const std::vector<std::string>& arguments) {
+  std::error_code error;
+  const bool folder = arguments.size() == 1 && std::filesystem::is_directory(arguments.front(), error);
+  return folder ? files_of_folder(arguments.front()) : arguments;
+}
+
+std::string encode_png(const Image& image) {
+  cv::Mat mat(image.rows, image.columns, CV_8UC1);
+  std::vector<std::uint8_t> bytes;
+  std::copy(image.pixels.begin(), image.pixels.end(), mat.begin<std::uint8_t>());
+  if (image.pixels.empty() || !cv::imencode(".png", mat, bytes)) {
+    throw std::invalid_argument("an image of this size cannot be written as PNG");
+  }
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace selfproj

@@ -1,0 +1,139 @@
+#include "host/images/prepared_images.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+
+namespace selfproj {
+namespace {
+
+Image part_of(const Image& image, const ImagePart& part) {
+  Image result{part.rows, part.columns, {}};
+  result.pixels.reserve(static_cast<std::size_t>(part.rows) * static_cast<std::size_t>(part.columns));
+  for (int row = part.top; row < part.top + part.rows; ++row) {
+    const auto begin = image.pixels.begin() + static_cast<std::ptrdiff_t>(row) * image.columns +
+                       static_cast<std::ptrdiff_t>(part.left);
+    result.pixels.insert(result.pixels.end(), begin, begin + part.columns);
+  }
+  return result;
+}
+
+void subtract(Image& image, const Image& background) {
+  std::transform(image.pixels.begin(), image.pixels.end(), background.pixels.begin(), image.pixels.begin(),
+                 [](std::uint8_t with, std::uint8_t without) {
+                   return static_cast<std::uint8_t>(std::max(0, int{with} - int{without}));
+                 });
+}
+
+}  // namespace
+
+ImagePart part_of_text(const std::string& option, const std::string& text) {
+  constexpr std::array<char, 3> kBetween = {'x', '+', '+'};
+  constexpr int kMostSide = 1 << 20;
+  std::array<int, 4> numbers{};
+  std::string_view rest = text;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t end = i < kBetween.size() ? rest.find(kBetween[i]) : rest.size();
+    const auto number = end == std::string_view::npos ? std::nullopt : number_of_text<int>(rest.substr(0, end));
+    if (!number || *number < (i < 2 ? 1 : 0) || *number > kMostSide) {
+      throw UserError(option,
+                      fmt::format("is '{}'; a part such as 320x60+0+40 is expected: columns, rows, and its left "
+                                  "and upper pixel from 0",
+                                  text));
+    }
+    numbers[i] = *number;
+    rest.remove_prefix(std::min(rest.size(), end + 1));
+  }
+  return {.columns = numbers[0], .rows = numbers[1], .left = numbers[2], .top = numbers[3]};
+}
+
+Image transposed(const Image& image) {
+  Image result{image.columns, image.rows, {}};
+  result.pixels.resize(image.pixels.size());
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.columns; ++column) {
+      result.pixels[static_cast<std::size_t>(column) * static_cast<std::size_t>(image.rows) +
+                    static_cast<std::size_t>(row)] =
+          image.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.columns) +
+                       static_cast<std::size_t>(column)];
+    }
+  }
+  return result;
+}
+
+Image with_columns(const Image& image, int columns) {
+  Image result{image.rows, columns, {}};
+  result.pixels.resize(static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(columns), 0);
+  const int kept = std::min(columns, image.columns);
+  for (int row = 0; row < image.rows; ++row) {
+    std::copy_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(row) * image.columns, kept,
+                result.pixels.begin() + static_cast<std::ptrdiff_t>(row) * columns);
+  }
+  return result;
+}
+
+PreparedImages::PreparedImages(std::vector<std::string> files, const Preparation& preparation)
+    : files_(std::move(files)),
+      background_(preparation.background),
+      channel_(channel_of(preparation.channel)),
+      transpose_(preparation.transpose) {
+  if (!preparation.roi.empty()) {
+    part_ = part_of_text("--roi", preparation.roi);
+  }
+  if (background_.size() > 1 && background_.size() != files_.size()) {
+    throw UserError("--background " + background_.front(),
+                    fmt::format("has {} files for {} frames", background_.size(), files_.size()));
+  }
+  for (const auto* list : {&files_, &background_}) {
+    for (const std::string& file : *list) {
+      check_image_file(file);
+    }
+  }
+  first_ = prepared(files_.front());
+  if (background_.size() == 1) {
+    only_background_ = prepared(background_.front());
+    check_same_size(background_.front(), only_background_, files_.front(), first_.rows, first_.columns);
+  }
+}
+
+Image PreparedImages::frame(std::size_t i, Image* as_taken) {
+  Image image = i == 0 ? first_ : prepared(files_.at(i));
+  check_same_size(files_[i], image, files_.front(), first_.rows, first_.columns);
+  if (as_taken != nullptr) {
+    *as_taken = image;
+  }
+  if (background_.size() == 1) {
+    subtract(image, only_background_);
+  } else if (!background_.empty()) {
+    const Image background = prepared(background_.at(i));
+    check_same_size(background_[i], background, files_.front(), first_.rows, first_.columns);
+    subtract(image, background);
+  }
+  return image;
+}
+
+Image PreparedImages::prepared(const std::string& file) const {
+  Image image = read_image(file, channel_);
+  if (part_) {
+    if (part_->left + part_->columns > image.columns || part_->top + part_->rows > image.rows) {
+      throw UserError(file, fmt::format("is {}; --roi {}+{}+{} is not within it", size_text(image.rows, image.columns),
+                                        size_text(part_->rows, part_->columns), part_->left, part_->top));
+    }
+    image = part_of(image, *part_);
+  }
+  return transpose_ ? transposed(image) : image;
+}
+
+}  // namespace selfproj

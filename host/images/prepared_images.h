@@ -1,0 +1,69 @@
+// Recorded images as frames: read in turn, one channel, a part of them, turned so that the line crosses the columns,
+// and without their background.
+#ifndef SELFPROJ_HOST_IMAGES_PREPARED_IMAGES_H
+#define SELFPROJ_HOST_IMAGES_PREPARED_IMAGES_H
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/images/image_files.h"
+
+namespace selfproj {
+
+// A part of an image as it was taken; left and top from 0.
+struct ImagePart {
+  int columns = 0;
+  int rows = 0;
+  int left = 0;
+  int top = 0;
+};
+
+// The part of a text such as 320x60+0+40: columns, rows, left, top. Throws UserError about `option` otherwise.
+ImagePart part_of_text(const std::string& option, const std::string& text);
+
+// How images become frames, as the options say.
+struct Preparation {
+  std::string channel = {};                  // empty: only images of one channel
+  std::string roi = {};                      // a part, as above; empty: all
+  bool transpose = false;                    // rows become columns, after the part was taken
+  std::vector<std::string> background = {};  // files: one for all images, or one for each; empty: none
+};
+
+// Image with rows and columns exchanged.
+Image transposed(const Image& image);
+
+// The image with this many columns: the first ones, or followed by dark ones.
+Image with_columns(const Image& image, int columns);
+
+class PreparedImages {
+ public:
+  // Looks at all files and reads the first. Throws UserError with the file or option if there is no file, a file is no
+  // image, the part is not within it, or the numbers of files do not go together.
+  PreparedImages(std::vector<std::string> files, const Preparation& preparation);
+
+  [[nodiscard]] std::size_t count() const { return files_.size(); }
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+  [[nodiscard]] int rows() const { return first_.rows; }        // of a frame
+  [[nodiscard]] int columns() const { return first_.columns; }  // of a frame
+
+  // Frame i, from 0: the image less its background, where that is less than 0 it is 0. `as_taken` gets the frame with
+  // its background, if given. Throws UserError with the file, also if its size differs from the first one's.
+  Image frame(std::size_t i, Image* as_taken = nullptr);
+
+ private:
+  [[nodiscard]] Image prepared(const std::string& file) const;
+
+  std::vector<std::string> files_;
+  std::vector<std::string> background_;
+  std::optional<Channel> channel_;
+  std::optional<ImagePart> part_;
+  bool transpose_;
+  Image first_;
+  Image only_background_;  // the one for all images
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_IMAGES_PREPARED_IMAGES_H

@@ -1,0 +1,142 @@
+#include "host/production/camera_view.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "host/driver/clock.h"
+#include "host/images/float_image.h"
+#include "host/light_section/fast_runs.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::int64_t kSecondNs = 1'000'000'000;
+
+using Histogram = std::array<std::size_t, 256>;
+
+// The greatest value that at least a share of 1 % reaches.
+int bright_of(const Histogram& greys) {
+  std::size_t all = 0;
+  for (const std::size_t count : greys) {
+    all += count;
+  }
+  std::size_t above = 0;
+  int grey = static_cast<int>(greys.size()) - 1;
+  for (; grey > 0; --grey) {
+    above += greys.at(static_cast<std::size_t>(grey));
+    if (100 * above >= all) {
+      break;
+    }
+  }
+  return grey;
+}
+
+double share(std::size_t count, std::size_t all) {
+  return all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0;
+}
+
+}  // namespace
+
+std::vector<float> line_in_image(const ImageView& image, const RigMeasure& measure) {
+  Runs runs;
+  const Measure of_board = measure.of_board();
+  runs.resize(of_board.select, image.columns);
+  fast_measure_columns(image, of_board, runs.view());
+  std::vector<float> line(static_cast<std::size_t>(image.columns), kNoValue);
+  for (std::size_t c = 0; c < line.size(); ++c) {
+    const auto lit = static_cast<int>(runs.moments.n[c]);
+    if (runs.moments.m0[c] > 0 && lit >= measure.min_lit_px && lit <= measure.max_lit_px) {
+      // Moments count rows from 1.
+      line[c] = static_cast<float>(static_cast<double>(runs.moments.m1[c]) / runs.moments.m0[c] - 1);
+    }
+  }
+  return line;
+}
+
+ExposureFigures judge_exposure(const ImageView& image, const std::vector<float>& line, const RigMeasure& measure) {
+  const bool section = !line.empty();
+  Histogram greys{};
+  std::vector<std::uint8_t> brightest(static_cast<std::size_t>(image.columns), 0);
+  for (int r = 0; r < image.rows; ++r) {
+    const std::uint8_t* const row = image.pixels + static_cast<std::ptrdiff_t>(r) * image.stride;
+    for (int c = 0; c < image.columns; ++c) {
+      auto& most = brightest[static_cast<std::size_t>(c)];
+      most = std::max(most, row[c]);
+      if (!section) {
+        ++greys[row[c]];
+      }
+    }
+  }
+  ExposureFigures figures;
+  int least_bright = kLeastBright;
+  if (section) {
+    std::size_t found = 0;
+    std::size_t saturated = 0;
+    for (std::size_t c = 0; c < line.size(); ++c) {
+      if (!std::isnan(line[c])) {
+        ++found;
+        saturated += brightest[c] == UINT8_MAX ? 1 : 0;
+        ++greys[brightest[c]];
+      }
+    }
+    figures.saturated = share(saturated, found);
+    figures.dark = share(line.size() - found, line.size());
+    least_bright = std::max(least_bright, (measure.threshold + UINT8_MAX) / 2);
+  } else {
+    const std::size_t all = static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns);
+    std::size_t dark = 0;
+    for (std::size_t grey = 0; grey < kDarkGrey; ++grey) {
+      dark += greys[grey];
+    }
+    figures.saturated = share(greys.back(), all);
+    figures.dark = share(dark, all);
+  }
+  figures.bright_grey = bright_of(greys);
+  if (section && figures.dark > kMostWithoutLine) {
+    figures.judgement = fmt::format(
+        "{:.0f} % of the columns have no line: is the projector on, and the threshold right?", 100 * figures.dark);
+  } else if (figures.saturated > kMostSaturated) {
+    figures.judgement = fmt::format("too bright: {:.1f} % {} saturated; shorten the exposure", 100 * figures.saturated,
+                                    section ? "of the line is" : "of the pixels are");
+  } else if (figures.bright_grey < least_bright) {
+    figures.judgement =
+        fmt::format("too dark: its brightest places have grey value {}; lengthen the exposure", figures.bright_grey);
+  } else {
+    figures.judgement = "the exposure is right";
+    figures.good = true;
+  }
+  return figures;
+}
+
+CameraView::CameraView(std::function<bool()> wanted, Take take) : wanted_(std::move(wanted)), take_(std::move(take)) {}
+
+void CameraView::add(const PacketView& packet) {
+  if (packet.header.kind != spec::kKindImage) {
+    return;
+  }
+  if (!taking_) {
+    const std::int64_t now = now_ns();
+    if (packet.header.first_line != 1 || now < next_ns_ || !wanted_()) {
+      return;
+    }
+    taking_ = true;
+    next_ns_ = now + kSecondNs / kPerSecond;
+  }
+  const std::uint64_t broken = images_.incomplete();
+  if (images_.add(packet)) {
+    const PacketHeader& header = images_.header();
+    take_(header, {images_.pixels().data(), header.rows, header.columns, header.columns});
+    taking_ = false;
+  } else if (images_.incomplete() != broken) {
+    taking_ = false;  // the next one will do
+    next_ns_ = 0;
+  }
+}
+
+}  // namespace selfproj

@@ -1,0 +1,30 @@
+#include "host/production/endpoint.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "host/files/numbers.h"
+#include "host/files/user_error.h"
+
+namespace selfproj {
+
+Endpoint endpoint_of_text(const std::string& option, const std::string& text) {
+  Endpoint result;
+  const std::size_t colon = text.rfind(':');
+  if (colon != std::string::npos) {
+    result.address = text.substr(0, colon);
+  }
+  const auto port = number_of_text<std::uint16_t>(text.substr(colon == std::string::npos ? 0 : colon + 1));
+  in_addr address{};
+  if (!port || *port == 0 || inet_pton(AF_INET, result.address.c_str(), &address) != 1) {
+    throw UserError(option + " " + text, "is neither a port from 1 to 65535 nor ADDRESS:PORT with an IPv4 address");
+  }
+  result.port = *port;
+  return result;
+}
+
+}  // namespace selfproj

@@ -1,0 +1,213 @@
+#include "host/production/learn.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/files/rounded.h"
+#include "host/files/user_error.h"
+#include "host/production/judge.h"
+#include "host/production/map_reference.h"
+#include "host/production/placement.h"
+#include "host/production/running_figures.h"
+
+namespace selfproj {
+namespace {
+
+constexpr double kSectionStep = 5;      // mm
+constexpr double kLeastResidual = 0.1;  // mm
+constexpr double kLeastMissing = 0.005;
+
+double widest_of(const Rig& rig) { return 3 * rig.plane_z_mm * rig.camera.pixel_pitch_mm / rig.camera.focal_length_mm; }
+
+// Where the section first and last is higher than above_mm, if that is not at its ends.
+std::pair<std::optional<double>, std::optional<double>> section_edges(const SectionReference& section, double above) {
+  std::pair<std::optional<double>, std::optional<double>> edges;
+  const std::size_t size = section.height_mm.size();
+  for (std::size_t i = 1; i + 1 < size; ++i) {
+    if (section.height_mm[i] > above) {
+      edges.first = edges.first ? edges.first : section.across_mm[i];
+      edges.second = section.across_mm[i];
+    }
+  }
+  return edges;
+}
+
+}  // namespace
+
+Learner::Learner(const Rig& rig, SectionReference section, const LearnOptions& options)
+    : rig_(rig), section_(std::move(section)), options_(options) {}
+
+Learner::Learner(const Rig& rig, HeightCells reference, const LearnOptions& options)
+    : rig_(rig), map_(std::move(reference)), options_(options) {}
+
+void Learner::add(CutPart&& part) {
+  if (parts_.size() >= kMostGoodParts) {
+    ++not_kept_;
+    return;
+  }
+  parts_.push_back(std::move(part));
+}
+
+Tolerance Learner::whole_view() const {
+  Tolerance tolerance;
+  tolerance.by_edges = false;
+  const double pitch = rig_.parts->grid_mm;
+  const double pixel = rig_.plane_z_mm * rig_.camera.pixel_pitch_mm / rig_.camera.focal_length_mm;
+  tolerance.length_mm = std::floor(rig_.camera.rows * pixel / pitch) * pitch;
+  tolerance.right_mm = std::floor(0.5 * rig_.camera.columns * pixel / pitch) * pitch;
+  tolerance.left_mm = -tolerance.right_mm;
+  tolerance.most_shift_mm = options_.most_shift_mm;
+  tolerance.most_turn_deg = options_.most_turn_deg;
+  tolerance.most_residual_mm = 1e6;
+  tolerance.smallest_mm2 = options_.smallest_mm2;
+  tolerance.section_step_mm = kSectionStep;
+  tolerance.section_mm = middle_section(*map_, tolerance, kSectionStep);
+  const MapGrid grid = placed_grid(pitch, tolerance.length_mm, tolerance.left_mm, tolerance.right_mm);
+  tolerance.regions = map_regions(without_steep_places(placed_heights(*map_, Placement{}, grid), rig_), grid,
+                                  options_.edge_mm, options_.smallest_mm2);
+  return tolerance;
+}
+
+Judge Learner::judge_of(const Tolerance& tolerance, const std::string& source) const {
+  return map_ ? Judge(rig_, *map_, tolerance, source) : Judge(rig_, section_, tolerance, source);
+}
+
+Tolerance Learner::outline(const std::string& source) const {
+  RunningFigures length;
+  RunningFigures width;
+  RunningFigures middle;
+  for (const CutPart& part : parts_) {
+    const EdgeLines edges = edges_of(part.cells, rig_.parts->above_mm);
+    const auto placed = place_by_edges(edges, {});
+    if (placed && placed->length_mm) {
+      length.add(*placed->length_mm);
+    }
+    if (placed && placed->width_mm) {
+      width.add(*placed->width_mm);
+      middle.add(0.5 * (edges[2]->across_mm + edges[3]->across_mm));
+    }
+  }
+  if (length.count() < kLeastGoodParts) {
+    throw UserError(source, fmt::format("{} of {} parts have a leading and a trailing edge; at least {} are needed",
+                                        length.count(), parts_.size(), kLeastGoodParts));
+  }
+  Tolerance tolerance;
+  tolerance.length_mm = length.mean();
+  const auto [left, right] = section_edges(section_, rig_.parts->above_mm);
+  if (width.count() >= kLeastGoodParts) {
+    const double at = left && right ? 0.5 * (*left + *right) : middle.mean();
+    tolerance.left_mm = at - 0.5 * width.mean();
+    tolerance.right_mm = at + 0.5 * width.mean();
+  } else if (!section_.across_mm.empty()) {
+    tolerance.left_mm = section_.across_mm.front();
+    tolerance.right_mm = section_.across_mm.back();
+  } else {
+    throw UserError(source, "neither the parts nor the reference have a width");
+  }
+  tolerance.most_shift_mm = options_.most_shift_mm;
+  tolerance.most_turn_deg = options_.most_turn_deg;
+  tolerance.most_residual_mm = 1e6;
+  tolerance.smallest_mm2 = options_.smallest_mm2;
+  tolerance.section_step_mm = kSectionStep;
+  tolerance.section_mm =
+      sampled_section(section_, tolerance.left_mm, tolerance.right_mm, kSectionStep, widest_of(rig_));
+  return tolerance;
+}
+
+std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const SectionReference& section,
+                                               double pitch_mm, double widest_mm, double edge_mm) {
+  std::vector<ToleranceRegion> regions;
+  const double from = outline.left_mm;
+  const int columns = static_cast<int>(std::floor((outline.right_mm - outline.left_mm) / pitch_mm));
+  int begin = 0;
+  for (int c = 0; c <= columns + 1; ++c) {
+    const double height = section.at(from + c * pitch_mm, widest_mm);
+    const double before = section.at(from + (c - 1) * pitch_mm, widest_mm);
+    const bool wall = std::isnan(height) || std::abs(height - before) > kSteepest * pitch_mm;
+    if (!wall && c <= columns) {
+      continue;
+    }
+    const double low = from + begin * pitch_mm + edge_mm;
+    const double high = from + (c - 1) * pitch_mm - edge_mm;
+    const double first = edge_mm;
+    const double last = outline.length_mm - edge_mm;
+    if (high > low + edge_mm && last > first + edge_mm) {
+      ToleranceRegion region;
+      region.name = fmt::format("surface {}", regions.size() + 1);
+      for (const auto& [along, across] :
+           {std::pair(first, low), std::pair(last, low), std::pair(last, high), std::pair(first, high)}) {
+        region.corners_mm.push_back(rounded(along, 2));
+        region.corners_mm.push_back(rounded(across, 2));
+      }
+      region.low_mm = -1e6;
+      region.high_mm = 1e6;
+      region.most_missing = 1;
+      regions.push_back(std::move(region));
+    }
+    begin = std::isnan(height) ? c + 1 : c;
+  }
+  return regions;
+}
+
+Tolerance Learner::learn(const std::string& source) const {
+  if (parts_.size() < kLeastGoodParts) {
+    throw UserError(source, fmt::format("{} good parts came; at least {} are needed", parts_.size(), kLeastGoodParts));
+  }
+  Tolerance tolerance = map_ ? whole_view() : outline(source);
+  if (!map_) {
+    tolerance.regions = tolerance_regions(tolerance, section_, rig_.parts->grid_mm, widest_of(rig_), options_.edge_mm);
+  }
+  if (tolerance.regions.empty()) {
+    throw UserError(
+        source, fmt::format("no surface of the part is wider than the strips of {} mm at its edges", options_.edge_mm));
+  }
+  struct Seen {
+    RunningFigures low, high, missing;
+  };
+  std::vector<Seen> seen(tolerance.regions.size());
+  RunningFigures residual;
+  {
+    const Judge judge = judge_of(tolerance, source);
+    PlacedMaps maps;
+    for (const CutPart& part : parts_) {
+      const PartResult result = judge.judge(part, maps);
+      if (result.verdict != Verdict::ok) {
+        continue;
+      }
+      residual.add(result.placement->residual_mm);
+      for (std::size_t i = 0; i < seen.size(); ++i) {
+        seen[i].low.add(result.regions[i].lowest_mm);
+        seen[i].high.add(result.regions[i].highest_mm);
+        seen[i].missing.add(result.regions[i].missing);
+      }
+    }
+  }
+  if (residual.count() < kLeastGoodParts) {
+    throw UserError(source, fmt::format("{} of {} parts could be placed; at least {} are needed", residual.count(),
+                                        parts_.size(), kLeastGoodParts));
+  }
+  const auto far = [&](const RunningFigures& figures, double least) {
+    return std::max(least, options_.spreads * figures.spread());
+  };
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    ToleranceRegion& region = tolerance.regions[i];
+    region.low_mm = rounded(seen[i].low.mean() - far(seen[i].low, options_.least_band_mm), 4);
+    region.high_mm = rounded(seen[i].high.mean() + far(seen[i].high, options_.least_band_mm), 4);
+    region.most_missing = rounded(std::min(1.0, seen[i].missing.mean() + far(seen[i].missing, kLeastMissing)), 4);
+  }
+  tolerance.most_residual_mm = rounded(residual.mean() + far(residual, kLeastResidual), 3);
+  const auto round_mm = [&](double& mm) { mm = rounded(mm, 3); };
+  round_mm(tolerance.length_mm);
+  round_mm(tolerance.left_mm);
+  round_mm(tolerance.right_mm);
+  return tolerance;
+}
+
+}  // namespace selfproj

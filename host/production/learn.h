@@ -1,0 +1,75 @@
+// A tolerance from good parts.
+#ifndef SELFPROJ_HOST_PRODUCTION_LEARN_H
+#define SELFPROJ_HOST_PRODUCTION_LEARN_H
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/production/judge.h"
+#include "host/production/map_grid.h"
+#include "host/production/part_cutter.h"
+#include "host/production/section_reference.h"
+#include "host/production/tolerance.h"
+#include "host/rig/rig.h"
+
+namespace selfproj {
+
+struct LearnOptions {
+  double smallest_mm2 = 0.5;    // area of the smallest defect
+  double edge_mm = 1.5;         // strip along edges and walls that is not judged
+  double spreads = 6;           // standard deviations from the mean of the good parts to a limit
+  double least_band_mm = 0.02;  // a limit is at least so far from the mean
+  double most_shift_mm = 2;
+  double most_turn_deg = 3;
+};
+
+inline constexpr std::size_t kLeastGoodParts = 5;
+inline constexpr std::size_t kMostGoodParts = 200;
+
+// Collects good parts, and learns from them
+//   - the outline: mean length and width; its middle across is that of the section, if the section has edges
+//   - the regions: a rectangle for each stretch of the section between two walls (tolerance_regions)
+//   - the band of each: mean over the parts of the highest level that the smallest area reaches (defect_levels), and
+//     `spreads` standard deviations; likewise the lowest
+//   - the share of missing points and the residual of the placement: mean and `spreads` standard deviations
+//
+// Of depth images, whose reference is a map, the outline is the whole view, parts lie where the reference did, and the
+// regions are the surfaces of the reference (map_regions).
+class Learner {
+ public:
+  Learner(const Rig& rig, SectionReference section, const LearnOptions& options);
+  Learner(const Rig& rig, HeightCells reference, const LearnOptions& options);
+
+  // Keeps the part's map. Parts after kMostGoodParts are only counted.
+  void add(CutPart&& part);
+
+  [[nodiscard]] std::size_t parts() const { return parts_.size(); }
+  [[nodiscard]] std::size_t not_kept() const { return not_kept_; }
+
+  // Throws UserError, naming `source`, if fewer than kLeastGoodParts came or could be placed, or no stretch between
+  // edges is wide enough for a region.
+  [[nodiscard]] Tolerance learn(const std::string& source) const;
+
+ private:
+  [[nodiscard]] Tolerance outline(const std::string& source) const;
+  [[nodiscard]] Tolerance whole_view() const;
+  [[nodiscard]] Judge judge_of(const Tolerance& tolerance, const std::string& source) const;
+
+  Rig rig_;
+  std::optional<HeightCells> map_;  // the reference of depth images
+  SectionReference section_;
+  LearnOptions options_;
+  std::vector<CutPart> parts_;
+  std::size_t not_kept_ = 0;
+};
+
+// The rectangles of the outline, less a strip of edge_mm at its edges and at each wall and gap of the section; with
+// bands of no meaning.
+std::vector<ToleranceRegion> tolerance_regions(const Tolerance& outline, const SectionReference& section,
+                                               double pitch_mm, double widest_mm, double edge_mm);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_PRODUCTION_LEARN_H

@@ -1,0 +1,283 @@
+#include "host/production/live_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/driver/clock.h"
+#include "host/files/input_file.h"
+#include "host/files/user_error.h"
+#include "host/images/float_image.h"
+#include "host/production/live_files.h"
+#include "host/production/page_server.h"
+#include "host/report/facts_json.h"
+
+namespace selfproj {
+namespace {
+
+constexpr std::int64_t kSecondNs = 1'000'000'000;
+constexpr int kRowsPerSecond = 100;    // of the waterfall
+constexpr std::size_t kMostRows = 64;  // in one message
+constexpr int kMostPixels = 640;       // along each side of a camera image, as the page shows it
+constexpr int kMostCells = 256;        // along each side of a map, as the page shows it
+
+void append_number(std::string& text, std::size_t number) {
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    text += static_cast<char>(number >> shift & 0xFFU);
+  }
+}
+
+// Machines of a production line are little endian, and so is every browser's.
+void append_floats(std::string& text, const float* values, std::size_t count) {
+  text.append(reinterpret_cast<const char*>(values), count * sizeof(float));
+}
+
+std::string message_of(const std::string& json, const std::string& floats) {
+  // The floats begin at a multiple of four bytes.
+  const std::string padding((4 - json.size() % 4) % 4, ' ');
+  std::string bytes;
+  bytes.reserve(8 + json.size() + padding.size() + floats.size());
+  append_number(bytes, json.size() + padding.size());
+  append_number(bytes, floats.size());
+  return bytes + json + padding + floats;
+}
+
+// Every n-th cell of a map, so that the page draws no more than it can show.
+FloatImage thinned(const FloatImage& map, int every) {
+  FloatImage result((map.rows + every - 1) / every, (map.columns + every - 1) / every);
+  for (int r = 0; r < result.rows; ++r) {
+    for (int c = 0; c < result.columns; ++c) {
+      result.row(r)[c] = map.row(r * every)[c * every];
+    }
+  }
+  return result;
+}
+
+int every_cell(int rows, int columns) { return std::max(1, (std::max(rows, columns) + kMostCells - 1) / kMostCells); }
+
+// three.js of this machine; nothing where it is not installed, and the page says that there is no 3-D view.
+std::string three_js() {
+  try {
+    return read_input(SELFPROJ_THREE_JS, std::size_t{1} << 24U);
+  } catch (const UserError&) {
+    return {};
+  }
+}
+
+std::vector<PageServer::File> files_of_page(std::function<PageServer::Text()> part,
+                                            std::function<PageServer::Text()> camera) {
+  constexpr const char* kScript = "text/javascript; charset=utf-8";
+  return {PageServer::fixed("/", "text/html; charset=utf-8", kLiveHtml),
+          PageServer::fixed("/live.js", kScript, kLiveJs),
+          PageServer::fixed("/live.css", "text/css; charset=utf-8", kLiveCss),
+          PageServer::fixed("/three.js", kScript, three_js()),
+          {"/part", "application/octet-stream", std::move(part)},
+          {"/camera", "application/octet-stream", std::move(camera)}};
+}
+
+}  // namespace
+
+// The server's view of the page.
+class LivePage::Server : public PageServer {
+ public:
+  Server(LivePage& page, const Endpoint& endpoint, const std::string& token)
+      : PageServer("--live", endpoint, token,
+                   files_of_page([&page] { return page.last_part(); }, [&page] { return page.last_image(); }),
+                   Stream{.path = "/stream",
+                          .next =
+                              [&page](std::uint64_t& number) {
+                                const Message message = page.next_message(number);
+                                if (message.bytes != nullptr) {
+                                  page.dropped_ += number > 0 ? message.number - number - 1 : 0;
+                                  number = message.number;
+                                }
+                                return message.bytes;
+                              },
+                          .begin = [&page] { return page.watchers_.fetch_add(1) < kMostWatchers; },
+                          .finish = [&page] { --page.watchers_; }}) {}
+};
+
+LivePage::LivePage(const Endpoint& endpoint, const Rig& rig, const std::string& title)
+    : endpoint_(endpoint),
+      columns_(rig.camera.columns),
+      plane_z_(rig.plane_z_mm),
+      title_(title),
+      token_(page_token(endpoint)) {
+  rows_.reserve(kMostRows * static_cast<std::size_t>(columns_));
+  part_ = std::make_shared<const std::string>(message_of("{\"part\": 0}", ""));
+  camera_ = std::make_shared<const std::string>(message_of("{\"rows\": 0}", ""));
+  server_ = std::make_unique<Server>(*this, endpoint, token_);
+}
+
+LivePage::~LivePage() {
+  end_ = true;
+  changed_.notify_all();
+  server_.reset();
+}
+
+std::string LivePage::url() const { return page_url(endpoint_, token_); }
+
+LivePage::Message LivePage::next_message(std::uint64_t number) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, std::chrono::seconds(1), [&] { return end_ || message_.number > number; });
+  return end_ || message_.number <= number ? Message{} : message_;
+}
+
+std::shared_ptr<const std::string> LivePage::last_part() {
+  const std::lock_guard lock(mutex_);
+  return part_;
+}
+
+std::shared_ptr<const std::string> LivePage::last_image() {
+  const std::lock_guard lock(mutex_);
+  return camera_;
+}
+
+void LivePage::camera(const PacketHeader& header, const ImageView& image, const std::vector<float>& line,
+                      const ExposureFigures& exposure) {
+  const int every = std::max(1, (std::max(image.rows, image.columns) + kMostPixels - 1) / kMostPixels);
+  const int rows = (image.rows + every - 1) / every;
+  const int columns = (image.columns + every - 1) / every;
+  std::string bytes;
+  for (std::size_t c = 0; c < line.size(); c += static_cast<std::size_t>(every)) {
+    append_floats(bytes, &line[c], 1);
+  }
+  for (int r = 0; r < rows; ++r) {
+    const std::uint8_t* const row = image.pixels + static_cast<std::ptrdiff_t>(r) * every * image.stride;
+    for (int c = 0; c < columns; ++c) {
+      bytes += static_cast<char>(row[c * every]);
+    }
+  }
+  const nlohmann::ordered_json json = {{"frame", header.sequence},
+                                       {"rows", rows},
+                                       {"columns", columns},
+                                       {"every", every},
+                                       {"line", line.empty() ? 0 : columns},
+                                       {"saturated", exposure.saturated},
+                                       {"dark", exposure.dark},
+                                       {"bright_grey", exposure.bright_grey},
+                                       {"good", exposure.good},
+                                       {"judgement", exposure.judgement}};
+  auto message = std::make_shared<const std::string>(message_of(json.dump(), bytes));
+  const std::lock_guard lock(mutex_);
+  camera_ = std::move(message);
+  ++camera_images_;
+}
+
+void LivePage::add_row(const ProfileView& profile) {
+  if (rows_.size() >= kMostRows * static_cast<std::size_t>(columns_)) {
+    return;
+  }
+  for (int i = 0; i < columns_; ++i) {
+    rows_.push_back(-profile.dz[i]);
+  }
+}
+
+void LivePage::profile(const ProfileView& profile) {
+  if (watchers_ == 0) {
+    return;
+  }
+  const std::int64_t now = now_ns();
+  if (now >= next_row_ns_) {
+    next_row_ns_ = std::max(now, next_row_ns_ + kSecondNs / kRowsPerSecond);
+    add_row(profile);
+  }
+  if (!message_is_due()) {
+    return;
+  }
+  std::string floats;
+  append_floats(floats, profile.y, static_cast<std::size_t>(columns_));
+  std::vector<float> heights(static_cast<std::size_t>(columns_));
+  std::vector<float> differences(static_cast<std::size_t>(columns_));
+  for (int i = 0; i < columns_; ++i) {
+    heights[static_cast<std::size_t>(i)] = static_cast<float>(plane_z_ - static_cast<double>(profile.z[i]));
+    differences[static_cast<std::size_t>(i)] = -profile.dz[i];
+  }
+  append_floats(floats, heights.data(), heights.size());
+  append_floats(floats, differences.data(), differences.size());
+  append_floats(floats, rows_.data(), rows_.size());
+  send("profiles", static_cast<int>(rows_.size()) / columns_, columns_, floats);
+  rows_.clear();
+}
+
+void LivePage::depth(const FloatImage& difference) {
+  if (watchers_ == 0 || !message_is_due()) {
+    return;
+  }
+  const FloatImage shown = thinned(difference, every_cell(difference.rows, difference.columns));
+  std::string floats;
+  append_floats(floats, shown.values.data(), shown.values.size());
+  send("depth", shown.rows, shown.columns, floats);
+}
+
+bool LivePage::message_is_due() {
+  const std::int64_t now = now_ns();
+  if (now < next_message_ns_) {
+    return false;
+  }
+  next_message_ns_ = std::max(now, next_message_ns_ + kSecondNs / kPerSecond);
+  return true;
+}
+
+void LivePage::send(const std::string& kind, int rows, int columns, const std::string& floats) {
+  {
+    const std::lock_guard lock(mutex_);
+    std::string parts;
+    for (const std::string& part : parts_) {
+      parts += (parts.empty() ? "" : ",") + part;
+    }
+    const std::uint64_t number = message_.number + 1;
+    const std::string json =
+        fmt::format(R"({{"message":{},"kind":"{}","dropped":{},"title":{},"columns":{},"rows":{},"camera":{},)"
+                    R"("figures":{},"parts":[{}],"statistics":{}}})",
+                    number, kind, dropped_.load(), nlohmann::json(title_).dump(), columns, rows, camera_images_,
+                    figures_, parts, statistics_);
+    message_ = {number, std::make_shared<const std::string>(message_of(json, floats))};
+  }
+  changed_.notify_all();
+}
+
+void LivePage::part(const PartResult& result, const PlacedMaps& maps) {
+  const int every = every_cell(maps.grid.rows, maps.grid.columns);
+  const FloatImage height = thinned(maps.height, every);
+  const FloatImage difference = thinned(maps.difference, every);
+  nlohmann::ordered_json json = part_json(result);
+  const std::string text = json.dump();
+  json["rows"] = height.rows;
+  json["columns"] = height.columns;
+  json["pitch_mm"] = maps.grid.pitch_mm * every;
+  json["along_mm"] = maps.grid.along_mm;
+  json["across_mm"] = maps.grid.across_mm;
+  std::string floats;
+  append_floats(floats, height.values.data(), height.values.size());
+  append_floats(floats, difference.values.data(), difference.values.size());
+  auto part = std::make_shared<const std::string>(message_of(json.dump(), floats));
+  const std::lock_guard lock(mutex_);
+  part_ = std::move(part);
+  parts_.push_front(text);
+  if (parts_.size() > kPartsShown) {
+    parts_.pop_back();
+  }
+  add_figures(result, figures_of_parts_);
+  statistics_ = statistics_json(figures_of_parts_).dump();
+}
+
+void LivePage::seen(const std::vector<Fact>& figures) {
+  std::string text = facts_json(figures).dump();
+  const std::lock_guard lock(mutex_);
+  figures_ = std::move(text);
+}
+
+}  // namespace selfproj

@@ -1,0 +1,60 @@
+// An HTTP server of a page, read only.
+#ifndef SELFPROJ_HOST_PRODUCTION_PAGE_SERVER_H
+#define SELFPROJ_HOST_PRODUCTION_PAGE_SERVER_H
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/production/endpoint.h"
+
+namespace selfproj {
+
+// What requests to an endpoint need: 128 random bits as text, or nothing on a loopback address.
+std::string page_token(const Endpoint& endpoint);
+
+// Where a browser finds the page.
+std::string page_url(const Endpoint& endpoint, const std::string& token);
+
+// On a loopback address, requests must be for a name of this machine. On any other, they need the token. Nothing comes
+// from anywhere else, and only GET and HEAD are served.
+class PageServer {
+ public:
+  using Text = std::shared_ptr<const std::string>;
+
+  // A path such as "/live.js", its media type, and what is there. The function is called in threads of the server.
+  struct File {
+    std::string path;
+    std::string type;
+    std::function<Text()> text;
+  };
+
+  // Messages without end at a path. All are called in threads of the server.
+  struct Stream {
+    std::string path;
+    std::function<Text(std::uint64_t&)> next;  // the next message after this number, which it raises; null: none yet
+    std::function<bool()> begin;               // one more watches; false: too many. finish() is due in either case
+    std::function<void()> finish;              // one less
+  };
+
+  // Listens from now on. Throws UserError about `option` if it cannot.
+  PageServer(const std::string& option, const Endpoint& endpoint, const std::string& token, std::vector<File> files,
+             std::optional<Stream> stream = {});
+  PageServer(const PageServer&) = delete;
+  PageServer& operator=(const PageServer&) = delete;
+  virtual ~PageServer();
+
+  // A file whose text stays.
+  static File fixed(const std::string& path, const std::string& type, std::string text);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_PRODUCTION_PAGE_SERVER_H

@@ -1,0 +1,161 @@
+#include "host/production/part_files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/files/file_descriptor.h"
+#include "host/files/output_file.h"
+#include "host/files/output_folder.h"
+#include "host/files/signals_held.h"
+#include "host/files/user_error.h"
+#include "host/images/float_image.h"
+#include "host/report/map_picture.h"
+
+namespace selfproj {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kLines = "parts.jsonl";
+constexpr const char* kTable = "parts.csv";
+
+int open_new(const fs::path& file) {
+  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    throw UserError(file, error_text(errno));
+  }
+  return descriptor;
+}
+
+fs::path made_folder(const std::string& name) {
+  if (name.empty()) {
+    throw UserError("--parts", "the name is empty");
+  }
+  std::error_code error;
+  if (fs::exists(name, error) && !fs::is_directory(name, error)) {
+    throw UserError(name, "exists and is not a folder");
+  }
+  if (fs::is_directory(name, error) && !fs::is_empty(name, error)) {
+    throw UserError(name, "is not empty; the results of a run need a new folder");
+  }
+  fs::create_directories(name, error);
+  if (error) {
+    throw UserError(name, error.message());
+  }
+  return name;
+}
+
+void append_line(const FileDescriptor& file, const fs::path& name, const std::string& line) {
+  if (!write_all(file.number(), line)) {
+    throw UserError(name, error_text(errno));
+  }
+}
+
+}  // namespace
+
+std::string part_picture(const PartResult& result, const PlacedMaps& maps) {
+  std::vector<MapMark> marks;
+  for (const Defect& defect : result.defects) {
+    marks.push_back({maps.grid.row_of(defect.along_mm), maps.grid.column_of(defect.across_mm),
+                     defect.size_along_mm / maps.grid.pitch_mm, defect.size_across_mm / maps.grid.pitch_mm});
+  }
+  const MapPitch pitch{.row_mm = maps.grid.pitch_mm, .column_mm = maps.grid.pitch_mm};
+  return labelled_map_png(maps.difference, difference_scale(maps.difference), pitch,
+                          fmt::format("part {}: {}", result.number, verdict_name(result.verdict)), marks);
+}
+
+PartFiles::PartFiles(const std::string& folder, std::uint64_t most_folders)
+    : folder_(made_folder(folder)),
+      most_folders_(most_folders),
+      lines_(open_new(folder_ / kLines)),
+      table_(open_new(folder_ / kTable)) {
+  append_line(table_, folder_ / kTable, part_csv_head());
+  const SignalsHeld held;  // signals are for the main thread
+  thread_ = std::thread([this] { run(); });
+}
+
+PartFiles::~PartFiles() { stop(); }
+
+void PartFiles::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    end_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+void PartFiles::rethrow() {
+  const std::lock_guard lock(mutex_);
+  if (fault_) {
+    std::rethrow_exception(fault_);
+  }
+}
+
+void PartFiles::add(const PartResult& result, const PlacedMaps& maps) {
+  rethrow();
+  append_line(lines_, folder_ / kLines, part_json(result).dump() + "\n");
+  append_line(table_, folder_ / kTable, part_csv(result));
+  if (result.verdict == Verdict::ok) {
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (folders_ >= most_folders_ || waiting_.size() >= kMostWaiting) {
+      ++left_out_;
+      return;
+    }
+    ++folders_;
+    waiting_.push_back({result, maps});
+  }
+  changed_.notify_all();
+}
+
+void PartFiles::write_folder(const Waiting& part) const {
+  OutputFolder folder(folder_ / fmt::format("part_{:06}", part.result.number));
+  folder.append("result.json", part_json(part.result).dump(2) + "\n");
+  folder.append("height.tiff", encode_float_tiff("height.tiff", part.maps.height));
+  folder.append("difference.tiff", encode_float_tiff("difference.tiff", part.maps.difference));
+  folder.append("difference.png", part_picture(part.result, part.maps));
+  folder.commit();
+}
+
+void PartFiles::run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return end_ || !waiting_.empty(); });
+    if (waiting_.empty()) {
+      return;
+    }
+    const Waiting part = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    std::exception_ptr fault;
+    try {
+      write_folder(part);
+    } catch (...) {
+      fault = std::current_exception();
+    }
+    lock.lock();
+    fault_ = fault_ ? fault_ : fault;
+  }
+}
+
+void PartFiles::finish(const PartStatistics& statistics) {
+  stop();
+  rethrow();
+  OutputFile(folder_ / "statistics.json").write(statistics_json(statistics).dump(2) + "\n");
+}
+
+}  // namespace selfproj

@@ -1,0 +1,77 @@
+// The files of a run with parts: a line for each part, and a folder for each that is not OK.
+#ifndef SELFPROJ_HOST_PRODUCTION_PART_FILES_H
+#define SELFPROJ_HOST_PRODUCTION_PART_FILES_H
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "host/files/file_descriptor.h"
+#include "host/production/part_result.h"
+#include "host/production/part_text.h"
+
+namespace selfproj {
+
+// Writes into a new or empty folder
+//   parts.jsonl, parts.csv   a line for each part, whole, as soon as it is judged
+//   part_NNNNNN/             for each part whose result is not OK or cannot tell, up to a number of folders:
+//                            result.json, height.tiff, difference.tiff, difference.png with the defects marked; it
+//                            appears whole
+//   statistics.json          at the end
+// The folders are written by a thread of their own. If it falls behind by more than kMostWaiting parts, folders are
+// left out and counted; the lines never are.
+class PartFiles {
+ public:
+  static constexpr std::size_t kMostWaiting = 8;
+
+  // Makes the folder. Throws UserError if it cannot be made, or holds a file already.
+  PartFiles(const std::string& folder, std::uint64_t most_folders);
+  PartFiles(const PartFiles&) = delete;
+  PartFiles& operator=(const PartFiles&) = delete;
+  ~PartFiles();
+
+  // Throws UserError if a file could not be written.
+  void add(const PartResult& result, const PlacedMaps& maps);
+  void finish(const PartStatistics& statistics);
+
+  [[nodiscard]] std::uint64_t folders() const { return folders_; }
+  [[nodiscard]] std::uint64_t folders_left_out() const { return left_out_; }
+
+ private:
+  struct Waiting {
+    PartResult result;
+    PlacedMaps maps;
+  };
+
+  void run();
+  void write_folder(const Waiting& part) const;
+  void stop();
+  void rethrow();
+
+  std::filesystem::path folder_;
+  std::uint64_t most_folders_;
+  FileDescriptor lines_;
+  FileDescriptor table_;
+  std::atomic<std::uint64_t> folders_{0};
+  std::atomic<std::uint64_t> left_out_{0};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Waiting> waiting_;
+  bool end_ = false;
+  std::exception_ptr fault_;
+  std::thread thread_;
+};
+
+// The picture of a part's difference, with its defects marked, as PNG.
+std::string part_picture(const PartResult& result, const PlacedMaps& maps);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_HOST_PRODUCTION_PART_FILES_H

@@ -1,0 +1,24 @@
+// Experiments B1 (a fist), B2 (waves) and B3 (fingers on keys): motion in depth images by Gray codes of 8 bits, with
+// the median, after every pair of images.
+#ifndef SELFPROJ_LAB_GRAY_MOTION_H
+#define SELFPROJ_LAB_GRAY_MOTION_H
+
+#include <string>
+
+#include "lab/gray_observation.h"
+#include "lab/structured_light.h"
+
+namespace selfproj {
+
+// `name` is "B1", "B2" or "B3".
+// B1: every filter of a grid is measured on the path of the thesis, and the best of them on the drawn paths.
+// B2: the speed of long waves, from the frequencies of all standing waves in the pool. Also the speed of the foremost
+// crest, and the speeds by wavelength. Other pools follow, without the speeds by wavelength.
+// B3: the taps of the thesis, and a second set with other frequencies, strokes and phases.
+// Throws std::invalid_argument if `frames` is less than one cycle of the patterns.
+StructuredLightResult run_gray_motion(const std::string& name, const GrayMotionOptions& options,
+                                      const ProgressOfImages& progress);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_LAB_GRAY_MOTION_H

@@ -1,0 +1,443 @@
+#include "lab/part_detection.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/files/stop_signal.h"
+#include "host/files/user_error.h"
+#include "host/light_section/differential_profile.h"
+#include "host/production/judge.h"
+#include "host/production/learn.h"
+#include "host/production/part_cutter.h"
+#include "host/production/section_reference.h"
+#include "host/production/tolerance.h"
+#include "host/rig/rig.h"
+#include "lab/learned_rig.h"
+#include "lab/planted_parts.h"
+#include "sim/cosim/light_section.h"
+#include "sim/scene/real_rig.h"
+
+namespace selfproj {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Upper bounds of the bins of the curves, mm.
+constexpr std::array<double, 7> kSizes = {0.75, 1, 1.5, 2, 3, 5, 10};
+constexpr std::array<double, 7> kDepths = {0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 1};
+
+// Smallest areas, mm2, and bands, mm, of the curves of false alarms.
+constexpr std::array<double, 4> kAreas = {0.0625, 0.25, 0.5, 2};
+constexpr std::array<double, 7> kBands = {0.02, 0.03, 0.04, 0.05, 0.07, 0.1, 0.15};
+
+// A defect is found by one whose middle is within its radius and this of its own, mm; and one that is further from
+// all planted ones than their radius and twice this is a false alarm.
+constexpr double kNear = 1;
+
+constexpr double kBesideParts = 6;  // mm that are lit beside a part
+
+template <std::size_t Count>
+std::size_t bin_of(const std::array<double, Count>& bounds, double value) {
+  const auto at = std::lower_bound(bounds.begin(), bounds.end(), value);
+  return std::min(static_cast<std::size_t>(at - bounds.begin()), Count - 1);
+}
+
+template <std::size_t Count>
+std::string bin_text(const std::array<double, Count>& bounds, std::size_t bin, double least) {
+  return fmt::format("{:g}–{:g}", bin == 0 ? least : bounds.at(bin - 1), bounds.at(bin));
+}
+
+// How far the defect is from the edges of its tread, less its radius.
+double from_edges(const PlantedDefect& defect) {
+  const double wall = defect.tread == 0 ? -PlantedPart::kTreadWidth : 0;
+  return std::min({defect.along, PlantedPart::kLength - defect.along, defect.across - wall,
+                   wall + PlantedPart::kTreadWidth - defect.across}) -
+         defect.size / 2;
+}
+
+// `middle` is where the host has the middle of the part across: its y is that of the camera.
+double distance(const Defect& found, double middle, const PlantedDefect& planted) {
+  return std::hypot(found.along_mm - planted.along, found.across_mm - middle - planted.across);
+}
+
+// What was found of what was planted.
+class Tally {
+ public:
+  Tally(double edge_mm, const Tolerance& tolerance)
+      : edge_mm_(edge_mm), middle_(0.5 * (tolerance.left_mm + tolerance.right_mm)) {}
+
+  void add(const DrawnPart& part, const PartResult& result) {
+    ++of_.parts;
+    of_.cannot_tell += result.verdict == Verdict::cannot_tell ? 1 : 0;
+    for (std::size_t i = 0; i < part.defects.size(); ++i) {
+      const PlantedDefect& planted = part.defects[i];
+      const auto at = std::find_if(result.defects.begin(), result.defects.end(), [&](const Defect& found) {
+        return distance(found, middle_, planted) <= planted.size / 2 + kNear;
+      });
+      count(planted, at != result.defects.end() ? &*at : nullptr, i == 0);
+    }
+    const auto wrong = std::count_if(result.defects.begin(), result.defects.end(), [&](const Defect& found) {
+      return std::none_of(part.defects.begin(), part.defects.end(), [&](const PlantedDefect& planted) {
+        return distance(found, middle_, planted) <= planted.size / 2 + 2 * kNear;
+      });
+    });
+    of_.false_defects += static_cast<std::uint64_t>(wrong);
+    of_.false_parts += wrong > 0 ? 1 : 0;
+  }
+
+  [[nodiscard]] const PartDetectionResult& counts() const { return of_; }
+  [[nodiscard]] const DetectionCount& cell(std::size_t size, std::size_t depth) const {
+    return cells_.at(size).at(depth);
+  }
+  [[nodiscard]] const DetectionCount& at_edges() const { return at_edges_; }
+  // Of the goal's defects that were found: how far their depth was off, mm.
+  [[nodiscard]] std::pair<double, double> depth_error() const {
+    const double n = std::max(1.0, static_cast<double>(of_.goal.found));
+    const double mean = depth_sum_ / n;
+    return {mean, std::sqrt(std::max(0.0, depth_squares_ / n - mean * mean))};
+  }
+
+ private:
+  void count(const PlantedDefect& planted, const Defect* found, bool of_goal) {
+    const bool judged = from_edges(planted) >= edge_mm_;
+    if (of_goal) {
+      (judged ? of_.goal : of_.goal_at_edges).add(found != nullptr);
+      if (judged && found != nullptr) {
+        const double off = found->depth_mm + planted.depth;  // a dent is below 0
+        depth_sum_ += off;
+        depth_squares_ += off * off;
+      }
+    } else if (judged) {
+      cells_.at(bin_of(kSizes, planted.size))
+          .at(bin_of(kDepths, planted.depth < 0 ? -planted.depth : planted.depth))
+          .add(found != nullptr);
+    } else {
+      at_edges_.add(found != nullptr);
+    }
+  }
+
+  double edge_mm_;
+  double middle_;
+  PartDetectionResult of_;
+  std::array<std::array<DetectionCount, kDepths.size()>, kSizes.size()> cells_;
+  DetectionCount at_edges_;
+  double depth_sum_ = 0;
+  double depth_squares_ = 0;
+};
+
+// How often good parts would have been called bad, had the smallest area and the band been others.
+class FalseAlarms {
+ public:
+  FalseAlarms(const Rig& rig, const SectionReference& section, const Tolerance& tolerance) {
+    for (const double area : kAreas) {
+      Tolerance open = tolerance;
+      open.smallest_mm2 = area;
+      for (ToleranceRegion& region : open.regions) {
+        region.low_mm = -1e6;
+        region.high_mm = 1e6;
+      }
+      judges_.emplace_back(rig, section, open, "the tolerance");
+    }
+  }
+
+  void add(const CutPart& part) {
+    ++parts_;
+    for (std::size_t a = 0; a < kAreas.size(); ++a) {
+      const PartResult result = judges_[a].judge(part, maps_);
+      double furthest = 0;
+      for (const RegionFigures& region : result.regions) {
+        furthest = std::max({furthest, region.highest_mm, -region.lowest_mm});
+      }
+      for (std::size_t b = 0; b < kBands.size(); ++b) {
+        beyond_.at(a).at(b) += furthest > kBands.at(b) ? 1 : 0;
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint64_t parts() const { return parts_; }
+  [[nodiscard]] std::uint64_t beyond(std::size_t area, std::size_t band) const { return beyond_.at(area).at(band); }
+
+ private:
+  std::vector<Judge> judges_;
+  PlacedMaps maps_;
+  std::uint64_t parts_ = 0;
+  std::array<std::array<std::uint64_t, kBands.size()>, kAreas.size()> beyond_{};
+};
+
+class Detection {
+ public:
+  Detection(const PartDetectionOptions& options, const std::function<void(std::size_t, std::size_t)>& progress)
+      : options_(options), progress_(progress), drawn_(rig_of_planted_parts(load_rig("light-section"))) {
+    all_ = options.learn_parts + options.parts + options.good_parts;
+    if (!options.null_test) {
+      all_ += static_cast<std::size_t>(learning_images(drawn_, learning_)) +
+              static_cast<std::size_t>(scanning_images(drawn_, learning_.every_line));
+    }
+    set_up();
+  }
+
+  PartDetectionResult run() {
+    const DifferentialProfiler profiler(setup_->rig, setup_->references[0]);
+    const SectionReference section = section_of(setup_->rig, setup_->references[0], profiler);
+    const LearnOptions learn;
+    Learner learner(setup_->rig, section, learn);
+    parts_of(options_.seed - 1, 0, options_.learn_parts, false,
+             [&](const DrawnPart&, CutPart&& part) { learner.add(std::move(part)); });
+    tolerance_ = parse_tolerance(to_yaml(learner.learn("the good parts")), "the tolerance");
+    const Judge judge(setup_->rig, section, tolerance_, "the tolerance");
+    PlacedMaps maps;
+    tally_.emplace(learn.edge_mm, tolerance_);
+    good_.emplace(learn.edge_mm, tolerance_);
+    alarms_.emplace(setup_->rig, section, tolerance_);
+    const auto take_planted = [&](const DrawnPart& drawn, CutPart&& part) {
+      tally_->add(drawn, judge.judge(part, maps));
+    };
+    const auto take_good = [&](const DrawnPart& drawn, CutPart&& part) {
+      good_->add(drawn, judge.judge(part, maps));
+      alarms_->add(part);
+    };
+    // A share of each at a time, so that a run that is stopped has both.
+    constexpr std::uint64_t kShares = 50;
+    const StopSignal stop;
+    for (std::uint64_t i = 0; i < kShares && !StopSignal::came(); ++i) {
+      const auto share = [&](std::uint64_t of, std::uint64_t k) { return of * k / kShares; };
+      const std::uint64_t first = share(options_.parts, i);
+      parts_of(options_.seed, first, share(options_.parts, i + 1) - first, true, take_planted);
+      const std::uint64_t good = share(options_.good_parts, i);
+      parts_of(options_.seed, options_.parts + good, share(options_.good_parts, i + 1) - good, false, take_good);
+    }
+    return result();
+  }
+
+ private:
+  using Take = std::function<void(const DrawnPart&, CutPart&&)>;
+
+  void set_up() {
+    make_setup();
+    // Light falls only where parts pass.
+    const RigProjector& projector = drawn_.projector;
+    const double distance = drawn_.plane_z_mm - projector.z_mm;
+    const double half =
+        (PlantedPart::kTreadWidth + kBesideParts) / distance * projector.focal_length_mm / projector.column_pitch_mm;
+    FloatImage& pattern = setup_->pattern;
+    for (int column = 0; column < pattern.columns; ++column) {
+      for (int line = 0; line < pattern.rows && std::abs(column - 0.5 * (pattern.columns - 1)) > half; ++line) {
+        pattern.row(line)[column] = 0;
+      }
+    }
+  }
+
+  void make_setup() {
+    const auto one_more = [this] { progress_(++done_, all_); };
+    const MakeScene good = [](const Rig& rig) {
+      return std::make_unique<PlantedPart>(rig, PartPose{}, std::vector<PlantedDefect>{});
+    };
+    if (options_.null_test) {
+      setup_.emplace(self_projection(drawn_, drawn_, *good(drawn_), options_.render, true));
+      return;
+    }
+    const RealRig real = hidden_rig(drawn_, options_.real_rig_seed);
+    learning_.seed = options_.real_rig_seed;
+    Rig learned = learn_rig(real, options_.render, learning_, one_more).rig;
+    learned.parts = drawn_.parts;
+    setup_.emplace(scanned_projection(learned, real, good, {options_.render, learning_.every_line, true}, one_more));
+  }
+
+  // Passes parts by the camera, and hands on what the cutter makes of them. Throws CheckFailed if that is not as many.
+  void parts_of(std::uint64_t seed, std::uint64_t first, std::uint64_t count, bool planted, const Take& take) {
+    constexpr std::uint64_t kAtOnce = 8;
+    PlantedParts belt(*setup_, options_.render);
+    for (std::uint64_t begin = 0; begin < count && !StopSignal::came(); begin += kAtOnce) {
+      std::vector<DrawnPart> drawn;
+      for (std::uint64_t i = begin; i < std::min(count, begin + kAtOnce); ++i) {
+        drawn.push_back(draw_part(drawn_, seed, first + i, planted));
+      }
+      std::size_t came = 0;
+      PartCutter cutter(setup_->rig, [&](CutPart&& part) {
+        if (came < drawn.size()) {
+          take(drawn[came], std::move(part));
+        }
+        ++came;
+      });
+      belt.pass(drawn, options_.threads,
+                [&](const PacketHeader& header, const ProfileView& profile) { cutter.add(header, profile, 0); });
+      cutter.finish();
+      if (came != drawn.size()) {
+        throw CheckFailed(fmt::format("{} parts were cut out of {}", came, drawn.size()));
+      }
+      done_ += drawn.size();
+      progress_(done_, all_);
+    }
+  }
+
+  PartDetectionResult result() const;
+  [[nodiscard]] ReportTable detection_table() const;
+  [[nodiscard]] ReportTable alarm_table() const;
+  [[nodiscard]] ReportTable summary_table(const PartDetectionResult& result) const;
+  [[nodiscard]] Json data(const PartDetectionResult& result) const;
+  [[nodiscard]] std::vector<ReportPlot> plots() const;
+
+  const PartDetectionOptions& options_;
+  const std::function<void(std::size_t, std::size_t)>& progress_;
+  Rig drawn_;
+  LearningSettings learning_;
+  std::optional<LightSection> setup_;
+  Tolerance tolerance_;
+  std::optional<Tally> tally_;  // parts with planted defects
+  std::optional<Tally> good_;   // parts without
+  std::optional<FalseAlarms> alarms_;
+  std::size_t done_ = 0;
+  std::size_t all_ = 0;
+};
+
+std::string percent(const DetectionCount& count) {
+  return count.planted == 0 ? "–" : fmt::format("{:.1f} % of {}", 100 * count.share(), count.planted);
+}
+
+ReportTable Detection::detection_table() const {
+  ReportTable table{"Defects found, by size across and depth, mm",
+                    {"size"},
+                    {},
+                    "Defects that lie wholly on the surface that is judged."};
+  for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
+    table.header.push_back(bin_text(kDepths, depth, kLeastDepth));
+  }
+  for (std::size_t size = 0; size < kSizes.size(); ++size) {
+    table.rows.push_back({bin_text(kSizes, size, kLeastSize)});
+    for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
+      table.rows.back().push_back(percent(tally_->cell(size, depth)));
+    }
+  }
+  return table;
+}
+
+ReportTable Detection::alarm_table() const {
+  ReportTable table{"Good parts with a false alarm, had the smallest area and the band been these",
+                    {"smallest area, mm²"},
+                    {},
+                    fmt::format("Of {} good parts; a band of ±0.05 mm is “0.05”.", alarms_->parts())};
+  for (const double band : kBands) {
+    table.header.push_back(fmt::format("±{:g} mm", band));
+  }
+  for (std::size_t area = 0; area < kAreas.size(); ++area) {
+    table.rows.push_back({fmt::format("{:g}", kAreas.at(area))});
+    for (std::size_t band = 0; band < kBands.size(); ++band) {
+      const double share = static_cast<double>(alarms_->beyond(area, band)) /
+                           static_cast<double>(std::max<std::uint64_t>(1, alarms_->parts()));
+      table.rows.back().push_back(fmt::format("{:.1f} %", 100 * share));
+    }
+  }
+  return table;
+}
+
+ReportTable Detection::summary_table(const PartDetectionResult& result) const {
+  const auto [mean, spread] = tally_->depth_error();
+  return {
+      "Planted defects and false alarms",
+      {"what", "result"},
+      {{fmt::format("{:g} mm wide, {:g} mm deep, on the judged surface", kGoalSize, kGoalDepth), percent(result.goal)},
+       {"the same, partly in the strips along edges and walls", percent(result.goal_at_edges)},
+       {"any size and depth, partly or wholly in these strips", percent(tally_->at_edges())},
+       {"their depth, mean error and spread, mm", fmt::format("{:+.3f}, {:.3f}", mean, spread)},
+       {"parts judged, with and without planted defects",
+        fmt::format("{} + {}", tally_->counts().parts, good_->counts().parts)},
+       {"parts with a false defect", fmt::format("{} + {}", tally_->counts().false_parts, good_->counts().false_parts)},
+       {"parts whose result is cannot tell",
+        fmt::format("{} + {}", tally_->counts().cannot_tell, good_->counts().cannot_tell)}},
+      ""};
+}
+
+std::vector<ReportPlot> Detection::plots() const {
+  ReportPlot plot{"Defects found", "size, mm", "found, %", {}, 1};
+  for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
+    ReportTrace trace{{}, {}, depth % 2 == 0 ? "a" : "b", bin_text(kDepths, depth, kLeastDepth) + " mm deep"};
+    for (std::size_t size = 0; size < kSizes.size(); ++size) {
+      const DetectionCount& cell = tally_->cell(size, depth);
+      trace.x.push_back(std::sqrt((size == 0 ? kLeastSize : kSizes.at(size - 1)) * kSizes.at(size)));
+      trace.y.push_back(cell.planted > 0 ? 100 * cell.share() : std::nan(""));
+    }
+    plot.traces.push_back(std::move(trace));
+  }
+  return {plot};
+}
+
+Json count_json(const DetectionCount& count) {
+  return {{"planted", count.planted}, {"found", count.found}, {"share", count.share()}};
+}
+
+Json tally_json(const PartDetectionResult& counts) {
+  return {{"parts", counts.parts},
+          {"parts_with_a_false_defect", counts.false_parts},
+          {"false_defects", counts.false_defects},
+          {"cannot_tell", counts.cannot_tell}};
+}
+
+Json Detection::data(const PartDetectionResult& result) const {
+  Json json{{"goal", count_json(result.goal)},
+            {"goal_at_edges", count_json(result.goal_at_edges)},
+            {"at_edges", count_json(tally_->at_edges())},
+            {"planted_parts", tally_json(tally_->counts())},
+            {"good_parts", tally_json(good_->counts())},
+            {"false_share", static_cast<double>(result.false_parts) / static_cast<double>(result.parts)}};
+  const auto [mean, spread] = tally_->depth_error();
+  json["depth_error_mm"] = {{"mean", mean}, {"spread", spread}};
+  json["learn_parts"] = options_.learn_parts;
+  for (const ToleranceRegion& region : tolerance_.regions) {
+    json["bands"].push_back({{"region", region.name}, {"low_mm", region.low_mm}, {"high_mm", region.high_mm}});
+  }
+  for (std::size_t size = 0; size < kSizes.size(); ++size) {
+    for (std::size_t depth = 0; depth < kDepths.size(); ++depth) {
+      Json cell = count_json(tally_->cell(size, depth));
+      cell["size_mm"] = {size == 0 ? kLeastSize : kSizes.at(size - 1), kSizes.at(size)};
+      cell["depth_mm"] = {depth == 0 ? kLeastDepth : kDepths.at(depth - 1), kDepths.at(depth)};
+      json["curves"].push_back(std::move(cell));
+    }
+  }
+  return json;
+}
+
+PartDetectionResult Detection::result() const {
+  PartDetectionResult result = tally_->counts();
+  const PartDetectionResult& good = good_->counts();
+  result.parts += good.parts;
+  result.false_defects += good.false_defects;
+  result.false_parts += good.false_parts;
+  result.cannot_tell += good.cannot_tell;
+  result.tables = {summary_table(result), detection_table(), alarm_table()};
+  result.data = data(result).dump();
+  const double share = static_cast<double>(result.false_parts) / static_cast<double>(result.parts);
+  if (!(result.goal.share() >= kLeastFound)) {
+    result.not_reached.push_back(fmt::format("{:g} mm wide, {:g} mm deep: {} found, at least {:g} % wanted", kGoalSize,
+                                             kGoalDepth, percent(result.goal), 100 * kLeastFound));
+  }
+  if (!(share <= kMostFalseParts)) {
+    result.not_reached.push_back(fmt::format("{} of {} parts have a false defect, at most {:g} % wanted",
+                                             result.false_parts, result.parts, 100 * kMostFalseParts));
+  }
+  result.page.title = "Experiment parts";
+  result.page.subtitle = "Defects planted into parts on a running line";
+  result.page.plots = plots();
+  result.page.tables = result.tables;
+  return result;
+}
+
+}  // namespace
+
+PartDetectionResult run_part_detection(const PartDetectionOptions& options,
+                                       const std::function<void(std::size_t, std::size_t)>& progress) {
+  return Detection(options, progress).run();
+}
+
+}  // namespace selfproj

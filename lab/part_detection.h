@@ -1,0 +1,64 @@
+// Experiment "parts": which planted defects a running line finds, and how often it finds one where there is none.
+#ifndef SELFPROJ_LAB_PART_DETECTION_H
+#define SELFPROJ_LAB_PART_DETECTION_H
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/report/report.h"
+#include "sim/scene/renderer.h"
+
+namespace selfproj {
+
+struct PartDetectionOptions {
+  RenderOptions render;
+  std::uint64_t parts = 2000;       // with planted defects
+  std::uint64_t good_parts = 1000;  // without, for the false alarms
+  std::uint64_t learn_parts = 30;   // from which the tolerance is learned; other parts, of another seed
+  std::uint64_t seed = 2;           // of the parts that are judged; the learned ones have seed - 1
+  std::uint64_t real_rig_seed = 1;  // of the rig that takes the images
+  bool null_test = false;           // the rig is known perfectly, and the good part's shape
+  int threads = 0;                  // 0: one for each core
+};
+
+// How many defects were planted and found.
+struct DetectionCount {
+  std::uint64_t planted = 0;
+  std::uint64_t found = 0;
+
+  void add(bool is_found) {
+    ++planted;
+    found += is_found ? 1 : 0;
+  }
+  [[nodiscard]] double share() const {
+    return planted > 0 ? static_cast<double>(found) / static_cast<double>(planted) : 0;
+  }
+};
+
+struct PartDetectionResult {
+  DetectionCount goal;              // kGoalSize, kGoalDepth, on the surface that is judged
+  DetectionCount goal_at_edges;     // those that reach into the strips along edges and walls, which is not judged
+  std::uint64_t parts = 0;          // all that were judged
+  std::uint64_t false_defects = 0;  // where none was planted, on all parts
+  std::uint64_t false_parts = 0;    // parts with such a defect
+  std::uint64_t cannot_tell = 0;
+  std::vector<ReportTable> tables;
+  std::vector<std::string> not_reached;  // one line for each goal that is not reached
+  std::string data;                      // all figures as numbers, JSON
+  ReportPage page;
+};
+
+// The goals.
+inline constexpr double kLeastFound = 0.995;
+inline constexpr double kMostFalseParts = 0.001;
+
+// `progress` gets the number of images and parts done and of all.
+PartDetectionResult run_part_detection(const PartDetectionOptions& options,
+                                       const std::function<void(std::size_t, std::size_t)>& progress);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_LAB_PART_DETECTION_H

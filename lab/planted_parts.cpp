@@ -1,0 +1,111 @@
+#include "lab/planted_parts.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "host/light_section/differential_profile.h"
+#include "model/column_moments.h"
+#include "model/packet_payload.h"
+#include "sim/scene/even_numbers.h"
+#include "sim/scene/parallel.h"
+
+namespace selfproj {
+namespace {
+
+constexpr double kStep = 0.25;  // of the belt, mm a frame
+constexpr double kLead = 2;     // bare belt before and behind a part, mm
+constexpr int kBare = 40;       // frames between two parts that are not rendered: 10 mm of bare belt
+
+double drawn(EvenNumbers& numbers, double least, double most) { return least * std::pow(most / least, numbers.next()); }
+
+// A defect of this size and depth anywhere on a tread, wholly.
+PlantedDefect planted(EvenNumbers& numbers, std::size_t tread, double size, double depth) {
+  PlantedDefect defect{.tread = tread, .size = size, .depth = numbers.next() < 0.5 ? depth : -depth};
+  defect.along = size / 2 + (PlantedPart::kLength - size) * numbers.next();
+  defect.across = size / 2 + (PlantedPart::kTreadWidth - size) * numbers.next();
+  defect.across -= tread == 0 ? PlantedPart::kTreadWidth : 0;
+  return defect;
+}
+
+int first_frame() { return static_cast<int>((ConveyedScene::kLead - kLead) / kStep); }
+int frames_of_part() { return static_cast<int>((PlantedPart::kLength + 2 * kLead) / kStep); }
+
+}  // namespace
+
+DrawnPart draw_part(const Rig& rig, std::uint64_t seed, std::uint64_t number, bool is_planted) {
+  constexpr std::uint64_t kMostParts = 1'000'000;
+  DrawnPart part;
+  part.noise = seed * kMostParts + number + static_cast<std::uint64_t>(rig.imaging.seed);
+  EvenNumbers numbers(part.noise);
+  part.pose = {kStep * numbers.next(), numbers.within(1), numbers.within(1)};
+  if (is_planted) {
+    const std::size_t of_goal = numbers.next() < 0.5 ? 0 : 1;
+    part.defects.push_back(planted(numbers, of_goal, kGoalSize, kGoalDepth));
+    const double size = drawn(numbers, kLeastSize, kMostSize);
+    part.defects.push_back(planted(numbers, 1 - of_goal, size, drawn(numbers, kLeastDepth, kMostDepth)));
+  }
+  return part;
+}
+
+Rig rig_of_planted_parts(Rig rig) {
+  rig.conveyor.speed_mm_per_s = kStep * rig.camera.frame_rate_hz;
+  rig.parts = RigParts{.cut = PartCut::profile,
+                       .by_encoder = true,
+                       .grid_mm = 0.25,
+                       .above_mm = 5,
+                       .min_width_mm = 5,
+                       .gap_mm = 1.5,
+                       .min_length_mm = 5,
+                       .length_mm = 25};
+  return rig;
+}
+
+// What the host gets of a part: the profiles of its packets.
+std::vector<Profile> PlantedParts::profiles_of(const DrawnPart& part) const {
+  RealRig real = setup_.real;
+  real.rig.imaging.seed = static_cast<std::int64_t>(part.noise);
+  const PlantedPart scene(real.rig, part.pose, part.defects);
+  const Renderer renderer(real, scene, setup_.pattern, options_);
+  const RigCamera& camera = setup_.rig.camera;
+  const Mode mode = kAllModes[0];
+  const DifferentialProfiler profiler(setup_.rig, setup_.references[0]);
+  std::vector<std::uint8_t> pixels(camera.pixels());
+  std::vector<std::uint8_t> payload(moments_payload_bytes(mode, camera.columns));
+  Moments moments;
+  moments.resize(camera.columns);
+  std::vector<Profile> profiles(static_cast<std::size_t>(frames_of_part()));
+  for (std::size_t i = 0; i < profiles.size(); ++i) {
+    renderer.render(first_frame() + static_cast<int>(i), pixels);
+    column_moments({pixels.data(), camera.rows, camera.columns, camera.columns}, mode, setup_.rig.measure.threshold,
+                   moments.view());
+    pack_moments(mode, camera.columns, moments.view(), payload.data());
+    profiles[i].resize(camera.columns);
+    profiler.profile(mode, payload.data(), profiles[i].view());
+  }
+  return profiles;
+}
+
+void PlantedParts::pass(const std::vector<DrawnPart>& parts, int threads, const Take& take) {
+  std::vector<std::vector<Profile>> profiles(parts.size());
+  parallel_for(static_cast<int>(parts.size()), threads,
+               [&](int i) { profiles[static_cast<std::size_t>(i)] = profiles_of(parts[static_cast<std::size_t>(i)]); });
+  const Rig& rig = setup_.rig;
+  for (std::vector<Profile>& of_part : profiles) {
+    for (Profile& profile : of_part) {
+      const double time = static_cast<double>(sequence_) / rig.camera.frame_rate_hz;
+      PacketHeader header;
+      header.kind = spec::kKindMoments;
+      header.sequence = sequence_;
+      header.time_stamp = static_cast<std::uint64_t>(std::llround(time * rig.pixel_clock_hz()));
+      header.encoder = static_cast<std::uint32_t>(
+          std::llround(time * rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count));
+      take(header, profile.view());
+      ++sequence_;
+    }
+    sequence_ += kBare;
+  }
+}
+
+}  // namespace selfproj

@@ -1,0 +1,145 @@
+#include "lab/evaluation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "tests/support/random_cases.h"
+
+namespace selfproj {
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+TEST(Evaluation, StepsAreLeftOutToBothSides) {
+  FloatImage truth(1, 12, 5.0F);
+  for (int c = 6; c < 12; ++c) {
+    truth.row(0)[c] = 6.0F;
+  }
+  EXPECT_EQ(near_steps(truth, 0.5, 3, 0), (Mask{0, 0, 0, 1, 1, 1, 1, 1, 1, 0, 0, 0}));
+  EXPECT_EQ(near_steps(truth, 0.5, 1, 0), (Mask{0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(near_steps(truth, 1.5, 3, 3), Mask(12, 0));
+  truth.row(0)[1] = kNone;  // a gap makes two steps, and is itself left out
+  EXPECT_EQ(near_steps(truth, 1.5, 2, 0), (Mask{1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST(Evaluation, StepsFromFrameToFrameAreLeftOutToo) {
+  FloatImage truth(6, 2, 0.0F);
+  for (int r = 3; r < 6; ++r) {
+    truth.row(r)[1] = 30;
+  }
+  EXPECT_EQ(near_steps(truth, 0.5, 0, 2), (Mask{0, 0, 0, 1, 0, 1, 0, 1, 0, 1, 0, 0}));
+}
+
+TEST(Evaluation, AroundStepsIsARectangle) {
+  FloatImage truth(6, 8, 0.0F);
+  truth.row(2)[3] = 1;  // it and its four neighbours lie beside a step
+  EXPECT_EQ(around_steps(truth, 0.5, 3, 2), (Mask{0, 1, 1, 1, 1, 1, 0, 0,  //
+                                                  1, 1, 1, 1, 1, 1, 1, 0,  //
+                                                  1, 1, 1, 1, 1, 1, 1, 0,  //
+                                                  1, 1, 1, 1, 1, 1, 1, 0,  //
+                                                  0, 1, 1, 1, 1, 1, 0, 0,  //
+                                                  0, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(around_steps(truth, 1.5, 3, 2), Mask(48, 0));
+}
+
+// Compares with the definition, entry by entry, on random maps.
+TEST(Evaluation, NearStepsIsItsDefinition) {
+  for (const std::uint64_t seed : test::seeds(50)) {
+    SCOPED_TRACE(test::how_to_repeat(seed));
+    test::Random random(seed);
+    FloatImage truth(random.between(1, 12), random.between(1, 12));
+    for (float& value : truth.values) {
+      value = random.chance(10) ? kNone : static_cast<float>(random.chance(90) ? 0 : random.between(0, 3));
+    }
+    const int columns = random.between(0, 4);
+    const int rows = random.between(0, 4);
+    const Mask mask = near_steps(truth, 1, columns, rows);
+    const auto step = [&truth](int r0, int c0, int r1, int c1) {
+      const float a = truth.row(r0)[c0];
+      const float b = truth.row(r1)[c1];
+      return std::isnan(a) || std::isnan(b) ? std::isnan(a) != std::isnan(b) : std::abs(a - b) > 1;
+    };
+    for (int r = 0; r < truth.rows; ++r) {
+      for (int c = 0; c < truth.columns; ++c) {
+        bool near = std::isnan(truth.row(r)[c]);
+        for (int k = 0; k + 1 < truth.columns; ++k) {  // the step is at k + 1/2
+          near = near || (step(r, k, r, k + 1) && std::abs(c - (k + 0.5)) < columns);
+        }
+        for (int k = 0; k + 1 < truth.rows; ++k) {
+          near = near || (step(k, c, k + 1, c) && std::abs(r - (k + 0.5)) < rows);
+        }
+        EXPECT_EQ(mask[static_cast<std::size_t>(r * truth.columns + c)], near ? 1 : 0) << r << ' ' << c;
+      }
+    }
+  }
+}
+
+// Heights that differ by known amounts from a slope that moves with the frames.
+TEST(Evaluation, HeightErrorsAreThoseThatWerePutIn) {
+  const auto truth = [](int frame, double x, double y) { return 10 + 0.5 * x + 0.25 * y - 0.125 * frame; };
+  FloatImage height(3, 4);
+  FloatImage x(3, 4);
+  FloatImage y(3, 4);
+  const std::vector<float> errors = {0.03F, -0.04F, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 4; ++c) {
+      x.row(r)[c] = 0.5F * static_cast<float>(r);
+      y.row(r)[c] = 0.25F * static_cast<float>(c);
+      height.row(r)[c] = static_cast<float>(truth(r, 0.5 * r, 0.25 * c)) + errors[static_cast<std::size_t>(4 * r + c)];
+    }
+  }
+  height.row(2)[0] = kNone;  // missing
+  height.row(2)[1] = 1000;   // near a step
+  height.row(2)[2] = kNone;  // near a step, and no point
+  Mask left_out(12, 0);
+  left_out[9] = left_out[10] = 1;
+  const HeightErrors found = height_errors(height, x, y, left_out, truth);
+  EXPECT_EQ(found.points, 9);
+  EXPECT_EQ(found.left_out, 1);
+  EXPECT_EQ(found.missing, 1);
+  EXPECT_DOUBLE_EQ(found.missing_share(), 0.1);
+  EXPECT_NEAR(found.max, 0.04, 1e-6);
+  EXPECT_NEAR(found.rms, std::sqrt((0.0009 + 0.0016) / 9), 1e-6);
+  EXPECT_NEAR(found.mean, -0.01 / 9, 1e-6);
+  EXPECT_THROW(height_errors(height, x, FloatImage(3, 5), left_out, truth), std::invalid_argument);
+  EXPECT_EQ(height_errors(height, x, y, Mask(12, 1), truth).points, 0);
+  EXPECT_EQ(HeightErrors().missing_share(), 0);
+}
+
+TEST(Evaluation, DepthIsThatOfTheMiddleNotOfTheEdge) {
+  FloatImage difference(10, 10, 0.01F);
+  Mask mask(100, 1);
+  for (std::size_t i = 0; i < 30; ++i) {
+    mask[i] = 2;
+    difference.values[i] = i < 8 ? -0.4F : -0.98F;  // eight points on the edge
+  }
+  difference.values[50] = 7;  // one wild point
+  difference.values[29] = kNone;
+  EXPECT_NEAR(depth_of(difference, mask, 2, 1), 0.99, 1e-6);
+  const RegionValues values = values_in(difference, mask, 2);
+  EXPECT_EQ(values.count, 29);
+  EXPECT_NEAR(values.mean, (8 * -0.4 + 21 * -0.98) / 29, 1e-6);
+  EXPECT_TRUE(std::isnan(depth_of(difference, mask, 3, 1)));
+  EXPECT_THROW(values_in(difference, Mask(99), 1), std::invalid_argument);
+}
+
+TEST(Evaluation, RangeOfCentroids) {
+  FloatImage centroid(4, 3);
+  centroid.values = {48, 49, 50, 48, kNone, 48.5F, 10, 90, 48, kNone, kNone, 48};
+  Mask left_out(12, 0);
+  left_out[6] = 1;
+  const CentroidRange all = centroid_range(centroid, left_out, 0, 4);
+  EXPECT_DOUBLE_EQ(all.greatest, 42);
+  EXPECT_DOUBLE_EQ(all.median, 2);
+  EXPECT_DOUBLE_EQ(centroid_range(centroid, left_out, 1, 1).greatest, 0.5);
+  EXPECT_DOUBLE_EQ(centroid_range(centroid, left_out, 3, 5).greatest, 0);
+}
+
+}  // namespace
+}  // namespace selfproj

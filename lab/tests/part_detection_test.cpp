@@ -1,0 +1,70 @@
+// Parts with planted defects on a running line, few of them.
+#include "lab/part_detection.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "host/rig/rig.h"
+#include "lab/planted_parts.h"
+#include "sim/scene/even_numbers.h"
+#include "sim/scene/planted_part.h"
+
+namespace selfproj {
+namespace {
+
+TEST(PlantedPart, RangesHoldAndConverge) {
+  const Rig rig = rig_of_planted_parts(load_rig("light-section"));
+  EvenNumbers numbers(1);
+  int sharp = 0;
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const DrawnPart drawn = draw_part(rig, 7, i, true);
+    ASSERT_EQ(drawn.defects.size(), 2U);
+    const PlantedPart part(rig, drawn.pose, drawn.defects);
+    // Within its tread, with its depth: in the middle of each defect and nowhere else is the surface higher or lower.
+    for (int box = 0; box < 200; ++box) {
+      const double x = numbers.within(11), y = numbers.within(25);
+      const double size = box % 2 == 0 ? 2 * numbers.next() : 1e-6;
+      const HeightRange range = part.part_range({x, x + size, y, y + size});
+      for (int k = 0; k < 5; ++k) {
+        const double height = part.part_height(x + size * numbers.next(), y + size * numbers.next());
+        EXPECT_GE(height, range.low);
+        EXPECT_LE(height, range.high);
+      }
+      sharp += box % 2 == 1 && range.low == range.high ? 1 : 0;
+    }
+  }
+  EXPECT_GT(sharp, 4950);
+}
+
+TEST(PartDetection, FindsWhatWasPlantedAndNothingElse) {
+  PartDetectionOptions options;
+  options.null_test = true;
+  options.learn_parts = 5;
+  options.parts = 3;
+  options.good_parts = 1;
+  std::size_t done = 0, all = 0;
+  const PartDetectionResult result =
+      run_part_detection(options, [&](std::size_t d, std::size_t a) { done = d, all = a; });
+  EXPECT_EQ(done, all);
+  EXPECT_EQ(result.parts, 4U);
+  EXPECT_EQ(result.goal.planted + result.goal_at_edges.planted, 3U);
+  EXPECT_GT(result.goal.planted, 0U);
+  EXPECT_EQ(result.goal.found, result.goal.planted);
+  EXPECT_EQ(result.false_defects, 0U);
+  EXPECT_EQ(result.cannot_tell, 0U);
+  EXPECT_TRUE(result.not_reached.empty());
+  const auto data = nlohmann::json::parse(result.data);
+  EXPECT_EQ(data.at("bands").size(), 2U);
+  for (const auto& band : data.at("bands")) {  // noise is on, and the parts lie anyhow
+    EXPECT_GT(band.at("high_mm"), 0.02);
+    EXPECT_LT(band.at("high_mm"), 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace selfproj

@@ -1,0 +1,318 @@
+#include "sim/cosim/cosim.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/cli/progress.h"
+#include "host/driver/sim_device.h"
+#include "host/files/output_file.h"
+#include "host/files/output_folder.h"
+#include "host/files/output_parents.h"
+#include "host/files/results_file.h"
+#include "host/files/temporary.h"
+#include "host/files/user_error.h"
+#include "host/images/image_files.h"
+#include "host/report/counter_facts.h"
+#include "host/report/facts_json.h"
+#include "host/report/report.h"
+#include "model/packet.h"
+#include "sim/board/packet_judge.h"
+#include "sim/cosim/cosim_light_section.h"
+#include "sim/cosim/cosim_measurement.h"
+#include "sim/cosim/cosim_options.h"
+#include "sim/cosim/cosim_result.h"
+#include "sim/cosim/cosim_scanner.h"
+#include "sim/cosim/cosim_self_projected.h"
+#include "sim/cosim/frame_source.h"
+#include "sim/platform/platform.h"
+#include "sim/scene/scene_info.h"
+#include "sim/scene/scene_list.h"
+
+namespace selfproj {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::unique_ptr<CosimMeasurement> make_measurement(const CosimOptions& options) {
+  if (!options.frames.empty()) {
+    check_options(options, SceneMethod::light_section);
+    return make_recorded_cosim(options);
+  }
+  const SceneInfo& scene = find_scene(options.scene);
+  check_options(options, scene.method);
+  switch (scene.method) {
+    case SceneMethod::gray_codes:
+      return make_scanner_cosim(options, scene);
+    case SceneMethod::self_projected:
+      return make_self_projected_cosim(options, scene);
+    case SceneMethod::light_section:
+      break;
+  }
+  return make_light_section_cosim(options, scene);
+}
+
+// A waveform file, written by the simulator. It is named NAME.part until commit(), and is removed if the run fails
+// before that.
+class TraceFile {
+ public:
+  TraceFile(std::string name, const std::string& part) : name_(std::move(name)) {
+    if (name_.empty()) {
+      return;
+    }
+    const OutputFile check(name_);
+    const OutputFile check_part(part);
+    std::error_code error;
+    parents_.emplace(parent_of(name_), error);
+    if (error) {
+      throw UserError(name_, error.message());
+    }
+    part_.emplace(part);
+    hierarchy_.emplace(part + ".hier");
+  }
+  void commit() {
+    if (name_.empty()) {
+      return;
+    }
+    std::error_code error;
+    fs::rename(part_->path(), name_, error);
+    if (error) {
+      throw UserError(name_, error.message());
+    }
+    part_->keep();
+    parents_->keep();
+  }
+
+ private:
+  std::string name_;
+  std::optional<MadeFolders> parents_;
+  std::optional<RemovedAtEnd> part_;
+  std::optional<RemovedAtEnd> hierarchy_;
+};
+
+PlatformOptions platform_of(const CosimOptions& options, CosimMeasurement& measurement) {
+  PlatformOptions platform = measurement.platform();
+  platform.bus.stall_percent = options.bus_stall;
+  if (!options.trace.empty()) {
+    if (platform.engine != PlatformEngine::rtl) {
+      throw UserError("--trace " + options.trace, "goes only with --engine rtl");
+    }
+    const std::size_t total = measurement.source().total();
+    if (options.trace_from > total) {
+      throw UserError(fmt::format("--trace-from {}", options.trace_from), fmt::format("the run has {} frames", total));
+    }
+    platform.trace_file = options.trace + ".part";
+    platform.trace_from = options.trace_from;
+  }
+  return platform;
+}
+
+// Packets of all kinds.
+std::uint64_t counted_as_lost(const BoardCounters& board) {
+  return board.lost_moments + board.lost_image + board.lost_codes;
+}
+
+// Adds a mismatch for each counter that does not have the value that this run must give.
+void judge_counters(CosimResult& result, std::uint64_t misframed) {
+  const auto must_be = [&](std::uint64_t got, std::uint64_t want, const char* what) {
+    if (got != want) {
+      result.mismatch(fmt::format("{}: {}, expected {}", what, got, want));
+    }
+  };
+  const BoardCounters& board = result.platform.board;
+  must_be(board.frames, result.platform.frames, "frames accepted by the board");
+  must_be(board.broken, 0, "broken frames");
+  must_be(board.stray, 0, "beats outside any frame");
+  must_be(counted_as_lost(board), result.lost, "packets that the board counted as lost");
+  must_be(board.abandoned, 0, "frames abandoned by the decoder");
+  must_be(result.driver.bad, 0, "packets refused by the driver");
+  must_be(result.driver.bytes_discarded, 0, "bytes discarded by the driver");
+  must_be(misframed, 0, "packets whose end is not where their header says");
+  must_be(result.driver.delivered, result.platform.packets, "packets delivered by the driver");
+}
+
+// One run. The platform feeds the frames to the board. Each packet that the driver delivers is compared with the model,
+// appended to `stream`, and given to the measurement.
+class Run {
+ public:
+  // `stream` and `folder` may be null.
+  Run(CosimMeasurement& measurement, std::string* stream, OutputFolder* folder)
+      : measurement_(measurement), stream_(stream), folder_(folder) {}
+
+  CosimResult operator()(const PlatformOptions& options) {
+    FrameSource& source = measurement_.source();
+    Progress progress("frame", source.total());
+    std::size_t given = 0;
+    Platform platform(
+        options,
+        [&]() -> std::optional<ImageView> {
+          const Image* image = source.next();
+          if (image == nullptr) {
+            return std::nullopt;
+          }
+          measurement_.frame(given++, source.picture());
+          progress.update(given);
+          return image->view();
+        },
+        [&](std::span<const std::uint8_t> bytes, std::uint64_t /*time_ps*/) { receive(bytes); },
+        [&](BoardPacket&& packet) { judge_.expect(std::move(packet)); });
+    platform.run();
+    device_.finish();
+    next_packets();
+    judge_.finish();
+
+    result_.columns = judge_.matched_columns();
+    result_.codes = judge_.matched_codes();
+    result_.mismatches = judge_.mismatches();
+    result_.first_mismatch = judge_.first_mismatch();
+    result_.lost = judge_.lost();
+    result_.platform = platform.report();
+    result_.driver = device_.counters();
+    judge_counters(result_, device_.misframed());
+    measurement_.judge(result_);
+    return result_;
+  }
+
+ private:
+  void receive(std::span<const std::uint8_t> bytes) {
+    for (std::size_t at = 0; at < bytes.size(); at += spec::kPacketBeatBytes) {
+      const bool last = at + spec::kPacketBeatBytes >= bytes.size();
+      if (!device_.push(bytes.subspan(at, last ? bytes.size() - at : spec::kPacketBeatBytes), last)) {
+        throw std::logic_error("the driver's buffer is full");
+      }
+    }
+    next_packets();
+  }
+
+  void next_packets() {
+    PacketView packet;
+    while (device_.next(packet, std::chrono::nanoseconds(0)) == Next::packet) {
+      const std::span<const std::uint8_t> bytes = packet.bytes();
+      if (judge_.judge(bytes) && packet.header.kind == spec::kKindMoments) {
+        ++result_.frames;
+      }
+      if (stream_ != nullptr) {
+        stream_->append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      }
+      measurement_.packet(packet, folder_);
+      device_.release();
+    }
+  }
+
+  CosimMeasurement& measurement_;
+  std::string* stream_;
+  OutputFolder* folder_;
+  PacketJudge judge_;
+  SimDevice device_;
+  CosimResult result_;
+};
+
+std::vector<Fact> counters_of(const CosimMeasurement& measurement, const CosimResult& result) {
+  std::vector<Fact> facts = measurement.counters(result);
+  const auto add = [&](const char* key, const char* label, std::uint64_t value) {
+    facts.push_back({key, label, static_cast<std::int64_t>(value)});
+  };
+  add("matched_columns", "columns of moments equal to the model's", result.columns);
+  add("matched_frames", "frames equal to the model's", result.frames);
+  add("mismatches", "mismatches with the model", result.mismatches);
+  facts.push_back(counter_fact(&Counters::delivered, result.driver.delivered));
+  // Also those after the last packet that came, which the driver cannot know of.
+  facts.push_back(counter_fact(&Counters::lost_board, result.lost));
+  facts.push_back(counter_fact(&Counters::lost_ring, result.driver.lost_ring));
+  facts.push_back(counter_fact(&Counters::bad, result.driver.bad));
+  facts.push_back(counter_fact(&Counters::resynchronized, result.driver.resynchronized));
+  return facts;
+}
+
+CosimFacts facts_of(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result) {
+  std::vector<Fact> settings = measurement.settings();
+  settings.push_back({"clocks", "pixel clocks simulated", static_cast<std::int64_t>(result.platform.clocks)});
+  settings.push_back({"bus_stall", "bus not ready", std::int64_t{options.bus_stall}, "%"});
+  return {.title = options.frames.empty() ? "Co-simulation: " + options.scene : "Co-simulation of recorded images",
+          .counters = counters_of(measurement, result),
+          .settings = std::move(settings)};
+}
+
+// Results are named cosim_SCENE, or cosim_SCENE_ENGINE if the engine is not the RTL. For recorded images none are kept.
+void keep_results(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result) {
+  if (options.frames.empty()) {
+    const CosimFacts facts = facts_of(options, measurement, result);
+    write_results("cosim_" + options.scene + (options.engine == "rtl" ? "" : "_" + options.engine),
+                  "Co-simulation of the scene " + options.scene + ", every packet compared with the model",
+                  {{"matched", measurement.matched(result)},
+                   {"counters", facts_json(facts.counters)},
+                   {"findings", facts_json(measurement.findings())},
+                   {"settings", facts_json(facts.settings)}});
+  }
+}
+
+// Prints the outcome for the user. Throws CheckFailed if something did not match.
+void print_outcome(const CosimOptions& options, const CosimMeasurement& measurement, const CosimResult& result,
+                   double seconds) {
+  const auto clocks = static_cast<double>(result.platform.clocks);
+  fmt::print("{}", measurement.text());
+  fmt::print("{:.2f} M pixel clocks in {:.1f} s: {:.2f} M clocks/s, 1/{:.0f} of real time\n", clocks * 1e-6, seconds,
+             clocks / seconds * 1e-6, seconds / result.platform.seconds);
+  if (result.lost != 0) {
+    const bool counted = counted_as_lost(result.platform.board) == result.lost;
+    fmt::print("{} expected packets did not arrive{}\n", result.lost,
+               counted ? ", and the board counted all of them" : "");
+  }
+  for (const std::string& written : {options.out, options.packets, options.trace}) {
+    if (!written.empty()) {
+      fmt::print("→ {}\n", written);
+    }
+  }
+  fmt::print("matched {}, {} mismatches\n", measurement.matched(result), result.mismatches);
+  if (result.mismatches != 0) {
+    std::fflush(stdout);
+    throw CheckFailed(result.first_mismatch);
+  }
+}
+
+}  // namespace
+
+void run_cosim(const CosimOptions& options) {
+  const std::optional<OutputFile> packets_file =
+      options.packets.empty() ? std::nullopt : std::optional<OutputFile>(options.packets);
+  std::optional<OutputFolder> folder;
+  if (!options.out.empty()) {
+    folder.emplace(options.out);
+  }
+  const std::unique_ptr<CosimMeasurement> measurement = make_measurement(options);
+  const PlatformOptions platform = platform_of(options, *measurement);
+  TraceFile trace(options.trace, platform.trace_file);
+  if (folder) {
+    measurement->choose_pictures();
+  }
+
+  std::string stream;
+  const auto start = std::chrono::steady_clock::now();
+  const CosimResult result = Run(*measurement, packets_file ? &stream : nullptr, folder ? &*folder : nullptr)(platform);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  if (folder) {
+    measurement->write(*folder, facts_of(options, *measurement, result));
+    folder->commit();
+  }
+  if (packets_file) {
+    packets_file->write(stream);
+  }
+  trace.commit();
+  keep_results(options, *measurement, result);
+  print_outcome(options, *measurement, result, seconds);
+}
+
+}  // namespace selfproj

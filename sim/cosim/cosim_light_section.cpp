@@ -1,0 +1,383 @@
+#include "sim/cosim/cosim_light_section.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/files/output_folder.h"
+#include "host/files/user_error.h"
+#include "host/images/frame_options.h"
+#include "host/images/image_files.h"
+#include "host/images/prepared_images.h"
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/inspection.h"
+#include "host/light_section/reference.h"
+#include "host/report/frame_picture.h"
+#include "host/report/inspection_output.h"
+#include "host/report/line_images.h"
+#include "host/report/report.h"
+#include "host/rig/rig.h"
+#include "model/packet.h"
+#include "sim/cosim/cosim_measurement.h"
+#include "sim/cosim/cosim_options.h"
+#include "sim/cosim/cosim_result.h"
+#include "sim/cosim/frame_source.h"
+#include "sim/cosim/light_section.h"
+#include "sim/platform/camera_timing.h"
+#include "sim/platform/platform.h"
+#include "sim/scene/renderer.h"
+#include "sim/scene/scene.h"
+#include "sim/scene/scene_info.h"
+#include "sim/scene/scene_list.h"
+
+namespace selfproj {
+namespace {
+
+// All that frames and profiles need, for scenes and for recorded images.
+struct Setup {
+  Rig rig;
+  std::unique_ptr<Scene> scene;
+  std::unique_ptr<Renderer> renderer;
+  std::unique_ptr<FrameSource> source;
+  int image_columns = 0;                           // of the frames without padding; 0: there is none
+  std::unique_ptr<DifferentialProfiler> profiler;  // null without a geometry
+  std::vector<Fact> facts;
+};
+
+Rig light_section_rig(const std::string& name) {
+  Rig rig = load_rig(name);
+  if (rig.kind != RigKind::light_section) {
+    throw UserError("--rig " + name, "is not a rig of kind light-section");
+  }
+  return rig;
+}
+
+// The rig that computes the profiles.
+Rig rig_of(const CosimOptions& options) {
+  Rig rig = light_section_rig(options.rig.empty() ? "light-section" : options.rig);
+  if (!options.mode.empty()) {
+    rig.measure.mode = mode_of(options.mode);
+  }
+  rig.measure.threshold = options.threshold.value_or(rig.measure.threshold);
+  Measure measure = rig.measure.of_board();
+  options.select.apply(measure);
+  rig.measure.take(measure);
+  if (measure.select == Select::strongest && options.engine == "hls") {
+    throw UserError("--select strongest", "the SystemC shell has no runs; --engine rtl and model have them");
+  }
+  if (measure.select == Select::strongest && !options.trace.empty()) {
+    throw UserError("--select strongest", "the board with waveforms has no runs; leave out --trace");
+  }
+  rig.imaging.seed = options.seed.value_or(rig.imaging.seed);
+  return rig;
+}
+
+// The rig that takes the images.
+Rig real_rig_of(const CosimOptions& options, const Rig& rig) {
+  if (options.real_rig.empty()) {
+    return rig;
+  }
+  Rig real = light_section_rig(options.real_rig);
+  if (real.camera.rows != rig.camera.rows || real.camera.columns != rig.camera.columns) {
+    throw UserError("--real-rig " + options.real_rig, fmt::format("has images of {}, but --rig has images of {}",
+                                                                  size_text(real.camera.rows, real.camera.columns),
+                                                                  size_text(rig.camera.rows, rig.camera.columns)));
+  }
+  real.imaging.seed = rig.imaging.seed;
+  return real;
+}
+
+std::vector<Fact> scene_facts(const CosimOptions& options, const SceneInfo& scene, const Rig& rig,
+                              const ReferenceProfile& reference) {
+  std::vector<Fact> facts = {
+      {"scene", "scene", options.scene},
+      {"reference", "reference", scene.reference_name()},
+      {"residual", "residual of the reference", std::string(options.residual ? "measured and removed" : "left")},
+      {"reference_columns", "columns with a reference", std::int64_t{reference.valid_columns()}},
+      {"seed", "seed of the noise", rig.imaging.seed}};
+  if (!options.real_rig.empty()) {
+    facts.push_back({"real_rig", "rig that took the images", options.real_rig});
+  }
+  if (!options.without.empty()) {
+    facts.push_back({"without", "simulated without", fmt::format("{}", fmt::join(options.without, ", "))});
+  }
+  return facts;
+}
+
+Setup scene_setup(const CosimOptions& options, const SceneInfo& info) {
+  Setup setup;
+  setup.rig = rig_of(options);
+  const Rig& rig = setup.rig;
+  const Rig real = real_rig_of(options, rig);
+  setup.scene = make_scene(info.name, real);
+  const RenderOptions render = options.render();
+  const LightSection light =
+      self_projection(rig, real, *make_scene(info.reference_name(), real), render, options.residual);
+  const auto mode =
+      static_cast<std::size_t>(std::find(kAllModes.begin(), kAllModes.end(), rig.measure.mode) - kAllModes.begin());
+  const ReferenceProfile& reference = light.references.at(mode);
+  if (reference.valid_columns() == 0) {
+    throw UserError("--scene " + options.scene, "the rig's camera sees the projected line in no column");
+  }
+  setup.renderer = std::make_unique<Renderer>(real, *setup.scene, light.pattern, render);
+  const std::size_t count =
+      frames_of_run(options, static_cast<std::size_t>(setup.scene->frames()), "scene " + options.scene);
+  setup.source = std::make_unique<SceneFrames>(
+      [renderer = setup.renderer.get()](int frame, std::span<std::uint8_t> pixels) { renderer->render(frame, pixels); },
+      rig.camera.rows, rig.camera.columns, options.first - 1, count);
+  setup.profiler = std::make_unique<DifferentialProfiler>(rig, reference);
+  setup.facts = scene_facts(options, info, rig, reference);
+  return setup;
+}
+
+// The files matched by all patterns of an option.
+std::vector<std::string> files_of(const std::string& option, const std::vector<std::string>& patterns) {
+  std::vector<std::string> files;
+  for (const std::string& pattern : patterns) {
+    const std::vector<std::string> found = files_of_pattern(option, pattern);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
+std::unique_ptr<RecordedFrames> recorded_frames(const CosimOptions& options) {
+  std::vector<std::string> files = files_of("--frames", options.frames);
+  const std::size_t count = frames_of_run(options, files.size(), "--frames " + options.frames.front());
+  Preparation preparation = options.preparation;
+  preparation.background = files_of("--background", options.preparation.background);
+  if (preparation.background.size() == 1 && files.size() > 1) {
+    // one for all frames
+  } else if (!preparation.background.empty() && preparation.background.size() != files.size()) {
+    throw UserError("--background " + options.preparation.background.front(),
+                    fmt::format("has {} files for {} frames", preparation.background.size(), files.size()));
+  }
+  for (auto* list : {&files, &preparation.background}) {
+    if (list->size() > 1) {
+      list->erase(list->begin(), list->begin() + static_cast<std::ptrdiff_t>(options.first - 1));
+      list->resize(count);
+    }
+  }
+  auto source = std::make_unique<RecordedFrames>(PreparedImages(files, preparation), 0, count);
+  if (!options.rig.empty()) {
+    const RigCamera& camera = light_section_rig(options.rig).camera;
+    if (source->rows() != camera.rows || source->image_columns() != camera.columns) {
+      throw UserError(files.front(), fmt::format("is {}, but the camera of --rig {} has {}",
+                                                 size_text(source->rows(), source->image_columns()), options.rig,
+                                                 size_text(camera.rows, camera.columns)));
+    }
+  }
+  return source;
+}
+
+Setup recorded_setup(const CosimOptions& options) {
+  if (!options.without.empty()) {
+    throw UserError("--without", "goes only with scenes, not with recorded images");
+  }
+  if (options.world.any()) {
+    throw UserError("--disturb", "goes only with scenes, not with recorded images");
+  }
+  if (options.residual || !options.real_rig.empty()) {
+    throw UserError(options.residual ? "--residual" : "--real-rig", "goes only with scenes, not with recorded images");
+  }
+  Setup setup;
+  std::unique_ptr<RecordedFrames> frames = recorded_frames(options);
+  setup.image_columns = frames->image_columns();
+  setup.source = std::move(frames);
+  setup.facts = {{"frames_from", "recorded images", options.frames.front()}};
+  if (!options.preparation.background.empty()) {
+    setup.facts.push_back({"background", "subtracted from them", options.preparation.background.front()});
+  }
+  setup.rig = rig_of(options);
+  if (options.rig.empty()) {
+    // Without a rig only the grey values of the images are known.
+    if (!options.threshold) {
+      throw UserError("--frames", "needs --threshold, or --rig, which has one");
+    }
+    return setup;
+  }
+  // The straight line that lies on the middle row where it meets the plane.
+  const double far = setup.rig.plane_z_mm;
+  const ReferenceProfile reference = reference_of_curve(setup.rig, {{-far, far}, {far, far}});
+  if (reference.valid_columns() == 0) {
+    throw UserError("--rig " + options.rig, "the camera sees the projected line on the plane in no column");
+  }
+  setup.profiler = std::make_unique<DifferentialProfiler>(setup.rig, reference);
+  setup.facts.push_back({"reference", "reference", std::string("the plane, straight line")});
+  return setup;
+}
+
+class LightSectionCosim final : public CosimMeasurement {
+ public:
+  LightSectionCosim(const CosimOptions& options, Setup setup)
+      : options_(options),
+        setup_(std::move(setup)),
+        columns_(setup_.source->columns()),
+        measure_(setup_.rig.measure.of_board()),
+        line_images_(setup_.source->rows(), setup_.image_columns > 0 ? setup_.image_columns : columns_,
+                     setup_.rig.measure) {
+    if (setup_.profiler != nullptr) {
+      inspection_.emplace(setup_.rig, columns_, InspectionOptions{.expected_frames = setup_.source->total()});
+      profile_.resize(columns_);
+    }
+    runs_.resize(measure_.select, columns_);
+  }
+
+  FrameSource& source() override { return *setup_.source; }
+
+  [[nodiscard]] PlatformOptions platform() const override {
+    const Rig& rig = setup_.rig;
+    PlatformOptions platform;
+    platform.engine = engine_of(options_);
+    platform.settings = {.columns = columns_,
+                         .rows = setup_.source->rows(),
+                         .mode = measure_.mode,
+                         .threshold = measure_.threshold,
+                         .select = measure_.select,
+                         .gap = measure_.gap,
+                         .window = measure_.window};
+    platform.frame_rate_hz = rig.camera.frame_rate_hz;
+    platform.pixel_clock_hz = rig.pixel_clock_hz();
+    if (rig.conveyor.encoder_mm_per_count > 0 && setup_.profiler != nullptr) {
+      platform.encoder_steps_per_s = rig.conveyor.speed_mm_per_s / rig.conveyor.encoder_mm_per_count;
+      if (platform.encoder_steps_per_s > platform.pixel_clock_hz / 4) {
+        throw UserError("--rig " + rig.name, "the encoder turns too fast for the board");
+      }
+    }
+    platform.seed = static_cast<std::uint64_t>(rig.imaging.seed);
+    return platform;
+  }
+
+  // Takes the frames that the user asked for, or else the middle one of a scene, or the first ten recorded images.
+  void choose_pictures() override {
+    constexpr std::size_t kMost = 10;
+    const std::size_t total = setup_.source->total();
+    pictures_ = options_.pictures;
+    for (const std::size_t frame : pictures_) {
+      if (frame > total) {
+        throw UserError(fmt::format("--picture-frame {}", frame), fmt::format("the run has {} frames", total));
+      }
+    }
+    if (!pictures_.empty()) {
+      return;
+    }
+    if (options_.frames.empty()) {
+      pictures_ = {(total + 1) / 2};
+      return;
+    }
+    for (std::size_t frame = 1; frame <= std::min(total, kMost); ++frame) {
+      pictures_.push_back(frame);
+    }
+  }
+
+  void frame(std::size_t frame, const Image& image) override {
+    if (std::find(pictures_.begin(), pictures_.end(), frame + 1) != pictures_.end()) {
+      camera_[frame + 1].image = image;
+      camera_[frame + 1].frame = frame + 1;
+    }
+  }
+
+  void packet(const PacketView& packet, OutputFolder* folder) override {
+    if (folder == nullptr || packet.header.kind != spec::kKindMoments || packet.payload.empty() ||
+        packet.header.columns != columns_) {
+      return;
+    }
+    const std::size_t frame = packet.header.sequence + 1;
+    unpack_columns(measure_.select, measure_.mode, columns_, packet.payload.data(), runs_.view());
+    if (const auto picture = camera_.find(frame); picture != camera_.end()) {
+      picture->second = line_images_.picture(frame, std::move(picture->second.image), runs_);
+    }
+    if (inspection_) {
+      setup_.profiler->profile(measure_.select, measure_.mode, packet.payload.data(), profile_.view());
+      inspection_->add(packet.header, packet.payload, profile_.view());
+    } else {
+      line_images_.add(frame, runs_);
+    }
+  }
+
+  [[nodiscard]] std::vector<Fact> settings() const override {
+    std::vector<Fact> facts = setup_.facts;
+    const CameraTiming timing = this->timing();
+    facts.push_back({"engine", "engine", options_.engine});
+    facts.push_back({"frame_rate", "frame rate", rate(timing), "Hz"});
+    facts.push_back({"clocks_per_frame", "clocks a frame", static_cast<std::int64_t>(timing.frame_clocks)});
+    return facts;
+  }
+
+  void write(OutputFolder& folder, const CosimFacts& facts) override {
+    std::vector<CameraPicture> pictures;  // those whose packet came
+    for (const auto& [frame, picture] : camera_) {
+      if (!picture.moments.m0.empty()) {
+        pictures.push_back(picture);
+      }
+    }
+    if (inspection_) {
+      ReportParts parts;
+      parts.title = facts.title;
+      parts.counters = facts.counters;
+      parts.settings = facts.settings;
+      if (!pictures.empty()) {
+        parts.camera = pictures.front();
+        pictures.erase(pictures.begin());  // the inspection writes this one
+      }
+      write_inspection(*inspection_, folder, parts);
+    } else {
+      line_images_.write(folder, {.title = facts.title, .counters = facts.counters, .settings = facts.settings},
+                         setup_.source->total(), pictures);
+    }
+    for (const CameraPicture& picture : pictures) {
+      folder.append(fmt::format("frame_{}.png", picture.frame), frame_png(picture));
+    }
+  }
+
+  [[nodiscard]] std::string text() const override {
+    const RigMeasure& measure = setup_.rig.measure;
+    const std::string select = select_text(measure_);
+    return fmt::format("{}: {} frames of {} at {:.0f} fps, {}, threshold {}{}{}, engine {}\n", options_.what(),
+                       setup_.source->total(), size_text(setup_.source->rows(), columns_), rate(timing()),
+                       mode_name(measure.mode), measure.threshold, select.empty() ? "" : ", ", select, options_.engine);
+  }
+
+  [[nodiscard]] std::string matched(const CosimResult& result) const override {
+    return fmt::format("{} columns in {} frames", result.columns, result.frames);
+  }
+
+ private:
+  [[nodiscard]] CameraTiming timing() const {
+    return camera_timing(setup_.source->rows(), columns_, setup_.rig.camera.frame_rate_hz, setup_.rig.pixel_clock_hz());
+  }
+  [[nodiscard]] double rate(const CameraTiming& timing) const {
+    return setup_.rig.pixel_clock_hz() / static_cast<double>(timing.frame_clocks);
+  }
+
+  const CosimOptions& options_;
+  Setup setup_;
+  int columns_;
+  Measure measure_;
+  std::vector<std::size_t> pictures_;  // frames to show, from 1
+  std::map<std::size_t, CameraPicture> camera_;
+  Profile profile_;
+  Runs runs_;
+  std::optional<Inspection> inspection_;
+  LineImages line_images_;  // used without a geometry
+};
+
+}  // namespace
+
+std::unique_ptr<CosimMeasurement> make_light_section_cosim(const CosimOptions& options, const SceneInfo& scene) {
+  return std::make_unique<LightSectionCosim>(options, scene_setup(options, scene));
+}
+
+std::unique_ptr<CosimMeasurement> make_recorded_cosim(const CosimOptions& options) {
+  return std::make_unique<LightSectionCosim>(options, recorded_setup(options));
+}
+
+}  // namespace selfproj

@@ -1,0 +1,72 @@
+// Measures motion in the depth images of experiments B1 to B3: frequencies, amplitudes, speeds.
+#ifndef SELFPROJ_SIM_COSIM_MOTION_ANALYSIS_H
+#define SELFPROJ_SIM_COSIM_MOTION_ANALYSIS_H
+
+#include <cstddef>
+#include <vector>
+
+#include "host/images/float_image.h"
+#include "host/structured_light/moved.h"
+#include "host/structured_light/triangulation.h"
+
+namespace selfproj {
+
+// What counts as moved: a pixel at least this far (mm) from the background that fulfils the conditions of the filter.
+// B1 finds these settings the best.
+inline constexpr double kMovedMm = 10;
+inline constexpr SteadySettings kSteady{10, 6};
+
+// y = mean + amplitude sin(2 pi frequency t + phase), by least squares.
+struct SineFit {
+  double frequency = 0;  // Hz; NaN if there are too few values
+  double mean = 0;
+  double amplitude = 0;
+  double residual = 0;  // RMS of the residuals of the fit
+};
+
+// Tries all frequencies in low..high, in steps of 0.001 Hz, of which at least one period was seen, and takes the best.
+// Ignores NaN. At least 8 values are needed.
+SineFit fit_sine(const std::vector<double>& t, const std::vector<double>& y, double low, double high);
+
+// y = at_0 + slope t, by least squares; NaN unless there are two different t. Ignores NaN.
+struct LineFit {
+  double at_0 = 0;
+  double slope = 0;
+};
+LineFit fit_line(const std::vector<double>& t, const std::vector<double>& y);
+
+// The median of the slopes between all pairs of values that are `least` to `most` apart in t, NaN without any (Theil
+// and Sen). Where y jumps now and then, from one crest to the next, it is the slope between the jumps.
+double slope_between_jumps(const std::vector<double>& t, const std::vector<double>& y, double least, double most);
+
+// The rise of the surface over a background, in mm towards the camera, averaged over rings around a point.
+class RingMeans {
+ public:
+  // `count` rings, each `step` mm wide, around (x, y). Only points within the rectangle count.
+  struct Place {
+    double x, y;
+    double x0, x1, y0, y1;
+  };
+  RingMeans(const Triangulation& triangulation, const Place& place, double step, std::size_t count);
+
+  // The means of background - depth, at the positions of the background's points. Pixels count if they have both depths
+  // and the two differ by no more than `most` mm (more is a wrong code). Each ring's mean is smoothed twice with a
+  // quarter of both neighbours'. NaN for rings of fewer than 20 pixels and beside them.
+  [[nodiscard]] std::vector<double> means(const FloatImage& depth, const FloatImage& background, double most) const;
+
+  [[nodiscard]] double radius(std::size_t ring) const { return (static_cast<double>(ring) + 0.5) * step_; }
+
+ private:
+  const Triangulation& triangulation_;
+  Place place_;
+  double step_;
+  std::size_t count_;
+};
+
+// The radius of the foremost crest: from outside, the first local maximum that is at least `least` and at least four
+// fifths of the greatest. A parabola through it and its neighbours gives its place. NaN if there is none.
+double foremost_crest(const RingMeans& rings, const std::vector<double>& means, double least);
+
+}  // namespace selfproj
+
+#endif  // SELFPROJ_SIM_COSIM_MOTION_ANALYSIS_H

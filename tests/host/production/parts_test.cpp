@@ -1,0 +1,326 @@
+// Parts cut out of a stream of made profiles, placed by their edges, and judged.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/light_section/differential_profile.h"
+#include "host/light_section/reference.h"
+#include "host/production/judge.h"
+#include "host/production/learn.h"
+#include "host/production/part_cutter.h"
+#include "host/production/placement.h"
+#include "host/production/running_figures.h"
+#include "host/production/section_reference.h"
+#include "host/production/tolerance.h"
+#include "tests/host/production/made_parts.h"
+#include "tests/support/error_of.h"
+
+namespace selfproj::test {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+// The parts that a cutter made of what is sent to it.
+struct Cut {
+  explicit Cut(const Rig& rig) : cutter(rig, [this](CutPart&& part) { parts.push_back(std::move(part)); }) {}
+  std::vector<CutPart> parts;
+  PartCutter cutter;
+};
+
+// A box 20 mm high, y from -20 to 20, as a reference that covers all of it.
+SectionReference box_section(const Rig& rig) {
+  const ReferenceCurve curve{{-60, -20, -20, 20, 20, 60}, {1167, 1167, 1147, 1147, 1167, 1167}};
+  const ReferenceProfile reference = reference_of_curve(rig, curve);
+  return section_of(rig, reference, DifferentialProfiler(rig, reference));
+}
+
+TEST(Parts, AreCutByTheProfile) {
+  Cut cut(rig_with_parts());
+  MadeBelt belt(cut.cutter.rig(), 1);
+  belt.jitter = 0.8;  // an encoder on a belt that does not run evenly
+  belt.pass(cut.cutter, {.length = 30});
+  belt.pass(cut.cutter, {.length = 2});  // a speck
+  belt.pass(cut.cutter, {.length = 20, .turn_deg = 2});
+  belt.sequence += 7;  // frames between two parts are nobody's
+  belt.pass(cut.cutter, {.length = 100});
+  belt.bare(cut.cutter, 5);
+  ASSERT_EQ(cut.parts.size(), 4U);
+  EXPECT_EQ(cut.cutter.specks(), 1U);
+  EXPECT_NEAR(cut.parts[0].length_mm, 30, 0.4);
+  EXPECT_NEAR(cut.parts[1].length_mm, 20 + 40 * std::sin(2 * std::numbers::pi / 180), 2.5);  // less its corners
+  EXPECT_EQ(cut.parts[1].missing, 0U);
+  EXPECT_TRUE(cut.parts[2].too_long);
+  EXPECT_FALSE(cut.parts[3].too_long);  // the rest of it
+  EXPECT_NEAR(cut.parts[2].length_mm + cut.parts[3].length_mm, 100, 1);
+  for (const CutPart& part : cut.parts) {
+    EXPECT_FALSE(part.restarted);
+    // Whatever the belt did, the map is even and full: every cell inside has its height.
+    const MapGrid& grid = part.cells.grid;
+    const int middle = grid.columns / 2;
+    int there = 0;
+    for (int r = 0; r < grid.rows; ++r) {
+      const float height = part.cells.height.row(r)[middle];
+      there += std::isnan(height) ? 0 : 1;
+      if (!std::isnan(height)) {
+        EXPECT_NEAR(height, 20, 1e-3);
+      }
+    }
+    EXPECT_NEAR(there * grid.pitch_mm, std::min(part.length_mm, 60.5), 3);
+  }
+}
+
+TEST(Parts, CornersThatComeBeforeThePartIsWideEnoughAreInItsMap) {
+  Cut cut(rig_with_parts());
+  MadeBelt belt(cut.cutter.rig(), 1);
+  belt.pass(cut.cutter, {.length = 20, .width = 40, .turn_deg = 10});
+  belt.bare(cut.cutter, 5);
+  ASSERT_EQ(cut.parts.size(), 1U);
+  double area = 0;
+  for (const float height : cut.parts[0].cells.height.values) {
+    area += std::isnan(height) ? 0 : 0.25 * 0.25;
+  }
+  EXPECT_NEAR(area, 20 * 40, 20);
+}
+
+TEST(Parts, AreCutByDistanceAndByTrigger) {
+  Rig rig = rig_with_parts();
+  rig.parts->cut = PartCut::distance;
+  rig.parts->length_mm = 25;
+  Cut cut(rig);
+  MadeBelt belt(rig, 1);
+  belt.pass(cut.cutter, {.length = 110}, 0);
+  cut.cutter.finish();
+  ASSERT_EQ(cut.parts.size(), 4U);
+  EXPECT_EQ(cut.cutter.specks(), 1U);  // the fifth was not complete
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(cut.parts[i].begin_mm, 25.0 * static_cast<double>(i), 0.15);
+    EXPECT_FALSE(cut.parts[i].too_long);
+  }
+
+  rig.parts->cut = PartCut::trigger;
+  rig.parts->by_encoder = false;  // speed and time stamps
+  Cut triggered(rig);
+  MadeBelt other(rig, 1);
+  for (int part = 0; part < 3; ++part) {
+    other.pass(triggered.cutter, {.length = 15}, 1);
+    other.pause(0.05);
+  }
+  ASSERT_EQ(triggered.parts.size(), 2U);  // the third is not known to have ended
+  triggered.cutter.finish();
+  ASSERT_EQ(triggered.parts.size(), 3U);
+  EXPECT_NEAR(triggered.parts[1].length_mm, 17, 0.2);
+  EXPECT_EQ(triggered.parts[1].missing, 0U);
+}
+
+TEST(Parts, LostFramesAndRestartsAreTold) {
+  Cut cut(rig_with_parts());
+  MadeBelt belt(cut.cutter.rig(), 1);
+  belt.bare(cut.cutter, 5);
+  for (int i = 0; i < 300; ++i) {
+    belt.send(
+        cut.cutter, [](double y) { return std::abs(y) < 20 ? 20 : kNone; }, 0);
+    if (i == 100) {
+      belt.sequence += 3;
+      belt.belt_mm += 0.3;
+    }
+  }
+  belt.sequence = 0;  // a restart
+  for (int i = 0; i < 50; ++i) {
+    belt.send(
+        cut.cutter, [](double y) { return std::abs(y) < 20 ? 20 : kNone; }, 0);
+  }
+  belt.bare(cut.cutter, 5);
+  ASSERT_EQ(cut.parts.size(), 1U);
+  EXPECT_EQ(cut.parts[0].missing, 3U);
+  EXPECT_TRUE(cut.parts[0].restarted);
+  EXPECT_NEAR(cut.parts[0].length_mm, 35.3, 0.2);
+}
+
+TEST(Parts, ArePlacedByTheirEdges) {
+  const Outline outline{30.0, -20.0, 20.0};
+  for (const double turn : {-3.0, -0.4, 0.0, 1.5}) {
+    for (const double across : {-1.3, 0.1, 2.0}) {
+      SCOPED_TRACE(std::to_string(turn) + " degrees, " + std::to_string(across) + " mm");
+      Cut cut(rig_with_parts());
+      MadeBelt belt(cut.cutter.rig(), 7);
+      // A corner is chipped off, and a bump says where everything lies.
+      const auto height = [](double v, double w) {
+        return v + w < -16 ? kNone : std::hypot(v - 10, w - 5) < 2 ? 21.0 : 20.0;
+      };
+      belt.pass(cut.cutter, {.length = 30, .height = height, .across = across, .turn_deg = turn});
+      belt.bare(cut.cutter, 5);
+      ASSERT_EQ(cut.parts.size(), 1U);
+      const auto placed = place_by_edges(edges_of(cut.parts[0].cells, 5), outline);
+      ASSERT_TRUE(placed);
+      EXPECT_EQ(placed->edges, "leading trailing left right");
+      // A side edge that is turned by less than a camera column over its length looks straight.
+      EXPECT_NEAR(placed->turn_rad * 180 / std::numbers::pi, turn, 0.15);
+      EXPECT_NEAR(placed->across_mm, across, 0.12);
+      EXPECT_NEAR(*placed->length_mm, 30, 0.15);
+      EXPECT_NEAR(*placed->width_mm, 40, 0.3);
+      EXPECT_LT(placed->residual_mm, 0.2);
+      const MapGrid grid = placed_grid(0.25, 30, -20, 20);
+      const FloatImage map = placed_heights(cut.parts[0].cells, *placed, grid);
+      double along = 0, beside = 0, count = 0;
+      for (int r = 0; r < grid.rows; ++r) {
+        for (int c = 0; c < grid.columns; ++c) {
+          if (map.row(r)[c] > 20.5F) {
+            along += grid.along_of(r), beside += grid.across_of(c), count += 1;
+          }
+        }
+      }
+      EXPECT_NEAR(along / count, 10, 0.15);
+      EXPECT_NEAR(beside / count, 5, 0.15);
+      EXPECT_NEAR(count / 16, 4 * std::numbers::pi, 1.5);
+    }
+  }
+}
+
+// The part of the reference, learned from good ones.
+class Judged : public ::testing::Test {
+ protected:
+  static Tolerance learned(const Rig& rig, int parts, std::uint64_t seed) {
+    Learner learner(rig, box_section(rig), {});
+    PartCutter cutter(rig, [&](CutPart&& part) { learner.add(std::move(part)); });
+    MadeBelt belt(rig, seed);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> any(-1, 1);
+    for (int i = 0; i < parts; ++i) {
+      belt.pass(cutter, {.length = 30, .across = any(random), .turn_deg = any(random), .noise = 0.03});
+    }
+    belt.bare(cutter, 5);
+    return learner.learn("good");
+  }
+
+  PartResult judge(const MadePart& part) {
+    Cut cut(rig_);
+    MadeBelt belt(rig_, 99);
+    belt.pass(cut.cutter, part);
+    belt.bare(cut.cutter, 5);
+    EXPECT_EQ(cut.parts.size(), 1U);
+    return cut.parts.size() == 1 ? judge_.judge(cut.parts[0], maps_) : PartResult{};
+  }
+
+  Rig rig_ = rig_with_parts();
+  Tolerance tolerance_ = learned(rig_, 12, 5);
+  Judge judge_{rig_, box_section(rig_), tolerance_, "t.yaml"};
+  PlacedMaps maps_;
+};
+
+TEST_F(Judged, GoodPartsAreOk) {
+  ASSERT_EQ(tolerance_.regions.size(), 1U);
+  EXPECT_NEAR(tolerance_.length_mm, 30, 0.2);
+  EXPECT_NEAR(tolerance_.right_mm - tolerance_.left_mm, 40, 0.4);
+  EXPECT_LT(tolerance_.regions[0].high_mm, 0.12);
+  EXPECT_GT(tolerance_.regions[0].low_mm, -0.12);
+  for (const double turn : {-0.9, 0.0, 0.7}) {
+    const PartResult result = judge({.length = 30, .across = turn, .turn_deg = turn, .noise = 0.03});
+    EXPECT_EQ(result.verdict, Verdict::ok) << result.reason;
+    EXPECT_TRUE(result.defects.empty());
+    EXPECT_NEAR(result.regions.at(0).mean_mm, 0, 0.01);
+  }
+}
+
+TEST_F(Judged, DefectsAreFoundWithPlaceSizeAndDepth) {
+  const auto height = [](double v, double w) {
+    if (std::hypot(v - 8, w + 10) < 1.5) {
+      return 19.7;
+    }
+    return std::abs(v - 20) < 2 && std::abs(w - 12) < 1 ? 20.4 : 20.0;
+  };
+  const PartResult result = judge({.length = 30, .height = height, .across = 0.8, .turn_deg = -0.9, .noise = 0.02});
+  EXPECT_EQ(result.verdict, Verdict::not_ok);
+  ASSERT_EQ(result.defects.size(), 2U);
+  const Defect& bump = result.defects[0];
+  EXPECT_NEAR(bump.along_mm, 20, 0.2);
+  EXPECT_NEAR(bump.across_mm, 12, 0.25);
+  EXPECT_NEAR(bump.area_mm2, 8, 2.5);
+  EXPECT_NEAR(bump.size_along_mm, 4, 0.6);
+  EXPECT_NEAR(bump.depth_mm, 0.4, 0.06);
+  const Defect& dent = result.defects[1];
+  EXPECT_NEAR(dent.along_mm, 8, 0.2);
+  EXPECT_NEAR(dent.across_mm, -10, 0.25);
+  EXPECT_NEAR(dent.area_mm2, 2.25 * std::numbers::pi, 2.5);
+  EXPECT_NEAR(dent.depth_mm, -0.3, 0.06);
+  EXPECT_EQ(result.reason.rfind("2 defects; the largest, ", 0), 0U) << result.reason;
+}
+
+TEST_F(Judged, WhatCannotBeSeenCannotBeTold) {
+  const PartResult holes =
+      judge({.length = 30, .height = [](double v, double w) { return v > 10 && v < 14 && w > 0 ? kNone : 20.0; }});
+  EXPECT_EQ(holes.verdict, Verdict::cannot_tell);
+  EXPECT_NE(holes.reason.find("of region 'surface 1' are missing"), std::string::npos) << holes.reason;
+  const PartResult shifted = judge({.length = 30, .across = 4});
+  EXPECT_EQ(shifted.verdict, Verdict::cannot_tell);
+  EXPECT_EQ(shifted.reason.rfind("is shifted across by ", 0), 0U) << shifted.reason;
+  const PartResult turned = judge({.length = 30, .turn_deg = 5});
+  EXPECT_EQ(turned.reason.rfind("is turned by ", 0), 0U) << turned.reason;
+  const PartResult short_one = judge({.length = 25});
+  EXPECT_EQ(short_one.reason.rfind("its edges do not fit by ", 0), 0U) << short_one.reason;
+  EXPECT_EQ(short_one.verdict, Verdict::cannot_tell);
+}
+
+TEST_F(Judged, ToleranceIsReadBackAndItsFaultsAreNamed) {
+  const std::string yaml = to_yaml(tolerance_);
+  EXPECT_EQ(to_yaml(parse_tolerance(yaml, "t.yaml")), yaml);
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = yaml;
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, text.find('\n', at) - at, to);
+    return error_of([&] { parse_tolerance(text, "t.yaml"); });
+  };
+  EXPECT_NE(with("length_mm: ", "length_mm: -3").find("part.length_mm is -3"), std::string::npos);
+  EXPECT_NE(with("corners_mm: ", "corners_mm: [0, 0, 300, 0, 0, 10]")
+                .find("region 'surface 1' reaches (300, 0) mm; the part's map is from (-2, "),
+            std::string::npos);
+  EXPECT_NE(with("corners_mm: ", "corners_mm: [0, 0, 5, 5, 10, 10]").find("has no area"), std::string::npos);
+  EXPECT_NE(with("corners_mm: ", "corners_mm: [0, 0, 5]").find("three corners"), std::string::npos);
+  EXPECT_NE(with("low_mm: ", "low_mm: 7").find("high_mm must be greater"), std::string::npos);
+  EXPECT_NE(with("most_missing: ", "most_mising: 0").find("unknown key"), std::string::npos);
+  EXPECT_NE(error_of([] { parse_tolerance("part: 3", "t.yaml"); }).find("regions must be a list"), std::string::npos);
+  EXPECT_EQ(error_of([] { parse_tolerance("[1]", "t.yaml"); }),
+            "t.yaml: is not a tolerance; keys and values are expected");
+
+  const ReferenceProfile plane = reference_of_curve(rig_, {{-60, 60}, {rig_.plane_z_mm, rig_.plane_z_mm}});
+  const SectionReference other = section_of(rig_, plane, DifferentialProfiler(rig_, plane));
+  EXPECT_NE(error_of([&] { Judge(rig_, other, tolerance_, "t.yaml"); }).find("t.yaml: is for another part: at "),
+            std::string::npos);
+  EXPECT_EQ(error_of([&] { learned(rig_, 3, 1); }), "good: 3 good parts came; at least 5 are needed");
+}
+
+TEST(Parts, FiguresOverParts) {
+  RunningFigures figures;
+  for (int i = 0; i < 1000; ++i) {
+    figures.add(1e6 + 0.5 * i + (i % 2 == 0 ? 1 : -1));
+  }
+  EXPECT_NEAR(figures.mean(), 1e6 + 0.5 * 499.5, 1e-6);
+  EXPECT_NEAR(figures.trend(), 0.5, 1e-4);
+  EXPECT_NEAR(figures.spread(), std::sqrt(0.25 * 1000 * 1001 / 12 + 1), 0.1);
+}
+
+TEST(Parts, RigsSayHowTheyAreCut) {
+  const Rig rig = rig_with_parts();
+  const std::string yaml = to_yaml(rig);
+  EXPECT_EQ(to_yaml(parse_rig(yaml, "rig.yaml")), yaml);
+  const auto error_with = [&](const std::string& from, const std::string& to) {
+    std::string text = yaml;
+    text.replace(text.find(from), from.size(), to);
+    return error_of([&] { PartCutter(parse_rig(text, "rig.yaml"), [](CutPart&&) {}); });
+  };
+  EXPECT_NE(error_with("cut: profile", "cut: time").find("parts.cut is 'time'"), std::string::npos);
+  EXPECT_NE(error_with("grid_mm: 0.25", "grid_mm: 0.2").find("columns are 0.2334 mm apart"), std::string::npos);
+  EXPECT_NE(error_with("  min_length_mm: 5", "  min_length_mm: 70").find("it must be greater"), std::string::npos);
+  EXPECT_NE(error_of([] { PartCutter(load_rig("light-section"), [](CutPart&&) {}); }).find("has no section `parts`"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace selfproj::test
