@@ -115,6 +115,181 @@ TEST(Datagrams, NumbersWrapAndAReaderComesLate) {
   EXPECT_GT(counters.bytes_discarded, 0U);
 }
 
+// Sends packets of one datagram each through the assembler, from these numbers on, and loses every 1009th. Delivered
+// and lost are all of them.
+void expect_all_accounted(std::uint32_t datagrams, std::uint32_t packets, std::uint64_t count) {
+  SCOPED_TRACE("from datagram " + std::to_string(datagrams) + ", packet " + std::to_string(packets));
+  Counters counters;
+  DatagramAssembler assembler(counters);
+  DatagramCutter cutter(5, kDatagramBytes, datagrams, packets);
+  const Bytes bytes = moments_packet(1, 16);
+  PacketView packet;
+  std::uint64_t delivered = 0;
+  std::uint64_t i = 0;
+  const auto add = [&](std::span<const std::uint8_t> datagram) {
+    if (i % 1009 == 1008) {
+      return;
+    }
+    do {
+      while (assembler.next(packet)) {
+        ++delivered;
+      }
+    } while (!assembler.add(datagram));
+  };
+  for (; i < count; ++i) {
+    cutter.packet(bytes, add);
+  }
+  for (i = 0; i < 3; ++i) {
+    cutter.idle(add);
+  }
+  assembler.flush();
+  while (assembler.next(packet)) {
+    ++delivered;
+  }
+  EXPECT_EQ(counters.lost_network, count / 1009);
+  EXPECT_EQ(delivered + counters.lost_network, count);
+}
+
+// No silence and no burst of losses is needed to stay in step: at each wrap and half-wrap of either number.
+TEST(Datagrams, WrapsAndHalfWraps) {
+  constexpr std::uint32_t kHalf = std::uint32_t{1} << 31U;
+  for (const std::uint32_t packets : {0U, kHalf, kHalf + kHalf}) {
+    for (const std::uint32_t datagrams : {0U, kHalf, kHalf + kHalf}) {
+      expect_all_accounted(datagrams - 20'000, packets - 10'000, 40'000);
+    }
+  }
+}
+
+// So many that each number passes both from every start.
+TEST(Datagrams, WrapsAndHalfWrapsForLong) {
+  constexpr std::uint32_t kHalf = std::uint32_t{1} << 31U;
+  constexpr std::uint32_t kBefore = std::uint32_t{1} << 21U;
+  for (const std::uint32_t start : {0U, kHalf - kBefore, kHalf + kHalf - kBefore}) {
+    expect_all_accounted(start, start, std::uint64_t{1} << 22U);
+    expect_all_accounted(start - 12345, start, std::uint64_t{1} << 22U);
+  }
+}
+
+// What a false datagram says of its place.
+struct False {
+  std::uint16_t session = 0;
+  std::uint32_t sequence = 0;
+  std::uint32_t packet = 0;
+};
+
+// One false datagram, or two alike, anywhere in a stream: nothing of the stream is lost, except where there is too
+// little to tell the false from the true.
+TEST(Datagrams, AFalseDatagramChangesNothing) {
+  constexpr std::uint32_t kHalf = std::uint32_t{1} << 31U;
+  const std::vector<False> kinds = {{.packet = kHalf - 1},
+                                    {.packet = kHalf},
+                                    {.packet = 1'000'000},
+                                    {.packet = 200},
+                                    {.sequence = kHalf - 1},
+                                    {.sequence = kHalf},
+                                    {.sequence = 100'000},
+                                    {.sequence = 0U - 100'000},
+                                    {.session = 1},
+                                    {.session = 0xFFFFU},
+                                    {.sequence = 5'000'000, .packet = 3'000'000}};
+  for (const False& kind : kinds) {
+    for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{100'000}}) {
+      for (const std::size_t place : {std::size_t{0}, std::size_t{7}, std::size_t{300}, std::size_t{590}}) {
+        for (const std::size_t count : {std::size_t{1}, std::size_t{2}}) {
+          SCOPED_TRACE(testing::Message()
+                       << "session +" << kind.session << ", datagram +" << kind.sequence << ", packet +" << kind.packet
+                       << ", from " << first << ", at " << place << ", " << count << " times");
+          DatagramCutter cutter(7, kDatagramBytes, static_cast<std::uint32_t>(2 * first),
+                                static_cast<std::uint32_t>(first));
+          std::vector<Bytes> all = cut_up(cutter, 0, 300);
+          DatagramHeader header = *read_datagram_header(all[place]);
+          header.session = static_cast<std::uint16_t>(header.session + kind.session);
+          header.sequence += kind.sequence;
+          header.packet += kind.packet;
+          Bytes wrong = all[place];
+          write_datagram_header(header, wrong.data());
+          wrong.back() ^= 1U;  // it is no packet of the board
+          all.insert(all.begin() + static_cast<std::ptrdiff_t>(place), count, wrong);
+          Counters counters;
+          DatagramAssembler assembler(counters);
+          const std::vector<std::uint64_t> got = assemble(assembler, all);
+          EXPECT_EQ(got.size(), 300U);
+          EXPECT_EQ(counters.lost_network, 0U);
+          EXPECT_LE(counters.datagrams_refused + counters.datagrams_doubled, count);
+        }
+      }
+    }
+  }
+}
+
+// A stream of false datagrams is followed, for it looks like a sender that was restarted. Afterwards the receiver
+// returns to the true stream; what that sent meanwhile is counted.
+TEST(Datagrams, AMisledReceiverReturns) {
+  constexpr std::uint32_t kHalf = std::uint32_t{1} << 31U;
+  for (const False& kind : {False{.sequence = kHalf - 1000, .packet = kHalf - 1000}, False{.session = 9},
+                            False{.session = 9, .sequence = 90, .packet = 1'000'000}}) {
+    DatagramCutter cutter(7, kDatagramBytes, 200'000, 100'000);
+    std::vector<Bytes> all = cut_up(cutter, 0, 600);
+    std::vector<Bytes> wrong(all.begin() + 400, all.begin() + 440);
+    for (Bytes& datagram : wrong) {
+      DatagramHeader header = *read_datagram_header(datagram);
+      header.session = static_cast<std::uint16_t>(header.session + kind.session);
+      header.sequence += kind.sequence;
+      header.packet += kind.packet;
+      header.offset = header.offset == 0 && header.length != 0 ? 1024 : header.offset;  // never whole
+      write_datagram_header(header, datagram.data());
+    }
+    all.insert(all.begin() + 500, wrong.begin(), wrong.end());
+    Counters counters;
+    DatagramAssembler assembler(counters);
+    const std::vector<std::uint64_t> got = assemble(assembler, all);
+    EXPECT_GE(got.size(), 598U);
+    EXPECT_EQ(got.back(), 599U);
+    EXPECT_LE(counters.lost_network, 40U);  // of the false stream, too
+  }
+}
+
+// The network was away: for any time, in one session or over the start of the next one.
+TEST(Datagrams, Interruptions) {
+  for (const std::uint32_t away : {70U, 1'300U, 1'000'000U, 1'000'000'000U}) {
+    DatagramCutter before(7, kDatagramBytes, 40'000, 20'000);
+    std::vector<Bytes> all = cut_up(before, 0, 300);
+    DatagramCutter after(7, kDatagramBytes, before.datagrams() + 2 * away, 20'300 + away);
+    const std::vector<Bytes> more = cut_up(after, 300, 300);
+    all.insert(all.end(), more.begin(), more.end());
+    Counters counters;
+    DatagramAssembler assembler(counters);
+    EXPECT_EQ(assemble(assembler, all).size(), 600U);
+    EXPECT_EQ(counters.lost_network, away);
+    EXPECT_EQ(counters.datagrams_lost, 2 * std::uint64_t{away});
+  }
+  for (const std::size_t lost : {std::size_t{3}, std::size_t{900}, std::size_t{1'500}, std::size_t{2'500}}) {
+    DatagramCutter first(7);
+    std::vector<Bytes> all = cut_up(first, 0, 10);
+    DatagramCutter second(8);
+    const std::vector<Bytes> more = cut_up(second, 100, 1'500);
+    all.insert(all.end(), more.begin() + static_cast<std::ptrdiff_t>(lost), more.end());
+    Counters counters;
+    DatagramAssembler assembler(counters);
+    EXPECT_EQ(assemble(assembler, all).size() + counters.lost_network, 1'510U) << lost;
+    EXPECT_EQ(counters.datagrams_lost, lost);
+  }
+}
+
+// A sender that was restarted can draw the session that it had.
+TEST(Datagrams, ARestartInTheSameSession) {
+  DatagramCutter first(7, kDatagramBytes, 200'000, 100'000);
+  std::vector<Bytes> all = cut_up(first, 0, 100);
+  DatagramCutter second(7);
+  const std::vector<Bytes> more = cut_up(second, 1'000, 500);
+  all.insert(all.end(), more.begin(), more.end());
+  Counters counters;
+  DatagramAssembler assembler(counters);
+  EXPECT_EQ(assemble(assembler, all).size() + counters.lost_network, 600U);
+  EXPECT_EQ(counters.reattached, 1U);
+  EXPECT_LE(counters.lost_network, 64U);
+}
+
 // A frame of Ethernet can be too short for the header alone.
 TEST(Datagrams, WithoutAPieceTheyMayBeFilledUp) {
   Bytes idle;
