@@ -23,8 +23,11 @@ std::string registers_beside(const std::string& path) {
 }  // namespace
 
 std::string control_uri(const std::string& uri) {
-  if (uri.starts_with("bar:") || uri.starts_with("udp:") || uri.starts_with("litepcie:")) {
+  if (uri.starts_with("bar:") || uri.starts_with("litepcie:")) {
     return uri;
+  }
+  if (uri.starts_with("udp:")) {
+    return uri.substr(0, uri.find(':', 4));  // a device's port is that of its packets
   }
   if (uri.starts_with("file:")) {
     const std::string path = registers_beside(uri.substr(5));
@@ -39,9 +42,7 @@ std::unique_ptr<Control> open_control(const std::string& uri) {
     return std::make_unique<Control>(make_bar_port(control.substr(4)));
   }
   if (uri.starts_with("udp:")) {
-    // A device's port is that of its packets.
-    const std::string place = uri.substr(4);
-    return std::make_unique<Control>(make_etherbone_port(place.substr(0, place.find(':'))));
+    return std::make_unique<Control>(make_etherbone_port(uri.substr(4)));
   }
   constexpr std::string_view kLitePcie = "litepcie:";
   if (uri.starts_with(kLitePcie) && uri.size() > kLitePcie.size()) {

@@ -1,6 +1,6 @@
 // Opens the control of a board by URI:
 //
-//     udp:HOST[:PORT]     a board on the network (etherbone_port.h); PORT is that of its packets
+//     udp:HOST[:PORT]     a board on the network (etherbone_port.h); PORT is that of Etherbone, 1234 unless given
 //     bar:PATH[+OFFSET]   registers in a file mapped into memory: /dev/xdma0_user, /dev/uio0, a PCI resource
 //                         (bar_port.h)
 //     litepcie:PATH       a board behind LitePCIe's kernel driver: /dev/litepcie0 (litepcie_port.h)
@@ -16,8 +16,8 @@
 
 namespace selfproj {
 
-// The URI of the control that belongs to a device (open_device.h) or is one itself; empty if the device has none, as
-// recordings and rings have none.
+// The URI of the control that belongs to a device (open_device.h); empty if the device has none, as recordings and
+// rings have none. For udp:HOST:PORT, which has the port of the packets, it is udp:HOST.
 std::string control_uri(const std::string& uri);
 
 // Throws UserError with the URI if it is none of the above, or if no board of this specification answers there.

@@ -86,7 +86,7 @@ class UdpDevice final : public Device {
   UdpDevice(const std::string& place, const DeviceOptions& options)
       : uri_("udp:" + place),
         options_(options),
-        socket_(open_udp_socket(uri_, udp_place(uri_, place, kDatagramPort))),
+        socket_(open_udp_socket(uri_, udp_place(uri_, place, kDatagramPort), true)),
         assembler_(counters_),
         tally_(counters_) {
     // As much as the system allows: without the right to more, net.core.rmem_max is the limit.

@@ -69,7 +69,7 @@ sockaddr_in udp_address(const std::string& name, const UdpPlace& place) {
   return address;
 }
 
-int open_udp_socket(const std::string& name, const UdpPlace& place) {
+int open_udp_socket(const std::string& name, const UdpPlace& place, bool only_there) {
   const sockaddr_in board = udp_address(name, place);
   // The address of this side is the one from which the system reaches the board.
   sockaddr_in here{};
@@ -88,7 +88,11 @@ int open_udp_socket(const std::string& name, const UdpPlace& place) {
       if (errno != EADDRINUSE) {
         throw UserError(name, error_text(errno));
       }
-      here.sin_port = 0;  // another program has it
+      if (only_there) {
+        throw UserError(name, "another program receives at UDP port " + std::to_string(place.port) +
+                                  " of this computer, where the board sends its packets");
+      }
+      here.sin_port = 0;
       if (bind(number, generic(here), sizeof here) != 0) {
         throw UserError(name, error_text(errno));
       }

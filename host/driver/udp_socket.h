@@ -21,8 +21,9 @@ UdpPlace udp_place(const std::string& name, const std::string& text, std::uint16
 sockaddr_in udp_address(const std::string& name, const UdpPlace& place);
 
 // An open socket, to be closed by the caller, that takes datagrams only from this address, and sends to it. It has the
-// same port number on this side, because boards answer there, unless another program has it. Throws UserError.
-int open_udp_socket(const std::string& name, const UdpPlace& place);
+// same port number on this side, because boards send there. If another program has that port, the socket has any other,
+// which is enough for answers, or with `only_there` UserError is thrown. Throws UserError.
+int open_udp_socket(const std::string& name, const UdpPlace& place, bool only_there = false);
 
 }  // namespace selfproj
 

@@ -24,12 +24,13 @@ void Camera::open_board(const DeviceEntry& entry) {
     control_problem_ = "none: " + entry.id + " is a camera without a board; its settings stand behind '?'";
     return;
   }
-  if (control_uri(entry.id).empty()) {
+  const std::string control = control_uri(entry.id);
+  if (control.empty()) {
     control_problem_ = "none: " + entry.id + " has no control of a board beside it";
     return;
   }
   try {
-    control_ = open_control(entry.id);
+    control_ = open_control(control);
   } catch (const UserError& error) {
     control_problem_ = std::string("none: ") + error.what();
   }

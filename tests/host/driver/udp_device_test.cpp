@@ -433,6 +433,16 @@ TEST_F(UdpDevice, ASlowReader) {
   EXPECT_GT(counters.datagrams_overflow, 0U);
 }
 
+// It would wait for ever.
+TEST_F(UdpDevice, APortThatAnotherProgramHas) {
+  try {
+    static_cast<void>(open_device("udp:127.0.0.2:" + port_));
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("another program receives at UDP port " + port_), std::string::npos);
+  }
+}
+
 TEST(UdpPlace, WhatIsNoPlace) {
   const auto error = [](const std::string& uri) {
     try {
