@@ -56,15 +56,13 @@ GrayKernelBench::Step gray_top() {
 
 TEST(HlsColumnMoments, RandomFrames) {
   std::uint64_t matched = 0;
-  for (const std::uint64_t seed : seeds(200)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(200, [&](Random& random) {
     // The kernel of the top function keeps its state from case to case.
     MomentsBench bench(random.chance(50) ? moments_kernel() : moments_top());
     play_moments_frames(bench, 40, random);
     ASSERT_FALSE(HasFailure());
     matched += bench.matched();
-  }
+  });
   if (std::getenv("SELFPROJ_SEED") == nullptr) {
     EXPECT_GT(matched, 20'000U) << "too little was compared";
   }
@@ -72,14 +70,12 @@ TEST(HlsColumnMoments, RandomFrames) {
 
 TEST(HlsColumnRuns, RandomFrames) {
   std::uint64_t matched = 0;
-  for (const std::uint64_t seed : seeds(200)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(200, [&](Random& random) {
     MomentsBench bench(random.chance(50) ? runs_kernel() : runs_top());
     play_moments_frames(bench, 40, random, random_runs_frame);
     ASSERT_FALSE(HasFailure());
     matched += bench.matched();
-  }
+  });
   if (std::getenv("SELFPROJ_SEED") == nullptr) {
     EXPECT_GT(matched, 20'000U) << "too little was compared";
   }
@@ -168,14 +164,12 @@ TEST(HlsColumnMoments, TakesABeatEveryStep) {
 
 TEST(HlsGrayDecoder, RandomSequences) {
   std::uint64_t pixels = 0;
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(60, [&](Random& random) {
     GrayKernelBench bench(random.chance(70) ? gray_kernel() : gray_top());
     play_gray_sequences(bench, 6, 100, random);
     ASSERT_FALSE(HasFailure());
     pixels += bench.pixels();
-  }
+  });
   if (std::getenv("SELFPROJ_SEED") == nullptr) {
     EXPECT_GT(pixels, 400'000U) << "too little was compared";
   }

@@ -28,7 +28,7 @@ class SensorBench {
         bits_(bits),
         per_clock_(per_clock) {
     name_ports(sensor_);
-    sensor_.valid_when("overrun_o", [this] { return known_; });
+    sensor_.valid_when({"overrun_o"}, [this] { return known_; });
     sensor_->sensor_clk_i = 0;
     sensor_->clk_i = 0;
     sensor_->frame_i = 0;
@@ -161,9 +161,7 @@ template <typename Sensor>
 void expect_every_beat(int bits, int per_clock) {
   constexpr std::array<std::array<int, 2>, 5> kPeriods = {
       {{1000, 2000}, {1000, 1000}, {1000, 333}, {1618, 1000}, {1000, 1300}}};
-  for (const std::uint64_t seed : seeds(10)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(10, [&](Random& random, std::uint64_t seed) {
     const auto& periods = kPeriods[seed % kPeriods.size()];
     SensorBench<Sensor> bench(seed, periods[0] * per_clock, periods[1], bits, per_clock);
     bench.drain();
@@ -177,7 +175,7 @@ void expect_every_beat(int bits, int per_clock) {
     bench.drain();
     ASSERT_EQ(bench.beats(), due);
     EXPECT_EQ(bench.overruns(), 0);
-  }
+  });
 }
 TEST(ParallelSensor, OnePixelAClock) { expect_every_beat<Vsp_parallel_sensor>(10, 1); }
 TEST(ParallelSensor, TwoPixelsAClock) { expect_every_beat<Vsp_parallel_sensor_two>(12, 2); }
@@ -186,9 +184,7 @@ TEST(ParallelSensor, TwoPixelsAClock) { expect_every_beat<Vsp_parallel_sensor_tw
 TEST(ParallelSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
   int cut_off = 0;
   int whole = 0;
-  for (const std::uint64_t seed : seeds(10)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(10, [&](Random& random, std::uint64_t seed) {
     SensorBench<Vsp_parallel_sensor_two> bench(seed, 1000, random.between(2500, 5000), 12, 2);
     bench.drain();
     std::vector<Frame> sent;
@@ -210,7 +206,7 @@ TEST(ParallelSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
     EXPECT_EQ(at, bench.beats().size()) << "a beat that belongs to no frame, or to another one";
     EXPECT_EQ(bench.overruns(), lost);
     cut_off += lost;
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(cut_off, 50);
     EXPECT_GT(whole, 50);
@@ -219,9 +215,7 @@ TEST(ParallelSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
 
 // Resets in the middle of a frame, with the sensor's clock running or not: what comes after begins with a whole frame.
 TEST(ParallelSensor, AfterAResetTheNextFrameIsTheFirst) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random, std::uint64_t seed) {
     SensorBench<Vsp_parallel_sensor> bench(seed, 1000, random.between(300, 1500), 10, 1);
     for (int round = 0; round < 3; ++round) {
       bench.drain();
@@ -250,7 +244,7 @@ TEST(ParallelSensor, AfterAResetTheNextFrameIsTheFirst) {
       ASSERT_EQ(bench.beats(), due);
     }
     EXPECT_EQ(bench.overruns(), 0);
-  }
+  });
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <string>
 
@@ -56,10 +57,12 @@ class Model {
     }
   }
 
-  // For the recorder: see there.
-  void valid_when(const char* output, std::function<bool()> valid) {
-    if (recorder_) {
-      recorder_->valid_when(output, std::move(valid));
+  // For the recorder: these outputs count only while `valid` returns true.
+  void valid_when(std::initializer_list<const char*> outputs, const std::function<bool()>& valid) {
+    for (const char* output : outputs) {
+      if (recorder_) {
+        recorder_->valid_when(output, valid);
+      }
     }
   }
   void outputs_are_known() {

@@ -74,7 +74,7 @@ template <typename Dut>
 class ColumnBench {
  public:
   explicit ColumnBench(Random& random) : random_(random) {
-    moments_.valid_when("moments_data_o", [this] { return moments_->moments_valid_o != 0; });
+    moments_.valid_when({"moments_data_o"}, [this] { return moments_->moments_valid_o != 0; });
     moments_->beat_valid_i = 0;
     moments_->break_i = 0;
     moments_->accept_i = 0;

@@ -56,28 +56,19 @@ TEST(ColumnMoments, DelayIs10ClocksInBinaryAndGroupsAnd16InTheGreyModes) {
 }
 
 TEST(ColumnMoments, RandomFramesOfOneSize) {
-  for (const std::uint64_t seed : seeds(150)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(150, [&](Random& random) {
     random_frames<Vsp_column_moments>(random, {kModes.begin(), kModes.end()}, 64, 9, false);
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
 }
 TEST(ColumnMoments, RandomFramesOfChangingSizeAndMode) {
-  for (const std::uint64_t seed : seeds(300)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(300, [&](Random& random) {
     random_frames<Vsp_column_moments>(random, {kModes.begin(), kModes.end()}, random.chance(50) ? 64 : 400, 9, true);
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
 }
 TEST(ColumnMomentsSmall, RandomFrames) {
-  for (const std::uint64_t seed : seeds(150)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(150, [&](Random& random) {
     random_frames<Vsp_column_moments_small>(random, {Mode::binary}, 64, 9, random.chance(50));
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
 }
 
 // A frame of three rows comes while a much larger one still drains. Its sums are void, spoiled_o says so, and its

@@ -59,9 +59,7 @@ std::vector<bool> long_runs(Random& random, int rows) {
 // The tallest images: large sums and rows are kept, compared, divided and forwarded.
 template <typename Dut>
 void tall_runs(int cases, int most_rows, const std::vector<Mode>& modes) {
-  for (const std::uint64_t seed : seeds(cases)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(cases, [&](Random& random, std::uint64_t seed) {
     const int columns = 4 * random.between(1, 5);
     const int rows = random.chance(50) ? most_rows : random.between(most_rows / 2, most_rows);
     Frame frame = random_frame<Dut>(random, columns, rows, modes[seed % modes.size()]);
@@ -83,7 +81,7 @@ void tall_runs(int cases, int most_rows, const std::vector<Mode>& modes) {
     bench.finish();
     ASSERT_FALSE(::testing::Test::HasFailure());
     EXPECT_EQ(bench.frames_accepted, 1);
-  }
+  });
 }
 TEST(ColumnRuns, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs>(60, 1023, {kModes.begin(), kModes.end()}); }
 TEST(ColumnRunsSmall, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs_small>(60, 127, {Mode::binary}); }
@@ -111,28 +109,19 @@ TEST(ColumnRunsSmall, DelayIs12Clocks) {
 }
 
 TEST(ColumnRuns, RandomFramesOfOneSize) {
-  for (const std::uint64_t seed : seeds(150)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(150, [&](Random& random) {
     random_frames<Vsp_column_runs>(random, {kModes.begin(), kModes.end()}, random.chance(60) ? 12 : 64, 12, false);
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
 }
 TEST(ColumnRuns, RandomFramesOfChangingSizeAndMode) {
-  for (const std::uint64_t seed : seeds(200)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(200, [&](Random& random) {
     random_frames<Vsp_column_runs>(random, {kModes.begin(), kModes.end()}, random.chance(50) ? 64 : 400, 12, true);
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
 }
 TEST(ColumnRunsSmall, RandomFrames) {
-  for (const std::uint64_t seed : seeds(200)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(200, [&](Random& random) {
     random_frames<Vsp_column_runs_small>(random, {Mode::binary}, random.chance(60) ? 12 : 64, 12, random.chance(50));
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
 }
 
 // As ColumnMoments.ASpoiledFrameSaysSo.

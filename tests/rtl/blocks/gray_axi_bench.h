@@ -16,7 +16,7 @@
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/axi_memory_model.h"
 #include "tests/rtl/blocks/clocked.h"
-#include "tests/rtl/blocks/pattern_index.h"
+#include "tests/rtl/blocks/gray_bench.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -29,18 +29,10 @@ class GrayAxiBench {
  public:
   GrayAxiBench(Random& random, const GraySettings& settings)
       : random_(random), settings_(settings), memory_(random, kMemoryWords) {
-    for (const char* port : {"rd_data_o", "rd_late_o"}) {
-      port_.valid_when(port, [this] { return asked_[0]; });
-    }
-    for (const char* port : {"m_axi_araddr_o", "m_axi_arlen_o"}) {
-      port_.valid_when(port, [this] { return port_->m_axi_arvalid_o != 0; });
-    }
-    for (const char* port : {"m_axi_awaddr_o", "m_axi_awlen_o"}) {
-      port_.valid_when(port, [this] { return port_->m_axi_awvalid_o != 0; });
-    }
-    for (const char* port : {"m_axi_wdata_o", "m_axi_wlast_o"}) {
-      port_.valid_when(port, [this] { return port_->m_axi_wvalid_o != 0; });
-    }
+    port_.valid_when({"rd_data_o", "rd_late_o"}, [this] { return asked_[0]; });
+    port_.valid_when({"m_axi_araddr_o", "m_axi_arlen_o"}, [this] { return port_->m_axi_arvalid_o != 0; });
+    port_.valid_when({"m_axi_awaddr_o", "m_axi_awlen_o"}, [this] { return port_->m_axi_awvalid_o != 0; });
+    port_.valid_when({"m_axi_wdata_o", "m_axi_wlast_o"}, [this] { return port_->m_axi_wvalid_o != 0; });
     // any place where a burst may begin, except at the end of the address range, because the circuit reads ahead
     memory_.base = 0x100U * static_cast<std::uint64_t>(random.between(1, 0xFF'FE00));
     memory_.at_rest(port_.dut());

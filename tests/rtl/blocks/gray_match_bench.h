@@ -36,11 +36,10 @@ class GrayMatchBench {
     for (std::uint16_t& word : table_) {
       word = static_cast<std::uint16_t>(random_.bits());
     }
-    for (const char* port : {"m_lines_o", "m_start_o", "m_line_start_o", "m_line_end_o"}) {
-      match_.valid_when(port, [this] { return match_->m_valid_o != 0; });
-    }
-    match_.valid_when("m_status_o", [this] { return match_->m_break_o != 0; });
-    match_.valid_when("mem_address_o", [this] { return match_->mem_read_o != 0; });
+    match_.valid_when({"m_lines_o", "m_start_o", "m_line_start_o", "m_line_end_o"},
+                      [this] { return match_->m_valid_o != 0; });
+    match_.valid_when({"m_status_o"}, [this] { return match_->m_break_o != 0; });
+    match_.valid_when({"mem_address_o"}, [this] { return match_->mem_read_o != 0; });
     match_->s_valid_i = 0;
     match_->s_break_i = 0;
     match_->mem_late_i = 0;

@@ -29,10 +29,9 @@ template <typename Dut>
 class MedianBench {
  public:
   explicit MedianBench(Random& random) : random_(random) {
-    for (const char* port : {"m_codes_o", "m_start_o", "m_line_start_o", "m_line_end_o"}) {
-      median_.valid_when(port, [this] { return median_->m_valid_o != 0; });
-    }
-    median_.valid_when("m_status_o", [this] { return median_->m_break_o != 0; });
+    median_.valid_when({"m_codes_o", "m_start_o", "m_line_start_o", "m_line_end_o"},
+                       [this] { return median_->m_valid_o != 0; });
+    median_.valid_when({"m_status_o"}, [this] { return median_->m_break_o != 0; });
     median_->s_valid_i = 0;
     median_->s_break_i = 0;
     median_.reset();
@@ -186,9 +185,7 @@ inline std::vector<std::uint16_t> random_codes(Random& random, int size) {
 template <typename Dut>
 void random_images(int cases) {
   std::uint64_t pixels = 0;
-  for (const std::uint64_t seed : seeds(cases)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(cases, [&](Random& random) {
     MedianBench<Dut> bench(random);
     for (int frame = 0; frame < 20; ++frame) {
       const int rows = random.between(1, random.chance(50) ? 3 : 9);
@@ -205,7 +202,7 @@ void random_images(int cases) {
     }
     bench.idle(100);
     pixels += bench.pixels();
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(pixels, static_cast<std::uint64_t>(1000 * cases)) << "too little was compared";
   }

@@ -83,9 +83,7 @@ class CoreBench {
 };
 
 TEST(GrayCoreMedian, DecodesAndFilters) {
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(60, [&](Random& random) {
     CoreBench bench;
     std::uint32_t refused = 0;
     std::vector<std::uint16_t> right;
@@ -127,7 +125,7 @@ TEST(GrayCoreMedian, DecodesAndFilters) {
       ASSERT_EQ(bench.codes, right);
     }
     ASSERT_EQ(bench.abandoned(), refused);
-  }
+  });
 }
 
 }  // namespace
