@@ -14,8 +14,6 @@
 namespace selfproj::test {
 namespace {
 
-constexpr Mode kModes[] = {Mode::binary, Mode::grey, Mode::grey_over};
-
 MomentsBench::Step moments_kernel() {
   return [kernel = std::make_shared<hls::ColumnMomentsKernel>()](auto& video, const auto& setup, auto& payload) {
     kernel->step(video, setup, payload);
@@ -72,7 +70,7 @@ TEST(HlsColumnRuns, RandomFrames) {
   std::uint64_t matched = 0;
   for_cases(200, [&](Random& random) {
     MomentsBench bench(random.chance(50) ? runs_kernel() : runs_top());
-    play_moments_frames(bench, 40, random, random_runs_frame);
+    play_moments_frames(bench, 40, random, true);
     ASSERT_FALSE(HasFailure());
     matched += bench.matched();
   });
@@ -85,7 +83,7 @@ TEST(HlsColumnRuns, RandomFrames) {
 TEST(HlsColumnRuns, LargestImage) {
   Random random(1);
   MomentsBench bench(runs_kernel());
-  MomentsFrame frame = random_runs_frame(random, spec::kMaxColumns, spec::kMaxRows, Mode::grey);
+  MomentsFrame frame = random_moments_frame(random, spec::kMaxColumns, spec::kMaxRows, Mode::grey, true);
   frame.threshold = 0;
   frame.window = {};
   std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
@@ -101,7 +99,7 @@ TEST(HlsColumnRuns, TakesABeatEveryStep) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
         MomentsBench bench(runs_kernel());
         for (int frame = 0; frame < 4; ++frame) {
-          bench.play(random_runs_frame(random, columns, rows, mode), 0, random);
+          bench.play(random_moments_frame(random, columns, rows, mode, true), 0, random);
           ASSERT_TRUE(bench.all_read());
         }
         bench.finish();

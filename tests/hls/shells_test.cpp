@@ -234,8 +234,6 @@ constexpr bool moments::kBinaryDrains<StrongestRuns> = true;
 
 namespace {
 
-const std::vector<Mode> kModes{Mode::binary, Mode::grey, Mode::grey_over};
-
 template <typename Circuit>
 void small_sizes() {
   moments::small_sizes<Circuit>(kModes);

@@ -60,19 +60,22 @@ class AxilBridgeBench {
       const auto rises = clocks_.next();
       a += rises.a;
       b += rises.b;
-      set_low(rises);
-      if (rises.a) {
-        bridge_->rst_i = a <= 4;
-      }
-      if (rises.b) {
-        bridge_->bus_rst_i = b <= 4;
-      }
-      bridge_.eval();
       settled += b > 0 && rises.a ? 1 : 0;
-      if (rises.a && settled > 3 && a <= 5) {  // 5: the first clock after its reset
-        EXPECT_EQ(bridge_->request_o, 0) << "a request with the reset";
-      }
-      set_high(rises);
+      step_clocks(
+          bridge_, bridge_->clk_i, bridge_->bus_clk_i, rises,
+          [&] {
+            if (rises.a) {
+              bridge_->rst_i = a <= 4;
+            }
+            if (rises.b) {
+              bridge_->bus_rst_i = b <= 4;
+            }
+          },
+          [&] {
+            if (rises.a && settled > 3 && a <= 5) {  // 5: the first clock after its reset
+              EXPECT_EQ(bridge_->request_o, 0) << "a request with the reset";
+            }
+          });
     }
     bridge_.outputs_are_known();
   }
@@ -86,26 +89,29 @@ class AxilBridgeBench {
 
   // Steps to the next rising edge of either clock.
   void step() {
-    const auto rises = clocks_.next();
-    if (rises.a && video_stopped && !rises.b) {
+    TwoClocks::Rises rises = clocks_.next();
+    rises.a = rises.a && !video_stopped;
+    if (!rises.a && !rises.b) {
       return;
     }
-    const TwoClocks::Rises live = {rises.a && !video_stopped, rises.b};
-    set_low(live);
-    if (live.b) {
-      set_bus();
-    }
-    if (live.a) {
-      set_video();
-    }
-    bridge_.eval();
-    if (live.b) {
-      look_at_bus();
-    }
-    if (live.a) {
-      look_at_video();
-    }
-    set_high(live);
+    step_clocks(
+        bridge_, bridge_->clk_i, bridge_->bus_clk_i, rises,
+        [&] {
+          if (rises.b) {
+            set_bus();
+          }
+          if (rises.a) {
+            set_video();
+          }
+        },
+        [&] {
+          if (rises.b) {
+            look_at_bus();
+          }
+          if (rises.a) {
+            look_at_video();
+          }
+        });
   }
 
   // Runs until all accesses are answered. Returns false if that takes too long.
@@ -130,24 +136,6 @@ class AxilBridgeBench {
   std::int64_t last_taken_clock = 0;
 
  private:
-  void set_low(TwoClocks::Rises rises) {
-    if (rises.a) {
-      bridge_->clk_i = 0;
-    }
-    if (rises.b) {
-      bridge_->bus_clk_i = 0;
-    }
-  }
-  void set_high(TwoClocks::Rises rises) {
-    if (rises.a) {
-      bridge_->clk_i = 1;
-    }
-    if (rises.b) {
-      bridge_->bus_clk_i = 1;
-    }
-    bridge_.eval();
-  }
-
   // Valid rises at random, and then stays with its data until it is taken. Ready changes at random.
   void set_bus() {
     if (!aw_valid_ && aw_sent_ < writes_.size() && random_.chance(eager_request)) {

@@ -117,29 +117,27 @@ class SensorBench {
       clocks_.set_period_a(period_ - period_ / 4 + random_.between(0, static_cast<int>(period_ / 2)));
       rises.a = !stopped_;
     }
-    if (rises.a) {
-      sensor_->sensor_clk_i = 0;
-      const Pins pins = pins_.empty() ? Pins{} : pins_.front();
-      if (!pins_.empty()) {
-        pins_.pop_front();
-      }
-      sensor_->frame_i = pins.frame;
-      sensor_->line_i = pins.line;
-      sensor_->data_i = static_cast<std::remove_reference_t<decltype(sensor_->data_i)>>(pins.data);
-    }
-    if (rises.b) {
-      sensor_->clk_i = 0;
-    }
-    sensor_.eval();
-    if (rises.b && known_) {
-      if (sensor_->m_valid_o) {
-        beats_.push_back(beat_of(sensor_));
-      }
-      overruns_ += sensor_->overrun_o;
-    }
-    sensor_->sensor_clk_i = rises.a ? 1 : sensor_->sensor_clk_i;
-    sensor_->clk_i = rises.b ? 1 : sensor_->clk_i;
-    sensor_.eval();
+    step_clocks(
+        sensor_, sensor_->sensor_clk_i, sensor_->clk_i, rises,
+        [&] {
+          if (rises.a) {
+            const Pins pins = pins_.empty() ? Pins{} : pins_.front();
+            if (!pins_.empty()) {
+              pins_.pop_front();
+            }
+            sensor_->frame_i = pins.frame;
+            sensor_->line_i = pins.line;
+            sensor_->data_i = static_cast<std::remove_reference_t<decltype(sensor_->data_i)>>(pins.data);
+          }
+        },
+        [&] {
+          if (rises.b && known_) {
+            if (sensor_->m_valid_o) {
+              beats_.push_back(beat_of(sensor_));
+            }
+            overruns_ += sensor_->overrun_o;
+          }
+        });
     return rises;
   }
 

@@ -168,6 +168,20 @@ class TwoClocks {
   std::int64_t now_ = 0;
 };
 
+// The next rising edges of a model with two clocks. `set` sets the inputs of a side whose clock rises, with that clock
+// low; `check` reads the outputs before the edge.
+template <typename Dut, typename Set, typename Check>
+void step_clocks(Model<Dut>& model, CData& clock_a, CData& clock_b, TwoClocks::Rises rises, Set set, Check check) {
+  clock_a = rises.a ? 0 : clock_a;
+  clock_b = rises.b ? 0 : clock_b;
+  set();
+  model.eval();
+  check();
+  clock_a = rises.a ? 1 : clock_a;
+  clock_b = rises.b ? 1 : clock_b;
+  model.eval();
+}
+
 // Clock pairs for a random case: equal, near to equal, and far apart.
 template <typename RandomSource>
 TwoClocks random_clocks(RandomSource& random) {

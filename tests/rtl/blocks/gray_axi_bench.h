@@ -13,6 +13,7 @@
 #include "Vsp_gray_axi_memory_ports.h"
 #include "Vsp_gray_decoder_ports.h"
 #include "model/gray_decoder.h"
+#include "model/little_endian.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/axi_memory_model.h"
 #include "tests/rtl/blocks/clocked.h"
@@ -23,7 +24,7 @@ namespace selfproj::test {
 
 inline constexpr std::size_t kMemoryWords = 4096;
 
-// Both circuits and the memory. The bench keeps the inputs, and judges the outputs at the end, when it knows which
+// Both circuits and the memory. The bench keeps the inputs, and compares the outputs at the end, when it knows which
 // words came too late.
 class GrayAxiBench {
  public:
@@ -69,8 +70,7 @@ class GrayAxiBench {
       decoder_->take_i = i == 0;
       decoder_->frame_start_i = i == 0;
       decoder_->beat_valid_i = 1;
-      decoder_->beat_pixels_i = static_cast<IData>(beat.pixels[0] | beat.pixels[1] << 8 | beat.pixels[2] << 16) |
-                                IData{beat.pixels[3]} << 24U;
+      decoder_->beat_pixels_i = load_little_endian<std::uint32_t>(beat.pixels.data());
       decoder_->beat_line_start_i = i % groups == 0;
       decoder_->beat_line_end_i = i % groups == groups - 1 && i + 1 != cut;
       decoder_->beat_last_row_i = i / groups == settings_.rows - 1;
@@ -94,7 +94,7 @@ class GrayAxiBench {
   }
 
   // Checks that all outputs are those of the model.
-  void judge() {
+  void compare() {
     GrayDecoder model(settings_);
     const int groups = settings_.columns / 4;
     std::map<std::int64_t, std::uint64_t> codes;
@@ -127,8 +127,7 @@ class GrayAxiBench {
           model.pixels(beat.index / groups, beat.index % groups * 4, 4, beat.pixels.data(), out.data());
         }
         if (due) {
-          codes[beat.clock + 7] =
-              out[0] | std::uint64_t{out[1]} << 16U | std::uint64_t{out[2]} << 32U | std::uint64_t{out[3]} << 48U;
+          codes[beat.clock + 7] = four_words(out.data());
           pixels += late ? 0 : 4;
         }
       } else {
@@ -232,7 +231,7 @@ inline void play_gray_axi_frames(std::uint64_t seed, GrayAxiCounts& counts) {
                 random.chance(breaks) ? random.between(1, beats) : beats + 1);
   }
   bench.idle(20);
-  bench.judge();
+  bench.compare();
   counts.pixels += bench.pixels;
   counts.frames += bench.frames;
   counts.lates += bench.lates;

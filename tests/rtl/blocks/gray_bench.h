@@ -14,8 +14,10 @@
 #include <vector>
 
 #include "model/gray_decoder.h"
+#include "model/little_endian.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
+#include "tests/rtl/blocks/code_beats.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -79,7 +81,7 @@ class GrayBench {
   }
 
   Clocked<Dut>& dut() { return dut_; }
-  [[nodiscard]] std::uint64_t pixels() const { return pixels_; }  // whose codes were compared
+  [[nodiscard]] std::uint64_t pixels() const { return codes_.pixels; }  // whose codes were compared
   [[nodiscard]] std::uint64_t abandoned() const { return abandoned_; }
   [[nodiscard]] std::uint64_t late() const { return late_; }
 
@@ -102,7 +104,7 @@ class GrayBench {
     if (break_status != 0) {
       model_.end(false);
       open_ = false;
-      breaks_.push_back({now + kLatency, break_status});
+      breaks(now + kLatency, break_status);
       ends_.push_back(now + kLatency);
     }
     dut.take_i = 0;
@@ -140,15 +142,6 @@ class GrayBench {
   }
 
  private:
-  struct Codes {
-    std::int64_t clock;
-    std::uint64_t words;
-    bool start, line_start, line_end, last_row;
-  };
-  struct Break {
-    std::int64_t clock;
-    std::uint32_t status;
-  };
   struct Answer {
     std::int64_t clock;
     bool late;
@@ -162,11 +155,7 @@ class GrayBench {
 
   void drive(const GrayBeat& beat, int pattern, std::int64_t now) {
     Dut& dut = dut_.dut();
-    std::uint32_t pixels = 0;
-    for (std::size_t i = 4; i-- > 0;) {
-      pixels = pixels << 8U | beat.pixels[i];
-    }
-    dut.beat_pixels_i = pixels;
+    dut.beat_pixels_i = load_little_endian<std::uint32_t>(beat.pixels.data());
     dut.beat_line_start_i = beat.line_start;
     dut.beat_line_end_i = beat.line_end;
     dut.beat_last_row_i = beat.last_row;
@@ -251,15 +240,14 @@ class GrayBench {
       abandoned_ += beat.start && close_ ? 0 : 1;  // a frame is counted once
       model_.end(false);
       if (due_) {
-        breaks_.push_back({now + kLatency + 1, spec::kStatusLateMemory});
+        breaks(now + kLatency + 1, spec::kStatusLateMemory);
       }
     } else {
       model_.pixels(row_, column_, 4, beat.pixels.data(), codes.data());
     }
     if (due_) {
-      const std::uint64_t words =
-          codes[0] | std::uint64_t{codes[1]} << 16U | std::uint64_t{codes[2]} << 32U | std::uint64_t{codes[3]} << 48U;
-      codes_.push_back({now + kLatency, words, beat.start, beat.line_start, beat.line_end && !late, beat.last_row});
+      codes_.beats[now + kLatency] = {four_words(codes.data()), beat.start, beat.line_start, beat.line_end && !late};
+      last_rows_.push_back({now + kLatency, beat.last_row});
     }
   }
 
@@ -308,28 +296,18 @@ class GrayBench {
 
   void check(std::int64_t now) {
     Dut& dut = dut_.dut();
-    const auto codes = due_now(codes_, now);
-    ASSERT_EQ(dut.codes_valid_o != 0, codes.has_value()) << "clock " << now;
-    if (codes) {
-      ASSERT_EQ(dut.codes_o, codes->words) << "clock " << now;
-      ASSERT_EQ(dut.codes_start_o != 0, codes->start) << "clock " << now;
-      ASSERT_EQ(dut.codes_line_start_o != 0, codes->line_start) << "clock " << now;
-      ASSERT_EQ(dut.codes_line_end_o != 0, codes->line_end) << "clock " << now;
-      if constexpr (kOwnMemory) {
-        ASSERT_EQ(dut.codes_last_row_o != 0, codes->last_row) << "clock " << now;
-      }
-      pixels_ += 4;
-    }
-    std::uint32_t status = 0;
-    while (const auto broke = take_break(now)) {
-      status = *broke == spec::kStatusLateMemory || status == 0 ? *broke : status;
-    }
-    ASSERT_EQ(dut.codes_break_o != 0, status != 0) << "clock " << now;
-    if (status != 0) {
-      ASSERT_EQ(dut.codes_status_o, status) << "clock " << now;
-    }
-    if (codes_.empty() && breaks_.empty()) {
+    ASSERT_NO_FATAL_FAILURE(codes_.check(
+        now, dut.codes_valid_o != 0,
+        {dut.codes_o, dut.codes_start_o != 0, dut.codes_line_start_o != 0, dut.codes_line_end_o != 0},
+        dut.codes_break_o != 0, dut.codes_status_o));
+    const auto last_row = due_now(last_rows_, now);
+    if (codes_.empty()) {
       ASSERT_EQ(dut.abandoned_o, static_cast<std::uint32_t>(abandoned_settled(now))) << "clock " << now;
+    }
+    if constexpr (kOwnMemory) {
+      if (last_row) {
+        ASSERT_EQ(dut.codes_last_row_o != 0, last_row->late) << "clock " << now;
+      }
     }
     if constexpr (kOwnMemory) {
       const auto read = due_now(reads_, now);
@@ -351,16 +329,10 @@ class GrayBench {
     }
   }
 
-  // Breaks of one clock may be in the queue in either order.
-  std::optional<std::uint32_t> take_break(std::int64_t now) {
-    for (auto it = breaks_.begin(); it != breaks_.end() && it->clock <= now + 1; ++it) {
-      if (it->clock == now) {
-        const std::uint32_t status = it->status;
-        breaks_.erase(it);
-        return status;
-      }
-    }
-    return std::nullopt;
+  // Of two breaks in one clock, that of the late memory counts, or else the first.
+  void breaks(std::int64_t clock, std::uint32_t status) {
+    std::uint32_t& due = codes_.breaks[clock];
+    due = status == spec::kStatusLateMemory || due == 0 ? status : due;
   }
 
   // The count shows some clocks after the event.
@@ -380,14 +352,13 @@ class GrayBench {
   std::int64_t last_beat_ = -1;
   std::int64_t next_take_ = 0;
   PatternIndex patterns_;
-  std::deque<Codes> codes_;
-  std::deque<Break> breaks_;
+  CodesDue codes_;
   std::deque<Answer> answers_;
   std::deque<Answer> reads_;   // `late`: the frame's first word
   std::deque<Answer> writes_;  // likewise
   std::deque<Answer> busy_;    // likewise: busy
+  std::deque<Answer> last_rows_;  // likewise: codes of a last row
   std::deque<std::int64_t> ends_;
-  std::uint64_t pixels_ = 0;
   std::uint64_t abandoned_ = 0;
   std::uint64_t late_ = 0;
 

@@ -220,23 +220,17 @@ class ReplayBench {
 
   TwoClocks::Rises step() {
     const TwoClocks::Rises rises = clocks_.next();
-    if (rises.a) {
-      replay_->bus_clk_i = 0;
-    }
-    if (rises.b) {
-      replay_->clk_i = 0;
-    }
-    replay_.eval();
-    if (rises.a && known_) {
-      note_left();
-      judged_ = judged_ || std::exchange(judge_next_, false);
-    }
-    if (rises.b && known_) {
-      take_beat();
-    }
-    replay_->bus_clk_i = rises.a ? 1 : replay_->bus_clk_i;
-    replay_->clk_i = rises.b ? 1 : replay_->clk_i;
-    replay_.eval();
+    step_clocks(
+        replay_, replay_->bus_clk_i, replay_->clk_i, rises, [] {},
+        [&] {
+          if (rises.a && known_) {
+            note_left();
+            judged_ = judged_ || std::exchange(judge_next_, false);
+          }
+          if (rises.b && known_) {
+            take_beat();
+          }
+        });
     return rises;
   }
 
