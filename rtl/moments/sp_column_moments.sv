@@ -302,125 +302,32 @@ module sp_column_moments #(
   end
 
 `ifdef FORMAL
-  // Assumptions: one reset at the beginning; frames of one size and mode; beats in order, with any
-  // gaps; no frame breaks. In mode binary every packet is wanted. In the grey modes, at least eight
-  // clocks lie between the end of a last row and the next last row that is wanted (sp_packetizer
-  // keeps more than 16); any unwanted frames may come between.
-  parameter bit [7:0] ValueBits = 8'hFF;  // bits that pixels and threshold have
-  logic f_ran_q = 1'b0;
-  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
-  (* anyconst *) logic [RowBits-1:0]   f_rows;
-  (* anyconst *) logic [GroupBits-1:0] f_last_group;
-  (* anyconst *) logic [1:0]           f_mode;
-  (* anyconst *) logic [7:0]           f_threshold;
-  logic [GroupBits-1:0] f_group_q;
-  logic [RowBits-1:0]   f_row_q;
-  logic                 f_line_end, f_last_row;
-  logic [2:0]           f_wait_q;
-  logic                 f_decides, f_wanted, f_wanted_q;  // a last row begins; its packet is wanted
-  logic [4:1]           f_accept_q;
-  (* anyseq *) logic    f_choice;
-  (* anyconst *) logic [4:0] f_frame;  // a frame that is wanted
-  // Wide enough for a bounded trace: frames that ended; frames wanted, in all and before this one;
-  // frames that came out.
-  logic [5:0] f_ended_q, f_wants_q, f_before_q, f_out_q;
-  assign f_decides = beat_valid_i && f_last_row && f_group_q == '0;
-  assign f_wanted  = f_decides ? f_mode == sp_spec_pkg::ModeBinary || f_choice && f_wait_q == '0 :
-                     f_wanted_q;
-  assign f_line_end = f_group_q == f_last_group;
-  assign f_last_row = f_row_q == f_rows;
-  always_ff @(posedge clk_i) begin
-    f_wanted_q <= f_wanted;
-    f_accept_q <= {f_accept_q[3:1], f_wanted};
-    if (rst_i) f_wait_q <= '0;
-    else if (beat_valid_i && f_last_row && f_wanted) f_wait_q <= 3'd7;
-    else if (f_wait_q != '0) f_wait_q <= f_wait_q - 3'd1;
-    if (rst_i) {f_group_q, f_row_q} <= {GroupBits'(0), RowBits'(1)};
-    else if (beat_valid_i) begin
-      f_group_q <= f_line_end ? '0 : f_group_q + GroupBits'(1);
-      if (f_line_end) f_row_q <= f_last_row ? RowBits'(1) : f_row_q + RowBits'(1);
-    end
-  end
+  localparam int FWait = 7;
+  localparam bit FBinaryDrains = 1'b0;
+`include "sp_formal_frames.svh"
+
   always_comb begin
-    assume (rst_i == !f_ran_q);
-    assume (f_rows != '0 && f_rows <= RowBits'(MaxRows) &&
-            f_last_group < (GroupBits + 1)'(MaxColumns / 4));
-    assume (beat_group_i == f_group_q && beat_row_i == f_row_q &&
-            beat_first_row_i == (f_row_q == RowBits'(1)));
-    assume (beat_last_row_i == f_last_row && beat_line_end_i == f_line_end);
     assume (one_group_i == (f_last_group == '0) && two_groups_i == (f_last_group == GroupBits'(1)));
-    assume (mode_i == f_mode &&
-            f_mode <= (Grey ? sp_spec_pkg::ModeGreyOver : sp_spec_pkg::ModeBinary));
-    assume ((beat_pixels_i & ~{4{ValueBits}}) == '0 && (f_threshold & ~ValueBits) == '0);
-    if (f_decides && f_ended_q == 6'(f_frame)) assume (f_wanted);
-    assume (threshold_i == f_threshold && !break_i && accept_i == f_accept_q[4]);
   end
 
-  // Any one column: its sums (3.1, 3.2), written out from the beats as they come in.
-  (* anyconst *) logic [1:0]           f_lane;
-  (* anyconst *) logic [GroupBits-1:0] f_group;
-  logic [7:0]  f_pixel;
-  logic [31:0] f_weight, f_m0_q, f_m1_q, f_n_q;
-  logic        f_lit, f_mine;
-  logic [31:0] f_m0, f_m1, f_n;
-  assign f_pixel  = beat_pixels_i[8*f_lane+:8];
-  assign f_lit    = f_pixel > f_threshold;
-  assign f_weight = !f_lit ? 32'd0 : f_mode == sp_spec_pkg::ModeBinary ? 32'd1 :
-                    f_mode == sp_spec_pkg::ModeGrey ? 32'(f_pixel) :
-                        32'(f_pixel) - 32'(f_threshold);
-  assign f_mine   = beat_valid_i && f_group_q == f_group && f_ended_q == 6'(f_frame);
-  always_comb begin
-    f_m1 = f_m1_q;
-    for (int r = 1; r <= MaxRows; r++) if (f_row_q >= RowBits'(r)) f_m1 = f_m1 + f_weight;
-    f_m0 = f_m0_q + f_weight;
-    f_n  = f_n_q + 32'(f_lit);
-  end
+  // The sums of the column (3.1, 3.2), written out from the beats as they come in.
+  logic [FSumBits-1:0] f_m0_q, f_m1_q, f_n_q;
   always_ff @(posedge clk_i) begin
-    if (rst_i) {f_m0_q, f_m1_q, f_n_q, f_ended_q, f_wants_q, f_before_q} <= '0;
-    else begin
-      if (f_decides && f_wanted) begin
-        f_wants_q <= f_wants_q + 6'd1;
-        if (f_ended_q < 6'(f_frame)) f_before_q <= f_before_q + 6'd1;
-      end
-      if (f_mine) {f_m0_q, f_m1_q, f_n_q} <= {f_m0, f_m1, f_n};
-      if (beat_valid_i && f_line_end && f_last_row) f_ended_q <= f_ended_q + 6'd1;
-    end
+    if (rst_i) {f_m0_q, f_m1_q, f_n_q} <= '0;
+    else if (f_mine) {f_m0_q, f_m1_q, f_n_q} <=
+        {f_m0_q + f_weight, f_m1_q + f_row_weight, f_n_q + FSumBits'(f_lit)};
   end
 
-  // The output: payload beats of two or four columns, in order.
-  logic [GroupBits:0] f_beat_q;
-  logic               f_grey, f_here;
-  logic [63:0]        f_word;
-  assign f_grey = f_mode != sp_spec_pkg::ModeBinary;
-  assign f_here = moments_valid_o && f_out_q == f_before_q && f_ended_q >= 6'(f_frame) &&
-                  f_beat_q == (f_grey ? {f_group, f_lane[1]} : {1'b0, f_group});
-  assign f_word = f_grey ? moments_data_o[64*f_lane[0]+:64] : 64'(moments_data_o[32*f_lane+:32]);
-  always_ff @(posedge clk_i) begin
-    if (rst_i) {f_beat_q, f_out_q} <= '0;
-    else if (moments_valid_o) begin
-      if (f_beat_q == (f_grey ? {f_last_group, 1'b1} : {1'b0, f_last_group})) begin
-        f_beat_q       <= '0;
-        f_out_q        <= f_out_q + 6'd1;
-      end else begin
-        f_beat_q <= f_beat_q + (GroupBits + 1)'(1);
-      end
-    end
-  end
-
-  // Rule 1: the word of every column holds its sums, in the format of the packet.
-  // Rule 2: nothing comes out that has not gone in completely or is not wanted.
-  always_comb if (f_ran_q && !rst_i) begin
+  // Rule: the word of every column holds its sums, in the format of the packet.
+  always_comb if (f_run) begin
     if (f_here) begin
-      assert (f_ended_q > 6'(f_frame) || f_last_row && f_group_q > f_group);
       if (f_grey) begin
-        assert (f_word[26:0] == f_m1_q[26:0] && f_word[44:27] == f_m0_q[17:0] &&
+        assert (f_word[26:0] == 27'(f_m1_q) && f_word[44:27] == 18'(f_m0_q) &&
                 f_word[54:45] == f_n_q[9:0]);
       end else begin
-        assert (f_word[19:0] == f_m1_q[19:0] && f_word[31:20] == f_m0_q[11:0]);
+        assert (f_word[19:0] == 20'(f_m1_q) && f_word[31:20] == f_m0_q[11:0]);
       end
     end
-    if (moments_valid_o) assert (f_out_q < f_wants_q);
-    assert (!spoiled_o);
     cover (f_here && f_m1_q != '0 && f_rows == RowBits'(MaxRows) && f_last_group == GroupBits'(1));
     // one not wanted
     if (Grey) cover (f_here && f_grey && f_m1_q != '0 && f_before_q == 6'd1 && f_frame == 5'd2);

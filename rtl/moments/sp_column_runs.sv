@@ -268,133 +268,43 @@ module sp_column_runs #(
   end
 
 `ifdef FORMAL
-  // Assumptions: one reset at the beginning; frames of one size, mode, select and gap; beats in
-  // order, with any gaps; no frame breaks. In a binary build every packet is wanted. In a grey
-  // build, at least twelve clocks lie between the end of a last row and the next last row that is
-  // wanted (sp_packetizer keeps more than 16); any unwanted frames may come between.
-  parameter bit [7:0] ValueBits = 8'hFF;  // bits that pixels and threshold have
-  localparam int FSumBits = 16;  // hold every sum of the sizes that are proved
-  logic f_ran_q = 1'b0;
-  always_ff @(posedge clk_i) f_ran_q <= 1'b1;
-  (* anyconst *) logic [RowBits-1:0]   f_rows;
-  (* anyconst *) logic [GroupBits-1:0] f_last_group;
-  (* anyconst *) logic [1:0]           f_mode;
-  (* anyconst *) logic [7:0]           f_threshold;
-  (* anyconst *) logic                 f_strongest;
-  (* anyconst *) logic [1:0]           f_gap;
-  logic [GroupBits-1:0] f_group_q;
-  logic [RowBits-1:0]   f_row_q;
-  logic                 f_line_end, f_last_row;
-  logic [3:0]           f_wait_q;
-  logic                 f_decides, f_wanted, f_wanted_q;  // a last row begins; its packet is wanted
-  logic [4:1]           f_accept_q;
-  (* anyseq *) logic    f_choice;
-  (* anyconst *) logic [4:0] f_frame;  // a frame that is wanted
-  // Wide enough for a bounded trace: frames that ended; frames wanted, in all and before this one;
-  // frames that came out.
-  logic [5:0] f_ended_q, f_wants_q, f_before_q, f_out_q;
-  assign f_decides  = beat_valid_i && f_last_row && f_group_q == '0;
-  assign f_wanted   = f_decides ? !Grey || f_choice && f_wait_q == '0 : f_wanted_q;
-  assign f_line_end = f_group_q == f_last_group;
-  assign f_last_row = f_row_q == f_rows;
-  always_ff @(posedge clk_i) begin
-    f_wanted_q <= f_wanted;
-    f_accept_q <= {f_accept_q[3:1], f_wanted};
-    if (rst_i) f_wait_q <= '0;
-    else if (beat_valid_i && f_last_row && f_wanted) f_wait_q <= 4'd11;
-    else if (f_wait_q != '0) f_wait_q <= f_wait_q - 4'd1;
-    if (rst_i) {f_group_q, f_row_q} <= {GroupBits'(0), RowBits'(1)};
-    else if (beat_valid_i) begin
-      f_group_q <= f_line_end ? '0 : f_group_q + GroupBits'(1);
-      if (f_line_end) f_row_q <= f_last_row ? RowBits'(1) : f_row_q + RowBits'(1);
-    end
-  end
-  always_comb begin
-    assume (rst_i == !f_ran_q);
-    assume (f_rows != '0 && f_rows <= RowBits'(MaxRows) &&
-            f_last_group < (GroupBits + 1)'(MaxColumns / 4));
-    assume (beat_group_i == f_group_q && beat_row_i == f_row_q &&
-            beat_first_row_i == (f_row_q == RowBits'(1)));
-    assume (beat_last_row_i == f_last_row && beat_line_end_i == f_line_end);
-    assume (mode_i == f_mode &&
-            f_mode <= (Grey ? sp_spec_pkg::ModeGreyOver : sp_spec_pkg::ModeBinary));
-    assume ((beat_pixels_i & ~{4{ValueBits}}) == '0 && (f_threshold & ~ValueBits) == '0);
-    if (f_decides && f_ended_q == 6'(f_frame)) assume (f_wanted);
-    assume (threshold_i == f_threshold && strongest_i == f_strongest && gap_i == f_gap);
-    assume (!break_i && accept_i == f_accept_q[4]);
-  end
+  localparam int FWait = 11;
+  localparam bit FBinaryDrains = 1'b1;
+`include "sp_formal_frames.svh"
 
-  // Any one column of any one wanted frame: its runs, as model/column_runs defines them, one row
-  // after the other.
-  (* anyconst *) logic [1:0]           f_lane;
-  (* anyconst *) logic [GroupBits-1:0] f_group;
-  logic [7:0]          f_pixel;
-  logic [FSumBits-1:0] f_weight, f_row_weight;
-  logic                f_lit, f_mine, f_over;
+  // Of all frames
+  (* anyconst *) logic       f_strongest;
+  (* anyconst *) logic [1:0] f_gap;
+  always_comb assume (strongest_i == f_strongest && gap_i == f_gap);
+
+  // The runs of the column, as model/column_runs defines them, one row after the other.
   // The run that is open: its sums, and dark rows since its last lit one
   logic [FSumBits-1:0] f_m0_q, f_m1_q, f_n_q, f_m0, f_m1, f_n;
   logic [1:0]          f_dark_q;
   // The strongest run that has ended, M0 of the second, the number of them
   logic [FSumBits-1:0] f_best_m0_q, f_best_m1_q, f_best_n_q, f_second_q;
   logic [1:0]          f_runs_q;
-  assign f_pixel  = beat_pixels_i[8*f_lane+:8];
-  assign f_lit    = f_pixel > f_threshold;
-  assign f_weight = !f_lit ? '0 : f_mode == sp_spec_pkg::ModeBinary ? FSumBits'(1) :
-                    f_mode == sp_spec_pkg::ModeGrey ? FSumBits'(f_pixel) :
-                        FSumBits'(f_pixel) - FSumBits'(f_threshold);
-  assign f_mine   = beat_valid_i && f_group_q == f_group && f_ended_q == 6'(f_frame);
+  logic                f_over;
   always_comb begin
-    f_row_weight = '0;
-    for (int r = 1; r <= MaxRows; r++) begin
-      if (f_row_q >= RowBits'(r)) f_row_weight = f_row_weight + f_weight;
-    end
     {f_m0, f_m1, f_n} = {f_m0_q + f_weight, f_m1_q + f_row_weight, f_n_q + FSumBits'(f_lit)};
     // The row ends the run, by too many dark rows or as the last one.
     f_over = f_n != '0 && (f_last_row || f_strongest && !f_lit && f_dark_q == f_gap);
   end
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      {f_ended_q, f_wants_q, f_before_q} <= '0;
-      {f_m0_q, f_m1_q, f_n_q, f_dark_q}  <= '0;
+      {f_m0_q, f_m1_q, f_n_q, f_dark_q}                            <= '0;
       {f_best_m0_q, f_best_m1_q, f_best_n_q, f_second_q, f_runs_q} <= '0;
-    end else begin
-      if (f_decides && f_wanted) begin
-        f_wants_q <= f_wants_q + 6'd1;
-        if (f_ended_q < 6'(f_frame)) f_before_q <= f_before_q + 6'd1;
-      end
-      if (f_mine) begin
-        f_dark_q <= f_lit ? 2'd0 : f_dark_q + 2'd1;
-        {f_m0_q, f_m1_q, f_n_q} <= f_over ? '0 : {f_m0, f_m1, f_n};
-        if (f_over) begin
-          if (f_runs_q != 2'd3) f_runs_q <= f_runs_q + 2'd1;
-          if (f_m0 > f_best_m0_q) begin
-            f_second_q                              <= f_best_m0_q;
-            {f_best_m0_q, f_best_m1_q, f_best_n_q} <= {f_m0, f_m1, f_n};
-          end else if (f_m0 > f_second_q) begin
-            f_second_q <= f_m0;
-          end
+    end else if (f_mine) begin
+      f_dark_q                <= f_lit ? 2'd0 : f_dark_q + 2'd1;
+      {f_m0_q, f_m1_q, f_n_q} <= f_over ? '0 : {f_m0, f_m1, f_n};
+      if (f_over) begin
+        if (f_runs_q != 2'd3) f_runs_q <= f_runs_q + 2'd1;
+        if (f_m0 > f_best_m0_q) begin
+          f_second_q                             <= f_best_m0_q;
+          {f_best_m0_q, f_best_m1_q, f_best_n_q} <= {f_m0, f_m1, f_n};
+        end else if (f_m0 > f_second_q) begin
+          f_second_q <= f_m0;
         end
-      end
-      if (beat_valid_i && f_line_end && f_last_row) f_ended_q <= f_ended_q + 6'd1;
-    end
-  end
-
-  // The output: payload beats of two or four columns, in order.
-  logic [GroupBits:0] f_beat_q;
-  logic               f_grey, f_here;
-  logic [63:0]        f_word;
-  assign f_grey = f_mode != sp_spec_pkg::ModeBinary;
-  assign f_here = moments_valid_o && f_out_q == f_before_q && f_ended_q >= 6'(f_frame) &&
-                  f_beat_q == (f_grey ? {f_group, f_lane[1]} : {1'b0, f_group});
-  assign f_word = f_grey ? moments_data_o[64*f_lane[0]+:64] : 64'(moments_data_o[32*f_lane+:32]);
-  always_ff @(posedge clk_i) begin
-    if (rst_i) {f_beat_q, f_out_q} <= '0;
-    else if (moments_valid_o) begin
-      if (f_beat_q == (f_grey ? {f_last_group, 1'b1} : {1'b0, f_last_group})) begin
-        f_beat_q <= '0;
-        f_out_q  <= f_out_q + 6'd1;
-      end else begin
-        f_beat_q <= f_beat_q + (GroupBits + 1)'(1);
       end
     end
   end
@@ -414,10 +324,8 @@ module sp_column_runs #(
   // Rule 1: the word of every column holds the sums of its strongest run, in the format of the
   // packet; of equals it is the earlier one. With select `all` they are those of all lit pixels.
   // Rule 2: it tells the number of runs, up to 3, and the strength of the second; 0 with `all`.
-  // Rule 3: nothing comes out that has not gone in completely or is not wanted.
-  always_comb if (f_ran_q && !rst_i) begin
+  always_comb if (f_run) begin
     if (f_here) begin
-      assert (f_ended_q > 6'(f_frame) || f_last_row && f_group_q > f_group);
       if (f_grey) begin
         assert (f_word[26:0] == 27'(f_best_m1_q) && f_word[44:27] == 18'(f_best_m0_q) &&
                 f_word[54:45] == f_best_n_q[9:0] && f_word[63:62] == '0);
@@ -435,8 +343,6 @@ module sp_column_runs #(
                                {f_second_q, 1'b0} >= {1'b0, f_best_m0_q}));
       end
     end
-    if (moments_valid_o) assert (f_out_q < f_wants_q);
-    assert (!spoiled_o);
     cover (f_here && f_runs_q == 2'd2 && f_rows == RowBits'(MaxRows) && f_strongest);
     if (MaxRows >= 5) begin
       cover (f_here && f_runs_q == 2'd3);

@@ -15,7 +15,9 @@
 
 #include "hls/gray_decoder.h"
 #include "model/gray_decoder.h"
+#include "model/little_endian.h"
 #include "model/median3x3.h"
+#include "tests/rtl/blocks/code_beats.h"
 #include "tests/support/random_cases.h"
 #include "tests/support/reference_gray.h"
 
@@ -55,10 +57,7 @@ class GrayKernelBench {
       while (random.chance(gaps)) {
         step(frame.pattern);
       }
-      std::uint32_t pixels = 0;
-      for (std::size_t k = 4; k-- > 0;) {
-        pixels = pixels << 8U | frame.pixels[4 * static_cast<std::size_t>(i) + k];
-      }
+      const auto pixels = load_little_endian<std::uint32_t>(frame.pixels.data() + 4 * i);
       const bool last = (i % groups == groups - 1) != (swaps_last && i == beats - 1);
       video_.write(hls::axis_beat<32>(pixels, i == 0, last));
       do {  // pattern and settings count when the frame's start is read
@@ -120,11 +119,7 @@ class GrayKernelBench {
     }
     const auto groups = static_cast<std::size_t>(settings.columns) / 4;
     for (std::size_t i = 0; i < codes.size() / 4; ++i) {
-      std::uint64_t words = 0;
-      for (std::size_t k = 4; k-- > 0;) {
-        words = words << 16U | codes[4 * i + k];
-      }
-      expected_.push_back({words, i == 0, i % groups == groups - 1, images_});
+      expected_.push_back({four_words(codes.data() + 4 * i), i == 0, i % groups == groups - 1, images_});
     }
   }
 

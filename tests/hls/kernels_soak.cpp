@@ -2,108 +2,72 @@
 //
 //     hls_soak [FRAMES [PIXELS [FIRST_SEED]]]      100,000 frames of moments and as many of strongest runs, 10,000,000
 //     decoded pixels, from seed 1 on
-//
-// Ends with three lines that say what was compared; exit status 1 at the first mismatch.
-#include <gtest/gtest.h>
-
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 
-#include "host/files/results_file.h"
 #include "tests/hls/gray_kernel_bench.h"
 #include "tests/hls/moments_bench.h"
-
-namespace {
-
-std::uint64_t g_frames = 100'000;
-std::uint64_t g_pixels = 10'000'000;
-std::uint64_t g_seed = 1;
-
-nlohmann::ordered_json g_results;
-
-}  // namespace
+#include "tests/support/soak.h"
 
 namespace selfproj::test {
 namespace {
 
-TEST(HlsSoak, EveryMomentEqualsTheModel) {
-  constexpr std::uint64_t kFrames = 200;  // a seed
-  const auto kernel = std::make_shared<hls::ColumnMomentsKernel>();
-  std::uint64_t frames = 0;
-  std::uint64_t beats = 0;
-  for (std::uint64_t seed = g_seed; frames < g_frames; ++seed, frames += kFrames) {
-    SCOPED_TRACE(::testing::Message() << "seed " << seed << "; repeat with: 1 0 " << seed);
-    Random random(seed);
-    MomentsBench bench([&](auto& video, const auto& setup, auto& payload) { kernel->step(video, setup, payload); });
-    play_moments_frames(bench, kFrames, random);
-    ASSERT_FALSE(HasFailure());
-    beats += bench.matched();
+#ifdef SELFPROJ_HLS_VENDOR_TYPES
+constexpr const char* kName = "hls_soak_ap";
+constexpr const char* kAbout = "The HLS kernels with the vendor's integers against the model";
+#else
+constexpr const char* kName = "hls_soak";
+constexpr const char* kAbout = "The HLS kernels with SystemC's integers against the model";
+#endif
+
+// Adds the figures of a test; with the last one, reports all.
+void add_results(const char* test, nlohmann::ordered_json figures) {
+  static nlohmann::ordered_json all;
+  figures["mismatches"] = 0;
+  all[test] = std::move(figures);
+  if (all.size() == 3) {
+    report_soak(kName, kAbout, all);
   }
-  std::printf("matched the payload of %llu frames, %llu beats of 16 bytes, 0 mismatches\n",
-              static_cast<unsigned long long>(frames), static_cast<unsigned long long>(beats));
-  g_results["moments"] = {{"frames", frames}, {"beats", beats}, {"mismatches", 0}};
 }
 
-TEST(HlsSoak, EveryRunEqualsTheModel) {
-  constexpr std::uint64_t kFrames = 200;  // a seed
-  const auto kernel = std::make_shared<hls::ColumnRunsKernel>();
+template <typename Kernel>
+void soak_moments(const char* test, bool runs) {
+  constexpr int kFrames = 200;  // a seed
+  const auto kernel = std::make_shared<Kernel>();
   std::uint64_t frames = 0;
   std::uint64_t beats = 0;
-  for (std::uint64_t seed = g_seed; frames < g_frames; ++seed, frames += kFrames) {
-    SCOPED_TRACE(::testing::Message() << "seed " << seed << "; repeat with: 1 0 " << seed);
-    Random random(seed);
-    MomentsBench bench([&](auto& video, const auto& setup, auto& payload) { kernel->step(video, setup, payload); });
-    play_moments_frames(bench, kFrames, random, random_runs_frame);
-    ASSERT_FALSE(HasFailure());
-    beats += bench.matched();
-  }
-  std::printf("matched the strongest runs of %llu frames, %llu beats of 16 bytes, 0 mismatches\n",
-              static_cast<unsigned long long>(frames), static_cast<unsigned long long>(beats));
-  g_results["runs"] = {{"frames", frames}, {"beats", beats}, {"mismatches", 0}};
+  soak(
+      frames, 100'000,
+      [&](std::uint64_t seed) {
+        Random random(seed);
+        MomentsBench bench([&](auto& video, const auto& setup, auto& payload) { kernel->step(video, setup, payload); });
+        play_moments_frames(bench, kFrames, random, runs);
+        frames += kFrames;
+        beats += bench.matched();
+      },
+      0, 2);
+  add_results(test, {{"frames", frames}, {"beats", beats}});
 }
+
+TEST(HlsSoak, EveryMomentEqualsTheModel) { soak_moments<hls::ColumnMomentsKernel>("moments", false); }
+TEST(HlsSoak, EveryRunEqualsTheModel) { soak_moments<hls::ColumnRunsKernel>("runs", true); }
 
 TEST(HlsSoak, EveryCodeEqualsTheModel) {
   std::uint64_t pixels = 0;
-  for (std::uint64_t seed = g_seed; pixels < g_pixels; ++seed) {
-    SCOPED_TRACE(::testing::Message() << "seed " << seed << "; repeat with: 0 1 " << seed);
-    Random random(seed);
-    const auto kernel = std::make_shared<hls::GrayDecoderKernel<64, 16>>();
-    GrayKernelBench bench(
-        [&](auto& video, const auto& setup, auto pattern, auto& codes) { kernel->step(video, setup, pattern, codes); });
-    play_gray_sequences(bench, 10, 100, random);
-    ASSERT_FALSE(HasFailure());
-    pixels += bench.pixels();
-  }
-  std::printf("matched %llu decoded pixels, 0 mismatches\n", static_cast<unsigned long long>(pixels));
-  g_results["codes"] = {{"pixels", pixels}, {"mismatches", 0}};
+  soak(
+      pixels, 10'000'000,
+      [&](std::uint64_t seed) {
+        Random random(seed);
+        const auto kernel = std::make_shared<hls::GrayDecoderKernel<64, 16>>();
+        GrayKernelBench bench([&](auto& video, const auto& setup, auto pattern, auto& codes) {
+          kernel->step(video, setup, pattern, codes);
+        });
+        play_gray_sequences(bench, 10, 100, random);
+        pixels += bench.pixels();
+      },
+      1, 2);
+  add_results("codes", {{"pixels", pixels}});
 }
 
 }  // namespace
 }  // namespace selfproj::test
-
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  if (argc > 1) {
-    g_frames = std::strtoull(argv[1], nullptr, 10);
-  }
-  if (argc > 2) {
-    g_pixels = std::strtoull(argv[2], nullptr, 10);
-  }
-  if (argc > 3) {
-    g_seed = std::strtoull(argv[3], nullptr, 10);
-  }
-  const int status = RUN_ALL_TESTS();
-  if (status == 0 && g_results.size() == 3) {
-#ifdef SELFPROJ_HLS_VENDOR_TYPES
-    const char* name = "hls_soak_ap";
-    const char* about = "The HLS kernels with the vendor's integers against the model";
-#else
-    const char* name = "hls_soak";
-    const char* about = "The HLS kernels with SystemC's integers against the model";
-#endif
-    selfproj::write_results(name, about, g_results);
-  }
-  return status;
-}

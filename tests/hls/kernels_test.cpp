@@ -14,8 +14,6 @@
 namespace selfproj::test {
 namespace {
 
-constexpr Mode kModes[] = {Mode::binary, Mode::grey, Mode::grey_over};
-
 MomentsBench::Step moments_kernel() {
   return [kernel = std::make_shared<hls::ColumnMomentsKernel>()](auto& video, const auto& setup, auto& payload) {
     kernel->step(video, setup, payload);
@@ -56,15 +54,13 @@ GrayKernelBench::Step gray_top() {
 
 TEST(HlsColumnMoments, RandomFrames) {
   std::uint64_t matched = 0;
-  for (const std::uint64_t seed : seeds(200)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(200, [&](Random& random) {
     // The kernel of the top function keeps its state from case to case.
     MomentsBench bench(random.chance(50) ? moments_kernel() : moments_top());
     play_moments_frames(bench, 40, random);
     ASSERT_FALSE(HasFailure());
     matched += bench.matched();
-  }
+  });
   if (std::getenv("SELFPROJ_SEED") == nullptr) {
     EXPECT_GT(matched, 20'000U) << "too little was compared";
   }
@@ -72,14 +68,12 @@ TEST(HlsColumnMoments, RandomFrames) {
 
 TEST(HlsColumnRuns, RandomFrames) {
   std::uint64_t matched = 0;
-  for (const std::uint64_t seed : seeds(200)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(200, [&](Random& random) {
     MomentsBench bench(random.chance(50) ? runs_kernel() : runs_top());
-    play_moments_frames(bench, 40, random, random_runs_frame);
+    play_moments_frames(bench, 40, random, true);
     ASSERT_FALSE(HasFailure());
     matched += bench.matched();
-  }
+  });
   if (std::getenv("SELFPROJ_SEED") == nullptr) {
     EXPECT_GT(matched, 20'000U) << "too little was compared";
   }
@@ -89,7 +83,7 @@ TEST(HlsColumnRuns, RandomFrames) {
 TEST(HlsColumnRuns, LargestImage) {
   Random random(1);
   MomentsBench bench(runs_kernel());
-  MomentsFrame frame = random_runs_frame(random, spec::kMaxColumns, spec::kMaxRows, Mode::grey);
+  MomentsFrame frame = random_moments_frame(random, spec::kMaxColumns, spec::kMaxRows, Mode::grey, true);
   frame.threshold = 0;
   frame.window = {};
   std::fill(frame.pixels.begin(), frame.pixels.end(), std::uint8_t{255});
@@ -105,7 +99,7 @@ TEST(HlsColumnRuns, TakesABeatEveryStep) {
         SCOPED_TRACE(::testing::Message() << columns << " x " << rows << ", mode " << static_cast<int>(mode));
         MomentsBench bench(runs_kernel());
         for (int frame = 0; frame < 4; ++frame) {
-          bench.play(random_runs_frame(random, columns, rows, mode), 0, random);
+          bench.play(random_moments_frame(random, columns, rows, mode, true), 0, random);
           ASSERT_TRUE(bench.all_read());
         }
         bench.finish();
@@ -168,14 +162,12 @@ TEST(HlsColumnMoments, TakesABeatEveryStep) {
 
 TEST(HlsGrayDecoder, RandomSequences) {
   std::uint64_t pixels = 0;
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(60, [&](Random& random) {
     GrayKernelBench bench(random.chance(70) ? gray_kernel() : gray_top());
     play_gray_sequences(bench, 6, 100, random);
     ASSERT_FALSE(HasFailure());
     pixels += bench.pixels();
-  }
+  });
   if (std::getenv("SELFPROJ_SEED") == nullptr) {
     EXPECT_GT(pixels, 400'000U) << "too little was compared";
   }

@@ -14,24 +14,12 @@
 
 #include "hls/column_moments.h"
 #include "hls/column_runs.h"
-#include "model/column_moments.h"
-#include "model/column_runs.h"
-#include "model/packet_payload.h"
+#include "model/little_endian.h"
 #include "sim/board/hls_streams.h"
+#include "tests/support/moments_frames.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
-
-struct MomentsFrame {
-  int columns = 4;
-  int rows = 1;
-  Mode mode = Mode::binary;
-  int threshold = 0;
-  std::vector<std::uint8_t> pixels;  // row by row
-  Select select = Select::all;
-  int gap = 0;
-  RowWindow window = {};
-};
 
 class MomentsBench {
  public:
@@ -76,7 +64,7 @@ class MomentsBench {
       if (i == beats - 1 && (end == End::early || end == End::late)) {
         last = !last;
       }
-      video_.write(hls::axis_beat<32>(pixels_at(frame, i), i == 0, last));
+      video_.write(hls::axis_beat<32>(load_little_endian<std::uint32_t>(frame.pixels.data() + 4 * i), i == 0, last));
       step();
     }
   }
@@ -110,25 +98,8 @@ class MomentsBench {
     bool first, last;
   };
 
-  static std::uint32_t pixels_at(const MomentsFrame& frame, int beat) {
-    std::uint32_t pixels = 0;
-    for (std::size_t i = 4; i-- > 0;) {
-      pixels = pixels << 8U | frame.pixels[4 * static_cast<std::size_t>(beat) + i];
-    }
-    return pixels;
-  }
-
   void expect(const MomentsFrame& frame, int beats, End end) {
-    const Measure measure = {.mode = frame.mode,
-                             .threshold = frame.threshold,
-                             .select = frame.select,
-                             .gap = frame.gap,
-                             .window = frame.window};
-    Runs runs;
-    runs.resize(frame.select, frame.columns);
-    measure_columns({frame.pixels.data(), frame.rows, frame.columns, frame.columns}, measure, runs.view());
-    std::vector<std::uint8_t> payload(moments_payload_bytes(frame.mode, frame.columns));
-    pack_columns(frame.select, frame.mode, frame.columns, runs.view(), payload.data());
+    const std::vector<std::uint8_t> payload = payload_of_moments(frame);
     const int of_last_row = std::max(0, beats - (frame.rows - 1) * frame.columns / 4);
     const int words = of_last_row * (frame.mode == Mode::binary ? 1 : 2);
     for (int i = 0; i < words; ++i) {
@@ -163,43 +134,10 @@ class MomentsBench {
   std::uint64_t matched_ = 0;
 };
 
-inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, Mode mode) {
-  MomentsFrame frame;
-  frame.columns = columns;
-  frame.rows = rows;
-  frame.mode = mode;
-  frame.threshold = random.chance(20) ? 0 : random.chance(10) ? 255 : random.between(0, 255);
-  frame.pixels = random.bytes(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  if (random.chance(15)) {  // all pixels have one value, mostly an extreme one
-    std::fill(frame.pixels.begin(), frame.pixels.end(),
-              static_cast<std::uint8_t>(random.chance(70) ? 255 : random.between(0, 255)));
-  }
-  if (random.chance(30)) {
-    frame.window = {.first = random.between(0, rows), .last = random.between(0, rows)};
-  }
-  return frame;
-}
-
-// A random frame with several runs in a column. Some of them are equally strong.
-inline MomentsFrame random_runs_frame(Random& random, int columns, int rows, Mode mode) {
-  MomentsFrame frame = random_moments_frame(random, columns, rows, mode);
-  frame.select = random.chance(80) ? Select::strongest : Select::all;
-  frame.gap = random.between(0, 3);
-  const int dark = random.between(10, 90);
-  const int values = random.chance(50) ? random.between(1, 3) : 255;
-  for (auto& pixel : frame.pixels) {
-    const int lit = std::min(frame.threshold + random.between(1, values), 255);
-    pixel = static_cast<std::uint8_t>(random.chance(dark) ? random.between(0, frame.threshold) : lit);
-  }
-  return frame;
-}
-
-using MakeFrame = MomentsFrame(Random& random, int columns, int rows, Mode mode);
-
 // Plays `frames` frames of changing size, mode and threshold. Some of them break, and stray beats may follow. Gaps may
 // come anywhere.
 inline void play_moments_frames(MomentsBench& bench, int frames, Random& random,
-                                MakeFrame& make = random_moments_frame) {
+                                bool runs = false) {
   int columns = 4;
   int rows = 1;
   Mode mode = Mode::binary;
@@ -211,7 +149,7 @@ inline void play_moments_frames(MomentsBench& bench, int frames, Random& random,
       rows = random.between(1, random.chance(50) ? 2 : 9);
       mode = static_cast<Mode>(random.between(0, 2));
     }
-    const MomentsFrame frame = make(random, columns, rows, mode);
+    const MomentsFrame frame = random_moments_frame(random, columns, rows, mode, runs);
     const int groups = columns / 4;
     const int gaps = dense ? 0 : random.between(0, 60);
     if (!random.chance(breaks)) {

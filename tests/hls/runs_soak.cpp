@@ -4,37 +4,26 @@
 //     runs_soak [FRAMES] [FIRST_SEED]      1,000,000 frames from seed 1 on by default
 //
 // Every frame goes through the board's RTL, one grey and one binary build in turns, with stalls on both sides; in half
-// of the runs every fifth frame has a fault. The model judges every packet. The same image goes whole through the HLS
-// kernel with pauses, whose every word is compared with the model, and through the fast kernel, whose every column is.
-// The last line says what was compared. The first mismatch or uncounted loss ends the program with exit status 1.
-#include <gtest/gtest.h>
-
+// of the runs every fifth frame has a fault. Every packet is compared with the model's. The same image goes whole
+// through the HLS kernel with pauses, whose every word is compared with the model, and through the fast kernel, whose
+// every column is.
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 
 #include "Vboard_codes.h"
 #include "Vboard_codes_raw.h"
 #include "hls/column_runs.h"
-#include "host/files/results_file.h"
 #include "host/light_section/fast_runs.h"
 #include "model/column_runs.h"
 #include "tests/hls/moments_bench.h"
 #include "tests/rtl/board/random_frames.h"
-
-namespace {
-
-std::uint64_t g_frames = 1'000'000;
-std::uint64_t g_seed = 1;
-
-}  // namespace
+#include "tests/support/soak.h"
 
 namespace selfproj::test {
 namespace {
 
-struct Seen {
+struct ImageCounts {
   std::uint64_t columns = 0;  // with select strongest
   std::uint64_t several = 0;  // of these, with two runs or more
   std::uint64_t ties = 0;     // of these, with two equal strongest runs
@@ -42,7 +31,7 @@ struct Seen {
 };
 
 // Compares the fast kernel with the model, and counts what the image has.
-void compare_fast(const TestImage& image, const Measure& measure, Seen& seen) {
+void compare_fast(const TestImage& image, const Measure& measure, ImageCounts& images) {
   Runs right;
   Runs found;
   right.resize(measure.select, image.columns);
@@ -50,20 +39,20 @@ void compare_fast(const TestImage& image, const Measure& measure, Seen& seen) {
   measure_columns(image.view(), measure, right.view());
   fast_measure_columns(image.view(), measure, found.view());
   ASSERT_TRUE(found == right) << "the fast kernel differs";
-  seen.columns += right.runs.size();
-  seen.several +=
+  images.columns += right.runs.size();
+  images.several +=
       static_cast<std::uint64_t>(std::count_if(right.runs.begin(), right.runs.end(), [](auto n) { return n > 1; }));
-  seen.ties += static_cast<std::uint64_t>(std::count(right.second.begin(), right.second.end(), 16));
-  seen.windows += measure.window == RowWindow{} ? 0 : 1;
+  images.ties += static_cast<std::uint64_t>(std::count(right.second.begin(), right.second.end(), 16));
+  images.windows += measure.window == RowWindow{} ? 0 : 1;
 }
 
 template <class Model>
-void play(std::uint64_t seed, RandomFrames limits, FrameCounts& counts, Seen& seen, std::uint64_t& words) {
+void play(std::uint64_t seed, RandomFrames limits, FrameCounts& counts, ImageCounts& images, std::uint64_t& words) {
   const auto kernel = std::make_shared<hls::ColumnRunsKernel>();
   MomentsBench bench([&](auto& video, const auto& setup, auto& payload) { kernel->step(video, setup, payload); });
   Random random(seed + (std::uint64_t{1} << 32));
   limits.also = [&](const TestImage& image, const BoardSettings& settings) {
-    compare_fast(image, settings.measure(), seen);
+    compare_fast(image, settings.measure(), images);
     bench.play({.columns = settings.columns,
                 .rows = settings.rows,
                 .mode = settings.mode,
@@ -81,55 +70,30 @@ void play(std::uint64_t seed, RandomFrames limits, FrameCounts& counts, Seen& se
 
 TEST(RunsSoak, FourImplementationsAreEqual) {
   FrameCounts counts;
-  Seen seen;
+  ImageCounts images;
   std::uint64_t words = 0;
-  std::uint64_t next_report = 100'000;
-  for (std::uint64_t seed = g_seed; counts.frames < g_frames; ++seed) {
-    SCOPED_TRACE(::testing::Message() << "seed " << seed << "; repeat with: runs_soak 1 " << seed);
+  soak(counts.frames, 1'000'000, [&](std::uint64_t seed) {
     const int faults = seed % 4 < 2 ? 0 : 20;
     if (seed % 2 == 0) {
-      play<Vboard_codes>(seed, {.runs = true, .fault_percent = faults}, counts, seen, words);
+      play<Vboard_codes>(seed, {.runs = true, .fault_percent = faults}, counts, images, words);
     } else {
       play<Vboard_codes_raw>(seed,
                              {.max_columns = 128, .grey = false, .image = false, .runs = true, .fault_percent = faults},
-                             counts, seen, words);
+                             counts, images, words);
     }
-    ASSERT_FALSE(HasFailure());
-    if (counts.frames >= next_report) {
-      std::printf("%llu frames\n", static_cast<unsigned long long>(counts.frames));
-      std::fflush(stdout);
-      next_report += 100'000;
-    }
-  }
-  const auto count = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
-  std::printf(
-      "matched %llu packets of %llu frames, 0 mismatches, %llu frames lost and counted; %llu words of the HLS kernel "
-      "and %llu columns of the fast kernel equal the model's, %llu of them with several runs, %llu with a tie\n",
-      count(counts.delivered), count(counts.frames), count(counts.lost), count(words), count(seen.columns),
-      count(seen.several), count(seen.ties));
-  write_results("runs_soak", "Strongest runs: the board's RTL, the HLS kernel and the fast kernel against the model",
-                {{"frames", counts.frames},
-                 {"packets", counts.delivered},
-                 {"bytes", counts.bytes},
-                 {"lost_counted", counts.lost},
-                 {"frames_with_rows_that_do_not_count", seen.windows},
-                 {"columns", seen.columns},
-                 {"columns_with_several_runs", seen.several},
-                 {"columns_with_a_tie", seen.ties},
-                 {"hls_words", words},
-                 {"mismatches", 0}});
+  });
+  report_soak("runs_soak", "Strongest runs: the board's RTL, the HLS kernel and the fast kernel against the model",
+              {{"frames", counts.frames},
+               {"packets", counts.delivered},
+               {"bytes", counts.bytes},
+               {"lost_counted", counts.lost},
+               {"frames_with_rows_that_do_not_count", images.windows},
+               {"columns", images.columns},
+               {"columns_with_several_runs", images.several},
+               {"columns_with_a_tie", images.ties},
+               {"hls_words", words},
+               {"mismatches", 0}});
 }
 
 }  // namespace
 }  // namespace selfproj::test
-
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  if (argc > 1) {
-    g_frames = std::strtoull(argv[1], nullptr, 10);
-  }
-  if (argc > 2) {
-    g_seed = std::strtoull(argv[2], nullptr, 10);
-  }
-  return RUN_ALL_TESTS();
-}

@@ -16,7 +16,6 @@
 #include "sim/board/shell_blocks.h"
 #include "tests/rtl/blocks/column_moments_bench.h"
 #include "tests/rtl/blocks/gray_bench.h"
-#include "tests/rtl/blocks/gray_frames_bench.h"
 #include "tests/rtl/blocks/median3x3_bench.h"
 #include "tests/support/random_cases.h"
 
@@ -235,8 +234,6 @@ constexpr bool moments::kBinaryDrains<StrongestRuns> = true;
 
 namespace {
 
-const std::vector<Mode> kModes{Mode::binary, Mode::grey, Mode::grey_over};
-
 template <typename Circuit>
 void small_sizes() {
   moments::small_sizes<Circuit>(kModes);
@@ -254,14 +251,12 @@ void tallest_images() {
 
 template <typename Circuit>
 void random_frames() {
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(60, [&](std::uint64_t seed) {
     Random one_size(seed);
     moments::random_frames<Circuit>(one_size, kModes, 64, 9, false);
     Random changing(seed);
     moments::random_frames<Circuit>(changing, kModes, changing.chance(50) ? 64 : 400, 9, true);
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
   expect_clocks(200'000);
 }
 
@@ -280,16 +275,14 @@ TEST(ColumnRunsShell, RandomFrames) { random_frames<StrongestRuns>(); }
 
 TEST(GrayDecoderShell, RandomSequences) {
   std::uint64_t pixels = 0;
-  for (const std::uint64_t seed : seeds(40)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(40, [&](Random& random) {
     GrayBench<Decoder> bench(random);
     bench.late_permille = random.chance(60) ? 0 : random.between(0, 10);
     bench.busy_percent = random.chance(60) ? 0 : random.between(0, 10);
     play_gray_frames(bench, {.frames = 250}, random);
     ASSERT_FALSE(HasFailure());
     pixels += bench.pixels();
-  }
+  });
   if (std::getenv("SELFPROJ_SEED") == nullptr) {
     EXPECT_GT(pixels, 30'000U) << "too little was compared";
   }

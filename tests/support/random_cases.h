@@ -1,13 +1,9 @@
 // Seeded random cases that can be repeated:
 //
-//     for (const std::uint64_t seed : seeds(200)) {
-//       SCOPED_TRACE(how_to_repeat(seed));
-//       Random random(seed);
-//       ...
-//     }
+//     for_cases(200, [&](Random& random) { ... });
 //
-// This runs 200 cases. If the environment variable SELFPROJ_SEED is set, it runs only the case with that seed; if
-// SELFPROJ_CASES is set, only that many cases. A failure says how to repeat its case.
+// This runs 200 cases, up to the first that fails. If the environment variable SELFPROJ_SEED is set, it runs only the
+// case with that seed; if SELFPROJ_CASES is set, only that many cases. A failure says how to repeat its case.
 #ifndef SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H
 #define SELFPROJ_TESTS_SUPPORT_RANDOM_CASES_H
 
@@ -18,6 +14,7 @@
 #include <cstdlib>
 #include <random>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace selfproj::test {
@@ -74,6 +71,25 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
+
+// Runs `play` for each seed of seeds(count) until a case fails: play(random), play(random, seed) or play(seed).
+template <typename Play>
+void for_cases(int count, Play play) {
+  for (const std::uint64_t seed : seeds(count)) {
+    SCOPED_TRACE(how_to_repeat(seed));
+    Random random(seed);
+    if constexpr (std::is_invocable_v<Play, Random&>) {
+      play(random);
+    } else if constexpr (std::is_invocable_v<Play, Random&, std::uint64_t>) {
+      play(random, seed);
+    } else {
+      play(seed);
+    }
+    if (::testing::Test::HasFailure()) {
+      return;
+    }
+  }
+}
 
 // A uniform number in low..high.
 inline double uniform(Random& random, double low, double high) {

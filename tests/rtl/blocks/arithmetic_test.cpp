@@ -23,9 +23,7 @@ namespace {
 
 template <typename Dut>
 void count_from(std::uint64_t reset_value) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random) {
     Clocked<Dut> counter;
     counter->inc_i = 1;  // must not count in reset
     counter.reset();
@@ -40,7 +38,7 @@ void count_from(std::uint64_t reset_value) {
       counting = counter->inc_i != 0;
       counter.rise();
     }
-  }
+  });
 }
 
 // Counts without a pause through the first four carries. Only the lowest chain passes a carry on.
@@ -82,7 +80,7 @@ class Scale {
  public:
   Scale() {
     scale_.outputs_are_known();
-    scale_.valid_when("product_o", [this] { return scale_->clk_i == 0 && product_is_due_; });
+    scale_.valid_when({"product_o"}, [this] { return scale_->clk_i == 0 && product_is_due_; });
     gap();
     gap();
     gap();
@@ -158,9 +156,7 @@ template <typename Dut>
 void random_products(int x_bits, int k_bits) {
   const std::uint64_t x_max = (1ULL << x_bits) - 1;
   const std::uint64_t k_max = (1ULL << k_bits) - 1;
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random) {
     Scale<Dut> scale;
     for (int run = 0; run < 40; ++run) {
       // the largest value, single bits, and random values
@@ -174,7 +170,7 @@ void random_products(int x_bits, int k_bits) {
       }
     }
     scale.set_k(0);
-  }
+  });
 }
 
 TEST(Scale, RandomProductsOf18And10Bits) { random_products<Vsp_scale>(18, 10); }

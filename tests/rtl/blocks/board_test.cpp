@@ -22,12 +22,10 @@ template <typename Dut>
 class SmallBoardBench {
  public:
   SmallBoardBench(Random& random, TwoClocks clocks) : random_(random), clocks_(clocks) {
-    for (const char* port : {"m_axis_tdata", "m_axis_tlast"}) {
-      board_.valid_when(port, [this] { return board_->m_axis_tvalid != 0; });
-    }
-    board_.valid_when("s_axil_bresp", [this] { return board_->s_axil_bvalid != 0; });
-    board_.valid_when("s_axil_rresp", [this] { return board_->s_axil_rvalid != 0; });
-    board_.valid_when("s_axil_rdata", [this] { return board_->s_axil_rvalid != 0 && board_->s_axil_rresp == 0; });
+    board_.valid_when({"m_axis_tdata", "m_axis_tlast"}, [this] { return board_->m_axis_tvalid != 0; });
+    board_.valid_when({"s_axil_bresp"}, [this] { return board_->s_axil_bvalid != 0; });
+    board_.valid_when({"s_axil_rresp"}, [this] { return board_->s_axil_rvalid != 0; });
+    board_.valid_when({"s_axil_rdata"}, [this] { return board_->s_axil_rvalid != 0 && board_->s_axil_rresp == 0; });
     board_->clk_i = 1;
     board_->bus_clk_i = 1;
     board_->rst_i = 1;

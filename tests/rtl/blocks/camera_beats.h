@@ -26,9 +26,7 @@ Beat beat_of(Dut& dut) {
 // The ports that count only with a beat, for the recorder.
 template <typename Camera>
 void name_ports(Camera& camera) {
-  for (const char* port : {"m_data_o", "m_start_o", "m_end_o"}) {
-    camera.valid_when(port, [&camera] { return camera->m_valid_o != 0; });
-  }
+  camera.valid_when({"m_data_o", "m_start_o", "m_end_o"}, [&camera] { return camera->m_valid_o != 0; });
 }
 
 }  // namespace selfproj::test

@@ -287,9 +287,7 @@ constexpr int kLongestBit = 7142;               // 20 MHz
 // Any skew, jitter and sampling window that together stay below the tolerance: every frame is whole.
 template <typename Dut>
 void expect_frames_within_tolerance(int taps, int samples) {
-  for (const std::uint64_t seed : seeds(12)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(12, [&](Random& random, std::uint64_t seed) {
     const int bit = random.between(samples == 1 ? kShortestBit : kShortestBitSampledTwice, kLongestBit) / 4 * 4;
     LvdsBench<Dut> bench(seed, taps, samples, bit, kBoard);
     const int tolerance = bit / (2 * samples) - 1;
@@ -310,7 +308,7 @@ void expect_frames_within_tolerance(int taps, int samples) {
     bench.drain();
     EXPECT_EQ(bench.expect_frames_sent(), 0);
     EXPECT_EQ(bench.overruns() + bench.apart() + bench.lost(), 0);
-  }
+  });
 }
 TEST(CameraLinkLanes, Base) { expect_frames_within_tolerance<Vecp5_camera_link_base>(3, 1); }
 TEST(CameraLinkLanes, TwoSamplesABit) { expect_frames_within_tolerance<Vecp5_camera_link_twice>(2, 2); }
@@ -320,9 +318,7 @@ TEST(CameraLinkLanes, Medium) { expect_frames_within_tolerance<Vecp5_camera_link
 template <typename Dut>
 void expect_locks_again(int taps, int samples) {
   int broken = 0;
-  for (const std::uint64_t seed : seeds(8)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(8, [&](Random& random, std::uint64_t seed) {
     const int bit = random.between(samples == 1 ? kShortestBit : kShortestBitSampledTwice, 5000) / 4 * 4;
     LvdsBench<Dut> bench(seed, taps, samples, bit, kBoard);
     ASSERT_TRUE(bench.lock());
@@ -338,7 +334,7 @@ void expect_locks_again(int taps, int samples) {
     bench.drain();
     broken += bench.expect_frames_sent();
     EXPECT_EQ(bench.lost(), 3);
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(broken, 8);
   }
@@ -349,9 +345,7 @@ TEST(CameraLinkLanes, LocksAgainWithTwoSamples) { expect_locks_again<Vecp5_camer
 // With two samples a bit, a data lane that is off by more than a quarter of a bit, up to three quarters: the lock ends,
 // and no beat is wrong.
 TEST(CameraLinkLanes, SkewBeyondTheToleranceIsNoticed) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random, std::uint64_t seed) {
     const int bit = random.between(kShortestBitSampledTwice, kLongestBit) / 4 * 4;
     LvdsBench<Vecp5_camera_link_twice> bench(seed, 2, 2, bit, kBoard);
     bench.link(0).jitter = random.between(0, bit / 40);
@@ -373,13 +367,12 @@ TEST(CameraLinkLanes, SkewBeyondTheToleranceIsNoticed) {
     bench.drain();
     EXPECT_GE(bench.lost(), 1);
     EXPECT_GE(bench.expect_frames_sent(), 1);
-  }
+  });
 }
 
 // The PLL drifts until it samples at the edges of the clock lane: with one sample a bit, the lock ends.
 TEST(CameraLinkLanes, SamplesAtTheEdgesOfTheClockEndTheLock) {
-  for (const std::uint64_t seed : seeds(8)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(8, [&](std::uint64_t seed) {
     LvdsBench<Vecp5_camera_link_base> bench(seed, 3, 1, 2400, kBoard);
     bench.link(0).jitter = 200;
     ASSERT_TRUE(bench.lock());
@@ -390,7 +383,7 @@ TEST(CameraLinkLanes, SamplesAtTheEdgesOfTheClockEndTheLock) {
       bench.words(30);
     }
     EXPECT_GE(bench.lost(), 1);
-  }
+  });
 }
 
 }  // namespace

@@ -33,9 +33,7 @@ class CameraLinkBench {
       : random_(seed), camera_(random_, taps, bits), board_(board), pauses_(pauses) {
     links_[1].next = late;
     name_ports(dut_);
-    for (const char* port : {"overrun_o", "lost_o", "apart_o"}) {
-      dut_.valid_when(port, [this] { return known_; });
-    }
+    dut_.valid_when({"overrun_o", "lost_o", "apart_o"}, [this] { return known_; });
     dut_->x_clk_i = dut_->y_clk_i = dut_->clk_i = 0;
     dut_->x_locked_i = dut_->y_locked_i = 0;
     dut_->x_valid_i = dut_->y_valid_i = 0;
@@ -227,9 +225,7 @@ class CameraLinkBench {
 // Frames of any shape come whole, with boards that are faster and slower than the links.
 template <typename Dut>
 void expect_every_beat_of_links(int taps, int bits) {
-  for (const std::uint64_t seed : seeds(12)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(12, [&](Random& random, std::uint64_t seed) {
     const std::int64_t board = taps == 4 ? random.between(400, 999) : random.between(300, 1000 * 4 / taps - 20);
     CameraLinkBench<Dut> bench(seed, taps, bits, board, random.between(0, 2000), random.chance(50) ? 0 : 30);
     bench.forget();
@@ -239,7 +235,7 @@ void expect_every_beat_of_links(int taps, int bits) {
     bench.drain();
     EXPECT_EQ(bench.expect_frames_sent(), 0);
     EXPECT_EQ(bench.overruns() + bench.apart() + bench.lost(), 0);
-  }
+  });
 }
 TEST(CameraLink, OneTap) { expect_every_beat_of_links<Vsp_camera_link_one>(1, 10); }
 TEST(CameraLink, TwoTaps) { expect_every_beat_of_links<Vsp_camera_link_two>(2, 12); }
@@ -250,8 +246,7 @@ TEST(CameraLink, Medium) { expect_every_beat_of_links<Vsp_camera_link_medium>(4,
 template <typename Dut>
 void expect_cuts(int taps, int bits) {
   int broken = 0;
-  for (const std::uint64_t seed : seeds(12)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(12, [&](std::uint64_t seed) {
     Random random(seed + 1000);
     CameraLinkBench<Dut> bench(seed, taps, bits, random.between(400, 700), random.between(0, 900),
                                random.chance(50) ? 0 : 20);
@@ -270,7 +265,7 @@ void expect_cuts(int taps, int bits) {
     broken += bench.expect_frames_sent();
     EXPECT_EQ(bench.lost(), losses);
     EXPECT_EQ(bench.overruns(), 0);
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(broken, 20);
   }
@@ -286,9 +281,7 @@ template <typename Dut>
 void expect_overruns(int taps) {
   int cut_off = 0;
   int whole = 0;
-  for (const std::uint64_t seed : seeds(12)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(12, [&](Random& random, std::uint64_t seed) {
     CameraLinkBench<Dut> bench(seed, taps, 8, random.between(1500, 3000));
     bench.forget();
     for (int frame = 0; frame < 30; ++frame) {
@@ -304,7 +297,7 @@ void expect_overruns(int taps) {
     EXPECT_EQ(bench.lost(), 0);
     cut_off += broken;
     whole += 30 - broken;
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(cut_off, 50);
     EXPECT_GT(whole, 50);
@@ -317,9 +310,7 @@ TEST(CameraLink, MediumCutsAFrameThatIsTooFast) { expect_overruns<Vsp_camera_lin
 // comes whole, and of a longer one just as many beats.
 template <typename Dut>
 void expect_places(int taps, int places) {
-  for (const std::uint64_t seed : seeds(6)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(6, [&](Random& random, std::uint64_t seed) {
     CameraLinkBench<Dut> bench(seed, taps, 8, 20'000, random.between(0, 900));
     const auto line = [&](int beats) {
       bench.forget();
@@ -343,7 +334,7 @@ void expect_places(int taps, int places) {
     }
     EXPECT_EQ(bench.overruns(), taps == 4 ? 2 * broken : broken);
     EXPECT_EQ(bench.lost(), 0);
-  }
+  });
 }
 TEST(CameraLink, TheFifoHoldsAsManyBeatsAsItHasPlaces) { expect_places<Vsp_camera_link_three>(3, 16); }
 TEST(CameraLink, TheFifosOfMediumHoldAsManyBeatsAsTheyHavePlaces) { expect_places<Vsp_camera_link_medium>(4, 32); }
@@ -351,9 +342,7 @@ TEST(CameraLink, TheFifosOfMediumHoldAsManyBeatsAsTheyHavePlaces) { expect_place
 // A word, the end of a line, a whole frame, or the last line of a frame that only one link has: the frame ends there,
 // and the next one is whole.
 TEST(CameraLink, MediumNoticesLinksThatDoNotAgree) {
-  for (const std::uint64_t seed : seeds(30)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(30, [&](Random& random, std::uint64_t seed) {
     CameraLinkBench<Vsp_camera_link_medium> bench(seed, 4, 8, random.between(400, 900), random.between(0, 900));
     bench.forget();
     bench.send_any();
@@ -414,14 +403,12 @@ TEST(CameraLink, MediumNoticesLinksThatDoNotAgree) {
     EXPECT_EQ(bench.expect_frames_sent(), 0);
     EXPECT_GE(bench.apart(), 1);
     EXPECT_EQ(bench.lost(), 0);
-  }
+  });
 }
 
 // Resets in the middle of a frame: what comes after begins with a whole frame.
 TEST(CameraLink, AfterAResetTheNextFrameIsTheFirst) {
-  for (const std::uint64_t seed : seeds(12)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(12, [&](Random& random, std::uint64_t seed) {
     CameraLinkBench<Vsp_camera_link_medium> bench(seed, 4, 8, random.between(400, 900), random.between(0, 900));
     for (int round = 0; round < 3; ++round) {
       bench.send({.rows = 4, .columns = 60, .most_gap = 3});
@@ -436,7 +423,7 @@ TEST(CameraLink, AfterAResetTheNextFrameIsTheFirst) {
       EXPECT_EQ(bench.expect_frames_sent(), 0);
     }
     EXPECT_EQ(bench.lost(), 0);
-  }
+  });
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ class SensorBench {
         bits_(bits),
         per_clock_(per_clock) {
     name_ports(sensor_);
-    sensor_.valid_when("overrun_o", [this] { return known_; });
+    sensor_.valid_when({"overrun_o"}, [this] { return known_; });
     sensor_->sensor_clk_i = 0;
     sensor_->clk_i = 0;
     sensor_->frame_i = 0;
@@ -117,29 +117,27 @@ class SensorBench {
       clocks_.set_period_a(period_ - period_ / 4 + random_.between(0, static_cast<int>(period_ / 2)));
       rises.a = !stopped_;
     }
-    if (rises.a) {
-      sensor_->sensor_clk_i = 0;
-      const Pins pins = pins_.empty() ? Pins{} : pins_.front();
-      if (!pins_.empty()) {
-        pins_.pop_front();
-      }
-      sensor_->frame_i = pins.frame;
-      sensor_->line_i = pins.line;
-      sensor_->data_i = static_cast<std::remove_reference_t<decltype(sensor_->data_i)>>(pins.data);
-    }
-    if (rises.b) {
-      sensor_->clk_i = 0;
-    }
-    sensor_.eval();
-    if (rises.b && known_) {
-      if (sensor_->m_valid_o) {
-        beats_.push_back(beat_of(sensor_));
-      }
-      overruns_ += sensor_->overrun_o;
-    }
-    sensor_->sensor_clk_i = rises.a ? 1 : sensor_->sensor_clk_i;
-    sensor_->clk_i = rises.b ? 1 : sensor_->clk_i;
-    sensor_.eval();
+    step_clocks(
+        sensor_, sensor_->sensor_clk_i, sensor_->clk_i, rises,
+        [&] {
+          if (rises.a) {
+            const Pins pins = pins_.empty() ? Pins{} : pins_.front();
+            if (!pins_.empty()) {
+              pins_.pop_front();
+            }
+            sensor_->frame_i = pins.frame;
+            sensor_->line_i = pins.line;
+            sensor_->data_i = static_cast<std::remove_reference_t<decltype(sensor_->data_i)>>(pins.data);
+          }
+        },
+        [&] {
+          if (rises.b && known_) {
+            if (sensor_->m_valid_o) {
+              beats_.push_back(beat_of(sensor_));
+            }
+            overruns_ += sensor_->overrun_o;
+          }
+        });
     return rises;
   }
 
@@ -161,9 +159,7 @@ template <typename Sensor>
 void expect_every_beat(int bits, int per_clock) {
   constexpr std::array<std::array<int, 2>, 5> kPeriods = {
       {{1000, 2000}, {1000, 1000}, {1000, 333}, {1618, 1000}, {1000, 1300}}};
-  for (const std::uint64_t seed : seeds(10)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(10, [&](Random& random, std::uint64_t seed) {
     const auto& periods = kPeriods[seed % kPeriods.size()];
     SensorBench<Sensor> bench(seed, periods[0] * per_clock, periods[1], bits, per_clock);
     bench.drain();
@@ -177,7 +173,7 @@ void expect_every_beat(int bits, int per_clock) {
     bench.drain();
     ASSERT_EQ(bench.beats(), due);
     EXPECT_EQ(bench.overruns(), 0);
-  }
+  });
 }
 TEST(ParallelSensor, OnePixelAClock) { expect_every_beat<Vsp_parallel_sensor>(10, 1); }
 TEST(ParallelSensor, TwoPixelsAClock) { expect_every_beat<Vsp_parallel_sensor_two>(12, 2); }
@@ -186,9 +182,7 @@ TEST(ParallelSensor, TwoPixelsAClock) { expect_every_beat<Vsp_parallel_sensor_tw
 TEST(ParallelSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
   int cut_off = 0;
   int whole = 0;
-  for (const std::uint64_t seed : seeds(10)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(10, [&](Random& random, std::uint64_t seed) {
     SensorBench<Vsp_parallel_sensor_two> bench(seed, 1000, random.between(2500, 5000), 12, 2);
     bench.drain();
     std::vector<Frame> sent;
@@ -210,7 +204,7 @@ TEST(ParallelSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
     EXPECT_EQ(at, bench.beats().size()) << "a beat that belongs to no frame, or to another one";
     EXPECT_EQ(bench.overruns(), lost);
     cut_off += lost;
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(cut_off, 50);
     EXPECT_GT(whole, 50);
@@ -219,9 +213,7 @@ TEST(ParallelSensor, AFrameThatIsTooFastIsCutOffAndCounted) {
 
 // Resets in the middle of a frame, with the sensor's clock running or not: what comes after begins with a whole frame.
 TEST(ParallelSensor, AfterAResetTheNextFrameIsTheFirst) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random, std::uint64_t seed) {
     SensorBench<Vsp_parallel_sensor> bench(seed, 1000, random.between(300, 1500), 10, 1);
     for (int round = 0; round < 3; ++round) {
       bench.drain();
@@ -250,7 +242,7 @@ TEST(ParallelSensor, AfterAResetTheNextFrameIsTheFirst) {
       ASSERT_EQ(bench.beats(), due);
     }
     EXPECT_EQ(bench.overruns(), 0);
-  }
+  });
 }
 
 }  // namespace

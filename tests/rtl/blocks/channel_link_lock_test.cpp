@@ -30,7 +30,7 @@ class LockBench {
  public:
   LockBench(std::uint64_t seed, int samples)
       : random_(seed), samples_(samples), at_(static_cast<std::int64_t>(seed % 14)) {
-    dut_.valid_when("word_o", [this] { return dut_->valid_o != 0; });
+    dut_.valid_when({"word_o"}, [this] { return dut_->valid_o != 0; });
     for (std::size_t word = 0; word < 4; ++word) {
       words_.push_back(random_pins());
     }
@@ -184,8 +184,7 @@ class LockBench {
 template <typename Dut>
 void expect_lock_and_words(int samples) {
   std::vector<int> moves;
-  for (const std::uint64_t seed : seeds(40)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(40, [&](std::uint64_t seed) {
     LockBench<Dut> bench(seed, samples);
     bench.set_delay(bench.random().between(0, 6));
     // 16 clocks for each of at most 15 movements, and the words that must be right
@@ -198,7 +197,7 @@ void expect_lock_and_words(int samples) {
     EXPECT_FALSE(bench.error_within(count + 2));
     EXPECT_NEAR(bench.words(), 100, 1);
     EXPECT_EQ(bench.moves(), moves.back());
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_EQ(*std::min_element(moves.begin(), moves.end()), 0);
     EXPECT_GE(*std::max_element(moves.begin(), moves.end()), 6);
@@ -211,8 +210,7 @@ TEST(ChannelLinkLock, EveryAlignmentOfTwoSamples) { expect_lock_and_words<Vsp_ch
 // rises once, and the lock comes back without a movement after as many right words as at first.
 template <typename Dut>
 void expect_errors(int samples) {
-  for (const std::uint64_t seed : seeds(30)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(30, [&](std::uint64_t seed) {
     LockBench<Dut> bench(seed, samples);
     ASSERT_TRUE(bench.lock(17 * 16 + (kGood + 2) * samples).has_value());
     bench.error_within(bench.random().between(0, 20));
@@ -232,7 +230,7 @@ void expect_errors(int samples) {
       EXPECT_FALSE(bench.error_within(bench.random().between(3, 40)));
       EXPECT_GT(bench.words(), given);
     }
-  }
+  });
 }
 TEST(ChannelLinkLock, AWrongSampleEndsTheLock) { expect_errors<Vsp_channel_link_lock>(1); }
 TEST(ChannelLinkLock, AWrongOneOfTwoSamplesEndsTheLock) { expect_errors<Vsp_channel_link_lock_twice>(2); }
@@ -241,8 +239,7 @@ TEST(ChannelLinkLock, AWrongOneOfTwoSamplesEndsTheLock) { expect_errors<Vsp_chan
 // alignment.
 template <typename Dut>
 void expect_training_again(int samples) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(20, [&](std::uint64_t seed) {
     LockBench<Dut> bench(seed, samples);
     for (int round = 0; round < 10; ++round) {
       ASSERT_TRUE(bench.lock(17 * 16 + (kGood + 2) * samples).has_value());
@@ -257,7 +254,7 @@ void expect_training_again(int samples) {
         EXPECT_FALSE(bench.locked());
       }
     }
-  }
+  });
 }
 TEST(ChannelLinkLock, TrainsAgain) { expect_training_again<Vsp_channel_link_lock>(1); }
 TEST(ChannelLinkLock, TrainsAgainWithTwoSamples) { expect_training_again<Vsp_channel_link_lock_twice>(2); }
@@ -265,8 +262,7 @@ TEST(ChannelLinkLock, TrainsAgainWithTwoSamples) { expect_training_again<Vsp_cha
 // A data lane whose second sample falls into the next bit, or whose first one falls into the bit before: no lock, and
 // no word, as long as its bits change. Back in its place, it locks.
 TEST(ChannelLinkLock, ALaneOutOfPlaceIsNoticed) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(20, [&](std::uint64_t seed) {
     LockBench<Vsp_channel_link_lock_twice> bench(seed, 2);
     for (int lane = 0; lane < kClockLane; ++lane) {
       ASSERT_TRUE(bench.lock(17 * 16 + 2 * (kGood + 2)).has_value());
@@ -278,13 +274,12 @@ TEST(ChannelLinkLock, ALaneOutOfPlaceIsNoticed) {
       EXPECT_EQ(bench.words(), given);
       bench.shift(lane, 0);
     }
-  }
+  });
 }
 
 // In reset there is neither a lock nor a word nor an error.
 TEST(ChannelLinkLock, ResetEndsTheLock) {
-  for (const std::uint64_t seed : seeds(10)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(10, [&](std::uint64_t seed) {
     LockBench<Vsp_channel_link_lock> bench(seed, 1);
     ASSERT_TRUE(bench.lock(17 * 16 + kGood + 2).has_value());
     bench.error_within(bench.random().between(5, 15));
@@ -295,7 +290,7 @@ TEST(ChannelLinkLock, ResetEndsTheLock) {
     ASSERT_TRUE(clocks.has_value());
     EXPECT_EQ(*clocks, kGood + 15) << "after a reset the deserializer gets time";
     EXPECT_EQ(bench.words(), given);
-  }
+  });
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <string>
 
@@ -56,10 +57,12 @@ class Model {
     }
   }
 
-  // For the recorder: see there.
-  void valid_when(const char* output, std::function<bool()> valid) {
-    if (recorder_) {
-      recorder_->valid_when(output, std::move(valid));
+  // For the recorder: these outputs count only while `valid` returns true.
+  void valid_when(std::initializer_list<const char*> outputs, const std::function<bool()>& valid) {
+    for (const char* output : outputs) {
+      if (recorder_) {
+        recorder_->valid_when(output, valid);
+      }
     }
   }
   void outputs_are_known() {
@@ -164,6 +167,20 @@ class TwoClocks {
   std::int64_t next_b_;
   std::int64_t now_ = 0;
 };
+
+// The next rising edges of a model with two clocks. `set` sets the inputs of a side whose clock rises, with that clock
+// low; `check` reads the outputs before the edge.
+template <typename Dut, typename Set, typename Check>
+void step_clocks(Model<Dut>& model, CData& clock_a, CData& clock_b, TwoClocks::Rises rises, Set set, Check check) {
+  clock_a = rises.a ? 0 : clock_a;
+  clock_b = rises.b ? 0 : clock_b;
+  set();
+  model.eval();
+  check();
+  clock_a = rises.a ? 1 : clock_a;
+  clock_b = rises.b ? 1 : clock_b;
+  model.eval();
+}
 
 // Clock pairs for a random case: equal, near to equal, and far apart.
 template <typename RandomSource>

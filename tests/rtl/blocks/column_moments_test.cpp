@@ -16,27 +16,17 @@ constexpr int kBinaryDelay<Vsp_column_moments_small> = 8;
 
 namespace {
 
-TEST(ColumnMoments, SmallSizes) { small_sizes<Vsp_column_moments>({Mode::binary, Mode::grey, Mode::grey_over}); }
+TEST(ColumnMoments, SmallSizes) { small_sizes<Vsp_column_moments>(kModes); }
 TEST(ColumnMomentsSmall, SmallSizes) { small_sizes<Vsp_column_moments_small>({Mode::binary}); }
 
-TEST(ColumnMoments, LargestImage) { large_size<Vsp_column_moments>(2048, 1023, {kModes.begin(), kModes.end()}); }
-TEST(ColumnMoments, TallestImageOfOneGroup) { large_size<Vsp_column_moments>(4, 1023, {kModes.begin(), kModes.end()}); }
+TEST(ColumnMoments, LargestImage) { large_size<Vsp_column_moments>(2048, 1023, kModes); }
+TEST(ColumnMoments, TallestImageOfOneGroup) { large_size<Vsp_column_moments>(4, 1023, kModes); }
 TEST(ColumnMoments, TallestImageOfTwoGroups) {
-  large_size<Vsp_column_moments>(8, 1023, {kModes.begin(), kModes.end()});
+  large_size<Vsp_column_moments>(8, 1023, kModes);
 }
-TEST(ColumnMoments, OriginalImage) { large_size<Vsp_column_moments>(512, 96, {kModes.begin(), kModes.end()}); }
+TEST(ColumnMoments, OriginalImage) { large_size<Vsp_column_moments>(512, 96, kModes); }
 TEST(ColumnMomentsSmall, LargestImage) { large_size<Vsp_column_moments_small>(512, 127, {Mode::binary}); }
 TEST(ColumnMomentsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_moments_small>(4, 127, {Mode::binary}); }
-
-// Clocks from the last pixel of a frame without gaps to the frame's last word.
-template <typename Dut>
-std::int64_t delay_of(int columns, Mode mode) {
-  Random random(1);
-  ColumnBench<Dut> bench(random);
-  bench.play(random_frame<Dut>(random, columns, 3, mode));
-  bench.finish();
-  return bench.last_word_clock - bench.last_beat_clock;
-}
 
 // As the documents state them. Results: those of the original's 512 columns.
 TEST(ColumnMoments, DelayIs10ClocksInBinaryAndGroupsAnd16InTheGreyModes) {
@@ -56,47 +46,22 @@ TEST(ColumnMoments, DelayIs10ClocksInBinaryAndGroupsAnd16InTheGreyModes) {
 }
 
 TEST(ColumnMoments, RandomFramesOfOneSize) {
-  for (const std::uint64_t seed : seeds(150)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
-    random_frames<Vsp_column_moments>(random, {kModes.begin(), kModes.end()}, 64, 9, false);
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  for_cases(150, [&](Random& random) {
+    random_frames<Vsp_column_moments>(random, kModes, 64, 9, false);
+  });
 }
 TEST(ColumnMoments, RandomFramesOfChangingSizeAndMode) {
-  for (const std::uint64_t seed : seeds(300)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
-    random_frames<Vsp_column_moments>(random, {kModes.begin(), kModes.end()}, random.chance(50) ? 64 : 400, 9, true);
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  for_cases(300, [&](Random& random) {
+    random_frames<Vsp_column_moments>(random, kModes, random.chance(50) ? 64 : 400, 9, true);
+  });
 }
 TEST(ColumnMomentsSmall, RandomFrames) {
-  for (const std::uint64_t seed : seeds(150)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(150, [&](Random& random) {
     random_frames<Vsp_column_moments_small>(random, {Mode::binary}, 64, 9, random.chance(50));
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
 }
 
-// A frame of three rows comes while a much larger one still drains. Its sums are void, spoiled_o says so, and its
-// packet is not taken; the next frame is right. (A busy packetizer usually refuses such a frame anyway. It does not if
-// the drain is long and the frame is narrow with many rows.)
-TEST(ColumnMoments, ASpoiledFrameSaysSo) {
-  Random random(1);
-  ColumnBench<Vsp_column_moments> bench(random);
-  bench.play(random_frame<Vsp_column_moments>(random, 2048, 2, Mode::grey));
-  bench.play(random_frame<Vsp_column_moments>(random, 8, 400, Mode::grey));  // its second row collides with the drain
-  EXPECT_EQ(bench.frames_accepted, 1);
-  bench.idle(5);
-  EXPECT_EQ(bench.frames_spoiled, 1);
-  bench.idle(600);
-  bench.play(random_frame<Vsp_column_moments>(random, 8, 400, Mode::grey));
-  bench.finish();
-  EXPECT_EQ(bench.frames_accepted, 2);
-  EXPECT_EQ(bench.frames_spoiled, 1);
-}
+TEST(ColumnMoments, ASpoiledFrameSaysSo) { spoiled_frame<Vsp_column_moments>(); }
 
 }  // namespace
 }  // namespace selfproj::test::moments

@@ -20,12 +20,12 @@ constexpr int kBinaryDelay<Vsp_column_runs_small> = 12;
 
 namespace {
 
-TEST(ColumnRuns, SmallSizes) { small_sizes<Vsp_column_runs>({Mode::binary, Mode::grey, Mode::grey_over}); }
+TEST(ColumnRuns, SmallSizes) { small_sizes<Vsp_column_runs>(kModes); }
 TEST(ColumnRunsSmall, SmallSizes) { small_sizes<Vsp_column_runs_small>({Mode::binary}); }
 
 TEST(ColumnRuns, LargestImage) { large_size<Vsp_column_runs>(2048, 1023, {Mode::grey}); }
-TEST(ColumnRuns, TallestImageOfOneGroup) { large_size<Vsp_column_runs>(4, 1023, {kModes.begin(), kModes.end()}); }
-TEST(ColumnRuns, TallestImageOfTwoGroups) { large_size<Vsp_column_runs>(8, 1023, {kModes.begin(), kModes.end()}); }
+TEST(ColumnRuns, TallestImageOfOneGroup) { large_size<Vsp_column_runs>(4, 1023, kModes); }
+TEST(ColumnRuns, TallestImageOfTwoGroups) { large_size<Vsp_column_runs>(8, 1023, kModes); }
 TEST(ColumnRunsSmall, LargestImage) { large_size<Vsp_column_runs_small>(512, 127, {Mode::binary}); }
 TEST(ColumnRunsSmall, TallestImageOfOneGroup) { large_size<Vsp_column_runs_small>(4, 127, {Mode::binary}); }
 TEST(ColumnRunsSmall, TallestImageOfTwoGroups) { large_size<Vsp_column_runs_small>(8, 127, {Mode::binary}); }
@@ -59,9 +59,7 @@ std::vector<bool> long_runs(Random& random, int rows) {
 // The tallest images: large sums and rows are kept, compared, divided and forwarded.
 template <typename Dut>
 void tall_runs(int cases, int most_rows, const std::vector<Mode>& modes) {
-  for (const std::uint64_t seed : seeds(cases)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(cases, [&](Random& random, std::uint64_t seed) {
     const int columns = 4 * random.between(1, 5);
     const int rows = random.chance(50) ? most_rows : random.between(most_rows / 2, most_rows);
     Frame frame = random_frame<Dut>(random, columns, rows, modes[seed % modes.size()]);
@@ -83,73 +81,42 @@ void tall_runs(int cases, int most_rows, const std::vector<Mode>& modes) {
     bench.finish();
     ASSERT_FALSE(::testing::Test::HasFailure());
     EXPECT_EQ(bench.frames_accepted, 1);
-  }
+  });
 }
-TEST(ColumnRuns, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs>(60, 1023, {kModes.begin(), kModes.end()}); }
+TEST(ColumnRuns, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs>(60, 1023, kModes); }
 TEST(ColumnRunsSmall, TallImagesOfLongRuns) { tall_runs<Vsp_column_runs_small>(60, 127, {Mode::binary}); }
 
-// The delays as documents state them: from the last pixel of a frame without gaps to its last word.
+// As the documents state them
 TEST(ColumnRuns, DelayIsGroupsAnd19Clocks) {
-  Random random(1);
   for (const Mode mode : kModes) {
     for (const int columns : {4, 8, 12, 96, 512, 2048}) {
-      ColumnBench<Vsp_column_runs> bench(random);
-      bench.play(random_frame<Vsp_column_runs>(random, columns, 3, mode));
-      bench.finish();
-      EXPECT_EQ(bench.last_word_clock - bench.last_beat_clock, columns / 4 + 19) << columns << " columns";
+      EXPECT_EQ(delay_of<Vsp_column_runs>(columns, mode), columns / 4 + 19) << columns << " columns";
     }
   }
 }
 TEST(ColumnRunsSmall, DelayIs12Clocks) {
-  Random random(1);
   for (const int columns : {4, 8, 12, 512}) {
-    ColumnBench<Vsp_column_runs_small> bench(random);
-    bench.play(random_frame<Vsp_column_runs_small>(random, columns, 3, Mode::binary));
-    bench.finish();
-    EXPECT_EQ(bench.last_word_clock - bench.last_beat_clock, 12) << columns << " columns";
+    EXPECT_EQ(delay_of<Vsp_column_runs_small>(columns, Mode::binary), 12) << columns << " columns";
   }
 }
 
 TEST(ColumnRuns, RandomFramesOfOneSize) {
-  for (const std::uint64_t seed : seeds(150)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
-    random_frames<Vsp_column_runs>(random, {kModes.begin(), kModes.end()}, random.chance(60) ? 12 : 64, 12, false);
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  for_cases(150, [&](Random& random) {
+    random_frames<Vsp_column_runs>(random, kModes, random.chance(60) ? 12 : 64, 12, false);
+  });
 }
 TEST(ColumnRuns, RandomFramesOfChangingSizeAndMode) {
-  for (const std::uint64_t seed : seeds(200)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
-    random_frames<Vsp_column_runs>(random, {kModes.begin(), kModes.end()}, random.chance(50) ? 64 : 400, 12, true);
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  for_cases(200, [&](Random& random) {
+    random_frames<Vsp_column_runs>(random, kModes, random.chance(50) ? 64 : 400, 12, true);
+  });
 }
 TEST(ColumnRunsSmall, RandomFrames) {
-  for (const std::uint64_t seed : seeds(200)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(200, [&](Random& random) {
     random_frames<Vsp_column_runs_small>(random, {Mode::binary}, random.chance(60) ? 12 : 64, 12, random.chance(50));
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
 }
 
-// As ColumnMoments.ASpoiledFrameSaysSo.
-TEST(ColumnRuns, ASpoiledFrameSaysSo) {
-  Random random(1);
-  ColumnBench<Vsp_column_runs> bench(random);
-  bench.play(random_frame<Vsp_column_runs>(random, 2048, 2, Mode::grey));
-  bench.play(random_frame<Vsp_column_runs>(random, 8, 400, Mode::grey));  // its second row collides with the drain
-  EXPECT_EQ(bench.frames_accepted, 1);
-  bench.idle(5);
-  EXPECT_EQ(bench.frames_spoiled, 1);
-  bench.idle(600);
-  bench.play(random_frame<Vsp_column_runs>(random, 8, 400, Mode::grey));
-  bench.finish();
-  EXPECT_EQ(bench.frames_accepted, 2);
-  EXPECT_EQ(bench.frames_spoiled, 1);
-}
+TEST(ColumnRuns, ASpoiledFrameSaysSo) { spoiled_frame<Vsp_column_runs>(); }
 
 }  // namespace
 }  // namespace selfproj::test::moments

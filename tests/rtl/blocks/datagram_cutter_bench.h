@@ -32,9 +32,7 @@ template <typename Cutter>
 class CutterBench {
  public:
   explicit CutterBench(std::size_t datagram_bytes) : datagram_bytes_(datagram_bytes) {
-    for (const char* port : {"m_data_o", "m_last_o", "m_bytes_o"}) {
-      cutter_.valid_when(port, [this] { return cutter_->m_valid_o != 0; });
-    }
+    cutter_.valid_when({"m_data_o", "m_last_o", "m_bytes_o"}, [this] { return cutter_->m_valid_o != 0; });
     cutter_->enable_i = 0;
     reset();
   }

@@ -27,9 +27,7 @@ using streams::Eagerness;
 // Sessions of random packets with stalls on both sides, and times without packets.
 template <typename Cutter>
 void expect_equals_model(std::size_t datagram_bytes, int most_beats, int cases) {
-  for (const std::uint64_t seed : seeds(cases)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(cases, [&](Random& random, std::uint64_t seed) {
     CutterBench<Cutter> bench(datagram_bytes);
     bench.set_seed(seed);
     for (int session = 0; session < 4; ++session) {
@@ -64,7 +62,7 @@ void expect_equals_model(std::size_t datagram_bytes, int most_beats, int cases) 
     bench.begin_session(0);
     bench.drain();
     EXPECT_GT(bench.datagrams().size(), 12U);
-  }
+  });
 }
 TEST(DatagramCutter, SessionsOfRandomPackets) { expect_equals_model<Vsp_datagram_cutter_small>(kSmallBytes, 14, 12); }
 TEST(DatagramCutter, SessionsOfLongPackets) { expect_equals_model<Vsp_datagram_cutter>(kDatagramBytes, 250, 3); }
@@ -198,9 +196,7 @@ TEST(DatagramCutter, OffersADatagramThoughNobodyIsReady) {
 
 // A reset at any moment of source and cutter together: nothing of before comes after it.
 TEST(DatagramCutter, ResetWithinAPacket) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random) {
     CutterBench<Vsp_datagram_cutter_small> bench(kSmallBytes);
     for (int session = 0; session < 6; ++session) {
       bench.begin_session(static_cast<std::uint16_t>(session));
@@ -213,15 +209,12 @@ TEST(DatagramCutter, ResetWithinAPacket) {
     bench.begin_session(9);
     bench.queue(random_packet(random, 14));
     bench.drain();
-    ASSERT_FALSE(::testing::Test::HasFailure());
-  }
+  });
 }
 
 // The host's driver reads what the circuit sent over a network with faults: each packet is delivered or counted.
 TEST(DatagramCutter, DriverDeliversOrCounts) {
-  for (const std::uint64_t seed : seeds(4)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(4, [&](Random& random, std::uint64_t seed) {
     constexpr std::uint64_t kPackets = 150;
     CutterBench<Vsp_datagram_cutter> bench(kDatagramBytes);
     bench.begin_session(static_cast<std::uint16_t>(seed));
@@ -260,7 +253,7 @@ TEST(DatagramCutter, DriverDeliversOrCounts) {
     EXPECT_EQ(counters.datagrams_lost, network.dropped + network.cut);
     EXPECT_EQ(counters.datagrams_doubled, network.doubled);
     EXPECT_EQ(counters.lost_network > 0, percent > 0);
-  }
+  });
 }
 
 }  // namespace

@@ -191,9 +191,7 @@ TEST(Encoder, AStepOfBothLinesIsAnErrorAndNoStep) {
 }
 
 TEST(Encoder, RandomWalksWithPulsesAndErrors) {
-  for (const std::uint64_t seed : seeds(100)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(100, [&](Random& random) {
     int at = random.between(0, 3);
     EncoderBench bench(kCycle[static_cast<std::size_t>(at)][0], kCycle[static_cast<std::size_t>(at)][1]);
     const int fastest = random.between(1, 6);
@@ -207,7 +205,7 @@ TEST(Encoder, RandomWalksWithPulsesAndErrors) {
       }
     }
     EXPECT_NE(bench.reference().count, 0U);
-  }
+  });
 }
 
 // Both counters wrap: a few more than 65,536 errors, and a count below zero.

@@ -90,13 +90,11 @@ void expect_fields(const Wide& info, const Shown& shown) {
 }
 
 TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
-  for (const std::uint64_t seed : seeds(100)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(100, [&](Random& random) {
     Clocked<Vsp_frame_info> info;
     std::vector<StartedFrame> frames;
-    info.valid_when("info_o", [&] { return !frames.empty() && info.clock() > frames.front().start + 7; });
-    info.valid_when("pattern_o", [&] { return !frames.empty() && info.clock() > frames.front().start + 4; });
+    info.valid_when({"info_o"}, [&] { return !frames.empty() && info.clock() > frames.front().start + 7; });
+    info.valid_when({"pattern_o"}, [&] { return !frames.empty() && info.clock() > frames.front().start + 4; });
     info->frame_start_i = 0;
     info->take_i = 0;
     info.reset();
@@ -161,7 +159,7 @@ TEST(FrameInfo, EachFieldStandsFromItsClockToTheNextFrames) {
       ASSERT_FALSE(::testing::Test::HasFailure());
       info.rise();
     }
-  }
+  });
 }
 
 // Runs for enough clocks and frames to use two chains of the counters, and 21 bits.

@@ -13,34 +13,27 @@
 #include "Vsp_gray_axi_memory_ports.h"
 #include "Vsp_gray_decoder_ports.h"
 #include "model/gray_decoder.h"
+#include "model/little_endian.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/axi_memory_model.h"
 #include "tests/rtl/blocks/clocked.h"
-#include "tests/rtl/blocks/pattern_index.h"
+#include "tests/rtl/blocks/gray_bench.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
 
 inline constexpr std::size_t kMemoryWords = 4096;
 
-// Both circuits and the memory. The bench keeps the inputs, and judges the outputs at the end, when it knows which
+// Both circuits and the memory. The bench keeps the inputs, and compares the outputs at the end, when it knows which
 // words came too late.
 class GrayAxiBench {
  public:
   GrayAxiBench(Random& random, const GraySettings& settings)
       : random_(random), settings_(settings), memory_(random, kMemoryWords) {
-    for (const char* port : {"rd_data_o", "rd_late_o"}) {
-      port_.valid_when(port, [this] { return asked_[0]; });
-    }
-    for (const char* port : {"m_axi_araddr_o", "m_axi_arlen_o"}) {
-      port_.valid_when(port, [this] { return port_->m_axi_arvalid_o != 0; });
-    }
-    for (const char* port : {"m_axi_awaddr_o", "m_axi_awlen_o"}) {
-      port_.valid_when(port, [this] { return port_->m_axi_awvalid_o != 0; });
-    }
-    for (const char* port : {"m_axi_wdata_o", "m_axi_wlast_o"}) {
-      port_.valid_when(port, [this] { return port_->m_axi_wvalid_o != 0; });
-    }
+    port_.valid_when({"rd_data_o", "rd_late_o"}, [this] { return asked_[0]; });
+    port_.valid_when({"m_axi_araddr_o", "m_axi_arlen_o"}, [this] { return port_->m_axi_arvalid_o != 0; });
+    port_.valid_when({"m_axi_awaddr_o", "m_axi_awlen_o"}, [this] { return port_->m_axi_awvalid_o != 0; });
+    port_.valid_when({"m_axi_wdata_o", "m_axi_wlast_o"}, [this] { return port_->m_axi_wvalid_o != 0; });
     // any place where a burst may begin, except at the end of the address range, because the circuit reads ahead
     memory_.base = 0x100U * static_cast<std::uint64_t>(random.between(1, 0xFF'FE00));
     memory_.at_rest(port_.dut());
@@ -77,8 +70,7 @@ class GrayAxiBench {
       decoder_->take_i = i == 0;
       decoder_->frame_start_i = i == 0;
       decoder_->beat_valid_i = 1;
-      decoder_->beat_pixels_i = static_cast<IData>(beat.pixels[0] | beat.pixels[1] << 8 | beat.pixels[2] << 16) |
-                                IData{beat.pixels[3]} << 24U;
+      decoder_->beat_pixels_i = load_little_endian<std::uint32_t>(beat.pixels.data());
       decoder_->beat_line_start_i = i % groups == 0;
       decoder_->beat_line_end_i = i % groups == groups - 1 && i + 1 != cut;
       decoder_->beat_last_row_i = i / groups == settings_.rows - 1;
@@ -102,7 +94,7 @@ class GrayAxiBench {
   }
 
   // Checks that all outputs are those of the model.
-  void judge() {
+  void compare() {
     GrayDecoder model(settings_);
     const int groups = settings_.columns / 4;
     std::map<std::int64_t, std::uint64_t> codes;
@@ -135,8 +127,7 @@ class GrayAxiBench {
           model.pixels(beat.index / groups, beat.index % groups * 4, 4, beat.pixels.data(), out.data());
         }
         if (due) {
-          codes[beat.clock + 7] =
-              out[0] | std::uint64_t{out[1]} << 16U | std::uint64_t{out[2]} << 32U | std::uint64_t{out[3]} << 48U;
+          codes[beat.clock + 7] = four_words(out.data());
           pixels += late ? 0 : 4;
         }
       } else {
@@ -240,7 +231,7 @@ inline void play_gray_axi_frames(std::uint64_t seed, GrayAxiCounts& counts) {
                 random.chance(breaks) ? random.between(1, beats) : beats + 1);
   }
   bench.idle(20);
-  bench.judge();
+  bench.compare();
   counts.pixels += bench.pixels;
   counts.frames += bench.frames;
   counts.lates += bench.lates;

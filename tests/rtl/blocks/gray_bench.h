@@ -4,20 +4,44 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "model/gray_decoder.h"
+#include "model/little_endian.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
-#include "tests/rtl/blocks/pattern_index.h"
+#include "tests/rtl/blocks/code_beats.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
+
+// Gives the pattern index as sp_frame_info does: some clocks after the start of a frame, when the next frame may
+class PatternIndex {
+ public:
+  static constexpr int kDelay = 4;  // clocks from a frame's start to its index
+
+  // A frame with this pattern starts in this clock. Call in the order of the clocks.
+  void start(std::int64_t clock, int pattern) { coming_.emplace_back(clock + kDelay, pattern); }
+
+  // Sets pattern_i if an index comes in this clock. Call in every clock.
+  template <typename Dut>
+  void drive(Dut& dut, std::int64_t clock) {
+    if (!coming_.empty() && coming_.front().first == clock) {
+      dut.pattern_i = static_cast<std::uint16_t>(coming_.front().second);
+      coming_.pop_front();
+    }
+  }
+
+ private:
+  std::deque<std::pair<std::int64_t, int>> coming_;  // clock, pattern
+};
 
 // A beat of sp_frame_tracker.
 struct GrayBeat {
@@ -39,15 +63,14 @@ class GrayBench {
   static constexpr bool kOwnMemory = requires(Dut & dut) { dut.mem_read_o; };
 
   explicit GrayBench(Random& random) : random_(random), model_({.rows = 1, .columns = 4, .bits = 1}) {
-    for (const char* port : {"codes_o", "codes_start_o", "codes_line_start_o", "codes_line_end_o"}) {
-      dut_.valid_when(port, [this] { return dut_->codes_valid_o != 0; });
-    }
-    dut_.valid_when("codes_status_o", [this] { return dut_->codes_break_o != 0; });
+    dut_.valid_when({"codes_o", "codes_start_o", "codes_line_start_o", "codes_line_end_o"},
+                    [this] { return dut_->codes_valid_o != 0; });
+    dut_.valid_when({"codes_status_o"}, [this] { return dut_->codes_break_o != 0; });
     if constexpr (kOwnMemory) {
-      dut_.valid_when("codes_last_row_o", [this] { return dut_->codes_valid_o != 0; });
-      dut_.valid_when("mem_read_first_o", [this] { return dut_->mem_read_o != 0; });
-      dut_.valid_when("mem_write_first_o", [this] { return dut_->mem_write_o != 0; });
-      dut_.valid_when("mem_data_o", [this] { return dut_->mem_write_o != 0; });
+      dut_.valid_when({"codes_last_row_o"}, [this] { return dut_->codes_valid_o != 0; });
+      dut_.valid_when({"mem_read_first_o"}, [this] { return dut_->mem_read_o != 0; });
+      dut_.valid_when({"mem_write_first_o"}, [this] { return dut_->mem_write_o != 0; });
+      dut_.valid_when({"mem_data_o"}, [this] { return dut_->mem_write_o != 0; });
       dut_->mem_late_i = 0;
     }
     dut_->take_i = 0;
@@ -58,7 +81,7 @@ class GrayBench {
   }
 
   Clocked<Dut>& dut() { return dut_; }
-  [[nodiscard]] std::uint64_t pixels() const { return pixels_; }  // whose codes were compared
+  [[nodiscard]] std::uint64_t pixels() const { return codes_.pixels; }  // whose codes were compared
   [[nodiscard]] std::uint64_t abandoned() const { return abandoned_; }
   [[nodiscard]] std::uint64_t late() const { return late_; }
 
@@ -81,7 +104,7 @@ class GrayBench {
     if (break_status != 0) {
       model_.end(false);
       open_ = false;
-      breaks_.push_back({now + kLatency, break_status});
+      breaks(now + kLatency, break_status);
       ends_.push_back(now + kLatency);
     }
     dut.take_i = 0;
@@ -119,15 +142,6 @@ class GrayBench {
   }
 
  private:
-  struct Codes {
-    std::int64_t clock;
-    std::uint64_t words;
-    bool start, line_start, line_end, last_row;
-  };
-  struct Break {
-    std::int64_t clock;
-    std::uint32_t status;
-  };
   struct Answer {
     std::int64_t clock;
     bool late;
@@ -141,11 +155,7 @@ class GrayBench {
 
   void drive(const GrayBeat& beat, int pattern, std::int64_t now) {
     Dut& dut = dut_.dut();
-    std::uint32_t pixels = 0;
-    for (std::size_t i = 4; i-- > 0;) {
-      pixels = pixels << 8U | beat.pixels[i];
-    }
-    dut.beat_pixels_i = pixels;
+    dut.beat_pixels_i = load_little_endian<std::uint32_t>(beat.pixels.data());
     dut.beat_line_start_i = beat.line_start;
     dut.beat_line_end_i = beat.line_end;
     dut.beat_last_row_i = beat.last_row;
@@ -230,15 +240,14 @@ class GrayBench {
       abandoned_ += beat.start && close_ ? 0 : 1;  // a frame is counted once
       model_.end(false);
       if (due_) {
-        breaks_.push_back({now + kLatency + 1, spec::kStatusLateMemory});
+        breaks(now + kLatency + 1, spec::kStatusLateMemory);
       }
     } else {
       model_.pixels(row_, column_, 4, beat.pixels.data(), codes.data());
     }
     if (due_) {
-      const std::uint64_t words =
-          codes[0] | std::uint64_t{codes[1]} << 16U | std::uint64_t{codes[2]} << 32U | std::uint64_t{codes[3]} << 48U;
-      codes_.push_back({now + kLatency, words, beat.start, beat.line_start, beat.line_end && !late, beat.last_row});
+      codes_.beats[now + kLatency] = {four_words(codes.data()), beat.start, beat.line_start, beat.line_end && !late};
+      last_rows_.push_back({now + kLatency, beat.last_row});
     }
   }
 
@@ -287,28 +296,18 @@ class GrayBench {
 
   void check(std::int64_t now) {
     Dut& dut = dut_.dut();
-    const auto codes = due_now(codes_, now);
-    ASSERT_EQ(dut.codes_valid_o != 0, codes.has_value()) << "clock " << now;
-    if (codes) {
-      ASSERT_EQ(dut.codes_o, codes->words) << "clock " << now;
-      ASSERT_EQ(dut.codes_start_o != 0, codes->start) << "clock " << now;
-      ASSERT_EQ(dut.codes_line_start_o != 0, codes->line_start) << "clock " << now;
-      ASSERT_EQ(dut.codes_line_end_o != 0, codes->line_end) << "clock " << now;
-      if constexpr (kOwnMemory) {
-        ASSERT_EQ(dut.codes_last_row_o != 0, codes->last_row) << "clock " << now;
-      }
-      pixels_ += 4;
-    }
-    std::uint32_t status = 0;
-    while (const auto broke = take_break(now)) {
-      status = *broke == spec::kStatusLateMemory || status == 0 ? *broke : status;
-    }
-    ASSERT_EQ(dut.codes_break_o != 0, status != 0) << "clock " << now;
-    if (status != 0) {
-      ASSERT_EQ(dut.codes_status_o, status) << "clock " << now;
-    }
-    if (codes_.empty() && breaks_.empty()) {
+    ASSERT_NO_FATAL_FAILURE(codes_.check(
+        now, dut.codes_valid_o != 0,
+        {dut.codes_o, dut.codes_start_o != 0, dut.codes_line_start_o != 0, dut.codes_line_end_o != 0},
+        dut.codes_break_o != 0, dut.codes_status_o));
+    const auto last_row = due_now(last_rows_, now);
+    if (codes_.empty()) {
       ASSERT_EQ(dut.abandoned_o, static_cast<std::uint32_t>(abandoned_settled(now))) << "clock " << now;
+    }
+    if constexpr (kOwnMemory) {
+      if (last_row) {
+        ASSERT_EQ(dut.codes_last_row_o != 0, last_row->late) << "clock " << now;
+      }
     }
     if constexpr (kOwnMemory) {
       const auto read = due_now(reads_, now);
@@ -330,16 +329,10 @@ class GrayBench {
     }
   }
 
-  // Breaks of one clock may be in the queue in either order.
-  std::optional<std::uint32_t> take_break(std::int64_t now) {
-    for (auto it = breaks_.begin(); it != breaks_.end() && it->clock <= now + 1; ++it) {
-      if (it->clock == now) {
-        const std::uint32_t status = it->status;
-        breaks_.erase(it);
-        return status;
-      }
-    }
-    return std::nullopt;
+  // Of two breaks in one clock, that of the late memory counts, or else the first.
+  void breaks(std::int64_t clock, std::uint32_t status) {
+    std::uint32_t& due = codes_.breaks[clock];
+    due = status == spec::kStatusLateMemory || due == 0 ? status : due;
   }
 
   // The count shows some clocks after the event.
@@ -359,14 +352,13 @@ class GrayBench {
   std::int64_t last_beat_ = -1;
   std::int64_t next_take_ = 0;
   PatternIndex patterns_;
-  std::deque<Codes> codes_;
-  std::deque<Break> breaks_;
+  CodesDue codes_;
   std::deque<Answer> answers_;
   std::deque<Answer> reads_;   // `late`: the frame's first word
   std::deque<Answer> writes_;  // likewise
   std::deque<Answer> busy_;    // likewise: busy
+  std::deque<Answer> last_rows_;  // likewise: codes of a last row
   std::deque<std::int64_t> ends_;
-  std::uint64_t pixels_ = 0;
   std::uint64_t abandoned_ = 0;
   std::uint64_t late_ = 0;
 
@@ -376,6 +368,96 @@ class GrayBench {
   Word128 word0_{};  // requested in the previous clock
   Word128 word1_{};  // in the clock before that
 };
+
+// All m, changing settings, missing, repeated and wrong patterns, frames that break anywhere, gaps between beats and
+// between frames, and also frames of one beat without any gap.
+struct GrayCases {
+  int max_columns = 40;
+  int max_rows = 6;
+  int max_bits = GrayDecoder::kMaxBits;
+  int frames = 100;
+};
+
+template <typename Dut>
+void play_gray_frames(GrayBench<Dut>& bench, const GrayCases& cases, Random& random) {
+  GraySettings& settings = bench.settings;
+  int trouble = 0;  // per mille
+  int gaps = 0;     // per cent
+  int spaced = 0;   // clocks
+  int pattern = 0;
+  std::uint32_t pending_break = 0;
+  std::vector<std::uint8_t> positive;
+  for (int frame = 0; frame < cases.frames && !::testing::Test::HasFatalFailure(); ++frame) {
+    if (frame == 0 || random.chance(3)) {
+      bench.decode = !random.chance(3);
+      settings.bits = frame != 0 && random.chance(50) ? settings.bits : random.between(1, cases.max_bits);
+      settings.threshold = random.chance(20) ? random.between(0, 255) : random.between(0, 12);
+      settings.columns = 4 * random.between(1, random.chance(50) ? 2 : cases.max_columns / 4);
+      settings.rows = random.between(1, random.chance(50) ? 2 : cases.max_rows);
+      trouble = random.chance(50) ? 0 : random.between(0, 400 / settings.bits);
+      gaps = random.chance(60) ? 0 : random.between(1, 60);
+      spaced = random.chance(50) ? 0 : random.between(0, 12);
+    }
+    // A frame that does not take over the new settings has the old size; it is easier to wait.
+    while (!bench.may_take()) {
+      bench.clock(std::nullopt, 0, pending_break);
+      pending_break = 0;
+    }
+    const auto size = static_cast<std::size_t>(settings.rows) * static_cast<std::size_t>(settings.columns);
+    if (random.between(1, 1000) <= trouble) {
+      pattern = random.between(0, 2 * settings.bits - 1);
+    }
+    pattern %= 2 * settings.bits;
+    const int shown = random.between(1, 1000) > trouble ? pattern
+                      : random.chance(50)               ? random.between(0, 40)
+                                                        : random.between(0, 0xFFFF);
+    pattern = (pattern + 1) % (2 * settings.bits);
+    std::vector<std::uint8_t> pixels = random.bytes(size);
+    if (shown % 2 == 1 && positive.size() == size) {
+      for (std::size_t i = 0; i < size; ++i) {  // around the threshold, on both sides
+        const int edge = (pixels[i] & 1) != 0 ? settings.threshold : -settings.threshold;
+        const int near = positive[i] - edge + random.between(-2, 2);
+        if (random.chance(60) && near >= 0 && near <= 255) {
+          pixels[i] = static_cast<std::uint8_t>(near);
+        }
+      }
+    }
+    positive = pixels;
+    const std::size_t beats = size / 4;
+    const std::size_t cut =
+        random.between(1, 1000) <= trouble ? static_cast<std::size_t>(random.bits() % beats) : beats;
+    const auto groups = static_cast<std::size_t>(settings.columns / 4);
+    for (std::size_t i = 0; i < beats && i <= cut; ++i) {
+      GrayBeat beat;
+      std::copy_n(pixels.begin() + static_cast<std::ptrdiff_t>(4 * i), 4, beat.pixels.begin());
+      beat.start = i == 0;
+      beat.line_start = i % groups == 0;
+      beat.line_end = i % groups == groups - 1 && i != cut;
+      beat.last_row = i / groups == static_cast<std::size_t>(settings.rows) - 1;
+      bench.clock(beat, shown, pending_break);
+      pending_break = 0;
+      while (random.chance(gaps)) {
+        bench.clock(std::nullopt, 0, 0);
+      }
+      if (::testing::Test::HasFatalFailure()) {
+        return;
+      }
+    }
+    if (cut < beats) {
+      bench.idle(random.between(0, 3));
+      pending_break =
+          static_cast<std::uint32_t>(random.between(1, 7));  // with the next clock, or the next frame's start
+      if (random.chance(50)) {
+        bench.clock(std::nullopt, 0, std::exchange(pending_break, 0U));
+      }
+    }
+    for (int i = spaced == 0 ? 0 : random.between(0, spaced); i > 0; --i) {
+      bench.clock(std::nullopt, 0, std::exchange(pending_break, 0U));
+    }
+  }
+  bench.clock(std::nullopt, 0, pending_break);
+  bench.idle(20);
+}
 
 }  // namespace selfproj::test
 

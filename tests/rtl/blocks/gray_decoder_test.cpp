@@ -9,7 +9,6 @@
 #include "Vsp_gray_core_small_ports.h"
 #include "Vsp_gray_decoder_ports.h"
 #include "tests/rtl/blocks/gray_bench.h"
-#include "tests/rtl/blocks/gray_frames_bench.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -17,14 +16,12 @@ namespace {
 
 TEST(GrayCore, RandomSequencesEqualTheModel) {
   std::uint64_t pixels = 0;
-  for (const std::uint64_t seed : seeds(150)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(150, [&](Random& random) {
     GrayBench<Vsp_gray_core> bench(random);
     play_gray_frames(bench, {.frames = 250}, random);
     ASSERT_FALSE(HasFatalFailure());
     pixels += bench.pixels();
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(pixels, 200'000U) << "too little was compared";
   }
@@ -33,14 +30,12 @@ TEST(GrayCore, RandomSequencesEqualTheModel) {
 // A build for fewer bits and a small image that uses all of the memory.
 TEST(GrayCoreSmall, RandomSequencesEqualTheModel) {
   std::uint64_t pixels = 0;
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(60, [&](Random& random) {
     GrayBench<Vsp_gray_core_small> bench(random);
     play_gray_frames(bench, {.max_columns = 12, .max_rows = 3, .max_bits = 3, .frames = 250}, random);
     ASSERT_FALSE(HasFatalFailure());
     pixels += bench.pixels();
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(pixels, 20'000U) << "too little was compared";
   }
@@ -84,9 +79,7 @@ TEST(GrayDecoder, EveryNumberOfBits) { every_number_of_bits<Vsp_gray_decoder>();
 TEST(GrayDecoder, WordsThatComeTooLate) {
   std::uint64_t pixels = 0;
   std::uint64_t late = 0;
-  for (const std::uint64_t seed : seeds(110)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(110, [&](Random& random) {
     GrayBench<Vsp_gray_decoder> bench(random);
     bench.late_permille = random.chance(20) ? 0 : random.between(0, 10);
     bench.busy_percent = random.chance(50) ? 0 : random.between(0, 10);
@@ -94,7 +87,7 @@ TEST(GrayDecoder, WordsThatComeTooLate) {
     ASSERT_FALSE(HasFatalFailure());
     pixels += bench.pixels();
     late += bench.late();
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(pixels, 100'000U) << "too little was compared";
     EXPECT_GT(late, 500U) << "too little came too late";

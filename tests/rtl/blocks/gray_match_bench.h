@@ -15,6 +15,7 @@
 #include "model/gray_match.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
+#include "tests/rtl/blocks/code_beats.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -36,11 +37,10 @@ class GrayMatchBench {
     for (std::uint16_t& word : table_) {
       word = static_cast<std::uint16_t>(random_.bits());
     }
-    for (const char* port : {"m_lines_o", "m_start_o", "m_line_start_o", "m_line_end_o"}) {
-      match_.valid_when(port, [this] { return match_->m_valid_o != 0; });
-    }
-    match_.valid_when("m_status_o", [this] { return match_->m_break_o != 0; });
-    match_.valid_when("mem_address_o", [this] { return match_->mem_read_o != 0; });
+    match_.valid_when({"m_lines_o", "m_start_o", "m_line_start_o", "m_line_end_o"},
+                      [this] { return match_->m_valid_o != 0; });
+    match_.valid_when({"m_status_o"}, [this] { return match_->m_break_o != 0; });
+    match_.valid_when({"mem_address_o"}, [this] { return match_->mem_read_o != 0; });
     match_->s_valid_i = 0;
     match_->s_break_i = 0;
     match_->mem_late_i = 0;
@@ -51,7 +51,7 @@ class GrayMatchBench {
   std::uint32_t lates_before = 0;  // late_o before the first frame
   Dut& dut() { return match_.dut(); }
 
-  [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
+  [[nodiscard]] std::uint64_t pixels() const { return due_.pixels; }
   [[nodiscard]] std::uint64_t lates() const { return lates_; }
 
   // Plays one frame of random codes. `gaps` percent of the clocks have no beat. The frame breaks after `cut` beats if
@@ -73,7 +73,7 @@ class GrayMatchBench {
       }
       const int group = i % groups_of_line;
       match_->s_valid_i = 1;
-      match_->s_codes_i = words(codes, 4 * i);
+      match_->s_codes_i = four_words(codes.data() + 4 * i);
       match_->s_start_i = i == 0;
       match_->s_line_start_i = group == 0;
       match_->s_line_end_i = group == groups_of_line - 1;
@@ -83,11 +83,11 @@ class GrayMatchBench {
       if (late && !lost) {
         lost = true;
         ++lates_;
-        breaks_[now + out() + 1] = spec::kStatusLateMemory;
+        due_.breaks[now + out() + 1] = spec::kStatusLateMemory;
       }
       if (!lost) {
-        expected_[now + out()] = {words(lines_out, 4 * i), i == 0, group == 0, group == groups_of_line - 1};
-        pixels_ += 4;
+        due_.beats[now + out()] = {four_words(lines_out.data() + 4 * i), i == 0, group == 0,
+                                   group == groups_of_line - 1};
       }
       clock();
     }
@@ -96,7 +96,7 @@ class GrayMatchBench {
       match_->s_break_i = 1;
       match_->s_status_i = static_cast<CData>(status);
       if (!lost) {
-        breaks_[match_.clock() + out()] = status;
+        due_.breaks[match_.clock() + out()] = status;
       }
       clock();
     }
@@ -106,30 +106,17 @@ class GrayMatchBench {
     for (int i = 0; i < out() + 4; ++i) {
       clock();
     }
-    EXPECT_TRUE(expected_.empty());
-    EXPECT_TRUE(breaks_.empty());
+    EXPECT_TRUE(due_.empty());
     EXPECT_EQ(match_->late_o, lates_before + static_cast<std::uint32_t>(lates_));
   }
 
  private:
-  struct Beat {
-    std::uint64_t lines;
-    bool start, line_start, line_end;
-  };
   struct Read {
     int group;
     bool late;
   };
 
   [[nodiscard]] int out() const { return 2 + build_.latency; }
-
-  static std::uint64_t words(const std::vector<std::uint16_t>& from, int first) {
-    std::uint64_t all = 0;
-    for (int k = 0; k < 4; ++k) {
-      all |= std::uint64_t{from[static_cast<std::size_t>(first + k)]} << (16 * k);
-    }
-    return all;
-  }
 
   // The address of a lane. Ports of more than 64 bits are arrays of words.
   [[nodiscard]] std::uint64_t address(int lane) {
@@ -178,21 +165,10 @@ class GrayMatchBench {
       reads_.erase(read);
     }
     answers_.erase(now);
-    const auto beat = expected_.find(now);
-    ASSERT_EQ(match_->m_valid_o != 0, beat != expected_.end()) << "clock " << now;
-    if (beat != expected_.end()) {
-      ASSERT_EQ(match_->m_lines_o, beat->second.lines) << "clock " << now;
-      ASSERT_EQ(match_->m_start_o != 0, beat->second.start);
-      ASSERT_EQ(match_->m_line_start_o != 0, beat->second.line_start);
-      ASSERT_EQ(match_->m_line_end_o != 0, beat->second.line_end);
-      expected_.erase(beat);
-    }
-    const auto broken = breaks_.find(now);
-    ASSERT_EQ(match_->m_break_o != 0, broken != breaks_.end()) << "clock " << now;
-    if (broken != breaks_.end()) {
-      ASSERT_EQ(match_->m_status_o, broken->second);
-      breaks_.erase(broken);
-    }
+    ASSERT_NO_FATAL_FAILURE(
+        due_.check(now, match_->m_valid_o != 0,
+                   {match_->m_lines_o, match_->m_start_o != 0, match_->m_line_start_o != 0, match_->m_line_end_o != 0},
+                   match_->m_break_o != 0, match_->m_status_o));
     match_.rise();
     match_->s_valid_i = 0;
     match_->s_break_i = 0;
@@ -204,11 +180,9 @@ class GrayMatchBench {
   GrayMatchBuild build_;
   std::vector<std::uint16_t> table_;
   Clocked<Dut> match_;
-  std::map<std::int64_t, Beat> expected_;
-  std::map<std::int64_t, std::uint32_t> breaks_;
+  CodesDue due_;
   std::map<std::int64_t, Read> reads_;
   std::map<std::int64_t, std::pair<std::uint64_t, bool>> answers_;
-  std::uint64_t pixels_ = 0;
   std::uint64_t lates_ = 0;
 };
 

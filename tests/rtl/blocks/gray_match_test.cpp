@@ -16,13 +16,11 @@ namespace {
 
 template <typename Dut>
 void random_frames(const GrayMatchBuild& build, int cases) {
-  for (const std::uint64_t seed : seeds(cases)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(cases, [&](Random& random) {
     GrayMatchBench<Dut> bench(random, build);
     bench.late_permille = random.chance(50) ? 0 : random.between(1, 20);
     play_match_frames(bench, build, 20, random);
-  }
+  });
 }
 
 TEST(GrayMatch, RandomFramesEqualTheModel) { random_frames<Vsp_gray_match>({1024, 4, 2}, 40); }

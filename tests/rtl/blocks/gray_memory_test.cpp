@@ -25,7 +25,7 @@ template <typename Dut>
 class MemoryBench {
  public:
   MemoryBench(Random& random, int words) : random_(random), words_(static_cast<std::size_t>(words)) {
-    memory_.valid_when("rd_data_o", [this] { return asked_.front().has_value(); });
+    memory_.valid_when({"rd_data_o"}, [this] { return asked_.front().has_value(); });
     memory_.reset(0);
   }
 
@@ -85,9 +85,7 @@ class MemoryBench {
 
 template <typename Dut>
 void random_frames(int cases, int words) {
-  for (const std::uint64_t seed : seeds(cases)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(cases, [&](Random& random) {
     MemoryBench<Dut> bench(random, words);
     bench.idle(20);  // initial values of the registers
     for (int frame = 0; frame < 30; ++frame) {
@@ -99,7 +97,7 @@ void random_frames(int cases, int words) {
       ASSERT_FALSE(::testing::Test::HasFatalFailure());
     }
     EXPECT_GT(bench.checked(), 200);
-  }
+  });
 }
 
 // 38 banks in ten groups, of 16 words each, the last of 8.

@@ -32,10 +32,8 @@ struct Beat {
 class ImagePackerBench {
  public:
   explicit ImagePackerBench(Random& random) : random_(random) {
-    packer_.valid_when("words_data_o", [this] { return packer_->words_valid_o != 0; });
-    for (const char* port : {"line_words_o", "line_row_o", "line_status_o"}) {
-      packer_.valid_when(port, [this] { return packer_->line_done_o != 0; });
-    }
+    packer_.valid_when({"words_data_o"}, [this] { return packer_->words_valid_o != 0; });
+    packer_.valid_when({"line_words_o", "line_row_o", "line_status_o"}, [this] { return packer_->line_done_o != 0; });
     packer_->image_i = 0;
     packer_->beat_valid_i = 0;
     packer_->break_i = 0;
@@ -183,9 +181,7 @@ TEST(ImagePacker, LinesOfEveryLengthWithoutGaps) {
 }
 
 TEST(ImagePacker, RandomLinesGapsRefusalsAndBreaks) {
-  for (const std::uint64_t seed : seeds(150)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(150, [&](Random& random) {
     ImagePackerBench bench(random);
     const int gaps = random.chance(50) ? 0 : random.between(1, 60);
     const int breaks = random.between(0, 20);
@@ -231,7 +227,7 @@ TEST(ImagePacker, RandomLinesGapsRefusalsAndBreaks) {
     bench.clock(std::nullopt, break_next);
     bench.idle(200);
     EXPECT_GT(bench.words, 20);
-  }
+  });
 }
 
 }  // namespace

@@ -95,17 +95,13 @@ class LinkBench {
   };
 
   explicit LinkBench(std::uint64_t seed) : random_(seed) {
-    for (const char* port : {"answer_last_o", "answer_data_o", "answer_bytes_o", "answer_to_o"}) {
-      link_.valid_when(port, [this] { return link_->answer_valid_o != 0; });
-    }
-    for (const char* port : {"datagram_last_o", "datagram_bytes_o", "datagram_to_o"}) {
-      link_.valid_when(port, [this] { return link_->datagram_valid_o != 0; });
-    }
+    link_.valid_when({"answer_last_o", "answer_data_o", "answer_bytes_o", "answer_to_o"},
+                     [this] { return link_->answer_valid_o != 0; });
+    link_.valid_when({"datagram_last_o", "datagram_bytes_o", "datagram_to_o"},
+                     [this] { return link_->datagram_valid_o != 0; });
     // The first word of a datagram has the number of the session, from a counter that begins anywhere.
-    link_.valid_when("datagram_data_o", [this] { return link_->datagram_valid_o != 0 && !datagram_.bytes.empty(); });
-    for (const char* port : {"m_axil_awaddr", "m_axil_araddr", "m_axil_wdata"}) {
-      link_.valid_when(port, [] { return false; });
-    }
+    link_.valid_when({"datagram_data_o"}, [this] { return link_->datagram_valid_o != 0 && !datagram_.bytes.empty(); });
+    link_.valid_when({"m_axil_awaddr", "m_axil_araddr", "m_axil_wdata"}, [] { return false; });
     link_->ask_valid_i = 0;
     link_->answer_ready_i = 0;
     link_->datagram_ready_i = 0;

@@ -19,14 +19,13 @@ Bytes write_of(std::uint32_t address, std::uint32_t value) {
 
 // Good and malformed questions of three hosts.
 TEST(Link, AnswersAndRegistersAreThoseOfTheModel) {
-  for (const std::uint64_t seed : seeds(4)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(4, [&](std::uint64_t seed) {
     LinkFigures figures;
     expect_link_equals_model(seed, 400, figures);
     ASSERT_FALSE(HasFailure());
     EXPECT_GT(figures.answers, 100U);
     EXPECT_LT(figures.answers, 390U);
-  }
+  });
 }
 
 EtherboneRecord random_record(Random& random, int writes, int reads) {
@@ -79,9 +78,7 @@ TEST(Link, DatagramsUpToTheLongest) {
 
 // What comes while a question is performed is lost as a whole, also if it ends later.
 TEST(Link, QuestionsThatComeTooEarlyAreLost) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random, std::uint64_t seed) {
     LinkBench bench(seed);
     const Bytes first = etherbone_bytes({.write_address = 0x20, .writes = {1, 2, 3}, .tag = 1, .reads = {0x20, 0x24}});
     const Bytes second = etherbone_bytes({.write_address = 0x20, .writes = {7, 8, 9}, .tag = 2, .reads = {0x20, 0x28}});
@@ -95,14 +92,12 @@ TEST(Link, QuestionsThatComeTooEarlyAreLost) {
     EXPECT_FALSE(bench.settle());
     bench.ask(second, kHosts[1]);
     EXPECT_EQ(bench.settle()->bytes, etherbone_bytes({.write_address = 2, .writes = {7, 9}}));
-  }
+  });
 }
 
 // Packets go to the host that has started the board, and each datagram to that of its session.
 TEST(Link, PacketsGoToTheOwner) {
-  for (const std::uint64_t seed : seeds(6)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(6, [&](Random& random, std::uint64_t seed) {
     LinkBench bench(seed);
     std::size_t sent = 0;
     const auto queue = [&](int packets) {
@@ -144,7 +139,7 @@ TEST(Link, PacketsGoToTheOwner) {
     // A start that comes while the packets of the one before still leave takes its place.
     EXPECT_GE(hosts.size(), 3U);
     EXPECT_TRUE(bench.answers.empty());
-  }
+  });
 }
 
 // The source changes by the mailbox only; replay is open to the host of the session, while it is the source; and what

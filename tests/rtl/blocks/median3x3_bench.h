@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
-#include <map>
 #include <vector>
 
 #include "model/gray_decoder.h"
 #include "model/median3x3.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
+#include "tests/rtl/blocks/code_beats.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test::median {
@@ -29,10 +29,9 @@ template <typename Dut>
 class MedianBench {
  public:
   explicit MedianBench(Random& random) : random_(random) {
-    for (const char* port : {"m_codes_o", "m_start_o", "m_line_start_o", "m_line_end_o"}) {
-      median_.valid_when(port, [this] { return median_->m_valid_o != 0; });
-    }
-    median_.valid_when("m_status_o", [this] { return median_->m_break_o != 0; });
+    median_.valid_when({"m_codes_o", "m_start_o", "m_line_start_o", "m_line_end_o"},
+                       [this] { return median_->m_valid_o != 0; });
+    median_.valid_when({"m_status_o"}, [this] { return median_->m_break_o != 0; });
     median_->s_valid_i = 0;
     median_->s_break_i = 0;
     median_.reset();
@@ -49,8 +48,8 @@ class MedianBench {
                      [](std::uint16_t code) { return static_cast<std::uint16_t>(code & ~kUnused); });
     }
     const auto expect = [&](std::int64_t clock, int row, int group) {
-      expected_[clock] = {words(out, row * columns + 4 * group), row == 0 && group == 0, group == 0,
-                          group == groups - 1};
+      due_.beats[clock] = {four_words(out.data() + row * columns + 4 * group), row == 0 && group == 0, group == 0,
+                           group == groups - 1};
     };
     for (int i = 0; i < rows * groups && i < cut; ++i) {
       while (random_.chance(gaps)) {
@@ -59,7 +58,7 @@ class MedianBench {
       const int row = i / groups;
       const int group = i % groups;
       median_->s_valid_i = 1;
-      median_->s_codes_i = words(codes, 4 * i);
+      median_->s_codes_i = four_words(codes.data() + 4 * i);
       median_->s_start_i = i == 0;
       median_->s_line_start_i = group == 0;
       median_->s_line_end_i = group == groups - 1;
@@ -106,54 +105,28 @@ class MedianBench {
     for (int i = 0; i < clocks && !::testing::Test::HasFatalFailure(); ++i) {
       clock();
     }
-    EXPECT_TRUE(expected_.empty());
+    EXPECT_TRUE(due_.empty());
   }
 
-  [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
+  [[nodiscard]] std::uint64_t pixels() const { return due_.pixels; }
 
  private:
-  struct Codes {
-    std::uint64_t words;
-    bool start, line_start, line_end;
-  };
-
-  static std::uint64_t words(const std::vector<std::uint16_t>& codes, int at) {
-    std::uint64_t all = 0;
-    for (int i = 3; i >= 0; --i) {
-      all = all << 16U | codes[static_cast<std::size_t>(at + i)];
-    }
-    return all;
-  }
-
   void break_now(bool passed) {
     const auto status = static_cast<std::uint32_t>(random_.between(1, 31));
     median_->s_break_i = 1;
     median_->s_status_i = static_cast<CData>(status);
     if (passed) {
-      breaks_[median_.clock() + kBreakLatency] = status;
+      due_.breaks[median_.clock() + kBreakLatency] = status;
     }
     clock();
   }
 
   void clock() {
-    const std::int64_t now = median_.clock();
     median_.settle();
-    const auto found = expected_.find(now);
-    ASSERT_EQ(median_->m_valid_o != 0, found != expected_.end()) << "clock " << now;
-    if (found != expected_.end()) {
-      ASSERT_EQ(median_->m_codes_o, found->second.words) << "clock " << now;
-      ASSERT_EQ(median_->m_start_o != 0, found->second.start) << "clock " << now;
-      ASSERT_EQ(median_->m_line_start_o != 0, found->second.line_start) << "clock " << now;
-      ASSERT_EQ(median_->m_line_end_o != 0, found->second.line_end) << "clock " << now;
-      expected_.erase(found);
-      pixels_ += 4;
-    }
-    const auto broken = breaks_.find(now);
-    ASSERT_EQ(median_->m_break_o != 0, broken != breaks_.end()) << "clock " << now;
-    if (broken != breaks_.end()) {
-      ASSERT_EQ(median_->m_status_o, broken->second) << "clock " << now;
-      breaks_.erase(broken);
-    }
+    ASSERT_NO_FATAL_FAILURE(due_.check(
+        median_.clock(), median_->m_valid_o != 0,
+        {median_->m_codes_o, median_->m_start_o != 0, median_->m_line_start_o != 0, median_->m_line_end_o != 0},
+        median_->m_break_o != 0, median_->m_status_o));
     median_.rise();
     median_->s_valid_i = 0;
     median_->s_break_i = 0;
@@ -166,9 +139,7 @@ class MedianBench {
 
   Random& random_;
   Clocked<Dut> median_;
-  std::map<std::int64_t, Codes> expected_;  // by clock
-  std::map<std::int64_t, std::uint32_t> breaks_;
-  std::uint64_t pixels_ = 0;
+  CodesDue due_;
 };
 
 inline std::vector<std::uint16_t> random_codes(Random& random, int size) {
@@ -186,9 +157,7 @@ inline std::vector<std::uint16_t> random_codes(Random& random, int size) {
 template <typename Dut>
 void random_images(int cases) {
   std::uint64_t pixels = 0;
-  for (const std::uint64_t seed : seeds(cases)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(cases, [&](Random& random) {
     MedianBench<Dut> bench(random);
     for (int frame = 0; frame < 20; ++frame) {
       const int rows = random.between(1, random.chance(50) ? 3 : 9);
@@ -205,7 +174,7 @@ void random_images(int cases) {
     }
     bench.idle(100);
     pixels += bench.pixels();
-  }
+  });
   if (runs_all_cases()) {
     EXPECT_GT(pixels, static_cast<std::uint64_t>(1000 * cases)) << "too little was compared";
   }

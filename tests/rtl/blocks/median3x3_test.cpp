@@ -9,6 +9,7 @@
 #include "Vsp_gray_core_median_ports.h"
 #include "Vsp_median3x3_ports.h"
 #include "model/gray_decoder.h"
+#include "model/little_endian.h"
 #include "model/spec/generated/selfproj_spec.h"
 #include "tests/rtl/blocks/clocked.h"
 #include "tests/rtl/blocks/median3x3_bench.h"
@@ -44,11 +45,7 @@ class CoreBench {
       core_->take_i = i == 0;
       core_->frame_start_i = i == 0;
       core_->beat_valid_i = 1;
-      core_->beat_pixels_i = 0;
-      for (int k = 0; k < 4; ++k) {
-        core_->beat_pixels_i |= std::uint32_t{pixels[static_cast<std::size_t>(4 * i + k)]}
-                                << 8U * static_cast<unsigned>(k);
-      }
+      core_->beat_pixels_i = load_little_endian<std::uint32_t>(pixels.data() + 4 * i);
       core_->beat_line_start_i = i % groups == 0;
       core_->beat_line_end_i = i % groups == groups - 1;
       core_->beat_last_row_i = i / groups == settings.rows - 1;
@@ -83,9 +80,7 @@ class CoreBench {
 };
 
 TEST(GrayCoreMedian, DecodesAndFilters) {
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(60, [&](Random& random) {
     CoreBench bench;
     std::uint32_t refused = 0;
     std::vector<std::uint16_t> right;
@@ -127,7 +122,7 @@ TEST(GrayCoreMedian, DecodesAndFilters) {
       ASSERT_EQ(bench.codes, right);
     }
     ASSERT_EQ(bench.abandoned(), refused);
-  }
+  });
 }
 
 }  // namespace

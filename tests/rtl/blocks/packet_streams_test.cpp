@@ -26,9 +26,7 @@ class PacketFifoBench {
 
   PacketFifoBench(Random& random, TwoClocks& clocks, int shortest)
       : random_(random), clocks_(clocks), shortest_(shortest), longest_(shortest) {
-    for (const char* port : {"rd_data_o", "rd_last_o"}) {
-      fifo_.valid_when(port, [this] { return fifo_->rd_valid_o != 0; });
-    }
+    fifo_.valid_when({"rd_data_o", "rd_last_o"}, [this] { return fifo_->rd_valid_o != 0; });
     reset_both(fifo_, clocks_);
   }
 
@@ -139,9 +137,7 @@ class PacketFifoBench {
 // waiting for the writer.
 template <typename Fifo>
 void expect_whole_packets(int shortest) {
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(60, [&](Random& random) {
     TwoClocks clocks = random_clocks(random);
     SCOPED_TRACE(clocks.describe());
     PacketFifoBench<Fifo> bench(random, clocks, shortest);
@@ -151,7 +147,7 @@ void expect_whole_packets(int shortest) {
     }
     EXPECT_GT(bench.packets_read(), 20U);
     bench.expect_all_read();
-  }
+  });
 }
 
 TEST(PacketFifo, APacketShowsOnlyOnceItIsWhole) { expect_whole_packets<Vsp_packet_fifo>(1); }
@@ -182,13 +178,9 @@ struct PacketSource {
 };
 
 TEST(PacketArbiter, JoinsWholePacketsAndTheFirstStreamGoesFirst) {
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(60, [&](Random& random) {
     Clocked<Vsp_packet_arbiter> arbiter;
-    for (const char* port : {"m_axis_tdata_o", "m_axis_tlast_o"}) {
-      arbiter.valid_when(port, [&] { return arbiter->m_axis_tvalid_o != 0; });
-    }
+    arbiter.valid_when({"m_axis_tdata_o", "m_axis_tlast_o"}, [&] { return arbiter->m_axis_tvalid_o != 0; });
     arbiter->first_valid_i = 0;
     arbiter->second_valid_i = 0;
     arbiter->m_axis_tready_i = 0;
@@ -242,7 +234,7 @@ TEST(PacketArbiter, JoinsWholePacketsAndTheFirstStreamGoesFirst) {
       arbiter.rise();
     }
     EXPECT_GT(packets, 50);
-  }
+  });
 }
 
 }  // namespace

@@ -1,18 +1,378 @@
 // Compares the register file with the specification, register by register: reset values, accepted and refused writes,
-// reads, and the settings at the outputs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <type_traits>
+#include <vector>
 
+#include "Vsp_registers_codes_ports.h"
+#include "Vsp_registers_ports.h"
+#include "Vsp_registers_small_ports.h"
 #include "model/spec/generated/selfproj_spec.h"
-#include "tests/rtl/blocks/registers_bench.h"
+#include "tests/rtl/blocks/clocked.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test::registers {
 namespace {
+
+struct Build {
+  int max_columns;
+  int max_rows;
+  bool grey;
+  bool image;
+  int code_bits = 0;  // of the Gray-code decoder, which then has the median; 0: no decoder
+  bool runs = false;
+};
+
+template <typename Dut>
+struct BuildOf;
+template <>
+struct BuildOf<Vsp_registers> {
+  static constexpr Build kBuild = {spec::kMaxColumns, spec::kMaxRows, true, true};
+};
+template <>
+struct BuildOf<Vsp_registers_small> {
+  static constexpr Build kBuild = {512, 127, false, false};
+};
+template <>
+struct BuildOf<Vsp_registers_codes> {
+  static constexpr Build kBuild = {640, 480, false, true, 9, true};
+};
+
+// State inputs, all different and with upper bits set.
+struct State {
+  bool frame_open = false;
+  std::uint32_t frames = 0x8100'0001;
+  std::uint32_t broken = 0x8200'0002;
+  std::uint32_t stray = 0x8300'0003;
+  std::uint32_t lost_moments = 0x8400'0004;
+  std::uint32_t lost_image = 0x8500'0005;
+  std::uint32_t lost_codes = 0x8A00'000A;
+  std::uint32_t abandoned = 0x8B00'000B;
+  std::uint64_t time = 0x8600'0006'8700'0007;
+  std::uint32_t encoder = 0x8800'0008;
+  std::uint16_t encoder_errors = 0x8909;
+};
+
+// The writable registers of the specification.
+struct Writable {
+  std::uint32_t address;
+  std::uint32_t reset;
+  std::uint32_t mask;  // bits of the fields
+};
+constexpr std::uint32_t field(int lsb, int bits) { return ((1ULL << bits) - 1) << lsb & 0xFFFF'FFFFU; }
+
+const std::vector<Writable> kWritable = {
+    {spec::kRegControl, spec::kRegControlReset,
+     field(spec::kRegControlRunLsb, 1) | field(spec::kRegControlHoldLsb, 1) | field(spec::kRegControlImageLsb, 1)},
+    {spec::kRegSize, spec::kRegSizeReset,
+     field(spec::kRegSizeColumnsLsb, spec::kRegSizeColumnsBits) | field(spec::kRegSizeRowsLsb, spec::kRegSizeRowsBits)},
+    {spec::kRegMeasure, spec::kRegMeasureReset,
+     field(spec::kRegMeasureThresholdLsb, 8) | field(spec::kRegMeasureModeLsb, 2) |
+         field(spec::kRegMeasureStreamLsb, 8) | field(spec::kRegMeasureSelectLsb, 1) |
+         field(spec::kRegMeasureGapLsb, 2)},
+    {spec::kRegWindow, spec::kRegWindowReset,
+     field(spec::kRegWindowFirstLsb, spec::kRegWindowFirstBits) |
+         field(spec::kRegWindowLastLsb, spec::kRegWindowLastBits)},
+    {spec::kRegTimeout, spec::kRegTimeoutReset, field(0, spec::kRegTimeoutClocksBits)},
+    {spec::kRegTriggerControl, spec::kRegTriggerControlReset,
+     field(spec::kRegTriggerControlRunLsb, 1) | field(spec::kRegTriggerControlOnFrameLsb, 1) |
+         field(spec::kRegTriggerControlLastPatternLsb, 8)},
+    {spec::kRegTriggerPeriod, spec::kRegTriggerPeriodReset, field(0, spec::kRegTriggerPeriodClocksBits)},
+    {spec::kRegTriggerCamera, spec::kRegTriggerCameraReset, field(0, spec::kRegTriggerCameraClocksBits)},
+    {spec::kRegTriggerWidth, spec::kRegTriggerWidthReset, field(0, spec::kRegTriggerWidthClocksBits)},
+};
+
+// Those of a build with the decoder.
+std::vector<Writable> writable_of(const Build& build) {
+  std::vector<Writable> all = kWritable;
+  if (build.code_bits != 0) {
+    all.push_back({spec::kRegDecode, spec::kRegDecodeReset,
+                   field(spec::kRegDecodeThresholdLsb, spec::kRegDecodeThresholdBits) |
+                       field(spec::kRegDecodeBitsLsb, spec::kRegDecodeBitsBits) | field(spec::kRegDecodeCodesLsb, 1) |
+                       field(spec::kRegDecodeMedianLsb, 1)});
+  }
+  return all;
+}
+
+struct Answer {
+  bool error;
+  std::uint32_t data;
+};
+
+template <typename Dut>
+class RegistersBench {
+ public:
+  static constexpr Build kBuild = BuildOf<Dut>::kBuild;
+
+  const std::vector<Writable> writables = writable_of(kBuild);
+
+  RegistersBench() {
+    registers_.valid_when({"error_o"}, [this] { return registers_->answer_o != 0; });
+    registers_.valid_when({"data_o"}, [this] { return registers_->answer_o != 0 && read_is_good_; });
+    registers_->request_i = 0;
+    registers_->write_i = 0;
+    registers_->take_i = 0;
+    set(State{});
+    registers_.reset();
+    for (const Writable& writable : writables) {
+      values_[writable.address] = writable.reset;
+    }
+    const auto columns = std::min(spec::kRegSizeReset & 0xFFFU, static_cast<std::uint32_t>(kBuild.max_columns));
+    const auto rows =
+        std::min(spec::kRegSizeReset >> spec::kRegSizeRowsLsb, static_cast<std::uint32_t>(kBuild.max_rows));
+    values_[spec::kRegSize] = columns << spec::kRegSizeColumnsLsb | rows << spec::kRegSizeRowsLsb;
+  }
+
+  Dut* operator->() { return &registers_.dut(); }
+
+  void set(const State& state) {
+    state_ = state;
+    registers_->frame_open_i = state.frame_open;
+    registers_->frames_i = state.frames;
+    registers_->broken_i = state.broken;
+    registers_->stray_i = state.stray;
+    registers_->lost_moments_i = state.lost_moments;
+    registers_->lost_image_i = state.lost_image;
+    registers_->lost_codes_i = state.lost_codes;
+    registers_->abandoned_i = state.abandoned;
+    registers_->time_i = state.time;
+    registers_->encoder_i = state.encoder;
+    registers_->encoder_errors_i = state.encoder_errors;
+  }
+
+  // One clock, with or without a request.
+  void tick(bool take = false) {
+    begin_clock(take);
+    check_outputs();
+    rise();
+  }
+
+  // Settings are taken over in the clock that comes after so many others.
+  void take_after(int clocks) { take_after_ = clocks; }
+
+  // Plays a request, and expects its answer exactly five clocks later. Address and data stay, as behind the bridge.
+  Answer access(bool write, std::uint32_t address, std::uint32_t data) {
+    registers_->request_i = 1;
+    registers_->write_i = write;
+    registers_->address_i = static_cast<CData>(address);
+    registers_->data_i = data;
+    tick();
+    EXPECT_EQ(registers_->answer_o, 0);
+    registers_->request_i = 0;
+    tick();
+    held_ = write ? 3 : held_;
+    EXPECT_EQ(registers_->answer_o, 0);
+    begin_clock(false);
+    check_outputs();
+    read_is_good_ = !write && readable(address);
+    rise();
+    if (!write && address == spec::kRegTimeLow) {
+      time_high_ = static_cast<std::uint32_t>(state_.time >> 32);
+    }
+    begin_clock(false);
+    EXPECT_EQ(registers_->answer_o, 0);
+    check_outputs();
+    rise();
+    if (write && good(address, data)) {
+      for (const Writable& writable : writables) {
+        if (writable.address == address) {
+          values_[address] = data & writable.mask;
+        }
+      }
+      pending_ = pending_ || address == spec::kRegControl || address == spec::kRegSize ||
+                 address == spec::kRegMeasure || address == spec::kRegDecode || address == spec::kRegWindow;
+    }
+    begin_clock(false);
+    EXPECT_EQ(registers_->answer_o, 0);
+    check_outputs();
+    rise();
+    begin_clock(false);
+    EXPECT_EQ(registers_->answer_o, 1) << "five clocks after the request";
+    check_outputs();
+    const Answer answer = {registers_->error_o != 0, registers_->data_o};
+    rise();
+    registers_.settle();
+    EXPECT_EQ(registers_->answer_o, 0) << "the answer lasts one clock";
+    return answer;
+  }
+
+  // Whether the specification accepts the write, with the current values of the registers.
+  [[nodiscard]] bool good(std::uint32_t address, std::uint32_t data) const {
+    const bool runs = value(spec::kRegTriggerControl, spec::kRegTriggerControlRunLsb, 1) != 0;
+    switch (address) {
+      case spec::kRegControl:
+        return kBuild.image || (data >> spec::kRegControlImageLsb & 1) == 0;
+      case spec::kRegSize: {
+        const int columns = static_cast<int>(data & 0xFFFFU);
+        const int rows = static_cast<int>(data >> 16);
+        return columns >= 4 && columns % 4 == 0 && columns <= kBuild.max_columns && rows >= 1 &&
+               rows <= kBuild.max_rows;
+      }
+      case spec::kRegMeasure: {
+        const std::uint32_t mode = data >> spec::kRegMeasureModeLsb & 3;
+        const std::uint32_t run_bits = field(spec::kRegMeasureSelectLsb, 1) | field(spec::kRegMeasureGapLsb, 2);
+        return (mode == spec::kModeBinary || (kBuild.grey && mode <= spec::kModeGreyOver)) &&
+               (kBuild.runs || (data & run_bits) == 0);
+      }
+      case spec::kRegWindow: {
+        const std::uint32_t row = field(0, spec::kRegWindowFirstBits);
+        const auto limit = static_cast<std::uint32_t>(kBuild.max_rows);
+        return (data >> spec::kRegWindowFirstLsb & row) <= limit && (data >> spec::kRegWindowLastLsb & row) <= limit;
+      }
+      case spec::kRegDecode: {
+        const int bits = static_cast<int>(data >> spec::kRegDecodeBitsLsb & field(0, spec::kRegDecodeBitsBits));
+        return kBuild.code_bits != 0 && bits >= 1 && bits <= kBuild.code_bits;
+      }
+      case spec::kRegTriggerPeriod:
+        return !runs && (data & field(0, spec::kRegTriggerPeriodClocksBits)) != 0;
+      case spec::kRegTriggerCamera:
+      case spec::kRegTriggerWidth:
+        return !runs;
+      case spec::kRegTriggerControl: {
+        constexpr std::uint32_t kOn = 1U << spec::kRegTriggerControlRunLsb | 1U << spec::kRegTriggerControlOnFrameLsb;
+        return (values_.at(address) & kOn) == 0 || (data & kOn) == 0;
+      }
+      case spec::kRegTimeout:
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  static bool readable(std::uint32_t address) {
+    const bool there = address <= (kBuild.code_bits != 0 ? spec::kRegAbandoned : spec::kRegEncoderErrors);
+    return (there || address == spec::kRegWindow) && address % 4 == 0;
+  }
+
+  std::uint32_t expected_read(std::uint32_t address) const {
+    switch (address) {
+      case spec::kRegId:
+        return spec::kRegIdReset;
+      case spec::kRegVersion:
+        return spec::kRegVersionReset;
+      case spec::kRegSpecHash:
+        return spec::kHash;
+      case spec::kRegCapability:
+        return static_cast<std::uint32_t>(kBuild.max_columns) << spec::kRegCapabilityMaxColumnsLsb |
+               static_cast<std::uint32_t>(kBuild.max_rows) << spec::kRegCapabilityMaxRowsLsb |
+               (kBuild.grey ? 1U << spec::kRegCapabilityGreyLsb : 0) |
+               (kBuild.image ? 1U << spec::kRegCapabilityImageLsb : 0) |
+               (kBuild.runs ? 1U << spec::kRegCapabilityRunsLsb : 0) |
+               (kBuild.code_bits != 0 ? 1U << spec::kRegCapabilityCodesLsb | 1U << spec::kRegCapabilityMedianLsb : 0) |
+               static_cast<std::uint32_t>(kBuild.code_bits) << spec::kRegCapabilityCodeBitsLsb;
+      case spec::kRegStatus:
+        return (state_.frame_open ? 1U << spec::kRegStatusFrameOpenLsb : 0) |
+               (pending_ ? 1U << spec::kRegStatusPendingLsb : 0);
+      case spec::kRegFrames:
+        return state_.frames;
+      case spec::kRegBroken:
+        return state_.broken;
+      case spec::kRegStray:
+        return state_.stray;
+      case spec::kRegLostMoments:
+        return state_.lost_moments;
+      case spec::kRegLostImage:
+        return state_.lost_image;
+      case spec::kRegLostCodes:
+        return state_.lost_codes;
+      case spec::kRegAbandoned:
+        return state_.abandoned;
+      case spec::kRegTimeLow:
+        return static_cast<std::uint32_t>(state_.time);
+      case spec::kRegTimeHigh:
+        return time_high_;
+      case spec::kRegEncoder:
+        return state_.encoder;
+      case spec::kRegEncoderErrors:
+        return state_.encoder_errors;
+      default:
+        return values_.at(address);
+    }
+  }
+
+  void expect_read(std::uint32_t address) {
+    const Answer answer = access(false, address, 0xFFFF'FFFF);
+    EXPECT_EQ(answer.error, !readable(address)) << std::hex << "read " << address;
+    if (readable(address)) {
+      EXPECT_EQ(answer.data, expected_read(address)) << std::hex << "read " << address;
+    }
+  }
+  void expect_all_reads() {
+    access(false, spec::kRegTimeLow, 0);
+    for (std::uint32_t address = 0; address < 256; ++address) {
+      expect_read(address);
+    }
+  }
+  void expect_write(std::uint32_t address, std::uint32_t data) {
+    const bool refused = !good(address, data);
+    const Answer answer = access(true, address, data);
+    EXPECT_EQ(answer.error, refused) << std::hex << "write " << data << " to " << address;
+  }
+
+  std::uint32_t value(std::uint32_t address, int lsb, int bits) const {
+    return values_.at(address) >> lsb & field(0, bits);
+  }
+
+ private:
+  void begin_clock(bool take) {
+    registers_->take_i = take || take_after_ == 0;
+    --take_after_;
+    registers_.settle();
+  }
+  void rise() {
+    pending_ = pending_ && registers_->take_i == 0;
+    registers_.rise();
+    held_ = std::max(held_ - 1, 0);
+  }
+
+  // Checks the settings in every clock.
+  void check_outputs() {
+    using namespace spec;
+    EXPECT_EQ(registers_->run_o, value(kRegControl, kRegControlRunLsb, 1));
+    // also in the first clock of new settings and in the two before it
+    EXPECT_EQ(registers_->hold_o, value(kRegControl, kRegControlHoldLsb, 1) || held_ > 0 ? 1 : 0);
+    EXPECT_EQ(registers_->image_o, value(kRegControl, kRegControlImageLsb, 1));
+    EXPECT_EQ(registers_->columns_o, value(kRegSize, kRegSizeColumnsLsb, kRegSizeColumnsBits));
+    EXPECT_EQ(registers_->rows_o, value(kRegSize, kRegSizeRowsLsb, kRegSizeRowsBits));
+    EXPECT_EQ(registers_->threshold_o, value(kRegMeasure, kRegMeasureThresholdLsb, kRegMeasureThresholdBits));
+    EXPECT_EQ(registers_->mode_o, value(kRegMeasure, kRegMeasureModeLsb, kRegMeasureModeBits));
+    EXPECT_EQ(registers_->stream_o, value(kRegMeasure, kRegMeasureStreamLsb, kRegMeasureStreamBits));
+    const int row_bits = std::bit_width(static_cast<unsigned>(kBuild.max_rows));
+    EXPECT_EQ(registers_->select_o, value(kRegMeasure, kRegMeasureGapLsb, 2) |
+                                        value(kRegMeasure, kRegMeasureSelectLsb, 1) << 2 |
+                                        value(kRegWindow, kRegWindowFirstLsb, kRegWindowFirstBits) << 3 |
+                                        value(kRegWindow, kRegWindowLastLsb, kRegWindowLastBits) << (3 + row_bits));
+    EXPECT_EQ(registers_->timeout_o, value(kRegTimeout, kRegTimeoutClocksLsb, kRegTimeoutClocksBits));
+    EXPECT_EQ(registers_->trigger_run_o, value(kRegTriggerControl, kRegTriggerControlRunLsb, 1));
+    EXPECT_EQ(registers_->trigger_on_frame_o, value(kRegTriggerControl, kRegTriggerControlOnFrameLsb, 1));
+    EXPECT_EQ(registers_->trigger_last_pattern_o, value(kRegTriggerControl, kRegTriggerControlLastPatternLsb, 8));
+    EXPECT_EQ(registers_->trigger_period_o, value(kRegTriggerPeriod, 0, kRegTriggerPeriodClocksBits));
+    EXPECT_EQ(registers_->trigger_camera_o, value(kRegTriggerCamera, 0, kRegTriggerCameraClocksBits));
+    EXPECT_EQ(registers_->trigger_width_o, value(kRegTriggerWidth, 0, kRegTriggerWidthClocksBits));
+    const bool codes = kBuild.code_bits != 0;
+    EXPECT_EQ(registers_->decode_o, codes ? value(kRegDecode, kRegDecodeCodesLsb, 1) : 0);
+    EXPECT_EQ(registers_->median_o, codes ? value(kRegDecode, kRegDecodeMedianLsb, 1) : 0);
+    EXPECT_EQ(registers_->bits_o, codes ? value(kRegDecode, kRegDecodeBitsLsb, kRegDecodeBitsBits) : 0);
+    EXPECT_EQ(registers_->code_threshold_o,
+              codes ? value(kRegDecode, kRegDecodeThresholdLsb, kRegDecodeThresholdBits) : 0);
+  }
+
+  Clocked<Dut> registers_;
+  State state_;
+  std::map<std::uint32_t, std::uint32_t> values_;  // index of a writable register
+  bool pending_ = true;                            // the reset values have not been taken over
+  int take_after_ = -1;                            // clocks until a take-over; negative: none
+  int held_ = 1;                                   // clocks for which hold_o is high regardless of the register
+  bool read_is_good_ = false;
+  std::uint32_t time_high_ = 0;
+};
+
+// --- Tests ---
 
 template <typename Dut>
 class Registers : public ::testing::Test {};
@@ -146,9 +506,7 @@ TYPED_TEST(Registers, SettingsArePendingUntilTheyAreTaken) {
 }
 
 TYPED_TEST(Registers, RandomAccesses) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random) {
     RegistersBench<TypeParam> bench;
     bench.access(false, spec::kRegTimeLow, 0);
     for (int i = 0; i < 400; ++i) {
@@ -183,8 +541,9 @@ TYPED_TEST(Registers, RandomAccesses) {
       }
       ASSERT_FALSE(::testing::Test::HasFailure());
     }
-  }
+  });
 }
 
 }  // namespace
+
 }  // namespace selfproj::test::registers

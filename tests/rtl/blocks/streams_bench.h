@@ -40,22 +40,8 @@ struct Crossing {
 template <typename Dut, typename Set, typename Check>
 TwoClocks::Rises step(Model<Dut>& model, TwoClocks& clocks, Set set, Check check) {
   const TwoClocks::Rises rises = clocks.next();
-  if (rises.a) {
-    model->wr_clk_i = 0;
-  }
-  if (rises.b) {
-    model->rd_clk_i = 0;
-  }
-  set(rises);
-  model.eval();
-  check(rises);
-  if (rises.a) {
-    model->wr_clk_i = 1;
-  }
-  if (rises.b) {
-    model->rd_clk_i = 1;
-  }
-  model.eval();
+  step_clocks(
+      model, model->wr_clk_i, model->rd_clk_i, rises, [&] { set(rises); }, [&] { check(rises); });
   return rises;
 }
 

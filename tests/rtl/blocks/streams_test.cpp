@@ -19,11 +19,9 @@ namespace {
 
 // At most two words: the output register and the spare one behind it.
 TEST(SkidBuffer, IsATwoWordQueueWithRegisteredOutputs) {
-  for (const std::uint64_t seed : seeds(40)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(40, [&](Random& random) {
     Clocked<Vsp_skid_buffer> buffer;
-    buffer.valid_when("m_data_o", [&] { return buffer->m_valid_o != 0; });
+    buffer.valid_when({"m_data_o"}, [&] { return buffer->m_valid_o != 0; });
     buffer->s_valid_i = 0;
     buffer->m_ready_i = 0;
     buffer.reset();
@@ -57,17 +55,15 @@ TEST(SkidBuffer, IsATwoWordQueueWithRegisteredOutputs) {
       }
       buffer.rise();
     }
-  }
+  });
 }
 
 // Models the memory and the output register, and when a word moves from one to the other.
 TEST(Fifo, FollowsItsReferenceClockByClock) {
   constexpr std::size_t kDepth = 8;
-  for (const std::uint64_t seed : seeds(40)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(40, [&](Random& random) {
     Clocked<Vsp_fifo> fifo;
-    fifo.valid_when("m_data_o", [&] { return fifo->m_valid_o != 0; });
+    fifo.valid_when({"m_data_o"}, [&] { return fifo->m_valid_o != 0; });
     fifo->s_valid_i = 0;
     fifo->m_ready_i = 0;
     fifo.reset();
@@ -101,7 +97,7 @@ TEST(Fifo, FollowsItsReferenceClockByClock) {
       fifo.rise();
     }
     EXPECT_TRUE(was_full);
-  }
+  });
 }
 
 TEST(Fifo, AWordIsAtTheOutputTwoClocksAfterItWasWritten) {
@@ -125,13 +121,11 @@ TEST(Fifo, AWordIsAtTheOutputTwoClocksAfterItWasWritten) {
 // a simulator has no metastable flip-flops.
 TEST(AsyncFifo, FollowsItsReferenceForAnyTwoClocks) {
   constexpr std::uint64_t kDepth = 8;
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(60, [&](Random& random) {
     TwoClocks clocks = random_clocks(random);
     SCOPED_TRACE(clocks.describe());
     Model<Vsp_async_fifo> fifo;
-    fifo.valid_when("rd_data_o", [&] { return fifo->rd_valid_o != 0; });
+    fifo.valid_when({"rd_data_o"}, [&] { return fifo->rd_valid_o != 0; });
     reset_both(fifo, clocks);
 
     std::vector<std::uint32_t> written;  // all words
@@ -195,7 +189,7 @@ TEST(AsyncFifo, FollowsItsReferenceForAnyTwoClocks) {
     }
     EXPECT_EQ(most_waiting, kDepth);  // it was full
     EXPECT_GT(read, 20U);
-  }
+  });
 }
 
 }  // namespace

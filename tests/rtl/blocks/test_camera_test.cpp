@@ -13,6 +13,7 @@
 #include "model/code_word.h"
 #include "model/column_moments.h"
 #include "model/gray_decoder.h"
+#include "model/little_endian.h"
 #include "tests/rtl/blocks/camera_beats.h"
 #include "tests/rtl/blocks/clocked.h"
 
@@ -22,9 +23,7 @@ namespace {
 Frame beats_of(const std::vector<std::uint8_t>& pixels, int columns) {
   Frame frame;
   for (std::size_t at = 0; at < pixels.size(); at += 4) {
-    const std::uint32_t word = std::uint32_t{pixels[at]} | std::uint32_t{pixels[at + 1]} << 8U |
-                               std::uint32_t{pixels[at + 2]} << 16U | std::uint32_t{pixels[at + 3]} << 24U;
-    frame.push_back({word, at == 0, (at + 4) % static_cast<std::size_t>(columns) == 0});
+    frame.push_back({load_little_endian<std::uint32_t>(pixels.data() + at), at == 0, (at + 4) % static_cast<std::size_t>(columns) == 0});
   }
   return frame;
 }

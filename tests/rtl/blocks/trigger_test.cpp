@@ -144,9 +144,7 @@ TEST(Trigger, EdgesOfTheSettings) {
 }
 
 TEST(Trigger, RandomSettingsAndRuns) {
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(60, [&](Random& random) {
     TriggerBench bench;
     for (int run = 0; run < 8; ++run) {
       const int period = random.between(1, 40);
@@ -154,7 +152,7 @@ TEST(Trigger, RandomSettingsAndRuns) {
                 random.between(1, 400), random);
       ASSERT_FALSE(::testing::Test::HasFatalFailure());
     }
-  }
+  });
 }
 
 // Every counter has its full width: pulses of 2^16 - 1 clocks, and every bit of the settings once set and once clear.
@@ -197,9 +195,7 @@ TEST(Trigger, LongestPeriod) {
 
 // Without pulses each frame start advances the index. The first frame has index 0.
 TEST(Trigger, OnFrameTheIndexAdvancesWithEachFrame) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random, std::uint64_t seed) {
     TriggerBench bench;
     auto& trigger = bench.trigger();
     // one of the eight bits, all but one, all, or a few of the lower ones
@@ -227,14 +223,12 @@ TEST(Trigger, OnFrameTheIndexAdvancesWithEachFrame) {
       captured = trigger->captured_i != 0;
       trigger.rise();
     }
-  }
+  });
 }
 
 // Switches from pulses to frames and back, even for one clock. Each begins with index 0, regardless of the history.
 TEST(Trigger, TheIndexBeginsAnewWhereRunChanges) {
-  for (const std::uint64_t seed : seeds(20)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(20, [&](Random& random) {
     TriggerBench bench;
     auto& trigger = bench.trigger();
     for (int turn = 0; turn < 12; ++turn) {
@@ -266,7 +260,7 @@ TEST(Trigger, TheIndexBeginsAnewWhereRunChanges) {
         trigger.rise();
       }
     }
-  }
+  });
 }
 
 // A camera that misses a pulse does not shift the indices: pattern_o follows the pulses, not the frames.

@@ -40,25 +40,15 @@ void expect_plausible(const FrameCounts& counts) {
 // Together with the tests of the small build and of faults below, 10^5 frames.
 TEST(Board, RandomSmallFramesEqualTheModel) {
   FrameCounts counts;
-  for (const std::uint64_t seed : seeds(80)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    play_random_frames<Vboard>(seed, {}, counts);
-    if (HasFailure()) {
-      return;
-    }
-  }
+  for_cases(80, [&](std::uint64_t seed) { play_random_frames<Vboard>(seed, {}, counts); });
   expect_plausible(counts);
 }
 
 TEST(OriginalBoard, RandomSmallFramesEqualTheModel) {
   FrameCounts counts;
-  for (const std::uint64_t seed : seeds(80)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(80, [&](std::uint64_t seed) {
     play_random_frames<Vboard_original>(seed, {.grey = false, .image = false}, counts);
-    if (HasFailure()) {
-      return;
-    }
-  }
+  });
   expect_plausible(counts);
 }
 
@@ -66,13 +56,9 @@ TEST(OriginalBoard, RandomSmallFramesEqualTheModel) {
 // beyond the time-out.
 TEST(Board, RandomFaultsEqualTheModel) {
   FrameCounts counts;
-  for (const std::uint64_t seed : seeds(60)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(60, [&](std::uint64_t seed) {
     play_random_frames<Vboard>(seed, {.max_columns = 40, .max_rows = 12, .fault_percent = 40}, counts);
-    if (HasFailure()) {
-      return;
-    }
-  }
+  });
   expect_plausible(counts);
   if (runs_all_cases()) {
     for (const std::uint32_t status :
@@ -84,14 +70,10 @@ TEST(Board, RandomFaultsEqualTheModel) {
 
 TEST(OriginalBoard, RandomFaultsEqualTheModel) {
   FrameCounts counts;
-  for (const std::uint64_t seed : seeds(40)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(40, [&](std::uint64_t seed) {
     play_random_frames<Vboard_original>(
         seed, {.max_columns = 40, .max_rows = 12, .grey = false, .image = false, .fault_percent = 40}, counts);
-    if (HasFailure()) {
-      return;
-    }
-  }
+  });
   expect_plausible(counts);
 }
 
@@ -197,9 +179,7 @@ TEST(Board, WindowsOfTallFrames) {
 
 // The frames of the thesis: 200 of 96 x 512, with stalls on both sides.
 TEST(Board, FullFramesWithStallsEqualTheModel) {
-  for (const std::uint64_t seed : seeds(1)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    Random random(seed);
+  for_cases(1, [&](Random& random, std::uint64_t seed) {
     Scoreboard<Vboard> board({.seed = seed, .bus_stall_percent = 40, .video_gap_percent = 15});
     board.turn_encoder(151);
     for (int frame = 0; frame < 200; ++frame) {
@@ -216,7 +196,7 @@ TEST(Board, FullFramesWithStallsEqualTheModel) {
     board.finish();
     EXPECT_EQ(board.delivered(kMoments), 200U);
     EXPECT_EQ(board.lost(kMoments), 0U);
-  }
+  });
 }
 
 // 12,288 clocks a frame: every clock carries a beat, and nothing is lost, even with raw images. Results: the frames a

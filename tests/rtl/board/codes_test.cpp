@@ -21,13 +21,7 @@ constexpr std::uint8_t kCodes = spec::kKindCodes;
 template <class Model>
 void play_all(int cases, bool full_build, int fault_percent) {
   CodeCounts counts;
-  for (const std::uint64_t seed : seeds(cases)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    play_random_sequences<Model>(seed, full_build, fault_percent, counts);
-    if (::testing::Test::HasFailure()) {
-      return;
-    }
-  }
+  for_cases(cases, [&](std::uint64_t seed) { play_random_sequences<Model>(seed, full_build, fault_percent, counts); });
   std::printf("%llu frames, %llu lines of codes delivered, %llu lost; %llu frames abandoned\n",
               static_cast<unsigned long long>(counts.frames), static_cast<unsigned long long>(counts.delivered),
               static_cast<unsigned long long>(counts.lost), static_cast<unsigned long long>(counts.abandoned));

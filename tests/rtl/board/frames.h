@@ -11,6 +11,7 @@
 
 #include "model/board.h"
 #include "model/column_moments.h"
+#include "tests/support/moments_frames.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -52,12 +53,7 @@ inline TestImage random_image(Random& random, int rows, int columns) {
 // An image for the strongest runs: pixels of few values, so that columns have several runs and equal ones.
 inline TestImage random_runs_image(Random& random, int rows, int columns, int threshold) {
   TestImage image = constant_image(rows, columns, 0);
-  const int dark_percent = random.between(10, 90);
-  const int values = random.chance(50) ? random.between(1, 3) : 255;
-  for (std::uint8_t& pixel : image.pixels) {
-    const int lit = std::min(threshold + random.between(1, values), 255);
-    pixel = static_cast<std::uint8_t>(random.chance(dark_percent) ? random.between(0, threshold) : lit);
-  }
+  fill_with_runs(random, threshold, image.pixels);
   return image;
 }
 

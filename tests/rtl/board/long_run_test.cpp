@@ -71,8 +71,7 @@ TEST(CodesBoard, CountersCarryAndWrapAfterALongRun) {
                                                     0x8000'0000'0000'0000, 0x0000'0000'0000'0000, 0x0123'4567'8000'0000,
                                                     0x5A5A'A5A5'FFFF'0000, 0xFEDC'BA98'7654'0000};
   CodeCounts counts;
-  for (const std::uint64_t seed : seeds(24)) {
-    SCOPED_TRACE(how_to_repeat(seed));
+  for_cases(24, [&](std::uint64_t seed) {
     play_random_sequences<Vboard_codes>(
         seed, true, 15, counts,
         [&](Scoreboard<Vboard_codes>& board, Random& random) {
@@ -90,10 +89,7 @@ TEST(CodesBoard, CountersCarryAndWrapAfterALongRun) {
           expect_time(board);
         },
         expect_time);
-    if (HasFailure()) {
-      return;
-    }
-  }
+  });
   EXPECT_GT(counts.delivered, 0U);
 }
 

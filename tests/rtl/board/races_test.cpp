@@ -13,13 +13,7 @@ namespace {
 
 TEST(Races, EveryFrameTakesTheSettingsInForceWhenItStarts) {
   RaceCounts counts;
-  for (const std::uint64_t seed : seeds(40)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    play_races<Vboard_codes>(seed, 250, counts);
-    if (HasFailure()) {
-      return;
-    }
-  }
+  for_cases(40, [&](std::uint64_t seed) { play_races<Vboard_codes>(seed, 250, counts); });
   if (!runs_all_cases()) {
     return;
   }

@@ -17,13 +17,7 @@ namespace {
 template <class Model>
 void play_all(int cases, const RandomFrames& limits) {
   FrameCounts counts;
-  for (const std::uint64_t seed : seeds(cases)) {
-    SCOPED_TRACE(how_to_repeat(seed));
-    play_random_frames<Model>(seed, limits, counts);
-    if (::testing::Test::HasFailure()) {
-      return;
-    }
-  }
+  for_cases(cases, [&](std::uint64_t seed) { play_random_frames<Model>(seed, limits, counts); });
   if (runs_all_cases()) {
     EXPECT_GT(counts.delivered, counts.frames / 3) << "too little of the board was seen";
     EXPECT_GT(counts.lost, 0U) << "losses were not seen";

@@ -1,0 +1,80 @@
+// Random frames for whatever computes column moments and strongest runs.
+#ifndef SELFPROJ_TESTS_SUPPORT_MOMENTS_FRAMES_H
+#define SELFPROJ_TESTS_SUPPORT_MOMENTS_FRAMES_H
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "model/column_moments.h"
+#include "model/column_runs.h"
+#include "model/packet_payload.h"
+#include "tests/support/random_cases.h"
+
+namespace selfproj::test {
+
+inline const std::vector<Mode> kModes{Mode::binary, Mode::grey, Mode::grey_over};
+
+struct MomentsFrame {
+  int columns = 4;
+  int rows = 1;
+  Mode mode = Mode::binary;
+  int threshold = 0;
+  std::vector<std::uint8_t> pixels;  // row by row
+  Select select = Select::all;
+  int gap = 0;
+  RowWindow window = {};
+};
+
+// The payload of its packet, by the model.
+inline std::vector<std::uint8_t> payload_of_moments(const MomentsFrame& frame) {
+  Runs runs;
+  runs.resize(frame.select, frame.columns);
+  measure_columns({frame.pixels.data(), frame.rows, frame.columns, frame.columns},
+                  {.mode = frame.mode,
+                   .threshold = frame.threshold,
+                   .select = frame.select,
+                   .gap = frame.gap,
+                   .window = frame.window},
+                  runs.view());
+  std::vector<std::uint8_t> payload(moments_payload_bytes(frame.mode, frame.columns));
+  pack_columns(frame.select, frame.mode, frame.columns, runs.view(), payload.data());
+  return payload;
+}
+
+// Pixels of few values or dark stretches, so that columns have several runs and equal ones.
+inline void fill_with_runs(Random& random, int threshold, std::vector<std::uint8_t>& pixels) {
+  const int dark_percent = random.between(10, 90);
+  const int values = random.chance(50) ? random.between(1, 3) : 255;
+  for (std::uint8_t& pixel : pixels) {
+    const int lit = std::min(threshold + random.between(1, values), 255);
+    pixel = static_cast<std::uint8_t>(random.chance(dark_percent) ? random.between(0, threshold) : lit);
+  }
+}
+
+// `runs`: the frame mostly asks for the strongest runs, and has several of them in a column.
+inline MomentsFrame random_moments_frame(Random& random, int columns, int rows, Mode mode, bool runs = false) {
+  MomentsFrame frame{.columns = columns, .rows = rows, .mode = mode};
+  frame.threshold = random.chance(20) ? 0 : random.chance(10) ? 255 : random.between(0, 255);
+  frame.pixels = random.bytes(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  if (random.chance(15)) {  // all pixels have one value, mostly an extreme one
+    std::fill(frame.pixels.begin(), frame.pixels.end(),
+              static_cast<std::uint8_t>(random.chance(70) ? 255 : random.between(0, 255)));
+  } else if (runs && random.chance(85)) {
+    frame.threshold = random.chance(50) ? 0 : random.between(0, 254);
+    fill_with_runs(random, frame.threshold, frame.pixels);
+  }
+  if (runs) {
+    frame.select = random.chance(75) ? Select::strongest : Select::all;
+    frame.gap = random.between(0, 3);
+  }
+  if (random.chance(30)) {
+    frame.window = {.first = random.between(0, rows), .last = random.chance(30) ? 0 : random.between(0, rows)};
+  }
+  return frame;
+}
+
+}  // namespace selfproj::test
+
+#endif  // SELFPROJ_TESTS_SUPPORT_MOMENTS_FRAMES_H
