@@ -62,7 +62,7 @@ class Mutant:
         options = collections.defaultdict(list)
         for key, value in re.findall(r"-(\w+) (\S+)", self.line):
             options[key].append(value)
-        places = [place.split("rtl/", 1)[1] for place in options["src"] if "/rtl/" in place]
+        places = [place.removeprefix("rtl/") for place in options["src"] if place.startswith("rtl/")]
         wire = "".join(f" of {w}[{b}]" for w, b in zip(options["wire"], options["wirebit"]))
         cell = re.sub(r"\$(/\S+/)?", "", options["cell"][0]) if options["cell"] else ""
         return f"{options['mode'][0]} {cell}.{options['port'][0]}[{options['portbit'][0]}]{wire}: " + ", ".join(
@@ -130,8 +130,8 @@ def changes_nothing(mutant, flat):
     with tempfile.TemporaryDirectory() as folder:
         before, after = pathlib.Path(folder) / "before", pathlib.Path(folder) / "after"
         flatten = "setattr -mod -unset keep_hierarchy *; flatten; opt_expr; opt_clean -purge"
-        script = (f"read_rtlil {flat}; {flatten}; write_rtlil {before}; design -reset; "
-                  f"read_rtlil {flat}; {mutant.line}; {flatten}; write_rtlil {after}")
+        script = (f'read_rtlil "{flat}"; {flatten}; write_rtlil "{before}"; design -reset; '
+                  f'read_rtlil "{flat}"; {mutant.line}; {flatten}; write_rtlil "{after}"')
         subprocess.run(["yosys", "-q", "-p", script], capture_output=True, check=True)
         # wires, cells and connections, in whatever order
         parts = [sorted(re.findall(r"^  wire .*?$|^  cell .*?^  end$|^  connect .*?$", path.read_text(), re.M | re.S))
@@ -178,7 +178,7 @@ def proved_equal(mutant, folder):
         before, after = pathlib.Path(working) / "before.il", pathlib.Path(working) / "after.il"
         before.write_text(flat.read_text())
         subprocess.run(
-            ["yosys", "-q", "-p", f"read_rtlil {flat}; {mutant.line}; write_rtlil {after}"],
+            ["yosys", "-q", "-p", f'read_rtlil "{flat}"; {mutant.line}; write_rtlil "{after}"'],
             capture_output=True,
             check=True,
         )
