@@ -136,7 +136,7 @@ declare -A does=(
   [build_sanitized]="build with the address and undefined-behaviour sanitizers"
   [test_sanitized]="tests with the sanitizers"
   [build_all]="build for speed: programs, tests, benchmarks"
-  [tidy_all]="clang-tidy on capi, host, model and sim"
+  [tidy_all]="clang-tidy on capi, constraints, host, model and sim"
   [test_all]="all tests; where PyPI is reached, also the bitstream for the ECPIX-5"
   [other_debian]="the other release of Debian, in a chroot: demo and quick tests"
 )

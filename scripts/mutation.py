@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""mutation.py [--sample N] [--jobs N] [--table FILE] FOLDER [NAME...]: runs the tests of rtl/ on mutants of its blocks.
+"""mutation.py [--sample N] [--jobs N] [--table FILE] [--folder FOLDER] [MODEL...]: runs the tests of tests/rtl on more
+than a thousand mutants of the blocks and the board, or on those of the models named (Vsp_fifo, ...).
 
-FOLDER holds what tests/netlist/CMakeLists.txt built: programs mutants_*, and mutants/MODEL/MODEL.mutants. NAMEs are
-models (Vsp_fifo); without NAMEs, all models run. A mutant is killed if a test that uses the model fails, or takes
-more than ten times its usual time. The tests run one by one, the quickest first, at first with one seed. Survivors go
-to Yosys: a mutant does not count if every output is proved equal to the original's. Mutants without such a proof then
-meet all tests with all seeds. With --sample only the first N mutants of each model run, without proofs: a quick check
-that the tools still work. The exit status is 1 if fewer than 95 % of the mutants that are not proved equal are killed.
+It builds them in build/release, unless FOLDER has what tests/netlist/CMakeLists.txt builds: programs mutants_*, and
+mutants/MODEL/MODEL.mutants. A mutant is killed if a test that uses the model fails, or takes more than ten times its
+usual time. The tests run one by one, the quickest first, at first with one seed. Survivors go to Yosys: a mutant does
+not count if every output is proved equal to the original's. Mutants without such a proof then meet all tests with all
+seeds. With --sample only the first N mutants of each model run, without proofs: a quick check that the tools still
+work. The exit status is 1 if fewer than 95 % of the mutants that are not proved equal are killed.
 
-If SELFPROJ_RESULTS names a folder, the figures of all models are written into its mutation.json. With NAMEs, only the
+If SELFPROJ_RESULTS names a folder, the figures of all models are written into its mutation.json. With MODELs, only the
 entries of these models are replaced. Each entry has the commit of its own run. Standard library only.
 """
 
@@ -28,9 +29,10 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
-import results  # noqa: E402
+import results
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+BUILD = ROOT / "build" / "release"
 TARGET = 0.95
 QUICK_S = 5
 PROOF_LIMIT_S = 20
@@ -228,7 +230,7 @@ def induction(module, before, after, working):
     return False
 
 
-def judge(mutant, folder, prove):
+def try_mutant(mutant, folder, prove):
     def times(of):
         return {(program.path, test): seconds for program in mutant.programs for test, seconds in of(program).items()
                 if test in program.uses[mutant.model]}
@@ -317,25 +319,34 @@ def record(figures, survivors, names):
     path = pathlib.Path(folder) / "mutation.json"
     earlier = json.loads(path.read_text()) if names and path.exists() else None
     stamp = {"date": datetime.datetime.now(datetime.timezone.utc).date().isoformat(), "commit": results.commit(ROOT)}
-    results.write("mutation", "Mutants of the blocks and the board under the tests of the RTL", "scripts/mutation.sh",
+    results.write("mutation", "Mutants of the blocks and the board under the tests of the RTL", "scripts/mutation.py",
                   merged(earlier, figures, survivors, stamp))
 
 
+def build():
+    """Builds the mutants, and returns their folder."""
+    if not (BUILD / "build.ninja").exists():
+        subprocess.run(["cmake", "--preset", "release", "--log-level=NOTICE"], cwd=ROOT, check=True)
+    subprocess.run(["cmake", "--build", BUILD, "--target", "mutants_all"], check=True)
+    return BUILD / "tests" / "netlist"
+
+
 def main():
-    parser = argparse.ArgumentParser(description="The tests of rtl/ on mutants of its blocks.")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sample", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--table", type=pathlib.Path, help="write the report into this file, too")
-    parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("names", nargs="*")
+    parser.add_argument("--folder", type=pathlib.Path)
+    parser.add_argument("models", nargs="*", metavar="MODEL")
     args = parser.parse_args()
+    folder = (args.folder or build()).resolve()
     started = time.monotonic()
-    mutants = collect(args.folder.resolve(), args.names, args.sample)
+    mutants = collect(folder, args.models, args.sample)
     if not mutants:
-        raise MutationError(f"{args.folder}: no mutants there; build the target mutants_all")
+        raise MutationError(f"{folder}: no mutants there; build the target mutants_all")
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
         for number, mutant in enumerate(
-            pool.map(lambda m: judge(m, args.folder.resolve(), not args.sample), mutants), 1
+            pool.map(lambda m: try_mutant(m, folder, not args.sample), mutants), 1
         ):
             if mutant.fate == "survives" or number % 100 == 0:
                 print(
@@ -345,7 +356,7 @@ def main():
     survivors = [f"{mutant.model} {mutant.number}: {mutant.text()}" for mutant in mutants if mutant.fate == "survives"]
     score = summed(figures)["score"] or 0
     if not args.sample:
-        record(figures, survivors, args.names)
+        record(figures, survivors, args.models)
     text = "\n".join(
         [
             *table_of(figures),
@@ -365,5 +376,5 @@ def main():
 if __name__ == "__main__":
     try:
         sys.exit(main())
-    except MutationError as error:
+    except (MutationError, subprocess.CalledProcessError) as error:
         sys.exit(f"mutation.py: {error}")
