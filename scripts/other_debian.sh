@@ -48,11 +48,7 @@ if $when; then last; exit 0; fi
 command -v debootstrap >/dev/null || skip "there is no debootstrap (scripts/setup.sh tests)"
 unshare --mount true 2>/dev/null || skip "no mount namespace is allowed"
 
-# The state of the sources: what git tracks or would track.
-files() { git ls-files -z --cached --others --exclude-standard | while IFS= read -r -d '' file; do
-  if [[ -f $file ]]; then printf '%s\0' "$file"; fi
-done; }
-state=$({ files | LC_ALL=C sort -z | xargs -0 sha256sum
+state=$({ scripts/lib/files.sh | tr '\n' '\0' | xargs -0 sha256sum
   find ../shared/data -type f -printf '%p %s\n' 2>/dev/null | LC_ALL=C sort || true
 } | sha256sum | cut -d ' ' -f 1)
 if ! $record && [[ -f $passed && $(sed -n 1p "$passed") == "$state" ]]; then
@@ -74,12 +70,16 @@ for file in /etc/apt/apt.conf.d/*proxy*; do
   if [[ -e $file ]]; then cp "$file" "$root/etc/apt/apt.conf.d/"; fi
 done
 
-# The sources without what a build made of them elsewhere
+# The sources without what a build made of them elsewhere, and their history. A clone has it in a worktree as well, but
+# has to be told where this branch leaves the one that it follows.
 sources=$root/selfproj
 rm -rf "$sources"
-mkdir -p "$sources"
-files | tar --create --null --files-from=- | tar --extract --directory "$sources"
-cp -r .git "$sources/.git"
+git clone --quiet --no-hardlinks --no-checkout "file://$PWD" "$sources"
+scripts/lib/files.sh | tar --create --verbatim-files-from --files-from=- | tar --extract --directory "$sources"
+git -C "$sources" reset --quiet
+if base=$(git merge-base HEAD '@{upstream}' 2>/dev/null); then
+  git -C "$sources" update-ref "refs/remotes/origin/$(git branch --show-current)" "$base"
+fi
 if [[ -d ../shared/data ]]; then
   mkdir -p "$root/shared/data"
 fi

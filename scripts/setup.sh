@@ -21,7 +21,7 @@ for_tests=(
   git python3 python3-pip                    # lists of sources, checks, headers of HLS tools
   python3-dev python3-venv                   # the Python package, and what comes from PyPI
   yosys iverilog z3                          # synthesis, lint, proofs
-  nextpnr-ice40                              # placement (scripts/fpga.sh)
+  nextpnr-ice40                              # placement (scripts/fpga.py)
   libgtest-dev libbenchmark-dev              # tests, benchmarks
   libopencv-contrib-dev                      # OpenCV's Gray decoder, for comparisons
   shellcheck ccache                          # checks of the scripts, builds after a change

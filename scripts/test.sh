@@ -35,18 +35,10 @@ done
 passed=build/test
 mkdir -p "$passed"
 
-# The files of the project, except deleted ones.
-sources() {
-  local file
-  git ls-files -z --cached --others --exclude-standard "$@" | while IFS= read -r -d '' file; do
-    if [[ -f $file ]]; then printf '%s\n' "$file"; fi
-  done
-}
-
 # A hash of all that the steps depend on.
 state_of_all() {
   {
-    sources | tr '\n' '\0' | LC_ALL=C sort -z | xargs -0 sha256sum
+    scripts/lib/files.sh | tr '\n' '\0' | xargs -0 sha256sum
     dpkg-query --show
     captures
   } | sha256sum | cut -d ' ' -f 1
@@ -66,16 +58,16 @@ check_rules() {
 
 check_scripts() {
   local files
-  mapfile -t files < <(sources '*.sh' .ci/run)
+  mapfile -t files < <(scripts/lib/files.sh '*.sh' .ci/run)
   shellcheck "${files[@]}"
   echo "${#files[@]} scripts"
 }
 
 check_format() {
   local files folder format=clang-format-14
-  mapfile -t files < <(sources '*.cpp' '*.h' | grep -v '/generated/')
+  mapfile -t files < <(scripts/lib/files.sh '*.cpp' '*.h' | grep -v '/generated/')
   if ! command -v "$format" >/dev/null; then  # not in Debian 13, whose version lays some lines out differently
-    folder=$(python3 -B scripts/pypi.py build/clang-format clang-format==14.0.6) ||
+    folder=$(python3 -B scripts/lib/pypi.py build/clang-format clang-format==14.0.6) ||
       { echo "skipped: there is no clang-format 14"; return; }
     format=$folder/clang-format
   fi
@@ -85,7 +77,7 @@ check_format() {
 
 lint_changed() {
   local modules
-  mapfile -t modules < <(scripts/changed.sh 'rtl/*/sp_*.sv' | grep -v sp_spec_pkg | sed 's|.*/||; s|[.]sv$||')
+  mapfile -t modules < <(scripts/lib/files.sh --changed 'rtl/*/sp_*.sv' | grep -v sp_spec_pkg | sed 's|.*/||; s|[.]sv$||')
   if ((${#modules[@]} > 0)); then scripts/lint_rtl.sh "${modules[@]}"; else echo "no module has changed"; fi
 }
 
@@ -97,7 +89,7 @@ build_quick() { scripts/build.sh quick all; }
 test_quick() {
   local files
   captures >"$passed/captures"
-  mapfile -t files < <(sources | grep -vE '[.](cpp|h|sv|md|py|sh|json)$')
+  mapfile -t files < <(scripts/lib/files.sh | grep -vE '[.](cpp|h|sv|md|py|sh|json)$')
   if $again; then rm -f build/quick/passed.json; fi
   python3 -B tests/quick.py select build/quick "$passed/captures" "${files[@]}"
   ctest --preset quick --parallel "$(($(nproc) + 1))" --progress
@@ -144,7 +136,7 @@ declare -A does=(
   [build_sanitized]="build with the address and undefined-behaviour sanitizers"
   [test_sanitized]="tests with the sanitizers"
   [build_all]="build for speed: programs, tests, benchmarks"
-  [tidy_all]="clang-tidy on capi, host, model and sim"
+  [tidy_all]="clang-tidy on capi, constraints, host, model and sim"
   [test_all]="all tests; where PyPI is reached, also the bitstream for the ECPIX-5"
   [other_debian]="the other release of Debian, in a chroot: demo and quick tests"
 )

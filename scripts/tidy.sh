@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # tidy.sh [--all | SOURCE...]: runs clang-tidy by run-clang-tidy over the C++ sources named; without any, over those that
 # differ from the branch that this one follows, or from the commit before if there is no difference. With --all these are
-# the sources of capi, host, model and sim. The compile options are those of the build for the quick tests, with --all
+# the sources of capi, constraints, host, model and sim. The compile options are those of the build for the quick tests, with --all
 # those of the release build, which must be there. As there, the sources of a library are then checked as one file, so
 # that headers are read once. The exit status is 1 if there is a finding.
 set -euo pipefail
@@ -29,7 +29,7 @@ command -v "run-clang-tidy$tidy" >/dev/null ||
 
 sources=("$@")
 if ((${#sources[@]} == 0)) && ! $all; then
-  mapfile -t sources < <(scripts/changed.sh '*.cpp')
+  mapfile -t sources < <(scripts/lib/files.sh --changed '*.cpp')
   if ((${#sources[@]} == 0)); then
     echo "tidy.sh: no source has changed"
     exit 0
@@ -46,7 +46,7 @@ import json, pathlib, re, sys
 root = pathlib.Path.cwd()
 build, folder = (root / name for name in sys.argv[1:3])
 wanted = {str(root / name) for name in sys.argv[3:]}
-product = re.compile("(capi|host|model|sim)/")
+product = re.compile("(capi|constraints|host|model|sim)/")
 entries, all_of_product = [], []
 for entry in json.loads((build / "compile_commands.json").read_text()):
     command = re.sub(r" -(Winvalid-pch|fpch-preprocess|include \S+cmake_pch\.hxx)", "", entry["command"])
@@ -72,7 +72,7 @@ fi
 # The analyzer does not look into templates, nearly all of which are from libraries; to analyze them takes six times as
 # long. A third of the default limit for the states of a function halves its time, and it still finds the same.
 "run-clang-tidy$tidy" -clang-tidy-binary "clang-tidy$tidy" -p "$folder" -quiet -j "$(nproc)" \
-  -header-filter="^$PWD/((hls|host|model|sim|tests)/|capi/.*[.]cpp$)" \
+  -header-filter="^$PWD/((constraints|hls|host|model|sim|tests)/|capi/.*[.]cpp$)" \
   -extra-arg=-Wno-unknown-warning-option -extra-arg=-Xclang -extra-arg=-analyzer-config -extra-arg=-Xclang \
   -extra-arg=c++-template-inlining=false,max-nodes=75000 "${files[@]}" >"$folder/output" 2>&1 || {
   grep -vE '^\[|^$|warnings? generated|^clang-tidy' "$folder/output" >&2

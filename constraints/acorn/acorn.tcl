@@ -2,13 +2,13 @@
 # From the sources to a bitstream, an image of the flash, and reports, in build/acorn/vivado. It has not been run yet,
 # because the vendor's tools were not at hand. PART is xc7a200tfbg484-3 for an Acorn CLE-215+, xc7a200tfbg484-2 for a
 # CLE-215 or NiteFury, xc7a100tfgg484-2 for a CLE-101 or LiteFury; NAME=VALUE are parameters of the module acorn.
-# scripts/litepcie_core.sh makes the core and the commands for the vendor's block before.
+# constraints/acorn/litepcie_core.py makes the core and the commands for the vendor's block before.
 if {$argc < 1} { error "usage: vivado -mode batch -source constraints/acorn/acorn.tcl -tclargs PART ?NAME=VALUE ...?" }
 set here [file dirname [file normalize [info script]]]
 set root [file dirname [file dirname $here]]
 set made [file join $root build acorn]
 set out [file join $made vivado]
-if {![file exists [file join $made pcie_s7.tcl]]} { error "run scripts/litepcie_core.sh first" }
+if {![file exists [file join $made pcie_s7.tcl]]} { error "run constraints/acorn/litepcie_core.py first" }
 file mkdir $out
 create_project -force -part [lindex $argv 0] acorn $out
 source [file join $made pcie_s7.tcl]

@@ -1,25 +1,18 @@
-// Test bench of gray_decoder_top() for an HLS tool's C simulation and co-simulation: random pairs of patterns, every
-// code compared with the definition. Returns 0 where all is right. C++14, nothing but the kernel's own header and the
-// standard library.
+// Test bench of gray_decoder_top(): random pairs of patterns, every code compared with the definition. Returns 0 where
+// all is right.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <vector>
 
 #include "hls/gray_decoder.h"
+#include "hls/vitis/bench.h"
 
 namespace {
 
 namespace kernel = selfproj::hls;
 using Image = std::vector<std::uint8_t>;
 using Codes = std::vector<unsigned>;
-
-// A small generator of its own: the same frames on every machine.
-std::uint32_t random_bits() {
-  static std::uint64_t state = 1;
-  state = state * 6364136223846793005U + 1442695040888963407U;
-  return static_cast<std::uint32_t>(state >> 33U);
-}
 
 // The code of a pixel out of the whole history, images 2p and 2p + 1 being the pair p of all.
 unsigned code_of(const std::vector<Image>& history, std::size_t pixel, unsigned bits, int threshold) {
@@ -71,15 +64,12 @@ void sequence(unsigned columns, unsigned rows, unsigned bits, unsigned threshold
   for (unsigned frame = 0; frame < 4 * bits + 2; ++frame) {
     Image image(columns * rows);
     for (std::size_t i = 0; i < image.size(); ++i) {
-      const unsigned near = frame % 2 == 0 ? random_bits() : history.back()[i] + random_bits() % (3 * threshold + 8);
+      const unsigned near =
+          frame % 2 == 0 ? bench::random_bits() : history.back()[i] + bench::random_bits() % (3 * threshold + 8);
       image[i] = static_cast<std::uint8_t>(near);
     }
     history.push_back(image);
-    for (std::size_t at = 0; at < image.size(); at += 4) {
-      const std::uint32_t four = image[at] | std::uint32_t{image[at + 1]} << 8U | std::uint32_t{image[at + 2]} << 16U |
-                                 std::uint32_t{image[at + 3]} << 24U;
-      video.write(kernel::axis_beat<32>(four, at == 0, at % columns == columns - 4));
-    }
+    bench::send(image, columns, video);
     for (unsigned call = 0; call < columns * rows / 4 + columns / 4 + 16; ++call) {
       gray_decoder_top(video, columns, rows, bits, threshold, filtered ? 1 : 0, frame % (2 * bits), codes);
     }

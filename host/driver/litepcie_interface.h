@@ -1,7 +1,7 @@
 // LitePCIe as a program sees it: the requests of its kernel driver, and the places of registers in its core.
 //
 // These are facts of the package litepcie 2024.12 on PyPI (its folder litepcie/software/kernel), and of the core that
-// constraints/acorn/litepcie.yml describes. scripts/litepcie_core.sh compares the places with what LitePCIe's generator
+// constraints/acorn/litepcie.yml describes. litepcie_core.py there compares the places with what LitePCIe's generator
 // writes.
 #ifndef SELFPROJ_HOST_DRIVER_LITEPCIE_INTERFACE_H
 #define SELFPROJ_HOST_DRIVER_LITEPCIE_INTERFACE_H

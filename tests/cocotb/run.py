@@ -17,8 +17,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-import pypi  # noqa: E402
-import rtl_tree  # noqa: E402
+from lib import pypi, rtl_tree  # noqa: E402
 
 COCOTB = pypi.Environment(ROOT / "build" / "cocotb", ["cocotb==1.9.2", "cocotbext-axi==0.1.24", "numpy==2.4.6"],
                           "--only-binary", "numpy,cocotb")

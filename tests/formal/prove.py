@@ -26,7 +26,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 import results  # noqa: E402
-import rtl_tree  # noqa: E402
+from lib import rtl_tree  # noqa: E402
 from proofs import FAULTS, PROOFS  # noqa: E402
 
 

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""Tests what mutation.py writes where only some of the models have run. Standard library only."""
+"""Tests what scripts/mutation.py writes where only some of the models have run. Standard library only."""
 
+import pathlib
+import sys
 import unittest
 
-import mutation
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import mutation  # noqa: E402
 
 ENTRY = {"mutants": 10, "killed": 8, "by_time": 1, "equal": 1, "survive": 1, "score": 8 / 9}
 FILE = {"date": "2026-01-02", "commit": "old", "results": {"all": {}, "models": {"Va": ENTRY, "Vb": ENTRY}}}

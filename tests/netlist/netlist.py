@@ -3,9 +3,9 @@
 
 Makes a netlist of a module of rtl/ by Yosys, and of that netlist a Verilated model, class NAME, in FOLDER:
 
-    mapped   mapped to the cells of the iCE40 as scripts/fpga.sh maps the board: LUTs, carry chains, flip-flops, block
+    mapped   mapped to the cells of the iCE40 as scripts/fpga.py maps the board: LUTs, carry chains, flip-flops, block
              RAM. The cells are those of Yosys's own simulation library.
-    ecp5     the same for the ECP5, with every memory in block RAM and treated by constraints/ecp5_memories.py. The
+    ecp5     the same for the ECP5, with every memory in block RAM and treated by constraints/ecp5/ecp5_memories.py. The
              block RAM is that of dp16kd.vh.
     mutants  flat, of Yosys's words (adders, multiplexers, registers), with N mutations. An input `mutant` of 16 bits
              turns on the mutation of its number (0: none), and NAME.mutants lists them, one a line, from number 1 on.
@@ -20,31 +20,18 @@ import argparse
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
 import fpga  # noqa: E402
-import rtl_tree  # noqa: E402
+from lib import rtl_tree, tools  # noqa: E402
 
 SELECT_BITS = 16
 BOARD = "sp_board"
 # Its users start it at zero, so no run reaches its upper chains. In its own netlist it begins just before each carry.
 COUNTER = "sp_counter"
-
-
-class NetlistError(Exception):
-    """A tool failed."""
-
-
-def run(command, folder=None):
-    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    if result.returncode != 0:
-        said = [line for line in (result.stdout + result.stderr).splitlines() if not line.startswith(">")]
-        raise NetlistError(f"{command[0]}: " + "\n".join(said[-5:]))
-    return result.stdout
 
 
 def cells_of(netlist, family):
@@ -64,7 +51,7 @@ def cells_of(netlist, family):
         names = set(re.findall(r"^\s*([A-Z]\w+) (?:#\(|\S+ +\()", "\n".join(new), re.M)) - set(used)
         missing = names - set(models)
         if missing:
-            raise NetlistError(f"{path}: {', '.join(sorted(missing))} is not there")
+            raise tools.ToolError(f"{path}: {', '.join(sorted(missing))} is not there")
         used += sorted(names)
         new = [models[name] for name in sorted(names)]
     if "DP16KD" in used:
@@ -72,50 +59,40 @@ def cells_of(netlist, family):
     return "\n".join([macros, *(models[name] for name in used), ""])
 
 
+def yosys(commands, folder):
+    tools.run(["yosys", "-q", "-p", commands], folder)
+
+
 def write_mapped(top, read, path):
-    command = fpga.mapping("ice40", top)
     # single wires instead of vectors; otherwise a vector that feeds one of its own bits looks like a loop
-    run(
-        [
-            "yosys", "-q", "-p",
-            f"{read}hierarchy -check -top {top}; rename -top {top}; {command}; splitnets; write_verilog -noattr {path}",
-        ]
-    )
+    yosys(f"{read}hierarchy -check -top {top}; rename -top {top}; {fpga.mapping('ice40', top)}; splitnets; "
+          f"write_verilog -noattr {path.name}", path.parent)
     netlist = path.read_text()
     path.write_text(cells_of(netlist, "ice40") + netlist)
 
 
 def write_ecp5(top, read, path):
-    mapped, absorbed = (path.with_suffix(suffix) for suffix in (".mapped.json", ".json"))
-    command = f"{fpga.mapping('ecp5', top)} -nolutram"
-    run(["yosys", "-q", "-p", f"{read}hierarchy -check -top {top}; rename -top {top}; {command}; write_json {mapped}"])
-    print(
-        f"{top}:", run([sys.executable, str(ROOT / "constraints/ecp5_memories.py"), str(mapped), str(absorbed)]).strip()
-    )
-    run(["yosys", "-q", "-p", f"read_json {absorbed}; splitnets; write_verilog -noattr {path}"])
+    mapped, absorbed = (path.with_suffix(suffix).name for suffix in (".mapped.json", ".json"))
+    yosys(f"{read}hierarchy -check -top {top}; rename -top {top}; {fpga.mapping('ecp5', top)} -nolutram; "
+          f"write_json {mapped}", path.parent)
+    print(f"{top}:", tools.run([*fpga.ECP5_MEMORIES[:2], mapped, absorbed], path.parent).strip())
+    yosys(f"read_json {absorbed}; splitnets; write_verilog -noattr {path.name}", path.parent)
     netlist = path.read_text()
     path.write_text(cells_of(netlist, "ecp5") + netlist)
 
 
 def write_mutants(top, read, path, mutants, codes):
     listing = path.with_suffix(".mutants")
-    flat = path.with_suffix(".il")
+    flat = path.with_suffix(".il").name
     cells = "t:*" if top == COUNTER else f"{top}/{'*gen_codes*' if codes else 't:*'} a:src=*{COUNTER}.sv* %d"
     # modules of the board that contain blocks are flattened, and the blocks are their cells
     blocks = f"setattr -mod -set keep_hierarchy 1 *sp_* {BOARD} %d *_path %d; " if top == BOARD else ""
     lines, listed, asked = [], [], 0
     while not lines or len(lines) < mutants and len(listed) == asked:
         asked = mutants + len(listed) - len(lines)
-        choose = f"mutate -list {asked} -seed 1 -o {listing} {cells}; " if mutants else ""
-        run(
-            [
-                "yosys",
-                "-q",
-                "-p",
-                f"{read}hierarchy -check -top {top}; rename -top {top}; proc; {blocks}flatten; opt -full; "
-                f"memory -nomap; opt_dff; opt_clean; check -assert; {choose}write_rtlil {flat}",
-            ]
-        )
+        choose = f"mutate -list {asked} -seed 1 -o {listing.name} {cells}; " if mutants else ""
+        yosys(f"{read}hierarchy -check -top {top}; rename -top {top}; proc; {blocks}flatten; opt -full; "
+              f"memory -nomap; opt_dff; opt_clean; check -assert; {choose}write_rtlil {flat}", path.parent)
         if not mutants:
             break
         listed = listing.read_text().splitlines()
@@ -125,28 +102,23 @@ def write_mutants(top, read, path, mutants, codes):
     script = [f"read_rtlil {flat}"]
     for number, line in enumerate(lines, 1):
         script.append(line.replace("mutate ", f"mutate -ctrl mutant {SELECT_BITS} {number} ", 1))
-    script += [
-        "setattr -mod -unset keep_hierarchy *", "flatten", "splitnets", "opt_clean", f"write_verilog -noattr {path}",
-    ]
+    script += ["setattr -mod -unset keep_hierarchy *", "flatten", "splitnets", "opt_clean",
+               f"write_verilog -noattr {path.name}"]
     commands = path.with_suffix(".ys")
     commands.write_text("\n".join(script) + "\n")
-    run(["yosys", "-q", "-s", str(commands)])
+    tools.run(["yosys", "-q", "-s", commands.name], path.parent)
 
 
 def verilate(verilator, top, prefix, path):
     folder = path.parent / f"{prefix}.dir"
     shutil.rmtree(folder, ignore_errors=True)  # files of an earlier netlist, which may have had more of them
-    run(
-        [
-            verilator, "--cc", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--top", top, "--prefix", prefix,
-            "--Mdir", folder.name, "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Werror-PINMISSING", path.name,
-        ],
-        path.parent,
-    )
+    tools.run([verilator, "--cc", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--top", top, "--prefix", prefix,
+               "--Mdir", folder.name, "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Werror-PINMISSING", path.name],
+              path.parent)
     sources = sorted(folder.glob("*.cpp"))
     path.with_suffix(".cpp").write_text("".join(f'#include "{source}"\n' for source in sources))
     path.with_suffix(".h").write_text(f'#include "{folder}/{prefix}.h"\n')
-    ports = run([sys.executable, str(ROOT / "tests/rtl/blocks/list_ports.py"), prefix, str(folder / f"{prefix}.h")])
+    ports = tools.run([sys.executable, ROOT / "tests/rtl/blocks/list_ports.py", prefix, folder / f"{prefix}.h"])
     (path.parent / f"{prefix}_ports.h").write_text(ports)
 
 
@@ -162,7 +134,13 @@ def main():
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     path = args.out.resolve() / f"{args.prefix}.v"
-    read = rtl_tree.read_command(args.top, args.parameters)
+    # The tools run in the folder, and have no path of the machine to read: Yosys's commands and its lists of mutants
+    # take no blank in one.
+    rtl = path.parent / "rtl"
+    rtl.unlink(missing_ok=True)
+    rtl.symlink_to(ROOT / "rtl")
+    files = [source.relative_to(ROOT) for source in rtl_tree.sources()]
+    read = rtl_tree.read_command(args.top, args.parameters, files=files)
     if args.kind == "mapped":
         write_mapped(args.top, read, path)
     elif args.kind == "ecp5":
@@ -174,7 +152,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except NetlistError as error:
-        sys.exit(f"netlist.py: {error}")
+    tools.exit_of(main)

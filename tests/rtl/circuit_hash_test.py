@@ -1,15 +1,15 @@
-"""scripts/circuit_hash.py tells circuits apart, and nothing else; the order of a netlist follows from its names."""
+"""The hash of scripts/lib/yosys.py tells circuits apart, and nothing else; the order of a netlist follows from its names;
+scripts/fpga.py names the worst path of a placement."""
 
 import json
 import pathlib
 import random
-import subprocess
 import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
-import circuit_hash  # noqa: E402
-import fpga_reports  # noqa: E402
+import fpga  # noqa: E402
+from lib import yosys  # noqa: E402
 
 ADD = """
 module sp_add #(parameter int Width = 4, parameter bit Spare = 1'b0) (
@@ -40,14 +40,10 @@ endmodule
 """
 
 
-def run(command, folder):
-    subprocess.run(command, cwd=folder, check=True, capture_output=True)
-
-
 def hash_of(add=ADD, top=TOP, order=("add.sv", "top.sv")):
     texts = {"add.sv": add, "top.sv": top}
     read = f"read_verilog -sv {' '.join(order)}; "
-    return circuit_hash.circuit(run, read, {pathlib.Path(name): texts[name] for name in order}, "sp_top")
+    return yosys.circuit_hash(read, {pathlib.Path(name): texts[name] for name in order}, "sp_top")
 
 
 class CircuitHash(unittest.TestCase):
@@ -99,7 +95,7 @@ class Canonical(unittest.TestCase):
             for net in body["netnames"].values():
                 net["bits"] = number(net["bits"])
             body["cells"]["cell_3"]["connections"]["I0"] = number([wire])
-            return fpga_reports.canonical(json.dumps({"modules": {"top": body}}))
+            return yosys.canonical(json.dumps({"modules": {"top": body}}))
 
         self.assertEqual(netlist(1, False), netlist(2, False))
         self.assertEqual(netlist(1, False), netlist(3, True))
@@ -122,8 +118,8 @@ class WorstPath(unittest.TestCase):
     def test_a_path_is_named_by_the_register_in_which_it_begins(self):
         for first, begins in (("u_video_in.q_o_SB_DFF_Q_37_DFFLC.O", "`u_video_in.q_o` of the pins → `u_encoder`"),
                               ("u_board.u_encoder.reset_q_SB_DFF_Q_DFFLC.O", "`u_encoder.reset_q` → `u_encoder`")):
-            self.assertEqual(fpga_reports.worst_path(PATH.format(first=first)), f"{begins} → `u_info.u_time`")
-        self.assertEqual(fpga_reports.worst_path("no report"), "?")
+            self.assertEqual(fpga.worst_path(PATH.format(first=first)), f"{begins} → `u_info.u_time`")
+        self.assertEqual(fpga.worst_path("no report"), "?")
 
 
 if __name__ == "__main__":

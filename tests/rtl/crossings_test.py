@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests scripts/crossings.py: it must name each fault planted in a copy of rtl/.
+"""Tests crossings.py: it must name each fault planted in a copy of rtl/.
 
 Standard library only.
 """
@@ -11,7 +11,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-import rtl_tree  # noqa: E402
+from lib import rtl_tree  # noqa: E402
 
 BOARD = ["--parameters", "MaxColumns=64", "MaxRows=40", "Image=1'b0"]
 MEDIUM = ["--top", "sp_camera_link", "--parameters", "Taps=4"]
@@ -53,7 +53,7 @@ def main():
         with tempfile.TemporaryDirectory(prefix="crossings.") as folder:
             copy = rtl_tree.plant(folder, file, old, new)
             result = subprocess.run(
-                [sys.executable, ROOT / "scripts" / "crossings.py", "--rtl", copy, *options],
+                [sys.executable, ROOT / "tests" / "rtl" / "crossings.py", "--rtl", copy, *options],
                 capture_output=True,
                 text=True,
                 check=False,

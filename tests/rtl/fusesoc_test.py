@@ -17,7 +17,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-import pypi  # noqa: E402
+from lib import pypi  # noqa: E402
 
 FUSESOC = pypi.Environment(ROOT / "build" / "fusesoc", ["fusesoc==2.4.7"])
 EXAMPLE = ROOT / "tests" / "rtl" / "example"

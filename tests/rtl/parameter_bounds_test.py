@@ -20,7 +20,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 import module_tables  # noqa: E402
-import rtl_tree  # noqa: E402
+from lib import rtl_tree  # noqa: E402
 
 RULE = re.compile(r"^\s+(\w+) u_error \(\);$", re.MULTILINE)
 MORE = [ROOT / "constraints" / "acorn" / "acorn_dma.sv"]

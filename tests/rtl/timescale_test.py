@@ -11,7 +11,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-import rtl_tree  # noqa: E402
+from lib import rtl_tree  # noqa: E402
 
 EXAMPLE = ROOT / "tests" / "rtl" / "example"
 BENCH = (EXAMPLE / "first_frame_tb.sv").read_text(encoding="utf-8")

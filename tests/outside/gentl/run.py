@@ -17,7 +17,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT / "tests" / "outside"), str(ROOT / "scripts")]
 import consumer  # noqa: E402
-import pypi  # noqa: E402
+from lib import pypi  # noqa: E402
 
 HARVESTER = pypi.Environment(ROOT / "build" / "gentl-tests",
                              ["genicam==1.6.0", "harvesters==1.4.3", "numpy==2.4.6"], "--only-binary", ":all:")

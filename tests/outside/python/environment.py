@@ -6,7 +6,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "scripts"))
-import pypi  # noqa: E402
+from lib import pypi  # noqa: E402
 
 PACKAGE = pypi.Environment(ROOT / "build" / "python-tests",
                            ["nanobind==3.1.0", "numpy==2.4.6", "scikit-build-core==1.1.2"], "--only-binary", ":all:")

@@ -1,5 +1,5 @@
 // Tests the front end for Camera Link from its LVDS lanes on: bits with skew and jitter, edges in picoseconds, sampled
-// by the ECP5's deserializer (sim/target/ecp5_gearing_cells.sv). The PLLs are here, in C++.
+// by the ECP5's deserializer (constraints/common/ecp5_cells.sv). The PLLs are here, in C++.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,0 +1,131 @@
+// Cells of the ECP5 that LiteEth's PHY and the deserializer for Camera Link use, as far as a
+// simulation without delays needs them.
+`default_nettype none
+
+// verilator lint_off DECLFILENAME
+// verilator lint_off UNUSEDSIGNAL
+// verilator lint_off UNUSEDPARAM
+
+module ODDRX1F (
+  input  wire logic D0,
+  input  wire logic D1,
+  input  wire logic SCLK,
+  input  wire logic RST,
+  output logic      Q
+);
+  logic first_q, second_q;
+  always_ff @(posedge SCLK) {first_q, second_q} <= {D0, D1};
+  assign Q = SCLK ? first_q : second_q;
+endmodule
+
+module IDDRX1F (
+  input  wire logic D,
+  input  wire logic SCLK,
+  input  wire logic RST,
+  output logic      Q0,
+  output logic      Q1
+);
+  logic rising_q, falling_q;
+  always_ff @(posedge SCLK) rising_q <= D;
+  always_ff @(negedge SCLK) falling_q <= D;
+  always_ff @(posedge SCLK) {Q0, Q1} <= {rising_q, falling_q};
+endmodule
+
+module DELAYG #(
+  parameter DEL_MODE = "",
+  parameter DEL_VALUE = 0
+) (
+  input  wire logic A,
+  output logic      Z
+);
+  assign Z = A;
+endmodule
+
+module FD1S3BX (
+  input  wire logic D,
+  input  wire logic CK,
+  input  wire logic PD,
+  output logic      Q
+);
+  always_ff @(posedge CK or posedge PD) begin
+    if (PD) Q <= 1'b1;
+    else Q <= D;
+  end
+endmodule
+
+module TRELLIS_IO #(
+  parameter DIR = ""
+) (
+  input  wire logic B,
+  input  wire logic I,
+  input  wire logic T,
+  output logic      O
+);
+  assign O = B;
+endmodule
+
+// --- The deserializer's, as Lattice's technical note FPGA-TN-02035 describes them; that each rise
+// of ALIGNWD moves the words by two samples is from there, too ---
+
+module ECLKSYNCB (
+  input  wire logic ECLKI,
+  input  wire logic STOP,
+  output logic      ECLKO
+);
+  assign ECLKO = ECLKI && !STOP;
+endmodule
+
+// Only by 3.5: seven edges of CLKI a period. After a rise of ALIGNWD it pauses for two edges.
+module CLKDIVF #(
+  parameter DIV = "3.5",
+  parameter GSR = "DISABLED"
+) (
+  input  wire logic CLKI,
+  input  wire logic RST,
+  input  wire logic ALIGNWD,
+  output logic      CDIVX
+);
+  logic [2:0] edge_q;
+  logic [1:0] pause_q;
+  logic       align_q;
+  always @(posedge CLKI or negedge CLKI or posedge RST) begin
+    if (RST) begin
+      edge_q  <= '0;
+      pause_q <= '0;
+      align_q <= 1'b0;
+      CDIVX   <= 1'b0;
+    end else begin
+      align_q <= ALIGNWD;
+      if (ALIGNWD && !align_q) pause_q <= 2'd2;
+      else if (pause_q != '0) pause_q <= pause_q - 1'b1;
+      if (pause_q == '0) begin
+        edge_q <= edge_q == 3'd6 ? '0 : edge_q + 1'b1;
+        CDIVX  <= edge_q < 3'd3;
+      end
+    end
+  end
+endmodule
+
+// The seven samples before a rise of SCLK, the last one taken by the edge of ECLK that raises it
+module IDDR71B #(
+  parameter GSR = "ENABLED"
+) (
+  input  wire logic D,
+  input  wire logic ECLK,
+  input  wire logic SCLK,
+  input  wire logic RST,
+  input  wire logic ALIGNWD,
+  output logic      Q0,
+  output logic      Q1,
+  output logic      Q2,
+  output logic      Q3,
+  output logic      Q4,
+  output logic      Q5,
+  output logic      Q6
+);
+  logic [6:0] shift_q;
+  always @(posedge ECLK or negedge ECLK) shift_q <= {D, shift_q[6:1]};
+  always_ff @(posedge SCLK) {Q6, Q5, Q4, Q3, Q2, Q1, Q0} <= shift_q;
+endmodule
+
+`default_nettype wire
