@@ -57,7 +57,7 @@ def problems_of_navigation(root, pages):
     listed = re.findall(r"(?<=[\s:])([\w./-]+\.md)\s*$", text, re.MULTILINE)
     # The site takes in the READMEs of the folders (scripts/site_pages.py). It names a page of docs/ without docs/.
     there = {page.name.removeprefix("docs/"): page.name for page in pages
-             if page.name.startswith("docs/") or page.name.endswith("/README.md")}
+             if page.name.startswith(("docs/", "lab/")) or page.name.endswith("/README.md")}
     for name in sorted(set(listed) - set(there)):
         yield f"mkdocs.yml: no page {name}"
     for name in sorted(set(there) - set(listed)):
