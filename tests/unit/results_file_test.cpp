@@ -48,10 +48,11 @@ TEST_F(ResultsFile, HasTheEnvelope) {
 // One record a line, as scripts/results.py writes it too.
 TEST_F(ResultsFile, IsCompact) {
   name_folder(folder_ / "results");
-  write_results("speed", "", {{"a", {{"b", {1, 2}}}},
-                              {"list", {{{"x", {{"y", {{"z", 1}}}}}}}},
-                              {"deep", {{"x", {{"y", {{"z", 1}}}}}}},
-                              {"table", {{"header", {"mm"}}, {"rows", {{"0.1"}, {"0.2"}}}}}});
+  write_results("speed", "",
+                {{"a", {{"b", {1, 2}}}},
+                 {"list", {{{"x", {{"y", {{"z", 1}}}}}}}},
+                 {"deep", {{"x", {{"y", {{"z", 1}}}}}}},
+                 {"table", {{"header", {"mm"}}, {"rows", {{"0.1"}, {"0.2"}}}}}});
   EXPECT_THAT(read_text(folder_ / "results/speed.json"), ::testing::EndsWith(R"(
  "results": {
   "a": {"b":[1,2]},
