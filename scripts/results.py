@@ -328,6 +328,8 @@ def without_code(text):
 def filled(text, tables):
     """Returns the document with its tables and figures brought up to date."""
     code_free = without_code(text)
+    if early := re.search(r"^[ ]*<!-- =", code_free, re.M):  # Markdown takes the line as HTML
+        raise ResultsError(f"{line_of(text, early.start())}: a line begins with a figure; put a word before it")
     for opening in re.finditer(r"<!-- (?:table \S+|=\S.*?) -->", code_free):
         if not (BLOCK.match(text, opening.start()) or FIGURE.match(text, opening.start())):
             raise ResultsError(f"{line_of(text, opening.start())}: {opening[0]} without its <!-- end -->")
