@@ -156,7 +156,7 @@ struct RigHeights {
   std::vector<double> corrections_mm;
 };
 
-// What tells one part from the next (host/production).
+// What tells one part from the next (host/parts).
 enum class PartCut : std::uint8_t {
   profile,   // a part begins where profiles are higher than above_mm, and ends where they are not any more
   distance,  // every length_mm of the belt is a part

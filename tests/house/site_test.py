@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Builds the site of the documents and looks at every page in Chromium, as wide as on a desk and as on a telephone: no
-table is cut off, no page is wider than the window, no picture is missing.
+table is cut off, no page is wider than the window, no picture is missing, and nothing is asked for elsewhere.
 
     site_test.py PROGRAMS [--pictures DIR]
 
@@ -8,9 +8,12 @@ PROGRAMS is the folder of selfproj and selfproj-sim. With --pictures, DIR gets a
 The exit status is 77 where PyPI is not reached or there is no Chromium. Standard library only.
 """
 
+import functools
+import http.server
 import pathlib
 import subprocess
 import sys
+import threading
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/cli"))
@@ -41,14 +44,31 @@ return faults;
 """
 
 
-def look(page, pictures):
+class Server:
+    """Serves the site while it lives."""
+
+    class Handler(http.server.SimpleHTTPRequestHandler):
+        def log_message(self, *_):
+            pass
+
+    def __enter__(self):
+        self.http = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(self.Handler, directory=SITE))
+        threading.Thread(target=self.http.serve_forever, daemon=True).start()
+        return f"http://127.0.0.1:{self.http.server_port}"
+
+    def __exit__(self, *_):
+        self.http.shutdown()
+        self.http.server_close()
+
+
+def look(page, address, pictures):
     """Yields the faults of all pages."""
     files = sorted(SITE.rglob("*.html"))
     for width in WIDTHS:
         page.show_as("light", width)
         for file in files:
             name = file.relative_to(SITE).as_posix()
-            page.open(file.as_uri())
+            page.open(f"{address}/{name}")
             page.wait_for("return document.readyState === 'complete' && !document.querySelector("
                           "'article table:not([class])') || [...document.querySelectorAll('article table')]"
                           ".every(table => table.closest('.md-typeset__scrollwrap'))", name)
@@ -56,6 +76,11 @@ def look(page, pictures):
                 yield f"{name} at {width} px: {fault}"
             if pictures and name in SHOWN:
                 page.picture(pictures / f"{name.replace('/', '-').removesuffix('.html')}-{width}.png")
+    for asked in page.asked():
+        if not asked.startswith((address, "data:", "blob:")):
+            yield f"asks for {asked}"
+    for error in page.errors():
+        yield f"logs {error['message']}"
     print(f"{len(files)} pages at {' and '.join(map(str, WIDTHS))} px")
 
 
@@ -69,7 +94,8 @@ def main():
         return status
     page = chromium.Chromium()
     try:
-        faults = list(look(page, pictures))
+        with Server() as address:
+            faults = list(look(page, address, pictures))
     finally:
         page.close()
     print("\n".join(faults))
