@@ -210,7 +210,7 @@ std::vector<std::string> run_worlds(const ExperimentOptions& options, std::optio
     ShownProgress progress("world");
     result = run_robustness(experiment, std::ref(progress));
   }
-  for (const ReportTable& table : result.tables) {
+  for (const ReportTable& table : result.page.tables) {
     print(table);
   }
   nlohmann::ordered_json figures = {{"tables", json_of(result.tables)}, {"not_reached", result.not_reached}};

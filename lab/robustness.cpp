@@ -115,6 +115,7 @@ class Robustness {
     result_.page.title = "Experiment robustness";
     result_.page.subtitle = "A2 and B4 in a world that is not ideal";
     result_.page.tables = result_.tables;
+    result_.page.tables.insert(result_.page.tables.end(), result_.curves.begin(), result_.curves.end());
     result_.data = data_.dump();
     return std::move(result_);
   }
@@ -215,7 +216,7 @@ class Robustness {
       result_.page.plots.push_back(std::move(wrong));
     }
     result_.tables.push_back(std::move(summary));
-    result_.tables.push_back(std::move(table));
+    result_.curves.push_back(std::move(table));
   }
 
   // With each preset of gloss, each disturbance at its default: what costs most in A2, mode grey-over.

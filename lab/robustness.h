@@ -23,6 +23,7 @@ struct RobustnessOptions {
 
 struct RobustnessResult {
   std::vector<ReportTable> tables;
+  std::vector<ReportTable> curves;       // the same over the strength of each disturbance; `data` has them as numbers
   std::vector<std::string> not_reached;  // one line for each bound of the false points that does not hold
   std::string data;                      // all figures as numbers, JSON
   ReportPage page;

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""results.py: handles figures as data (results/*.json), and the tables of the documents that are generated from them.
+"""results.py: handles figures as data, and the tables of the documents that are generated from them: results/*.json
+and results/tables.toml, those of the laboratory in lab/results/.
 
     results.py update [ROOT]     rewrites the tables and figures in all Markdown files
     results.py check [ROOT]      exit status 1 where one differs from what results/ says, or is typed a second time
@@ -8,17 +9,18 @@
 Programs write a result where the environment variable SELFPROJ_RESULTS names a folder: C++ by host/files/results_file.h,
 Python by write() below. Both give the same envelope: about, command, date, commit, machine, results.
 
-results/tables.toml defines the tables. In a document a table stands between two comments, and so does a figure within
+tables.toml defines the tables. In a document a table stands between two comments, and so does a figure within
 a sentence, which is named by a reference as in a cell:
 
     <!-- table NAME -->               <!-- =bench_gray/decode/cache_per_s:,.0f -->38,834<!-- end -->
     ...
     <!-- end -->
 
-A cell is a text with references in braces. NAME/KEY/KEY:FORMAT is a value of results/NAME.json in Python's format; M
+A cell is a text with references in braces. NAME/KEY/KEY:FORMAT is a value of NAME.json in Python's format; M
 before the format shows millions, % a percentage. Of a table that a program wrote (header, rows) the keys are the names
 of a row and of a column. NAME/KEY >= NUMBER is a goal: it shows the sign and the number, and the column `met` follows
-from it. In a table with `each`, /KEY is a value of the row's own object and @ is its name. Standard library only.
+from it. In a table with `each`, /KEY is a value of the row's own object and @ is its name; `for` has a list of words
+for each row, which stand for $1, $2, ... in the columns. Standard library only.
 """
 
 import argparse
@@ -33,6 +35,7 @@ import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 VARIABLE = "SELFPROJ_RESULTS"
+FOLDERS = ("results", "lab/results")
 ENVELOPE = ["about", "command", "date", "commit", "machine", "results"]
 SIGNS = {">=": "≥ ", "<=": "≤ ", "==": ""}
 HEADS = {"what": "what", "published": "thesis", "goal": "goal", "result": "measured", "met": "met", "command": "by"}
@@ -58,7 +61,8 @@ def git(root, *words):
 
 def commit(root):
     head = git(root, "rev-parse", "--short=10", "HEAD")
-    differs = git(root, "status", "--porcelain", "-uno", "--", ":/", ":(top,exclude)results", ":(top,exclude)*.md")
+    differs = git(root, "status", "--porcelain", "-uno", "--", ":/", *(f":(top,exclude){folder}" for folder in FOLDERS),
+                  ":(top,exclude)*.md")
     return head + ("+" if differs else "") if head else "unknown"
 
 
@@ -67,6 +71,31 @@ def machine():
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**30
     return {"cpu": cpu[1] if cpu else "unknown", "cores": os.cpu_count(), "memory_gib": round(memory, 1),
             "load": round(os.getloadavg()[0], 1)}
+
+
+def depth_of(value):
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else None
+    return 0 if inner is None else 1 + max(map(depth_of, inner), default=0)
+
+
+def has_table(value):
+    if isinstance(value, dict):
+        return "rows" in value or any(map(has_table, value.values()))
+    return isinstance(value, list) and any(map(has_table, value))
+
+
+def text_of(value, indent=0, is_record=False, is_table=False):
+    """Returns a value as JSON with one record a line: an element of a list, a row of a table, and anything that is
+    nested at most two levels deep is one line. host/files/results_file.cpp writes the same."""
+    is_short = is_record or (indent > 0 and depth_of(value) <= 2)
+    if depth_of(value) == 0 or (is_short and not is_table and not has_table(value)):
+        return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+    is_object = isinstance(value, dict)
+    lines = [" " * (indent + 1) + (json.dumps(key, ensure_ascii=False) + ": " if is_object else "") +
+             text_of(inner, indent + 1, not is_object, key == "rows")
+             for key, inner in (value.items() if is_object else enumerate(value))]
+    start, end = "{}" if is_object else "[]"
+    return start + "\n" + ",\n".join(lines) + "\n" + " " * indent + end
 
 
 def write(name, about, command, results, folder=None):
@@ -80,7 +109,7 @@ def write(name, about, command, results, folder=None):
                 "results": results}
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{name}.json").write_text(json.dumps(envelope, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    (folder / f"{name}.json").write_text(text_of(envelope) + "\n", encoding="utf-8")
 
 
 def number_or_text(text):
@@ -110,19 +139,24 @@ def record(args):
 
 
 class Results:
-    """Gives the values of results/*.json of a tree by reference."""
+    """Gives the values of the results of a tree by reference."""
 
     def __init__(self, root):
         self.files = {}
-        for path in sorted((root / "results").glob("*.json")):
+        self.folders = {}
+        for path in sorted(path for folder in FOLDERS for path in (root / folder).glob("*.json")):
+            shown = path.relative_to(root).as_posix()
             try:
                 file = json.loads(path.read_text(encoding="utf-8"))
             except ValueError as error:
-                raise ResultsError(f"results/{path.name}: {error}") from None
+                raise ResultsError(f"{shown}: {error}") from None
             missing = [key for key in ENVELOPE if key not in file]
             if missing:
-                raise ResultsError(f"results/{path.name}: without {', '.join(missing)}")
+                raise ResultsError(f"{shown}: without {', '.join(missing)}")
+            if path.stem in self.files:
+                raise ResultsError(f"{shown}: the name is there twice")
             self.files[path.stem] = file
+            self.folders[path.stem] = path.relative_to(root).parent.as_posix()
 
     def value(self, path, row=None):
         """Returns the value of NAME/KEY/..., or of /KEY/... in the object `row`."""
@@ -132,7 +166,7 @@ class Results:
         elif name in self.files:
             found = self.files[name]["results"]
         else:
-            raise ResultsError(f"{path}: there is no results/{name}.json")
+            raise ResultsError(f"{path}: there is no result {name}")
         for key in keys:
             try:
                 if isinstance(found, dict) and "header" in found and "rows" in found:
@@ -200,25 +234,32 @@ class Cells:
         return ", ".join(f"`{self.results.files[name]['command']}`" for name in names)
 
 
+def with_words(text, words):
+    """Returns the text with $1, $2, ... replaced by the words."""
+    return re.sub(r"\$(\d)", lambda match: words[int(match[1]) - 1], text)
+
+
 class Tables:
-    """The tables that results/tables.toml defines."""
+    """The tables that tables.toml in each folder defines."""
 
     def __init__(self, root):
         self.results = Results(root)
         self.cells = Cells(self.results)
-        try:
-            self.definitions = tomllib.loads((root / "results/tables.toml").read_text(encoding="utf-8"))
-        except tomllib.TOMLDecodeError as error:
-            raise ResultsError(f"results/tables.toml: {error}") from None
-        self.still_typed = self.definitions.pop("still_typed", [])
+        self.definitions = {}
+        for folder in FOLDERS:
+            file = root / folder / "tables.toml"
+            try:
+                self.definitions |= tomllib.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+            except tomllib.TOMLDecodeError as error:
+                raise ResultsError(f"{folder}/tables.toml: {error}") from None
         self.rows = {row["id"]: row for table in self.definitions.values() for row in table.get("rows", [])
                      if isinstance(row, dict) and "id" in row}
 
     def table(self, name):
-        if name == "sources":
-            head, rows = self.sources()
+        if name in ("sources", "lab-sources"):
+            head, rows = self.sources(FOLDERS[name == "lab-sources"])
         elif name not in self.definitions:
-            raise ResultsError(f"results/tables.toml has no table {name}")
+            raise ResultsError(f"no tables.toml has a table {name}")
         else:
             head, rows = self.defined(self.definitions[name])
         lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in [head, *rows]]
@@ -238,6 +279,10 @@ class Tables:
             columns = definition["columns"]
             return list(columns), [[self.cells.fill(cell, value, str(key)) for cell in columns.values()]
                                    for key, value in items]
+        if "for" in definition:
+            columns = definition["columns"]
+            return list(columns), [[self.cells.fill(with_words(cell, words)) for cell in columns.values()]
+                                   for words in definition["for"]]
         rows = [self.rows[row] if isinstance(row, str) else row for row in definition["rows"]]
         if isinstance(definition["columns"], dict):
             return list(definition["columns"].values()), [self.plain(row, definition["columns"]) for row in rows]
@@ -253,13 +298,15 @@ class Tables:
                                 self.cells.commands(row["result"]))
         return [cells[key] for key in columns]
 
-    def sources(self):
+    def sources(self, folder):
         rows = []
         for name, file in self.results.files.items():
+            if self.results.folders[name] != folder:
+                continue
             machine_of = file["machine"]
             where = (f"{machine_of['cpu']}, {machine_of['cores']} cores, {machine_of['memory_gib']:.0f} GiB, load "
                      f"{machine_of['load']}" if machine_of else file["recorded"])
-            rows.append([f"[results/{name}.json](../results/{name}.json)", file["about"], f"`{file['command']}`",
+            rows.append([f"[{name}]({'../' if folder == FOLDERS[0] else ''}results/{name}.json)", file["about"], f"`{file['command']}`",
                          f"{file['date']}, {file['commit']}", where])
         return ["file", "what", "command", "date, commit", "machine"], rows
 
@@ -281,6 +328,8 @@ def without_code(text):
 def filled(text, tables):
     """Returns the document with its tables and figures brought up to date."""
     code_free = without_code(text)
+    if early := re.search(r"^[ ]*<!-- =", code_free, re.M):  # Markdown takes the line as HTML
+        raise ResultsError(f"{line_of(text, early.start())}: a line begins with a figure; put a word before it")
     for opening in re.finditer(r"<!-- (?:table \S+|=\S.*?) -->", code_free):
         if not (BLOCK.match(text, opening.start()) or FIGURE.match(text, opening.start())):
             raise ResultsError(f"{line_of(text, opening.start())}: {opening[0]} without its <!-- end -->")
@@ -338,15 +387,8 @@ def faults(root):
                 found.append(f"{name}: not what results/ says; run scripts/results.py update")
     for path, text in texts.items():
         name = path.relative_to(root).as_posix()
-        typed = typed_again(text, tables.cells.shown)
-        if name in tables.still_typed:
-            if not typed:
-                found.append(f"results/tables.toml: still_typed: {name} has no figure of results/ any more")
-            continue
-        for number, figure, reference in typed:
+        for number, figure, reference in typed_again(text, tables.cells.shown):
             found.append(f"{name}:{number}: {figure} is typed; it is a figure of results/ ({reference})")
-    found += [f"results/tables.toml: still_typed: there is no {name}" for name in tables.still_typed
-              if root / name not in texts]
     return found
 
 

@@ -20,6 +20,7 @@ for_programs=(
 for_tests=(
   git python3 python3-pip                    # lists of sources, checks, headers of HLS tools
   python3-dev python3-venv                   # the Python package, and what comes from PyPI
+  python3-markdown-it                        # links and commands of the documents
   yosys iverilog z3                          # synthesis, lint, proofs
   nextpnr-ice40                              # placement (scripts/fpga.py)
   libgtest-dev libbenchmark-dev              # tests, benchmarks

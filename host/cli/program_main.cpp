@@ -123,7 +123,7 @@ int run_commands(const CommandText& text, const std::function<void(CLI::App&)>& 
     add_commands(app);
     refuse_values_of_flags(app);
     std::vector<std::string> words(argv + 1, argv + argc);
-    if (words == std::vector<std::string>{"--help-json"}) {  // for scripts/command_pages.py
+    if (words == std::vector<std::string>{"--help-json"}) {  // for docs/site/commands.py
       fmt::print("{}", help_json(app));
       return 0;
     }

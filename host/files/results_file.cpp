@@ -91,7 +91,9 @@ std::string own_command() {
 // The commit of the sources, with "+" if tracked files other than results and documents differ from it.
 std::string commit() {
   const std::string head = git("rev-parse --short=10 HEAD");
-  const bool differs = !git("status --porcelain -uno -- ':/' ':(top,exclude)results' ':(top,exclude)*.md'").empty();
+  const bool differs =
+      !git("status --porcelain -uno -- ':/' ':(top,exclude)results' ':(top,exclude)lab/results' ':(top,exclude)*.md'")
+           .empty();
   return head.empty() ? "unknown" : head + (differs ? "+" : "");
 }
 
@@ -118,6 +120,35 @@ void shorten(nlohmann::ordered_json& value) {
       shorten(part);
     }
   }
+}
+
+std::size_t depth_of(const nlohmann::ordered_json& value) {
+  std::size_t depth = 0;
+  for (const nlohmann::ordered_json& inner : value) {
+    depth = std::max(depth, inner.is_structured() ? depth_of(inner) : 0);
+  }
+  return depth + 1;
+}
+
+bool has_table(const nlohmann::ordered_json& value) {
+  return value.is_structured() && (value.contains("rows") || std::any_of(value.begin(), value.end(), has_table));
+}
+
+// Returns a value as JSON with one record a line: an element of a list, a row of a table, and anything that is nested
+// at most two levels deep is one line. scripts/results.py writes the same.
+std::string json_text(const nlohmann::ordered_json& value, std::size_t indent = 0, bool is_record = false,
+                      bool is_table = false) {
+  const bool is_short = value.is_structured() && (is_record || (indent > 0 && depth_of(value) <= 2));
+  if (!value.is_structured() || (is_short && !is_table && !has_table(value))) {
+    return value.dump();
+  }
+  std::string text = value.is_object() ? "{" : "[";
+  for (const auto& [key, inner] : value.items()) {
+    text += (text.size() == 1 ? "\n" : ",\n") + std::string(indent + 1, ' ');
+    text += value.is_object() ? nlohmann::ordered_json(key).dump() + ": " : "";
+    text += json_text(inner, indent + 1, value.is_array(), key == "rows");
+  }
+  return text + "\n" + std::string(indent, ' ') + (value.is_object() ? "}" : "]");
 }
 
 nlohmann::ordered_json machine() {
@@ -149,7 +180,7 @@ void write_results(const std::string& name, const std::string& about, const nloh
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   std::ofstream out(file, std::ios::binary);
-  out << envelope.dump(1) << '\n';
+  out << json_text(envelope) << '\n';
   out.close();
   if (!out) {
     throw UserError(file.string(), "cannot be written");

@@ -5,7 +5,7 @@
 set -euo pipefail
 [[ ${1:-} != -h && ${1:-} != --help ]] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0; }
 
-root=$(cd "$(dirname "$0")/.." && pwd)
+root=$(cd "$(dirname "$0")/../.." && pwd)
 host=$root/build/bin/selfproj
 sim=$root/build/bin/selfproj-sim
 for program in "$host" "$sim"; do
@@ -61,4 +61,4 @@ folder=$out/scanner
 images=("$folder"/plane/image_*.png)
 "$host" depth --calibration "$folder/homography/calibration.yaml" --bits 10 --row-bits 10 --strict \
   --max-z-per-line 5 --plane --out "$folder/depth" "${images[@]:0:40}"
-python3 "$root/scripts/calibration_results.py" "$out"
+python3 "$root/lab/scripts/calibration_results.py" "$out"

@@ -10,7 +10,8 @@ import math
 import pathlib
 import sys
 
-import results
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import results  # noqa: E402
 
 
 def read(path):

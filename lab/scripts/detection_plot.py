@@ -8,7 +8,7 @@ import math
 import pathlib
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 PICTURE = ROOT / "lab/images/parts-detection.svg"
 LEFT, TOP, WIDTH, HEIGHT = 50, 15, 420, 230
 COLOURS = ["#440154", "#443983", "#31688e", "#21918c", "#35b779", "#90d743", "#d0b000"]

@@ -30,10 +30,12 @@ import sys
 import tempfile
 import time
 
-import hidden_rig_figures as figures
-import results
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import hidden_rig_figures as figures  # noqa: E402
+import results  # noqa: E402
+
 BOUNDS = {"light-section": {"tread_mm": 0.03, "rms_mm": 0.03, "max_mm": 0.10, "place_mm": 0.2},
           "scanner": {"plane_mm": 0.1}}
 BOARDS = {"light-section": ("37x3", 2.2), "scanner": ("14x11", 15)}  # corners, side of a square in mm

@@ -77,7 +77,8 @@ TEST(Robustness, Curves) {
                                                    most = all;
                                                  });
   EXPECT_EQ(last, most) << "all worlds were foreseen";
-  ASSERT_EQ(result.tables.size(), 7U);
+  ASSERT_EQ(result.tables.size(), 5U);
+  ASSERT_EQ(result.curves.size(), 2U);
   EXPECT_EQ(result.tables[0].rows.size(), 1 + 3 + 13U) << "each disturbance at its default";
   EXPECT_EQ(nlohmann::json::parse(result.data)["curves"].size(), 2 * (1 + 3 + 13U));
   EXPECT_EQ(result.page.plots.size(), 26U);

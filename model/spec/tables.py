@@ -1,4 +1,5 @@
-"""The tables of the documents that follow from the specification; generate.py writes them.
+"""The tables of the documents that follow from the specification; generate.py writes them, and the site has the fields
+of the registers (docs/site/hooks.py).
 
 Each function takes a generate.Spec and gives the lines of Markdown that stand between the markers of its name.
 """
@@ -99,8 +100,7 @@ def registers(spec):
     out = ["| address | register | access | after reset | what it is |", "|---|---|---|---|---|"]
     for reg in spec.raw["registers"]:
         reset = reg.get("after_reset", hex32(reg["reset_value"]))
-        anchor = f"0x{reg['offset']:02X}-{reg['name']}".lower()
-        out.append(f"| 0x{reg['offset']:02X} | [{reg['name']}](#{anchor}) | {reg['access']} | {reset} | "
+        out.append(f"| 0x{reg['offset']:02X} | {reg['name']} | {reg['access']} | {reset} | "
                    f"{reg['description'].split(';')[0]} |")
     return out
 

@@ -10,7 +10,7 @@ images of that. Every depth image that comes on line must be equal, bit for bit,
 what was delivered and what was lost must be what was sent.
 
 --coarse takes images of 64 x 64 pixels instead of 512 x 512, and then plays once more into a small ring and stops the
-reader until packets are lost. --record writes the figures into the folder results; they are those of codes.
+reader until packets are lost. --record writes the figures into lab/results; they are those of codes.
 """
 
 import argparse
@@ -215,7 +215,8 @@ def main():
                                    "load": round(os.getloadavg()[0], 1), **figures}
     if args.record:
         results.write("depth_stream", "B7 and B8 from another process: depth images on line against those of the files",
-                      "tests/cli/depth_stream.py build/bin " + " ".join(sys.argv[2:]), found, results.ROOT / "results")
+                      "tests/cli/depth_stream.py build/bin " + " ".join(sys.argv[2:]), found,
+                      results.ROOT / "lab/results")
 
 
 if __name__ == "__main__":

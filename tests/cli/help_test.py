@@ -14,8 +14,8 @@ import subprocess
 import sys
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
-import command_pages  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/site"))
+import commands  # noqa: E402
 
 WIDTH = 100
 RAW = re.compile(r"\b(ENUM|TEXT|UINT|INT|FLOAT|BOOLEAN|VECTOR|POSITIVE|NONNEGATIVE|REQUIRED|OPTIONS|SUBCOMMANDS?"
@@ -37,7 +37,7 @@ def lines_of(script):
 class Help(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.commands = command_pages.describe(programs)
+        cls.commands = commands.describe(programs)
 
     def test_commands_are_all_there(self):
         for name in ("selfproj inspect", "selfproj pattern gray", "selfproj-sim cosim", "selfproj-sim scene render"):
@@ -56,7 +56,7 @@ class Help(unittest.TestCase):
                     self.assertLessEqual(len(line), WIDTH, line)
 
     def test_programs_start_without_the_image_codecs(self):
-        for program in command_pages.PROGRAMS:
+        for program in commands.PROGRAMS:
             needed = subprocess.run(["ldd", str(programs / program)], capture_output=True, text=True, check=True).stdout
             self.assertIn("libopencv_core", needed)
             self.assertNotRegex(needed, "libopencv_imgcodecs|libgdal")
@@ -83,7 +83,7 @@ class Help(unittest.TestCase):
                 words = shlex.split(line, comments=True)
                 for mark in (">", "&"):
                     words = words[:words.index(mark)] if mark in words else words
-                if words[0] in command_pages.PROGRAMS:
+                if words[0] in commands.PROGRAMS:
                     with self.subTest(line):
                         self.assertEqual(run([words[0], "--check-usage", *words[1:]]), (0, "", ""))
 

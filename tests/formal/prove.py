@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Proves the rules inside the RTL modules (`ifdef FORMAL) with Yosys and yosys-smtbmc and z3, or with Yosys's own ABC.
 
-    prove.py [NAME...]           the proofs named, or all; prints their rows of the table in docs/proofs.md
+    prove.py [NAME...]           the proofs named, or all; prints a line of each: its rules and kind
     prove.py --faults [NAME...]  the planted faults: each must make its proof fail
     prove.py --list              what the tests run, a name a line: proofs, then faults
 

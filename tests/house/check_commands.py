@@ -64,7 +64,7 @@ def problems_of_marks(block):
 
 def problems_of_command(root, words, known_presets):
     first = words[0].removeprefix("./")
-    if re.match(r"(scripts|hls|model|tests|constraints)/", first) and not (root / first).is_file():
+    if re.match(r"(scripts|hls|model|tests|constraints|lab)/", first) and not (root / first).is_file():
         yield f"no file {first}"
     if first.startswith("scripts/") and (root / first).is_file():
         text = (root / first).read_text(encoding="utf-8")
@@ -98,7 +98,7 @@ def problems_of_block(root, block, known_presets):
         for words in documents.simple_commands(line):
             for problem in problems_of_command(root, words, known_presets):
                 yield block.line + offset, problem
-            is_script = re.match(r"(\./)?(scripts/|hls/|model/|tests/|constraints/|build/(?!bin/))", words[0])
+            is_script = re.match(r"(\./)?(scripts/|hls/|model/|tests/|constraints/|lab/|build/(?!bin/))", words[0])
             if is_script and not block.marks:
                 yield block.line + offset, f"{words[0]} is not run by run_commands.py: the block needs a comment"
 
@@ -111,7 +111,7 @@ def problems(root):
             lines.append(f"{page.name}:{page.unclosed}: nothing closes this block")
         for block in page.blocks:
             lines += [f"{page.name}:{line}: {text}" for line, text in problems_of_block(root, block, known_presets)]
-        for line, span in page.spans():
+        for line, span in page.spans:
             words = documents.words_of(span)
             if words and documents.is_ours(words):
                 lines += [f"{page.name}:{line}: {text}" for text in problems_of_command(root, words, known_presets)]

@@ -4,8 +4,7 @@
     check_links.py [ROOT]
 
 An anchor must be that of a heading, both in Markdown viewers and on the site that mkdocs builds. A picture has a text
-that says what it shows. Every page of docs/ and every README of a folder is in the navigation of mkdocs.yml, and every
-page there exists.
+that says what it shows. Every page of docs/ and lab/ is in the navigation of mkdocs.yml, and every page there exists.
 """
 
 import pathlib
@@ -33,7 +32,7 @@ def problems_of_links(files, pages):
     folders = {parent.as_posix() for name in files for parent in pathlib.PurePosixPath(name).parents} | {""}
     anchors = {page.name: page.anchors() for page in pages}
     for page in pages:
-        for line, is_picture, text, target in page.links():
+        for line, is_picture, text, target in page.links:
             where = f"{page.name}:{line}:"
             if re.match(r"^[a-z][a-z0-9+.-]*:", target):
                 continue
@@ -45,23 +44,20 @@ def problems_of_links(files, pages):
                 yield f"{where} no file or folder {target}"
             elif anchor and full not in anchors:
                 yield f"{where} {target}: only Markdown files have anchors"
-            elif anchor and anchor not in anchors[full]:
+            elif anchor and urllib.parse.unquote(anchor) not in anchors[full]:
                 yield f"{where} no heading for {target}"
 
 
 def problems_of_navigation(root, pages):
-    site = root / "mkdocs.yml"
-    if not site.exists():
-        return
-    text = site.read_text(encoding="utf-8")
+    text = (root / "mkdocs.yml").read_text(encoding="utf-8")
     listed = re.findall(r"(?<=[\s:])([\w./-]+\.md)\s*$", text, re.MULTILINE)
-    # The site takes in the READMEs of the folders (scripts/site_pages.py). It names a page of docs/ without docs/.
-    there = {page.name.removeprefix("docs/"): page.name for page in pages
-             if page.name.startswith("docs/") or page.name.endswith("/README.md")}
-    for name in sorted(set(listed) - set(there)):
+    # The first page of the site is README.md; the site adds the READMEs of the folders and the pages that are made.
+    there = {page.name.removeprefix("docs/") for page in pages
+             if page.name.startswith(("docs/", "lab/")) and not page.name.endswith("/README.md")} | {"index.md"}
+    for name in sorted(set(listed) - there):
         yield f"mkdocs.yml: no page {name}"
-    for name in sorted(set(there) - set(listed)):
-        yield f"mkdocs.yml: {there[name]} is not in the navigation"
+    for name in sorted(there - set(listed)):
+        yield f"mkdocs.yml: {name} is not in the navigation"
     for name in sorted({name for name in listed if listed.count(name) > 1}):
         yield f"mkdocs.yml: {name} is there twice"
 

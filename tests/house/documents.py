@@ -1,19 +1,24 @@
-"""Shared by the tests of the documents: headings, links, blocks of code and command lines of Markdown files."""
+"""Shared by the tests of the documents: headings, links, blocks of code and command lines of Markdown files.
+
+The Markdown is read by markdown-it-py (Debian: python3-markdown-it).
+"""
 
 import dataclasses
 import pathlib
 import re
 import shlex
 import subprocess
+import sys
 import unicodedata
 
+try:
+    from markdown_it import MarkdownIt
+except ImportError:  # a Python that is not Debian's own
+    sys.path.append("/usr/lib/python3/dist-packages")
+    from markdown_it import MarkdownIt
+
 COMMENT = re.compile(r"^<!-- (not run|run shortened|output)(?:: (.+?))? -->$")
-FENCE = re.compile(r"^( *)(```+|~~~+)\s*(\S*)\s*$")
-HEADING = re.compile(r"^(#{1,6})\s+(.*?)\s*#*$")
-LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(<?([^()\s<>]+(?:\([^()\s]*\))?)>?(?:\s+\"[^\"]*\")?\)")
-REFERENCE = re.compile(r"^ {0,3}\[([^\]]+)\]:\s+<?(\S+?)>?\s*$")
-SPAN = re.compile(r"(?<!`)(`+)(?!`)(.+?)(?<!`)\1(?!`)")
-PROGRAMS = ("selfproj", "selfproj-sim", "build/bin/selfproj", "build/bin/selfproj-sim")
+PROGRAMS = tuple(place + name for name in ("selfproj", "selfproj-sim", "selfproj-lab") for place in ("", "build/bin/"))
 
 
 @dataclasses.dataclass
@@ -29,108 +34,78 @@ class Block:
 @dataclasses.dataclass
 class Document:
     name: str
-    lines: list
-    prose: list      # as many lines; empty where a line is code
-    blocks: list
-    headings: list   # (line from 1, level, text)
-    unclosed: int    # line of a fence that nothing closes, else 0
-
-    def links(self):
-        """(line from 1, whether it is a picture, text, target)"""
-        for number, line in enumerate(self.prose, 1):
-            bare = SPAN.sub(lambda span: "x" * len(span.group()), line)
-            for match in LINK.finditer(bare):
-                yield number, match.group(1) == "!", match.group(2), match.group(3)
-            match = REFERENCE.match(bare)
-            if match:
-                yield number, False, match.group(1), match.group(2)
-
-    def spans(self):
-        """(line from 1, text) of code within a line."""
-        for number, line in enumerate(self.prose, 1):
-            for match in SPAN.finditer(line):
-                yield number, match.group(2).strip().replace("\\|", "|")
+    blocks: list = dataclasses.field(default_factory=list)
+    links: list = dataclasses.field(default_factory=list)     # (line of the paragraph, is a picture, text, target)
+    spans: list = dataclasses.field(default_factory=list)     # (line of the paragraph, text) of code within a line
+    headings: list = dataclasses.field(default_factory=list)  # texts
+    written_anchors: list = dataclasses.field(default_factory=list)
+    unclosed: int = 0  # line of a fence that nothing closes, else 0
 
     def anchors(self):
         """Returns the anchors of headings on which Markdown viewers and mkdocs agree, and anchors that are written
         out."""
         ours, theirs, seen = set(), set(), {}
-        for _, _, text in self.headings:
+        for text in self.headings:
             slug = github_slug(text)
             count = seen[slug] = seen.get(slug, -1) + 1
             ours.add(f"{slug}-{count}" if count else slug)
             theirs.add(f"{mkdocs_slug(text)}_{count}" if count else mkdocs_slug(text))
-        written = set(re.findall(r"<a (?:id|name)=\"([^\"]+)\"", "\n".join(self.prose)))
-        return (ours & theirs) | written
-
-
-def plain(heading):
-    """Returns the text of a heading without the marks of code, links and emphasis."""
-    heading = LINK.sub(lambda match: match.group(2), heading)
-    return re.sub(r"[`*]", "", heading)
+        return (ours & theirs) | set(self.written_anchors)
 
 
 def github_slug(heading):
-    text = plain(heading).strip().lower()
-    return re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
 
 
 def mkdocs_slug(heading):
-    text = unicodedata.normalize("NFKD", plain(heading)).encode("ascii", "ignore").decode()
+    text = unicodedata.normalize("NFKD", heading).encode("ascii", "ignore").decode()
     return re.sub(r"[-\s]+", "-", re.sub(r"[^\w\s-]", "", text).strip().lower())
 
 
+def text_of(tokens):
+    return "".join(token.content if token.type in ("text", "code_inline") else text_of(token.children or [])
+                   for token in tokens)
+
+
+def add_inline(document, token, line):
+    """Adds the links, pictures, code and anchors of a paragraph, heading or cell of a table."""
+    link = None
+    for i, child in enumerate(token.children):
+        if child.type == "link_open":
+            link = (i, child.attrGet("href"))
+        elif child.type == "link_close":
+            document.links.append((line, False, text_of(token.children[link[0]:i]), link[1]))
+        elif child.type == "image":
+            document.links.append((line, True, child.content, child.attrGet("src")))
+        elif child.type == "code_inline":
+            document.spans.append((line, child.content.strip()))
+        elif child.type == "html_inline":
+            document.written_anchors += re.findall(r"<a (?:id|name)=\"([^\"]+)\"", child.content)
+
+
 def parse(name, text):
-    document = Document(name, text.split("\n"), [], [], [], 0)
-    fence = None     # (its indentation, its mark, its block)
-    marks = []
-    in_comment = False
-    for number, line in enumerate(document.lines, 1):
-        match = FENCE.match(line)
-        if fence:
-            document.prose.append("")
-            if match and match.group(2).startswith(fence[1]) and not match.group(3):
-                fence = None
-            else:
-                block = fence[2]
-                block.text += (line[fence[0]:] if not line[:fence[0]].strip() else line) + "\n"
+    document = Document(name)
+    marks, after_heading, line = [], False, 0
+    for token in MarkdownIt("commonmark").enable("table").parse(text):
+        line = token.map[0] + 1 if token.map else line
+        if token.type in ("fence", "code_block"):
+            fenced = token.type == "fence"
+            document.blocks.append(Block(line + fenced, token.info.strip(), token.content, marks, fenced))
+            # A fence that is closed has a line more below its text than above it.
+            if fenced and token.map[1] - token.map[0] != token.content.count("\n") + 2:
+                document.unclosed = line
+        elif token.type == "html_block":
+            document.written_anchors += re.findall(r"<a (?:id|name)=\"([^\"]+)\"", token.content)
+            found = [COMMENT.match(one.strip()) for one in token.content.splitlines()]
+            marks = marks + [match.groups(default="") for match in found if match]
             continue
-        mark = COMMENT.match(line.strip())
-        if match and not in_comment:
-            block = Block(number + 1, match.group(3), "", marks)
-            document.blocks.append(block)
-            document.prose.append("")
-            fence, document.unclosed, marks = (len(match.group(1)), match.group(2), block), number, []
-        elif mark:
-            marks = marks + [mark.groups(default="")]
-            document.prose.append("")
-        elif re.match(r"^( {4}|\t)\s*\S", line) and not in_comment and is_indented_code(document):
-            previous = document.blocks[-1] if document.blocks else None
-            if not previous or previous.fenced or document.prose[previous.line - 1:] != [""] * (number - previous.line):
-                document.blocks.append(Block(number, "", "", marks, fenced=False))
-            document.blocks[-1].text += line[4:] + "\n"
-            document.prose.append("")
-        else:
-            document.prose.append(line)
-            in_comment = (in_comment or line.lstrip().startswith("<!--")) and "-->" not in line
-            heading = HEADING.match(line)
-            if heading:
-                document.headings.append((number, len(heading.group(1)), heading.group(2)))
-            if line.strip():
-                marks = []
-    document.unclosed = document.unclosed if fence else 0
+        elif token.type == "inline":
+            add_inline(document, token, line)
+            if after_heading:
+                document.headings.append(text_of(token.children))
+        after_heading = token.type == "heading_open"
+        marks = []
     return document
-
-
-def is_indented_code(document):
-    """Returns whether a next line that is indented by four spaces is code: it follows a blank line or code, and not a
-    list."""
-    if document.prose and document.prose[-1].strip():
-        return False
-    for line in reversed(document.prose):
-        if line.strip():
-            return not re.match(r"^\s*([-*+]|\d+[.)])\s", line) and not line.startswith("  ")
-    return True
 
 
 def tracked(root):
@@ -199,7 +174,7 @@ def is_ours(words):
     """Returns whether the command belongs to this project or to its build."""
     first = words[0].removeprefix("./")
     return (first in PROGRAMS or first in ("ctest", "cmake", "vitis_hls")
-            or re.match(r"^(scripts|hls|model|tests|constraints)/[\w/-]+\.(sh|py)$", first) is not None
+            or re.match(r"^(scripts|hls|model|tests|constraints|lab)/[\w/-]+\.(sh|py)$", first) is not None
             or re.match(r"^build/\w+/tests/[\w./-]+$", first) is not None
             or (first.startswith("python3") and len(words) > 1 and "/" in words[1]))
 

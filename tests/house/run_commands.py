@@ -4,11 +4,11 @@
     run_commands.py BUILD PROGRAMS [DOCUMENT...]
 
 BUILD is the folder of a build, for the names of its tests. PROGRAMS is the folder of selfproj and selfproj-sim. Blocks
-`sh` of a document without a comment `not run` (check_commands.py) run one after another, each by bash -eu, in one
-folder. The folder contains only rtl, tests, and build/bin, which is PROGRAMS; PROGRAMS is also on the PATH. For every
-command line, run or not, it checks that the options of our programs stand in their --help, that ctest finds tests by
-its -R and -L, and that the test of `run by` exists. The lines of a block `text` under the comment `output` must be
-among those that the block run last has printed.
+`sh` of a document, or of the page that the site has of a command, without a comment `not run` (check_commands.py) run
+one after another, each by bash -eu, in one folder. The folder contains only rtl, tests, and build/bin, which is
+PROGRAMS; PROGRAMS is also on the PATH. For every command line, run or not, it checks that the options of our programs
+stand in their --help, that ctest finds tests by its -R and -L, and that the test of `run by` exists. The lines of a
+block `text` under the comment `output` must be among those that the block run last has printed.
 """
 
 import functools
@@ -22,6 +22,9 @@ import tempfile
 import time
 
 import documents
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/site"))
+import commands  # noqa: E402
 
 LONGEST = 600  # limit in seconds for one block; on an idle machine all blocks together take less than 60
 
@@ -50,29 +53,31 @@ class Checker:
         """Returns (the commands that a line of one of our programs names, their help). The help is None if a command is
         unknown."""
         program = pathlib.PurePosixPath(words[0]).name
-        commands = []
+        names = []
         text = self.help_of(program)
-        while text and "\nCommands:\n" in text and len(commands) + 1 < len(words):
+        while text and "\nCommands:\n" in text and len(names) + 1 < len(words):
             known = re.findall(r"^  ([a-z][\w-]*)", text.split("\nCommands:\n")[1].split("\n\n")[0], re.MULTILINE)
-            word = words[len(commands) + 1]
+            word = words[len(names) + 1]
             if word not in known:
-                if commands or word.startswith("-") or word.isupper():
+                if names or word.startswith("-") or word.isupper():
                     break
-                return [*commands, word], None
-            commands.append(word)
-            text = self.help_of(program, *commands)
-        return commands, text
+                return [*names, word], None
+            names.append(word)
+            text = self.help_of(program, *names)
+        return names, text
 
     def problems_of_command(self, words):
         if words[0] in documents.PROGRAMS:
-            commands, text = self.help_for(words)
+            if not (self.programs / pathlib.PurePosixPath(words[0]).name).exists():
+                return  # the laboratory is not built everywhere
+            names, text = self.help_for(words)
             if text is None:
-                yield f"{words[0]} has no command {' '.join(commands)}"
+                yield f"{words[0]} has no command {' '.join(names)}"
                 return
             known = set(re.findall(r"--[a-z][\w-]*", text)) | {"--help", "--version"}
             for option in documents.options_of(words):
                 if option not in known:
-                    yield f"{' '.join([words[0], *commands])} has no option {option}"
+                    yield f"{' '.join([words[0], *names])} has no option {option}"
         elif words[0] == "ctest":
             yield from self.problems_of_patterns(words)
         elif re.match(r"(\./)?build/\w+/tests/", words[0]):
@@ -108,7 +113,7 @@ class Checker:
                     for words in documents.simple_commands(line):
                         for problem in self.problems_of_command(words):
                             yield f"{page.name}:{block.line + offset}: {problem}"
-        for line, span in page.spans():
+        for line, span in page.spans:
             words = documents.words_of(span)
             if words and documents.is_ours(words):
                 for problem in self.problems_of_command(words):
@@ -175,10 +180,12 @@ class Checker:
 def problems(root, build, programs, names=()):
     checker = Checker(root, build, programs)
     lines = []
-    for page in documents.all_documents(root):
+    made = [documents.parse(f"docs/commands/{name}", text) for name, text in commands.pages(programs).items()]
+    for page in [*documents.all_documents(root), *made]:
         if not names or page.name in names:
             lines += checker.problems_of_lines(page)
-            lines += checker.run(page)
+            if (programs / "selfproj-lab").exists() or not page.name.startswith("lab/"):
+                lines += checker.run(page)
     return lines
 
 

@@ -18,8 +18,8 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
-import module_tables  # noqa: E402
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "docs/site")]
+import modules  # noqa: E402
 from lib import rtl_tree  # noqa: E402
 
 RULE = re.compile(r"^\s+(\w+) u_error \(\);$", re.MULTILINE)
@@ -94,11 +94,11 @@ def parameters_of(text, module):
     """(name, comment) of the parameters that a user may set and that may be out of range."""
     if not re.search(rf"^module {module} #\(", text, re.MULTILINE):
         return
-    for heading, declaration, comment in module_tables.declarations_in(text, module, r"#\(", r"\) \("):
+    for heading, declaration, comment in modules.declarations_in(text, module, r"#\(", r"\) \("):
         comment = comment or heading or ""
         if comment.startswith("derived, do not set"):
             continue
-        name = module_tables.PARAMETER.match(declaration)[1]
+        name = modules.PARAMETER.match(declaration)[1]
         if declaration.startswith("parameter int") or (module, name) in BOUNDS:
             yield name, comment
 

@@ -60,10 +60,7 @@ class GeneratorTest(unittest.TestCase):
     def test_effect_does_not_change_the_hash(self):
         def change(spec):
             named(spec["registers"], "control")["fields"][0]["effect"] = "some day"
-        status, messages = self.check(change)
-        self.assertEqual(status, 1)
-        self.assertEqual(messages.count("\n"), 1)
-        self.assertIn("register-reference.md differs", messages)
+        self.assertEqual(self.check(change), (0, ""))  # only the site has it
 
     def test_prose_does_not_change_the_hash(self):
         status, messages = self.check(lambda spec: named(spec["modes"], "grey").update(description="other words"))

@@ -1,5 +1,6 @@
 #include "host/files/results_file.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -42,6 +43,35 @@ TEST_F(ResultsFile, HasTheEnvelope) {
   EXPECT_GT(file["machine"]["memory_gib"], 0);
   EXPECT_TRUE(file["machine"].contains("cpu") && file["machine"].contains("load"));
   EXPECT_EQ(file["results"], (Json{{"per_s", 38834.2}, {"steps", {0.123457, 3}}}));
+}
+
+// One record a line, as scripts/results.py writes it too.
+TEST_F(ResultsFile, IsCompact) {
+  name_folder(folder_ / "results");
+  write_results("speed", "",
+                {{"a", {{"b", {1, 2}}}},
+                 {"list", {{{"x", {{"y", {{"z", 1}}}}}}}},
+                 {"deep", {{"x", {{"y", {{"z", 1}}}}}}},
+                 {"table", {{"header", {"mm"}}, {"rows", {{"0.1"}, {"0.2"}}}}}});
+  EXPECT_THAT(read_text(folder_ / "results/speed.json"), ::testing::EndsWith(R"(
+ "results": {
+  "a": {"b":[1,2]},
+  "list": [
+   {"x":{"y":{"z":1}}}
+  ],
+  "deep": {
+   "x": {"y":{"z":1}}
+  },
+  "table": {
+   "header": ["mm"],
+   "rows": [
+    ["0.1"],
+    ["0.2"]
+   ]
+  }
+ }
+}
+)"));
 }
 
 // A run that was made larger by a setting can be repeated; paths of this machine are nobody's business.

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the pages of the commands, docs/commands/, from the help of the programs.
+"""Makes the pages of the commands from the help of the programs.
 
-    command_pages.py [--check] [PROGRAMS]
+    commands.py [--check] [PROGRAMS]
 
-PROGRAMS is the folder of selfproj and selfproj-sim, build/bin unless given. A page has everything that --help of its
-command says. Text below the line `<!-- notes -->` of a page is written by hand and kept. With --check nothing is
-written, and the exit status is 1 if a page is out of date.
+PROGRAMS is the folder of selfproj and selfproj-sim, build/bin unless given. The pages are made when the site is built
+(hooks.py), and have everything that --help of a command says. Only their index, docs/commands/index.md, is committed:
+this writes it. With --check nothing is written, and the exit status is 1 if the index is out of date.
 """
 
 import json
@@ -14,11 +14,9 @@ import re
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+INDEX = ROOT / "docs/commands/index.md"
 PROGRAMS = ("selfproj", "selfproj-sim")
-HEAD = ("<!-- Written by scripts/command_pages.py from what the program says of itself. "
-        "Edit the help in its sources. -->")
-NOTES = "<!-- notes -->"
 NOT_RUN = re.compile(r" \((needs hardware|needs your files|takes minutes)\)$")
 WIDTH = 120
 
@@ -98,19 +96,20 @@ def table(title, options, commands, name):
     return "\n".join(rows) + "\n"
 
 
-def list_of(names, commands):
+def list_of(names, cells, commands):
     rows = ["| command | purpose |", "|---|---|"]
-    rows += [f"| [`{name}`]({page_of(name)}) | {commands[name]['purpose']} |" for name in names]
+    rows += [f"| {cell} | {commands[name]['purpose']} |" for name, cell in zip(names, cells)]
     return "\n".join(rows) + "\n"
 
 
 def page(name, commands):
     command = commands[name]
-    parts = [f"# {name}\n", HEAD + "\n", command["purpose"] + "\n", f"```text\nUsage: {command['usage']}\n```\n"]
+    parts = [f"# {name}\n", command["purpose"] + "\n", f"```text\nUsage: {command['usage']}\n```\n"]
     if command["details"]:
         parts.append(paragraphs(command["details"], commands, name))
     if command["commands"]:
-        parts += ["## Commands\n", list_of(command["commands"], commands)]
+        names = command["commands"]
+        parts += ["## Commands\n", list_of(names, [f"[`{name}`]({page_of(name)})" for name in names], commands)]
     parts += ["## Examples\n", examples(command, commands)]
     groups = [group for group in command["groups"] if group["name"] != "Help"]
     if command["arguments"] or groups:
@@ -122,44 +121,42 @@ def page(name, commands):
     return "\n".join(parts)
 
 
+def anchor_of(name):
+    return name.replace(" ", "-")
+
+
 def index(commands):
-    parts = ["# Commands\n", HEAD + "\n",
-             "Every command explains itself with `--help`. These pages say the same.\n"]
+    """Returns the index. Each command has an anchor, which the site replaces by a link to the command's page."""
+    parts = ["# Commands\n",
+             "<!-- Written by docs/site/commands.py from what the programs say of themselves. -->\n",
+             wrapped("Every command explains itself with `--help`: its options, their units and ranges, and examples. "
+                     "The [site](../contributing.md#the-site) has a page of each command, which says the same.") + "\n"]
     for program in PROGRAMS:
         names = [name for name in commands if name.startswith(program + " ")]
-        parts += [f"## {program}\n", commands[program]["purpose"] + "\n", list_of(names, commands)]
+        cells = [f'<a id="{anchor_of(name)}"></a>`{name}`' for name in names]
+        parts += [f"## {program}\n", commands[program]["purpose"] + "\n", list_of(names, cells, commands)]
     parts += ["## What holds for all commands\n",
-              paragraphs(commands[PROGRAMS[1]]["details"], commands, "")]
+              paragraphs(commands[PROGRAMS[1]]["details"], {}, "")]
     return "\n".join(parts)
 
 
 def pages(programs):
-    """Returns {file: its text}. Notes of existing pages are kept."""
+    """Returns {name of a file: its text} for all commands."""
     commands = describe(programs)
-    folder = ROOT / "docs/commands"
-    texts = {folder / page_of(name): page(name, commands) for name in commands if " " in name}
-    texts[folder / "index.md"] = index(commands)
-    for file, text in texts.items():
-        _, mark, notes = (file.read_text(encoding="utf-8") if file.exists() else "").partition(f"\n{NOTES}\n")
-        texts[file] = text + mark + notes
-    return texts
+    return {page_of(name): page(name, commands) for name in commands if " " in name}
 
 
 def main():
-    words = sys.argv[1:]
-    check = "--check" in words
-    words = [word for word in words if word != "--check"]
-    texts = pages(pathlib.Path(words[0] if words else ROOT / "build/bin").resolve())
-    there = set((ROOT / "docs/commands").glob("*.md"))
-    wrong = [f"{file.relative_to(ROOT)}: no command has this page" for file in sorted(there - set(texts))]
-    for file, text in texts.items():
-        if not check:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(text, encoding="utf-8")
-        elif file not in there or file.read_text(encoding="utf-8") != text:
-            wrong.append(f"{file.relative_to(ROOT)}: is not what the program says; run scripts/command_pages.py")
-    print("\n".join(wrong) if wrong else f"{len(texts)} pages of commands")
-    return 1 if wrong else 0
+    words = [word for word in sys.argv[1:] if word != "--check"]
+    programs = pathlib.Path(words[0] if words else ROOT / "build/bin").resolve()
+    text = index(describe(programs))
+    if "--check" not in sys.argv:
+        INDEX.write_text(text, encoding="utf-8")
+    elif INDEX.read_text(encoding="utf-8") != text:
+        print(f"{INDEX.relative_to(ROOT)}: is not what the programs say; run docs/site/commands.py")
+        return 1
+    print(f"{len(pages(programs))} pages of commands")
+    return 0
 
 
 if __name__ == "__main__":

@@ -1,26 +1,20 @@
 #!/usr/bin/env python3
-"""Copies descriptions from the sources into documents: parameters, ports, head comments, whole examples.
+"""Makes the pages of the circuits' modules from their sources: the comment at the head of the file, drawings as text
+blocks; parameters and ports as tables, from the declarations and the comments beside them.
 
-    module_tables.py            write the documents
-    module_tables.py --check    write nothing; exit 1 and name each document that differs
+    modules.py      makes every page, and says which it cannot make
 
-In docs/*.md, the lines between `<!-- BEGIN GENERATED KIND WHAT -->` and `<!-- END GENERATED KIND WHAT -->` are replaced:
-* `head MODULE`: the comment at the head of the module's file, drawings as text blocks;
-* `parameters MODULE`, `ports MODULE`: tables, from the declarations and the comments beside them;
-* `file PATH`: the file as a code block.
-Parameters below "derived, do not set", and ports for the proofs, are left out. Standard library only.
+The pages are made when the site is built (hooks.py). Parameters below "derived, do not set", and ports for the proofs,
+are left out. Standard library only.
 """
 
-import argparse
 import pathlib
 import re
 import sys
 import textwrap
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-MARKER = re.compile(r"<!-- BEGIN GENERATED (head|parameters|ports|file) (\S+) -->\n.*?<!-- END GENERATED \1 \2 -->",
-                    re.DOTALL)
-PORT = re.compile(r"(input|output)\s+(?:wire\s+)?logic\s*(?:\[([^\]]+):0\])?\s*(\w+)$")
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PORT = re.compile(r"(input|output)\s+(?:wire\s+)?logic\s*(?:\[([^\]]+):(\w+)\])?\s*(\w+)$")
 PARAMETER = re.compile(r"parameter\s+(?:\w+\s+)?(?:\[[^\]]+\]\s*)?(\w+)\s*=\s*(.+)$", re.DOTALL)
 
 
@@ -112,6 +106,10 @@ def value_of(text):
     return re.sub(r"\b1'b([01])\b", r"\1", text)
 
 
+def has_parameters(module):
+    return re.search(rf"^module {module} #", source_of(module), re.MULTILINE) is not None
+
+
 def parameters(module):
     out = ["| parameter | default | meaning |", "|---|---|---|"]
     for heading, text, comment in declarations(module, r"#\(", r"\) \("):
@@ -126,10 +124,12 @@ def parameters(module):
     return out
 
 
-def bits_of(msb):
-    """Returns the number of bits of [msb:0], as a number or an expression."""
+def bits_of(msb, lsb):
+    """Returns the number of bits of [msb:lsb], as a number or an expression."""
     if msb is None:
         return "1"
+    if lsb != "0":
+        return f"`{msb[:-2]} - {lsb}`" if msb.endswith("-1") else f"`{msb} - {lsb} + 1`"
     if msb.isdigit():
         return str(int(msb) + 1)
     return f"`{msb[:-2]}`" if msb.endswith("-1") else f"`{msb} + 1`"
@@ -137,7 +137,7 @@ def bits_of(msb):
 
 def ports(module):
     out, last = ["| port | | bits | meaning |", "|---|---|---:|---|"], None
-    opening = r"\) \(" if re.search(rf"^module {module} #", source_of(module), re.MULTILINE) else r"\("
+    opening = r"\) \(" if has_parameters(module) else r"\("
     for heading, text, comment in declarations(module, opening, r"\);"):
         found = PORT.match(re.sub(r"\s+", " ", text))
         if not found:
@@ -146,52 +146,31 @@ def ports(module):
             out.append(f"| *{marked(heading.rstrip('.'))}* | | | |")
         last = heading
         direction = {"input": "in", "output": "out"}[found.group(1)]
-        bits = bits_of(found.group(2) and found.group(2).replace("sp_spec_pkg::", ""))
-        out.append(f"| `{found.group(3)}` | {direction} | {bits} | {marked(comment)} |")
+        bits = bits_of(found.group(2) and found.group(2).replace("sp_spec_pkg::", ""), found.group(3))
+        out.append(f"| `{found.group(4)}` | {direction} | {bits} | {marked(comment)} |")
     return out
 
 
-def file(path):
-    language = {".sv": "systemverilog", ".sh": "sh", ".tcl": "tcl", ".xdc": "tcl"}.get(pathlib.Path(path).suffix, "text")
-    try:
-        text = (ROOT / path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise SourceError(f"{path}: {error.strerror}") from error
-    return [f"```{language}", *text.rstrip().splitlines(), "```"]
+def page(module):
+    parts = [f"# {module}", "", *head(module), ""]
+    if has_parameters(module):
+        parts += ["## Parameters", "", *parameters(module), ""]
+    return "\n".join([*parts, "## Ports", "", *ports(module)]) + "\n"
 
 
-MAKERS = {"head": head, "parameters": parameters, "ports": ports, "file": file}
-
-
-def filled(text):
-    def lines(match):
-        kind, what = match.groups()
-        return "\n".join([f"<!-- BEGIN GENERATED {kind} {what} -->", *MAKERS[kind](what),
-                          f"<!-- END GENERATED {kind} {what} -->"])
-    return MARKER.sub(lines, text)
+def pages():
+    """Returns {name of a file: its text} for all modules."""
+    names = sorted(path.stem for path in ROOT.glob("rtl/*/sp_*.sv") if path.stem != "sp_spec_pkg")
+    return {f"{name}.md": page(name) for name in names}
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 where a document differs")
-    arguments = parser.parse_args()
-    stale = 0
     try:
-        for path in sorted(ROOT.glob("docs/**/*.md")):
-            old = path.read_text(encoding="utf-8")
-            new = filled(old)
-            if new == old:
-                continue
-            if arguments.check:
-                stale = 1
-                print(f"module_tables.py: {path.relative_to(ROOT)} differs from the sources; "
-                      "run scripts/module_tables.py", file=sys.stderr)
-            else:
-                path.write_text(new, encoding="utf-8")
+        print(f"{len(pages())} pages of modules")
     except SourceError as error:
-        print(f"module_tables.py: {error}", file=sys.stderr)
-        return 2
-    return stale
+        print(f"modules.py: {error}", file=sys.stderr)
+        return 1
+    return 0
 
 
 if __name__ == "__main__":
