@@ -7,8 +7,6 @@
 #include <memory>
 
 #include "capi/convert.h"
-#include "capi/errors.h"
-#include "host/driver/open_device.h"
 
 struct selfproj_device {  // NOLINT(readability-identifier-naming): a name of C
   std::unique_ptr<selfproj::Device> device;
@@ -17,7 +15,7 @@ struct selfproj_device {  // NOLINT(readability-identifier-naming): a name of C
 namespace selfproj {
 namespace {
 
-constexpr std::int64_t kMostTimeout = 1'000'000'000'000'000'000;
+constexpr std::int64_t kMaxTimeout = 1'000'000'000'000'000'000;
 constexpr std::uint32_t kOldestOptions = 16;
 constexpr std::uint32_t kOldestCounters = 160;
 static_assert(sizeof(selfproj_device_options) == kOldestOptions);
@@ -60,7 +58,7 @@ std::int32_t selfproj_device_next(selfproj_device* device, std::int64_t timeout_
   using namespace selfproj;
   return guarded([&] {
     require(device != nullptr, "null pointer");
-    require(timeout_ns >= 0 && timeout_ns <= kMostTimeout, "timeout_ns is not in 0..10^18");
+    require(timeout_ns >= 0 && timeout_ns <= kMaxTimeout, "timeout_ns is not in 0..10^18");
     check_packet(packet);
     PacketView view;
     switch (device->device->next(view, std::chrono::nanoseconds(timeout_ns))) {

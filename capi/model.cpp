@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "capi/convert.h"
-#include "capi/errors.h"
 #include "model/column_runs.h"
 #include "model/gray_decoder.h"
 #include "model/gray_match.h"
@@ -12,7 +11,7 @@
 
 namespace {
 
-constexpr std::int64_t kMostPixels = std::int64_t{1} << 26;
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
 
 }  // namespace
 
@@ -36,7 +35,7 @@ std::int32_t selfproj_gray_create(std::int32_t rows, std::int32_t columns, std::
   return guarded([&] {
     require(out != nullptr, "null pointer");
     check_sides(rows, columns);
-    require(std::int64_t{rows} * columns <= kMostPixels, "more than 2^26 pixels");
+    require(std::int64_t{rows} * columns <= kMaxPixels, "more than 2^26 pixels");
     *out = new selfproj_gray{GrayDecoder({.rows = rows, .columns = columns, .bits = bits, .threshold = threshold})};
     return SELFPROJ_OK;
   });

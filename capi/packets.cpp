@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "capi/convert.h"
-#include "capi/errors.h"
 #include "model/board.h"
 #include "model/packet.h"
 #include "model/packet_payload.h"
@@ -14,7 +13,7 @@
 namespace selfproj {
 namespace {
 
-constexpr std::size_t kMostPayloadBytes = std::size_t{1} << 24U;
+constexpr std::size_t kMaxPayloadBytes = std::size_t{1} << 24U;
 
 int checked_columns(std::int32_t columns) {
   require(columns >= 0 && columns <= 0xFFFF, "columns are not in 0..65535");
@@ -96,7 +95,7 @@ std::int32_t selfproj_build_packet(const selfproj_header* header, const std::uin
   using namespace selfproj;
   return guarded([&] {
     require(written != nullptr && (payload != nullptr || payload_bytes == 0), "null pointer");
-    require(payload_bytes <= kMostPayloadBytes, "more than 16 MiB of payload");
+    require(payload_bytes <= kMaxPayloadBytes, "more than 16 MiB of payload");
     std::vector<std::uint8_t> packet;
     append_packet(header_of(header), {payload, payload_bytes}, status, packet);
     write_bytes(packet, out, capacity, written);

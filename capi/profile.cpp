@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "capi/convert.h"
-#include "capi/errors.h"
 #include "host/files/user_error.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/reference.h"

@@ -14,7 +14,6 @@
 #include <system_error>
 
 #include "host/files/file_descriptor.h"
-#include "host/files/output_parents.h"
 #include "host/files/run_files.h"
 #include "host/files/signals_held.h"
 #include "host/files/temporary.h"

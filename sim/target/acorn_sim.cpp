@@ -24,12 +24,11 @@
 #include <vector>
 
 #include "Vacorn.h"
-#include "host/driver/board_test.h"
+#include "host/driver/boards.h"
 #include "host/driver/control.h"
 #include "host/driver/counters.h"
 #include "host/driver/device.h"
-#include "host/driver/litepcie_device.h"
-#include "host/driver/litepcie_port.h"
+#include "host/driver/litepcie.h"
 #include "sim/target/acorn_driver.h"
 #include "sim/target/camera_judge.h"
 #include "sim/target/pcie_host.h"

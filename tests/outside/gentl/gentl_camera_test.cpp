@@ -12,7 +12,6 @@
 #include "tests/host/camera/gige_camera.h"
 #include "tests/outside/gentl/consumer.h"
 #include "tests/outside/gentl/producer.h"
-#include "tests/outside/gentl/recording.h"
 
 namespace selfproj::test {
 namespace {
