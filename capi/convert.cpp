@@ -1,29 +1,57 @@
 #include "capi/convert.h"
 
+#include <array>
 #include <cstddef>
+#include <cstdio>
 #include <limits>
 
-#include "capi/errors.h"
+#include "model/spec/generated/selfproj_spec.h"
 
 namespace selfproj {
 namespace {
 
-constexpr int kMostSide = 32768;
+std::array<char, 1024>& last_error() {
+  thread_local std::array<char, 1024> text{};
+  return text;
+}
+
+constexpr int kMaxSide = 32768;
 
 static_assert(sizeof(selfproj_measure) == kOldestMeasure);
 static_assert(sizeof(selfproj_header) == kOldestHeader);
 
-template <typename Field>
-Field field_of(std::uint32_t value) {
-  require(value <= std::numeric_limits<Field>::max(), "header: a field does not fit its bits");
-  return static_cast<Field>(value);
+// The fields of a header, in C and in the model.
+template <typename Header, typename Packet, typename Each>
+void each_field(Header& header, Packet& packet, const Each& each) {
+  each(header.kind, packet.kind);
+  each(header.stream, packet.stream);
+  each(header.lost, packet.lost);
+  each(header.sequence, packet.sequence);
+  each(header.time_stamp, packet.time_stamp);
+  each(header.encoder, packet.encoder);
+  each(header.columns, packet.columns);
+  each(header.rows, packet.rows);
+  each(header.pattern, packet.pattern);
+  each(header.mode, packet.mode);
+  each(header.threshold, packet.threshold);
+  each(header.first_line, packet.first_line);
+  each(header.lines, packet.lines);
+  each(header.flags, packet.flags);
+  each(header.select, packet.select);
+  each(header.gap, packet.gap);
+  each(header.first_row, packet.first_row);
+  each(header.last_row, packet.last_row);
 }
 
 }  // namespace
 
+std::int32_t failed(std::int32_t result, const char* text) noexcept {
+  static_cast<void>(std::snprintf(last_error().data(), last_error().size(), "%s", text));
+  return result;
+}
+
 void check_sides(std::int32_t rows, std::int32_t columns) {
-  require(rows >= 1 && rows <= kMostSide && columns >= 1 && columns <= kMostSide,
-          "rows or columns are not in 1..32768");
+  require(rows >= 1 && rows <= kMaxSide && columns >= 1 && columns <= kMaxSide, "rows or columns are not in 1..32768");
 }
 
 ImageView image_of(const selfproj_image* image) {
@@ -67,48 +95,17 @@ RunsView runs_of(Select select, const MomentsView& moments, std::uint8_t* runs, 
 PacketHeader header_of(const selfproj_header* header) {
   const selfproj_header from = copy_of(header, kOldestHeader, "header: null pointer, or size is not set");
   PacketHeader out;
-  out.kind = field_of<std::uint8_t>(from.kind);
-  out.stream = field_of<std::uint8_t>(from.stream);
-  out.lost = from.lost;
-  out.sequence = from.sequence;
-  out.time_stamp = from.time_stamp;
-  out.encoder = from.encoder;
-  out.columns = field_of<std::uint16_t>(from.columns);
-  out.rows = field_of<std::uint16_t>(from.rows);
-  out.pattern = field_of<std::uint16_t>(from.pattern);
-  out.mode = field_of<std::uint8_t>(from.mode);
-  out.threshold = field_of<std::uint8_t>(from.threshold);
-  out.first_line = field_of<std::uint16_t>(from.first_line);
-  out.lines = field_of<std::uint16_t>(from.lines);
-  out.flags = field_of<std::uint8_t>(from.flags);
-  out.select = field_of<std::uint8_t>(from.select);
-  out.gap = field_of<std::uint8_t>(from.gap);
-  out.first_row = field_of<std::uint16_t>(from.first_row);
-  out.last_row = field_of<std::uint16_t>(from.last_row);
+  each_field(from, out, []<typename Field>(const auto& value, Field& field) {
+    require(value <= std::numeric_limits<Field>::max(), "header: a field does not fit its bits");
+    field = static_cast<Field>(value);
+  });
   return out;
 }
 
 selfproj_header header_from(const PacketHeader& header) {
   selfproj_header out{};
   out.size = sizeof out;
-  out.kind = header.kind;
-  out.stream = header.stream;
-  out.lost = header.lost;
-  out.sequence = header.sequence;
-  out.time_stamp = header.time_stamp;
-  out.encoder = header.encoder;
-  out.columns = header.columns;
-  out.rows = header.rows;
-  out.pattern = header.pattern;
-  out.mode = header.mode;
-  out.threshold = header.threshold;
-  out.first_line = header.first_line;
-  out.lines = header.lines;
-  out.flags = header.flags;
-  out.select = header.select;
-  out.gap = header.gap;
-  out.first_row = header.first_row;
-  out.last_row = header.last_row;
+  each_field(out, header, [](auto& value, const auto& field) { value = field; });
   return out;
 }
 
@@ -130,3 +127,9 @@ void write_packet(const PacketView& packet, selfproj_packet* out) {
 }
 
 }  // namespace selfproj
+
+std::uint32_t selfproj_abi_version() { return SELFPROJ_ABI_VERSION; }
+
+std::uint32_t selfproj_spec_hash() { return selfproj::spec::kHash; }
+
+const char* selfproj_last_error() { return selfproj::last_error().data(); }

@@ -19,7 +19,6 @@ set(selfproj_headers_for_users
   host/driver/counters.h
   host/driver/device.h
   host/driver/image_assembler.h
-  host/driver/open_device.h
   host/driver/packet_reader.h
   host/files/user_error.h
   host/light_section/differential_profile.h

@@ -21,9 +21,9 @@ static int result(int32_t returned) {
   return returned;
 }
 
-/* The entries of an array, or null if it has fewer than `least` entries. */
-static void* entries(const svOpenArrayHandle array, long long least) {
-  if (least < 0 || svDimensions(array) != 1 || svSize(array, 1) < least) return NULL;
+/* The entries of an array, or null if it has fewer than `min_count` entries. */
+static void* entries(const svOpenArrayHandle array, long long min_count) {
+  if (min_count < 0 || svDimensions(array) != 1 || svSize(array, 1) < min_count) return NULL;
   return svGetArrayPtr(array);
 }
 

@@ -27,12 +27,11 @@
 #include "constraints/acorn/acorn_driver.h"
 #include "constraints/acorn/pcie_host.h"
 #include "constraints/common/scoreboard.h"
-#include "host/driver/board_test.h"
+#include "host/driver/boards.h"
 #include "host/driver/control.h"
 #include "host/driver/counters.h"
 #include "host/driver/device.h"
-#include "host/driver/litepcie_device.h"
-#include "host/driver/litepcie_port.h"
+#include "host/driver/litepcie.h"
 
 namespace selfproj {
 namespace {

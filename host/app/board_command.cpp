@@ -17,10 +17,8 @@
 
 #include "host/app/board_replay.h"
 #include "host/cli/command_line.h"
-#include "host/driver/board_list.h"
-#include "host/driver/board_test.h"
+#include "host/driver/boards.h"
 #include "host/driver/control.h"
-#include "host/driver/open_control.h"
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"

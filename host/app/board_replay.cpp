@@ -18,7 +18,7 @@
 #include "host/cli/command_line.h"
 #include "host/cli/progress.h"
 #include "host/driver/control.h"
-#include "host/driver/etherbone_port.h"
+#include "host/driver/etherbone.h"
 #include "host/driver/replay_sender.h"
 #include "host/files/user_error.h"
 #include "host/images/image_files.h"

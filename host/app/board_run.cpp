@@ -6,7 +6,7 @@
 #include <string>
 #include <system_error>
 
-#include "host/driver/open_control.h"
+#include "host/driver/control.h"
 #include "host/files/user_error.h"
 
 namespace selfproj {

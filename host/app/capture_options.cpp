@@ -24,7 +24,7 @@ void print_beginning(const CaptureRecord& record) {
   fmt::print("exposure: {}\n", exposure_text(record.exposure));
   if (record.settle_measured) {
     fmt::print("settle time: {:.1f} ms; a new pattern is seen after {:.1f} to {:.1f} ms\n", record.settle.settle_ms,
-               record.settle.least_ms, record.settle.most_ms);
+               record.settle.min_ms, record.settle.max_ms);
   }
   static_cast<void>(std::fflush(stdout));  // before the sequence, on a pipe too
 }

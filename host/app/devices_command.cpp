@@ -8,12 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "host/camera/aravis_camera.h"
 #include "host/camera/camera_uri.h"
 #include "host/camera/open_camera.h"
 #include "host/capture/projector.h"
 #include "host/cli/command_line.h"
-#include "host/driver/ring_list.h"
+#include "host/driver/ring_memory.h"
 #include "host/files/user_error.h"
 
 namespace selfproj {

@@ -16,7 +16,6 @@
 #include "host/driver/image_assembler.h"
 #include "host/files/output_folder.h"
 #include "host/files/user_error.h"
-#include "host/images/code_image.h"
 #include "host/images/image_files.h"
 #include "model/code_word.h"
 #include "model/packet.h"

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "host/cli/status_line.h"
+#include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "host/driver/device.h"
-#include "host/files/duration_histogram.h"
 #include "host/light_section/differential_profile.h"
 #include "host/light_section/inspection.h"
 #include "host/light_section/profile.h"

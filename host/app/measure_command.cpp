@@ -9,7 +9,6 @@
 
 #include "host/app/capture_options.h"
 #include "host/capture/grey_curve.h"
-#include "host/capture/grey_response.h"
 #include "host/capture/sequence_capture.h"
 #include "host/cli/command_line.h"
 #include "host/files/output_file.h"

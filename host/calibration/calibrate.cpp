@@ -24,7 +24,7 @@
 #include "host/calibration/chessboard.h"
 #include "host/calibration/corner_codes.h"
 #include "host/calibration/model_choice.h"
-#include "host/files/median.h"
+#include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 

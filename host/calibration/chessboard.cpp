@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "host/files/median.h"
+#include "host/files/numbers.h"
 
 namespace selfproj {
 namespace {

@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "host/files/median.h"
+#include "host/files/numbers.h"
 
 namespace selfproj {
 namespace {

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "host/calibration/bundle.h"
-#include "host/files/median.h"
+#include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 #include "host/rig/lens.h"

@@ -1,5 +1,3 @@
-#include "host/camera/aravis_camera.h"
-
 #include <arv.h>
 #include <fmt/format.h>
 
@@ -17,6 +15,7 @@
 #include <vector>
 
 #include "host/camera/frame_numbers.h"
+#include "host/camera/open_camera.h"
 #include "host/camera/pixel_format.h"
 #include "host/driver/clock.h"
 #include "host/files/user_error.h"
@@ -111,14 +110,11 @@ Owned<ArvCamera> open_by_name(const CameraUri& uri) {
   return camera;
 }
 
-class AravisCamera final : public Camera {
+class AravisCamera final : public FormattedCamera {
  public:
   explicit AravisCamera(const CameraUri& uri)
-      : uri_(uri.uri),
-        settings_(with_defaults(uri.camera)),
-        format_(*pixel_format(settings_.format)),
-        camera_(open_by_name(uri)),
-        before_(camera_.get()) {
+      : FormattedCamera(uri, with_defaults(uri.camera)), camera_(open_by_name(uri)), before_(camera_.get()) {
+    format_ = *pixel_format(settings_.format);
     gone_handler_ = g_signal_connect_data(arv_camera_get_device(camera_.get()), "control-lost",
                                           reinterpret_cast<GCallback>(note_gone), &gone_, nullptr, G_CONNECT_DEFAULT);
     try {
@@ -195,18 +191,13 @@ class AravisCamera final : public Camera {
         check_gone();
         return false;
       }
-      if (take(image)) {
+      if (describe_held(image)) {
         pending_ = false;
         return true;
       }
       give_back();
     }
   }
-
-  [[nodiscard]] CameraCounters counters() const override { return counters_; }
-  [[nodiscard]] int rows() const override { return rows_of(format_, raw_rows_); }
-  [[nodiscard]] int columns() const override { return columns_of(format_, raw_columns_); }
-  [[nodiscard]] const std::string& uri() const override { return uri_; }
 
  private:
   static CameraParameters with_defaults(CameraParameters settings) {
@@ -285,9 +276,7 @@ class AravisCamera final : public Camera {
     int top = 0;
     arv_camera_get_region(camera, &left, &top, &raw_columns_, &raw_rows_, error);
     error.check("region");
-    if (settings_.region && (settings_.region->columns != raw_columns_ || settings_.region->rows != raw_rows_)) {
-      throw UserError(uri_, fmt::format("region: the camera takes {} x {} pixels instead", raw_columns_, raw_rows_));
-    }
+    check_region();
     const bool packed = format_.layout == Layout::packed_lsb || format_.layout == Layout::packed_gige;
     if (packed && raw_columns_ % 4 != 0) {
       throw UserError(uri_, "format " + settings_.format + ": needs a multiple of 4 columns");
@@ -300,12 +289,12 @@ class AravisCamera final : public Camera {
       return;
     }
     GlibError error(uri_);
-    double least = 0;
-    double most = 0;
-    bounds(camera_.get(), &least, &most, error);
+    double min = 0;
+    double max = 0;
+    bounds(camera_.get(), &min, &max, error);
     error.check(what);
-    if (*value < least || *value > most) {
-      throw UserError(uri_, fmt::format("{}: the camera takes {:g} to {:g}", what, least, most));
+    if (*value < min || *value > max) {
+      throw UserError(uri_, fmt::format("{}: the camera takes {:g} to {:g}", what, min, max));
     }
     set(camera_.get(), *value, error);
     error.check(what);
@@ -341,13 +330,10 @@ class AravisCamera final : public Camera {
     for (int i = 0; i < settings_.buffers; ++i) {
       arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
     }
-    if (!is_plain(format_)) {
-      pixels_.resize(static_cast<std::size_t>(rows()) * static_cast<std::size_t>(columns()));
-    }
   }
 
   // Describes the held buffer. Returns false if it is none that should be given out.
-  bool take(CameraImage& image) {
+  bool describe_held(CameraImage& image) {
     const ArvBufferStatus status = arv_buffer_get_status(held_);
     if (status == ARV_BUFFER_STATUS_CLEARED || status == ARV_BUFFER_STATUS_ABORTED) {
       return false;
@@ -365,14 +351,10 @@ class AravisCamera final : public Camera {
     const auto* const raw = static_cast<const std::uint8_t*>(arv_buffer_get_data(held_, &size));
     const std::size_t line = line_bytes(format_, raw_columns_);
     image.number = *number;
-    image.complete =
-        status == ARV_BUFFER_STATUS_SUCCESS && raw != nullptr && arv_buffer_get_image_width(held_) == raw_columns_ &&
-        arv_buffer_get_image_height(held_) == raw_rows_ && size >= line * static_cast<std::size_t>(raw_rows_);
-    ++(image.complete ? counters_.complete : counters_.incomplete);
-    if (image.complete && !is_plain(format_)) {
-      to_grey8(format_, settings_.channel, {raw, size}, raw_rows_, raw_columns_, line, pixels_.data());
-    }
-    image.view = {is_plain(format_) ? raw : pixels_.data(), rows(), columns(), columns()};
+    describe(image, {raw, size}, line,
+             status == ARV_BUFFER_STATUS_SUCCESS && raw != nullptr &&
+                 arv_buffer_get_image_width(held_) == raw_columns_ && arv_buffer_get_image_height(held_) == raw_rows_ &&
+                 size >= line * static_cast<std::size_t>(raw_rows_));
     const auto system = static_cast<std::int64_t>(arv_buffer_get_system_timestamp(held_));
     const auto camera = static_cast<std::int64_t>(arv_buffer_get_timestamp(held_));
     if (status == ARV_BUFFER_STATUS_SUCCESS) {  // otherwise its times may be old, too
@@ -390,23 +372,14 @@ class AravisCamera final : public Camera {
     }
   }
 
-  std::string uri_;
-  CameraParameters settings_;
-  PixelFormat format_;
   Owned<ArvCamera> camera_;
   Remembered before_;
   Owned<ArvStream> stream_;
   std::atomic<bool> gone_ = false;
   gulong gone_handler_ = 0;
-  int raw_rows_ = 0;
-  int raw_columns_ = 0;
-  std::vector<std::uint8_t> pixels_;  // of an image that is not plain
-  ArvBuffer* held_ = nullptr;         // the image given out
+  ArvBuffer* held_ = nullptr;  // the image given out
   bool running_ = false;
   bool pending_ = false;  // a trigger is under way
-  FrameNumbers numbers_{1, UINT16_MAX};
-  CameraCounters counters_;
-  std::int64_t last_time_ = 0;
 };
 
 }  // namespace

@@ -15,8 +15,9 @@
 #include "host/camera/software_board.h"
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
-#include "host/driver/open_device.h"
-#include "host/driver/packet_tally.h"
+#include "host/driver/device.h"
+#include "host/driver/device_kinds.h"
+#include "host/driver/packet_reader.h"
 #include "host/files/user_error.h"
 #include "model/pixel_clock.h"
 
@@ -52,15 +53,15 @@ SoftwareBoard make_board(const Camera& camera, const CameraBoardSettings& given)
   }
 }
 
-class CameraDevice final : public Device {
+class CameraDevice final : public TalliedDevice {
  public:
   CameraDevice(std::unique_ptr<Camera> camera, const CameraBoardSettings& board, const DeviceOptions& options)
-      : camera_(std::move(camera)),
+      : TalliedDevice(camera->uri(), options),
+        camera_(std::move(camera)),
         board_(make_board(*camera_, board)),
         patterns_(static_cast<std::uint64_t>(board.patterns.value_or(board.code_bits ? 2 * *board.code_bits : 1))),
         clock_hz_(static_cast<std::uint64_t>(std::llround(board.pixel_clock_hz.value_or(kDefaultPixelClockHz)))),
-        polls_(options.wait == Wait::polling),
-        tally_(counters_) {
+        polls_(options.wait == Wait::polling) {
     camera_->start();
   }
 
@@ -68,16 +69,14 @@ class CameraDevice final : public Device {
     const std::int64_t started = now_ns();
     for (;;) {
       while (board_.next(packet)) {
-        if (tally_.accept(packet.header)) {
-          ++counters_.delivered;
-          counters_.flagged += packet.status != 0 ? 1 : 0;
+        if (tally_.deliver(packet)) {
           return Next::packet;
         }
       }
       const std::chrono::nanoseconds rest(timeout.count() - (now_ns() - started));
       CameraImage image;
       if (camera_->next(image, polls_ ? std::chrono::nanoseconds(0) : rest)) {
-        take(image);
+        submit(image);
       } else if (rest.count() <= 0 || !polls_) {
         return Next::timeout;
       } else {
@@ -86,14 +85,8 @@ class CameraDevice final : public Device {
     }
   }
 
-  void release() override {}  // the packets are kept until the next image is taken
-
-  [[nodiscard]] std::int64_t arrival_ns() const override { return arrival_ns_; }
-  [[nodiscard]] Counters counters() const override { return counters_; }
-  [[nodiscard]] const std::string& uri() const override { return camera_->uri(); }
-
  private:
-  void take(const CameraImage& image) {
+  void submit(const CameraImage& image) {
     arrival_ns_ = image.arrival_ns;
     first_ns_ = first_ns_.value_or(image.time_ns);
     constexpr std::uint64_t kSecond = 1'000'000'000;
@@ -109,10 +102,7 @@ class CameraDevice final : public Device {
   std::uint64_t patterns_;
   std::uint64_t clock_hz_;
   bool polls_;
-  Counters counters_;
-  PacketTally tally_;
   std::optional<std::int64_t> first_ns_;
-  std::int64_t arrival_ns_ = 0;
 };
 
 template <class T>
@@ -130,7 +120,7 @@ std::unique_ptr<Device> make_camera_device(std::unique_ptr<Camera> camera, const
 }
 
 CameraDefaults camera_of_rig(const Rig& rig, const Measure& measure) {
-  return {.region = CameraRegion{.columns = rig.camera.columns, .rows = rig.camera.rows},
+  return {.region = ImagePart{.columns = rig.camera.columns, .rows = rig.camera.rows},
           .board = {.mode = measure.mode,
                     .threshold = measure.threshold,
                     .select = measure.select,

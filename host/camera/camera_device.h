@@ -26,14 +26,14 @@ std::unique_ptr<Device> make_camera_device(std::unique_ptr<Camera> camera, const
 
 // What a rig says of the camera and of the measurement, where the URI says nothing.
 struct CameraDefaults {
-  std::optional<CameraRegion> region = {};
+  std::optional<ImagePart> region = {};
   CameraBoardSettings board = {};
 };
 
-// What a camera of a light section is told: the size of the rig's camera, its pixel clock, and what to measure.
+// What a camera of a light section is set to: the size of the rig's camera, its pixel clock, and what to measure.
 CameraDefaults camera_of_rig(const Rig& rig, const Measure& measure);
 
-// Opens a device of any kind: camera:NAME (camera_uri.h), or one of the driver (driver/open_device.h). Throws
+// Opens a device of any kind: camera:NAME (camera_uri.h), or one of the driver (driver/device.h). Throws
 // UserError.
 std::unique_ptr<Device> open_any_device(const std::string& uri, const DeviceOptions& options = {},
                                         const CameraDefaults& defaults = {});

@@ -25,11 +25,11 @@
 namespace selfproj {
 namespace {
 
-constexpr int kLargestSide = 1 << 15;
-constexpr int kMostBuffers = 4096;
-constexpr int kLeastPacket = 220;  // of GigE Vision's 576 less what its header may need
-constexpr int kLargestPacket = 16'000;
-constexpr int kMostPatterns = 1 << 16;
+constexpr int kMaxSide = 1 << 15;
+constexpr int kMaxBuffers = 4096;
+constexpr int kMinPacket = 220;  // of GigE Vision's 576 less what its header may need
+constexpr int kMaxPacket = 16'000;
+constexpr int kMaxPatterns = 1 << 16;
 
 // Why a value is refused.
 struct Refusal {
@@ -37,11 +37,11 @@ struct Refusal {
 };
 
 template <class T>
-T number_in(const std::string& text, T least, T most) {
+T number_in(const std::string& text, T min, T max) {
   const std::optional<T> value = number_of_text<T>(text);
-  if (!value || *value < least || *value > most) {
+  if (!value || *value < min || *value > max) {
     throw Refusal{
-        fmt::format("is not a {} from {} to {}", std::is_integral_v<T> ? "whole number" : "number", least, most)};
+        fmt::format("is not a {} from {} to {}", std::is_integral_v<T> ? "whole number" : "number", min, max)};
   }
   return *value;
 }
@@ -69,27 +69,13 @@ std::string name_in(const std::string& text, const std::vector<std::string>& nam
 }
 
 // "512x96", or "512x96+LEFT+TOP".
-CameraRegion region_of_text(const std::string& text) {
-  const Refusal refusal{"is not a region such as 512x96 or 512x96+64+20"};
-  std::vector<int> numbers;
-  std::size_t from = 0;
-  for (const char separator : {'x', '+', '+', '\0'}) {
-    const std::size_t to = std::min(separator == '\0' ? std::string::npos : text.find(separator, from), text.size());
-    const std::optional<int> number = number_of_text<int>(text.substr(from, to - from));
-    if (!number || *number < (numbers.size() < 2 ? 1 : 0) || *number > kLargestSide) {
-      throw refusal;
-    }
-    numbers.push_back(*number);
-    if (to == text.size()) {
-      break;
-    }
-    from = to + 1;
+ImagePart region_of_text(const std::string& text) {
+  const bool whole = text.find('+') == std::string::npos;
+  const std::optional<ImagePart> region = image_part(whole ? text + "+0+0" : text, kMaxSide);
+  if (!region) {
+    throw Refusal{"is not a region such as 512x96 or 512x96+64+20"};
   }
-  if (numbers.size() != 2 && numbers.size() != 4) {
-    throw refusal;
-  }
-  numbers.resize(4);
-  return {numbers[0], numbers[1], numbers[2], numbers[3]};
+  return *region;
 }
 
 struct Key {
@@ -119,10 +105,10 @@ constexpr std::array<Key, 21> kKeys = {{
     {"packet-bytes", "N",
      "size of the packets of a GigE camera; larger ones cost less work, if the network carries them",
      [](CameraUri& uri, const std::string& text) {
-       uri.camera.packet_bytes = number_in(text, kLeastPacket, kLargestPacket);
+       uri.camera.packet_bytes = number_in(text, kMinPacket, kMaxPacket);
      }},
     {"buffers", "N", "images that wait in memory until they are taken",
-     [](CameraUri& uri, const std::string& text) { uri.camera.buffers = number_in(text, 2, kMostBuffers); }},
+     [](CameraUri& uri, const std::string& text) { uri.camera.buffers = number_in(text, 2, kMaxBuffers); }},
     {"mode", "NAME", "binary, grey or grey-over",
      [](CameraUri& uri, const std::string& text) { uri.board.mode = mode_of(name_in(text, mode_names())); }},
     {"threshold", "N", "a pixel is lit if it is greater",
@@ -138,7 +124,7 @@ constexpr std::array<Key, 21> kKeys = {{
     {"code-threshold", "N", "difference below which a pair is ambiguous",
      [](CameraUri& uri, const std::string& text) { uri.board.code_threshold = number_in(text, 0, UINT8_MAX); }},
     {"patterns", "N", "patterns that follow each other with the images",
-     [](CameraUri& uri, const std::string& text) { uri.board.patterns = number_in(text, 1, kMostPatterns); }},
+     [](CameraUri& uri, const std::string& text) { uri.board.patterns = number_in(text, 1, kMaxPatterns); }},
     {"stream", "N", "number of the stream in the packets",
      [](CameraUri& uri, const std::string& text) { uri.board.stream = number_in(text, 0, UINT8_MAX); }},
     {"pixel-clock-hz", "NUMBER", "clock in which time stamps count",

@@ -17,22 +17,12 @@
 
 namespace selfproj {
 
-// A part of the sensor, in pixels.
-struct CameraRegion {
-  int columns = 0;
-  int rows = 0;
-  int left = 0;
-  int top = 0;
-
-  bool operator==(const CameraRegion&) const = default;
-};
-
 // What is not given stays as the camera has it. Its automatics of exposure and gain are switched off in any case.
 struct CameraParameters {
   std::optional<double> exposure_us;
   std::optional<double> gain;
-  std::optional<double> rate;  // images a second, where nothing triggers the camera
-  std::optional<CameraRegion> region;
+  std::optional<double> rate;       // images a second, where nothing triggers the camera
+  std::optional<ImagePart> region;  // of the sensor
   std::string format;               // pixel_format.h; empty: Mono8, or for V4L2 the luminance of what it has
   std::optional<Channel> channel;   // where the format has colours
   std::string trigger;              // free, software, or the name of the camera's input, such as Line1; empty: free

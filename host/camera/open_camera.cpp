@@ -2,14 +2,36 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "host/camera/aravis_camera.h"
-#include "host/camera/v4l2_camera.h"
 #include "host/files/user_error.h"
 
 namespace selfproj {
+
+void FormattedCamera::check_region() const {
+  if (settings_.region && (settings_.region->columns != raw_columns_ || settings_.region->rows != raw_rows_)) {
+    throw UserError(uri_, fmt::format("region: the camera takes {} x {} pixels instead", raw_columns_, raw_rows_));
+  }
+}
+
+void FormattedCamera::describe(CameraImage& image, std::span<const std::uint8_t> raw, std::size_t stride,
+                               bool complete) {
+  image.complete = complete;
+  ++(complete ? counters_.complete : counters_.incomplete);
+  if (is_plain(format_)) {
+    image.view = {raw.data(), rows(), columns(), static_cast<std::ptrdiff_t>(stride)};
+    return;
+  }
+  pixels_.resize(static_cast<std::size_t>(rows()) * static_cast<std::size_t>(columns()));
+  if (complete) {
+    to_grey8(format_, settings_.channel, raw, raw_rows_, raw_columns_, stride, pixels_.data());
+  }
+  image.view = {pixels_.data(), rows(), columns(), columns()};
+}
 
 std::vector<CameraEntry> list_cameras() {
   std::vector<CameraEntry> cameras = list_aravis_cameras();
@@ -32,5 +54,17 @@ std::unique_ptr<Camera> open_camera(const CameraUri& uri) {
   }
   return uri.name.starts_with("/dev/") ? open_v4l2_camera(uri) : open_aravis_camera(uri);
 }
+
+#ifndef SELFPROJ_HAS_ARAVIS
+
+bool has_aravis() { return false; }
+
+std::vector<CameraEntry> list_aravis_cameras() { return {}; }
+
+std::unique_ptr<Camera> open_aravis_camera(const CameraUri& uri) {
+  throw UserError(uri.uri, "built without Aravis, this program knows no GigE and USB3 cameras, but those of V4L2");
+}
+
+#endif
 
 }  // namespace selfproj

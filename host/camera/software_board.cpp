@@ -21,7 +21,7 @@ PacketHeader header_of(const BoardSettings& settings) {
   return header;
 }
 
-bool within(int value, int least, int most) { return value >= least && value <= most; }
+bool within(int value, int min, int max) { return value >= min && value <= max; }
 
 void check_settings(const BoardSettings& settings) {
   const bool good = within(settings.columns, spec::kPixelsPerBeat, spec::kMaxColumns) &&

@@ -1,5 +1,3 @@
-#include "host/camera/v4l2_camera.h"
-
 #include <fmt/format.h>
 #include <linux/videodev2.h>
 
@@ -22,6 +20,7 @@
 #include <vector>
 
 #include "host/camera/frame_numbers.h"
+#include "host/camera/open_camera.h"
 #include "host/camera/pixel_format.h"
 #include "host/driver/clock.h"
 #include "host/files/file_descriptor.h"
@@ -68,10 +67,10 @@ std::optional<v4l2_capability> capability_of(DevicePort& port) {
   return (caps & kNeeded) == kNeeded ? std::optional(capability) : std::nullopt;
 }
 
-class V4l2Camera final : public Camera {
+class V4l2Camera final : public FormattedCamera {
  public:
   V4l2Camera(const CameraUri& uri, std::unique_ptr<DevicePort> port)
-      : uri_(uri.uri), settings_(uri.camera), port_(std::move(port)) {
+      : FormattedCamera(uri, uri.camera), port_(std::move(port)) {
     if (!capability_of(*port_)) {
       throw UserError(uri_, "gives no images through the interface V4L2");
     }
@@ -130,7 +129,7 @@ class V4l2Camera final : public Camera {
       buffer.memory = V4L2_MEMORY_MMAP;
       const int error = port_->control(VIDIOC_DQBUF, &buffer);
       if (error == 0) {
-        if (take(buffer, image)) {
+        if (describe_buffer(buffer, image)) {
           return true;
         }
         continue;
@@ -144,11 +143,6 @@ class V4l2Camera final : public Camera {
       }
     }
   }
-
-  [[nodiscard]] CameraCounters counters() const override { return counters_; }
-  [[nodiscard]] int rows() const override { return rows_of(format_, raw_rows_); }
-  [[nodiscard]] int columns() const override { return columns_of(format_, raw_columns_); }
-  [[nodiscard]] const std::string& uri() const override { return uri_; }
 
  private:
   void check(int error, const std::string& what) const {
@@ -213,9 +207,7 @@ class V4l2Camera final : public Camera {
     check(port_->control(VIDIOC_S_FMT, &format), "format");
     raw_columns_ = static_cast<int>(format.fmt.pix.width);
     raw_rows_ = static_cast<int>(format.fmt.pix.height);
-    if (settings_.region && (settings_.region->columns != raw_columns_ || settings_.region->rows != raw_rows_)) {
-      throw UserError(uri_, fmt::format("region: the camera takes {} x {} pixels instead", raw_columns_, raw_rows_));
-    }
+    check_region();
     stride_ = std::max<std::size_t>(format.fmt.pix.bytesperline, line_bytes(format_, raw_columns_));
     if (format.fmt.pix.pixelformat != code->code) {
       throw UserError(uri_, "format: the camera took another one");
@@ -295,7 +287,6 @@ class V4l2Camera final : public Camera {
     if (buffers_.empty()) {
       throw UserError(uri_, "memory of images: the driver has none");
     }
-    pixels_.resize(static_cast<std::size_t>(rows()) * static_cast<std::size_t>(columns()));
   }
 
   void give(std::uint32_t index) {
@@ -317,7 +308,7 @@ class V4l2Camera final : public Camera {
   }
 
   // Describes the image of the buffer. Returns false, and gives the buffer back, if it should not be given out.
-  bool take(const v4l2_buffer& buffer, CameraImage& image) {
+  bool describe_buffer(const v4l2_buffer& buffer, CameraImage& image) {
     const std::optional<std::uint64_t> number = numbers_.accept(buffer.sequence);
     counters_.dropped = numbers_.dropped();
     if (!number || buffer.index >= buffers_.size()) {
@@ -330,14 +321,7 @@ class V4l2Camera final : public Camera {
     const std::size_t size = std::min<std::size_t>(buffer.bytesused, raw.size());
     const std::size_t needed = (static_cast<std::size_t>(raw_rows_) - 1) * stride_ + line_bytes(format_, raw_columns_);
     image.number = *number;
-    image.complete = (buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 && size >= needed;
-    ++(image.complete ? counters_.complete : counters_.incomplete);
-    const bool in_place = is_plain(format_);
-    if (image.complete && !in_place) {
-      to_grey8(format_, settings_.channel, raw.first(size), raw_rows_, raw_columns_, stride_, pixels_.data());
-    }
-    image.view = {in_place ? raw.data() : pixels_.data(), rows(), columns(),
-                  in_place ? static_cast<std::ptrdiff_t>(stride_) : columns()};
+    describe(image, raw.first(size), stride_, (buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 && size >= needed);
     const std::int64_t now = now_ns();
     const bool monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
     const std::int64_t taken =
@@ -348,21 +332,12 @@ class V4l2Camera final : public Camera {
     return true;
   }
 
-  std::string uri_;
-  CameraParameters settings_;
   std::unique_ptr<DevicePort> port_;
-  PixelFormat format_{};
-  int raw_rows_ = 0;
-  int raw_columns_ = 0;
   std::size_t stride_ = 0;
   std::vector<std::pair<std::uint32_t, std::int32_t>> before_;  // controls as they were found
   std::vector<std::span<const std::uint8_t>> buffers_;
-  std::vector<std::uint8_t> pixels_;  // of an image that is not plain
   std::optional<std::uint32_t> held_;
   bool running_ = false;
-  FrameNumbers numbers_{0, std::uint64_t{1} << 32U};
-  CameraCounters counters_;
-  std::int64_t last_time_ = 0;
 };
 
 }  // namespace

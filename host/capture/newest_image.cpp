@@ -15,7 +15,7 @@
 namespace selfproj {
 namespace {
 
-constexpr int kMostSide = 1280;  // of the image on the page, in pixels
+constexpr int kMaxSide = 1280;  // of the image on the page, in pixels
 
 template <class Counts>
 std::string share_text(const Image& image, const Counts& counts) {
@@ -36,14 +36,7 @@ void NewestImage::put(const CameraImage& image, const CameraCounters& counters, 
   if (!wanted_) {
     return;
   }
-  auto picture = std::make_shared<Image>();
-  picture->rows = image.view.rows;
-  picture->columns = image.view.columns;
-  for (int row = 0; row < image.view.rows; ++row) {
-    const std::uint8_t* pixels = image.view.pixels + static_cast<std::ptrdiff_t>(row) * image.view.stride;
-    picture->pixels.insert(picture->pixels.end(), pixels, pixels + image.view.columns);
-  }
-  picture_ = std::move(picture);
+  picture_ = std::make_shared<Image>(copy_of(image.view));
   wanted_ = false;
   ++copies_;
   came_.notify_all();
@@ -59,7 +52,7 @@ std::shared_ptr<const Image> NewestImage::next() {
 
 std::shared_ptr<const std::string> NewestImage::png() {
   const std::shared_ptr<const Image> picture = next();
-  const int every = std::max(1, (std::max(picture->rows, picture->columns) + kMostSide - 1) / kMostSide);
+  const int every = std::max(1, (std::max(picture->rows, picture->columns) + kMaxSide - 1) / kMaxSide);
   Image shown{(picture->rows + every - 1) / every, (picture->columns + every - 1) / every, {}};
   for (int row = 0; row < picture->rows; row += every) {
     for (int column = 0; column < picture->columns; column += every) {

@@ -1,5 +1,8 @@
 #include "host/capture/projector.h"
 
+#define SDL_MAIN_HANDLED
+#include <SDL.h>
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,14 +14,78 @@
 #include <memory>
 #include <numeric>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "host/capture/sdl.h"
 #include "host/files/user_error.h"
 
 namespace selfproj {
 namespace {
+
+// The functions of SDL2 that projectors use. The library is loaded when the first projector opens: it needs fifty
+// others, for which the loader would take as long as for the rest of the program.
+struct Sdl {
+  decltype(&SDL_Init) init;
+  decltype(&SDL_QuitSubSystem) quit;
+  decltype(&SDL_SetHint) set_hint;
+  decltype(&SDL_GetError) error;
+  decltype(&SDL_GetNumVideoDisplays) displays;
+  decltype(&SDL_GetDisplayName) display_name;
+  decltype(&SDL_GetDisplayBounds) display_bounds;
+  decltype(&SDL_GetCurrentDisplayMode) display_mode;
+  decltype(&SDL_CreateWindow) create_window;
+  decltype(&SDL_DestroyWindow) destroy_window;
+  decltype(&SDL_GetWindowSurface) window_surface;
+  decltype(&SDL_UpdateWindowSurface) update_surface;
+  decltype(&SDL_LockSurface) lock_surface;
+  decltype(&SDL_UnlockSurface) unlock_surface;
+  decltype(&SDL_MapRGB) map_rgb;
+  decltype(&SDL_ShowCursor) show_cursor;
+  decltype(&SDL_PollEvent) poll_event;
+};
+
+constexpr const char* kLibrary = "libSDL2-2.0.so.0";
+
+Sdl load() {
+  void* const library = dlopen(kLibrary, RTLD_LAZY | RTLD_LOCAL);
+  if (library == nullptr) {
+    const char* const reason = dlerror();
+    throw UserError("SDL2, which opens displays", reason != nullptr ? reason : kLibrary);
+  }
+  const auto find = [&](auto& function, const char* name) {
+    void* const found = dlsym(library, name);
+    if (found == nullptr) {
+      throw UserError("SDL2, which opens displays", std::string("has no function ") + name);
+    }
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
+  };
+  Sdl loaded{};
+  find(loaded.init, "SDL_Init");
+  find(loaded.quit, "SDL_QuitSubSystem");
+  find(loaded.set_hint, "SDL_SetHint");
+  find(loaded.error, "SDL_GetError");
+  find(loaded.displays, "SDL_GetNumVideoDisplays");
+  find(loaded.display_name, "SDL_GetDisplayName");
+  find(loaded.display_bounds, "SDL_GetDisplayBounds");
+  find(loaded.display_mode, "SDL_GetCurrentDisplayMode");
+  find(loaded.create_window, "SDL_CreateWindow");
+  find(loaded.destroy_window, "SDL_DestroyWindow");
+  find(loaded.window_surface, "SDL_GetWindowSurface");
+  find(loaded.update_surface, "SDL_UpdateWindowSurface");
+  find(loaded.lock_surface, "SDL_LockSurface");
+  find(loaded.unlock_surface, "SDL_UnlockSurface");
+  find(loaded.map_rgb, "SDL_MapRGB");
+  find(loaded.show_cursor, "SDL_ShowCursor");
+  find(loaded.poll_event, "SDL_PollEvent");
+  return loaded;
+}
+
+// Throws UserError if the library cannot be loaded.
+const Sdl& sdl() {
+  static const Sdl loaded = load();
+  return loaded;
+}
 
 // Opens SDL's video for its own lifetime. SDL handles no signals, and no graphics processor scales or draws the images.
 class Video {
@@ -129,7 +196,7 @@ struct Projector::Parts {
     }
   }
 
-  void take_events() {
+  void handle_events() {
     SDL_Event event;
     bool uncovered = false;
     while (sdl().poll_event(&event) != 0) {
@@ -182,7 +249,7 @@ void Projector::show(const Image& pattern, const std::string& name) {
                                       parts_->what, columns(), rows()));
   }
   parts_->shown.pixels = pattern.pixels;
-  parts_->take_events();
+  parts_->handle_events();
   parts_->draw();
 }
 
@@ -192,7 +259,7 @@ void Projector::show(std::uint8_t grey) {
 }
 
 bool Projector::stopped() {
-  parts_->take_events();
+  parts_->handle_events();
   return parts_->stopped;
 }
 

@@ -86,10 +86,10 @@ class SequenceTaker {
   // Takes a pattern and its negative until they add up. If they do not although nothing changes any more, a bent curve
   // of the camera or an iris of the projector is the reason, and they count.
   Pair pair(std::size_t i, const Image& pattern, const Image& negative) {
-    constexpr int kMostTries = 8;
+    constexpr int kMaxTries = 8;
     constexpr std::int64_t kLonger = 200'000'000;
     Pair last;
-    for (int tries = 0; tries < kMostTries; ++tries) {
+    for (int tries = 0; tries < kMaxTries; ++tries) {
       const std::int64_t wait = tries == 0 ? wait_ns_ : 2 * wait_ns_ + kLonger;
       Pair now{.pattern = one(i, pattern, wait), .negative = one(i + 1, negative, wait)};
       const bool same = tries > 1 && same_light(now.pattern.image, last.pattern.image, levels_) &&
@@ -131,8 +131,8 @@ std::string capture_json(const CaptureRecord& record) {
                {"trigger", record.triggered ? "software" : "free"},
                {"settle_ms", record.settle.settle_ms}};
   if (record.settle_measured) {
-    json["delay_least_ms"] = record.settle.least_ms;
-    json["delay_most_ms"] = record.settle.most_ms;
+    json["delay_min_ms"] = record.settle.min_ms;
+    json["delay_max_ms"] = record.settle.max_ms;
   }
   json["saturated"] = record.exposure.saturated;
   json["dark"] = record.exposure.dark;

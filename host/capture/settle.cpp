@@ -24,8 +24,8 @@ constexpr double kJitterMs = 5;  // of the times themselves
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kFirstWait = 700 * kMillisecond;  // before anything is known
 constexpr std::int64_t kKnownWait = 200 * kMillisecond;  // more than twice the known time
-constexpr std::int64_t kMostDelay = 3000 * kMillisecond;
-constexpr double kLeastContrast = 3;
+constexpr std::int64_t kMaxDelay = 3000 * kMillisecond;
+constexpr double kMinContrast = 3;
 
 double milliseconds(std::int64_t ns) { return static_cast<double>(ns) / static_cast<double>(kMillisecond); }
 
@@ -56,10 +56,10 @@ Settle settle_of(const std::vector<FlashTimes>& flashes) {
   }
   const double overlap = std::max(latest_old - earliest_new, 0.0);
   const bool one_delay = overlap <= kJitterMs;
-  Settle settle{.least_ms = one_delay ? std::min(latest_old, earliest_new) : earliest_new,
-                .most_ms = one_delay ? std::max(latest_old, earliest_new) : latest_new};
-  const double more = one_delay ? 0.1 * settle.most_ms + overlap : settle.most_ms - settle.least_ms;
-  settle.settle_ms = settle.most_ms + std::max(more, kMarginMs);
+  Settle settle{.min_ms = one_delay ? std::min(latest_old, earliest_new) : earliest_new,
+                .max_ms = one_delay ? std::max(latest_old, earliest_new) : latest_new};
+  const double more = one_delay ? 0.1 * settle.max_ms + overlap : settle.max_ms - settle.min_ms;
+  settle.settle_ms = settle.max_ms + std::max(more, kMarginMs);
   return settle;
 }
 
@@ -70,7 +70,7 @@ WhiteAndBlack take_white_and_black(Shots& shots, const std::string& camera, std:
   levels.white = shots.take_after(shots.show(std::uint8_t{255}) + wait);
   const double black = mean_grey(levels.black);
   const double white = mean_grey(levels.white);
-  if (white - black < kLeastContrast) {
+  if (white - black < kMinContrast) {
     throw UserError(camera,
                     fmt::format("sees no light from the projector: the mean grey is {:.1f} under black and {:.1f} "
                                 "under white",
@@ -98,7 +98,7 @@ Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::stri
         break;
       }
       times.old_ms = milliseconds(after);
-      if (after > kMostDelay) {
+      if (after > kMaxDelay) {
         throw UserError(camera,
                         "sees no change of the projector's light within 3 s; does the projector show this display?");
       }
@@ -111,7 +111,7 @@ Settle measure_settle(Shots& shots, const WhiteAndBlack& levels, const std::stri
 
 ExposureCheck check_exposure(const WhiteAndBlack& levels) {
   constexpr int kLit = 10;
-  constexpr double kMostSaturated = 0.005;
+  constexpr double kMaxSaturated = 0.005;
   constexpr int kShort = 150;
   constexpr double kWanted = 220;
   std::array<std::size_t, 256> lit{};
@@ -133,7 +133,7 @@ ExposureCheck check_exposure(const WhiteAndBlack& levels) {
   for (; brightest > 0 && above + lit[static_cast<std::size_t>(brightest)] <= lit_count / 200; --brightest) {
     above += lit[static_cast<std::size_t>(brightest)];
   }
-  if (check.saturated > kMostSaturated) {
+  if (check.saturated > kMaxSaturated) {
     check.factor = 0.5;
   } else if (lit_count > 0 && brightest < kShort) {
     check.factor = kWanted / brightest;

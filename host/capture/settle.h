@@ -17,8 +17,8 @@ namespace selfproj {
 // before the trigger is enough for any camera: some take a triggered image at once, others at the next tick of a clock
 // of their own, so that only the arrival of an image says that it was taken by then.
 struct Settle {
-  double least_ms = 0;   // the shortest delay seen
-  double most_ms = 0;    // the longest
+  double min_ms = 0;     // the shortest delay observed
+  double max_ms = 0;     // the longest
   double settle_ms = 0;  // how long to wait
 };
 

@@ -17,7 +17,7 @@
 namespace selfproj {
 namespace {
 
-constexpr int kMostTries = 20;
+constexpr int kMaxTries = 20;
 constexpr std::int64_t kPatience = 3'000'000'000;  // ns, for an image; exposures of a camera are shorter
 constexpr std::chrono::milliseconds kLook(20);     // so that Esc and Ctrl-C are noticed
 
@@ -86,24 +86,17 @@ bool Shots::try_once(std::int64_t time_ns) {
     return false;
   }
   arrived_ns_ = image.arrival_ns;
-  image_.rows = image.view.rows;
-  image_.columns = image.view.columns;
-  const auto columns = static_cast<std::size_t>(image.view.columns);
-  image_.pixels.resize(static_cast<std::size_t>(image.view.rows) * columns);
-  for (int row = 0; row < image.view.rows; ++row) {
-    std::copy_n(image.view.pixels + row * image.view.stride, columns,
-                image_.pixels.data() + static_cast<std::size_t>(row) * columns);
-  }
+  image_ = copy_of(image.view);
   return true;
 }
 
 const Image& Shots::take_after(std::int64_t time_ns) {
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMaxTries; ++i) {
     if (try_once(time_ns)) {
       return image_;
     }
   }
-  throw UserError(camera_.uri(), fmt::format("{} images in a row were incomplete or missing", kMostTries));
+  throw UserError(camera_.uri(), fmt::format("{} images in a row were incomplete or missing", kMaxTries));
 }
 
 double mean_grey(const Image& image) {

@@ -11,6 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "host/driver/etherbone.h"
+#include "host/driver/litepcie.h"
+#include "host/driver/register_port.h"
 #include "host/files/user_error.h"
 
 namespace selfproj {
@@ -27,11 +30,14 @@ const spec::Register& at(std::uint32_t address) {
                        [&](const spec::Register& one) { return one.address == address; });
 }
 
-std::string part_name(const RegisterPart& part) {
-  return std::string(part.in->name) + (part.field == nullptr ? "" : "." + std::string(part.field->name));
-}
-
 bool flag(std::uint32_t word, int lsb) { return field_of(word, lsb, 1) != 0; }
+
+// "/dev/xdma0_user" of "/dev/xdma0_c2h_0"; empty for any other path.
+std::string registers_beside(const std::string& path) {
+  const std::size_t channel = path.find("_c2h_");
+  const std::size_t name = path.rfind('/') + 1;  // 0 if there is no slash
+  return channel == std::string::npos || path.compare(name, 4, "xdma") != 0 ? "" : path.substr(0, channel) + "_user";
+}
 
 }  // namespace
 
@@ -86,14 +92,17 @@ void Control::need(const spec::Register& one) const {
   }
 }
 
-std::uint32_t Control::word(std::uint32_t address) {
-  return port_->read(std::array<std::uint32_t, 1>{address}).front();
-}
-
 std::uint32_t Control::read(const RegisterPart& part) {
   need(*part.in);
-  const std::uint32_t value = word(part.in->address);
+  const std::uint32_t value = port_->word(part.in->address);
   return part.field == nullptr ? value : field_of(value, part.field->lsb, part.field->bits);
+}
+
+void Control::check_fits(const RegisterPart& part, std::uint32_t value) const {
+  if (part.field != nullptr && (std::uint64_t{value} >> part.field->bits) != 0) {
+    throw UserError(uri(), std::string(part.in->name) + "." + std::string(part.field->name) + " cannot hold " +
+                               std::to_string(value) + ": it has " + std::to_string(part.field->bits) + " bits");
+  }
 }
 
 void Control::write_word(const spec::Register& one, std::uint32_t value) {
@@ -103,7 +112,7 @@ void Control::write_word(const spec::Register& one, std::uint32_t value) {
   }
   const Written written = port_->write(one.address, value);
   const std::uint32_t mask = one.address == spec::kRegSize ? ~0U : one.mask();  // bits that are not ignored
-  if (written == Written::refused || (written == Written::unknown && word(one.address) != (value & mask))) {
+  if (written == Written::refused || (written == Written::unknown && port_->word(one.address) != (value & mask))) {
     throw UserError(uri(), "the board refuses " + hex(value) + " in register " + std::string(one.name));
   }
 }
@@ -111,10 +120,7 @@ void Control::write_word(const spec::Register& one, std::uint32_t value) {
 void Control::write(const RegisterPart& part, std::uint32_t value) {
   std::uint32_t whole = value;
   if (part.field != nullptr) {
-    if ((std::uint64_t{value} >> part.field->bits) != 0) {
-      throw UserError(uri(), part_name(part) + " cannot hold " + std::to_string(value) + ": it has " +
-                                 std::to_string(part.field->bits) + " bits");
-    }
+    check_fits(part, value);
     const std::uint32_t others =
         part.in->fields.size() > 1 ? read({part.in, nullptr}) & part.in->mask() & ~part.field->mask() : 0;
     whole = others | value << part.field->lsb;
@@ -136,10 +142,7 @@ void Control::write_together(std::vector<std::pair<RegisterPart, std::uint32_t>>
     if (!part.in->writable) {
       throw UserError(uri(), "register " + std::string(part.in->name) + " can only be read");
     }
-    if (part.field != nullptr && (std::uint64_t{value} >> part.field->bits) != 0) {
-      throw UserError(uri(), part_name(part) + " cannot hold " + std::to_string(value) + ": it has " +
-                                 std::to_string(part.field->bits) + " bits");
-    }
+    check_fits(part, value);
     if (words.empty() || words.back().first != part.in) {
       words.emplace_back(part.in, read({part.in, nullptr}) & part.in->mask());
     }
@@ -147,7 +150,7 @@ void Control::write_together(std::vector<std::pair<RegisterPart, std::uint32_t>>
     word_of = part.field == nullptr ? value : (word_of & ~part.field->mask()) | value << part.field->lsb;
   }
   const spec::Register& control = at(spec::kRegControl);
-  const std::uint32_t before = word(control.address) & control.mask();
+  const std::uint32_t before = port_->word(control.address) & control.mask();
   const bool settings = std::any_of(words.begin(), words.end(), [](const auto& one) { return one.first->setting; });
   if (settings) {
     write_word(control, before | 1U << spec::kRegControlHoldLsb);
@@ -185,7 +188,7 @@ void Control::set(const BoardSettings& settings) {
                                         number(settings.stream, spec::kRegMeasureStreamLsb));
   const std::uint32_t window =
       number(settings.window.first, spec::kRegWindowFirstLsb) | number(settings.window.last, spec::kRegWindowLastLsb);
-  if (word(spec::kRegWindow) != window) {
+  if (port_->word(spec::kRegWindow) != window) {
     write_word(at(spec::kRegWindow), window);
   }
   write_word(at(spec::kRegTimeout), number(settings.timeout, spec::kRegTimeoutClocksLsb));
@@ -209,18 +212,52 @@ BoardState Control::state() {
   const std::array<std::uint32_t, 2> clock{spec::kRegTimeLow, spec::kRegTimeHigh};
   const std::vector<std::uint32_t> time = port_->read(clock);
   return {
-      .frame_open = flag(word(spec::kRegStatus), spec::kRegStatusFrameOpenLsb),
-      .frames = word(spec::kRegFrames),
-      .broken = word(spec::kRegBroken),
-      .stray = word(spec::kRegStray),
-      .lost_moments = word(spec::kRegLostMoments),
-      .lost_image = word(spec::kRegLostImage),
-      .lost_codes = build_.codes ? word(spec::kRegLostCodes) : 0,
-      .abandoned = build_.codes ? word(spec::kRegAbandoned) : 0,
+      .frame_open = flag(port_->word(spec::kRegStatus), spec::kRegStatusFrameOpenLsb),
+      .frames = port_->word(spec::kRegFrames),
+      .broken = port_->word(spec::kRegBroken),
+      .stray = port_->word(spec::kRegStray),
+      .lost_moments = port_->word(spec::kRegLostMoments),
+      .lost_image = port_->word(spec::kRegLostImage),
+      .lost_codes = build_.codes ? port_->word(spec::kRegLostCodes) : 0,
+      .abandoned = build_.codes ? port_->word(spec::kRegAbandoned) : 0,
       .time = time[0] | std::uint64_t{time[1]} << 32U,
-      .encoder = word(spec::kRegEncoder),
-      .encoder_errors = static_cast<std::uint16_t>(word(spec::kRegEncoderErrors)),
+      .encoder = port_->word(spec::kRegEncoder),
+      .encoder_errors = static_cast<std::uint16_t>(port_->word(spec::kRegEncoderErrors)),
   };
+}
+
+std::string control_uri(const std::string& uri) {
+  if (uri.starts_with("bar:") || uri.starts_with("litepcie:")) {
+    return uri;
+  }
+  if (uri.starts_with("udp:")) {
+    return uri.substr(0, uri.find(':', 4));  // a device's port is that of its packets
+  }
+  if (uri.starts_with("file:")) {
+    const std::string path = registers_beside(uri.substr(5));
+    return path.empty() ? "" : "bar:" + path;
+  }
+  return "";
+}
+
+std::unique_ptr<Control> open_control(const std::string& uri) {
+  const std::string control = control_uri(uri);
+  if (control.starts_with("bar:") && control.size() > 4) {
+    return std::make_unique<Control>(make_bar_port(control.substr(4)));
+  }
+  if (uri.starts_with("udp:")) {
+    return std::make_unique<Control>(make_etherbone_port(uri.substr(4)));
+  }
+  constexpr std::string_view kLitePcie = "litepcie:";
+  if (uri.starts_with(kLitePcie) && uri.size() > kLitePcie.size()) {
+    return std::make_unique<Control>(make_litepcie_port(uri.substr(kLitePcie.size())));
+  }
+  if (uri == "bar:" || uri == kLitePcie) {
+    throw UserError(uri, "the path of the file is missing");
+  }
+  const bool device = uri.starts_with("ring:") || uri.starts_with("file:");
+  throw UserError(uri, device ? "has no control of a board beside it; use bar:PATH, litepcie:PATH or udp:HOST"
+                              : "is not the control of a board; use bar:PATH, litepcie:PATH or udp:HOST");
 }
 
 }  // namespace selfproj

@@ -1,4 +1,4 @@
-// Control of a board: its registers by name, its settings, its counters. open_control.h opens one by its URI.
+// Control of a board: its registers by name, its settings, its counters.
 //
 //     const std::unique_ptr<Control> control = open_control("udp:192.168.1.50");
 //     control->set({.run = true, .columns = 512, .rows = 96, .mode = Mode::grey_over, .threshold = 60});
@@ -64,8 +64,8 @@ class Control {
 
  private:
   void write_word(const spec::Register& one, std::uint32_t value);
-  [[nodiscard]] std::uint32_t word(std::uint32_t address);
   void need(const spec::Register& one) const;
+  void check_fits(const RegisterPart& part, std::uint32_t value) const;
 
   std::unique_ptr<RegisterPort> port_;
   BoardBuild build_;
@@ -75,6 +75,21 @@ class Control {
 constexpr std::uint32_t field_of(std::uint32_t word, int lsb, int bits) {
   return static_cast<std::uint32_t>((word >> lsb) & ((std::uint64_t{1} << bits) - 1));
 }
+
+// The URI of the control that belongs to a device (device.h); empty if the device has none, as recordings and rings have
+// none. For udp:HOST:PORT, which has the port of the packets, it is udp:HOST.
+std::string control_uri(const std::string& uri);
+
+// Opens the control of a board by URI:
+//
+//     udp:HOST[:PORT]     a board on the network (etherbone.h); PORT is that of Etherbone, 1234 unless given
+//     bar:PATH[+OFFSET]   registers in a file mapped into memory: /dev/xdma0_user, /dev/uio0, a PCI resource
+//     litepcie:PATH       a board behind LitePCIe's kernel driver: /dev/litepcie0 (litepcie.h)
+//     file:PATH           the control beside a streaming device: /dev/xdma0_user of /dev/xdma0_c2h_0
+//     sim:                inside selfproj-sim only
+//
+// Throws UserError with the URI if it is none of the above, or if no board of this specification answers there.
+std::unique_ptr<Control> open_control(const std::string& uri);
 
 }  // namespace selfproj
 

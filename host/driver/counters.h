@@ -77,7 +77,13 @@ constexpr const CounterName& name_of(std::uint64_t Counters::*field) {
 }
 
 // Several counters in one line, such as "lost on the board 0, missing frames 2".
-std::string counters_text(const Counters& counters, std::initializer_list<std::uint64_t Counters::*> which);
+inline std::string counters_text(const Counters& counters, std::initializer_list<std::uint64_t Counters::*> which) {
+  std::string text;
+  for (std::uint64_t Counters::*const counter : which) {
+    text += (text.empty() ? "" : ", ") + std::string(name_of(counter).label) + ' ' + std::to_string(counters.*counter);
+  }
+  return text;
+}
 
 }  // namespace selfproj
 

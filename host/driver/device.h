@@ -1,4 +1,4 @@
-// The driver: one interface to whatever brings the board's packets. open_device.h opens a device by its URI.
+// The driver: one interface to whatever brings the board's packets.
 //
 //     const std::unique_ptr<Device> device = open_device("ring:line1");
 //     PacketView packet;
@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "host/driver/counters.h"
@@ -26,6 +27,11 @@ enum class Wait : std::uint8_t { polling, blocking, polling_then_blocking };
 struct DeviceOptions {
   Wait wait = Wait::polling_then_blocking;
   std::chrono::nanoseconds spin = std::chrono::microseconds(50);  // longer: less delay, more processor time
+
+  // Whether next() polls after it has waited for so long.
+  [[nodiscard]] bool polls(std::int64_t waited_ns) const {
+    return wait == Wait::polling || (wait == Wait::polling_then_blocking && waited_ns < spin.count());
+  }
 
   // Ring: the ring need not exist yet, and next() continues to wait after the board has gone. Otherwise the ring must
   // exist, and next() returns Next::end once the board has gone and everything is read.
@@ -70,6 +76,19 @@ class Device {
   // The URI with which it was opened, such as "ring:line1".
   [[nodiscard]] virtual const std::string& uri() const = 0;
 };
+
+// Opens a device by its URI:
+//
+//     ring:NAME         a ring in shared memory, written by a board's driver or by selfproj-sim board
+//     file:PATH         a recorded stream, a pipe, or a streaming character device such as /dev/xdma0_c2h_0
+//     udp:HOST[:PORT]   a board on the network, which sends packets in datagrams
+//     litepcie:PATH     a board on PCI Express behind LitePCIe's kernel driver: /dev/litepcie0
+//     sim:              inside selfproj-sim only: SimDevice (sim_device.h)
+//
+// camera:NAME, a camera without a board, is opened by camera/camera_device.h. Throws UserError with the URI if it is
+// none of the above or cannot be opened: there is no such ring or file, there are no rights, or the ring has another
+// layout or specification or already has a reader.
+std::unique_ptr<Device> open_device(const std::string& uri, const DeviceOptions& options = {});
 
 }  // namespace selfproj
 

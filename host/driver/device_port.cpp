@@ -1,16 +1,13 @@
 #include "host/driver/device_port.h"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <utility>
@@ -57,13 +54,7 @@ class KernelDevicePort final : public DevicePort {
     return static_cast<const std::uint8_t*>(memory);
   }
 
-  bool wait(std::chrono::nanoseconds timeout) override {
-    constexpr std::int64_t kSecond = 1'000'000'000;
-    const std::int64_t rest = std::max<std::int64_t>(timeout.count(), 0);
-    const timespec limit{static_cast<std::time_t>(rest / kSecond), static_cast<long>(rest % kSecond)};
-    pollfd watched{file_.number(), POLLIN, 0};
-    return ppoll(&watched, 1, &limit, nullptr) > 0;
-  }
+  bool wait(std::chrono::nanoseconds timeout) override { return wait_readable(file_.number(), timeout.count()); }
 
  private:
   FileDescriptor file_;

@@ -1,12 +1,9 @@
-#include "host/driver/open_device.h"
-
 #include <memory>
 #include <string>
 
-#include "host/driver/file_device.h"
-#include "host/driver/litepcie_device.h"
-#include "host/driver/ring_device.h"
-#include "host/driver/udp_device.h"
+#include "host/driver/device.h"
+#include "host/driver/device_kinds.h"
+#include "host/driver/litepcie.h"
 #include "host/files/user_error.h"
 
 namespace selfproj {

@@ -15,7 +15,7 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 // Like parse_packet, but asks for no more bytes if those present show that this is not a packet that a board sends.
-PacketError judge(Bytes bytes, PacketView& packet) {
+PacketError parse_available(Bytes bytes, PacketView& packet) {
   if (!begins_like_packet(bytes)) {
     return PacketError::magic;
   }
@@ -65,7 +65,7 @@ bool PacketStreamReader::next(PacketView& packet) {
       skip_fill();
     }
     const Bytes bytes(buffer_.data() + begin_, held());
-    const PacketError error = judge(bytes, packet);
+    const PacketError error = parse_available(bytes, packet);
     if (error == PacketError::none) {
       counters_.resynchronized += skipping_ ? 1 : 0;
       skipping_ = false;
@@ -81,6 +81,57 @@ bool PacketStreamReader::next(PacketView& packet) {
     discard(find_packet_start(bytes, 1));
   }
   return false;
+}
+
+bool PacketTally::accept(const PacketHeader& header) {
+  auto& stream = newest_[header.stream];
+  Newest& kind = stream[static_cast<std::size_t>(header.kind - 1)];
+  const PacketHeader& newest = kind.header;
+  const bool moments = header.kind == spec::kKindMoments;
+  const auto lost_since = static_cast<std::uint32_t>(header.lost - newest.lost);  // modulo 2^32
+  constexpr std::uint32_t kBackwards = std::uint32_t{1} << 31U;
+
+  if (kind.known) {
+    const bool same_frame = header.same_frame(newest);
+    const bool not_later = same_frame && (moments || header.first_line <= newest.first_line);
+    if (not_later && !kind.anew) {
+      ++counters_.repeated;
+      return false;
+    }
+    // If a frame number comes with the wrong time, or anything runs backwards, the board was restarted.
+    const bool restarted = not_later || header.sequence < newest.sequence || header.time_stamp < newest.time_stamp ||
+                           (!same_frame && header.sequence == newest.sequence) || lost_since >= kBackwards;
+    if (restarted) {
+      ++counters_.restarts;
+      stream.fill({.reset = true});
+    } else {
+      counters_.lost_board += lost_since;
+      counters_.missing += moments ? header.sequence - newest.sequence - 1 : 0;
+    }
+  }
+  if (kind.reset) {
+    counters_.lost_board += header.lost;
+    counters_.missing += moments ? header.sequence : 0;
+  }
+  kind = {.header = header, .known = true, .reset = false, .anew = false};
+  return true;
+}
+
+bool PacketTally::deliver(const PacketView& packet) {
+  if (!accept(packet.header)) {
+    return false;
+  }
+  ++counters_.delivered;
+  counters_.flagged += packet.status != 0 ? 1 : 0;
+  return true;
+}
+
+void PacketTally::begin_anew() {
+  for (auto& stream : newest_) {
+    for (Newest& kind : stream) {
+      kind.anew = true;
+    }
+  }
 }
 
 }  // namespace selfproj

@@ -26,35 +26,31 @@ constexpr int kAtOnce = 4;
 constexpr std::chrono::milliseconds kPause(1);
 constexpr std::chrono::milliseconds kLongestPause(100);
 
-std::uint32_t word(RegisterPort& board, std::uint32_t address) {
-  return board.read(std::array<std::uint32_t, 1>{address}).front();
-}
-
 // Older boards read registers that they have not as 0.
 ReplaySize largest_of(RegisterPort& board) {
-  const std::uint32_t video = word(board, spec::kLinkVideo);
+  const std::uint32_t video = board.word(spec::kLinkVideo);
   const ReplaySize largest{
       .columns = static_cast<int>(field_of(video, spec::kLinkVideoReplayColumnsLsb, spec::kLinkVideoReplayColumnsBits)),
       .rows = static_cast<int>(field_of(video, spec::kLinkVideoReplayRowsLsb, spec::kLinkVideoReplayRowsBits))};
-  if (word(board, spec::kLinkId) != spec::kLinkIdReset || largest.columns == 0 || largest.rows == 0) {
+  if (board.word(spec::kLinkId) != spec::kLinkIdReset || largest.columns == 0 || largest.rows == 0) {
     throw UserError(board.uri(), "this board has no replay");
   }
   return largest;
 }
 
 void write(RegisterPort& board, std::uint32_t address, std::uint32_t value, const std::string& what) {
-  if (board.write(address, value) != Written::taken) {
+  if (board.write(address, value) != Written::applied) {
     throw UserError(board.uri(), "the board refuses " + what);
   }
 }
 
 }  // namespace
 
-std::uint32_t video_source(RegisterPort& board) { return word(board, spec::kLinkSource); }
+std::uint32_t video_source(RegisterPort& board) { return board.word(spec::kLinkSource); }
 
 void set_video_source(RegisterPort& board, std::uint32_t source) {
   // A board of before would take the address for one of its own registers.
-  if (word(board, spec::kLinkId) != spec::kLinkIdReset || word(board, spec::kLinkVideo) == 0) {
+  if (board.word(spec::kLinkId) != spec::kLinkIdReset || board.word(spec::kLinkVideo) == 0) {
     throw UserError(board.uri(), "the source of this board's frames cannot be chosen");
   }
   write(board, spec::kLinkSource, source, "this source of frames; it is built without it, or another host owns it");
@@ -69,8 +65,7 @@ ReplaySender::ReplaySender(RegisterPort& board, const std::string& host, const R
       largest_(largest_of(board)),
       socket_(open_udp_socket(board.uri(), {.host = host, .port = options.port})),
       source_before_(video_source(board)),
-      session_(
-          static_cast<std::uint16_t>(word(board, spec::kLinkReplaySession) + 1 + std::random_device()() % 0x8000U)),
+      session_(static_cast<std::uint16_t>(board.word(spec::kLinkReplaySession) + 1 + std::random_device()() % 0x8000U)),
       datagram_(options.datagram_bytes) {
   set_video_source(board_, spec::kSourceReplay);
   write(board_, spec::kLinkReplaySession, session_, "a session of replay");

@@ -1,5 +1,3 @@
-#include "host/driver/ring_device.h"
-
 #include <linux/futex.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -9,18 +7,18 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
-#include <ctime>
 #include <memory>
 #include <span>
 #include <string>
-#include <system_error>
+#include <thread>
 
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "host/driver/device.h"
-#include "host/driver/packet_tally.h"
-#include "host/driver/ring_layout.h"
+#include "host/driver/device_kinds.h"
+#include "host/driver/packet_reader.h"
 #include "host/driver/ring_memory.h"
+#include "host/files/file_descriptor.h"
 #include "host/files/user_error.h"
 #include "model/packet.h"
 
@@ -30,7 +28,7 @@ namespace {
 using Found = ring::Memory::Found;
 
 // More packets than a ring can lose.
-constexpr std::uint64_t kMostLost = std::uint64_t{1} << 48U;
+constexpr std::uint64_t kMaxLost = std::uint64_t{1} << 48U;
 
 // How often a reader without packets checks that ring and board still exist.
 constexpr std::int64_t kLookNs = 50'000'000;
@@ -38,16 +36,10 @@ constexpr std::int64_t kLookNs = 50'000'000;
 // How long a board may take to notice that its ring was removed.
 constexpr std::int64_t kRenewalNs = 1'000'000'000;
 
-void sleep_ns(std::int64_t ns) {
-  constexpr std::int64_t kSecond = 1'000'000'000;
-  const timespec pause{static_cast<std::time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
-  nanosleep(&pause, nullptr);
-}
-
-class RingDevice final : public Device {
+class RingDevice final : public TalliedDevice {
  public:
   RingDevice(const std::string& name, const DeviceOptions& options)
-      : uri_("ring:" + name), shared_(ring::shared_name(name)), options_(options), tally_(counters_) {
+      : TalliedDevice("ring:" + name, options), shared_(ring::shared_name(name)) {
     const Found found = memory_.attach(shared_.c_str());
     switch (found) {
       case Found::ring:
@@ -81,7 +73,7 @@ class RingDevice final : public Device {
 
   Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
     release();
-    if (take(packet)) {
+    if (next_in_ring(packet)) {
       return Next::packet;
     }
     const std::int64_t started = now_ns();
@@ -90,7 +82,7 @@ class RingDevice final : public Device {
       if (now >= next_look_) {
         next_look_ = now + kLookNs;
         const bool gone = !look();
-        if (take(packet)) {  // written before the board went
+        if (next_in_ring(packet)) {  // written before the board went
           return Next::packet;
         }
         if (gone && !options_.wait_for_board) {
@@ -101,13 +93,12 @@ class RingDevice final : public Device {
       if (waited >= timeout.count()) {
         return Next::timeout;
       }
-      if (options_.wait == Wait::polling ||
-          (options_.wait == Wait::polling_then_blocking && waited < options_.spin.count())) {
+      if (options_.polls(waited)) {
         relax();
       } else {
         sleep(std::min(timeout.count() - waited, next_look_ - now));
       }
-      if (take(packet)) {
+      if (next_in_ring(packet)) {
         return Next::packet;
       }
     }
@@ -120,15 +111,13 @@ class RingDevice final : public Device {
     }
   }
 
-  [[nodiscard]] std::int64_t arrival_ns() const override { return arrival_ns_; }
-
   [[nodiscard]] Counters counters() const override {
     Counters counters = counters_;
     if (memory_.attached()) {
       const std::uint64_t lost = memory_.header().lost.load(std::memory_order_acquire);
-      if (lost - lost_before_ <= kMostLost) {
+      if (lost - lost_before_ <= kMaxLost) {
         counters.lost_ring += lost - lost_before_;
-        lost_told_ = lost;
+        lost_reported_ = lost;
       } else {
         ++counters.bad;  // an impossible count
       }
@@ -136,15 +125,13 @@ class RingDevice final : public Device {
     return counters;
   }
 
-  [[nodiscard]] const std::string& uri() const override { return uri_; }
-
  private:
   [[noreturn]] void no_access(int error) const {
-    throw UserError(uri_,
-                    std::generic_category().message(error) +
-                        (error == EACCES ? "; a reader needs the right to write, too, as it writes its counts into "
-                                           "the ring: with umask 007 the board gives it to its group"
-                                         : ""));
+    throw UserError(
+        uri_,
+        error_text(error) + (error == EACCES ? "; a reader needs the right to write, too, as it writes its counts into "
+                                               "the ring: with umask 007 the board gives it to its group"
+                                             : ""));
   }
 
   // The ring is mapped, and its lock is taken.
@@ -167,8 +154,8 @@ class RingDevice final : public Device {
       header.read.store(read_, std::memory_order_release);
     }
     generation_ = read_ != written ? memory_.slot(read_).generation : header.generation.load();
-    lost_before_ = options_.discard_backlog ? header.lost.load(std::memory_order_acquire) : header.lost_told.load();
-    lost_told_ = lost_before_;
+    lost_before_ = options_.discard_backlog ? header.lost.load(std::memory_order_acquire) : header.lost_reported.load();
+    lost_reported_ = lost_before_;
     next_look_ = 0;
     counters_.reattached += was_attached_ ? 1 : 0;
     was_attached_ = true;
@@ -184,7 +171,7 @@ class RingDevice final : public Device {
 
   // The next reader counts losses that this one has not reported.
   void leave() {
-    memory_.header().lost_told.store(lost_told_);
+    memory_.header().lost_reported.store(lost_reported_);
     memory_.header().reader_open.store(0);
     memory_.detach();
   }
@@ -193,7 +180,7 @@ class RingDevice final : public Device {
   void step() { memory_.header().read.store(++read_, std::memory_order_release); }
 
   // Returns the next good packet in the ring.
-  bool take(PacketView& packet) {
+  bool next_in_ring(PacketView& packet) {
     if (!memory_.attached()) {
       return false;
     }
@@ -237,12 +224,10 @@ class RingDevice final : public Device {
       ++counters_.reattached;
       tally_.begin_anew();
     }
-    if (!tally_.accept(packet.header)) {
+    if (!tally_.deliver(packet)) {
       return false;
     }
     arrival_ns_ = slot.arrival_ns;
-    ++counters_.delivered;
-    counters_.flagged += packet.status != 0 ? 1 : 0;
     return true;
   }
 
@@ -280,7 +265,7 @@ class RingDevice final : public Device {
   // Sleeps until the writer wakes it, at most for this time.
   void sleep(std::int64_t ns) {
     if (!memory_.attached()) {
-      sleep_ns(ns);
+      std::this_thread::sleep_for(std::chrono::nanoseconds(ns));
       return;
     }
     ring::Header& header = memory_.header();
@@ -288,29 +273,23 @@ class RingDevice final : public Device {
     header.sleeping.store(1, std::memory_order_relaxed);
     std::atomic_thread_fence(std::memory_order_seq_cst);  // see RingWriter::publish
     if (header.written.load(std::memory_order_acquire) == read_) {
-      constexpr std::int64_t kSecond = 1'000'000'000;
-      const timespec limit{static_cast<std::time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
+      const timespec limit = timespec_of(ns);
       syscall(SYS_futex, &header.wake, FUTEX_WAIT, wake, &limit, nullptr, 0);
     }
     header.sleeping.store(0, std::memory_order_relaxed);
   }
 
-  std::string uri_;
   std::string shared_;
-  DeviceOptions options_;
-  Counters counters_;
-  PacketTally tally_;
   ring::Memory memory_;
   std::uint64_t read_ = 0;
-  std::uint64_t lost_before_ = 0;        // the part of Header::lost that earlier readers have reported
-  mutable std::uint64_t lost_told_ = 0;  // and the part that this one has
+  std::uint64_t lost_before_ = 0;            // the part of Header::lost that earlier readers have reported
+  mutable std::uint64_t lost_reported_ = 0;  // and the part that this one has
   std::uint32_t generation_ = 0;
   bool held_ = false;
   bool skipping_ = false;
   bool was_attached_ = false;
   std::int64_t next_look_ = 0;
   std::int64_t patient_until_ = 0;  // before this time a missing ring does not count as the end
-  std::int64_t arrival_ns_ = 0;
 };
 
 }  // namespace

@@ -15,17 +15,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "host/driver/bus_guard.h"
+#include "host/files/file_descriptor.h"
 #include "host/files/user_error.h"
 
 namespace selfproj::ring {
 namespace {
-
-std::string reason(int error) { return std::generic_category().message(error); }
 
 struct flock range(short type, long which) {
   struct flock lock {};
@@ -36,7 +37,7 @@ struct flock range(short type, long which) {
   return lock;
 }
 
-bool take_lock(int descriptor, long which) {
+bool try_lock(int descriptor, long which) {
   struct flock lock = range(F_WRLCK, which);
   return fcntl(descriptor, F_OFD_SETLK, &lock) == 0;
 }
@@ -122,9 +123,9 @@ bool Memory::open_for_writer(const std::string& uri, const std::string& shared, 
     detach();
     descriptor_ = shm_open(shared.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0660);  // minus the user's umask
     if (descriptor_ < 0) {
-      throw UserError(uri, reason(errno));
+      throw UserError(uri, error_text(errno));
     }
-    if (!take_lock(descriptor_, kWriterLock)) {
+    if (!try_lock(descriptor_, kWriterLock)) {
       throw UserError(uri, "another board is writing into it");
     }
     if (removed()) {
@@ -132,7 +133,7 @@ bool Memory::open_for_writer(const std::string& uri, const std::string& shared, 
     }
     struct stat status {};
     if (fstat(descriptor_, &status) != 0) {
-      throw UserError(uri, reason(errno));
+      throw UserError(uri, error_text(errno));
     }
     if (status.st_size == 0) {
       return false;
@@ -142,15 +143,15 @@ bool Memory::open_for_writer(const std::string& uri, const std::string& shared, 
       return true;
     }
     if (found == Found::no_access) {
-      throw UserError(uri, "is there and cannot be used: " + reason(errno));
+      throw UserError(uri, "is there and cannot be used: " + error_text(errno));
     }
     if (shm_unlink(shared.c_str()) != 0 && errno != ENOENT) {
-      throw UserError(uri, "is a ring of another size or kind, which cannot be replaced: " + reason(errno));
+      throw UserError(uri, "is a ring of another size or kind, which cannot be replaced: " + error_text(errno));
     }
     unmap();
     replaced.swap(*this);
   }
-  throw UserError(uri, "is taken away by another process again and again");
+  throw UserError(uri, "is removed by another process again and again");
 }
 
 void Memory::create(const std::string& name, std::uint32_t slots) {
@@ -171,13 +172,13 @@ void Memory::fill(const std::string& uri, const std::string& shared, std::uint32
   const int error = posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes));
   if (error != 0) {
     shm_unlink(shared.c_str());
-    throw UserError(uri, reason(error) + ", " + std::to_string(bytes >> 20U) + " MiB of shared memory are needed");
+    throw UserError(uri, error_text(error) + ", " + std::to_string(bytes >> 20U) + " MiB of shared memory are needed");
   }
   void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0);
   if (memory == MAP_FAILED) {
     const int why = errno;
     shm_unlink(shared.c_str());
-    throw UserError(uri, reason(why) + ", " + std::to_string(bytes >> 20U) + " MiB of address space are needed");
+    throw UserError(uri, error_text(why) + ", " + std::to_string(bytes >> 20U) + " MiB of address space are needed");
   }
   header_ = static_cast<Header*>(memory);  // all zeros except for the following fields
   bytes_ = bytes;
@@ -222,7 +223,7 @@ std::uint8_t* Memory::packet(std::uint64_t count) const {
   return reinterpret_cast<std::uint8_t*>(&slot(count)) + sizeof(Slot);
 }
 
-bool Memory::lock(long which) const { return take_lock(descriptor_, which); }
+bool Memory::lock(long which) const { return try_lock(descriptor_, which); }
 
 bool Memory::locked(long which) const {
   struct flock lock = range(F_WRLCK, which);
@@ -240,3 +241,74 @@ bool Memory::shortened() const {
 }
 
 }  // namespace selfproj::ring
+
+namespace selfproj {
+namespace {
+
+constexpr const char* kFolder = "/dev/shm";  // where Linux keeps shared memory
+constexpr const char* kPrefix = "selfproj-ring-";
+
+RingInfo info_of(const std::string& name) {
+  RingInfo info;
+  info.name = name;
+  ring::Memory memory;
+  switch (memory.attach(ring::shared_name(name).c_str(), ring::Memory::Access::look)) {
+    case ring::Memory::Found::ring:
+      break;
+    case ring::Memory::Found::other:
+      info.problem = "another version or specification";
+      return info;
+    case ring::Memory::Found::no_access:
+      info.problem = error_text(errno);
+      return info;
+    case ring::Memory::Found::being_made:
+      info.problem = "a board is making it";
+      return info;
+    default:
+      info.problem = "not complete";
+      return info;
+  }
+  const ring::Header& header = memory.header();
+  info.board = memory.locked(ring::kWriterLock);
+  info.reader = memory.locked(ring::kReaderLock);
+  info.board_pid = header.writer_pid.load();
+  info.reader_pid = header.reader_pid.load();
+  info.slots = memory.slots();
+  info.read = header.read.load();
+  info.written = header.written.load();
+  info.lost = header.lost.load();
+  info.boards = header.generation.load();
+  info.readers = header.readers.load();
+  // A process that is marked as open but holds no lock has crashed, too.
+  info.board_crashes = header.writer_crashes.load() + (!info.board && header.writer_open.load() != 0 ? 1 : 0);
+  info.reader_crashes = header.reader_crashes.load() + (!info.reader && header.reader_open.load() != 0 ? 1 : 0);
+  return info;
+}
+
+}  // namespace
+
+std::vector<RingInfo> list_rings() {
+  std::vector<RingInfo> rings;
+  std::error_code error;
+  const std::string prefix = kPrefix;
+  for (std::filesystem::directory_iterator at(kFolder, error), end; !error && at != end; at.increment(error)) {
+    const std::string file = at->path().filename().string();
+    if (file.starts_with(prefix) && ring::is_name(file.substr(prefix.size()))) {
+      rings.push_back(info_of(file.substr(prefix.size())));
+    }
+  }
+  std::sort(rings.begin(), rings.end(), [](const RingInfo& a, const RingInfo& b) { return a.name < b.name; });
+  return rings;
+}
+
+bool remove_ring(const std::string& name) {
+  if (shm_unlink(ring::shared_name(name).c_str()) == 0) {
+    return true;
+  }
+  if (errno != ENOENT) {
+    throw UserError("ring:" + name, error_text(errno));
+  }
+  return false;
+}
+
+}  // namespace selfproj

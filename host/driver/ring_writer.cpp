@@ -15,8 +15,7 @@
 #include <string>
 
 #include "host/driver/clock.h"
-#include "host/driver/ring_layout.h"
-#include "host/driver/ring_list.h"
+#include "host/driver/ring_memory.h"
 #include "host/files/user_error.h"
 #include "model/packet.h"
 

@@ -10,7 +10,7 @@
 
 namespace selfproj {
 
-SimDevice::SimDevice(std::size_t buffer_bytes) : reader_(counters_, buffer_bytes), tally_(counters_) {}
+SimDevice::SimDevice(std::size_t buffer_bytes) : TalliedDevice("sim:", {}), reader_(counters_, buffer_bytes) {}
 
 bool SimDevice::push(std::span<const std::uint8_t> bytes, bool last) {
   std::span<std::uint8_t> room = reader_.room_in_place();
@@ -43,9 +43,7 @@ void SimDevice::finish() {
 Next SimDevice::next(PacketView& packet, std::chrono::nanoseconds /*timeout*/) {
   held_ = false;
   while (reader_.next(packet)) {
-    if (tally_.accept(packet.header)) {
-      ++counters_.delivered;
-      counters_.flagged += packet.status != 0 ? 1 : 0;
+    if (tally_.deliver(packet)) {
       held_ = true;
       return Next::packet;
     }

@@ -6,18 +6,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 
-#include "host/driver/counters.h"
-#include "host/driver/device.h"
+#include "host/driver/device_kinds.h"
 #include "host/driver/packet_reader.h"
-#include "host/driver/packet_tally.h"
 
 namespace selfproj {
 
 // One thread does both sides in turn, so next() never waits. If no whole packet has come, it returns Next::timeout at
 // once, and Next::end after finish(). (For two threads or processes use RingWriter and ring:.)
-class SimDevice final : public Device {
+class SimDevice final : public TalliedDevice {
  public:
   explicit SimDevice(std::size_t buffer_bytes = PacketStreamReader::kDefaultCapacity);
 
@@ -34,20 +31,13 @@ class SimDevice final : public Device {
 
   Next next(PacketView& packet, std::chrono::nanoseconds timeout) override;
   void release() override { held_ = false; }
-  [[nodiscard]] std::int64_t arrival_ns() const override { return arrival_ns_; }
-  [[nodiscard]] Counters counters() const override { return counters_; }
-  [[nodiscard]] const std::string& uri() const override { return uri_; }
 
  private:
-  std::string uri_ = "sim:";
-  Counters counters_;
   PacketStreamReader reader_;
-  PacketTally tally_;
   std::size_t since_last_ = 0;  // bytes pushed since the last tlast
   std::uint64_t misframed_ = 0;
   bool held_ = false;
   bool finished_ = false;
-  std::int64_t arrival_ns_ = 0;
 };
 
 }  // namespace selfproj

@@ -1,6 +1,3 @@
-#include "host/driver/udp_device.h"
-
-#include <poll.h>
 #include <sys/socket.h>
 #include <sys/types.h>
 #include <sys/uio.h>
@@ -12,17 +9,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <ctime>
 #include <memory>
 #include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "host/driver/datagram_assembler.h"
 #include "host/driver/device.h"
-#include "host/driver/packet_tally.h"
+#include "host/driver/device_kinds.h"
+#include "host/driver/packet_reader.h"
 #include "host/driver/udp_socket.h"
 #include "host/files/file_descriptor.h"
 #include "host/files/user_error.h"
@@ -35,7 +33,7 @@ constexpr std::size_t kBatch = 64;     // datagrams of one system call
 constexpr std::size_t kRoom = 9216;    // bytes for each, more than a jumbo frame has
 constexpr int kSocketBytes = 1 << 25;  // the kernel's buffer: 0.4 s of Gigabit Ethernet
 constexpr std::int64_t kSilenceNs = 20'000'000;
-constexpr std::int64_t kErrorPauseNs = 1'000'000;
+constexpr std::chrono::milliseconds kErrorPause(1);
 
 // The batches of a socket.
 class DatagramBatch {
@@ -61,7 +59,7 @@ class DatagramBatch {
     return {bytes_.data() + i * kRoom, std::min<std::size_t>(messages_[i].msg_len, kRoom)};
   }
 
-  // The kernel's count of datagrams without room, if datagram i tells it. It wraps.
+  // The kernel's count of datagrams without room, if datagram i reports it. It wraps.
   bool overflow(std::size_t i, std::uint32_t& count) {
     msghdr& header = messages_[i].msg_hdr;
     for (cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr; part = CMSG_NXTHDR(&header, part)) {
@@ -81,14 +79,12 @@ class DatagramBatch {
   std::array<Control, kBatch> controls_{};
 };
 
-class UdpDevice final : public Device {
+class UdpDevice final : public TalliedDevice {
  public:
   UdpDevice(const std::string& place, const DeviceOptions& options)
-      : uri_("udp:" + place),
-        options_(options),
+      : TalliedDevice("udp:" + place, options),
         socket_(open_udp_socket(uri_, udp_place(uri_, place, kDatagramPort), true)),
-        assembler_(counters_),
-        tally_(counters_) {
+        assembler_(counters_) {
     // As much as the system allows: without the right to more, net.core.rmem_max is the limit.
     const int bytes = kSocketBytes;
     if (setsockopt(socket_.number(), SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0) {
@@ -98,16 +94,14 @@ class UdpDevice final : public Device {
     if (setsockopt(socket_.number(), SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) != 0) {
       throw UserError(uri_, error_text(errno));
     }
-    last_ns_ = now_ns();
+    arrival_ns_ = now_ns();
   }
 
   Next next(PacketView& packet, std::chrono::nanoseconds timeout) override {
     const std::int64_t started = now_ns();
     for (;;) {
       while (take(packet)) {
-        if (tally_.accept(packet.header)) {
-          ++counters_.delivered;
-          counters_.flagged += packet.status != 0 ? 1 : 0;
+        if (tally_.deliver(packet)) {
           return Next::packet;
         }
       }
@@ -116,7 +110,7 @@ class UdpDevice final : public Device {
       if (receive()) {
         continue;
       }
-      if (!quiet_ && now - last_ns_ >= kSilenceNs) {
+      if (!quiet_ && now - arrival_ns_ >= kSilenceNs) {
         assembler_.flush();
         quiet_ = true;
         continue;
@@ -127,12 +121,6 @@ class UdpDevice final : public Device {
       wait(now - started, timeout.count());
     }
   }
-
-  void release() override {}  // the place is kept until the next call of next()
-
-  [[nodiscard]] std::int64_t arrival_ns() const override { return last_ns_; }
-  [[nodiscard]] Counters counters() const override { return counters_; }
-  [[nodiscard]] const std::string& uri() const override { return uri_; }
 
  private:
   // The next packet of the datagrams received.
@@ -152,7 +140,7 @@ class UdpDevice final : public Device {
   bool receive() {
     const int count = batch_.receive(socket_.number());
     if (count > 0) {
-      last_ns_ = now_ns();
+      arrival_ns_ = now_ns();
       quiet_ = false;
       used_ = 0;
       held_ = static_cast<std::size_t>(count);
@@ -161,17 +149,14 @@ class UdpDevice final : public Device {
     }
     if (count < 0 && errno != EAGAIN && errno != EINTR && errno != ECONNREFUSED) {
       ++counters_.read_errors;
-      const timespec pause{0, kErrorPauseNs};
-      nanosleep(&pause, nullptr);
+      std::this_thread::sleep_for(kErrorPause);
     }
     return false;
   }
 
   // Waits for datagrams according to the policy, no longer than until the silence counts.
   void wait(std::int64_t waited, std::int64_t timeout) {
-    const bool polls = options_.wait == Wait::polling ||
-                       (options_.wait == Wait::polling_then_blocking && waited < options_.spin.count());
-    if (polls) {
+    if (options_.polls(waited)) {
       relax();
       return;
     }
@@ -179,10 +164,7 @@ class UdpDevice final : public Device {
     if (!quiet_) {
       rest = std::min(rest, kSilenceNs);
     }
-    constexpr std::int64_t kSecond = 1'000'000'000;
-    const timespec limit{static_cast<std::time_t>(rest / kSecond), static_cast<long>(rest % kSecond)};
-    pollfd watched{socket_.number(), POLLIN, 0};
-    static_cast<void>(ppoll(&watched, 1, &limit, nullptr));
+    static_cast<void>(wait_readable(socket_.number(), rest));
   }
 
   void note_overflow() {
@@ -195,17 +177,12 @@ class UdpDevice final : public Device {
     }
   }
 
-  std::string uri_;
-  DeviceOptions options_;
   FileDescriptor socket_;
-  Counters counters_;
   DatagramBatch batch_;
   DatagramAssembler assembler_;
-  PacketTally tally_;
   std::size_t used_ = 0;  // datagrams of the batch that were added
   std::size_t held_ = 0;  // datagrams in the batch
   std::uint32_t overflow_ = 0;
-  std::int64_t last_ns_ = 0;
   bool quiet_ = true;  // what was incomplete is given up
 };
 

@@ -2,11 +2,15 @@
 #ifndef SELFPROJ_HOST_FILES_FILE_DESCRIPTOR_H
 #define SELFPROJ_HOST_FILES_FILE_DESCRIPTOR_H
 
+#include <poll.h>
 #include <sys/types.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
+#include <ctime>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -52,6 +56,19 @@ class FileDescriptor {
     text.remove_prefix(count < 0 ? 0 : static_cast<std::size_t>(count));
   }
   return true;
+}
+
+// A duration as the system's calls take it.
+inline timespec timespec_of(std::int64_t ns) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  return {static_cast<std::time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
+}
+
+// Waits until there is something to read, no longer than this; a signal ends the wait early. Returns whether there is.
+inline bool wait_readable(int descriptor, std::int64_t ns) {
+  const timespec limit = timespec_of(std::max<std::int64_t>(ns, 0));
+  pollfd watched{descriptor, POLLIN, 0};
+  return ppoll(&watched, 1, &limit, nullptr) > 0;
 }
 
 }  // namespace selfproj

@@ -1,7 +1,6 @@
 #include "host/files/input_file.h"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -31,12 +30,11 @@ std::string size_text(std::size_t bytes) {
 // Waits for bytes of a pipe or terminal; throws if they do not come.
 void wait_for_bytes(const std::string& file, int descriptor, steady_clock::time_point end) {
   for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - steady_clock::now()).count();
+    const auto left = std::chrono::nanoseconds(end - steady_clock::now()).count();
     if (left <= 0) {
       throw UserError(file, "brought nothing for " + std::to_string(kPatience.count()) + " seconds");
     }
-    pollfd watched{descriptor, POLLIN, 0};
-    if (poll(&watched, 1, static_cast<int>(left)) > 0) {
+    if (wait_readable(descriptor, left)) {
       return;
     }
   }

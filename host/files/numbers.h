@@ -1,13 +1,16 @@
-// Reads numbers from texts, for files and options alike.
+// Numbers: read from texts, for files and options alike; rounded; their median.
 #ifndef SELFPROJ_HOST_FILES_NUMBERS_H
 #define SELFPROJ_HOST_FILES_NUMBERS_H
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 #include <system_error>
 #include <type_traits>
+#include <vector>
 
 namespace selfproj {
 
@@ -31,6 +34,21 @@ std::optional<T> number_of_text(std::string_view text) {
     }
   }
   return value;
+}
+
+// Returns the multiple of 10^-decimals that is nearest to `value`, as a text of so many decimals would be read: 0.0003,
+// not 0.00030000000000000003. `decimals` is 0..15; NaN and infinities stay.
+inline double rounded(double value, int decimals) {
+  const double units = std::pow(10.0, decimals);
+  return std::round(value * units) / units;
+}
+
+// The median of one or more values, none of them NaN; the upper of the two middle values if their number is even.
+template <typename T>
+T median_of(std::vector<T> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 }  // namespace selfproj

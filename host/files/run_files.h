@@ -8,9 +8,9 @@
 namespace selfproj {
 
 // While this object lives, no output may be an input, and no two outputs may be one file: the same file (by device and
-// inode) or the same name. Every reader and writer of host/io and host/driver reports its files here, so that commands
-// need not. Pipes and devices do not count. Only one such object can exist; without one (in tests of parts) nothing is
-// checked.
+// inode) or the same name. Every reader and writer of host/files, host/images and host/driver reports its files here,
+// so that commands need not. Pipes and devices do not count. Only one such object can exist; without one (in tests of
+// parts) nothing is checked.
 class RunFiles {
  public:
   RunFiles();

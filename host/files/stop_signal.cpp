@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 
 #include "host/files/signals_held.h"
 #include "host/files/temporary.h"
@@ -37,16 +38,16 @@ StopSignal::StopSignal() {
   signal_came = 0;
   asked_for = 1;
   const struct sigaction action = tidy_action();
-  sigaction(SIGINT, &action, &interrupt_);
-  sigaction(SIGTERM, &action, &terminate_);
-  sigaction(SIGHUP, &action, &hang_up_);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], &action, &before_[i]);
+  }
 }
 
 StopSignal::~StopSignal() {
   asked_for = 0;
-  sigaction(SIGINT, &interrupt_, nullptr);
-  sigaction(SIGTERM, &terminate_, nullptr);
-  sigaction(SIGHUP, &hang_up_, nullptr);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], &before_[i], nullptr);
+  }
 }
 
 bool StopSignal::came() { return signal_came != 0; }

@@ -1,6 +1,7 @@
 #ifndef SELFPROJ_HOST_FILES_STOP_SIGNAL_H
 #define SELFPROJ_HOST_FILES_STOP_SIGNAL_H
 
+#include <array>
 #include <csignal>
 
 namespace selfproj {
@@ -17,9 +18,8 @@ class StopSignal {
   [[nodiscard]] static bool came();
 
  private:
-  struct sigaction interrupt_ {};
-  struct sigaction terminate_ {};
-  struct sigaction hang_up_ {};
+  static constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, kSignals.size()> before_{};
 };
 
 // From this call on, a signal that ends the program and can be caught (SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU) first

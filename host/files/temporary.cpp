@@ -23,7 +23,9 @@
 #include <system_error>
 #include <vector>
 
+#include "host/files/file_descriptor.h"
 #include "host/files/signals_held.h"
+#include "host/files/user_error.h"
 
 namespace selfproj {
 namespace fs = std::filesystem;
@@ -92,7 +94,7 @@ constexpr int kDepth = 64;
 
 void remove_path(const char* path) { remove_tree(AT_FDCWD, path, kDepth); }
 
-std::size_t take_place(const fs::path& path) {
+std::size_t claim_place(const fs::path& path) {
   // The text lives as long as the program, because a signal may come at any time. There are few of these texts.
   char* const text = strdup(path.c_str());
   for (std::size_t i = 0; i < kPlaces; ++i) {
@@ -105,7 +107,7 @@ std::size_t take_place(const fs::path& path) {
   return kPlaces;
 }
 
-void give_place(std::size_t place) {
+void release_place(std::size_t place) {
   if (place < kPlaces) {
     free(const_cast<char*>(places.at(place).exchange(nullptr)));  // NOLINT
   }
@@ -175,47 +177,38 @@ void FolderLock::synchronize() const {
   }
 }
 
-Temporary::Temporary(const fs::path& in, Kind kind) : descriptor_(-1), place_(kPlaces) {
+RemovedAtEnd::~RemovedAtEnd() {
+  if (!path_.empty()) {
+    remove_path(path_.c_str());
+    release_place(place_);
+  }
+}
+
+void RemovedAtEnd::keep() {
+  release_place(place_);
+  path_.clear();
+}
+
+void RemovedAtEnd::remove_at_end(const fs::path& path) {
+  path_ = path;
+  place_ = claim_place(path);
+}
+
+Temporary::Temporary(const std::string& name, const fs::path& in, Kind kind) {
   const FolderLock lock(in);
   if (lock.held()) {
     remove_abandoned(in);
   }
   const SignalsHeld held;
-  descriptor_.reset(make_first_free(in, kind, path_));
+  fs::path path;
+  descriptor_.reset(make_first_free(in, kind, path));
   if (descriptor_.number() < 0) {
-    throw std::system_error(errno, std::generic_category());
+    throw UserError(name, error_text(errno));
   }
   static_cast<void>(flock(descriptor_.number(), LOCK_EX | LOCK_NB));
   std::error_code error;
-  const fs::path whole = fs::absolute(path_, error);
-  path_ = error ? path_ : whole;
-  place_ = take_place(path_);
-}
-
-Temporary::~Temporary() {
-  if (!path_.empty()) {
-    remove_path(path_.c_str());
-    give_place(place_);
-  }
-}
-
-void Temporary::keep() {
-  give_place(place_);
-  path_.clear();
-}
-
-RemovedAtEnd::RemovedAtEnd(const fs::path& path) : path_(path), place_(take_place(path)) {}
-
-RemovedAtEnd::~RemovedAtEnd() {
-  if (!path_.empty()) {
-    remove_path(path_.c_str());
-    give_place(place_);
-  }
-}
-
-void RemovedAtEnd::keep() {
-  give_place(place_);
-  path_.clear();
+  const fs::path whole = fs::absolute(path, error);
+  remove_at_end(error ? path : whole);
 }
 
 bool is_temporary_name(const std::string& name) {
@@ -233,6 +226,58 @@ void remove_temporaries() {
     if (const char* path = place.load()) {
       remove_path(path);
     }
+  }
+}
+
+fs::path parent_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
+
+fs::path writable_parent(const std::string& name, const fs::path& target) {
+  std::error_code error;
+  fs::path parent = parent_of(target);
+  fs::file_status status = fs::status(parent, error);
+  while (status.type() == fs::file_type::not_found && parent.has_parent_path() && parent.parent_path() != parent) {
+    parent = parent.parent_path();
+    status = fs::status(parent, error);
+  }
+  if (status.type() == fs::file_type::not_found) {  // a name such as "a/b": a is not there
+    parent = ".";
+    status = fs::status(parent, error);
+  }
+  if (!fs::exists(status)) {
+    throw UserError(name, parent.string() + ": " + error.message());
+  }
+  if (!fs::is_directory(status)) {
+    throw UserError(name, parent.string() + " is not a folder");
+  }
+  if (access(parent.c_str(), W_OK | X_OK) != 0) {
+    throw UserError(name, error_text(errno));
+  }
+  return parent;
+}
+
+MadeFolders::MadeFolders(const fs::path& folder, std::error_code& error) {
+  std::vector<fs::path> missing;
+  for (fs::path at = folder; !at.empty() && !fs::exists(fs::status(at, error)); at = at.parent_path()) {
+    if (at.has_filename()) {
+      missing.push_back(at);
+    }
+    if (at.parent_path() == at) {
+      break;
+    }
+  }
+  error.clear();
+  for (auto at = missing.rbegin(); at != missing.rend() && !error; ++at) {
+    if (mkdir(at->c_str(), 0777) == 0) {  // less the user's umask
+      made_.push_back(*at);
+    } else if (errno != EEXIST) {
+      error = std::error_code(errno, std::generic_category());
+    }
+  }
+}
+
+MadeFolders::~MadeFolders() {
+  for (auto at = made_.rbegin(); at != made_.rend(); ++at) {
+    rmdir(at->c_str());
   }
 }
 

@@ -1,18 +1,81 @@
-// Returns a piece of information to a consumer that has asked for it: its type, its size, and its value if there is
-// room.
+// How every function of the interface answers: no exception leaves it, the last error of the thread is kept, and a
+// piece of information has a type, a size, and a value if there is room.
 #ifndef SELFPROJ_HOST_GENTL_ANSWER_H
 #define SELFPROJ_HOST_GENTL_ANSWER_H
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
+#include <exception>
+#include <new>
+#include <stdexcept>
 #include <string>
-#include <type_traits>
 
-#include "host/gentl/gentl_errors.h"
+#include "host/files/user_error.h"
 #include "host/gentl/gentl_types.h"
 
 namespace selfproj::gentl {
+
+// An error of the standard, with a text for GCGetLastError.
+class GenTLError : public std::runtime_error {
+ public:
+  GenTLError(GC_ERROR code, const std::string& text) : std::runtime_error(text), code_(code) {}
+  [[nodiscard]] GC_ERROR code() const { return code_; }
+
+ private:
+  GC_ERROR code_;
+};
+
+// Throws the error unless `good`.
+inline void require(bool good, GC_ERROR code, const char* text) {
+  if (!good) {
+    throw GenTLError(code, text);
+  }
+}
+
+// Throws GC_ERR_INVALID_PARAMETER if a pointer that the caller must give is null.
+inline void require_pointer(const void* pointer) {
+  require(pointer != nullptr, GC_ERR_INVALID_PARAMETER, "a pointer that is needed is null");
+}
+
+// The last error of this thread, for GCGetLastError.
+struct LastError {
+  GC_ERROR code = GC_ERR_SUCCESS;
+  std::array<char, 1024> text{"no error"};
+};
+
+inline LastError& last_error() {
+  thread_local LastError error;
+  return error;
+}
+
+// Keeps the error, its text cut off if it is very long. Returns `code`.
+inline GC_ERROR failed(GC_ERROR code, const char* text) noexcept {
+  last_error().code = code;
+  static_cast<void>(std::snprintf(last_error().text.data(), last_error().text.size(), "%s", text));
+  return code;
+}
+
+// Calls `work`, and turns exceptions into errors.
+template <typename Work>
+GC_ERROR guarded(const Work& work) noexcept {
+  try {
+    work();
+    return GC_ERR_SUCCESS;
+  } catch (const GenTLError& error) {
+    return failed(error.code(), error.what());
+  } catch (const UserError& error) {
+    return failed(GC_ERR_IO, error.what());
+  } catch (const std::bad_alloc&) {
+    return failed(GC_ERR_OUT_OF_MEMORY, "there is not enough memory");
+  } catch (const std::exception& error) {
+    return failed(GC_ERR_ERROR, error.what());
+  } catch (...) {
+    return failed(GC_ERR_ERROR, "unknown exception");
+  }
+}
 
 // Where an answer goes. If the buffer is null, the consumer asks only for the size. The type may be null.
 struct Answer {

@@ -1,7 +1,6 @@
 #include "host/gentl/buffer.h"
 
 #include "host/gentl/answer.h"
-#include "host/gentl/gentl_errors.h"
 
 namespace selfproj::gentl {
 namespace {

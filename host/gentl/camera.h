@@ -9,7 +9,7 @@
 #include <string>
 
 #include "host/driver/control.h"
-#include "host/gentl/frame_layout.h"
+#include "host/gentl/buffer.h"
 #include "host/gentl/line_source.h"
 #include "host/gentl/module.h"
 
@@ -52,7 +52,7 @@ class Camera final : public Module {
   void set_format(std::int64_t format);
   void open_board(const DeviceEntry& entry);
   void add_setting(FeatureSet& features, Feature feature, const std::string& part,
-                   std::function<std::int64_t(const Measure&)> told);
+                   std::function<std::int64_t(const Measure&)> reported);
 
   DeviceEntry entry_;
   bool writable_;

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "host/camera/camera_uri.h"
-#include "host/driver/ring_list.h"
+#include "host/driver/ring_memory.h"
 
 namespace selfproj::gentl {
 namespace {

@@ -40,8 +40,8 @@ void EventQueue::get(void* buffer, std::size_t* size, std::uint64_t timeout_ms) 
   Event& next = events_.front();
   give_bytes(INFO_DATATYPE_BUFFER, next.data.data(), next.data.size(), {nullptr, buffer, size});
   if (buffer != nullptr) {
-    if (next.taken) {
-      next.taken();
+    if (next.on_removed) {
+      next.on_removed();
     }
     events_.pop_front();
   }
@@ -84,8 +84,8 @@ void EventQueue::reopen() {
 void EventQueue::flush() {
   const std::lock_guard lock(mutex_);
   for (const Event& event : events_) {
-    if (event.taken) {
-      event.taken();
+    if (event.on_removed) {
+      event.on_removed();
     }
   }
   events_.clear();

@@ -26,7 +26,7 @@ struct ErrorEventData {
 
 struct Event {
   std::vector<std::uint8_t> data;
-  std::function<void()> taken = {};  // called under the queue's lock when the event leaves the queue
+  std::function<void()> on_removed = {};  // called under the queue's lock when the event leaves the queue
 };
 
 class EventQueue {

@@ -32,8 +32,8 @@ struct Feature {
   std::function<void(std::int64_t)> set = {};
   std::function<double()> get_real = {};
   std::function<std::string()> get_text = {};
-  std::int64_t least = 0;
-  std::int64_t greatest = INT64_MAX;
+  std::int64_t min = 0;
+  std::int64_t max = INT64_MAX;
   std::string unit = {};
   std::vector<FeatureEntry> entries = {};
   std::vector<std::string> selects = {};  // features whose meaning depends on this one

@@ -9,9 +9,9 @@
 #include "host/camera/camera_device.h"
 #include "host/camera/camera_uri.h"
 #include "host/driver/clock.h"
-#include "host/driver/ring_list.h"
+#include "host/driver/ring_memory.h"
 #include "host/files/user_error.h"
-#include "host/gentl/gentl_errors.h"
+#include "host/gentl/answer.h"
 #include "host/light_section/reference.h"
 #include "host/light_section/reference_file.h"
 #include "model/packet_payload.h"
@@ -113,8 +113,8 @@ Next LineSource::look(std::chrono::nanoseconds timeout) {
 
 void LineSource::note() {
   const std::lock_guard lock(mutex_);
-  told_ = work_;
-  told_.driver = device_->counters();
+  reported_ = work_;
+  reported_.driver = device_->counters();
   if (held_) {
     newest_ = measure_of(packet_.header);
   }
@@ -127,13 +127,13 @@ Next LineSource::next(std::chrono::nanoseconds timeout) {
       return found;
     }
   }
-  take();
+  compute_line();
   device_->release();
   held_ = false;
   return Next::packet;
 }
 
-void LineSource::take() {
+void LineSource::compute_line() {
   header_ = packet_.header;
   const auto mode = static_cast<Mode>(header_.mode);
   const auto select = static_cast<Select>(header_.select);
@@ -154,7 +154,7 @@ void LineSource::begin(bool carried) {
 
 SourceCounts LineSource::counts() const {
   const std::lock_guard lock(mutex_);
-  return told_;
+  return reported_;
 }
 
 Measure LineSource::newest() const {

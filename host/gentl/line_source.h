@@ -62,7 +62,7 @@ class LineSource {
   bool usable(const PacketView& packet);
   Next look(std::chrono::nanoseconds timeout);
   void note();
-  void take();
+  void compute_line();
 
   Rig rig_;
   DifferentialProfiler profiler_;
@@ -77,7 +77,7 @@ class LineSource {
   Runs runs_;
   SourceCounts work_;
   mutable std::mutex mutex_;  // of the two below
-  SourceCounts told_;
+  SourceCounts reported_;
   Measure newest_;
 };
 

@@ -1,9 +1,45 @@
 #include "host/gentl/module.h"
 
-#include "host/gentl/gentl_errors.h"
-#include "host/gentl/library.h"
+#include <bit>
+#include <utility>
+
+#include "host/gentl/answer.h"
 
 namespace selfproj::gentl {
+
+Library& library() {
+  static Library one;
+  return one;
+}
+
+void* Library::next_handle() {
+  last_ += 16;  // like addresses, for programs that print or compare them
+  return std::bit_cast<void*>(last_);
+}
+
+void* Library::add(std::shared_ptr<Module> module) {
+  void* const handle = next_handle();
+  modules_.emplace(handle, std::move(module));
+  return handle;
+}
+
+void* Library::add(std::shared_ptr<EventQueue> queue) {
+  void* const handle = next_handle();
+  events_.emplace(handle, std::move(queue));
+  return handle;
+}
+
+std::shared_ptr<Module> Library::module(void* handle) const {
+  const auto at = modules_.find(handle);
+  require(at != modules_.end(), GC_ERR_INVALID_HANDLE, "the handle is not that of an open module");
+  return at->second;
+}
+
+std::shared_ptr<EventQueue> Library::event(void* handle) const {
+  const auto at = events_.find(handle);
+  require(at != events_.end(), GC_ERR_INVALID_HANDLE, "the handle is not that of a registered event");
+  return at->second;
+}
 
 FeatureSet& Module::features() {
   if (features_ == nullptr) {
@@ -43,8 +79,6 @@ void Module::close() {
     unregister_event(events_.begin()->first);
   }
 }
-
-void give_handle(const std::shared_ptr<Module>& module) { module->handle = library().add(module); }
 
 Feature text_feature(std::string category, std::string name, std::string tip, std::function<std::string()> get) {
   return {.kind = FeatureKind::text,

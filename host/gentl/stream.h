@@ -34,7 +34,6 @@ class Stream final : public Module {
   void start(std::uint64_t count);
   void stop(ACQ_STOP_FLAGS flags);
 
-  [[nodiscard]] void* parent() const { return parent_; }
   [[nodiscard]] bool is_acquiring() const { return thread_.joinable(); }
   void give_info(STREAM_INFO_CMD command, const Answer& to) const;
   [[nodiscard]] std::shared_ptr<Buffer> buffer_at(std::size_t index) const;
@@ -65,7 +64,6 @@ class Stream final : public Module {
   [[nodiscard]] std::uint64_t nanoseconds(std::uint64_t clocks) const;
 
   std::shared_ptr<Camera> camera_;
-  void* parent_;
   AcquisitionGate& gate_;  // its mutex is the stream's lock
   std::vector<std::shared_ptr<Buffer>> buffers_;
   std::deque<std::shared_ptr<Buffer>> input_;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "host/gentl/gentl_errors.h"
-#include "host/gentl/library.h"
+#include "host/gentl/answer.h"
+#include "host/gentl/module.h"
 
 namespace selfproj::gentl {
 namespace {
@@ -23,13 +23,10 @@ std::filesystem::path producer_path() {
 std::string producer_version() { return SELFPROJ_VERSION; }
 
 LocalDevice::LocalDevice(const DeviceEntry& entry, DEVICE_ACCESS_FLAGS access, void* parent)
-    : Module("TLDevice", entry.id),
+    : Module("TLDevice", entry.id, parent),
       entry_(entry),
       access_(access),
-      parent_(parent),
-      camera_(std::make_shared<Camera>(entry, access != DEVICE_ACCESS_READONLY)) {
-  give_handle(camera_);
-}
+      camera_(make_module<Camera>(entry, access != DEVICE_ACCESS_READONLY)) {}
 
 std::int32_t LocalDevice::access_status() const {
   return access_ == DEVICE_ACCESS_READONLY ? DEVICE_ACCESS_STATUS_OPEN_READONLY : DEVICE_ACCESS_STATUS_OPEN_READWRITE;
@@ -38,23 +35,13 @@ std::int32_t LocalDevice::access_status() const {
 std::shared_ptr<Stream> LocalDevice::open_stream(const std::string& id) {
   require(id == kStreamId, GC_ERR_INVALID_ID, "the device has no such data stream");
   require(stream_ == nullptr, GC_ERR_RESOURCE_IN_USE, "the data stream is open already");
-  stream_ = std::make_shared<Stream>(camera_, handle);
-  give_handle(stream_);
+  stream_ = make_module<Stream>(camera_, handle);
   return stream_;
-}
-
-void LocalDevice::close_stream() {
-  if (stream_ != nullptr) {
-    stream_->close();
-    library().remove(stream_->handle);
-    stream_.reset();
-  }
 }
 
 void LocalDevice::close() {
   close_stream();
-  camera_->close();
-  library().remove(camera_->handle);
+  close_module(camera_);
   Module::close();
 }
 
@@ -101,21 +88,17 @@ std::shared_ptr<LocalDevice> Interface::open(const char* id, DEVICE_ACCESS_FLAGS
   if (opened(id) != nullptr) {
     throw GenTLError(GC_ERR_RESOURCE_IN_USE, std::string(id) + ": this program has it open already");
   }
-  auto device = std::make_shared<LocalDevice>(found, access, handle);
-  give_handle(device);
-  open_.emplace(id, device);
-  return device;
+  return open_.emplace(id, make_module<LocalDevice>(found, access, handle)).first->second;
 }
 
-void Interface::close_device(const std::shared_ptr<LocalDevice>& device) {
-  device->close();
-  library().remove(device->handle);
-  open_.erase(device->id());
+void Interface::close_device(const std::string& id) {
+  close_module(open_.at(id));
+  open_.erase(id);
 }
 
 void Interface::close() {
   while (!open_.empty()) {
-    close_device(std::shared_ptr(open_.begin()->second));
+    close_device(std::string(open_.begin()->first));
   }
   Module::close();
 }
@@ -132,17 +115,8 @@ std::shared_ptr<Interface> System::open(const char* id) {
   require_pointer(id);
   require(std::string(id) == kInterfaceId, GC_ERR_INVALID_ID, "there is no such interface");
   require(interface_ == nullptr, GC_ERR_RESOURCE_IN_USE, "the interface is open already");
-  interface_ = std::make_shared<Interface>(handle);
-  give_handle(interface_);
+  interface_ = make_module<Interface>(handle);
   return interface_;
-}
-
-void System::close_interface() {
-  if (interface_ != nullptr) {
-    interface_->close();
-    library().remove(interface_->handle);
-    interface_.reset();
-  }
 }
 
 void System::close() {
@@ -160,14 +134,6 @@ void System::describe(FeatureSet& features) {
   features.add(text_feature(category, "TLPath", "The file of the producer.", [] { return producer_path().string(); }));
   features.add(number_feature(category, "GenTLVersionMajor", "Version of the standard.", [] { return 1; }));
   features.add(number_feature(category, "GenTLVersionMinor", "Version of the standard.", [] { return 5; }));
-}
-
-void close_system() {
-  if (library().system != nullptr) {
-    library().system->close();
-    library().remove(library().system->handle);
-    library().system.reset();
-  }
 }
 
 void give_producer_info(TL_INFO_CMD command, const Answer& to) {

@@ -28,11 +28,10 @@ class LocalDevice final : public Module {
   [[nodiscard]] const DeviceEntry& entry() const { return entry_; }
   [[nodiscard]] const std::shared_ptr<Camera>& camera() const { return camera_; }
   [[nodiscard]] std::int32_t access_status() const;
-  [[nodiscard]] void* parent() const { return parent_; }
 
   // Throws GC_ERR_INVALID_ID or GC_ERR_RESOURCE_IN_USE.
   std::shared_ptr<Stream> open_stream(const std::string& id);
-  void close_stream();
+  void close_stream() { close_module(stream_); }
 
   void close() override;
 
@@ -41,16 +40,14 @@ class LocalDevice final : public Module {
 
   DeviceEntry entry_;
   DEVICE_ACCESS_FLAGS access_;
-  void* parent_;
   std::shared_ptr<Camera> camera_;
   std::shared_ptr<Stream> stream_;  // null: closed
 };
 
 class Interface final : public Module {
  public:
-  explicit Interface(void* parent) : Module("TLInterface", kInterfaceId), parent_(parent) {}
+  explicit Interface(void* parent) : Module("TLInterface", kInterfaceId, parent) {}
 
-  [[nodiscard]] void* parent() const { return parent_; }
   [[nodiscard]] const std::vector<DeviceEntry>& devices() const { return devices_; }
 
   // Looks for devices. Returns whether the list has changed.
@@ -60,14 +57,13 @@ class Interface final : public Module {
   [[nodiscard]] const DeviceEntry& entry(const char* id) const;
   std::shared_ptr<LocalDevice> open(const char* id, DEVICE_ACCESS_FLAGS access);
   [[nodiscard]] std::shared_ptr<LocalDevice> opened(const std::string& id) const;  // null: not open
-  void close_device(const std::shared_ptr<LocalDevice>& device);
+  void close_device(const std::string& id);
 
   void close() override;
 
  private:
   void describe(FeatureSet& features) override;
 
-  void* parent_;
   std::vector<DeviceEntry> devices_;
   std::map<std::string, std::shared_ptr<LocalDevice>> open_;
 };
@@ -79,7 +75,7 @@ class System final : public Module {
   // Throws GC_ERR_INVALID_ID or GC_ERR_RESOURCE_IN_USE.
   std::shared_ptr<Interface> open(const char* id);
   [[nodiscard]] const std::shared_ptr<Interface>& interface() const { return interface_; }
-  void close_interface();
+  void close_interface() { close_module(interface_); }
 
   void close() override;
 
@@ -88,9 +84,6 @@ class System final : public Module {
 
   std::shared_ptr<Interface> interface_;  // null: closed
 };
-
-// Closes everything.
-void close_system();
 
 // Return information about the producer, the interface, and a device. `opened` is null if the device is closed.
 void give_producer_info(TL_INFO_CMD command, const Answer& to);

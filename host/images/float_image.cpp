@@ -23,7 +23,7 @@
 namespace selfproj {
 namespace {
 
-constexpr float kMostFloat = 1e9F;  // no length in mm, no row and no column is larger
+constexpr float kMaxFloat = 1e9F;  // no length in mm, no row and no column is larger
 
 }  // namespace
 
@@ -66,29 +66,22 @@ FloatImage read_float_tiff(const std::string& file) {
     throw UserError(file, "is not an image of one channel of 32-bit floating-point numbers");
   }
   FloatImage result(image.rows, image.cols);
-  for (int r = 0; r < image.rows; ++r) {
-    std::copy_n(image.ptr<float>(r), image.cols, result.row(r));
-  }
+  result.values.assign(image.begin<float>(), image.end<float>());
   const auto wrong = std::find_if(result.values.begin(), result.values.end(),
-                                  [](float value) { return std::abs(value) > kMostFloat; });  // infinite ones, too
+                                  [](float value) { return std::abs(value) > kMaxFloat; });  // infinite ones, too
   if (wrong != result.values.end()) {
-    throw UserError(file, fmt::format("has a pixel that is {}; its size may be at most {:.0e}", *wrong, kMostFloat));
+    throw UserError(file, fmt::format("has a pixel that is {}; its size may be at most {:.0e}", *wrong, kMaxFloat));
   }
   return result;
 }
 
 std::string encode_float_tiff(const std::string& file, const FloatImage& image) {
-  cv::Mat mat(image.rows, image.columns, CV_32FC1);
-  for (int r = 0; r < image.rows; ++r) {
-    std::copy_n(image.row(r), image.columns, mat.ptr<float>(r));
-  }
+  const cv::Mat mat(image.rows, image.columns, CV_32FC1, const_cast<float*>(image.values.data()));  // is only read
   std::vector<std::uint8_t> bytes;
   if (image.values.empty() || !cv::imencode(".tiff", mat, bytes)) {
     throw UserError(file, "an image of this size cannot be written as TIFF");
   }
-  std::string text(bytes.size(), '\0');
-  std::memcpy(text.data(), bytes.data(), bytes.size());
-  return text;
+  return {bytes.begin(), bytes.end()};
 }
 
 void write_float_tiff(const std::string& file, const FloatImage& image) {

@@ -20,47 +20,45 @@
 namespace selfproj {
 namespace {
 
-constexpr std::array<Channel, 5> kChannels{Channel::red, Channel::green, Channel::blue, Channel::grey,
-                                           Channel::red_difference};
-
-}  // namespace
-
-std::vector<std::string> mode_names() {
+// The names of a table of names and values.
+template <class Table>
+std::vector<std::string> names_of(const Table& table) {
   std::vector<std::string> names;
-  std::transform(kModes.begin(), kModes.end(), std::back_inserter(names),
-                 [](const auto& entry) { return entry.first; });
+  std::transform(table.begin(), table.end(), std::back_inserter(names), [](const auto& entry) { return entry.first; });
   return names;
 }
 
-Mode mode_of(const std::string& name) {
-  for (const auto& [known, mode] : kModes) {
-    if (name == known) {
-      return mode;
-    }
-  }
-  throw std::invalid_argument("mode_of: " + name);
-}
-
-std::string mode_name(Mode mode) {
+// The value of one of these names; throws std::invalid_argument for any other.
+template <class Table>
+auto value_of(const Table& table, const std::string& name, const char* what) {
   const auto* const found =
-      std::find_if(kModes.begin(), kModes.end(), [&](const auto& entry) { return entry.second == mode; });
-  return found == kModes.end() ? "unknown" : found->first;
-}
-
-std::vector<std::string> select_names() { return {select_name(Select::all), select_name(Select::strongest)}; }
-
-Select select_of(const std::string& name) {
-  for (const Select select : {Select::all, Select::strongest}) {
-    if (name == select_name(select)) {
-      return select;
-    }
+      std::find_if(table.begin(), table.end(), [&](const auto& entry) { return name == entry.first; });
+  if (found == table.end()) {
+    throw std::invalid_argument(what + (": " + name));
   }
-  throw std::invalid_argument("select_of: " + name);
+  return found->second;
 }
 
-std::string select_name(Select select) {
-  return select == Select::all ? "all" : select == Select::strongest ? "strongest" : "unknown";
+// The name of a value; "unknown" for any that is not in the table.
+template <class Table, class Value>
+std::string name_in(const Table& table, Value value) {
+  const auto* const found =
+      std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.second == value; });
+  return found == table.end() ? "unknown" : found->first;
 }
+
+constexpr std::array<std::pair<const char*, Select>, 2> kSelects{
+    {{"all", Select::all}, {"strongest", Select::strongest}}};
+
+}  // namespace
+
+std::vector<std::string> mode_names() { return names_of(kModes); }
+Mode mode_of(const std::string& name) { return value_of(kModes, name, "mode_of"); }
+std::string mode_name(Mode mode) { return name_in(kModes, mode); }
+
+std::vector<std::string> select_names() { return names_of(kSelects); }
+Select select_of(const std::string& name) { return value_of(kSelects, name, "select_of"); }
+std::string select_name(Select select) { return name_in(kSelects, select); }
 
 RowWindow rows_of_text(const std::string& option, const std::string& text) {
   const std::string_view all = text;
@@ -86,23 +84,10 @@ std::string select_text(const Measure& measure) {
   return text;
 }
 
-std::vector<std::string> channel_names() {
-  std::vector<std::string> names;
-  std::transform(kChannels.begin(), kChannels.end(), std::back_inserter(names),
-                 [](Channel channel) { return to_string(channel); });
-  return names;
-}
+std::vector<std::string> channel_names() { return names_of(kChannels); }
 
 std::optional<Channel> channel_of(const std::string& name) {
-  if (name.empty()) {
-    return std::nullopt;
-  }
-  const auto* const found =
-      std::find_if(kChannels.begin(), kChannels.end(), [&](Channel channel) { return to_string(channel) == name; });
-  if (found == kChannels.end()) {
-    throw std::invalid_argument("channel_of: " + name);
-  }
-  return *found;
+  return name.empty() ? std::nullopt : std::optional(value_of(kChannels, name, "channel_of"));
 }
 
 std::string size_text(int rows, int columns) { return fmt::format("{} x {}", columns, rows); }

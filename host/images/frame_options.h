@@ -30,9 +30,8 @@ std::vector<std::string> select_names();
 Select select_of(const std::string& name);
 std::string select_name(Select select);
 
-// The window of a text "A..B", first and last row that count, from 1. Throws UserError about `option` unless 1 <= A <=
-// B
-// <= spec::kMaxRows.
+// The window of a text "A..B", first and last row that count, from 1. Throws UserError about `option` unless
+// 1 <= A <= B <= spec::kMaxRows.
 RowWindow rows_of_text(const std::string& option, const std::string& text);
 
 // "strongest, gap 1, rows 10..80": what `measure` has that is not what a board measures by default; empty if nothing.

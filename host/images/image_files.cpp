@@ -14,17 +14,19 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "host/files/file_descriptor.h"
+#include "host/files/numbers.h"
 #include "host/files/run_files.h"
 #include "host/files/user_error.h"
 #include "host/images/image_decoder.h"
-#include "host/images/image_header.h"
 #include "host/images/natural_order.h"
 
 namespace selfproj {
@@ -48,7 +50,8 @@ cv::Mat red_difference(const cv::Mat& image) {
 cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional<Channel> channel) {
   if (image.channels() == 1) {
     if (channel.value_or(Channel::grey) != Channel::grey) {
-      throw UserError(file, "has a single channel; --channel " + to_string(*channel) + " needs a colour image");
+      throw UserError(file, std::string("has a single channel; --channel ") +
+                                kChannels.at(static_cast<std::size_t>(*channel)).first + " needs a colour image");
     }
     return image;
   }
@@ -80,22 +83,40 @@ cv::Mat one_channel(const std::string& file, const cv::Mat& image, std::optional
   return plane;
 }
 
+// The image is only read.
+std::string png_of(const cv::Mat& image) {
+  std::vector<std::uint8_t> bytes;
+  if (image.empty() || !cv::imencode(".png", image, bytes)) {
+    throw std::invalid_argument("an image of this size cannot be written as PNG");
+  }
+  return {bytes.begin(), bytes.end()};
+}
+
 }  // namespace
 
-std::string to_string(Channel channel) {
-  switch (channel) {
-    case Channel::red:
-      return "red";
-    case Channel::green:
-      return "green";
-    case Channel::blue:
-      return "blue";
-    case Channel::red_difference:
-      return "red-difference";
-    case Channel::grey:
-      break;
+Image copy_of(const ImageView& view) {
+  Image image{view.rows, view.columns, {}};
+  image.pixels.reserve(static_cast<std::size_t>(view.rows) * static_cast<std::size_t>(view.columns));
+  for (int row = 0; row < view.rows; ++row) {
+    const std::uint8_t* const pixels = view.pixels + row * view.stride;
+    image.pixels.insert(image.pixels.end(), pixels, pixels + view.columns);
   }
-  return "grey";
+  return image;
+}
+
+std::optional<ImagePart> image_part(std::string_view text, int max_side) {
+  std::array<int, 4> numbers{};
+  constexpr std::array<std::string_view, 4> kBehind{"x", "+", "+", ""};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t end = kBehind[i].empty() ? text.size() : text.find(kBehind[i]);
+    const auto number = end == std::string_view::npos ? std::nullopt : number_of_text<int>(text.substr(0, end));
+    if (!number || *number < (i < 2 ? 1 : 0) || *number > max_side) {
+      return std::nullopt;
+    }
+    numbers[i] = *number;
+    text.remove_prefix(std::min(text.size(), end + 1));
+  }
+  return ImagePart{.columns = numbers[0], .rows = numbers[1], .left = numbers[2], .top = numbers[3]};
 }
 
 void check_image_file(const std::string& file) {
@@ -123,13 +144,7 @@ Image read_image(const std::string& file, std::optional<Channel> channel) {
     throw UserError(file, "has " + std::to_string(8 * image.elemSize1()) + " bits per pixel; 8 are expected");
   }
   const cv::Mat plane = one_channel(file, image, channel);
-  Image result{plane.rows, plane.cols, {}};
-  result.pixels.reserve(plane.total());
-  for (int row = 0; row < plane.rows; ++row) {
-    const auto* pixels = plane.ptr<std::uint8_t>(row);
-    result.pixels.insert(result.pixels.end(), pixels, pixels + plane.cols);
-  }
-  return result;
+  return copy_of({plane.ptr<std::uint8_t>(), plane.rows, plane.cols, static_cast<std::ptrdiff_t>(plane.step)});
 }
 
 std::vector<std::string> files_of_folder(const std::string& folder) {
@@ -161,13 +176,11 @@ std::vector<std::string> image_arguments(const std::vector<std::string>& argumen
 }
 
 std::string encode_png(const Image& image) {
-  cv::Mat mat(image.rows, image.columns, CV_8UC1);
-  std::vector<std::uint8_t> bytes;
-  std::copy(image.pixels.begin(), image.pixels.end(), mat.begin<std::uint8_t>());
-  if (image.pixels.empty() || !cv::imencode(".png", mat, bytes)) {
-    throw std::invalid_argument("an image of this size cannot be written as PNG");
-  }
-  return {bytes.begin(), bytes.end()};
+  return png_of({image.rows, image.columns, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())});
+}
+
+std::string encode_png16(int rows, int columns, std::span<const std::uint16_t> pixels) {
+  return png_of({rows, columns, CV_16UC1, const_cast<std::uint16_t*>(pixels.data())});
 }
 
 }  // namespace selfproj

@@ -2,9 +2,13 @@
 #ifndef SELFPROJ_HOST_IMAGES_IMAGE_FILES_H
 #define SELFPROJ_HOST_IMAGES_IMAGE_FILES_H
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "model/column_moments.h"
@@ -15,8 +19,13 @@ namespace selfproj {
 // light of a red laser the red plane less the mean of green and blue, at least 0, halves rounded up.
 enum class Channel : std::uint8_t { red, green, blue, grey, red_difference };
 
-// "red", "green", "blue", "grey", "red-difference".
-std::string to_string(Channel channel);
+// Their names in options.
+inline constexpr std::array<std::pair<const char*, Channel>, 5> kChannels{
+    {{"red", Channel::red},
+     {"green", Channel::green},
+     {"blue", Channel::blue},
+     {"grey", Channel::grey},
+     {"red-difference", Channel::red_difference}}};
 
 // An image that owns its pixels, row by row without gaps.
 struct Image {
@@ -27,6 +36,23 @@ struct Image {
   // Valid while this object lives and its pixels are not resized.
   [[nodiscard]] ImageView view() const { return {pixels.data(), rows, columns, columns}; }
 };
+
+// The image as one that owns its pixels.
+Image copy_of(const ImageView& view);
+
+// A part of an image or of a sensor; left and top from 0.
+struct ImagePart {
+  int columns = 0;
+  int rows = 0;
+  int left = 0;
+  int top = 0;
+
+  bool operator==(const ImagePart&) const = default;
+};
+
+// The part of a text such as 320x60+0+40: columns, rows, left, top, none of them above max_side. Nothing for any other
+// text.
+std::optional<ImagePart> image_part(std::string_view text, int max_side);
 
 // Finds errors early that read_image would find late: throws UserError if the file cannot be read or its first bytes
 // are not those of an image.
@@ -47,6 +73,10 @@ std::vector<std::string> image_arguments(const std::vector<std::string>& argumen
 
 // Returns the bytes of a PNG file. Throws std::invalid_argument if the image has no pixels or is too large.
 std::string encode_png(const Image& image);
+
+// Returns the bytes of a PNG file of rows x columns pixels of 16 bits, given row by row without gaps. Throws
+// std::invalid_argument if the image has no pixels or is too large.
+std::string encode_png16(int rows, int columns, std::span<const std::uint16_t> pixels);
 
 }  // namespace selfproj
 

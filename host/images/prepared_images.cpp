@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
 
@@ -20,14 +19,8 @@ namespace selfproj {
 namespace {
 
 Image part_of(const Image& image, const ImagePart& part) {
-  Image result{part.rows, part.columns, {}};
-  result.pixels.reserve(static_cast<std::size_t>(part.rows) * static_cast<std::size_t>(part.columns));
-  for (int row = part.top; row < part.top + part.rows; ++row) {
-    const auto begin = image.pixels.begin() + static_cast<std::ptrdiff_t>(row) * image.columns +
-                       static_cast<std::ptrdiff_t>(part.left);
-    result.pixels.insert(result.pixels.end(), begin, begin + part.columns);
-  }
-  return result;
+  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(part.top) * image.columns + part.left;
+  return copy_of({image.pixels.data() + first, part.rows, part.columns, image.columns});
 }
 
 void subtract(Image& image, const Image& background) {
@@ -38,26 +31,6 @@ void subtract(Image& image, const Image& background) {
 }
 
 }  // namespace
-
-ImagePart part_of_text(const std::string& option, const std::string& text) {
-  constexpr std::array<char, 3> kBetween = {'x', '+', '+'};
-  constexpr int kMostSide = 1 << 20;
-  std::array<int, 4> numbers{};
-  std::string_view rest = text;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::size_t end = i < kBetween.size() ? rest.find(kBetween[i]) : rest.size();
-    const auto number = end == std::string_view::npos ? std::nullopt : number_of_text<int>(rest.substr(0, end));
-    if (!number || *number < (i < 2 ? 1 : 0) || *number > kMostSide) {
-      throw UserError(option,
-                      fmt::format("is '{}'; a part such as 320x60+0+40 is expected: columns, rows, and its left "
-                                  "and upper pixel from 0",
-                                  text));
-    }
-    numbers[i] = *number;
-    rest.remove_prefix(std::min(rest.size(), end + 1));
-  }
-  return {.columns = numbers[0], .rows = numbers[1], .left = numbers[2], .top = numbers[3]};
-}
 
 Image transposed(const Image& image) {
   Image result{image.columns, image.rows, {}};
@@ -90,7 +63,14 @@ PreparedImages::PreparedImages(std::vector<std::string> files, const Preparation
       channel_(channel_of(preparation.channel)),
       transpose_(preparation.transpose) {
   if (!preparation.roi.empty()) {
-    part_ = part_of_text("--roi", preparation.roi);
+    constexpr int kMaxSide = 1 << 20;
+    part_ = image_part(preparation.roi, kMaxSide);
+    if (!part_) {
+      throw UserError("--roi",
+                      fmt::format("is '{}'; a part such as 320x60+0+40 is expected: columns, rows, and its left "
+                                  "and upper pixel from 0",
+                                  preparation.roi));
+    }
   }
   if (background_.size() > 1 && background_.size() != files_.size()) {
     throw UserError("--background " + background_.front(),

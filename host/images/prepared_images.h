@@ -12,17 +12,6 @@
 
 namespace selfproj {
 
-// A part of an image as it was taken; left and top from 0.
-struct ImagePart {
-  int columns = 0;
-  int rows = 0;
-  int left = 0;
-  int top = 0;
-};
-
-// The part of a text such as 320x60+0+40: columns, rows, left, top. Throws UserError about `option` otherwise.
-ImagePart part_of_text(const std::string& option, const std::string& text);
-
 // How images become frames, as the options say.
 struct Preparation {
   std::string channel = {};                  // empty: only images of one channel

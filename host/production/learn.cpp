@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/rounded.h"
+#include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/production/judge.h"
 #include "host/production/map_reference.h"

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <thread>
 
-#include "host/files/duration_histogram.h"
+#include "host/driver/clock.h"
 #include "host/production/judge.h"
 #include "host/production/line_state.h"
 #include "host/production/part_cutter.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/files/rounded.h"
+#include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/light_section/reference_profile.h"
 #include "host/production/section_reference.h"

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <string>
 
-#include "host/files/rounded.h"
+#include "host/files/numbers.h"
 
 namespace selfproj {
 namespace {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/median.h"
+#include "host/files/numbers.h"
 #include "host/production/map_grid.h"
 
 namespace selfproj {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "host/files/input_file.h"
-#include "host/files/rounded.h"
+#include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/rig/geometry.h"
 #include "host/rig/yaml_document.h"

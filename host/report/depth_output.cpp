@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/median.h"
+#include "host/files/numbers.h"
 #include "host/report/colour_map.h"
 #include "host/report/map_picture.h"
 #include "host/structured_light/point_cloud.h"

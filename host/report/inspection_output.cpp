@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/files/rounded.h"
+#include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/images/float_image.h"
 #include "host/images/frame_options.h"

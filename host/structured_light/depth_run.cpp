@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "host/cli/progress.h"
-#include "host/files/median.h"
+#include "host/files/numbers.h"
 #include "host/files/stop_signal.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"

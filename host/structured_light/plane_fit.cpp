@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/files/median.h"
+#include "host/files/numbers.h"
 #include "host/images/float_image.h"
 #include "host/structured_light/triangulation.h"
 

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/images/float_image.h"
 #include "model/column_moments.h"
 
 namespace selfproj::python {
@@ -68,7 +69,7 @@ class Images {
     require(array.ndim() == 2 || array.ndim() == 3, "image: an array of 2 dimensions is needed, or of 3 for several");
     const std::size_t last = array.ndim() - 1;
     for (std::size_t i = 0; i <= last; ++i) {
-      require(array.shape(i) <= kMostSide, "image: too large");
+      require(array.shape(i) <= kMaxSide, "image: too large");
     }
     require(array.stride(last) == 1 || array.shape(last) <= 1,
             "image: the pixels of a row must lie side by side; numpy.ascontiguousarray makes such an image");
@@ -85,7 +86,7 @@ class Images {
   }
 
  private:
-  static constexpr std::size_t kMostSide = std::size_t{1} << 30U;
+  static constexpr std::size_t kMaxSide = std::size_t{1} << 30U;
   In<std::uint8_t> array_;
 };
 
@@ -147,6 +148,12 @@ void bind_driver(nb::module_& module);
 void bind_light_section(nb::module_& module);
 void bind_structured_light(nb::module_& module);
 void bind_calibration(nb::module_& module);
+
+// The memory of the image as an array, (rows, columns), without a copy.
+inline Out<float> array_of_image(FloatImage image) {
+  return array_of(std::move(image.values),
+                  {static_cast<std::size_t>(image.rows), static_cast<std::size_t>(image.columns)});
+}
 
 }  // namespace selfproj::python
 

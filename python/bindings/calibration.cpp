@@ -87,14 +87,7 @@ std::optional<Out<double>> find_corners(const In<std::uint8_t>& array, const Siz
   const ImageView view = image_of(array);
   const Chessboard chessboard = chessboard_of(corners, 1);
   require(view.rows > 0 && view.columns > 0, "image: has no pixels");
-  const FoundChessboard found = without_gil([&] {
-    Image image{view.rows, view.columns, {}};
-    for (int row = 0; row < view.rows; ++row) {
-      const std::uint8_t* from = view.pixels + row * view.stride;
-      image.pixels.insert(image.pixels.end(), from, from + view.columns);
-    }
-    return find_chessboard(image, chessboard);
-  });
+  const FoundChessboard found = without_gil([&] { return find_chessboard(copy_of(view), chessboard); });
   if (found.corners.empty()) {
     return std::nullopt;
   }

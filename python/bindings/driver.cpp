@@ -17,7 +17,6 @@
 
 #include "host/driver/device.h"
 #include "host/driver/image_assembler.h"
-#include "host/driver/open_device.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/packet_view.h"
 

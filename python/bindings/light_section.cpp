@@ -20,7 +20,6 @@
 #include "host/light_section/reference_file.h"
 #include "host/rig/rig.h"
 #include "python/bindings/arrays.h"
-#include "python/bindings/float_array.h"
 #include "python/bindings/moments_result.h"
 #include "python/bindings/packet_view.h"
 
@@ -79,8 +78,8 @@ class Profiler {
     }
     require(m0.shape(m0.ndim() - 1) == columns, "m0: its columns are not those of the rig's camera");
     const std::size_t frames = m0.ndim() == 2 ? m0.shape(0) : 1;
-    constexpr std::size_t kMostValues = std::size_t{1} << 31U;
-    require(frames * columns < kMostValues, "m0: too many frames at once");
+    constexpr std::size_t kMaxValues = std::size_t{1} << 31U;
+    require(frames * columns < kMaxValues, "m0: too many frames at once");
     ProfileResult result(m0.ndim() == 2 ? std::vector<std::size_t>{frames, columns}
                                         : std::vector<std::size_t>{columns});
     without_gil([&] {
@@ -158,7 +157,7 @@ void bind_rig(nb::module_& module) {
           "columns", [](const Rig& rig) { return rig.camera.columns; }, "Columns of the camera.")
       .def_ro("plane_z_mm", &Rig::plane_z_mm, "z of the conveyor or table; height = plane_z_mm - z.")
       .def_prop_ro(
-          "mode", [](const Rig& rig) { return rig.measure.mode; }, "How the board is told to weigh pixels.")
+          "mode", [](const Rig& rig) { return rig.measure.mode; }, "How the board weighs pixels.")
       .def_prop_ro(
           "threshold", [](const Rig& rig) { return rig.measure.threshold; }, "From where pixels are lit.")
       .def("to_yaml", &to_yaml, "The rig as the text of a rig file.");

@@ -62,8 +62,8 @@ class Decoder {
 
 Out<std::uint16_t> median(const ModelCodes& codes) {
   require(codes.ndim() == 2, "codes: an array of 2 dimensions is needed");
-  constexpr std::size_t kMostSide = 32768;
-  require(codes.shape(0) <= kMostSide && codes.shape(1) <= kMostSide, "codes: too large");
+  constexpr std::size_t kMaxSide = 32768;
+  require(codes.shape(0) <= kMaxSide && codes.shape(1) <= kMaxSide, "codes: too large");
   auto filtered = new_array<std::uint16_t>(shape_of(codes));
   without_gil([&] {
     median3x3(codes.data(), static_cast<int>(codes.shape(0)), static_cast<int>(codes.shape(1)), filtered.data());

@@ -26,7 +26,6 @@
 #include "host/structured_light/point_cloud.h"
 #include "host/structured_light/rig_triangulation.h"
 #include "python/bindings/arrays.h"
-#include "python/bindings/float_array.h"
 
 namespace selfproj::python {
 namespace {

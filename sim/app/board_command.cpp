@@ -21,7 +21,7 @@
 #include "host/cli/progress.h"
 #include "host/cli/status_line.h"
 #include "host/driver/clock.h"
-#include "host/driver/ring_list.h"
+#include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
 #include "host/files/output_file.h"
 #include "host/files/stop_signal.h"

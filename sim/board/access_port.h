@@ -36,7 +36,7 @@ class AccessPort final : public RegisterPort {
   }
 
   Written write(std::uint32_t address, std::uint32_t value) override {
-    return access_(true, address, value).error ? Written::refused : Written::taken;
+    return access_(true, address, value).error ? Written::refused : Written::applied;
   }
 
   [[nodiscard]] const std::string& uri() const override { return uri_; }

@@ -13,12 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "host/driver/open_device.h"
+#include "host/driver/device.h"
 #include "host/files/user_error.h"
 #include "model/board.h"
 #include "model/packet.h"
 
 namespace selfproj {
+
 void PacketRecording::add(const PacketHeader& header, std::span<const std::uint8_t> packet) {
   if (frames_.empty() || frames_.back().sequence != header.sequence) {
     frames_.push_back({header.sequence, header.encoder, packets_.size(), 0});

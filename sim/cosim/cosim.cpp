@@ -20,7 +20,6 @@
 #include "host/driver/sim_device.h"
 #include "host/files/output_file.h"
 #include "host/files/output_folder.h"
-#include "host/files/output_parents.h"
 #include "host/files/results_file.h"
 #include "host/files/temporary.h"
 #include "host/files/user_error.h"

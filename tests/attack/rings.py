@@ -10,7 +10,7 @@ import time
 from programs import Fault
 
 FOLDER = pathlib.Path("/dev/shm")
-# Offsets of host/driver/ring_layout.h.
+# Offsets of host/driver/ring_memory.h.
 WRITTEN, LOST, READ, READERS = 64, 72, 128, 144
 WORDS = (0, 8, 12, 16, 20, 64, 72, 80, 84, 88, 92, 128, 136, 144, 148, 152, 156, 192, 196)
 

@@ -17,10 +17,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/driver/open_device.h"
-#include "host/driver/ring_list.h"
+#include "host/driver/clock.h"
+#include "host/driver/device.h"
+#include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
-#include "host/files/duration_histogram.h"
 #include "host/rig/rig.h"
 #include "model/packet.h"
 #include "sim/board/packet_recording.h"
@@ -43,10 +43,13 @@ class Board : public ::testing::Test {
   }
   [[nodiscard]] Outcome host(const Words& words) const { return run_program(SELFPROJ_PROGRAM, words, folder_.path()); }
 
-  // Starts a board in a separate process that plays when a reader comes. Its ring exists when this returns.
+  // Starts a board in a separate process that plays when a reader comes. Its ring exists when this returns. Where no
+  // reader comes, it is ended with status 124 (coreutils' timeout), so that the test fails instead of waiting for ever.
   [[nodiscard]] std::future<Outcome> board_beside(Words words) const {
+    words.insert(words.begin(), {"120", SELFPROJ_SIM_PROGRAM, "board"});
     words.insert(words.end(), {"--ring", ring_, "--wait-for-reader", "--keep"});
-    auto outcome = std::async(std::launch::async, [=, this] { return board(words); });
+    auto outcome =
+        std::async(std::launch::async, [=, this] { return run_program("/usr/bin/timeout", words, folder_.path()); });
     const auto there = [&] {
       const auto rings = list_rings();
       return std::any_of(rings.begin(), rings.end(),

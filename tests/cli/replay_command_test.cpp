@@ -12,7 +12,7 @@
 #include "host/images/prepared_images.h"
 #include "model/replay.h"
 #include "tests/cli/program.h"
-#include "tests/support/replay_board.h"
+#include "tests/support/network_board.h"
 
 namespace selfproj::test {
 namespace {

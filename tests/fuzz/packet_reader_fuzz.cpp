@@ -27,7 +27,6 @@
 
 #include "host/driver/counters.h"
 #include "host/driver/packet_reader.h"
-#include "host/driver/packet_tally.h"
 #include "model/packet.h"
 
 namespace selfproj {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "host/files/user_error.h"
-#include "host/images/image_header.h"
+#include "host/images/image_decoder.h"
 #include "tests/cli/program.h"
 
 namespace selfproj {

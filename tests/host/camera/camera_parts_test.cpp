@@ -13,7 +13,7 @@
 #include "host/camera/camera_uri.h"
 #include "host/camera/frame_numbers.h"
 #include "host/camera/pixel_format.h"
-#include "host/files/user_error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -174,7 +174,7 @@ TEST(CameraUri, EverySetting) {
   EXPECT_EQ(uri.name, "Maker-1");
   EXPECT_EQ(uri.camera.exposure_us, 12.5);
   EXPECT_EQ(uri.camera.gain, -2);
-  EXPECT_EQ(uri.camera.region, (CameraRegion{512, 96, 64, 20}));
+  EXPECT_EQ(uri.camera.region, (ImagePart{512, 96, 64, 20}));
   EXPECT_EQ(uri.camera.channel, Channel::green);
   EXPECT_EQ(uri.camera.trigger, "Line1");
   EXPECT_EQ(uri.camera.packet_bytes, 9000);
@@ -189,14 +189,7 @@ TEST(CameraUri, EverySetting) {
 }
 
 TEST(CameraUri, Refusals) {
-  const auto refusal = [](const std::string& text) -> std::string {
-    try {
-      parse_camera_uri(text);
-    } catch (const UserError& error) {
-      return error.what();
-    }
-    return "";
-  };
+  const auto refusal = [](const std::string& text) { return error_of([&] { parse_camera_uri(text); }); };
   EXPECT_EQ(refusal("ring:a"), "ring:a: is not a camera; use camera:NAME, as `selfproj devices` lists them");
   EXPECT_EQ(refusal("camera:a?gain"), "camera:a?gain: gain has no value");
   EXPECT_EQ(refusal("camera:a?gain=1&gain=1"), "camera:a?gain=1&gain=1: gain is given twice");
@@ -204,11 +197,11 @@ TEST(CameraUri, Refusals) {
             "camera:a?threshold=256: threshold: '256' is not a whole number from 0 to 255");
   EXPECT_EQ(refusal("camera:a?region=512x"),
             "camera:a?region=512x: region: '512x' is not a region such as 512x96 or 512x96+64+20");
-  EXPECT_NE(refusal("camera:a?region=512x96+1"), "");
-  EXPECT_NE(refusal("camera:a?region=0x96"), "");
-  EXPECT_NE(refusal("camera:a?region=4x4+0+0+0"), "");
-  EXPECT_NE(refusal("camera:a?median=maybe"), "");
-  EXPECT_NE(refusal("camera:a?exposure-us=0"), "");
+  EXPECT_NE(refusal("camera:a?region=512x96+1"), "none");
+  EXPECT_NE(refusal("camera:a?region=0x96"), "none");
+  EXPECT_NE(refusal("camera:a?region=4x4+0+0+0"), "none");
+  EXPECT_NE(refusal("camera:a?median=maybe"), "none");
+  EXPECT_NE(refusal("camera:a?exposure-us=0"), "none");
   EXPECT_NE(refusal("camera:a?format=Mono9").find("is not one of Mono8, Mono10"), std::string::npos);
   EXPECT_NE(refusal("camera:a?format=BayerRG8").find("has colours; say which with channel"), std::string::npos);
   EXPECT_NE(refusal("camera:a?channel=red").find("format Mono8 has no colours"), std::string::npos);

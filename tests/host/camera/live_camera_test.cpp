@@ -16,6 +16,7 @@
 #include "host/files/user_error.h"
 #include "model/packet.h"
 #include "tests/host/camera/gige_camera.h"
+#include "tests/support/error_of.h"
 
 namespace selfproj::test {
 namespace {
@@ -23,14 +24,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-class LiveCamera : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!enter_own_network()) {
-      GTEST_SKIP() << "this system allows no network of one's own";
-    }
-  }
-};
+using LiveCamera = OnOwnNetwork;
 
 // A line of light at a row that the picture's number says.
 int row_of(std::uint64_t number) { return static_cast<int>(number * 7 % 90); }
@@ -119,13 +113,8 @@ TEST_F(LiveCamera, SoftwareTriggerOneAtATime) {
 
 TEST_F(LiveCamera, SettingsThatTheCameraRefuses) {
   const GigeCamera gige(draw_line);
-  const auto refusal = [](const std::string& settings) -> std::string {
-    try {
-      open_camera(parse_camera_uri("camera:127.0.0.1?" + settings));
-    } catch (const UserError& error) {
-      return error.what();
-    }
-    return "";
+  const auto refusal = [](const std::string& settings) {
+    return error_of([&] { open_camera(parse_camera_uri("camera:127.0.0.1?" + settings)); });
   };
   const std::string uri = "camera:127.0.0.1: ";
   EXPECT_EQ(refusal("exposure-us=1"), uri + "exposure-us: the camera takes 10 to 1e+07");

@@ -1,6 +1,4 @@
 // Tests cameras of V4L2 through the seam: a player of recorded images in place of the kernel.
-#include "host/camera/v4l2_camera.h"
-
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
 
@@ -19,6 +17,7 @@
 
 #include "host/camera/camera.h"
 #include "host/camera/camera_uri.h"
+#include "host/camera/open_camera.h"
 #include "host/driver/device_port.h"
 #include "host/files/user_error.h"
 

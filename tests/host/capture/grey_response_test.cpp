@@ -1,6 +1,4 @@
 // Tests the curve of a projector that follows from images of its greys.
-#include "host/capture/grey_response.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/capture/grey_curve.h"
 #include "host/files/user_error.h"
 #include "tests/support/random_cases.h"
 

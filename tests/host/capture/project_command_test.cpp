@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "host/capture/grey_curve.h"
-#include "host/files/user_error.h"
 #include "host/images/image_files.h"
 #include "tests/cli/program.h"
+#include "tests/support/error_of.h"
 #include "tests/support/random_cases.h"
 #include "tests/support/virtual_screen.h"
 
@@ -135,16 +135,13 @@ TEST(GreyCurve, LightBecomesProportionalToGrey) {
 
 TEST(GreyCurve, RefusesWhatIsNoCurve) {
   const ScratchFolder folder;
-  const auto refusal = [&](const std::string& text) -> std::string {
-    write_text(folder / "c.csv", text);
-    try {
-      load_grey_curve((folder / "c.csv").string());
-    } catch (const UserError& error) {
-      return std::string(error.what()).substr((folder / "c.csv").string().size());
-    }
-    return "";
+  const auto refusal = [&](const std::string& text) {
+    const std::string file = folder / "c.csv";
+    write_text(file, text);
+    const std::string error = error_of([&] { load_grey_curve(file); });
+    return error.starts_with(file) ? error.substr(file.size()) : error;
   };
-  EXPECT_EQ(refusal("grey,light\n0,1\n255,2\n"), "");
+  EXPECT_EQ(refusal("grey,light\n0,1\n255,2\n"), "none");
   EXPECT_EQ(refusal("0,1\n255,2\n"), ": does not begin with the line grey,light");
   EXPECT_EQ(refusal("grey,light\n0,1\n254,2\n"), ": grey does not go from 0 to 255");
   EXPECT_EQ(refusal("grey,light\n0,1\nx,2\n"), ": line 3: is no pair grey,light");

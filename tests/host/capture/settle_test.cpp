@@ -36,10 +36,10 @@ TEST(Settle, OneDelayIsFoundWithinTenMilliseconds) {
     Random random(seed);
     const int delay = random.between(0, 150);
     const Settle settle = settle_of(flashes_of(random, delay, delay, 30));
-    ASSERT_LE(settle.least_ms, delay);
-    ASSERT_GE(settle.most_ms, delay);
+    ASSERT_LE(settle.min_ms, delay);
+    ASSERT_GE(settle.max_ms, delay);
     ASSERT_GE(settle.settle_ms, delay + 2);
-    ASSERT_LE(settle.most_ms, delay + 10) << "of 16 images at random times in 30 ms one comes within 10";
+    ASSERT_LE(settle.max_ms, delay + 10) << "of 16 images at random times in 30 ms one comes within 10";
   }
 }
 

@@ -10,10 +10,8 @@
 #include <memory>
 #include <string>
 
-#include "host/driver/bar_port.h"
-#include "host/driver/board_list.h"
-#include "host/driver/board_test.h"
-#include "host/driver/open_control.h"
+#include "host/driver/boards.h"
+#include "host/driver/register_port.h"
 #include "host/files/user_error.h"
 #include "tests/cli/program.h"
 #include "tests/support/board_registers.h"

@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
-#include "host/driver/etherbone_port.h"
+#include "host/driver/etherbone.h"
 #include "model/register_file.h"
-#include "tests/support/etherbone_board.h"
+#include "tests/support/network_board.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -43,7 +43,7 @@ inline AccessCounts random_accesses(int accesses, int percent, std::uint64_t see
       if (random.chance(60)) {
         const auto data = static_cast<std::uint32_t>(random.bits()) & (random.chance(50) ? 0x00FF01FFU : ~0U);
         const bool error = model.write(address, data).error;
-        EXPECT_EQ(port->write(address, data), error ? Written::refused : Written::taken) << "access " << i;
+        EXPECT_EQ(port->write(address, data), error ? Written::refused : Written::applied) << "access " << i;
         asked.push_back({address, data, error});
         counts.refused += error ? 1 : 0;
       } else {

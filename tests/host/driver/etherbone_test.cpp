@@ -12,10 +12,9 @@
 #include <vector>
 
 #include "host/driver/control.h"
-#include "host/driver/etherbone_port.h"
 #include "host/files/user_error.h"
 #include "tests/host/driver/etherbone_accesses.h"
-#include "tests/support/etherbone_board.h"
+#include "tests/support/network_board.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {
@@ -113,10 +112,10 @@ TEST(EtherbonePort, NobodyAndTwoHosts) {
   const BadNetwork network(board, 0, 1);
   const std::unique_ptr<RegisterPort> one = make_etherbone_port(network.place());
   const std::unique_ptr<RegisterPort> other = make_etherbone_port(network.place());
-  EXPECT_EQ(one->write(spec::kRegTimeout, 1), Written::taken);
-  EXPECT_EQ(other->write(spec::kRegTimeout, 2), Written::taken);
+  EXPECT_EQ(one->write(spec::kRegTimeout, 1), Written::applied);
+  EXPECT_EQ(other->write(spec::kRegTimeout, 2), Written::applied);
   EXPECT_THROW(one->write(spec::kRegTimeout, 3), UserError);
-  EXPECT_EQ(one->write(spec::kRegTimeout, 4), Written::taken);
+  EXPECT_EQ(one->write(spec::kRegTimeout, 4), Written::applied);
 }
 
 }  // namespace

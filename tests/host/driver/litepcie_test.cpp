@@ -1,5 +1,7 @@
 // Tests boards behind LitePCIe's driver through the seam: packets out of a ring that the DMA writes over, and
 // registers.
+#include "host/driver/litepcie.h"
+
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -13,14 +15,10 @@
 #include <thread>
 #include <vector>
 
-#include "host/driver/board_list.h"
+#include "host/driver/boards.h"
 #include "host/driver/control.h"
 #include "host/driver/device.h"
-#include "host/driver/litepcie_device.h"
 #include "host/driver/litepcie_interface.h"
-#include "host/driver/litepcie_port.h"
-#include "host/driver/open_control.h"
-#include "host/driver/open_device.h"
 #include "host/files/file_descriptor.h"
 #include "tests/cli/program.h"
 #include "tests/host/driver/packets.h"

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "host/driver/control.h"
-#include "host/driver/etherbone_port.h"
+#include "host/driver/etherbone.h"
 #include "model/spec/generated/register_table.h"
 #include "tests/support/error_of.h"
+#include "tests/support/network_board.h"
 #include "tests/support/random_cases.h"
-#include "tests/support/replay_board.h"
 
 namespace selfproj::test {
 namespace {
@@ -40,7 +40,7 @@ TEST(ReplaySender, EveryFrameThroughABadNetwork) {
     Random random(1);
     ReplayBoard board(kBuild, percent, 7);
     const std::unique_ptr<RegisterPort> port = port_of(board);
-    EXPECT_EQ(port->write(spec::kRegControl, 1), Written::taken);
+    EXPECT_EQ(port->write(spec::kRegControl, 1), Written::applied);
     std::vector<ReplayFrame> sent;
     for (int session = 0; session < 2; ++session) {
       ReplaySender sender(*port, "127.0.0.3", {.port = board.replay_port()});

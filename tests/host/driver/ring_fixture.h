@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/driver/open_device.h"
-#include "host/driver/ring_list.h"
+#include "host/driver/device.h"
 #include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
 #include "tests/host/driver/packets.h"

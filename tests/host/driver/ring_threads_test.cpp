@@ -7,7 +7,7 @@
 #include <memory>
 #include <thread>
 
-#include "host/driver/open_device.h"
+#include "host/driver/device.h"
 #include "host/driver/ring_writer.h"
 #include "tests/host/driver/packets.h"
 #include "tests/host/driver/ring_fixture.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/driver/datagram_assembler.h"
-#include "host/driver/open_device.h"
+#include "host/driver/device.h"
 #include "host/files/user_error.h"
 #include "model/datagram.h"
 #include "model/datagram_cutter.h"

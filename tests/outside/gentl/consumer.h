@@ -16,7 +16,6 @@
 #include "host/rig/rig.h"
 #include "model/packet_payload.h"
 #include "tests/outside/gentl/producer.h"
-#include "tests/outside/gentl/recording.h"
 
 namespace selfproj::test {
 

@@ -21,7 +21,6 @@
 
 #include "host/files/results_file.h"
 #include "tests/outside/gentl/producer.h"
-#include "tests/outside/gentl/recording.h"
 
 namespace selfproj::test {
 namespace {

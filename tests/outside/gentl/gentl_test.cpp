@@ -10,12 +10,11 @@
 #include <thread>
 #include <vector>
 
-#include "host/driver/open_device.h"
-#include "host/driver/ring_list.h"
+#include "host/driver/device.h"
+#include "host/driver/ring_memory.h"
 #include "host/driver/ring_writer.h"
 #include "tests/outside/gentl/consumer.h"
 #include "tests/outside/gentl/producer.h"
-#include "tests/outside/gentl/recording.h"
 
 namespace selfproj::test {
 namespace {

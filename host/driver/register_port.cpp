@@ -1,4 +1,4 @@
-#include "host/driver/bar_port.h"
+#include "host/driver/register_port.h"
 
 #include <endian.h>
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-#include "host/driver/litepcie_device.h"
+#include "host/driver/litepcie.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -10,17 +10,20 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "host/driver/clock.h"
 #include "host/driver/counters.h"
 #include "host/driver/device.h"
+#include "host/driver/device_kinds.h"
 #include "host/driver/device_port.h"
 #include "host/driver/litepcie_interface.h"
 #include "host/driver/packet_reader.h"
-#include "host/driver/packet_tally.h"
+#include "host/driver/register_port.h"
 #include "host/files/file_descriptor.h"
 #include "host/files/user_error.h"
 #include "model/packet.h"
+#include "model/spec/generated/register_table.h"
 
 namespace selfproj {
 namespace {
@@ -28,16 +31,14 @@ namespace {
 // The driver's interrupt comes after 32 buffers, which is late. So a sleeping reader looks this often by itself.
 constexpr std::int64_t kDmaLookNs = 200'000;
 // Fewer than a register that reads as ones would mean
-constexpr std::uint64_t kMostDmaBuffers = 1U << 15U;
+constexpr std::uint64_t kMaxDmaBuffers = 1U << 15U;
 
-class LitePcieDevice final : public Device {
+class LitePcieDevice final : public TalliedDevice {
  public:
   LitePcieDevice(std::unique_ptr<DevicePort> port, std::string uri, const DeviceOptions& options)
-      : uri_(std::move(uri)),
-        options_(options),
+      : TalliedDevice(std::move(uri), options),
         port_(std::move(port)),
-        reader_(counters_, options.buffer_bytes, spec::kPacketBeatBytes),
-        tally_(counters_) {
+        reader_(counters_, options.buffer_bytes, spec::kPacketBeatBytes) {
     litepcie::Buffers buffers;
     const int error = port_->control(litepcie::kBuffers, &buffers);
     if (error != 0) {
@@ -47,7 +48,7 @@ class LitePcieDevice final : public Device {
     count_ = buffers.rx_count;
     // The reader has room for at least one more of the largest packets.
     if (bytes_ == 0 || bytes_ % spec::kPacketBeatBytes != 0 || bytes_ > kLargestPacketBytes || count_ < 4 ||
-        count_ > kMostDmaBuffers) {
+        count_ > kMaxDmaBuffers) {
       throw UserError(uri_, "its driver has " + std::to_string(count_) + " buffers of " + std::to_string(bytes_) +
                                 " bytes, with which this program cannot work");
     }
@@ -78,14 +79,12 @@ class LitePcieDevice final : public Device {
     const std::int64_t started = now_ns();
     for (;;) {
       while (reader_.next(packet)) {
-        if (tally_.accept(packet.header)) {
-          ++counters_.delivered;
-          counters_.flagged += packet.status != 0 ? 1 : 0;
+        if (tally_.deliver(packet)) {
           return Next::packet;
         }
       }
       const std::int64_t waited = now_ns() - started;
-      if (take_buffers()) {
+      if (copy_buffers()) {
         continue;
       }
       if (waited >= timeout.count()) {
@@ -94,12 +93,6 @@ class LitePcieDevice final : public Device {
       wait(waited, timeout.count());
     }
   }
-
-  void release() override {}  // the reader's buffer moves only within next()
-
-  [[nodiscard]] std::int64_t arrival_ns() const override { return arrival_ns_; }
-  [[nodiscard]] Counters counters() const override { return counters_; }
-  [[nodiscard]] const std::string& uri() const override { return uri_; }
 
  private:
   [[noreturn]] void fail(const std::string& what, int error) const {
@@ -155,7 +148,7 @@ class LitePcieDevice final : public Device {
   [[nodiscard]] std::uint64_t oldest() const { return done_ + 2 > count_ ? done_ + 2 - count_ : 0; }
 
   // Copies finished buffers into the reader. Returns whether there were any, or anything else that changed.
-  bool take_buffers() {
+  bool copy_buffers() {
     if (!follow()) {
       return true;
     }
@@ -196,8 +189,7 @@ class LitePcieDevice final : public Device {
 
   // Waits according to the policy.
   void wait(std::int64_t waited, std::int64_t timeout) {
-    if (options_.wait == Wait::polling ||
-        (options_.wait == Wait::polling_then_blocking && waited < options_.spin.count())) {
+    if (options_.polls(waited)) {
       relax();
       return;
     }
@@ -206,20 +198,56 @@ class LitePcieDevice final : public Device {
     static_cast<void>(port_->wait(std::chrono::nanoseconds(std::min(kDmaLookNs, timeout - waited))));
   }
 
-  std::string uri_;
-  DeviceOptions options_;
   std::unique_ptr<DevicePort> port_;
-  Counters counters_;
   PacketStreamReader reader_;
-  PacketTally tally_;
   const std::uint8_t* ring_ = nullptr;
   std::size_t bytes_ = 0;     // of a buffer
   std::uint64_t count_ = 0;   // buffers of the ring
   std::uint64_t status_ = 0;  // the register of the loop, as a number of buffers
   std::uint64_t done_ = 0;    // buffers before this one are finished
   std::uint64_t read_ = 0;    // buffers before this one were read or given up
-  std::int64_t arrival_ns_ = 0;
   bool locked_ = false;
+};
+
+class LitePciePort final : public RegisterPort {
+ public:
+  LitePciePort(std::unique_ptr<DevicePort> port, std::string uri) : port_(std::move(port)), uri_(std::move(uri)) {}
+
+  std::vector<std::uint32_t> read(std::span<const std::uint32_t> addresses) override {
+    std::vector<std::uint32_t> words;
+    words.reserve(addresses.size());
+    for (const std::uint32_t address : addresses) {
+      words.push_back(access({.address = place(address), .value = 0, .write = 0}));
+    }
+    return words;
+  }
+
+  Written write(std::uint32_t address, std::uint32_t value) override {
+    access({.address = place(address), .value = value, .write = 1});
+    return Written::unknown;
+  }
+
+  [[nodiscard]] const std::string& uri() const override { return uri_; }
+
+ private:
+  // The driver does not check addresses: those beyond the board's registers would be LitePCIe's own.
+  [[nodiscard]] std::uint32_t place(std::uint32_t address) const {
+    if (address % 4 != 0 || address > spec::kRegisters.back().address) {
+      throw UserError(uri_, "has no register at " + std::to_string(address));
+    }
+    return litepcie::kBoardRegisters + address;
+  }
+
+  std::uint32_t access(litepcie::Access one) {
+    const int error = port_->control(litepcie::kAccess, &one);
+    if (error != 0) {
+      throw UserError(uri_, "the board's registers cannot be reached: " + error_text(error));
+    }
+    return one.value;
+  }
+
+  std::unique_ptr<DevicePort> port_;
+  std::string uri_;
 };
 
 }  // namespace
@@ -232,6 +260,15 @@ std::unique_ptr<Device> make_litepcie_device(const std::string& path, const Devi
 std::unique_ptr<Device> make_litepcie_device(std::unique_ptr<DevicePort> port, const std::string& uri,
                                              const DeviceOptions& options) {
   return std::make_unique<LitePcieDevice>(std::move(port), uri, options);
+}
+
+std::unique_ptr<RegisterPort> make_litepcie_port(const std::string& path) {
+  const std::string uri = "litepcie:" + path;
+  return make_litepcie_port(open_device_port(path, uri), uri);
+}
+
+std::unique_ptr<RegisterPort> make_litepcie_port(std::unique_ptr<DevicePort> port, const std::string& uri) {
+  return std::make_unique<LitePciePort>(std::move(port), uri);
 }
 
 }  // namespace selfproj

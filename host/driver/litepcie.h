@@ -1,12 +1,13 @@
-// The device litepcie:PATH for open_device.
-#ifndef SELFPROJ_HOST_DRIVER_LITEPCIE_DEVICE_H
-#define SELFPROJ_HOST_DRIVER_LITEPCIE_DEVICE_H
+// A board behind LitePCIe's kernel driver: its packets and its registers.
+#ifndef SELFPROJ_HOST_DRIVER_LITEPCIE_H
+#define SELFPROJ_HOST_DRIVER_LITEPCIE_H
 
 #include <memory>
 #include <string>
 
 #include "host/driver/device.h"
 #include "host/driver/device_port.h"
+#include "host/driver/register_port.h"
 
 namespace selfproj {
 
@@ -28,6 +29,14 @@ std::unique_ptr<Device> make_litepcie_device(const std::string& path, const Devi
 std::unique_ptr<Device> make_litepcie_device(std::unique_ptr<DevicePort> port, const std::string& uri,
                                              const DeviceOptions& options);
 
+// The registers of a board behind LitePCIe's kernel driver, at the path of its device file, such as /dev/litepcie0. The
+// driver makes each access. A write is posted, so its answer is Written::unknown. Another process may read packets
+// meanwhile. Throws UserError with the URI if the file cannot be opened or an access fails.
+std::unique_ptr<RegisterPort> make_litepcie_port(const std::string& path);
+
+// The same on a port that is open.
+std::unique_ptr<RegisterPort> make_litepcie_port(std::unique_ptr<DevicePort> port, const std::string& uri);
+
 }  // namespace selfproj
 
-#endif  // SELFPROJ_HOST_DRIVER_LITEPCIE_DEVICE_H
+#endif  // SELFPROJ_HOST_DRIVER_LITEPCIE_H

@@ -1,13 +1,17 @@
-#include "host/driver/board_test.h"
+#include "host/driver/boards.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "host/driver/control.h"
 #include "host/files/user_error.h"
 
 namespace selfproj {
@@ -56,7 +60,7 @@ std::string refusal_fault(Control& control, const char* name, std::uint32_t valu
     return control.read(name) == before ? "" : "refused, but changed";
   }
   control.write(name, before);
-  return "taken";
+  return "accepted";
 }
 
 std::string clock_fault(Control& control) {
@@ -66,6 +70,32 @@ std::string clock_fault(Control& control) {
 }
 
 }  // namespace
+
+std::vector<BoardPlace> list_boards(const std::filesystem::path& devices, const std::vector<std::string>& hosts) {
+  std::vector<BoardPlace> boards;
+  std::error_code error;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(devices, error)) {
+    const std::string name = entry.path().filename().string();
+    if ((name.starts_with("xdma") && name.ends_with("_user")) || name.starts_with("uio")) {
+      boards.push_back({.uri = "bar:" + entry.path().string(), .problem = ""});
+    } else if (name.starts_with("litepcie")) {
+      boards.push_back({.uri = "litepcie:" + entry.path().string(), .problem = ""});
+    }
+  }
+  std::sort(boards.begin(), boards.end(), [](const auto& one, const auto& other) { return one.uri < other.uri; });
+  for (const std::string& host : hosts) {
+    boards.push_back({.uri = "udp:" + host, .problem = ""});
+  }
+  for (BoardPlace& board : boards) {
+    try {
+      static_cast<void>(open_control(board.uri));
+    } catch (const UserError& problem) {
+      const std::string text = problem.what();
+      board.problem = text.starts_with(board.uri + ": ") ? text.substr(board.uri.size() + 2) : text;
+    }
+  }
+  return boards;
+}
 
 std::vector<BoardTestResult> test_board(Control& control) {
   if (control.read("control.run") != 0 || control.read("trigger_control.run") != 0) {
