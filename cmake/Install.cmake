@@ -30,12 +30,11 @@ set(selfproj_headers_for_users
   host/light_section/reference_file.h
   host/rig/calibration_file.h
   host/rig/rig.h
-  host/rig/rig_calibration.h
+  host/rig/calibration.h
   host/structured_light/depth_geometry.h
   host/structured_light/fast_decoder.h
   host/structured_light/gray_sequence.h
   host/structured_light/point_cloud.h
-  host/structured_light/rig_triangulation.h
   host/structured_light/scanner.h
   host/structured_light/triangulation.h)
 

@@ -8,7 +8,7 @@
 #include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/code_borders.h"
-#include "host/structured_light/rig_triangulation.h"
+#include "host/structured_light/depth_geometry.h"
 #include "lab/depth_stream.h"
 #include "model/column_moments.h"
 #include "sim/scene/pattern_renderer.h"

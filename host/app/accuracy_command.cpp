@@ -13,7 +13,7 @@
 #include "host/files/user_error.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/accuracy.h"
-#include "host/structured_light/stripe_code.h"
+#include "host/structured_light/self_reference.h"
 
 namespace selfproj {
 namespace {

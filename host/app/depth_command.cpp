@@ -21,7 +21,6 @@
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
 #include "host/report/depth_output.h"
-#include "host/report/depth_summary.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/plane_fit.h"
 #include "host/structured_light/point_cloud.h"

@@ -15,7 +15,7 @@
 #include "host/production/endpoint.h"
 #include "host/production/section_reference.h"
 #include "host/production/tolerance.h"
-#include "host/report/counter_facts.h"
+#include "host/report/facts.h"
 
 namespace selfproj {
 

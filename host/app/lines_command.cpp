@@ -18,7 +18,7 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/prepared_images.h"
-#include "host/light_section/fast_runs.h"
+#include "host/light_section/fast_moments.h"
 #include "host/report/frame_picture.h"
 #include "host/report/line_images.h"
 #include "host/report/report.h"

@@ -24,13 +24,13 @@
 #include "host/files/user_error.h"
 #include "host/images/float_image.h"
 #include "host/images/frame_options.h"
-#include "host/report/counter_facts.h"
-#include "host/report/depth_summary.h"
+#include "host/report/depth_output.h"
+#include "host/report/facts.h"
 #include "host/structured_light/depth_run.h"
-#include "host/structured_light/depth_shares.h"
 #include "host/structured_light/scan_stream.h"
-#include "host/structured_light/self_reference_file.h"
+#include "host/structured_light/self_reference.h"
 #include "host/structured_light/self_scanner.h"
+#include "host/structured_light/triangulation.h"
 
 namespace selfproj {
 namespace {

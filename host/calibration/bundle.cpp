@@ -20,10 +20,8 @@
 #include <vector>
 
 #include "host/calibration/bundle_cost.h"
-#include "host/calibration/bundle_deviations.h"
-#include "host/calibration/bundle_plates.h"
-#include "host/calibration/normal_matrix.h"
-#include "host/calibration/plate_cost.h"
+#include "host/calibration/bundle_covariance.h"
+#include "host/calibration/plates.h"
 
 namespace selfproj {
 namespace {
@@ -31,6 +29,7 @@ namespace {
 using bundle_cost::kLens;
 using bundle_cost::kPose;
 using bundle_cost::kView;
+using bundle_cost::plate_cost;
 using bundle_cost::PriorCost;
 using bundle_cost::ViewCost;
 
@@ -282,6 +281,7 @@ class Fit {
     constexpr double kFastest = 20;  // a shape's standard deviation changes by no more than this factor at once
     double greatest = 0;
     const std::array<double*, kKinds> parts = parts_of(noise_);
+    const double side = board_side(views_);
     for (int kind = 0; kind < kKinds; ++kind) {
       if (!(redundancy[static_cast<std::size_t>(kind)] > kNoRedundancy)) {
         continue;
@@ -291,23 +291,12 @@ class Fit {
       double factor = std::sqrt(squares[static_cast<std::size_t>(kind)] / redundancy[static_cast<std::size_t>(kind)]);
       if (kind >= kBend) {
         factor = std::clamp(factor, 1 / kFastest, kFastest);
-        part = std::clamp(before * factor, kLeastShape * side(), kMostShape * side());
+        part = std::clamp(before * factor, kMinShape * side, kMaxShape * side);
         rescale(kind, before / part);
       } else {
         part = std::max(kLeastNoise, before * factor);
       }
       greatest = std::max(greatest, std::abs(part / before - 1));
-    }
-    return greatest;
-  }
-
-  // The longer side of what is seen of the chessboard, mm.
-  [[nodiscard]] double side() const {
-    double greatest = 0;
-    for (const View& view : views_) {
-      for (const Sight& sight : view.sights) {
-        greatest = std::max({greatest, sight.chessboard.x, sight.chessboard.y});
-      }
     }
     return greatest;
   }
@@ -369,8 +358,8 @@ class Fit {
     result.rms = std::hypot(result.camera_rms, result.projector_rms) / std::sqrt(options_.projector ? 2 : 1);
   }
 
-  static constexpr double kLeastShape = 1e-5;  // of the chessboard's side
-  static constexpr double kMostShape = 0.01;
+  static constexpr double kMinShape = 1e-5;  // of the chessboard's side
+  static constexpr double kMaxShape = 0.01;
 
   const std::vector<View>& views_;
   BundleOptions options_;
@@ -431,6 +420,16 @@ BundleResult locate_view(const View& view, const Bundle& bundle, const Pose& sta
   Fit fit(views, at, options, true);
   fit.solve();
   return fit.result();
+}
+
+double board_side(const std::vector<View>& views) {
+  double greatest = 0;
+  for (const View& view : views) {
+    for (const Sight& sight : view.sights) {
+      greatest = std::max({greatest, sight.chessboard.x, sight.chessboard.y});
+    }
+  }
+  return greatest;
 }
 
 cv::Vec3d place_on_board(const Sight& sight, const Bundle& bundle, const std::vector<CornerModes>* shape) {

@@ -21,7 +21,7 @@
 #include "host/files/median.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
-#include "host/rig/lens.h"
+#include "host/rig/calibration.h"
 
 namespace selfproj {
 namespace {
@@ -32,9 +32,7 @@ View view_of(const BoardImage& image, const Chessboard& board) {
   for (std::size_t i = 0; i < image.corners.size(); ++i) {
     if (image.used[i]) {
       const int corner = static_cast<int>(i);
-      const int row = corner / board.columns;
-      view.sights.push_back(
-          {corner, {board.square_mm * (corner % board.columns), board.square_mm * row, 0}, image.corners[i], {}});
+      view.sights.push_back({corner, board.place(corner), image.corners[i], {}});
     }
   }
   return view;
@@ -151,8 +149,7 @@ class BoardInSpace {
     for (int i = 0; i < board_.corners(); ++i) {
       Sight sight;
       sight.corner = i;
-      const int row = i / board_.columns;
-      sight.chessboard = {board_.square_mm * (i % board_.columns), board_.square_mm * row, 0};
+      sight.chessboard = board_.place(i);
       height_.push_back(place_on_board(sight, found, shape)[2]);
     }
   }
@@ -310,8 +307,7 @@ std::vector<cv::Point2d> line_centres(const Image& image, int threshold) {
 LaserPlane laser_plane(const CameraReport& camera, const std::vector<Image>& lines) {
   constexpr std::size_t kLeastPoints = 5;  // of an image
   constexpr std::size_t kLeastImages = 3;
-  const LensParameters& p = camera.model.result.bundle.camera;
-  const Lens lens{p[0], p[1], p[2], p[3], {p[4], p[5], p[6], p[7], p[8], 0, 0, 0}};
+  const Lens lens = lens_of(camera.model.result.bundle.camera);
   std::vector<Eigen::Vector3d> points;
   std::vector<std::size_t> image_of_point;
   LaserPlane result;

@@ -46,12 +46,7 @@ BundleOptions options_of(const ModelSettings& settings, const FreeDistortion& fr
 // The shape's standard deviations that a fit begins with, of the chessboard's longer side.
 void begin_shape(Bundle& bundle, const std::vector<View>& views) {
   constexpr double kBegin = 1e-3;
-  double side = 0;
-  for (const View& view : views) {
-    for (const Sight& sight : view.sights) {
-      side = std::max({side, sight.chessboard.x, sight.chessboard.y});
-    }
-  }
+  const double side = board_side(views);
   bundle.noise.bend = bundle.noise.own = kBegin * side;
   bundle.noise.stretch = 0.1 * kBegin * side;
 }
@@ -216,7 +211,6 @@ struct Difference {
 };
 
 Difference difference(const BundleResult& found, const Bundle& other) {
-  const std::array<const char*, kLensParameters> names{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
   Difference most;
   const auto compare = [&](const char* what, const char* name, double a, double b, double deviation) {
     const double off = deviation > 0 ? std::abs(a - b) / deviation : 0;
@@ -226,8 +220,8 @@ Difference difference(const BundleResult& found, const Bundle& other) {
   };
   const Bundle& bundle = found.bundle;
   for (std::size_t i = 0; i < kLensParameters; ++i) {
-    compare("camera", names[i], bundle.camera[i], other.camera[i], found.deviation.camera[i]);
-    compare("projector", names[i], bundle.projector[i], other.projector[i], found.deviation.projector[i]);
+    compare("camera", kLensNames[i], bundle.camera[i], other.camera[i], found.deviation.camera[i]);
+    compare("projector", kLensNames[i], bundle.projector[i], other.projector[i], found.deviation.projector[i]);
   }
   for (int i = 0; i < 3; ++i) {
     compare("projector", "place (mm)", bundle.stereo.translation[i], other.stereo.translation[i],

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/light_section/fast_runs.h"
+#include "host/light_section/fast_moments.h"
 #include "model/packet_payload.h"
 #include "model/spec/generated/selfproj_spec.h"
 

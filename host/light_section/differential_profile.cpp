@@ -9,7 +9,6 @@
 
 #include "host/images/float_image.h"
 #include "host/light_section/column_curves.h"
-#include "host/light_section/curve_kernel.h"
 #include "host/light_section/strip_moments.h"
 #include "host/rig/geometry.h"
 #include "model/column_runs.h"

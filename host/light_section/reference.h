@@ -1,17 +1,68 @@
-// The reference of a self-projected measurement: for each camera column its light plane, and what the plane meets.
+// The reference of a self-projected measurement: the section of a part; for each camera column its light plane, and
+// what the plane meets; and the pattern of a section. Through pinholes, or through the whole geometry of a rig.
 #ifndef SELFPROJ_HOST_LIGHT_SECTION_REFERENCE_H
 #define SELFPROJ_HOST_LIGHT_SECTION_REFERENCE_H
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "host/light_section/reference_profile.h"
 #include "host/rig/rig.h"
 
 namespace selfproj {
+
+class RigOptics;  // host/rig/optics.h
+struct LightSheet;
+
+// The section of a reference part with the plane x = 0: points (0, y, z) in the camera's frame, mm. Neighbours are
+// joined by straight lines, with two exceptions. A NaN between them is a gap without surface. A join steeper than
+// kSteepest is a wall, which hides what is behind it but carries neither light nor reference.
+struct ReferenceCurve {
+  std::vector<double> y_mm;
+  std::vector<double> z_mm;
+};
+
+// The slope |dz / dy| above which a join is a wall: 72 degrees. A line of light on such a wall would run along the
+// image column for as many rows as the wall is high, and would have no usable centroid.
+inline constexpr double kSteepest = 3;
+
+// One entry for each camera column. The light of a rig that is_pinholes() is tan_theta. Other rigs have line and slope
+// in its place.
+struct ReferenceProfile {
+  std::vector<double> tan_theta;  // the light plane that the column sees
+  std::vector<double> line;       // the projector line that it sees there; 0 for a laser
+  std::vector<double> slope;      // by how many lines the light rises from one projector column to the next
+  std::vector<double> z_mm;       // z of the reference surface where that plane meets it in this column
+  std::vector<double> offset_px;  // row of that point less the middle row: 0 for a perfect self-projection, the
+                                  // measured residual, or the whole distance of a straight line
+  std::vector<std::uint8_t> valid;
+
+  void resize(int columns) {
+    const auto size = static_cast<std::size_t>(columns);
+    tan_theta.resize(size);
+    resize_common(size);
+  }
+  void resize_for_lenses(int columns) {
+    const auto size = static_cast<std::size_t>(columns);
+    line.resize(size);
+    slope.resize(size);
+    resize_common(size);
+  }
+  void resize_common(std::size_t size) {
+    z_mm.resize(size);
+    offset_px.resize(size);
+    valid.resize(size);
+  }
+  [[nodiscard]] int columns() const { return static_cast<int>(valid.size()); }
+  [[nodiscard]] int valid_columns() const {
+    return static_cast<int>(std::count_if(valid.begin(), valid.end(), [](std::uint8_t v) { return v != 0; }));
+  }
+  bool operator==(const ReferenceProfile&) const = default;
+};
 
 // The curve of heights (plane_z - z, mm) given for every camera column, NaN if there is none: column η sees the point
 // with y = z tan β(η). Throws std::invalid_argument unless there are as many as the rig has columns.
@@ -47,6 +98,27 @@ ReferenceProfile without_residual(const Rig& rig, const ReferenceProfile& refere
 // for no light. At a step of the curve a column lights the surface nearest to the camera that both projector and camera
 // see, and nothing if that is a wall. The line then has a gap and a jump, and nothing bridges it.
 std::vector<double> pattern_of_curve(const Rig& rig, const ReferenceCurve& curve);
+
+// The rays of the camera's middle row, of any rig.
+class MiddleRow {
+ public:
+  explicit MiddleRow(const Rig& rig);
+
+  // y / z of a column from 0, also beyond the image; NaN where the lens model folds over.
+  [[nodiscard]] double tan_beta(double column) const;
+
+ private:
+  RigCamera camera_;
+  std::shared_ptr<const RigOptics> optics_;  // null: pinholes
+};
+
+// The reference of columns that saw the projector line `line` (from 0, with a fraction; NaN: none) on the middle row,
+// as a scan finds them: z_r by (3.8), offset 0. Throws std::invalid_argument if the number of lines is wrong.
+ReferenceProfile reference_of_scan(const Rig& rig, std::span<const double> line);
+
+// The sheet of light through the reference of a column of a rig that is more than pinholes. Nothing if the reference is
+// not valid there, or the projector cannot light it.
+std::optional<LightSheet> sheet_of(const RigOptics& optics, const ReferenceProfile& reference, int column);
 
 }  // namespace selfproj
 

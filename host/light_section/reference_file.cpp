@@ -17,7 +17,7 @@
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
 #include "host/rig/geometry.h"
-#include "host/rig/geometry_keys.h"
+#include "host/rig/rig.h"
 
 namespace selfproj {
 namespace {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "host/light_section/fast_moments.h"
-#include "host/light_section/lens_reference.h"
 #include "host/light_section/pattern.h"
 #include "host/light_section/profile.h"
+#include "host/light_section/reference.h"
 #include "host/rig/geometry.h"
 #include "host/rig/optics.h"
 
@@ -159,20 +159,7 @@ ReferenceProfile LineScan::reference() const {
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
     lines[i] = crossing(sightings_[i]).value_or(kUnknown);
   }
-  if (!rig_.is_pinholes()) {
-    return lens_reference_of_scan(rig_, lines);
-  }
-  ReferenceProfile reference;
-  reference.resize(rig_.camera.columns);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const bool valid = !std::isnan(lines[i]);
-    const double theta = valid ? tan_theta(rig_.projector, lines[i]) : kUnknown;
-    reference.valid[i] = valid ? 1 : 0;
-    reference.tan_theta[i] = theta;
-    reference.z_mm[i] = valid ? rig_.projector.x_mm / theta + rig_.projector.z_mm : kUnknown;  // (3.8)
-    reference.offset_px[i] = valid ? 0 : kUnknown;
-  }
-  return reference;
+  return reference_of_scan(rig_, lines);
 }
 
 ReferenceProfile scan_reference(const Rig& rig, const std::function<Image(const FloatImage& pattern)>& show_and_take,

@@ -17,7 +17,7 @@
 #include "host/images/frame_options.h"
 #include "host/images/prepared_images.h"
 #include "host/light_section/strip_moments.h"
-#include "host/report/facts_json.h"
+#include "host/report/facts.h"
 #include "host/report/report.h"
 #include "model/column_runs.h"
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
-#include "host/report/moments_csv.h"
 #include "host/report/report.h"
+#include "host/report/tables.h"
 #include "host/rig/rig.h"
 #include "model/column_runs.h"
 

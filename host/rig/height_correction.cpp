@@ -9,7 +9,7 @@
 namespace selfproj {
 namespace {
 
-using Chebyshev = std::array<double, kMostOrder + 1>;
+using Chebyshev = std::array<double, kMaxHeightOrder + 1>;
 
 Chebyshev chebyshev(double x) {
   Chebyshev t{1, x};

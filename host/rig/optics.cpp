@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/rig/rig_calibration.h"
+#include "host/rig/calibration.h"
 
 namespace selfproj {
 namespace {

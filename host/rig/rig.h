@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/column_moments.h"
@@ -117,7 +118,7 @@ struct RigImaging {
   std::int64_t seed = 0;
 };
 
-// A lens as OpenCV describes it (host/rig/lens.h), in pixels: x along columns, y along rows or lines.
+// A lens as OpenCV describes it (host/rig/calibration.h), in pixels: x along columns, y along rows or lines.
 struct RigLens {
   double fx_px = 0, fy_px = 0;  // negative for a projector that counts against its axes
   double cx_px = 0, cy_px = 0;
@@ -155,6 +156,13 @@ struct RigHeights {
   int order_heights = 0;  // greatest degree of a term in the height
   std::vector<double> corrections_mm;
 };
+
+// The greatest order that a rig may have.
+inline constexpr int kMaxHeightOrder = 8;
+
+// Degrees of the terms in column, row and height, in the order of RigHeights::corrections_mm: all whose sum is at most
+// `order`, and whose degree in the height is at most `order_heights`.
+std::vector<std::array<int, 3>> height_terms(int order, int order_heights);
 
 // What tells one part from the next (host/parts).
 enum class PartCut : std::uint8_t {
@@ -220,6 +228,15 @@ Rig parse_rig(const std::string& yaml, const std::string& source);
 
 // The rig as YAML, which parse_rig reads back to equal values.
 std::string to_yaml(const Rig& rig);
+
+// The numbers of a rig that its references depend on, with the names that they have in reference files: camera and
+// projector; of a laser line camera and plane; of a calibrated rig also lenses and pose; of corrected heights the
+// corrections.
+std::vector<std::pair<std::string, double>> geometry_of(const Rig& rig);
+
+// Whether two of these numbers are the same. They are written so that they read back to the same value, but a rig that
+// went through its YAML may differ in the last digit.
+bool same_geometry(double a, double b);
 
 }  // namespace selfproj
 

@@ -1,14 +1,41 @@
-// Quantization error (4.21 to 4.26) and range (4.27 to 4.33) of structured light, as closed forms.
+// Quantization error (4.21 to 4.26) and range (4.27 to 4.33) of structured light, as closed forms for pinholes, and by
+// the whole geometry of a rig with lenses.
 #ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_ACCURACY_H
 #define SELFPROJ_HOST_STRUCTURED_LIGHT_ACCURACY_H
 
 #include "host/rig/rig.h"
-#include "host/structured_light/accuracy_types.h"
 
 namespace selfproj {
 
-// error_terms and the ranges of a rig with lenses follow from its whole geometry (lens_accuracy.h). approximate_error
-// and depth_of_line are those of its pinholes.
+// The point at depth z on the ray of a camera pixel (row and column from 0, with fractions); lengths in mm.
+struct SeenPoint {
+  double row = 0;
+  double column = 0;
+  double z = 0;
+};
+
+// An error of a point's coordinates, mm.
+struct PointError {
+  double x = 0;
+  double y = 0;
+  double z = 0;
+};
+
+// How errors ΔXp and ΔXc, in mm on the image planes, change a point: the two terms of (4.21) to (4.23), with their
+// signs. The first term is the projector's, the second the camera's. In (4.21) tan α / Xc is read as 1 / fc; as printed
+// it is singular at Xc = 0. The second term holds at fixed y/z: Δy as if the column were exact.
+struct ErrorTerms {
+  PointError projector;
+  PointError camera;
+};
+struct DepthRange {
+  double low = 0;
+  double high = 0;
+};
+
+// (4.21) to (4.23) at a point, for errors of `delta_xp_mm` and `delta_xc_mm` on the image planes of projector and camera.
+// NaN where camera or projector do not see the point. These errors and the ranges below follow from the whole geometry of
+// a rig with lenses; approximate_error and depth_of_line are those of its pinholes.
 ErrorTerms error_terms(const Rig& rig, const SeenPoint& point, double delta_xp_mm, double delta_xc_mm);
 
 // |Δz| of half a pixel of each, added by magnitude as in the published figures.

@@ -16,7 +16,6 @@
 #include "host/images/float_image.h"
 #include "host/images/image_sequence.h"
 #include "host/structured_light/depth_geometry.h"
-#include "host/structured_light/depth_shares.h"
 #include "host/structured_light/moved.h"
 #include "host/structured_light/scanner.h"
 #include "host/structured_light/triangulation.h"

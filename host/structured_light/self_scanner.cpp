@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/structured_light/rig_triangulation.h"
+#include "host/structured_light/depth_geometry.h"
 #include "model/cpu_clones.h"
 
 namespace selfproj {

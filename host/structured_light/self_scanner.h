@@ -10,7 +10,7 @@
 #include "host/images/float_image.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/fast_decoder.h"
-#include "host/structured_light/lens_lines.h"
+#include "host/structured_light/lens_triangulation.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
 #include "host/structured_light/triangulation.h"

@@ -20,11 +20,11 @@
 #include "host/images/frame_options.h"
 #include "host/images/image_files.h"
 #include "host/images/image_sequence.h"
+#include "host/structured_light/depth_geometry.h"
 #include "host/structured_light/depth_run.h"
 #include "host/structured_light/fast_decoder.h"
 #include "host/structured_light/gray_sequence.h"
 #include "host/structured_light/point_cloud.h"
-#include "host/structured_light/rig_triangulation.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/float_array.h"
 

@@ -155,7 +155,7 @@ class SelfProjectedCosim final : public DepthCosim {
       : DepthCosim(options, info, std::move(setup), Median::off, std::move(patterns)),
         cells_below_(cells_below),
         matching_(options, rig(), reference, cells_below) {
-    page().pictures.push_back({"Finest self-projected pattern", image_png(drawn[drawn.size() - 2]), ""});
+    page().pictures.push_back({"Finest self-projected pattern", encode_png(drawn[drawn.size() - 2]), ""});
   }
 
   void judge(CosimResult& result) const override {

@@ -15,7 +15,6 @@
 
 #include "host/files/output_folder.h"
 #include "host/structured_light/self_reference.h"
-#include "host/structured_light/self_reference_file.h"
 #include "model/gray_decoder.h"
 #include "model/packet.h"
 #include "model/packet_payload.h"

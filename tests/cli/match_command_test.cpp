@@ -20,7 +20,6 @@
 #include "host/rig/rig.h"
 #include "host/structured_light/gray_sequence.h"
 #include "host/structured_light/self_reference.h"
-#include "host/structured_light/self_reference_file.h"
 #include "model/gray_decoder.h"
 #include "model/packet.h"
 #include "model/packet_payload.h"

@@ -19,7 +19,7 @@
 #include "Vboard_codes_raw.h"
 #include "hls/column_runs.h"
 #include "host/files/results_file.h"
-#include "host/light_section/fast_runs.h"
+#include "host/light_section/fast_moments.h"
 #include "model/column_runs.h"
 #include "tests/hls/moments_bench.h"
 #include "tests/rtl/board/random_frames.h"

@@ -17,7 +17,7 @@
 
 #include "host/calibration/bundle.h"
 #include "host/calibration/calibrate.h"
-#include "host/calibration/corner_codes.h"
+#include "host/calibration/capture.h"
 #include "host/calibration/model_choice.h"
 #include "tests/support/chessboard_world.h"
 #include "tests/support/error_of.h"

@@ -1,5 +1,7 @@
 // Tests chessboards on plates over a belt in a world of narrow view, whose free poses would leave the lens open: the
 // rays of the camera and the light of the projector over the belt, the way of the belt, and what is refused.
+#include "host/calibration/plates.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +17,6 @@
 #include <utility>
 #include <vector>
 
-#include "host/calibration/belt_report.h"
-#include "host/calibration/bundle_plates.h"
 #include "host/calibration/calibrate.h"
 #include "host/files/user_error.h"
 #include "tests/support/chessboard_world.h"

@@ -1,12 +1,11 @@
 // Compares the fast strongest runs with the model. Integer sums are exact, so no test here has a tolerance.
-#include "host/light_section/fast_runs.h"
-
 #include <gtest/gtest.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "host/light_section/fast_moments.h"
 #include "model/column_runs.h"
 #include "tests/support/moments_refusals.h"
 #include "tests/support/random_cases.h"

@@ -15,9 +15,9 @@
 #include "host/light_section/reference.h"
 #include "host/light_section/reference_file.h"
 #include "host/light_section/scan.h"
+#include "host/rig/calibration.h"
 #include "host/rig/geometry.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "tests/host/light_section/lens_world.h"
 
 namespace selfproj {

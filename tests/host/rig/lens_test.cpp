@@ -1,12 +1,11 @@
 // Compares lenses with OpenCV's model written out.
 
-#include "host/rig/lens.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <opencv2/core/matx.hpp>
 
+#include "host/rig/calibration.h"
 #include "tests/host/rig/random_lens.h"
 #include "tests/support/random_cases.h"
 

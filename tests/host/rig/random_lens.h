@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "host/rig/lens.h"
+#include "host/rig/calibration.h"
 #include "tests/support/random_cases.h"
 
 namespace selfproj::test {

@@ -1,7 +1,5 @@
 // Tests the conversions between rigs and calibrations, and depth by the full model of a rig.
 
-#include "host/rig/rig_calibration.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "host/files/user_error.h"
+#include "host/rig/calibration.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/lens_triangulation.h"
 #include "host/structured_light/triangulation.h"

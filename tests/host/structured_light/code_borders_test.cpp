@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/rig/depth_matrices.h"
+#include "host/rig/calibration.h"
 #include "host/rig/rig.h"
 #include "host/structured_light/triangulation.h"
 #include "model/column_moments.h"

@@ -12,12 +12,11 @@
 #include <vector>
 
 #include "host/files/output_folder.h"
+#include "host/rig/calibration.h"
 #include "host/rig/rig.h"
-#include "host/rig/rig_calibration.h"
 #include "host/structured_light/accuracy.h"
 #include "host/structured_light/match_table.h"
 #include "host/structured_light/self_reference.h"
-#include "host/structured_light/self_reference_file.h"
 #include "host/structured_light/self_scanner.h"
 #include "model/gray_decoder.h"
 #include "tests/cli/program.h"
