@@ -49,7 +49,7 @@ std::int32_t selfproj_gray_take(selfproj_gray* gray, const selfproj_image* image
   using namespace selfproj;
   return guarded([&] {
     require(gray != nullptr && due != nullptr, "null pointer");
-    *due = gray->decoder.take(image_of(image), pattern, good != 0, codes) ? 1 : 0;
+    *due = gray->decoder.add_frame(image_of(image), pattern, good != 0, codes) ? 1 : 0;
     return SELFPROJ_OK;
   });
 }

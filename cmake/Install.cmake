@@ -12,7 +12,6 @@ set(selfproj_headers_for_users
   model/gray_decoder.h
   model/gray_match.h
   model/median3x3.h
-  model/moments_words.h
   model/packet.h
   model/packet_payload.h
   model/pixel_clock.h

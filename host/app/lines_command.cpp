@@ -44,7 +44,7 @@ RigMeasure measure_of(const LinesOptions& options) {
   Measure measure{.mode = mode_of(options.mode), .threshold = options.threshold, .select = Select::strongest};
   options.select.apply(measure);
   RigMeasure result;
-  result.take(measure);
+  result.apply(measure);
   if (result.runs) {
     result.runs->ambiguous_from = options.ambiguous_from;
   }

@@ -1,8 +1,9 @@
-// Least squares over all unknowns together: both lenses, the pose between them, the pose of the chessboard in every
-// capture, and the chessboard's shape.
+// What the least squares of a calibration take and give: both lenses, the pose between them, the pose of the chessboard
+// in every capture, and the chessboard's shape.
 #ifndef SELFPROJ_HOST_CALIBRATION_BUNDLE_H
 #define SELFPROJ_HOST_CALIBRATION_BUNDLE_H
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <opencv2/core.hpp>
@@ -25,6 +26,17 @@ struct Sight {
 struct View {
   std::vector<Sight> sights;
 };
+
+// The longer side of what the views see of the drawn chessboard, mm.
+inline double board_side(const std::vector<View>& views) {
+  double greatest = 0;
+  for (const View& view : views) {
+    for (const Sight& sight : view.sights) {
+      greatest = std::max({greatest, sight.chessboard.x, sight.chessboard.y});
+    }
+  }
+  return greatest;
+}
 
 // fx, fy, cx, cy, k1, k2, p1, p2, k3 of OpenCV's model (host/rig/calibration.h).
 inline constexpr std::size_t kLensParameters = 9;
@@ -111,23 +123,6 @@ struct BundleResult {
   // Residuals (seen less computed) of each view's sights, in order.
   std::vector<std::vector<cv::Vec2d>> camera_residuals, projector_residuals;
 };
-
-// Ceres' Levenberg-Marquardt from a start, with the chessboard's poses eliminated (Schur). Unless told otherwise it
-// estimates the noise too, as variance components: the weighted sum of squares of each kind of residual comes to what
-// the number of these residuals leaves after the unknowns. Throws std::invalid_argument if there are fewer equations
-// than unknowns, and std::runtime_error if it does not converge.
-BundleResult solve_bundle(const std::vector<View>& views, const Bundle& start, const BundleOptions& options);
-
-// The pose of one view by camera and projector together, with everything else as in `bundle`; `start` is the start.
-// Its residuals are those of a chessboard with the shared shape. Throws std::runtime_error if it does not converge.
-BundleResult locate_view(const View& view, const Bundle& bundle, const Pose& start,
-                         const std::vector<CornerModes>* shape);
-
-// The longer side of what the views see of the drawn chessboard, mm.
-double board_side(const std::vector<View>& views);
-
-// Where a corner is on the chessboard, mm: the drawing, with the shared shape if `shape` is given.
-cv::Vec3d place_on_board(const Sight& sight, const Bundle& bundle, const std::vector<CornerModes>* shape);
 
 }  // namespace selfproj
 

@@ -75,10 +75,10 @@ std::vector<double> leverages(const ceres::CRSMatrix& jacobian, const Eigen::Mat
 
 namespace {
 
-// Takes standard deviations out of a covariance, one unknown after the other.
-class Taker {
+// Reads standard deviations from a covariance, one unknown after the other.
+class DeviationReader {
  public:
-  Taker(const Eigen::MatrixXd& covariance, double factor) : covariance_(covariance), factor_(factor) {}
+  DeviationReader(const Eigen::MatrixXd& covariance, double factor) : covariance_(covariance), factor_(factor) {}
 
   double next() {
     const double variance = covariance_(at_, at_);
@@ -155,22 +155,22 @@ cv::Mat1d distortion_covariance(const Eigen::MatrixXd& covariance, const BundleL
 void fill_deviations(const Eigen::MatrixXd& covariance, const BundleLayout& layout, const FreeDistortion& estimated,
                      BundleResult& result) {
   const double widening = layout.views > 1 ? widening_of(layout.views) : 1;
-  Taker take(covariance, widening);
+  DeviationReader read(covariance, widening);
   Bundle& deviation = result.deviation;
-  take.lens(deviation.camera, layout.free.camera, estimated.camera);
+  read.lens(deviation.camera, layout.free.camera, estimated.camera);
   if (layout.projector) {
-    take.lens(deviation.projector, layout.free.projector, estimated.projector);
-    const int translation = take.at() + 3;
-    deviation.stereo = take.pose();
+    read.lens(deviation.projector, layout.free.projector, estimated.projector);
+    const int translation = read.at() + 3;
+    deviation.stereo = read.pose();
     const cv::Vec3d t = cv::normalize(result.bundle.stereo.translation);
     const Eigen::Vector3d along(t[0], t[1], t[2]);
     const Eigen::Matrix3d block = covariance.block<3, 3>(translation, translation);
     result.baseline_deviation = widening * std::sqrt(std::max(0.0, along.dot(block * along)));
   }
-  take.skip(layout.shaped ? kSharedModes : 0);
+  read.skip(layout.shaped ? kSharedModes : 0);
   for (std::size_t v = 0; v < layout.views; ++v) {
-    deviation.chessboard.push_back(take.pose());
-    take.skip(layout.shaped ? kOwnModes : 0);
+    deviation.chessboard.push_back(read.pose());
+    read.skip(layout.shaped ? kOwnModes : 0);
   }
 }
 

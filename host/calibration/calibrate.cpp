@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/calibration/bundle.h"
+#include "host/calibration/bundle_solver.h"
 #include "host/calibration/capture.h"
 #include "host/calibration/chessboard.h"
 #include "host/calibration/model_choice.h"
@@ -58,14 +58,14 @@ bool is_mirrored(const std::vector<View>& views) {
 // nothing.
 double limit_of(const std::vector<std::vector<cv::Vec2d>>& residuals, double factor, double noise) {
   constexpr double kPerMedian = 0.8493;  // for Rayleigh's distribution: 1/sqrt(2 ln 2)
-  constexpr double kLeast = 0.01;
+  constexpr double kMin = 0.01;
   std::vector<double> lengths;
   for (const auto& view : residuals) {
     for (const cv::Vec2d& residual : view) {
       lengths.push_back(cv::norm(residual));
     }
   }
-  return std::max(kLeast, factor * std::max(noise, kPerMedian * median_of(lengths)));
+  return std::max(kMin, factor * std::max(noise, kPerMedian * median_of(lengths)));
 }
 
 double hull_share(const std::vector<cv::Point2f>& points, cv::Size size) {
@@ -349,8 +349,8 @@ class Calibrator {
     }
     for (const cv::Vec3d& a : normals) {
       for (const cv::Vec3d& b : normals) {
-        report_.greatest_angle_deg =
-            std::max(report_.greatest_angle_deg, kDegrees * std::acos(std::min(1.0, std::abs(a.dot(b)))));
+        report_.max_angle_deg =
+            std::max(report_.max_angle_deg, kDegrees * std::acos(std::min(1.0, std::abs(a.dot(b)))));
       }
     }
     report_.board_range_mm = board_range(index);
@@ -542,11 +542,11 @@ std::vector<std::string> warnings_of(const CalibrationReport& report) {
                                    found.bundle.chessboard.size()));
   }
   // Plates are parallel; that they are at known heights tells what leaning poses would.
-  if (!report.belt && report.greatest_angle_deg < kParallel) {
+  if (!report.belt && report.max_angle_deg < kParallel) {
     warnings.push_back(
         fmt::format("all poses are parallel within {:.1f} degrees: focal lengths and distances cannot "
                     "be told apart well; turn the board by 20 to 45 degrees",
-                    report.greatest_angle_deg));
+                    report.max_angle_deg));
   }
   for (const EstimatedLens& lens : lenses_of(report)) {
     warn_of_lens(lens, report.belt.has_value(), warnings);
@@ -594,8 +594,8 @@ void measure(const PoseReport& pose, const View& view, const CalibrationReport& 
       seen.col(count++) << (*point)[0], (*point)[1], (*point)[2];
     }
   }
-  constexpr Eigen::Index kLeast = 4;
-  if (count < kLeast) {
+  constexpr Eigen::Index kMin = 4;
+  if (count < kMin) {
     check.reason = "too few of its corners can be triangulated";
     return;
   }

@@ -77,7 +77,7 @@ struct CalibrationReport {
   std::optional<BeltReport> belt;  // if there were plates
   double board_range_mm = 0;       // highest less lowest corner of the shared shape
   double camera_alone_rms = 0, projector_alone_rms = 0;  // each lens calibrated without the other
-  double greatest_angle_deg = 0;                         // between two poses' normals
+  double max_angle_deg = 0;                              // between two poses' normals
   double camera_coverage = 0, projector_coverage = 0;    // share of the image within the hull of all used corners
   double mean_distance_mm = 0;                           // of the used corners, along the camera's axis
   std::vector<CheckReport> checks;

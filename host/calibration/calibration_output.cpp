@@ -177,7 +177,7 @@ std::string report_json(const CalibrationReport& report) {
     }
   }
   json["coverage"] = {{"camera", report.camera_coverage}, {"projector", report.projector_coverage}};
-  json["greatest_angle_between_poses_deg"] = report.greatest_angle_deg;
+  json["max_angle_between_poses_deg"] = report.max_angle_deg;
   json["mean_distance_mm"] = report.mean_distance_mm;
   for (const PoseReport& pose : report.poses) {
     Json entry{{"name", pose.name}, {"decoded_share", pose.decoded_share}, {"corners", pose.corners.size()}};

@@ -78,7 +78,7 @@ std::vector<std::int16_t> decode_axis(Images& images, int bits, int side, int th
       decoder.emplace(GraySettings{image.rows, image.columns, bits, threshold});
       pixels = image.pixels.size();
     }
-    decoder->take(image.view(), i);
+    decoder->add_frame(image.view(), i);
   }
   std::vector<std::uint16_t> words(pixels);
   unambiguous_code_words(decoder->codes(), words.data());
@@ -100,9 +100,9 @@ std::size_t Capture::decoded() const {
 
 Capture decode_capture(const std::string& name, ImageSequence& captured, const GraySequence& sequence,
                        const DecodeSettings& settings) {
-  constexpr int kMostBits = GrayDecoder::kMaxBits;
-  if (sequence.column_bits() > kMostBits || sequence.row_bits() > kMostBits) {
-    throw UserError("--projector", fmt::format("has a side of more than {} pixels", 1 << kMostBits));
+  constexpr int kMaxBits = GrayDecoder::kMaxBits;
+  if (sequence.column_bits() > kMaxBits || sequence.row_bits() > kMaxBits) {
+    throw UserError("--projector", fmt::format("has a side of more than {} pixels", 1 << kMaxBits));
   }
   if (captured.count() != static_cast<std::size_t>(sequence.count())) {
     throw UserError(name,
@@ -131,7 +131,7 @@ Capture decode_capture(const std::string& name, ImageSequence& captured, const G
 
 namespace {
 
-constexpr int kLeastPixels = 25;
+constexpr int kMinPixels = 25;
 
 // A pixel with a code. Its position is relative to the corner, in units of the window, so that sums are well scaled.
 struct Sample {
@@ -216,7 +216,7 @@ template <class Model>
 CornerCode fit(const std::vector<Sample>& samples, double max_sd_px) {
   constexpr int kSteps = 12;
   constexpr double kTukey = 4.685;     // standard deviations above which a sample does not count
-  constexpr double kLeastScale = 0.3;  // projector pixels: a code is rounded to a whole one
+  constexpr double kMinScale = 0.3;    // projector pixels: a code is rounded to a whole one
   constexpr double kPerMedian = 0.85;  // standard deviation of one direction for a median length of 1
   constexpr int kSize = Model::kParameters;
   CornerCode result;
@@ -233,7 +233,7 @@ CornerCode fit(const std::vector<Sample>& samples, double max_sd_px) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       lengths[i] = cv::norm(samples[i].code - Model::value(parameters, samples[i].at, d));
     }
-    scale = std::max(kLeastScale, kPerMedian * median_of(lengths));
+    scale = std::max(kMinScale, kPerMedian * median_of(lengths));
     cv::Matx<double, kSize, kSize> normal = cv::Matx<double, kSize, kSize>::zeros();
     cv::Vec<double, kSize> right = cv::Vec<double, kSize>::all(0);
     double weights = 0;
@@ -272,9 +272,9 @@ CornerCode fit(const std::vector<Sample>& samples, double max_sd_px) {
 CornerCode corner_code(const Capture& capture, const cv::Point2d& camera, double spacing_px,
                        const CornerSettings& settings) {
   constexpr double kShareOfSpacing = 0.7;
-  constexpr double kLeastWindow = 6;
+  constexpr double kMinWindow = 6;
   const double window =
-      settings.window_px > 0 ? settings.window_px : std::max(kLeastWindow, kShareOfSpacing * spacing_px);
+      settings.window_px > 0 ? settings.window_px : std::max(kMinWindow, kShareOfSpacing * spacing_px);
   const auto first = [&](double centre) { return std::max(0, static_cast<int>(std::ceil(centre - window))); };
   const auto last = [&](double centre, int size) {
     return std::min(size - 1, static_cast<int>(std::floor(centre + window)));
@@ -300,7 +300,7 @@ CornerCode corner_code(const Capture& capture, const cv::Point2d& camera, double
   CornerCode result;
   result.pixels = static_cast<int>(samples.size());
   result.sd_px = std::numeric_limits<double>::infinity();
-  if (result.pixels < kLeastPixels || !std::all_of(sides.begin(), sides.end(), [](bool side) { return side; })) {
+  if (result.pixels < kMinPixels || !std::all_of(sides.begin(), sides.end(), [](bool side) { return side; })) {
     return result;
   }
   return settings.method == CornerMethod::homography ? fit<Homography>(samples, settings.max_sd_px)

@@ -97,7 +97,7 @@ bool fit(const std::vector<Pixel>& pixels, CornerModel::Parameters& p) {
   using Model = CornerModel;
   constexpr int kSteps = 40;
   constexpr double kClose = 1e-5;  // pixels
-  constexpr double kLeastBlur = 0.1;
+  constexpr double kMinBlur = 0.1;
   constexpr double kWorst = 1e6;
   double damping = 1e-3;
   double sum = squares(pixels, p);
@@ -119,7 +119,7 @@ bool fit(const std::vector<Pixel>& pixels, CornerModel::Parameters& p) {
       bool ok = false;
       const Model::Parameters change = damped.inv(cv::DECOMP_CHOLESKY, &ok) * right;
       const Model::Parameters tried = p + change;
-      const double there = ok && tried[Model::kBlur] > kLeastBlur ? squares(pixels, tried) : sum + 1;
+      const double there = ok && tried[Model::kBlur] > kMinBlur ? squares(pixels, tried) : sum + 1;
       better = there <= sum;
       damping = better ? std::max(1e-9, damping / 10) : damping * 10;
       if (better) {
@@ -143,7 +143,7 @@ void refine(const cv::Mat& grey, const Chessboard& chessboard, const std::vector
             std::vector<cv::Point2f>& corners) {
   using Model = CornerModel;
   constexpr double kShare = 0.4;  // half the window's side, in parts of the spacing
-  constexpr double kLeast = 3;
+  constexpr double kMin = 3;
   constexpr double kFarthest = 0.3;  // in parts of the spacing; whatever is farther away is something else
   const std::vector<cv::Point2f> found = corners;
   const auto at = [&](int column, int row) {
@@ -155,7 +155,7 @@ void refine(const cv::Mat& grey, const Chessboard& chessboard, const std::vector
     const cv::Point2d middle = found[index];
     const int column = i % chessboard.columns;
     const int row = i / chessboard.columns;
-    const double half = std::max(kLeast, kShare * spacing[index]);
+    const double half = std::max(kMin, kShare * spacing[index]);
     const cv::Point2d along = at(column + 1, row) - at(column - 1, row);  // the edges go through the neighbours
     const cv::Point2d down = at(column, row + 1) - at(column, row - 1);
     Model::Parameters p;
@@ -282,12 +282,12 @@ struct Grid {
 }  // namespace
 
 std::vector<CornerModes> board_modes(const Chessboard& chessboard) {
-  constexpr int kLeastDegree = 2;
-  constexpr int kMostDegree = 5;
+  constexpr int kMinDegree = 2;
+  constexpr int kMaxDegree = 5;
   const Grid grid(chessboard);
   std::vector<CornerModes> modes(grid.x.size());
   std::size_t bend = 0;
-  for (int degree = kLeastDegree; degree <= kMostDegree; ++degree) {
+  for (int degree = kMinDegree; degree <= kMaxDegree; ++degree) {
     for (int j = 0; j <= degree; ++j, ++bend) {
       const Values values = grid.mode(degree - j, j, 1.0 / (degree - 1));
       for (std::size_t k = 0; k < modes.size(); ++k) {
@@ -312,8 +312,8 @@ std::vector<CornerModes> board_modes(const Chessboard& chessboard) {
     modes[k].stretch[0] = {along[k], -across[k]};
     modes[k].stretch[1] = {across[k], along[k]};
   }
-  for (int j = 0; j <= kLeastDegree; ++j, stretch += 2) {
-    const Values values = grid.mode(kLeastDegree - j, j, 1);
+  for (int j = 0; j <= kMinDegree; ++j, stretch += 2) {
+    const Values values = grid.mode(kMinDegree - j, j, 1);
     for (std::size_t k = 0; k < modes.size(); ++k) {
       modes[k].stretch[stretch] = {values[k], 0};
       modes[k].stretch[stretch + 1] = {0, values[k]};

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/calibration/bundle.h"
+#include "host/calibration/bundle_solver.h"
 #include "host/files/median.h"
 #include "host/files/user_error.h"
 #include "host/images/frame_options.h"
@@ -117,9 +117,9 @@ class CameraCalibrator {
 
   // Leaves out corners that are too far off. Returns whether there were any.
   bool reject() {
-    constexpr double kLeast = 0.01;  // px, so that exact data lose nothing
+    constexpr double kMin = 0.01;  // px, so that exact data lose nothing
     const BundleResult& found = report_.model.result;
-    const double limit = std::max(kLeast, report_.settings.reject * found.bundle.noise.camera);
+    const double limit = std::max(kMin, report_.settings.reject * found.bundle.noise.camera);
     bool any = false;
     for (std::size_t v = 0; v < views_.size(); ++v) {
       BoardImage& image = report_.images[report_.image_of_view[v]];
@@ -232,7 +232,7 @@ FittedPlane plane_of(const std::vector<Eigen::Vector3d>& points, std::vector<boo
 FittedPlane robust_plane(const std::vector<Eigen::Vector3d>& points) {
   constexpr int kRounds = 20;
   constexpr double kSpreads = 4.5 * 1.4826;
-  constexpr double kLeast = 1e-6;  // mm
+  constexpr double kMin = 1e-6;  // mm
   FittedPlane plane = plane_of(points, std::vector<bool>(points.size(), true));
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> distances;
@@ -240,7 +240,7 @@ FittedPlane robust_plane(const std::vector<Eigen::Vector3d>& points) {
     for (const Eigen::Vector3d& point : points) {
       distances.push_back(std::abs(plane.normal.dot(point - plane.middle)));
     }
-    const double limit = std::max(kLeast, kSpreads * median_of(distances));
+    const double limit = std::max(kMin, kSpreads * median_of(distances));
     std::vector<bool> on(points.size());
     std::transform(distances.begin(), distances.end(), on.begin(), [&](double d) { return d <= limit; });
     if (on == plane.on) {
@@ -305,8 +305,8 @@ std::vector<cv::Point2d> line_centres(const Image& image, int threshold) {
 }
 
 LaserPlane laser_plane(const CameraReport& camera, const std::vector<Image>& lines) {
-  constexpr std::size_t kLeastPoints = 5;  // of an image
-  constexpr std::size_t kLeastImages = 3;
+  constexpr std::size_t kMinPoints = 5;  // of an image
+  constexpr std::size_t kMinImages = 3;
   const Lens lens = lens_of(camera.model.result.bundle.camera);
   std::vector<Eigen::Vector3d> points;
   std::vector<std::size_t> image_of_point;
@@ -321,12 +321,12 @@ LaserPlane laser_plane(const CameraReport& camera, const std::vector<Image>& lin
         own.emplace_back((*at)[0], (*at)[1], (*at)[2]);
       }
     }
-    if (own.size() >= kLeastPoints) {
+    if (own.size() >= kMinPoints) {
       points.insert(points.end(), own.begin(), own.end());
       image_of_point.insert(image_of_point.end(), own.size(), result.images++);
     }
   }
-  if (result.images < kLeastImages) {
+  if (result.images < kMinImages) {
     throw UserError("--laser",
                     fmt::format("the line is found on {} chessboards; 3 or more are needed (it must cross the "
                                 "squares and be brighter than --laser-threshold)",

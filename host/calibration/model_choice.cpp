@@ -13,13 +13,14 @@
 #include <utility>
 #include <vector>
 
+#include "host/calibration/bundle_solver.h"
 #include "host/calibration/starts.h"
 
 namespace selfproj {
 namespace {
 
 constexpr std::array<int, 5> kLevels{0, 1, 2, 4, 5};  // coefficients that may be free
-constexpr int kMostByData = 4;
+constexpr int kMaxByData = 4;
 
 // Chi square of five standard deviations, by the degrees of freedom. Three would do for noise; but what paper and codes
 // add is not quite independent from corner to corner.
@@ -32,10 +33,10 @@ BundleOptions options_of(const ModelSettings& settings, const FreeDistortion& fr
   BundleOptions options;
   options.free = free;
   if (settings.free.camera == FreeDistortion::kByData) {
-    options.uncertain.camera = kMostByData;
+    options.uncertain.camera = kMaxByData;
   }
   if (settings.free.projector == FreeDistortion::kByData) {
-    options.uncertain.projector = kMostByData;
+    options.uncertain.projector = kMaxByData;
   }
   options.shape = settings.shape;
   options.plates = settings.plates;
@@ -170,7 +171,7 @@ class Ladder {
       FreeDistortion next = choice_.free;
       int& count = camera ? next.camera : next.projector;
       const int before = count;
-      count = level_above(before, levels, kMostByData);
+      count = level_above(before, levels, kMaxByData);
       if (count == before) {
         continue;
       }
@@ -308,8 +309,8 @@ void check_starts(const std::vector<View>& views, const ModelSettings& settings,
   // Standard deviations within which solutions are the same: what is left of the rough minimum of a start, and too
   // little to matter beside the deviations themselves.
   constexpr double kSame = 0.3;
-  constexpr int kMostBetter = 3;
-  for (int round = 0; round <= kMostBetter; ++round) {
+  constexpr int kMaxBetter = 3;
+  for (int round = 0; round <= kMaxBetter; ++round) {
     choice.agreeing = choice.worse = choice.failed = 0;
     choice.refusal = undetermined(choice.result, settings);
     std::optional<BundleResult> better;

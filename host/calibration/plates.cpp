@@ -210,7 +210,7 @@ std::vector<std::size_t> suspects_of(const std::vector<double>& heights, const s
 
 // The plate that is off by more than its tolerance, if there is one.
 std::string fault_of_places(const std::vector<View>& views, const Plates& plates, const Bundle& found) {
-  constexpr double kMostOff = 5;    // standard deviations
+  constexpr double kMaxOff = 5;     // standard deviations
   constexpr double kUnseen = 2e-4;  // of the distance: what a camera of narrow view does not see of a height
   const double unseen = kUnseen * cv::norm(found.belt.pose.translation);
   const std::array<std::vector<double>, 3> shifts = shifts_of(views, plates, found);
@@ -224,8 +224,8 @@ std::string fault_of_places(const std::vector<View>& views, const Plates& plates
     const std::vector<double> off = lengths_off_line(heights, axes);
     return *std::max_element(off.begin(), off.end()) / limit;
   };
-  const double level_limit = kMostOff * plates.deviations[5] + unseen;
-  const double place_limit = kMostOff * plates.deviations[3] + unseen;
+  const double level_limit = kMaxOff * plates.deviations[5] + unseen;
+  const double place_limit = kMaxOff * plates.deviations[3] + unseen;
   const double off_level = share(level, level_limit);
   const double off_place = share(place, place_limit);
   if (!(std::max(off_level, off_place) > 1)) {
@@ -264,9 +264,9 @@ std::string fault_of_plates(const std::vector<View>& views, const Plates& plates
   if (!fault.empty()) {
     return fault;
   }
-  constexpr double kMostScale = 0.02;  // of what a millimetre of the belt moves
+  constexpr double kMaxScale = 0.02;  // of what a millimetre of the belt moves
   const double way = plates.unit(found.belt) * cv::norm(found.belt.way);
-  if (plates.moved && !(std::abs(way - 1) <= kMostScale)) {
+  if (plates.moved && !(std::abs(way - 1) <= kMaxScale)) {
     return fmt::format("a millimetre of the belt moves the chessboard by {:.4f} mm; --moves or --square is wrong", way);
   }
   return {};
@@ -278,7 +278,7 @@ std::string fault_of_scale(const DrawnScale& drawn, double distance_mm, double f
     return value > most * (1 + tolerance) ? 1 : !(value >= least * (1 - tolerance)) ? -1 : 0;
   };
   const int distance = off(distance_mm, drawn.distance_mm, drawn.distance_mm, drawn.distance_tolerance);
-  const int focal = off(focal_px, drawn.least_focal_px, drawn.most_focal_px, drawn.focal_tolerance);
+  const int focal = off(focal_px, drawn.min_focal_px, drawn.max_focal_px, drawn.focal_tolerance);
   if (distance == 0 && focal == 0) {
     return {};
   }
@@ -292,7 +292,7 @@ std::string fault_of_scale(const DrawnScale& drawn, double distance_mm, double f
   return fmt::format(
       "the plates put the belt {:.0f} mm away and the camera's focal length at {:.0f} px; --rig draws {:.0f} mm ± {:g} "
       "% and {:.0f} px ± {:g} %: {}",
-      distance_mm, focal_px, drawn.distance_mm, 100 * drawn.distance_tolerance, drawn.least_focal_px,
+      distance_mm, focal_px, drawn.distance_mm, 100 * drawn.distance_tolerance, drawn.min_focal_px,
       100 * drawn.focal_tolerance, reason);
 }
 
@@ -333,9 +333,9 @@ namespace {
 DrawnScale scale_of(const Rig& rig, double focal_px, DrawnScale scale) {
   const double focal_mm = rig.camera.focal_length_mm;
   scale.distance_mm = rig.plane_z_mm;
-  scale.least_focal_px = scale.most_focal_px = focal_px;
+  scale.min_focal_px = scale.max_focal_px = focal_px;
   if (!rig.calibration && rig.plane_z_mm > 2 * focal_mm) {
-    scale.most_focal_px *= rig.plane_z_mm / (rig.plane_z_mm - focal_mm);
+    scale.max_focal_px *= rig.plane_z_mm / (rig.plane_z_mm - focal_mm);
   }
   return scale;
 }

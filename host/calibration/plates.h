@@ -35,10 +35,10 @@ struct PlateTolerance {
 // What the drawings of a rig say of its scale. Heights that are all wrong by one factor give a fit as good as right
 // ones: the focal length and the distance take up the factor. Only these numbers tell.
 struct DrawnScale {
-  double distance_mm = 0;                        // of the belt from the camera's centre
-  double distance_tolerance = 0.03;              // as a share
-  double least_focal_px = 0, most_focal_px = 0;  // of the camera, without tolerance
-  double focal_tolerance = 0.03;                 // as a share
+  double distance_mm = 0;                     // of the belt from the camera's centre
+  double distance_tolerance = 0.03;           // as a share
+  double min_focal_px = 0, max_focal_px = 0;  // of the camera, without tolerance
+  double focal_tolerance = 0.03;              // as a share
 };
 
 struct Plates {

@@ -20,14 +20,14 @@
 #include "host/rig/geometry.h"
 #include "host/rig/optics.h"
 #include "model/cpu_clones.h"
-#include "model/moments_words.h"
+#include "model/packet_payload.h"
 
 namespace selfproj {
 namespace {
 
-constexpr int kMostDegree = ColumnCurves::kDegrees.back();
-constexpr int kNodes = 2 * kMostDegree + 5;   // where the curves are fitted
-constexpr int kChecks = 4 * kMostDegree + 5;  // where they are compared
+constexpr int kMaxDegree = ColumnCurves::kDegrees.back();
+constexpr int kNodes = 2 * kMaxDegree + 5;   // where the curves are fitted
+constexpr int kChecks = 4 * kMaxDegree + 5;  // where they are compared
 
 // The exact points of a column.
 class ExactColumn {
@@ -143,14 +143,14 @@ ColumnCurves::ColumnCurves(const Rig& rig, const ReferenceProfile& reference) {
   for (const int degree : kDegrees) {
     degree_ = degree;
     fit_error_ = fit(columns, degree);
-    if (fit_error_ <= kMostError) {
+    if (fit_error_ <= kMaxError) {
       return;
     }
   }
   throw UserError(rig.name,
                   fmt::format("its curves from rows to points are {:.3g} mm off when fitted by polynomials of "
                               "degree {}; {} mm is allowed",
-                              fit_error_, degree_, kMostError));
+                              fit_error_, degree_, kMaxError));
 }
 
 // Least squares at the nodes. Returns the greatest error at the checks.

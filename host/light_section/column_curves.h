@@ -31,11 +31,11 @@ class ColumnCurves {
   static constexpr std::array<int, 3> kDegrees = {3, 5, 8};
 
   // What x, y and z of a fit may be off, mm.
-  static constexpr double kMostError = 0.001;
+  static constexpr double kMaxError = 0.001;
 
   // Fits the curves of all columns with the least degree that is exact enough. Throws std::invalid_argument if the
   // reference has another number of columns than the rig, and UserError, naming the column and its error, if even the
-  // greatest degree misses kMostError.
+  // greatest degree misses kMaxError.
   ColumnCurves(const Rig& rig, const ReferenceProfile& reference);
 
   [[nodiscard]] int columns() const { return static_cast<int>(valid.size()); }

@@ -321,14 +321,14 @@ std::vector<std::array<double, 3>> grid_of(const Rig& rig, const RigHeights& hei
     for (int c = 0; c <= kSteps; ++c) {
       for (int h = 0; h <= kSteps; ++h) {
         grid.push_back({r * (rig.camera.rows - 1.0) / kSteps, c * (rig.camera.columns - 1.0) / kSteps,
-                        heights.lowest_mm + h * (heights.highest_mm - heights.lowest_mm) / kSteps});
+                        heights.min_mm + h * (heights.max_mm - heights.min_mm) / kSteps});
       }
     }
   }
   return grid;
 }
 
-constexpr double kMostUncertain = 0.02;  // mm, one standard deviation by noise: more is not determined
+constexpr double kMaxUncertain = 0.02;  // mm, one standard deviation by noise: more is not determined
 
 cv::Mat terms_at(const HeightCorrection& correction, const std::array<double, 3>& place) {
   std::vector<double> values;
@@ -374,7 +374,7 @@ FittedHeights choose(const HeightModel& model, const Rig& rig, const RigHeights&
   for (int order = 1; order <= range.order; ++order) {
     const std::optional<FittedHeights> fit = fitted(model, rig, range, order, range.order_heights);
     uncertain = fit && order == 1 ? fit->uncertain : uncertain;
-    if (!fit || fit->uncertain > kMostUncertain) {
+    if (!fit || fit->uncertain > kMaxUncertain) {
       continue;
     }
     double error = 0;
@@ -395,7 +395,7 @@ FittedHeights choose(const HeightModel& model, const Rig& rig, const RigHeights&
   }
   throw UserError("heights", fmt::format("the positions do not determine the heights of the whole image (a standard "
                                          "deviation of {:.3g} mm somewhere, {} is allowed); add positions, or lines",
-                                         uncertain, kMostUncertain));
+                                         uncertain, kMaxUncertain));
 }
 
 // What heights move by if each level is off by the tolerance, in the worst way, anywhere in the image, mm.
@@ -423,11 +423,11 @@ double open_by_levels(const HeightModel& model, const FittedHeights& fit, const 
 
 // --- levels, and what is wrong with them ---
 
-constexpr std::size_t kLeastLevels = 3;
-constexpr std::size_t kLeastSamples = 200;  // of a level
-constexpr int kMostFittedOrder = 6;
-constexpr int kMostHeightOrder = 2;  // the rest of a geometry is hardly curved in height
-constexpr int kParts = 16;           // of the columns, for unevenness
+constexpr std::size_t kMinLevels = 3;
+constexpr std::size_t kMinSamples = 200;  // of a level
+constexpr int kMaxFittedOrder = 6;
+constexpr int kMaxHeightOrder = 2;  // the rest of a geometry is hardly curved in height
+constexpr int kParts = 16;          // of the columns, for unevenness
 
 std::vector<HeightLevel> levels_of(const std::vector<HeightPosition>& positions, const HeightSettings& settings) {
   std::vector<HeightLevel> levels;
@@ -478,14 +478,14 @@ void set_errors(const std::vector<HeightSample>& samples, int columns, const Err
 }
 
 void expect_samples(const std::vector<HeightLevel>& levels) {
-  if (levels.size() < kLeastLevels) {
+  if (levels.size() < kMinLevels) {
     throw UserError("heights",
-                    fmt::format("{} are too few; {} or more are needed, 5 are good", levels.size(), kLeastLevels));
+                    fmt::format("{} are too few; {} or more are needed, 5 are good", levels.size(), kMinLevels));
   }
   for (const HeightLevel& level : levels) {
-    if (level.samples < kLeastSamples) {
+    if (level.samples < kMinSamples) {
       throw UserError(level.name,
-                      fmt::format("the line was found in {} places only; {} are needed", level.samples, kLeastSamples));
+                      fmt::format("the line was found in {} places only; {} are needed", level.samples, kMinSamples));
     }
   }
 }
@@ -554,8 +554,8 @@ void set_range(const Rig& rig, const std::vector<HeightSample>& samples, const s
     }
   }
   std::sort(all.begin(), all.end());
-  heights.lowest_mm = all[all.size() / 1000];
-  heights.highest_mm = all[all.size() - 1 - all.size() / 1000];
+  heights.min_mm = all[all.size() / 1000];
+  heights.max_mm = all[all.size() - 1 - all.size() / 1000];
 }
 
 // Leaves out of the samples used those whose error is far beyond the rest.
@@ -598,8 +598,8 @@ Corrected correct(const Rig& rig, const std::vector<HeightSample>& samples, std:
   }
   const std::size_t count = levels.size() - (left_out ? 1 : 0);
   RigHeights range;
-  range.order = kMostFittedOrder;
-  range.order_heights = std::min(kMostHeightOrder, static_cast<int>(count) - 2);
+  range.order = kMaxFittedOrder;
+  range.order_heights = std::min(kMaxHeightOrder, static_cast<int>(count) - 2);
   set_range(rig, samples, used, range);
   const auto model = [&] { return HeightModel(rig.camera, range, rig.plane_z_mm, samples, used, levels.size()); };
   const FittedHeights first = choose(model(), rig, range);
@@ -655,7 +655,7 @@ void expect_flat(const Corrected& all, const Rig& rig, const std::vector<HeightS
       fmt::format("{} mm of flatness and {} mm of tolerance are allowed", settings.flatness_mm, settings.tolerance_mm);
   std::vector<double> shares;
   std::vector<double> rests;
-  for (std::size_t k = 0; k < all.levels.size() && all.levels.size() > kLeastLevels; ++k) {
+  for (std::size_t k = 0; k < all.levels.size() && all.levels.size() > kMinLevels; ++k) {
     const Corrected others = correct(rig, samples, all.levels, k);
     shares.push_back(greatest_share(others, settings));
     rests.push_back(greatest_uneven(others.levels));

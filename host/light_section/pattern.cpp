@@ -122,9 +122,9 @@ void draw_plot(cv::Mat& image, int top, const Rig& rig, const ReferenceProfile& 
 std::string draw_preview(const Rig& rig, const FloatImage& pattern, const ReferenceProfile& reference) {
   constexpr int kTitle = 24;
   constexpr int kGap = 40;
-  constexpr int kLeast = 480;  // pixels: the text needs them
+  constexpr int kMin = 480;  // pixels: the text needs them
   const bool plot = reference.columns() > 0;
-  const int width = std::max(kLeast, pattern.columns + kMargin + 16);
+  const int width = std::max(kMin, pattern.columns + kMargin + 16);
   cv::Mat image(kTitle + pattern.rows + (plot ? kGap + kPlotHeight + 48 : 16), width, CV_8UC3, cv::Scalar::all(255));
   for (int r = 0; r < pattern.rows; ++r) {
     for (int c = 0; c < pattern.columns; ++c) {

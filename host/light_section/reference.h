@@ -69,7 +69,8 @@ struct ReferenceProfile {
 ReferenceCurve curve_of_heights(const Rig& rig, std::span<const double> height_mm);
 
 // The curve of a measured reference. It continues by 8 columns on both sides of the image with the slope of the last 8,
-// so that its pattern does not end where the camera's view ends; lens blur would dim the columns at the border.
+// so that its pattern does not end where the camera's view ends; lens blur would dim the columns at the border. Throws
+// std::invalid_argument if the reference has another number of columns than the rig.
 ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& reference);
 
 // The reference that each column sees when the pattern of `curve` is projected onto `curve`: the surface nearest to the
@@ -79,7 +80,7 @@ ReferenceCurve curve_of_reference(const Rig& rig, const ReferenceProfile& refere
 // max_z_per_line_mm.
 ReferenceProfile reference_of_curve(const Rig& rig, const ReferenceCurve& curve);
 
-// The reference of the rig's empty table or conveyor.
+// The reference of the rig's empty table or conveyor: that of the heights 0.
 ReferenceProfile reference_of_plane(const Rig& rig);
 
 // The reference of the conventional method, a straight line at the projector line `line`. tan θ is the same for every
@@ -91,12 +92,13 @@ ReferenceProfile reference_of_straight_line(const Rig& rig, double line, std::sp
 // onto the reference part itself. If that is not the middle row, the light plane of the column is a little off. It must
 // meet the reference (at z_mm) at that row:
 //     tan θ = (x0 - x) / (z_r - z0),   x = z_r tan α(C)
-// Columns without a centroid become invalid. Throws std::invalid_argument if the number of centroids is wrong.
+// Columns without a centroid become invalid. Throws std::invalid_argument if the number of centroids, or of the
+// reference's columns, is wrong.
 ReferenceProfile without_residual(const Rig& rig, const ReferenceProfile& reference, std::span<const double> centroid);
 
-// The curve's pattern by (3.9): for each projector column the line of the projector image, from 0 with a fraction, NaN
-// for no light. At a step of the curve a column lights the surface nearest to the camera that both projector and camera
-// see, and nothing if that is a wall. The line then has a gap and a jump, and nothing bridges it.
+// The curve's pattern by (3.9): for each of the rig's projector columns the line of the projector image, from 0 with a
+// fraction, NaN for no light. At a step of the curve a column lights the surface nearest to the camera that both
+// projector and camera see, and nothing if that is a wall. The line then has a gap and a jump, and nothing bridges it.
 std::vector<double> pattern_of_curve(const Rig& rig, const ReferenceCurve& curve);
 
 // The rays of the camera's middle row, of any rig.

@@ -18,8 +18,8 @@
 namespace selfproj {
 namespace {
 
-// Takes the moments of an image as the board would; throws unless it has the camera's size.
-void take_moments(const Rig& rig, const ImageView& image, Moments& moments) {
+// Computes the moments of an image as the board would; throws unless it has the camera's size.
+void measure_moments(const Rig& rig, const ImageView& image, Moments& moments) {
   if (image.rows != rig.camera.rows || image.columns != rig.camera.columns) {
     throw std::invalid_argument("scan: an image has another size than the camera's");
   }
@@ -76,7 +76,7 @@ std::vector<int> sweep_lines(const Rig& rig, int every) {
 void add_sightings(const Rig& rig, double line, const ImageView& image, std::vector<LineSighting>& seen) {
   Moments moments;
   moments.resize(rig.camera.columns);
-  take_moments(rig, image, moments);
+  measure_moments(rig, image, moments);
   for (std::size_t i = 0; i < moments.m0.size(); ++i) {
     if (has_centroid(rig, moments, i)) {
       seen.push_back({line, centroid(moments, i) - 1, static_cast<int>(i)});
@@ -93,7 +93,7 @@ LineScan::LineScan(const Rig& rig, int every)
 }
 
 void LineScan::add(double line, const ImageView& image) {
-  take_moments(rig_, image, moments_);
+  measure_moments(rig_, image, moments_);
   for (std::size_t i = 0; i < sightings_.size(); ++i) {
     if (has_centroid(rig_, moments_, i)) {
       const double row = centroid(moments_, i) - middle_row(rig_.camera);
@@ -179,7 +179,7 @@ CentroidMean::CentroidMean(const Rig& rig)
 }
 
 void CentroidMean::add(const ImageView& image) {
-  take_moments(rig_, image, moments_);
+  measure_moments(rig_, image, moments_);
   ++images_;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (has_centroid(rig_, moments_, i)) {

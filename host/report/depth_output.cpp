@@ -114,7 +114,7 @@ Json depth_json(const FloatImage& depth) {
     return nullptr;
   }
   std::sort(values.begin(), values.end());
-  return {{"least", values.front()}, {"median", values[values.size() / 2]}, {"greatest", values.back()}};
+  return {{"min", values.front()}, {"median", values[values.size() / 2]}, {"max", values.back()}};
 }
 
 // Angle between the plane's normal and z.
@@ -128,7 +128,7 @@ Json plane_json(const PlaneFit& plane) {
           {"z_per_y", number(plane.b)},
           {"tilt_deg", number(tilt_deg(plane))},
           {"residual_rms_mm", number(plane.rms)},
-          {"residual_greatest_mm", number(plane.greatest)},
+          {"residual_max_mm", number(plane.greatest)},
           {"rounding_rms_mm", number(plane.rounding_rms)}};
 }
 
@@ -151,7 +151,7 @@ Json newest_json(const DepthRun& run, const DepthGeometry& geometry) {
     json["median_residual_px"] = number(run.median_residual_px);
   }
   if (!run.moved.empty()) {
-    const Moved& moved = run.moved.back().value;
+    const Foreground& moved = run.moved.back().value;
     json["moved"] = {{"pixels", moved.pixels}, {"x", number(moved.x)}, {"y", number(moved.y)}, {"z", number(moved.z)}};
   }
   return json;
@@ -192,7 +192,7 @@ std::string summary(const DepthRun& run, const DepthReport& report) {
 }
 
 // One line for each depth image: pair,pixels,x,y,z. If nothing moved, pixels is 0 and the rest is empty.
-std::string moved_csv(const std::vector<OfImage<Moved>>& all) {
+std::string moved_csv(const std::vector<OfImage<Foreground>>& all) {
   std::string text = "pair,pixels,x,y,z\n";
   for (const auto& [image, moved] : all) {
     if (moved.pixels == 0) {

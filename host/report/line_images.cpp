@@ -41,7 +41,7 @@ std::vector<std::uint8_t> LineImages::ambiguous_of(const Runs& runs) const {
   std::vector<std::uint8_t> marked(runs.second.size());
   for (std::size_t i = 0; i < marked.size(); ++i) {
     const std::int32_t second =
-        measure_.mode == Mode::binary ? most_of_binary_second(runs.runs[i], runs.second[i]) : runs.second[i];
+        measure_.mode == Mode::binary ? max_of_binary_second(runs.runs[i], runs.second[i]) : runs.second[i];
     marked[i] = second >= limit ? 1 : 0;
   }
   return marked;

@@ -296,12 +296,12 @@ namespace {
 
 // More points than pixels are useless. Keeps only the least and the greatest point of each run.
 ReportTrace thinned(const ReportTrace& trace) {
-  constexpr std::size_t kMost = 4000;
-  if (trace.x.size() <= kMost) {
+  constexpr std::size_t kMax = 4000;
+  if (trace.x.size() <= kMax) {
     return trace;
   }
   ReportTrace result{{}, {}, trace.style, trace.name};
-  const std::size_t run = (2 * trace.x.size() + kMost - 1) / kMost;
+  const std::size_t run = (2 * trace.x.size() + kMax - 1) / kMax;
   for (std::size_t begin = 0; begin < trace.x.size(); begin += run) {
     const std::size_t end = std::min(begin + run, trace.x.size());
     std::size_t least = begin;

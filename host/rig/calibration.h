@@ -48,7 +48,8 @@ struct Calibration {
   int projector_columns = 0, projector_rows = 0;  // 0 if the file does not say
 };
 
-// The rig's full model if it is calibrated, else its two pinholes. The axes are those of a calibration: x along the
+// The rig's full model if it is calibrated, else its two pinholes; lengths in mm, focal lengths in pixels. The rig must
+// have a projector, not a laser. The axes are those of a calibration: x along the
 // camera's columns (the rig's y), y along its rows (the rig's x). This mirrors the rig's frame, so the projector of a
 // rig with positive pitches has a negative fy: its lines count upwards.
 Calibration calibration_of(const Rig& rig);
@@ -61,7 +62,8 @@ Calibration with_axes_exchanged(const Calibration& calibration);
 // pinholes of (3.4) that are nearest to the calibration. These keep the pixel pitch and the projector's focal length of
 // `like`. They cannot have distortion, a principal point of the camera, a projector place along y, or turns other than
 // the tilt, so these are left out. Throws std::invalid_argument if the calibration has no sizes, the projector's
-// columns do not lie along the camera's, or it does not stand beside the camera in the direction of growing rows.
+// columns do not lie along the camera's, it does not stand beside the camera in the direction of growing rows, or a
+// lens has rational distortion (k4, k5, k6), which rigs do not have.
 Rig rig_of(const Calibration& calibration, const Rig& like);
 
 // How far the rig's pinholes are from its full model: the greatest error in z, mm, of triangulation by (3.4) over
@@ -80,9 +82,9 @@ struct DepthMatrices {
   cv::Matx<double, 2, 4> projector;  // T_P
 };
 
-// The matrices of a rig whose projector shows `bits` pairs coded along its lines. Its central H lines, or all of them
-// if H is 0, are divided into 2^bits codes: code centre Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H - 1)/2) +
-// center_xp_mm.
+// The matrices of the pinholes of a rig whose projector shows `bits` pairs, 1..12, coded along its lines. Its central H
+// lines, or all of them if H is 0, are divided into 2^bits codes: code centre Xp = pitch ((c + 1/2) H/2^bits - 1/2 - (H
+// - 1)/2) + center_xp_mm.
 DepthMatrices depth_matrices(const Rig& rig, int bits, int coded_lines = 0);
 
 // The projector axis along which codes count.

@@ -141,8 +141,8 @@ class Reader {
     {
       const StderrCapture capture;
       try {
-        constexpr double kMostNumbers = 100;
-        if (!node.isMap() || static_cast<double>(node["rows"]) * static_cast<double>(node["cols"]) <= kMostNumbers) {
+        constexpr double kMaxNumbers = 100;
+        if (!node.isMap() || static_cast<double>(node["rows"]) * static_cast<double>(node["cols"]) <= kMaxNumbers) {
           node >> matrix;
         }
         matrix.convertTo(matrix, CV_64F);
@@ -170,9 +170,9 @@ class Reader {
 
   Lens lens(const std::string& name, Mirrored mirrored) const {
     const std::vector<double> m = numbers(name + "_K", 9);
-    constexpr double kLeast = 1e-9;
-    if (!(m[0] > kLeast && (m[4] > kLeast || (mirrored == Mirrored::possible && m[4] < -kLeast))) || m[1] != 0 ||
-        m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
+    constexpr double kMin = 1e-9;
+    if (!(m[0] > kMin && (m[4] > kMin || (mirrored == Mirrored::possible && m[4] < -kMin))) || m[1] != 0 || m[3] != 0 ||
+        m[6] != 0 || m[7] != 0 || m[8] != 1) {
       throw UserError(file_, name + "_K is not a camera matrix (fx, 0, cx; 0, fy, cy; 0, 0, 1)");
     }
     const std::vector<double> k = numbers(name + "_kc", 0);
@@ -190,8 +190,8 @@ class Reader {
       return;
     }
     const std::vector<double> values = numbers(key, 2);
-    constexpr double kMost = 1 << 15;
-    if (!std::all_of(values.begin(), values.end(), [](double value) { return value >= 1 && value <= kMost; })) {
+    constexpr double kMax = 1 << 15;
+    if (!std::all_of(values.begin(), values.end(), [](double value) { return value >= 1 && value <= kMax; })) {
       throw UserError(file_, key + " is not a size in pixels");
     }
     columns = static_cast<int>(values[0]);
@@ -219,8 +219,8 @@ Calibration read_calibration(const std::string& file) {
   }
   const std::vector<double> t = reader.numbers("T", 3);
   result.translation = {t[0], t[1], t[2]};
-  constexpr double kLeast = 1e-9;
-  if (cv::norm(result.translation) < kLeast) {
+  constexpr double kMin = 1e-9;
+  if (cv::norm(result.translation) < kMin) {
     throw UserError(file, "T is 0: camera and projector are at the same place");
   }
   reader.size("cam_size", result.camera_columns, result.camera_rows);

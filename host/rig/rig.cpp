@@ -94,8 +94,8 @@ void visit_belt_pose(PoseT& pose, Visitor& v) {
 template <class HeightsT, class Visitor>
 void visit_heights(HeightsT& heights, Visitor& v) {
   v.begin("heights");
-  v.number("lowest_mm", heights.lowest_mm, 1, kAny);
-  v.number("highest_mm", heights.highest_mm, 1, kAny);
+  v.number("min_mm", heights.min_mm, 1, kAny);
+  v.number("max_mm", heights.max_mm, 1, kAny);
   v.integer("order", heights.order, 0, kMaxHeightOrder);
   v.integer("order_heights", heights.order_heights, 0, kMaxHeightOrder);
   v.numbers("corrections_mm", heights.corrections_mm, 1, kAny);
@@ -165,7 +165,7 @@ void visit_rig(RigT& rig, Visitor& v) {
   v.end();
   if (v.has_any({"board"}, rig.board)) {
     v.begin("board");
-    v.number("pixel_clock_hz", rig.board->pixel_clock_hz, 1, {kLeastPixelClockHz, kMostPixelClockHz});
+    v.number("pixel_clock_hz", rig.board->pixel_clock_hz, 1, {kMinPixelClockHz, kMaxPixelClockHz});
     v.end();
   }
   v.begin("measure");
@@ -253,17 +253,17 @@ void check_sections(const Rig& rig, const std::string& source) {
       throw UserError(source, fmt::format("parts.length_mm is {}, parts.min_length_mm {}; it must be greater",
                                           parts.length_mm, parts.min_length_mm));
     }
-    constexpr double kMostRows = 20'000;  // of a part's map
-    if ((parts.length_mm + 2 * parts.gap_mm) / parts.grid_mm > kMostRows) {
+    constexpr double kMaxRows = 20'000;  // of a part's map
+    if ((parts.length_mm + 2 * parts.gap_mm) / parts.grid_mm > kMaxRows) {
       throw UserError(source, fmt::format("parts.length_mm, {}, has more than {} cells of parts.grid_mm, {}",
-                                          parts.length_mm, kMostRows, parts.grid_mm));
+                                          parts.length_mm, kMaxRows, parts.grid_mm));
     }
   }
   if (rig.heights) {
     const RigHeights& h = *rig.heights;
-    if (!(h.lowest_mm < h.highest_mm)) {
-      throw UserError(source, fmt::format("heights.lowest_mm is {}, heights.highest_mm {}; it must be greater",
-                                          h.lowest_mm, h.highest_mm));
+    if (!(h.min_mm < h.max_mm)) {
+      throw UserError(source,
+                      fmt::format("heights.min_mm is {}, heights.max_mm {}; it must be greater", h.min_mm, h.max_mm));
     }
     const std::size_t terms = height_terms(h.order, h.order_heights).size();
     if (h.corrections_mm.size() != terms) {
@@ -411,8 +411,8 @@ std::vector<std::pair<std::string, double>> geometry_of(const Rig& rig) {
   }
   if (rig.heights) {
     keys.insert(keys.end(), {{"plane_z_mm", rig.plane_z_mm},
-                             {"heights.lowest_mm", rig.heights->lowest_mm},
-                             {"heights.highest_mm", rig.heights->highest_mm},
+                             {"heights.min_mm", rig.heights->min_mm},
+                             {"heights.max_mm", rig.heights->max_mm},
                              {"heights.order", rig.heights->order},
                              {"heights.order_heights", rig.heights->order_heights}});
     for (std::size_t i = 0; i < rig.heights->corrections_mm.size(); ++i) {

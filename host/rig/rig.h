@@ -84,7 +84,7 @@ struct RigMeasure {
   std::optional<RigRuns> runs = {};      // select the strongest run; nothing: all lit pixels
   std::optional<RowWindow> window = {};  // rows that count; nothing: all
 
-  // What the board is told to measure.
+  // What the board measures, as its registers say.
   [[nodiscard]] Measure of_board() const {
     return {.mode = mode,
             .threshold = threshold,
@@ -94,7 +94,7 @@ struct RigMeasure {
   }
 
   // Makes this what `measure` says, as from options of a command.
-  void take(const Measure& measure) {
+  void apply(const Measure& measure) {
     mode = measure.mode;
     threshold = measure.threshold;
     if (measure.select == Select::all) {
@@ -150,8 +150,8 @@ struct RigBeltPose {
 // What `selfproj calibrate heights` found: how true heights over the plate differ from those of the geometry
 // (host/rig/height_correction.h). Only for a light section.
 struct RigHeights {
-  double lowest_mm = 0;  // range of the heights, by the geometry, that were calibrated
-  double highest_mm = 0;
+  double min_mm = 0;  // range of the heights, by the geometry, that were calibrated
+  double max_mm = 0;
   int order = 0;          // greatest degree of a term
   int order_heights = 0;  // greatest degree of a term in the height
   std::vector<double> corrections_mm;
@@ -223,7 +223,7 @@ Rig load_rig(const std::string& name_or_file);
 // The same, but a laser line is welcome.
 Rig load_any_rig(const std::string& name_or_file);
 
-// The same from a text; errors name `source`.
+// The same from a text (with a laser line or without); errors name `source`.
 Rig parse_rig(const std::string& yaml, const std::string& source);
 
 // The rig as YAML, which parse_rig reads back to equal values.

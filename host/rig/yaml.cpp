@@ -5,9 +5,12 @@
 #include <yaml-cpp/parser.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "host/files/user_error.h"
 
@@ -84,6 +87,19 @@ YAML::Node parse_yaml(const std::string& text, const std::string& source) {
   } catch (const YAML::Exception& error) {
     throw UserError(source, fmt::format("line {}: {}", error.mark.line + 1, error.msg));
   }
+}
+
+std::vector<std::string> earlier_names(const std::string& key) {
+  const std::size_t last = key.rfind('.') + 1;  // 0 without a point
+  const std::string prefix = key.substr(0, last);
+  const std::string rest = key.substr(std::min(key.size(), last + 4));
+  if (key.compare(last, 4, "min_") == 0) {
+    return {prefix + "least_" + rest, prefix + "lowest_" + rest};
+  }
+  if (key.compare(last, 4, "max_") == 0) {
+    return {prefix + "most_" + rest, prefix + "highest_" + rest};
+  }
+  return {};
 }
 
 }  // namespace selfproj

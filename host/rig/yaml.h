@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/files/notes.h"
 #include "host/files/numbers.h"
 #include "host/files/user_error.h"
 
@@ -48,7 +49,11 @@ inline constexpr ValueRange kNotNegative{.low = 0, .high = kMaxMagnitude};
 inline constexpr ValueRange kAny{.low = -kMaxMagnitude, .high = kMaxMagnitude};
 inline constexpr ValueRange kNotZero{.low = -kMaxMagnitude, .high = kMaxMagnitude, .zero = false};
 
-// Reads the keys from a YAML document.
+// The names under which files of earlier versions have a key, for one version more: least_x or lowest_x for min_x,
+// most_x or highest_x for max_x, also behind a prefix that ends with a point. Empty for other keys.
+std::vector<std::string> earlier_names(const std::string& key);
+
+// Reads the keys from a YAML document. A key under an earlier name is read, and noted (host/files/notes.h).
 class FieldReader {
  public:
   FieldReader(std::string source, const YAML::Node& root) : source_(std::move(source)) { enter({}, root); }
@@ -182,19 +187,36 @@ class FieldReader {
   }
 
   [[noreturn]] void fail(const char* key, const std::string& reason) {
-    const YAML::Node node = levels_.back().node[key];
-    throw UserError(source_, fmt::format("line {}: {} {}", node.Mark().line + 1, path(key), reason));
+    const auto& [node, name] = lookup(key);
+    throw UserError(source_, fmt::format("line {}: {} {}", node.Mark().line + 1, path(name.c_str()), reason));
+  }
+
+  // The node of a key and the name that it has in the file; not defined if there is none.
+  std::pair<YAML::Node, std::string> lookup(const char* key) const {
+    const YAML::Node& level = levels_.back().node;
+    std::vector<std::string> names = earlier_names(key);
+    names.insert(names.begin(), key);
+    for (const std::string& name : names) {
+      if (const YAML::Node node = level[name]; node.IsDefined()) {
+        return {node, name};
+      }
+    }
+    return {level[key], key};
   }
 
   // If the key is missing but present in another unit, the error names the latter, which `end` would call unknown.
   YAML::Node find(const char* key) {
     Level& level = levels_.back();
-    level.asked.insert(key);
-    const YAML::Node node = std::as_const(level.node)[key];
+    const auto [node, found] = lookup(key);
+    level.asked.insert({key, found});
+    const std::string name = key;
     if (node.IsDefined()) {
+      if (found != name) {
+        note(fmt::format("{}: line {}: {}: this key is now called {}; the old name is read for one version more",
+                         source_, node.Mark().line + 1, path(found.c_str()), name));
+      }
       return node;
     }
-    const std::string name = key;
     for (const auto& entry : level.node) {
       const std::string other = entry.first.IsScalar() ? entry.first.Scalar() : "";
       const std::string stem = name.substr(0, name.rfind('_'));

@@ -42,7 +42,7 @@ double row_on_plane(const RigOptics& optics, const cv::Vec3d& point, double plan
   return place ? place->row : kUnknown;
 }
 
-ErrorTerms lens_error_terms(const Rig& rig, const SeenPoint& point, double delta_xp_mm, double delta_xc_mm) {
+ErrorTerms lens_error_terms(const Rig& rig, const CameraPoint& point, double delta_xp_mm, double delta_xc_mm) {
   constexpr double kStep = 1e-3;  // lines and rows
   const RigOptics optics(rig);
   const CameraPlace place{point.row, point.column};
@@ -57,7 +57,7 @@ ErrorTerms lens_error_terms(const Rig& rig, const SeenPoint& point, double delta
   return {error_of(by_line * lines), error_of(by_row * rows)};
 }
 
-DepthRange lens_range_of_lines(const Rig& rig, const SeenPoint& reference, double below, double above) {
+DepthRange lens_range_of_lines(const Rig& rig, const CameraPoint& reference, double below, double above) {
   const RigOptics optics(rig);
   const CameraPlace place{reference.row, reference.column};
   const double line = line_at(optics, point_at(optics, place, reference.z));
@@ -66,7 +66,7 @@ DepthRange lens_range_of_lines(const Rig& rig, const SeenPoint& reference, doubl
 }
 
 // The end of a cell lies where the light of the pixel's point would fall on the reference at the edge of a camera row.
-DepthRange lens_range_of_cells(const Rig& rig, const SeenPoint& reference, int width, int bits, int e) {
+DepthRange lens_range_of_cells(const Rig& rig, const CameraPoint& reference, int width, int bits, int e) {
   constexpr int kSteps = 50;
   constexpr double kStep = 1e-3;
   const RigOptics optics(rig);
@@ -95,13 +95,13 @@ DepthRange lens_range_of_cells(const Rig& rig, const SeenPoint& reference, int w
 double alpha_of(const Rig& rig, double row) { return tan_alpha(rig.camera, row + 1); }
 
 // tan θ of the light that hits the point.
-double theta_at(const Rig& rig, const SeenPoint& point) {
+double theta_at(const Rig& rig, const CameraPoint& point) {
   return (rig.projector.x_mm - point.z * alpha_of(rig, point.row)) / (point.z - rig.projector.z_mm);
 }
 
 }  // namespace
 
-ErrorTerms error_terms(const Rig& rig, const SeenPoint& point, double delta_xp_mm, double delta_xc_mm) {
+ErrorTerms error_terms(const Rig& rig, const CameraPoint& point, double delta_xp_mm, double delta_xc_mm) {
   if (!rig.is_pinholes()) {
     return lens_error_terms(rig, point, delta_xp_mm, delta_xc_mm);
   }
@@ -120,7 +120,7 @@ ErrorTerms error_terms(const Rig& rig, const SeenPoint& point, double delta_xp_m
   return {{alpha * projector, beta * projector, projector}, {theta * camera, -beta * camera, -camera}};
 }
 
-double half_pixel_error(const Rig& rig, const SeenPoint& point) {
+double half_pixel_error(const Rig& rig, const CameraPoint& point) {
   const ErrorTerms terms = error_terms(rig, point, 0.5 * rig.projector.line_pitch_mm, 0.5 * rig.camera.pixel_pitch_mm);
   return std::abs(terms.projector.z) + std::abs(terms.camera.z);
 }
@@ -137,7 +137,7 @@ double depth_of_line(const Rig& rig, double row, double line) {
   return (rig.projector.x_mm + rig.projector.z_mm * theta) / (alpha_of(rig, row) + theta);
 }
 
-DepthRange range_of_lines(const Rig& rig, const SeenPoint& reference, double below, double above) {
+DepthRange range_of_lines(const Rig& rig, const CameraPoint& reference, double below, double above) {
   if (!rig.is_pinholes()) {
     return lens_range_of_lines(rig, reference, below, above);
   }
@@ -145,7 +145,7 @@ DepthRange range_of_lines(const Rig& rig, const SeenPoint& reference, double bel
   return {depth_of_line(rig, reference.row, line + above), depth_of_line(rig, reference.row, line - below)};
 }
 
-DepthRange range_of_cells(const Rig& rig, const SeenPoint& reference, int width, int bits, int e) {
+DepthRange range_of_cells(const Rig& rig, const CameraPoint& reference, int width, int bits, int e) {
   if (!rig.is_pinholes()) {
     return lens_range_of_cells(rig, reference, width, bits, e);
   }

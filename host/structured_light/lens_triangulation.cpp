@@ -177,8 +177,8 @@ namespace {
 
 constexpr std::array<int, 4> kDegrees = {3, 5, 7, 9};
 constexpr double kMaxRejected = 0.1;  // share of the pixels
-constexpr double kLeastFitted = 0.1;   // lines: of less, rounding makes too much
-constexpr double kLeastRange = 1;      // lines: a range is widened to this
+constexpr double kMinFitted = 0.1;    // lines: of less, rounding makes too much
+constexpr double kMinRange = 1;       // lines: a range is widened to this
 
 }  // namespace
 
@@ -226,13 +226,12 @@ void LensLines::reject(const std::vector<std::size_t>& pixels) {
         optics_.rig().name,
         fmt::format("depths at {} of {} pixels are more than {} mm off when fitted by polynomials of degree "
                     "{}; {:g} % are allowed",
-                    pixels.size(), first_.size(), kMostError, degree_, 100 * kMaxRejected));
+                    pixels.size(), first_.size(), kMaxError, degree_, 100 * kMaxRejected));
   }
   for (const std::size_t i : pixels) {
     first_[i] = 1;
     last_[i] = 0;
   }
-  rejected_ = pixels.size();
 }
 
 std::optional<cv::Vec2d> LensLines::ray_of(std::size_t pixel) const {
@@ -259,9 +258,9 @@ LensLines::Nodes LensLines::nodes_of(std::size_t pixel, const LineRange& range) 
   };
   double low = static_cast<double>(range.first);
   double high = static_cast<double>(range.last);
-  if (high - low < kLeastRange) {
-    low -= 0.5 * kLeastRange;
-    high += 0.5 * kLeastRange;
+  if (high - low < kMinRange) {
+    low -= 0.5 * kMinRange;
+    high += 0.5 * kMinRange;
   }
   // Some line of the range that is good, and how far it goes on to both sides.
   std::optional<double> good;
@@ -285,7 +284,7 @@ LensLines::Nodes LensLines::nodes_of(std::size_t pixel, const LineRange& range) 
   };
   nodes.first = reach(*good, low);
   nodes.last = reach(*good, high);
-  if (nodes.last - nodes.first < kLeastFitted) {
+  if (nodes.last - nodes.first < kMinFitted) {
     nodes.first = 1;
     nodes.last = 0;
     return nodes;
@@ -320,7 +319,7 @@ auto LensLines::series_of(const Nodes& nodes) -> std::array<double, kNodes> {
   return series;
 }
 
-// Returns the pixels that miss kMostError.
+// Returns the pixels that miss kMaxError.
 std::vector<std::size_t> LensLines::fit(const std::vector<Nodes>& nodes, int degree) {
   const std::size_t count = nodes.size();
   const std::size_t terms = static_cast<std::size_t>(degree) + 1;
@@ -360,7 +359,7 @@ std::vector<std::size_t> LensLines::fit(const std::vector<Nodes>& nodes, int deg
       const double below = at.turned[0] - at.f.at(k) * at.turned[2];
       greatest = std::max(greatest, off * std::abs((move[2] + at.z.at(k) * at.turned[2]) / below));  // dz/df
     }
-    if (greatest <= kMostError) {
+    if (greatest <= kMaxError) {
       fit_error_ = std::max(fit_error_, greatest);
     } else {
       missed.push_back(i);

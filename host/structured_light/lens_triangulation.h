@@ -86,9 +86,9 @@ struct LineRange {
 class LensLines {
  public:
   // What z of a fit may be off, mm.
-  static constexpr double kMostError = 0.001;
+  static constexpr double kMaxError = 0.001;
 
-  // `ranges`: for each pixel, row by row. A pixel at which even the greatest degree (9) misses kMostError has no depth.
+  // `ranges`: for each pixel, row by row. A pixel at which even the greatest degree (9) misses kMaxError has no depth.
   // Throws std::invalid_argument if there are not as many ranges as pixels, and UserError if more than 10 % of the
   // pixels have no depth for this reason.
   LensLines(const Rig& rig, const std::vector<LineRange>& ranges, const DepthLimits& limits);
@@ -101,7 +101,6 @@ class LensLines {
 
   [[nodiscard]] double fit_error_mm() const { return fit_error_; }
   [[nodiscard]] int degree() const { return degree_; }
-  [[nodiscard]] std::size_t rejected() const { return rejected_; }  // pixels without a fit
 
  private:
   static constexpr std::size_t kNodes = 14;  // where a pixel is fitted: more than coefficients
@@ -117,7 +116,6 @@ class LensLines {
   int columns_;
   int degree_ = 0;
   double fit_error_ = 0;
-  std::size_t rejected_ = 0;
   double move_x_ = 0, move_z_ = 0;  // T
   // One entry for each pixel; coefficients of one power side by side.
   std::vector<float> first_, last_, middle_, inverse_half_, coefficients_;

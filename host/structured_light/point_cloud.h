@@ -46,14 +46,16 @@ class NearestPoint {
   std::shared_ptr<const Tree> tree_;
 };
 
-// The distances between two clouds; NaN if one of them is empty.
+// The distances between two clouds. Median and shares are NaN if one of them is empty.
 struct CloudComparison {
   std::size_t ours = 0;
   std::size_t theirs = 0;
   double median_mm = 0;      // over our points, the distance to the nearest of theirs
-  double ours_within = 0;    // share of our points with one of theirs within `within_mm`
+  double ours_within = 0;    // share, 0..1, of our points with one of theirs within `within_mm`
   double theirs_within = 0;  // share of their points with one of ours
 };
+
+// Points in mm; `within_mm` >= 0. Takes time in proportion to n log n of their numbers.
 CloudComparison compare_clouds(const std::vector<Point3f>& ours, const std::vector<Point3f>& theirs, double within_mm);
 
 }  // namespace selfproj

@@ -43,7 +43,8 @@ struct Point3f {
   float z = 0;
 };
 
-// Depth from codes along one axis of the projector, for images of one size.
+// Depth from codes along one axis of the projector, for images of one size: rows() x columns() pixels, row by row. Any
+// number of threads may call the const functions at once.
 class Triangulation {
  public:
   Triangulation(const Triangulation&) = delete;
@@ -144,7 +145,7 @@ class PlaneTriangulation : public Triangulation {
   std::vector<float> at_, slope_, least_;  // one entry for each pixel or for each row
 };
 
-// The number of pixels in each state.
+// How many pixels of a depth image have a depth, and why the others have none: the number of pixels in each state.
 struct DepthShares {
   std::array<std::size_t, kPointStates> count{};
 

@@ -51,7 +51,7 @@ class FastDecoder {
     const ImageView view = image_of(image);
     const GraySettings& settings = decoder_.settings();
     require(view.rows == settings.rows && view.columns == settings.columns, "image: its size is not the decoder's");
-    if (!without_gil([&] { return decoder_.take(kept(view, pattern), pattern, good); })) {
+    if (!without_gil([&] { return decoder_.add_frame(kept(view, pattern), pattern, good); })) {
       return std::nullopt;
     }
     auto codes =

@@ -144,7 +144,7 @@ void DepthCosim::packet(const PacketView& packet, OutputFolder* folder) {
     return;
   }
   ++images_;
-  take_codes(assembler_.codes().data());
+  add_codes(assembler_.codes().data());
   renderer_.lit_depth(middle_frame(), truth_.values, static_cast<float>(setup_.rig.measure.code_threshold));
   errors_.add(depth(), truth_);
   followed();

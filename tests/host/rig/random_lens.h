@@ -1,4 +1,4 @@
-// Random lenses, and OpenCV's lens model written out, against which host/rig/lens is tested.
+// Random lenses, and OpenCV's lens model written out, against which host/rig/calibration is tested.
 #ifndef SELFPROJ_TESTS_HOST_RIG_RANDOM_LENS_H
 #define SELFPROJ_TESTS_HOST_RIG_RANDOM_LENS_H
 

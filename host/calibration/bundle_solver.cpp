@@ -1,4 +1,4 @@
-#include "host/calibration/bundle.h"
+#include "host/calibration/bundle_solver.h"
 
 #include <ceres/manifold.h>
 #include <ceres/ordered_groups.h>
@@ -33,7 +33,7 @@ using bundle_cost::plate_cost;
 using bundle_cost::PriorCost;
 using bundle_cost::ViewCost;
 
-constexpr double kLeastNoise = 1e-6;  // pixels, so that exact data have a finite weight
+constexpr double kMinNoise = 1e-6;  // pixels, so that exact data have a finite weight
 
 // What is random, in the order of the residuals.
 using Kind = int;
@@ -86,11 +86,11 @@ class Fit {
   ~Fit() = default;
 
   void solve() {
-    constexpr int kMostRounds = 15;
+    constexpr int kMaxRounds = 15;
     constexpr double kSettled = 0.05;  // relative change of a standard deviation
     constexpr double kRough = 1e-7;    // relative change of the cost at which a minimization ends
     constexpr double kFine = 1e-13;
-    for (int round = 0; options_.estimate_noise && round < kMostRounds; ++round) {
+    for (int round = 0; options_.estimate_noise && round < kMaxRounds; ++round) {
       minimize(kRough);
       if (estimate_noise() < kSettled) {
         break;
@@ -294,7 +294,7 @@ class Fit {
         part = std::clamp(before * factor, kMinShape * side, kMaxShape * side);
         rescale(kind, before / part);
       } else {
-        part = std::max(kLeastNoise, before * factor);
+        part = std::max(kMinNoise, before * factor);
       }
       greatest = std::max(greatest, std::abs(part / before - 1));
     }
@@ -420,16 +420,6 @@ BundleResult locate_view(const View& view, const Bundle& bundle, const Pose& sta
   Fit fit(views, at, options, true);
   fit.solve();
   return fit.result();
-}
-
-double board_side(const std::vector<View>& views) {
-  double greatest = 0;
-  for (const View& view : views) {
-    for (const Sight& sight : view.sights) {
-      greatest = std::max({greatest, sight.chessboard.x, sight.chessboard.y});
-    }
-  }
-  return greatest;
 }
 
 cv::Vec3d place_on_board(const Sight& sight, const Bundle& bundle, const std::vector<CornerModes>* shape) {

@@ -1,6 +1,6 @@
-// Compares the moved pixels with their definition, pixel by pixel.
+// Compares the foreground with its definition, pixel by pixel.
 
-#include "host/structured_light/moved.h"
+#include "host/structured_light/foreground.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ using test::Random;
 using test::random_rig;
 using test::uniform;
 
-TEST(Moved, IsTheCentroidOfTheDifferingPoints) {
+TEST(Foreground, IsTheCentroidOfTheDifferingPoints) {
   for (const std::uint64_t seed : test::seeds(60)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
@@ -51,7 +51,7 @@ TEST(Moved, IsTheCentroidOfTheDifferingPoints) {
         depth += static_cast<double>(point.z);
       }
     }
-    const Moved found = moved(triangulation, z.data(), background.data(), least);
+    const Foreground found = foreground_of(triangulation, z.data(), background.data(), least);
     ASSERT_EQ(found.pixels, static_cast<std::int64_t>(count));
     if (count == 0) {
       EXPECT_TRUE(std::isnan(found.x) && std::isnan(found.y) && std::isnan(found.z));
@@ -64,19 +64,19 @@ TEST(Moved, IsTheCentroidOfTheDifferingPoints) {
 }
 
 // Against its definition, written out pixel by pixel.
-TEST(Moved, SteadyFilterKeepsWhatStaysAndHasNeighbours) {
+TEST(Foreground, SteadyFilterKeepsWhatStaysAndHasNeighbours) {
   for (const std::uint64_t seed : test::seeds(40)) {
     SCOPED_TRACE(test::how_to_repeat(seed));
     Random random(seed);
     const int rows = random.between(1, 20);
     const int columns = random.between(1, 90);
     SteadySettings settings;
-    settings.least_neighbours = random.between(0, 8);
+    settings.min_neighbours = random.between(0, 8);
     if (random.chance(70)) {
-      settings.most_change_mm = static_cast<float>(uniform(random, 0, 12));
+      settings.max_change_mm = static_cast<float>(uniform(random, 0, 12));
     }
     SteadyFilter filter(rows, columns, settings);
-    EXPECT_EQ(filter.is_on(), settings.least_neighbours > 0 || std::isfinite(settings.most_change_mm));
+    EXPECT_EQ(filter.is_on(), settings.min_neighbours > 0 || std::isfinite(settings.max_change_mm));
     if (!filter.is_on()) {
       continue;
     }
@@ -97,10 +97,10 @@ TEST(Moved, SteadyFilterKeepsWhatStaysAndHasNeighbours) {
           return false;
         }
         const auto i = static_cast<std::size_t>(r * columns + c);
-        const bool stays = before.empty() || std::abs(z[i] - before[i]) <= settings.most_change_mm;
+        const bool stays = before.empty() || std::abs(z[i] - before[i]) <= settings.max_change_mm;
         return std::abs(z[i] - background[i]) > kLeast && stays;
       };
-      filter.take(z.data(), background.data(), kLeast);
+      filter.apply(z.data(), background.data(), kLeast);
       for (int r = 0; r < rows; ++r) {
         for (int c = 0; c < columns; ++c) {
           const auto i = static_cast<std::size_t>(r * columns + c);
@@ -109,12 +109,12 @@ TEST(Moved, SteadyFilterKeepsWhatStaysAndHasNeighbours) {
             for (int dc = -1; dc <= 1; ++dc) {
               const bool other = (dr != 0 || dc != 0) && steady(r + dr, c + dc);
               around += other && std::abs(z[static_cast<std::size_t>((r + dr) * columns + c + dc)] - z[i]) <=
-                                     settings.most_change_mm
+                                     settings.max_change_mm
                             ? 1
                             : 0;
             }
           }
-          const bool kept = steady(r, c) && around >= settings.least_neighbours;
+          const bool kept = steady(r, c) && around >= settings.min_neighbours;
           ASSERT_EQ(std::isnan(filter.kept()[i]), !kept) << r << ", " << c;
           ASSERT_TRUE(!kept || filter.kept()[i] == z[i]);
         }

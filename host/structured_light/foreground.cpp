@@ -1,4 +1,4 @@
-#include "host/structured_light/moved.h"
+#include "host/structured_light/foreground.h"
 
 #include <algorithm>
 #include <bit>
@@ -18,7 +18,7 @@ namespace {
 constexpr std::ptrdiff_t kLanes = 64;
 constexpr std::ptrdiff_t kRun = kLanes * 16;  // pixels whose sums are floats: 16 for each lane
 
-// Sums over the pixels that moved: of 1, of z - o_z, and of the latter times the ray's slopes.
+// Sums over the pixels of the foreground: of 1, of z - o_z, and of the latter times the ray's slopes.
 struct Sums {
   float count[kLanes] = {};
   float z[kLanes] = {};
@@ -87,10 +87,10 @@ SteadyFilter::SteadyFilter(int rows, int columns, const SteadySettings& settings
     : rows_(rows),
       columns_(columns),
       settings_(settings),
-      on_(std::isfinite(settings.most_change_mm) || settings.least_neighbours > 0) {
+      on_(std::isfinite(settings.max_change_mm) || settings.min_neighbours > 0) {
   constexpr int kNeighbours = 8;
-  if (!(settings.most_change_mm >= 0) || settings.least_neighbours < 0 || settings.least_neighbours > kNeighbours) {
-    throw std::invalid_argument("moved: a setting is out of range");
+  if (!(settings.max_change_mm >= 0) || settings.min_neighbours < 0 || settings.min_neighbours > kNeighbours) {
+    throw std::invalid_argument("foreground: a setting is out of range");
   }
   if (on_) {
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -102,19 +102,19 @@ SteadyFilter::SteadyFilter(int rows, int columns, const SteadySettings& settings
   }
 }
 
-void SteadyFilter::take(const float* z, const float* background, float least_mm) {
+void SteadyFilter::apply(const float* z, const float* background, float min_mm) {
   const std::ptrdiff_t columns = columns_;
   const std::ptrdiff_t pitch = columns + 2;
   for (std::ptrdiff_t r = 0; r < rows_; ++r) {
     float* const steady = steady_.data() + (r + 1) * pitch + 1;
-    keep_different(z + r * columns, background + r * columns, columns, least_mm, steady);
+    keep_different(z + r * columns, background + r * columns, columns, min_mm, steady);
     if (has_before_) {
-      keep_steady(z + r * columns, before_.data() + r * columns, columns, settings_.most_change_mm, steady);
+      keep_steady(z + r * columns, before_.data() + r * columns, columns, settings_.max_change_mm, steady);
     }
   }
   for (std::ptrdiff_t r = 0; r < rows_; ++r) {
-    keep_supported(steady_.data() + (r + 1) * pitch + 1, pitch, columns, settings_.most_change_mm,
-                   settings_.least_neighbours, kept_.data() + r * columns);
+    keep_supported(steady_.data() + (r + 1) * pitch + 1, pitch, columns, settings_.max_change_mm,
+                   settings_.min_neighbours, kept_.data() + r * columns);
   }
 }
 
@@ -123,7 +123,7 @@ void SteadyFilter::remember(const float* z) {
   has_before_ = true;
 }
 
-Moved moved(const Triangulation& triangulation, const float* z, const float* background, float least_mm) {
+Foreground foreground_of(const Triangulation& triangulation, const float* z, const float* background, float min_mm) {
   const auto total = static_cast<std::ptrdiff_t>(triangulation.pixels());
   const float* const x_per_z = triangulation.x_per_z();
   const float* const y_per_z = triangulation.y_per_z();
@@ -144,11 +144,11 @@ Moved moved(const Triangulation& triangulation, const float* z, const float* bac
   std::ptrdiff_t at = 0;
   for (; at + kLanes <= total; at += kRun) {
     const std::ptrdiff_t run = std::min(kRun, (total - at) / kLanes * kLanes);
-    add(z + at, background + at, x_per_z + at, y_per_z + at, run, origin.z, least_mm, sums);
+    add(z + at, background + at, x_per_z + at, y_per_z + at, run, origin.z, min_mm, sums);
     take(sums);
   }
   for (std::ptrdiff_t i = total / kLanes * kLanes; i < total; ++i) {  // pixels that fill no lanes
-    if (std::abs(z[i] - background[i]) > least_mm) {
+    if (std::abs(z[i] - background[i]) > min_mm) {
       const double distance = static_cast<double>(z[i]) - static_cast<double>(origin.z);
       count += 1;
       sum_z += distance;

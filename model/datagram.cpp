@@ -1,12 +1,10 @@
-#include "model/datagram_cutter.h"
+#include "model/datagram.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
-
-#include "model/datagram.h"
 
 namespace selfproj {
 

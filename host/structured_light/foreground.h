@@ -1,6 +1,6 @@
-// Finds moved pixels by comparing a depth image with that of the background.
-#ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_MOVED_H
-#define SELFPROJ_HOST_STRUCTURED_LIGHT_MOVED_H
+// The foreground of a depth image: what differs from the depth image of the background.
+#ifndef SELFPROJ_HOST_STRUCTURED_LIGHT_FOREGROUND_H
+#define SELFPROJ_HOST_STRUCTURED_LIGHT_FOREGROUND_H
 
 #include <cstddef>
 #include <cstdint>
@@ -12,26 +12,26 @@
 namespace selfproj {
 
 // The 0th and 1st moments of the points that differ: their number, and their centroid in mm (NaN if there are none).
-struct Moved {
+struct Foreground {
   std::int64_t pixels = 0;
   double x = 0;
   double y = 0;
   double z = 0;
 };
 
-// Finds the pixels that have a depth in both images and differ by more than `least_mm` >= 0. The images have the size
-// of the triangulation. Sums use 32-bit floats over at most 16 pixels and 64 bits beyond. Allocates nothing.
-Moved moved(const Triangulation& triangulation, const float* z, const float* background, float least_mm);
+// Finds the pixels that have a depth in both images and differ by more than `min_mm` >= 0. The images have the size of
+// the triangulation. Sums use 32-bit floats over at most 16 pixels and 64 bits beyond. Allocates nothing.
+Foreground foreground_of(const Triangulation& triangulation, const float* z, const float* background, float min_mm);
 
-// Further conditions for what counts as moved. A code is collected over 2m frames. If the edge of a thing or of its
+// Further conditions for what counts as foreground. A code is collected over 2m frames. If the edge of a thing or of its
 // shadow sweeps over a pixel meanwhile, some of its bits belong to one surface and some to the other, and its depth is
 // that of neither. Such a depth does not stay from one depth image to the next, and it differs from its neighbours'.
 struct SteadySettings {
-  float most_change_mm = std::numeric_limits<float>::infinity();  // since the previous depth image; infinite: any
-  int least_neighbours = 0;  // 0..8 neighbouring pixels that moved and are within that distance in z
+  float max_change_mm = std::numeric_limits<float>::infinity();  // since the previous depth image; infinite: any
+  int min_neighbours = 0;  // 0..8 neighbouring pixels of the foreground within that distance in z
 };
 
-// Keeps the moved pixels of each depth image in a sequence.
+// Keeps the foreground of each depth image in a sequence.
 class SteadyFilter {
  public:
   // Allocates everything. Throws std::invalid_argument if a setting is out of range.
@@ -40,8 +40,8 @@ class SteadyFilter {
   // Whether the settings ask for any filtering.
   [[nodiscard]] bool is_on() const { return on_; }
 
-  // Finds the pixels of a depth image `z` that differ from the background by more than `least_mm` and are steady.
-  void take(const float* z, const float* background, float least_mm);
+  // Finds the pixels of a depth image `z` that differ from the background by more than `min_mm` and are steady.
+  void apply(const float* z, const float* background, float min_mm);
 
   // Makes `z` the previous depth image. Without a previous image all pixels are steady.
   void remember(const float* z);
@@ -61,4 +61,4 @@ class SteadyFilter {
 
 }  // namespace selfproj
 
-#endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_MOVED_H
+#endif  // SELFPROJ_HOST_STRUCTURED_LIGHT_FOREGROUND_H
